@@ -193,7 +193,10 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
     body.set("mark_color", floats_of(look.mark_color));
     body.set("up", up);
     body.set("key", (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized().eval());
-    body.set("brightness", 1.0f);
+    body.set("lamp", 1.0f);
+    body.set("light_color", Eigen::Vector3f(1, 1, 1));
+    body.set("real_box", Eigen::Vector4f(0, 0, 0, 0));  // nothing real throws shadows here
+    body.set("depth_per_picture", Eigen::Vector2f(0, 0));
     body.use();
     to.inputs.bind();
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
@@ -215,7 +218,8 @@ void MapRenderer::State::draw_points(const PinholeCamera& camera, const MapView&
   point.set("camera_from_body", view.camera_from_world.matrix().cast<float>().eval());
   point.set("up", up);
   point.set("key", (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized().eval());
-  point.set("brightness", 1.0f);
+  point.set("lamp", 1.0f);
+  point.set("light_color", Eigen::Vector3f(1, 1, 1));
   point.use();
   points.bind();
   glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(view.points.size()));

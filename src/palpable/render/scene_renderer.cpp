@@ -26,13 +26,17 @@ constexpr Rgb kPlainGrey{118, 118, 118};
 
 Eigen::Vector3f floats_of(Rgb color) { return Eigen::Vector3f(color.r, color.g, color.b) / 255.0f; }
 
+Eigen::Vector4f floats_of(const PixelRange& box) {
+  return Eigen::Vector4i(box.x0, box.y0, box.x1, box.y1).cast<float>();
+}
+
 /// OpenGL buffers of one body.
 struct BodyBuffers {
   GlBuffer vertices, normals, scalar, marks, triangles, dots;
   GlVertexArray inputs, dot_inputs;
   Eigen::Matrix3Xi known_triangles;
   GroundShadow shadow;
-  GlTexture shade{GL_R32F, GroundShadow::kSide, GroundShadow::kSide, GL_LINEAR};
+  GlTexture shade{GL_RG32F, GroundShadow::kSide, GroundShadow::kSide, GL_LINEAR};
 
   BodyBuffers() {
     inputs.floats(0, vertices, 3);
@@ -101,23 +105,25 @@ struct Bounds {
   }
 };
 
+Eigen::Vector4f pinhole_of(const PinholeCamera& camera) {
+  return Eigen::Vector4d(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px).cast<float>();
+}
+
 void set_camera(const GlProgram& program, const PinholeCamera& camera) {
-  program.set(
-      "pinhole",
-      Eigen::Vector4d(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px).cast<float>().eval());
+  program.set("pinhole", pinhole_of(camera));
   program.set("size", Eigen::Vector2i(camera.width, camera.height).cast<float>().eval());
   program.set("near", kNear);
 }
 
-/// Directions in the camera frame: the body's up, and towards the key light. The light comes from
-/// above, a little from the left and from behind the camera, so that visible sides are lit.
+/// Directions in the camera frame: the body's up, and towards the lamp.
 struct Light {
   Eigen::Vector3f up;
   Eigen::Vector3f key;
 };
-Light light_on(const BodyLook& body) {
+Light light_on(const BodyLook& body, const SceneLight& light) {
   const Eigen::Vector3f up = body.camera_from_body.linear().col(2).cast<float>();
-  return {up, (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized()};
+  const Eigen::Vector3f usual = (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized();
+  return {up, light.to_lamp.value_or(usual)};
 }
 
 // NaN where nothing is painted.
@@ -165,17 +171,17 @@ struct SceneRenderer::State {
   GlProgram body_program, dot_program, shadow_program, compose_program;
   GlProgram compose_fine_program;  // where fine_depth reaches wherever a body may be
   FullScreenTriangle triangle;
-  GlVertexArray no_inputs;
   std::vector<BodyBuffers> buffers;
   std::unique_ptr<Targets> targets;
   GlTexture real_depth{GL_R32F, 1, 1};
   GlTexture nothing_real{GL_R32F, 1, 1};
   GlTexture fine_depth{GL_R32F, 1, 1};  // of the picture's size
+  PixelRange real_box;                  // texels of real_depth that hold this picture's
   PixelRange fine_box;                  // of the picture, where fine_depth holds; empty: nowhere
   RealOutlines outlines;
 
   // Kept between frames so that nothing is allocated.
-  std::vector<float> zeros, filled, dot_values, z_rows;
+  std::vector<float> zeros, filled, dot_values, shade_values, z_rows;
   std::vector<signed char> nearest_in_row;
   std::vector<std::uint8_t> rgba, mask_rows;
 
@@ -186,9 +192,9 @@ struct SceneRenderer::State {
   Boxes boxes_of(const SceneView& view) const;
   Eigen::Vector2f upload_real_depth(const SceneView& view, const Boxes& boxes);
   void upload_outlines(const SceneView& view, const PixelRange& texels, const PixelRange& bodies);
-  void stream(const BodyLook& look, BodyBuffers& to);
+  void stream(const BodyLook& look, const SceneLight& light, BodyBuffers& to);
   void draw_shadows(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
-  void draw_bodies(const SceneView& view);
+  void draw_bodies(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
   void compose_picture(const SceneView& view, const Boxes& boxes,
                        const Eigen::Vector2f& depth_per_picture);
   void read_back(const PixelRange& box, ColorImage& picture, MaskImage* visible, DepthImage* depth);
@@ -203,7 +209,7 @@ Result<SceneRenderer> SceneRenderer::make() {
   constexpr std::array<ProgramSource, 5> kSources = {
       {{"body.vert", "body.frag"},
        {"dot.vert", "dot.frag"},
-       {"shadow.vert", "shadow.frag"},
+       {"full_screen.vert", "shadow.frag"},
        {"full_screen.vert", "compose.frag"},
        {"full_screen.vert", "compose.frag", "#define ALL_FINE\n"}}};
   Result<std::vector<GlProgram>> made = make_programs(render_shader_files(), kSources);
@@ -215,14 +221,15 @@ Result<SceneRenderer> SceneRenderer::make() {
                                                 .compose_program = std::move(programs[3]),
                                                 .compose_fine_program = std::move(programs[4]),
                                                 .triangle = {},
-                                                .no_inputs = {},
                                                 .buffers = {},
                                                 .targets = {},
+                                                .real_box = {},
                                                 .fine_box = {},
                                                 .outlines = {},
                                                 .zeros = {},
                                                 .filled = {},
                                                 .dot_values = {},
+                                                .shade_values = {},
                                                 .z_rows = {},
                                                 .nearest_in_row = {},
                                                 .rgba = {},
@@ -253,7 +260,8 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
   }
 
   while (s.buffers.size() < view.bodies.size()) s.buffers.emplace_back();
-  for (std::size_t i = 0; i < view.bodies.size(); ++i) s.stream(view.bodies[i], s.buffers[i]);
+  for (std::size_t i = 0; i < view.bodies.size(); ++i)
+    s.stream(view.bodies[i], view.light, s.buffers[i]);
   const State::Boxes boxes = s.boxes_of(view);
   const PixelRange& box = boxes.all;
   if (!box.empty()) {
@@ -264,7 +272,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     glEnable(GL_SCISSOR_TEST);
     glScissor(box.x0, box.y0, box.width(), box.height());
     const Eigen::Vector2f depth_per_picture = s.upload_real_depth(view, boxes);
-    s.draw_bodies(view);
+    s.draw_bodies(view, depth_per_picture);
     // At this point the picture is the background, or plain grey.
     s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,
                               picture.row(box.y0) + box.x0, width);
@@ -313,8 +321,7 @@ SceneRenderer::State::Boxes SceneRenderer::State::boxes_of(const SceneView& view
     const Eigen::Isometry3f camera_from_body = body.camera_from_body.cast<float>();
     const Eigen::Vector4f& patch = buffers[i].shadow.box();
     for (const int corner : {0, 1, 2, 3}) {
-      const Eigen::Vector3f at(patch[(corner & 1) != 0 ? 2 : 0], patch[(corner & 2) != 0 ? 3 : 1],
-                               0.0f);
+      Eigen::Vector3f at(patch[(corner & 1) != 0 ? 2 : 0], patch[(corner & 2) != 0 ? 3 : 1], 0.0f);
       bounds.add(camera_from_body * at, view.camera, 0.0f);
     }
   }
@@ -325,6 +332,7 @@ SceneRenderer::State::Boxes SceneRenderer::State::boxes_of(const SceneView& view
 /// @return texels of the depth image per pixel of the picture
 Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, const Boxes& boxes) {
   fine_box = {};
+  real_box = {};
   if (view.real_depth == nullptr || view.real_depth->empty()) return Eigen::Vector2f::Zero();
   const DepthImage& depth = *view.real_depth;
   if (real_depth.width() != depth.width() || real_depth.height() != depth.height()) {
@@ -345,6 +353,7 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
   fill_unknown(depth, texels, kHoleRadius, nearest_in_row, filled);
   real_depth.upload(texels.x0, texels.y0, texels.width(), texels.height(), GL_RED, GL_FLOAT,
                     filled.data());
+  real_box = texels;
   if (half) upload_outlines(view, texels, boxes.bodies);
   return Eigen::Vector2d(sx, sy).cast<float>();
 }
@@ -363,7 +372,8 @@ void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRan
                     outlines.depth().data());
 }
 
-void SceneRenderer::State::stream(const BodyLook& look, BodyBuffers& to) {
+void SceneRenderer::State::stream(const BodyLook& look, const SceneLight& scene_light,
+                                  BodyBuffers& to) {
   const auto count = static_cast<std::size_t>(look.vertices->cols());
   zeros.resize(std::max(zeros.size(), count));
   const auto matrix = [](const Eigen::Matrix3Xf& m) {
@@ -390,16 +400,22 @@ void SceneRenderer::State::stream(const BodyLook& look, BodyBuffers& to) {
   }
   to.dots.stream(std::span<const float>(dot_values));
   if (look.shadow > 0.0f) {
-    const Light light = light_on(look);
+    const Light light = light_on(look, scene_light);
     const Eigen::Matrix3f body_from_camera =
         look.camera_from_body.linear().transpose().cast<float>();
     to.shadow.cast(*look.vertices, *look.triangles, body_from_camera * light.key);
-    to.shade.upload(0, 0, GroundShadow::kSide, GroundShadow::kSide, GL_RED, GL_FLOAT,
-                    to.shadow.shade().data());
+    shade_values.clear();
+    for (std::size_t i = 0; i < to.shadow.shade().size(); ++i) {
+      shade_values.push_back(to.shadow.shade()[i]);
+      shade_values.push_back(to.shadow.height()[i]);
+    }
+    to.shade.upload(0, 0, GroundShadow::kSide, GroundShadow::kSide, GL_RG, GL_FLOAT,
+                    shade_values.data());
   }
 }
 
-void SceneRenderer::State::draw_bodies(const SceneView& view) {
+void SceneRenderer::State::draw_bodies(const SceneView& view,
+                                       const Eigen::Vector2f& depth_per_picture) {
   targets->body.bind();
   constexpr std::array<float, 4> kNone{};
   glClearNamedFramebufferfv(targets->body.get(), GL_COLOR, 0, kNone.data());
@@ -413,13 +429,14 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
   glEnable(GL_PROGRAM_POINT_SIZE);
   for (std::size_t i = 0; i < view.bodies.size(); ++i) {
     const BodyLook& look = view.bodies[i];
-    const Light light = light_on(look);
+    const Light light = light_on(look, view.light);
     const auto set_common = [&](const GlProgram& program) {
       set_camera(program, view.camera);
       program.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
       program.set("key", light.key);
       program.set("up", light.up);
-      program.set("brightness", view.brightness);
+      program.set("lamp", view.light.lamp);
+      program.set("light_color", view.light.color);
       program.use();
     };
     set_common(body_program);
@@ -427,6 +444,9 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
     body_program.set("material", floats_of(look.material));
     body_program.set("opaque", look.opaque_share());
     body_program.set("mark_color", floats_of(look.mark_color));
+    (real_box.empty() ? nothing_real : real_depth).bind(4);
+    body_program.set("real_box", floats_of(real_box));
+    body_program.set("depth_per_picture", depth_per_picture);
     buffers[i].inputs.bind();
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
                    nullptr);
@@ -446,19 +466,20 @@ void SceneRenderer::State::draw_shadows(const SceneView& view,
   targets->ground.bind();
   glEnable(GL_BLEND);
   glBlendFunc(GL_ZERO, GL_SRC_COLOR);
-  no_inputs.bind();
   (any_real ? real_depth : nothing_real).bind(1);
   for (std::size_t i = 0; i < view.bodies.size(); ++i) {
     const BodyLook& look = view.bodies[i];
     if (look.shadow <= 0.0f || look.vertices->cols() == 0) continue;
-    set_camera(shadow_program, view.camera);
-    shadow_program.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
+    shadow_program.set("pinhole", pinhole_of(view.camera));
+    shadow_program.set("body_from_camera",
+                       look.camera_from_body.inverse().matrix().cast<float>().eval());
     shadow_program.set("patch_box", buffers[i].shadow.box());
+    shadow_program.set("slope", buffers[i].shadow.slope());
     shadow_program.set("depth_per_picture", depth_per_picture);
     shadow_program.set("strength", look.shadow);
     shadow_program.use();
     buffers[i].shade.bind(0);
-    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    triangle.draw();
   }
   glDisable(GL_BLEND);
 }
@@ -480,9 +501,7 @@ void SceneRenderer::State::compose_picture(const SceneView& view, const Boxes& b
   targets->body_color.bind(0);
   targets->body_z.bind(1);
   fine_depth.bind(3);
-  program.set("fine_box",
-              Eigen::Vector4f(static_cast<float>(fine_box.x0), static_cast<float>(fine_box.y0),
-                              static_cast<float>(fine_box.x1), static_cast<float>(fine_box.y1)));
+  program.set("fine_box", floats_of(fine_box));
   if (!all_fine) {
     (any_real ? real_depth : nothing_real).bind(2);
     program.set("depth_per_picture", depth_per_picture);
