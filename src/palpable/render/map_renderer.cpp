@@ -48,6 +48,7 @@ struct BodyBuffers {
     inputs.floats(1, normals, 3);
     inputs.floats(2, scalar, 1);
     inputs.floats(3, marks, 1);
+    inputs.floats(4, marks, 1);  // nothing real throws shadows here, and nothing is marked
     inputs.indices(triangles);
   }
   GlBuffer vertices, normals, scalar, marks, triangles;
@@ -195,8 +196,6 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
     body.set("key", (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized().eval());
     body.set("lamp", 1.0f);
     body.set("light_color", Eigen::Vector3f(1, 1, 1));
-    body.set("real_box", Eigen::Vector4f(0, 0, 0, 0));  // nothing real throws shadows here
-    body.set("depth_per_picture", Eigen::Vector2f(0, 0));
     body.use();
     to.inputs.bind();
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,

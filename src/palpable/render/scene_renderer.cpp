@@ -6,6 +6,7 @@
 #include "palpable/render/ground_shadow.h"
 #include "palpable/render/legend.h"
 #include "palpable/render/outlines.h"
+#include "palpable/render/real_shadows.h"
 #include "palpable/render/shader_files.h"
 #include "palpable/render/text.h"
 
@@ -32,17 +33,17 @@ Eigen::Vector4f floats_of(const PixelRange& box) {
 
 /// OpenGL buffers of one body.
 struct BodyBuffers {
-  GlBuffer vertices, normals, scalar, marks, triangles, dots;
+  GlBuffer vertices, normals, scalar, marks, shaded, triangles, dots;
   GlVertexArray inputs, dot_inputs;
   Eigen::Matrix3Xi known_triangles;
   GroundShadow shadow;
-  GlTexture shade{GL_RG32F, GroundShadow::kSide, GroundShadow::kSide, GL_LINEAR};
 
   BodyBuffers() {
     inputs.floats(0, vertices, 3);
     inputs.floats(1, normals, 3);
     inputs.floats(2, scalar, 1);
     inputs.floats(3, marks, 1);
+    inputs.floats(4, shaded, 1);
     inputs.indices(triangles);
     constexpr int kDotBytes = 7 * sizeof(float);
     dot_inputs.floats(0, dots, 3, kDotBytes, 0);
@@ -179,6 +180,9 @@ struct SceneRenderer::State {
   PixelRange real_box;                  // texels of real_depth that hold this picture's
   PixelRange fine_box;                  // of the picture, where fine_depth holds; empty: nowhere
   RealOutlines outlines;
+  ShadeOnReal shade_on_real;
+  ShadeOnBody shade_on_body;
+  GlTexture light_left{GL_R32F, 1, 1, GL_LINEAR};
 
   // Kept between frames so that nothing is allocated.
   std::vector<float> zeros, filled, dot_values, shade_values, z_rows;
@@ -193,8 +197,9 @@ struct SceneRenderer::State {
   Eigen::Vector2f upload_real_depth(const SceneView& view, const Boxes& boxes);
   void upload_outlines(const SceneView& view, const PixelRange& texels, const PixelRange& bodies);
   void stream(const BodyLook& look, const SceneLight& light, BodyBuffers& to);
-  void draw_shadows(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
-  void draw_bodies(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
+  void draw_shadows(const SceneView& view, const PixelRange& box, const RealSurface& real);
+  void shade_bodies(const SceneView& view, const RealSurface& real);
+  void draw_bodies(const SceneView& view);
   void compose_picture(const SceneView& view, const Boxes& boxes,
                        const Eigen::Vector2f& depth_per_picture);
   void read_back(const PixelRange& box, ColorImage& picture, MaskImage* visible, DepthImage* depth);
@@ -226,6 +231,8 @@ Result<SceneRenderer> SceneRenderer::make() {
                                                 .real_box = {},
                                                 .fine_box = {},
                                                 .outlines = {},
+                                                .shade_on_real = {},
+                                                .shade_on_body = {},
                                                 .zeros = {},
                                                 .filled = {},
                                                 .dot_values = {},
@@ -272,11 +279,13 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     glEnable(GL_SCISSOR_TEST);
     glScissor(box.x0, box.y0, box.width(), box.height());
     const Eigen::Vector2f depth_per_picture = s.upload_real_depth(view, boxes);
-    s.draw_bodies(view, depth_per_picture);
+    const RealSurface real{s.filled, s.real_box, depth_per_picture.cast<double>(), view.camera};
+    s.shade_bodies(view, real);
+    s.draw_bodies(view);
     // At this point the picture is the background, or plain grey.
     s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,
                               picture.row(box.y0) + box.x0, width);
-    s.draw_shadows(view, depth_per_picture);
+    s.draw_shadows(view, box, real);
     s.compose_picture(view, boxes, depth_per_picture);
     glDisable(GL_SCISSOR_TEST);
     s.read_back(box, picture, body_visible, body_depth);
@@ -404,18 +413,23 @@ void SceneRenderer::State::stream(const BodyLook& look, const SceneLight& scene_
     const Eigen::Matrix3f body_from_camera =
         look.camera_from_body.linear().transpose().cast<float>();
     to.shadow.cast(*look.vertices, *look.triangles, body_from_camera * light.key);
-    shade_values.clear();
-    for (std::size_t i = 0; i < to.shadow.shade().size(); ++i) {
-      shade_values.push_back(to.shadow.shade()[i]);
-      shade_values.push_back(to.shadow.height()[i]);
-    }
-    to.shade.upload(0, 0, GroundShadow::kSide, GroundShadow::kSide, GL_RG, GL_FLOAT,
-                    shade_values.data());
   }
 }
 
-void SceneRenderer::State::draw_bodies(const SceneView& view,
-                                       const Eigen::Vector2f& depth_per_picture) {
+void SceneRenderer::State::shade_bodies(const SceneView& view, const RealSurface& real) {
+  shade_on_body.see(real);
+  for (std::size_t i = 0; i < view.bodies.size(); ++i) {
+    const BodyLook& look = view.bodies[i];
+    const auto count = static_cast<std::size_t>(look.vertices->cols());
+    shade_values.resize(std::max(shade_values.size(), count));
+    const std::span<float> shaded = std::span(shade_values).first(count);
+    shade_on_body.find(*look.vertices, *look.normals, look.camera_from_body,
+                       light_on(look, view.light).key, shaded);
+    buffers[i].shaded.stream(std::span<const float>(shaded));
+  }
+}
+
+void SceneRenderer::State::draw_bodies(const SceneView& view) {
   targets->body.bind();
   constexpr std::array<float, 4> kNone{};
   glClearNamedFramebufferfv(targets->body.get(), GL_COLOR, 0, kNone.data());
@@ -444,9 +458,6 @@ void SceneRenderer::State::draw_bodies(const SceneView& view,
     body_program.set("material", floats_of(look.material));
     body_program.set("opaque", look.opaque_share());
     body_program.set("mark_color", floats_of(look.mark_color));
-    (real_box.empty() ? nothing_real : real_depth).bind(4);
-    body_program.set("real_box", floats_of(real_box));
-    body_program.set("depth_per_picture", depth_per_picture);
     buffers[i].inputs.bind();
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
                    nullptr);
@@ -460,27 +471,31 @@ void SceneRenderer::State::draw_bodies(const SceneView& view,
   glDisable(GL_DEPTH_TEST);
 }
 
-void SceneRenderer::State::draw_shadows(const SceneView& view,
-                                        const Eigen::Vector2f& depth_per_picture) {
-  const bool any_real = depth_per_picture.x() > 0.0f;
+void SceneRenderer::State::draw_shadows(const SceneView& view, const PixelRange& box,
+                                        const RealSurface& real) {
   targets->ground.bind();
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_ZERO, GL_SRC_COLOR);
-  (any_real ? real_depth : nothing_real).bind(1);
+  shade_on_real.clear(box);
   for (std::size_t i = 0; i < view.bodies.size(); ++i) {
     const BodyLook& look = view.bodies[i];
     if (look.shadow <= 0.0f || look.vertices->cols() == 0) continue;
-    shadow_program.set("pinhole", pinhole_of(view.camera));
-    shadow_program.set("body_from_camera",
-                       look.camera_from_body.inverse().matrix().cast<float>().eval());
-    shadow_program.set("patch_box", buffers[i].shadow.box());
-    shadow_program.set("slope", buffers[i].shadow.slope());
-    shadow_program.set("depth_per_picture", depth_per_picture);
-    shadow_program.set("strength", look.shadow);
-    shadow_program.use();
-    buffers[i].shade.bind(0);
-    triangle.draw();
+    shade_on_real.add(buffers[i].shadow, look.camera_from_body, look.shadow, real);
   }
+  const PixelRange& shaded = shade_on_real.shaded();
+  if (shaded.empty()) return;
+  if (light_left.width() < shade_on_real.width() || light_left.height() < shade_on_real.height()) {
+    light_left =
+        GlTexture(GL_R32F, (view.camera.width + 1) / 2, (view.camera.height + 1) / 2, GL_LINEAR);
+  }
+  light_left.upload(0, 0, shade_on_real.width(), shade_on_real.height(), GL_RED, GL_FLOAT,
+                    shade_on_real.left().data());
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ZERO, GL_SRC_COLOR);
+  shadow_program.set("corner", Eigen::Vector2i(box.x0, box.y0).cast<float>().eval());
+  shadow_program.use();
+  light_left.bind(0);
+  glScissor(shaded.x0, shaded.y0, shaded.width(), shaded.height());
+  triangle.draw();
+  glScissor(box.x0, box.y0, box.width(), box.height());
   glDisable(GL_BLEND);
 }
 

@@ -446,7 +446,7 @@ TEST_CASE("a dot is a ball on the body", "[render][Fig15]") {
   CHECK(drawn.picture(150, 100).r > 2 * drawn.picture(150, 100).g);
 }
 
-TEST_CASE("the shadow darkens the plane that the body stands on and nothing before it",
+TEST_CASE("the shadow darkens the plane that the body stands on and nothing above the body",
           "[render]") {
   PALPABLE_NEEDS_RENDERER(gl);
   const Skin skin(sphere_surface({0, 0, 0.03}, 0.03, 4));
@@ -488,7 +488,7 @@ TEST_CASE("the shadow darkens the plane that the body stands on and nothing befo
     }
     return depth;
   };
-  const DepthImage desk = plane(0), hand = plane(-0.08), wall = plane(0.08);
+  const DepthImage desk = plane(0), hand = plane(-0.12), wall = plane(0.08);
   CHECK(darkened(nullptr) > 300);
   CHECK(darkened(&desk) == darkened(nullptr));
   CHECK(darkened(&hand) == 0);

@@ -118,6 +118,7 @@ void LightEstimator::sample_surfaces(const SeenFrame& seen) {
   samples_.clear();
   samples_.reserve(static_cast<std::size_t>((depth.width() / kStep + 1)) *
                    static_cast<std::size_t>(depth.height() / kStep + 1));
+  by_hue_.reserve(samples_.capacity());
   const PinholeCamera& camera = seen.depth_camera;
   for (int y = kReach; y < depth.height() - kReach; y += kStep) {
     for (int x = kReach; x < depth.width() - kReach; x += kStep) {
