@@ -488,7 +488,7 @@ TEST_CASE("the shadow darkens the plane that the body stands on and nothing abov
     }
     return depth;
   };
-  const DepthImage desk = plane(0), hand = plane(-0.12), wall = plane(0.08);
+  const DepthImage desk = plane(0), hand = plane(-0.2), wall = plane(0.08);
   CHECK(darkened(nullptr) > 300);
   CHECK(darkened(&desk) == darkened(nullptr));
   CHECK(darkened(&hand) == 0);
