@@ -490,6 +490,8 @@ void SceneRenderer::State::draw_shadows(const SceneView& view, const PixelRange&
   glEnable(GL_BLEND);
   glBlendFunc(GL_ZERO, GL_SRC_COLOR);
   shadow_program.set("corner", Eigen::Vector2i(box.x0, box.y0).cast<float>().eval());
+  shadow_program.set(
+      "used", Eigen::Vector2i(shade_on_real.width(), shade_on_real.height()).cast<float>().eval());
   shadow_program.use();
   light_left.bind(0);
   glScissor(shaded.x0, shaded.y0, shaded.width(), shaded.height());

@@ -33,23 +33,25 @@ constexpr int kTargets = 500;             // places of the skin that are looked 
 constexpr int kSqueezesTried = 3;         // of ways to turn the body
 constexpr double kLean = 0.45;            // of a press towards the left
 
-/// What a viewer is to see pressed. Heights are shares of the body's.
+/// What a viewer is to see pressed.
 struct Place {
-  double low, high;          // m / m
+  double low, high;          // height, as a share of the body's
   double least_up, most_up;  // of the normal
+  double facing;             // cosine between the press and the direction to the eye
   double depth;              // m
 };
-constexpr std::array<Place, 3> kPlaces{{{0.25, 0.60, -0.3, 0.5, 0.010},     // a flank
-                                        {0.40, 0.80, 0.75, 1.0, 0.010},     // the back
-                                        {0.62, 0.90, -0.4, 0.6, 0.0085}}};  // an ear, near its root
+/// A dent and its stress are plain to see where the press goes away from the eye a little; the tip
+/// then hides what touches, of which little could be scored (seen_share.h). So one place lies at
+/// the body's outline instead, and so do both sides of the squeeze.
+constexpr std::array<Place, 3> kPlaces{{{0.25, 0.60, -0.3, 0.5, -0.25, 0.010},    // a flank
+                                        {0.40, 0.80, 0.75, 1.0, -0.30, 0.010},    // the back
+                                        {0.62, 0.90, -0.4, 0.6, 0.20, 0.0085}}};  // an ear's root
 constexpr std::size_t kPresses = kPlaces.size();
 
-/// A dent is seen where the skin turns away from the eye: from the front the finger hides it, and
-/// on the far side the body.
 PressRules demo_rules() {
   PressRules rules;
   rules.least_facing = -0.75;
-  rules.most_facing = 0.25;
+  rules.most_facing = 0.5;
   rules.most_x = -0.25;
   rules.seen = false;  // the tip itself stands before what it touches
   rules.eye_clearance = 0.0;
@@ -71,10 +73,10 @@ bool is_at(const PressTarget& target, const Place& place, double height) {
          target.normal.z() <= place.most_up;
 }
 
-/// How well a dent there is seen: best with the skin's normal at 66 degrees from the line of sight.
-double dent_seen(const PressTarget& target, const Vector3d& eye) {
-  const double facing = target.normal.dot((eye - target.x).normalized());
-  return 1.0 - std::abs(facing - 0.4) - 0.4 * target.direction.x();
+/// How well a press there is seen as its place asks for, from the right.
+double seen_as_asked(const PressTarget& target, const Place& place, const Vector3d& eye) {
+  const double facing = target.direction.dot((eye - target.x).normalized());
+  return 1.0 - 2.0 * std::abs(facing - place.facing) - 0.4 * target.direction.x();
 }
 
 /// The targets that keep the rules and lie at a place, the best seen first.
@@ -86,7 +88,7 @@ std::vector<PressTarget> targets_at(const PressSearch& search,
     if (is_at(ranked.target, place, height)) found.push_back(ranked.target);
   }
   std::stable_sort(found.begin(), found.end(), [&](const PressTarget& a, const PressTarget& b) {
-    return dent_seen(a, search.eye()) > dent_seen(b, search.eye());
+    return seen_as_asked(a, place, search.eye()) > seen_as_asked(b, place, search.eye());
   });
   return found;
 }
@@ -136,7 +138,7 @@ std::vector<double> yaws_for_demo(const DeskBody& body) {
                    search.points().row(2).maxCoeff();
     for (const Place& place : kPlaces) {
       const std::vector<PressTarget> list = targets_at(search, targets, place);
-      if (!list.empty()) value += 1.0 + dent_seen(list.front(), first_eye());
+      if (!list.empty()) value += 1.0 + seen_as_asked(list.front(), place, first_eye());
     }
     yaws.push_back({value, angle});
   }

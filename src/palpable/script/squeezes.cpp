@@ -375,6 +375,7 @@ std::optional<Sequence> attempt(const DeskBody& body, const SurfaceDistance& dis
 std::optional<OneSqueeze> plan_one_squeeze(const DeskBody& body, const Rigid3& desk_from_body,
                                            double first, double pace, std::uint64_t seed) {
   constexpr int kTried = 60;
+  constexpr double kDepth = 0.5 * (kLeastDepth + kMostDepth);
   const SurfaceDistance distance(body.surface);
   const SqueezeSearch search(transformed(sample_surface(body.surface, kSpacing), desk_from_body),
                              distance, desk_from_body,
@@ -384,11 +385,11 @@ std::optional<OneSqueeze> plan_one_squeeze(const DeskBody& body, const Rigid3& d
   int tried = 0;
   for (const TwoSides& sides : two_sides(search.surface(), first_eye())) {
     if (++tried > kTried) break;
-    const std::optional<Hold> hold = search.hold(sides, kMostDepth);
+    const std::optional<Hold> hold = search.hold(sides, kDepth);
     if (!hold) continue;
-    const std::optional<FrameSpan> span = script.squeeze(*hold, kMostDepth, in, stay);
+    const std::optional<FrameSpan> span = script.squeeze(*hold, kDepth, in, stay);
     if (!span) continue;
-    const auto both = touches_of(*hold, kMostDepth, *span, in, body, desk_from_body);
+    const auto both = touches_of(*hold, kDepth, *span, in, body, desk_from_body);
     return OneSqueeze{script.path(), {both.begin(), both.end()}};
   }
   return std::nullopt;

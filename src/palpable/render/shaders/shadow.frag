@@ -3,10 +3,11 @@
 // multiplication.
 layout(binding = 0) uniform sampler2D left;  // share of the light, a texel for each 2 x 2 pixels
 uniform vec2 corner;                         // px: where the first texel begins
+uniform vec2 used;                           // texels of `left` that hold something
 
 layout(location = 0) out vec4 factor;
 
 void main() {
-  vec2 at = 0.5 * (gl_FragCoord.xy - corner) / vec2(textureSize(left, 0));
-  factor = vec4(vec3(texture(left, at).r), 1.0);
+  vec2 at = min(0.5 * (gl_FragCoord.xy - corner), used - 0.5);
+  factor = vec4(vec3(texture(left, at / vec2(textureSize(left, 0))).r), 1.0);
 }
