@@ -23,6 +23,7 @@ struct PlayOptions {
   std::string events = kNoEvents;
   std::string view = "camera";
   bool window = false;
+  bool paused = false;  ///< the window begins with the first frame held
   bool pictures = false;
   bool no_masks = false;
   bool no_depth = false;

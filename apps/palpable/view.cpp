@@ -3,6 +3,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/kept_picture.h"
 #include "apps/palpable/named_loads.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
@@ -82,23 +83,6 @@ void write_modes(const ReducedBody& body, const ViewOptions& options, PictureSiz
   context.errors().throw_if_any();
 }
 
-// Writes a picture that the user asked for with the key P under a name that is not taken yet. One
-// that cannot be written is no reason to close the window.
-// @return what became of it
-std::string keep_picture(const fs::path& body, const ColorImage& picture) {
-  try {
-    const auto name = [&](int n) { return fmt::format("{}_view_{}", body.stem().string(), n); };
-    int n = 1;
-    std::error_code ignored;
-    while (fs::exists(name(n) + ".png", ignored)) ++n;
-    write_picture(body, {}, name(n), picture);
-    return name(n) + ".png";
-  } catch (const Error& error) {
-    print_error(error.what());
-    return error.what();
-  }
-}
-
 void show_window(Window& window, const ReducedBody& body, const ViewOptions& options,
                  PictureSize size) {
   show_body(window, body,
@@ -106,7 +90,7 @@ void show_window(Window& window, const ReducedBody& body, const ViewOptions& opt
              .site = options.site,
              .level = options.level,
              .close_after = options.close_after},
-            [&](const ColorImage& picture) { return keep_picture(options.body, picture); });
+            [&](const ColorImage& picture) { return keep_picture(options.body, "view", picture); });
 }
 
 // --load as --site and --level.
