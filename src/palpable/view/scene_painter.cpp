@@ -32,7 +32,13 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
       panel_(names_of_bodies(loop.session)) {
   const PinholeCamera& camera = loop.camera.camera();
   if (settings.window) {
-    window_.emplace(value_or_throw(Window::open("Palpable", camera.width, camera.height)));
+    Result<Window> window = Window::open("Palpable", camera.width, camera.height);
+    if (!window.ok()) {
+      throw Error(fmt::format(
+          "{}; without --window it plays all the same, and --out writes what would be seen",
+          window.problem().message));
+    }
+    window_.emplace(std::move(window).value());
     window_->set_panel([this] { panel_.lay_out(controls_); });
     controls_.paused = settings.paused;
   } else {
