@@ -41,6 +41,18 @@ def changed_by(screen, window, what, do):
     return screen.pixels(window)
 
 
+def settled(screen, window):
+    """The window's pixels once they stay as they are for a while."""
+    last = [screen.pixels(window), 0]
+
+    def is_still():
+        now = screen.pixels(window)
+        last[:] = [now, last[1] + 1 if now == last[0] else 0]
+        return last[1] >= 15  # 0.3 s and more
+    wait_for("a picture that stays", is_still)
+    return last[0]
+
+
 def colors(screen, window):
     """Rows of (r, g, b), as base.png_rows."""
     data, width = screen.pixels(window), screen.attributes(window).width
@@ -109,6 +121,35 @@ def _(programs, folder):
 def _(programs, folder):
     base.write_stereo(folder / "clip", frames=2)
     programs.refuses(*base.live(programs, folder, "--window"), says=["cannot open a window", "DISPLAY", "--window"])
+
+
+@case("the mouse presses a body anywhere as a finger does, and one without tables of touch at its sites")
+def _(programs, folder):
+    anywhere = programs.baked_ball(programs.work / "touched", base.TOUCHED_BALL)
+    for body, presses_anywhere in ((anywhere, True), (programs.small_body(), False)):
+        with shown(programs, folder, "view", body) as given:
+            if given is None:
+                return
+            screen, window, program = given
+            changed_by(screen, window, "no panel", lambda: screen.type(window, "t"))
+            rest = changed_by(screen, window, "no help", lambda: screen.type(window, "h"))
+            pressed = []
+            # Two places nearest to one site: a finger presses both, a site is pressed but once.
+            for place in ((600, 300), (612, 300)):
+                # Dragged so far that it is the full press at once.
+                far = (place[0], place[1] + 300)
+                screen.mouse(window, (MOTION, *place), (BUTTON_PRESS, *place, LEFT), (MOTION, *far))
+                wait_for("a press", lambda: screen.pixels(window) != rest)
+                pressed.append(settled(screen, window))
+                screen.mouse(window, (BUTTON_RELEASE, *far, LEFT))
+                wait_for("the body at rest", lambda: screen.pixels(window) == rest)
+            assert (pressed[0] != pressed[1]) == presses_anywhere, body
+            # At rest stress and displacement are 0 everywhere; then comes the material, and stress again.
+            screen.type(window, "f")
+            changed_by(screen, window, "the material", lambda: screen.type(window, "f"))
+            assert changed_by(screen, window, "stress", lambda: screen.type(window, "f")) == rest
+            screen.type(window, ESCAPE)
+            assert program.wait(timeout=60) == 0
 
 
 if __name__ == "__main__":

@@ -84,7 +84,11 @@ std::size_t bytes_of(const ImVector<ImDrawIdx>& v) {
 
 }  // namespace
 
-int panel_letters(int window_height) { return std::clamp(window_height / kRowsPerEm, 10, 42); }
+int panel_letters(int window_width, int window_height) {
+  // Of a window that is higher than wide the picture has fewer rows.
+  const int rows = std::min(window_height, window_width * 9 / 16);
+  return std::clamp(rows / kRowsPerEm, 10, 42);
+}
 
 struct Panel::State {
   State(GlProgram the_program, Layout the_layout)
@@ -148,7 +152,7 @@ void Panel::resize(int width, int height) {
   ImGui::SetCurrentContext(s.imgui);
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
-  if (const int em = panel_letters(height); em != s.em) {
+  if (const int em = panel_letters(width, height); em != s.em) {
     s.em = em;
     set_letters(*io.Fonts, em);
     set_style(em);

@@ -26,7 +26,7 @@ class Panel {
   Panel& operator=(Panel&&) noexcept;
   ~Panel();
 
-  /// px of the window. Letters and all else grow with its height: panel_letters().
+  /// px of the window. Letters and all else grow with it: panel_letters().
   void resize(int width, int height);
 
   /// Tells it of an event. @return whether it is the panel's alone: the mouse is on it, or drags
@@ -46,8 +46,8 @@ class Panel {
   std::unique_ptr<State> state_;
 };
 
-/// Height of the panel's letters (px per em) in a window with so many rows: a screen of 720 rows
-/// and one of 2160 show the same share of the picture beside the panel.
-[[nodiscard]] int panel_letters(int window_height);
+/// Height of the panel's letters (px per em) in a window of that size: on a laptop and on a screen
+/// of 2160 rows the panel covers the same share of the picture.
+[[nodiscard]] int panel_letters(int window_width, int window_height);
 
 }  // namespace palpable

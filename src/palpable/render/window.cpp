@@ -181,6 +181,8 @@ Window& Window::operator=(Window&&) noexcept = default;
 Window::~Window() = default;
 
 void Window::set_panel(Panel::Layout layout) {
+  state_->panel.reset();
+  if (layout == nullptr) return;
   state_->panel = value_or_throw(Panel::make(std::move(layout)));
   state_->fit_panel();
 }

@@ -27,7 +27,7 @@ class Window {
 
   /// Puts a panel over the picture, laid out anew whenever a picture is shown and after each event.
   /// It is in the window only: pictures that are shown stay as they are.
-  /// @param layout  what it refers to outlives the window, or the next panel
+  /// @param layout  what it refers to outlives the window, or the next panel; empty: no panel
   /// @throws Error when the panel's shaders do not compile
   void set_panel(Panel::Layout layout);
 

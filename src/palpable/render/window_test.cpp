@@ -37,7 +37,7 @@ class VirtualScreen {
       // Xvfb picks a free number and writes it when it is ready.
       const std::string fd = std::to_string(pipe_ends[1]);
       if (std::freopen("/dev/null", "w", stderr) == nullptr) ::_exit(127);
-      ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "800x600x24", "-nolisten",
+      ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "1300x900x24", "-nolisten",
                "tcp", nullptr);
       ::_exit(127);
     }
@@ -413,12 +413,13 @@ TEST_CASE("a panel shows what was clicked without a new picture, and grows with 
   CHECK(pixels_after_events(window, user, places, without) == without);
   CHECK_FALSE(shown);
   const float small = letters;
-  user.resize(320, 575);
+  user.resize(1300, 900);
   const std::vector<unsigned long> border{kBorder};
   CHECK(pixels_after_events(window, user, {{10, 10}}, border) == border);
   CHECK(letters > small);
-  CHECK(panel_letters(720) == 15);
-  CHECK(panel_letters(2160) == 42);
+  CHECK(panel_letters(1280, 720) == 15);
+  CHECK(panel_letters(3840, 2160) == 42);
+  CHECK(panel_letters(500, 2160) == 10);
 }
 
 TEST_CASE("without a display there is no window but a reason", "[render][window]") {

@@ -5,12 +5,6 @@
 namespace palpable {
 namespace {
 
-// The value after `value` of those that `names` names.
-template <class Value, std::size_t N>
-Value next_of(Value value, const std::array<const char*, N>& /*names*/) {
-  return static_cast<Value>((static_cast<std::size_t>(value) + 1) % N);
-}
-
 constexpr std::array<KeyMeaning, 13> kKeys{{{"1 .. 5", "view: camera, depth, ..."},
                                             {"F", "what is painted"},
                                             {"O", "occlusion"},

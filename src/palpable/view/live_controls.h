@@ -6,6 +6,7 @@
 
 #include "palpable/render/window_events.h"
 #include "palpable/view/scene_show.h"
+#include "palpable/view/show_names.h"
 
 #include <array>
 #include <span>
@@ -64,10 +65,8 @@ class LiveControls {
   int bodies_;
 };
 
-/// Names of the values, in their order.
+/// Names of the views, in their order.
 inline constexpr std::array<const char*, 5> kViewNames{"camera", "depth", "moving", "surface",
                                                        "map"};
-inline constexpr std::array<const char*, 3> kFieldNames{"stress", "displacement", "material"};
-inline constexpr std::array<const char*, 2> kOcclusionNames{"off", "on"};
 
 }  // namespace palpable

@@ -1,5 +1,7 @@
 #include "palpable/view/live_panel.h"
 
+#include "palpable/view/panel_parts.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -22,31 +24,6 @@ void text(fmt::format_string<Values...> format, Values&&... values) {
   ImGui::TextUnformatted(line.data(), end.out);
 }
 
-// One of the values of an enumeration or a bool, by its names.
-template <class Value, std::size_t N>
-void choice(const char* of, const std::array<const char*, N>& names, Value& value) {
-  ImGui::PushID(of);
-  ImGui::TextDisabled("%s", of);
-  for (std::size_t i = 0; i < N; ++i) {
-    // As many in a row as there is room for.
-    const float width = ImGui::CalcTextSize(names[i]).x + 2 * ImGui::GetFrameHeight();
-    if (i > 0) ImGui::SameLine();
-    if (i > 0 && ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
-    if (ImGui::RadioButton(names[i], static_cast<std::size_t>(value) == i)) {
-      value = static_cast<Value>(i);
-    }
-  }
-  ImGui::PopID();
-}
-
-bool button_in_row(const char* label, int count) {
-  const ImGuiStyle& style = ImGui::GetStyle();
-  const float all = ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x;
-  const float width =
-      (all - static_cast<float>(count - 1) * style.ItemSpacing.x) / static_cast<float>(count);
-  return ImGui::Button(label, {width, 0});
-}
-
 }  // namespace
 
 void LivePanel::add(const Scene& scene) {
@@ -66,32 +43,21 @@ void LivePanel::add(const Scene& scene) {
 
 void LivePanel::lay_out(LiveControls& controls) {
   if (!controls.panel_shown) return;
-  const ImVec2 screen = ImGui::GetIO().DisplaySize;
-  const float em = ImGui::GetFontSize();
-  ImGui::SetNextWindowPos({0, 0});
-  ImGui::SetNextWindowSizeConstraints({14 * em, 0}, {14 * em, screen.y});
-  ImGui::SetNextWindowSize({14 * em, 0});
-  constexpr int kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove |
-                         ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings |
-                         ImGuiWindowFlags_NoNav | ImGuiWindowFlags_AlwaysAutoResize;
-  if (ImGui::Begin("live", nullptr, kFixed)) {
-    lay_out_rate();
-    ImGui::Separator();
-    lay_out_buttons(controls);
-    ImGui::Separator();
-    lay_out_look(controls);
-    ImGui::Separator();
-    lay_out_touches(controls);
-  }
+  begin_panel("live", {0, 0});
+  lay_out_rate();
+  ImGui::Separator();
+  lay_out_buttons(controls);
+  ImGui::Separator();
+  lay_out_look(controls);
+  ImGui::Separator();
+  lay_out_touches(controls);
   ImGui::End();
   if (!controls.help_shown) return;
-  ImGui::SetNextWindowPos({14 * em, 0});
-  if (ImGui::Begin("keys", nullptr, kFixed)) {
-    for (const KeyMeaning& key : LiveControls::keys()) {
-      ImGui::TextUnformatted(key.key);
-      ImGui::SameLine(4 * em);
-      ImGui::TextUnformatted(key.meaning);
-    }
+  begin_panel("keys", {panel_width(), 0});
+  for (const KeyMeaning& key : LiveControls::keys()) {
+    ImGui::TextUnformatted(key.key);
+    ImGui::SameLine(4 * ImGui::GetFontSize());
+    ImGui::TextUnformatted(key.meaning);
   }
   ImGui::End();
 }
