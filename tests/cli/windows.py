@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The windows of live and view, used by mouse and keys on a screen of the test's own: one case, one test, as in
 programs.py. `--list` names the cases."""
+import json
 import shutil
 import sys
 from contextlib import contextmanager
@@ -115,6 +116,22 @@ def _(programs, folder):
         screen.type(window, ESCAPE)
         assert program.wait(timeout=60) == 0
     programs.refuses(*base.live(programs, folder, "--paused"), says=["--paused", "--window"])
+
+
+@case("a paused window of a camera holds its picture, and the run goes on behind it")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=240)  # 8 s as a camera gives them
+    with shown(programs, folder, *base.live(programs, folder, "--window", "--paused", "--paced")) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        held = settled(screen, window)
+        stepped = changed_by(screen, window, "a newer frame", lambda: screen.type(window, "s"))
+        assert stepped != held
+        screen.type(window, ESCAPE)
+        assert program.wait(timeout=60) == 0
+    # More than the two that were shown.
+    assert json.loads((folder / "out/live.json").read_text())["frames"] > 2
 
 
 @case("live without a display says so, and how to do without a window")
