@@ -82,6 +82,29 @@ std::size_t bytes_of(const ImVector<ImDrawIdx>& v) {
   return static_cast<std::size_t>(v.Size) * sizeof(ImDrawIdx);
 }
 
+// px of a framebuffer, from its lower left.
+struct PixelBox {
+  int left, bottom, right, top;
+};
+
+// What of the window a list covers: all that its commands may touch, px from the upper left.
+ImVec4 covered_by(const ImDrawList& list) {
+  ImVec4 all{1e9f, 1e9f, -1e9f, -1e9f};
+  for (const ImDrawCmd& command : list.CmdBuffer) {
+    ImVec4 box{1e9f, 1e9f, -1e9f, -1e9f};
+    for (unsigned i = 0; i < command.ElemCount; ++i) {
+      const ImDrawIdx index = list.IdxBuffer[static_cast<int>(command.IdxOffset + i)];
+      const ImVec2 at = list.VtxBuffer[static_cast<int>(command.VtxOffset + index)].pos;
+      box = {std::min(box.x, at.x), std::min(box.y, at.y), std::max(box.z, at.x),
+             std::max(box.w, at.y)};
+    }
+    const ImVec4& clip = command.ClipRect;
+    all = {std::min(all.x, std::max(box.x, clip.x)), std::min(all.y, std::max(box.y, clip.y)),
+           std::max(all.z, std::min(box.z, clip.z)), std::max(all.w, std::min(box.w, clip.w))};
+  }
+  return all;
+}
+
 }  // namespace
 
 int panel_letters(int window_width, int window_height) {
@@ -121,6 +144,7 @@ struct Panel::State {
   }
   // What ImGui would have drawn, one list after the other.
   void gather();
+  void draw_anew(int width, int height);
 
   GlProgram program;
   Layout layout;
@@ -128,6 +152,10 @@ struct Panel::State {
   int em = 0;
   std::array<bool, IM_ARRAYSIZE(ImGuiIO::MouseDown)> pressed_here{};  // by button
   GlTexture ink;
+  // As large as the window: without a GPU copying is several times faster than drawing.
+  GlTexture drawn;
+  GlFramebuffer framebuffer;
+  std::vector<PixelBox> covered;  // of it, by panels
   GlBuffer vertices, indices;
   GlVertexArray inputs;
   // What was laid out last, and what is in the buffers.
@@ -222,34 +250,50 @@ bool Panel::changed() const {
 
 void Panel::draw(int width, int height) {
   State& s = *state_;
-  if (changed()) {
+  const bool resized = s.drawn.width() != width || s.drawn.height() != height;
+  if (resized) {
+    s.drawn = GlTexture(GL_RGBA8, width, height);
+    s.framebuffer = GlFramebuffer(std::array<const GlTexture*, 1>{&s.drawn}, nullptr);
+  }
+  if (changed() || resized) {
     s.vertices.stream(std::span<const std::byte>(s.new_vertices));
     s.indices.stream(std::span<const std::byte>(s.new_indices));
     std::swap(s.new_vertices, s.old_vertices);
     std::swap(s.new_indices, s.old_indices);
+    s.draw_anew(width, height);
   }
+  // Panels hide what is below them: they are copied.
+  for (const PixelBox& at : s.covered) {
+    glBlitNamedFramebuffer(s.framebuffer.get(), 0, at.left, at.bottom, at.right, at.top, at.left,
+                           at.bottom, at.right, at.top, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
+}
+
+void Panel::State::draw_anew(int width, int height) {
+  covered.clear();
   const ImDrawData* data = ImGui::GetDrawData();
   if (data == nullptr || data->TotalIdxCount == 0) return;
   const float to_px = static_cast<float>(width) / data->DisplaySize.x;
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glViewport(0, 0, width, height);
+  framebuffer.bind();
   glEnable(GL_SCISSOR_TEST);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  s.program.use();
-  s.program.set("size", Eigen::Vector2f(data->DisplaySize.x, data->DisplaySize.y));
-  s.ink.bind(0);
-  s.inputs.bind();
+  program.use();
+  program.set("size", Eigen::Vector2f(data->DisplaySize.x, data->DisplaySize.y));
+  ink.bind(0);
+  inputs.bind();
   std::size_t first_index = 0;
   int first_vertex = 0;
+  const auto box_of = [&](const ImVec4& at) {
+    return PixelBox{static_cast<int>(at.x * to_px), height - static_cast<int>(at.w * to_px),
+                    static_cast<int>(at.z * to_px), height - static_cast<int>(at.y * to_px)};
+  };
   for (const ImDrawList* list :
        std::span(data->CmdLists, static_cast<std::size_t>(data->CmdListsCount))) {
     for (const ImDrawCmd& command : list->CmdBuffer) {
-      const ImVec4& clip = command.ClipRect;
-      const int left = static_cast<int>(clip.x * to_px), right = static_cast<int>(clip.z * to_px);
-      const int top = static_cast<int>(clip.y * to_px), bottom = static_cast<int>(clip.w * to_px);
-      if (right <= left || bottom <= top) continue;
-      glScissor(left, height - bottom, right - left, bottom - top);
+      const PixelBox clip = box_of(command.ClipRect);
+      if (clip.right <= clip.left || clip.top <= clip.bottom) continue;
+      glScissor(clip.left, clip.bottom, clip.right - clip.left, clip.top - clip.bottom);
       glDrawElementsBaseVertex(
           GL_TRIANGLES, static_cast<GLsizei>(command.ElemCount), GL_UNSIGNED_SHORT,
           reinterpret_cast<const void*>((first_index + command.IdxOffset) * sizeof(ImDrawIdx)),
@@ -257,9 +301,11 @@ void Panel::draw(int width, int height) {
     }
     first_index += static_cast<std::size_t>(list->IdxBuffer.Size);
     first_vertex += list->VtxBuffer.Size;
+    if (list->IdxBuffer.Size > 0) covered.push_back(box_of(covered_by(*list)));
   }
   glDisable(GL_BLEND);
   glDisable(GL_SCISSOR_TEST);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
 }
 
 }  // namespace palpable
