@@ -24,6 +24,7 @@ pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)  # MIT: GL entry points
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)      # MIT (libglvnd): GL without a screen
 find_package(glfw3 3.3 REQUIRED)                         # zlib: windows
+pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)  # MIT: the panel in windows, linked statically
 find_package(PNG 1.6 REQUIRED)                           # libpng licence: picture files
 # At build time only: stb_truetype (MIT or public domain) draws DejaVu Sans (Bitstream Vera
 # licence: may be embedded) into a table of letters.

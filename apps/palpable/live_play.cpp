@@ -3,6 +3,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/ctrl_c.h"
+#include "apps/palpable/kept_picture.h"
 #include "palpable/base/error.h"
 #include "palpable/base/this_machine.h"
 #include "palpable/live/body_in_view.h"
@@ -19,6 +20,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -32,6 +34,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kPauseWait = 0.05;  // s, of a paused recording, between two looks at other things
+
 // Whether anybody looks at pictures.
 [[nodiscard]] bool has_pictures(const PlayOptions& options) {
   return options.window || !options.out.empty();
@@ -42,6 +46,7 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
   if (options.pictures && options.view != "camera") {
     throw Error("--pictures are what the camera sees: leave out --view " + options.view);
   }
+  if (options.paused && !options.window) throw Error("--paused: a --window is paused");
   if (!options.out.empty()) return options;
   // What says how files are written says nothing where none are.
   for (const auto& [wanted, name] :
@@ -58,9 +63,9 @@ ProgressReport progress_of(const Scene& scene, int done, int total) {
   return {"live", static_cast<double>(done), static_cast<double>(total), caption_of(scene.touches)};
 }
 
-ScenePainterSettings::View view_of(const std::string& name) {
-  using View = ScenePainterSettings::View;
-  return name == "map" ? View::kMap : name == "surface" ? View::kSurface : View::kCamera;
+LiveView view_of(const std::string& name) {
+  const auto at = std::find(kViewNames.begin(), kViewNames.end(), name);
+  return static_cast<LiveView>(at - kViewNames.begin());
 }
 
 SceneShow show_of(const PlayOptions& options) {
@@ -147,7 +152,16 @@ Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePaint
   const auto user_ended = [&] {
     return asked_to_end() || (painter != nullptr && painter->ended());
   };
-  while (!loop.ended() && !user_ended()) {
+  // A recording waits while it is paused; a camera's frames are answered as ever, and not shown.
+  const auto waits = [&, live = run.source->is_live()] {
+    return !live && painter != nullptr && painter->holds();
+  };
+  while ((!loop.ended() || waits()) && !user_ended()) {
+    if (waits()) {
+      painter->handle_events(kPauseWait);
+      events.serve();
+      continue;
+    }
     Scene* scene = loop.next_within(FrameSource::kLongestWait);
     if (tells_stats && stats.is_second_over(system_clock().now())) {
       bar.say(text_of(stats.end_stretch(moment_of(loop.counts(), output.get()))));
@@ -224,14 +238,20 @@ LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& ru
   return settings;
 }
 
-std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveRun& run) {
+std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveSetUp& setup) {
   if (!has_pictures(options)) return nullptr;
   const bool masks = !options.out.empty() && (!options.no_masks || options.pictures);
-  return std::make_unique<ScenePainter>(ScenePainterSettings{.window = options.window,
-                                                             .view = view_of(options.view),
-                                                             .show = show_of(options),
-                                                             .masks = masks},
-                                        run.loop);
+  return std::make_unique<ScenePainter>(
+      ScenePainterSettings{.window = options.window,
+                           .view = view_of(options.view),
+                           .show = show_of(options),
+                           .paused = options.paused,
+                           .masks = masks,
+                           .keep_picture =
+                               [body = setup.bodies.front().file](const ColorImage& picture) {
+                                 return keep_picture(body, "live", picture);
+                               }},
+      setup.run.loop);
 }
 
 void print_files(const PlayOptions& options, const LiveOutput& output) {
@@ -269,7 +289,7 @@ bool LivePlay::play(LiveSetUp& setup, int frames, const fs::path& scene, const S
   check(setup);
   warn_of_size(run);
   const LiveOutputSettings written = output_settings(options_, run);
-  const std::unique_ptr<ScenePainter> painter = painter_of(options_, run);
+  const std::unique_ptr<ScenePainter> painter = painter_of(options_, setup);
 
   const auto begin = std::chrono::steady_clock::now();
   listen_for_ctrl_c();
@@ -318,12 +338,14 @@ void add_play_options(Command command, PlayOptions& options) {
       .type_name("DIR")
       .words(1, 1);
   command
-      .add_option("--view", options.view,
-                  "What the pictures show. camera: what the camera sees, with the body in it; map: "
-                  "the room from outside as it has been seen so far, the way through it, the body; "
-                  "surface: what touches the body, with the other side that is assumed, and the "
-                  "pressed skin, from outside")
-      .one_of({"camera", "map", "surface"})
+      .add_option(
+          "--view", options.view,
+          "What the pictures show. camera: what the camera sees, with the body in it; map: "
+          "the room from outside as it has been seen so far, the way through it, the body; "
+          "surface: what touches the body, with the other side that is assumed, and the "
+          "pressed skin, from outside; depth: how far away everything is; moving: what of it "
+          "moves")
+      .one_of({"camera", "depth", "moving", "surface", "map"})
       .show_default();
   command
       .add_option("--paint", options.paint,
@@ -344,8 +366,13 @@ void add_play_options(Command command, PlayOptions& options) {
       .type_name("HZ")
       .in_range(30, 10'000);
   command.add_flag("--window", options.window,
-                   "Show it in a window too; Escape or Q ends the run. With --view map or surface, "
-                   "dragging turns it, the wheel comes nearer, R takes both back");
+                   "Show it in a window too, with a panel that switches what is shown; H lists the "
+                   "keys that do the same, Escape or Q ends the run. With --view map or surface, "
+                   "dragging turns it, the wheel comes nearer, R takes both back. Files get the "
+                   "pictures as they are switched to, without the panel");
+  command.add_flag("--paused", options.paused,
+                   "With --window: stop at the first frame until the key Space or S. A recording "
+                   "waits while it is paused, a camera goes on unseen");
   command.add_flag("--stats", options.stats,
                    "Say each second and at the end how fast it goes: frames a second, how old a "
                    "frame is when its picture is shown, frames dropped and left out of the files, "

@@ -26,6 +26,7 @@ struct PlayOptions {
   bool opaque = false;           ///< the paint alone, without the material below it
   bool forces = false;           ///< where and how hard bodies are pressed is drawn
   bool window = false;
+  bool paused = false;  ///< the window begins with the first frame held
   bool pictures = false;
   bool no_masks = false;
   bool no_depth = false;

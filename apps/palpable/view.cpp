@@ -3,13 +3,15 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/kept_picture.h"
 #include "apps/palpable/named_loads.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
-#include "palpable/reduced/body_file.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/picture_file.h"
 #include "palpable/render/window.h"
+#include "palpable/touch/touch_file.h"
+#include "palpable/touch/touchable_body.h"
 #include "palpable/view/body_pictures.h"
 #include "palpable/view/body_window.h"
 #include "palpable/view/mode_shapes.h"
@@ -82,31 +84,14 @@ void write_modes(const ReducedBody& body, const ViewOptions& options, PictureSiz
   context.errors().throw_if_any();
 }
 
-// Writes a picture that the user asked for with the key P under a name that is not taken yet. One
-// that cannot be written is no reason to close the window.
-// @return what became of it
-std::string keep_picture(const fs::path& body, const ColorImage& picture) {
-  try {
-    const auto name = [&](int n) { return fmt::format("{}_view_{}", body.stem().string(), n); };
-    int n = 1;
-    std::error_code ignored;
-    while (fs::exists(name(n) + ".png", ignored)) ++n;
-    write_picture(body, {}, name(n), picture);
-    return name(n) + ".png";
-  } catch (const Error& error) {
-    print_error(error.what());
-    return error.what();
-  }
-}
-
-void show_window(Window& window, const ReducedBody& body, const ViewOptions& options,
-                 PictureSize size) {
+void show_window(Window& window, const std::shared_ptr<const TouchableBody>& body,
+                 const ViewOptions& options, PictureSize size) {
   show_body(window, body,
             {.size = size,
              .site = options.site,
              .level = options.level,
              .close_after = options.close_after},
-            [&](const ColorImage& picture) { return keep_picture(options.body, picture); });
+            [&](const ColorImage& picture) { return keep_picture(options.body, "view", picture); });
 }
 
 // --load as --site and --level.
@@ -124,8 +109,9 @@ void settle_load(const ReducedBody& body, ViewOptions& options) {
 
 void run_view(ViewOptions options) {
   const PictureSize size = read_size(options.size);
-  const ReducedBody body =
-      value_or_throw(read_pressable_body(options.body, parse_settings(options.set)));
+  const auto touchable = std::make_shared<const TouchableBody>(
+      value_or_throw(read_pressable_touchable_body(options.body, parse_settings(options.set))));
+  const ReducedBody& body = touchable->body;
   if (!options.load.empty()) settle_load(body, options);
   const int site_count = static_cast<int>(body.sites.size());
   if (options.site >= site_count) {
@@ -145,7 +131,7 @@ void run_view(ViewOptions options) {
   Result<Window> window =
       Window::open(fmt::format("{} - Palpable", body.name), size.width, size.height);
   if (window.ok()) {
-    show_window(window.value(), body, options, size);
+    show_window(window.value(), touchable, options, size);
     return;
   }
   const fs::path folder = options.body.stem().string() + "_view";
@@ -187,8 +173,12 @@ void add_view(Command app) {
   view.add_option("--close-after", options->close_after, "Close the window after this many seconds")
       .positive();
   view.footer(
-      "In the window: hold or drag the left button on the body to press it, drag beside it to turn "
-      "it, zoom with the wheel. S shows the sites, L the legend, H the help; R goes back to the "
+      "In the window: hold or drag the left button on the body to press it, anywhere, as a finger "
+      "of "
+      "8 mm radius would (a body without tables of touch: at the nearest site); drag beside it to "
+      "turn it, zoom with the wheel. The panel and the keys switch: F what is painted, T the "
+      "panel, "
+      "S shows the sites, L the legend, H the help; R goes back to the "
       "start, P writes the picture to NAME_view_1.png (2, 3, ...) in this folder, Escape or Q "
       "ends.\n"
       "Without a display, pictures are written into the folder NAME_view.\n"

@@ -1817,6 +1817,7 @@ def _(programs, folder):
         try:
             window = screen.window()
             wait_for("a picture", lambda: screen.lit_share(window) > 0.9)
+            screen.type(window, "t")  # no panel, which would lie on the black
             for width, height in ((640, 360), (900, 700), (300, 600)):
                 screen.resize(window, width, height)
                 # The picture is 16 : 9, the rest of the window black.

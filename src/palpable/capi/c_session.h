@@ -2,12 +2,12 @@
 /// What stands behind the handles of palpable.h.
 #pragma once
 
-#include "palpable/capi/capsule_press.h"
 #include "palpable/capi/palpable.h"
 #include "palpable/capi/setup.h"
 #include "palpable/geometry/capsule.h"
 #include "palpable/geometry/frame.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/session/capsule_press.h"
 #include "palpable/session/frame_loop.h"
 #include "palpable/session/scene.h"
 #include "palpable/touch/touchable_body.h"

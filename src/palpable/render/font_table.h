@@ -1,5 +1,5 @@
 /// @file
-/// The built-in font as tools/make_font.cpp writes it. Only text.cpp reads it.
+/// The built-in font as tools/make_font.cpp writes it. text.cpp and panel.cpp read it.
 #pragma once
 
 #include <span>

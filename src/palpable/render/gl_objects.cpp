@@ -229,6 +229,13 @@ void GlVertexArray::floats(GLuint location, const GlBuffer& buffer, int componen
   glEnableVertexArrayAttrib(name_.get(), location);
 }
 
+void GlVertexArray::bytes(GLuint location, const GlBuffer& buffer, int stride, int offset) {
+  glVertexArrayVertexBuffer(name_.get(), location, buffer.get(), offset, stride);
+  glVertexArrayAttribFormat(name_.get(), location, 4, GL_UNSIGNED_BYTE, GL_TRUE, 0);
+  glVertexArrayAttribBinding(name_.get(), location, location);
+  glEnableVertexArrayAttrib(name_.get(), location);
+}
+
 void GlVertexArray::indices(const GlBuffer& buffer) {
   glVertexArrayElementBuffer(name_.get(), buffer.get());
 }

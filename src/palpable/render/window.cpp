@@ -11,7 +11,9 @@
 #include <array>
 #include <cctype>
 #include <cstring>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -44,6 +46,8 @@ struct Window::State {
     GlFramebuffer framebuffer;
   };
   std::unique_ptr<Surface> surface;
+  std::optional<Panel> panel;
+  std::vector<WindowEvent> events;  // that were handed out
 
   State() = default;
   State(const State&) = delete;
@@ -52,6 +56,7 @@ struct Window::State {
     if (window == nullptr) return;
     glfwMakeContextCurrent(window);
     surface.reset();
+    panel.reset();
     glfwDestroyWindow(window);
     if (--open_windows == 0) glfwTerminate();
   }
@@ -64,6 +69,9 @@ struct Window::State {
 
   // Shows the picture last shown again.
   void paint();
+  // The panel's part of what was reported; the rest is in `events`.
+  void take_events();
+  void fit_panel();
   void listen();
 };
 
@@ -143,13 +151,41 @@ void Window::State::paint() {
   glBlitNamedFramebuffer(surface->framebuffer.get(), 0, 0, 0, picture.width(), picture.height(),
                          at->x, at->y + at->height, at->x + at->width, at->y, GL_COLOR_BUFFER_BIT,
                          at->width == picture.width() ? GL_NEAREST : GL_LINEAR);
+  if (panel) panel->draw(width, height);
   glfwSwapBuffers(window);
+}
+
+void Window::State::fit_panel() {
+  int width = 0, height = 0;
+  glfwGetWindowSize(window, &width, &height);
+  panel->resize(width, height);
+}
+
+void Window::State::take_events() {
+  const std::span<const WindowEvent> all = log.take();
+  events.clear();
+  bool on_panel = false;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    // A mouse moves a thousand times a second: of moves that follow each other the last one counts.
+    const bool counts = i + 1 == all.size() || all[i].kind != WindowEvent::Kind::kMove ||
+                        all[i + 1].kind != WindowEvent::Kind::kMove;
+    if (panel && counts) on_panel = panel->handle(all[i]);
+    if (!on_panel || all[i].kind == WindowEvent::Kind::kKey) events.push_back(all[i]);
+  }
+  if (panel && !all.empty()) damaged |= panel->changed();
 }
 
 Window::Window(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Window::Window(Window&&) noexcept = default;
 Window& Window::operator=(Window&&) noexcept = default;
 Window::~Window() = default;
+
+void Window::set_panel(Panel::Layout layout) {
+  state_->panel.reset();
+  if (layout == nullptr) return;
+  state_->panel = value_or_throw(Panel::make(std::move(layout)));
+  state_->fit_panel();
+}
 
 void Window::show(const ColorImage& picture) {
   PALPABLE_EXPECT(!picture.empty(), "a picture has pixels");
@@ -164,19 +200,24 @@ void Window::show(const ColorImage& picture) {
   }
   s.surface->texture.upload(0, 0, picture.width(), picture.height(), GL_RGB, GL_UNSIGNED_BYTE,
                             picture.data());
+  if (s.panel) s.panel->lay_out();
   s.paint();
 }
 
 std::span<const WindowEvent> Window::events(double wait) {
   State& s = *state_;
-  if (wait > 0 && s.log.empty()) {
+  if (wait > 0 && s.log.empty() && !s.damaged) {
     glfwWaitEventsTimeout(wait);
   } else {
     glfwPollEvents();
   }
   // Once for all reports of a resize by mouse, which come faster than pictures are painted.
-  if (s.damaged && s.surface) s.paint();
-  return s.log.take();
+  if (s.damaged && s.surface) {
+    if (s.panel) s.fit_panel();
+    s.paint();
+  }
+  s.take_events();
+  return s.events;
 }
 
 bool Window::closed() const { return glfwWindowShouldClose(state_->window) == GLFW_TRUE; }

@@ -5,6 +5,7 @@
 #include "palpable/base/error.h"
 #include "palpable/geometry/image.h"
 #include "palpable/render/gl_context.h"
+#include "palpable/render/panel.h"
 #include "palpable/render/window_events.h"
 
 #include <memory>
@@ -24,6 +25,12 @@ class Window {
   Window& operator=(Window&&) noexcept;
   ~Window();
 
+  /// Puts a panel over the picture, laid out anew whenever a picture is shown and after each event.
+  /// It is in the window only: pictures that are shown stay as they are.
+  /// @param layout  what it refers to outlives the window, or the next panel; empty: no panel
+  /// @throws Error when the panel's shaders do not compile
+  void set_panel(Panel::Layout layout);
+
   /// Shows a picture as large as the window allows with its proportions kept. Waits for the
   /// screen's next refresh. The picture stays: events() paints it again where the window was
   /// resized or uncovered.
@@ -31,7 +38,8 @@ class Window {
   /// The events since the last call; valid until the next call. Without any it waits up to `wait`
   /// seconds for one. Keys are named by the user's layout; repeats of a key that is held, and keys
   /// together with Ctrl, Alt or Super, are left out. A window that loses the keyboard reports its
-  /// buttons as released.
+  /// buttons as released. What the mouse does on the panel is not among them; what it changed there
+  /// is seen when the next picture is shown, or at the next call.
   [[nodiscard]] std::span<const WindowEvent> events(double wait = 0);
   /// True once the user has asked to close the window.
   [[nodiscard]] bool closed() const;

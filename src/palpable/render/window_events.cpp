@@ -69,6 +69,8 @@ void WindowEventLog::key(int key) {
 void WindowEventLog::add(WindowEvent event) {
   event.x_px = (x_ - place_.x) * picture_width_ / place_.width - 0.5;
   event.y_px = (y_ - place_.y) * picture_height_ / place_.height - 0.5;
+  event.window_x = x_;
+  event.window_y = y_;
   gathered_.push_back(event);
 }
 

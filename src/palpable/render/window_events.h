@@ -17,9 +17,10 @@ struct WindowEvent {
   Kind kind = Kind::kMove;
   double x_px = 0;
   double y_px = 0;
-  int button = 0;    ///< kPress, kRelease: 0 left, 1 right, 2 middle
-  double wheel = 0;  ///< kWheel: notches, positive away from the user
-  int key = 0;       ///< kKey: 'A' .. 'Z', '0' .. '9', ' ' or a value below
+  double window_x = 0, window_y = 0;  ///< px of the window, from its upper left corner
+  int button = 0;                     ///< kPress, kRelease: 0 left, 1 right, 2 middle
+  double wheel = 0;                   ///< kWheel: notches, positive away from the user
+  int key = 0;                        ///< kKey: 'A' .. 'Z', '0' .. '9', ' ' or a value below
   static constexpr int kEscape = 256;
 };
 

@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <imgui.h>
 #include <iterator>
 #include <string>
 #include <sys/wait.h>
@@ -36,7 +37,7 @@ class VirtualScreen {
       // Xvfb picks a free number and writes it when it is ready.
       const std::string fd = std::to_string(pipe_ends[1]);
       if (std::freopen("/dev/null", "w", stderr) == nullptr) ::_exit(127);
-      ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "800x600x24", "-nolisten",
+      ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "1300x900x24", "-nolisten",
                "tcp", nullptr);
       ::_exit(127);
     }
@@ -190,7 +191,7 @@ ColorImage marked_picture() {
   for (int y = 0; y < 50; ++y) std::fill_n(picture.row(y), 80, Rgb{200, 100, 50});
   return picture;
 }
-constexpr unsigned long kMark = 0xc86432, kRest = 0x0a141e, kBorder = 0;
+constexpr unsigned long kMark = 0xc86432, kRest = 0x0a141e, kBorder = 0, kPanel = 0x12171c;
 
 // What the window reports until an event of that kind has come; 10 s at the most.
 std::vector<WindowEvent> events_until(palpable::Window& window, WindowEvent::Kind kind) {
@@ -340,6 +341,85 @@ TEST_CASE("a key counts once, by the name that the user's keyboard gives it, and
     }
   }
   CHECK(keys == std::vector<int>{'P', WindowEvent::kEscape});
+}
+
+TEST_CASE("what the mouse does on a panel is the panel's alone, and keys are the program's",
+          "[render][window][panel]") {
+  WINDOW_WITH_PICTURE(window, user);
+  bool checked = false;
+  ImVec2 box;  // the check box's middle
+  window.set_panel([&] {
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize({100, 60});
+    ImGui::Begin("panel", nullptr, ImGuiWindowFlags_NoDecoration);
+    ImGui::Checkbox("box", &checked);
+    const ImVec2 least = ImGui::GetItemRectMin(), most = ImGui::GetItemRectMax();
+    box = {0.5f * (least.x + most.x), 0.5f * (least.y + most.y)};
+    ImGui::End();
+  });
+  ColorImage picture = marked_picture();
+  window.show(picture);
+  window.show(picture);
+  CHECK(user.pixels({{98, 58}, {10, 190}}) == std::vector{kPanel, kRest});
+  CHECK(picture == marked_picture());
+
+  // On the panel: a click that is over before the next frame.
+  const int x = static_cast<int>(box.x), y = static_cast<int>(box.y);
+  user.point_at(200, 150);
+  user.move(x, y);
+  user.button(true, 1, x, y);
+  user.button(false, 1, x, y);
+  user.type(XK_k);
+  std::vector<WindowEvent> all = events_until(window, Kind::kKey);
+  CHECK(checked);
+  CHECK(only(Kind::kPress, all).empty());
+  CHECK(only(Kind::kRelease, all).empty());
+  CHECK(only(Kind::kKey, all).size() == 1);
+
+  // Beside it, and a drag that ends on it.
+  user.move(200, 150);
+  user.button(true, 1, 200, 150);
+  user.move(x, y);
+  user.button(false, 1, x, y);
+  all = events_until(window, Kind::kRelease);
+  CHECK(only(Kind::kPress, all).size() == 1);
+  CHECK(only(Kind::kRelease, all).size() == 1);
+  CHECK(checked);  // still
+  INFO(window.gl_errors().first());
+  CHECK(window.gl_errors().count() == 0);
+}
+
+TEST_CASE("a panel shows what was clicked without a new picture, and grows with its window",
+          "[render][window][panel]") {
+  WINDOW_WITH_PICTURE(window, user);
+  bool shown = true;
+  float letters = 0;
+  window.set_panel([&] {
+    letters = ImGui::GetFontSize();
+    if (!shown) return;
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize({60, 60});
+    ImGui::Begin("panel", nullptr, ImGuiWindowFlags_NoDecoration);
+    if (ImGui::Button("##hide", {50, 50})) shown = false;
+    ImGui::End();
+  });
+  window.show(marked_picture());
+  CHECK(user.pixels({{58, 58}}) == std::vector{kPanel});
+  user.move(30, 30);
+  user.button(true, 1, 30, 30);
+  user.button(false, 1, 30, 30);
+  const std::vector<std::array<int, 2>> places{{30, 30}, {58, 58}};
+  const std::vector<unsigned long> without{kMark, kRest};
+  CHECK(pixels_after_events(window, user, places, without) == without);
+  CHECK_FALSE(shown);
+  const float small = letters;
+  user.resize(1300, 900);
+  const std::vector<unsigned long> border{kBorder};
+  CHECK(pixels_after_events(window, user, {{10, 10}}, border) == border);
+  CHECK(letters > small);
+  CHECK(panel_letters(1280, 720) == 15);
+  CHECK(panel_letters(3840, 2160) == 42);
+  CHECK(panel_letters(500, 2160) == 10);
 }
 
 TEST_CASE("without a display there is no window but a reason", "[render][window]") {

@@ -2,11 +2,12 @@
 /// A body in a window, turned and pressed by mouse and keys, as `palpable view` shows it.
 #pragma once
 
-#include "palpable/reduced/reduced_body.h"
 #include "palpable/render/window.h"
+#include "palpable/touch/touchable_body.h"
 #include "palpable/view/studio_scene.h"
 
 #include <functional>
+#include <memory>
 #include <string>
 
 namespace palpable {
@@ -18,13 +19,16 @@ struct BodyWindowSettings {
   double close_after = 0;  ///< s; 0: when the user wants
 };
 
-/// Shows the body until the user closes the window (view_controls.h says what the user can do).
+/// Shows the body until the user closes the window (view_controls.h says what the user can do; a
+/// panel switches the same). The mouse presses a body with tables of touch anywhere, as a finger
+/// does (finger_press.h), and another one at its sites.
 /// Draws only when something changes; waits for events otherwise.
 /// @param keep_picture  called with the picture that is shown when the user asks to keep it;
 /// returns
 ///                      what became of it, in a line that the window then shows
 /// @throws Error when OpenGL reported errors
-void show_body(Window& window, const ReducedBody& body, const BodyWindowSettings& settings,
+void show_body(Window& window, const std::shared_ptr<const TouchableBody>& body,
+               const BodyWindowSettings& settings,
                const std::function<std::string(const ColorImage&)>& keep_picture);
 
 }  // namespace palpable

@@ -6,7 +6,8 @@
 
 namespace palpable {
 
-/// Draws `inside`, four times smaller and with a border, into the upper left corner.
+/// Draws `inside`, four times smaller and with a border, into the upper right corner: the
+/// window's panel is at the left.
 void draw_inset(const ColorImage& inside, ColorImage& picture);
 
 }  // namespace palpable

@@ -65,20 +65,28 @@ void MapPicture::add_moving(const Scene& scene) {
   }
 }
 
+void MapPicture::follow(const Scene& scene) {
+  ++frames_;
+  path_.add(scene.camera);
+  if (is_known(scene.camera)) view_.follow(scene.camera.world_from_camera, scene.time);
+}
+
 void MapPicture::draw(const Scene& scene, const Session& session, double scale,
                       const ColorImage& inside, ColorImage& picture) {
+  follow(scene);
   if (session.map() != nullptr) {
     if (const MapMesh* mesh = mesher_.advance(*session.map())) {
       renderer_.set_surface(surface_of(*mesh));
     }
   }
   const bool known = is_known(scene.camera);
-  path_.add(scene.camera);
-  if (known) view_.follow(scene.camera.world_from_camera, scene.time);
   // Now and then: they are copied.
-  if (scene.camera.keyframe || frames_ % kKeyframesEvery == 0) keyframes_ = session.keyframes();
-  const bool due = frames_ % kDrawEvery == 0 || turned_ || known != was_known_;
-  ++frames_;
+  if (scene.camera.keyframe || frames_ > next_keyframes_) {
+    keyframes_ = session.keyframes();
+    next_keyframes_ = frames_ + kKeyframesEvery - 1;
+  }
+  const bool due = frames_ > next_drawn_ || turned_ || known != was_known_;
+  if (due) next_drawn_ = frames_ + kDrawEvery - 1;
   turned_ = false;
   was_known_ = known;
   if (due) draw_room(scene, session, scale, inside.width(), inside.height());

@@ -26,7 +26,10 @@ class MapPicture {
   /// Turns and zooms (follow_camera.h).
   void handle(const WindowEvent& event) { turned_ |= view_.handle(event); }
 
-  /// Call it for every frame. The room is drawn anew in every third one only, and when the view is
+  /// Takes note of where the camera is; draw() does, too. Call one of them for every frame.
+  void follow(const Scene& scene);
+
+  /// The room is drawn anew in every third one only, and when the view is
   /// turned or the camera is lost or found: without a GPU that costs about as much as everything
   /// else.
   /// @param scene   of the frame answered last: its touches and stress are painted on the bodies
@@ -47,7 +50,9 @@ class MapPicture {
   CameraPath path_;
   Eigen::Vector3d up_;
   std::vector<KeyframePose> keyframes_;
-  int frames_ = 0;
+  int frames_ = 0;          // that were followed
+  int next_drawn_ = 0;      // of these: from which on the room is due again,
+  int next_keyframes_ = 0;  // and the keyframes
   bool turned_ = false;
   bool was_known_ = true;
   ColorImage room_;  // the picture without what is written in it

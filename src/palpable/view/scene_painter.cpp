@@ -2,69 +2,162 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/stage_clock.h"
+#include "palpable/view/sensed_picture.h"
 #include "palpable/view/stress_scale.h"
 
 #include <fmt/core.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace palpable {
+namespace {
+
+std::vector<std::string> names_of_bodies(const Session& session) {
+  std::vector<std::string> names;
+  for (int k = 0; k < session.body_count(); ++k) names.push_back(session.body_name(k));
+  return names;
+}
+
+}  // namespace
 
 ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop)
-    : views_(stress_scale(loop.session)),
+    : session_(loop.session),
+      views_(stress_scale(loop.session)),
       scale_(stress_scale(loop.session)),
       masks_(settings.masks),
-      shown_(settings.show) {
+      keep_picture_(settings.keep_picture),
+      controls_(settings.view, settings.show, loop.session.body_count()),
+      panel_(names_of_bodies(loop.session)) {
   const PinholeCamera& camera = loop.camera.camera();
   if (settings.window) {
-    window_.emplace(value_or_throw(Window::open("Palpable", camera.width, camera.height)));
+    Result<Window> window = Window::open("Palpable", camera.width, camera.height);
+    if (!window.ok()) {
+      throw Error(fmt::format(
+          "{}; without --window it plays all the same, and --out writes what would be seen",
+          window.problem().message));
+    }
+    window_.emplace(std::move(window).value());
+    window_->set_panel([this] { panel_.lay_out(controls_); });
+    controls_.paused = settings.paused;
   } else {
     offscreen_.emplace(value_or_throw(GlContext::offscreen()));
   }
   renderer_.emplace(value_or_throw(SceneRenderer::make()));
-  using View = ScenePainterSettings::View;
-  if (settings.view == View::kMap) {
+  // In a window each may be switched to.
+  if (settings.window || settings.view == LiveView::kMap) {
     map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
                                         loop.session.world_from_body());
-  } else if (settings.view == View::kSurface) {
+  }
+  if (settings.window || settings.view == LiveView::kSurface) {
     surface_ = std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), loop.session);
   }
 }
 
 void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
-  if (!window_ && !drawn.in_files && !map_) return;
-  const StageTimer timer(drawn.scene.times, "draw");
-  const bool masks = masks_ && drawn.in_files;
-  SceneView& view = views_.of(drawn.scene, session, shown_);
-  const Rigid3& camera_from_body = drawn.scene.bodies.front().camera_from_body;
-  light_.see(drawn.scene.seen, camera_from_body);
-  view.light = light_in_camera(light_.light(), camera_from_body);
-  const bool outside = map_ || surface_;
-  if (outside) {  // its own caption says it
-    view.legend_title.clear();
-    view.caption.clear();
-    view.warning.clear();
+  drawn_for_window_ = window_ && !holds();
+  const bool nobody_looks = !drawn_for_window_ && !drawn.in_files;
+  if (map_ && (nobody_looks || controls_.view != LiveView::kMap)) map_->follow(drawn.scene);
+  if (nobody_looks) return;
+  {
+    const StageTimer timer(drawn.scene.times, "draw");
+    const bool masks = masks_ && drawn.in_files;
+    draw_look(drawn.scene, session, drawn.picture, masks ? &drawn.visible : nullptr,
+              masks ? &drawn.body_depth : nullptr);
   }
-  renderer_->draw(view, outside ? inside_ : drawn.picture, masks ? &drawn.visible : nullptr,
-                  masks ? &drawn.body_depth : nullptr);
-  if (surface_) { surface_->draw(drawn.scene, session, scale_, inside_, drawn.picture); }
-  if (!map_) return;
-  map_->draw(drawn.scene, session, scale_, inside_, drawn.picture);
+  if (!drawn_for_window_) return;
+  panel_.add(drawn.scene);
+  if (!controls_.paused) {
+    held_.reset();
+    return;
+  }
+  controls_.step_wanted = false;
+  held_ = drawn.scene;
+  held_picture_ = drawn.picture;
+  held_view_ = controls_.view;
+  held_show_ = controls_.show;
+}
+
+void ScenePainter::draw_look(const Scene& scene, const Session& session, ColorImage& picture,
+                             MaskImage* visible, DepthImage* body_depth) {
+  const LiveView look = controls_.view;
+  const bool outside = look == LiveView::kMap || look == LiveView::kSurface;
+  if (look == LiveView::kCamera || outside || visible != nullptr) {
+    SceneView& view = views_.of(scene, session, controls_.show);
+    const Rigid3& camera_from_body = scene.bodies.front().camera_from_body;
+    light_.see(scene.seen, camera_from_body);
+    view.light = light_in_camera(light_.light(), camera_from_body);
+    if (outside) {  // its own caption says it
+      view.legend_title.clear();
+      view.caption.clear();
+      view.warning.clear();
+    }
+    renderer_->draw(view, look == LiveView::kCamera ? picture : inside_, visible, body_depth);
+  }
+  switch (look) {
+    case LiveView::kCamera:
+      break;
+    case LiveView::kDepth:
+      draw_depth(scene, picture);
+      break;
+    case LiveView::kMoving:
+      draw_moving(scene, picture);
+      break;
+    case LiveView::kSurface:
+      surface_->draw(scene, session, scale_, inside_, picture);
+      break;
+    case LiveView::kMap:
+      map_->draw(scene, session, scale_, inside_, picture);
+      break;
+  }
 }
 
 void ScenePainter::show(const ColorImage& picture) {
   if (!window_) return;
-  window_->show(picture);
+  if (drawn_for_window_) {
+    window_->show(picture);
+    if (controls_.picture_wanted) keep_picture(picture);
+  }
   handle_events();
 }
 
-void ScenePainter::handle_events() {
+void ScenePainter::handle(const WindowEvent& event) {
+  controls_.handle(event);
+  const bool key = event.kind == WindowEvent::Kind::kKey;
+  // R goes back to the start in both; the mouse turns what is seen.
+  if (key || controls_.view == LiveView::kMap) map_->handle(event);
+  if (key || controls_.view == LiveView::kSurface) surface_->handle(event);
+}
+
+void ScenePainter::handle_events(double wait) {
   if (!window_) return;
-  for (const WindowEvent& event : window_->events()) {
-    ended_ |= event.kind == WindowEvent::Kind::kKey &&
-              (event.key == WindowEvent::kEscape || event.key == 'Q');
-    if (map_) map_->handle(event);
-    if (surface_) surface_->handle(event);
+  bool happened = false;
+  for (const WindowEvent& event : window_->events(wait)) {
+    handle(event);
+    happened = true;
   }
-  ended_ |= window_->closed();
+  ended_ |= controls_.ended || window_->closed();
+  if (!holds()) return;
+  const bool outside = controls_.view == LiveView::kMap || controls_.view == LiveView::kSurface;
+  if ((happened && outside) || controls_.view != held_view_ || !(controls_.show == held_show_)) {
+    draw_held();
+  } else if (happened || controls_.picture_wanted) {
+    window_->show(held_picture_);  // with what the panel says now
+  }
+  if (controls_.picture_wanted) keep_picture(held_picture_);
+}
+
+void ScenePainter::draw_held() {
+  held_view_ = controls_.view;
+  held_show_ = controls_.show;
+  draw_look(*held_, session_, held_picture_, nullptr, nullptr);
+  window_->show(held_picture_);
+}
+
+void ScenePainter::keep_picture(const ColorImage& picture) {
+  controls_.picture_wanted = false;
+  if (keep_picture_) panel_.note = keep_picture_(picture);
 }
 
 void ScenePainter::throw_gl_errors() const {

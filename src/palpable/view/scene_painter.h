@@ -1,6 +1,6 @@
 /// @file
-/// A session's scenes, drawn: what its camera sees with the body in it, the room from outside, or
-/// what contact knows near the body.
+/// A session's scenes, drawn: what its camera sees with the body in it, what it senses, the room
+/// from outside, or what contact knows near the body. In a window with a panel, if it is wanted.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -9,47 +9,61 @@
 #include "palpable/render/window.h"
 #include "palpable/session/frame_loop.h"
 #include "palpable/view/drawn_frame.h"
+#include "palpable/view/live_controls.h"
+#include "palpable/view/live_panel.h"
 #include "palpable/view/map_picture.h"
 #include "palpable/view/scene_light.h"
 #include "palpable/view/scene_picture.h"
 #include "palpable/view/scene_show.h"
 #include "palpable/view/surface_picture.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 namespace palpable {
 
 struct ScenePainterSettings {
-  enum class View {
-    kCamera,  ///< what the camera sees
-    kMap,     ///< the room from outside (map_picture.h)
-    kSurface  ///< what contact knows near the body, from outside (surface_picture.h)
-  };
-  bool window = false;  ///< also show the pictures in a window; else draw off screen
-  View view = View::kCamera;
-  SceneShow show = {};  ///< what of a scene is shown to begin with
+  bool window = false;                ///< also show the pictures in a window; else draw off screen
+  LiveView view = LiveView::kCamera;  ///< to begin with
+  SceneShow show = {};                ///< what of a scene is shown to begin with
+  bool paused = false;  ///< stop at the first scene, until the user of the window goes on
   bool masks = true;  ///< also fill DrawnFrame::visible and body_depth, which are read back for it
+  /// Called with the picture that is shown when the user of the window asks to keep it; returns
+  /// what became of it, in a line for the panel.
+  std::function<std::string(const ColorImage&)> keep_picture = {};
 };
 
 /// Draws the scenes of one frame loop, in their order. Main thread only.
 class ScenePainter {
  public:
+  /// @param loop  outlives this, at its place
   /// @throws Error when there is no OpenGL context, no display for a window, or a shader does not
   ///         compile
   ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop);
+  ScenePainter(const ScenePainter&) = delete;  // the window's panel knows where it is
+  ScenePainter& operator=(const ScenePainter&) = delete;
 
   /// Fills in what drawing adds to a scene, but for the scores; its time goes to the stage "draw".
   /// Without masks, and for a frame that is in no file, `visible` and `body_depth` stay as they
-  /// are. What is in no file and in no window is drawn only where later pictures need it (the map's
-  /// path).
+  /// are. What is in no file and not shown in the window is not drawn.
   void draw(DrawnFrame& drawn, const Session& session);
 
-  /// Shows a picture in the window, and handles what the user did there; nothing without one.
+  /// Shows a picture that was just drawn in the window, unless the user has paused it, and handles
+  /// what the user did there; nothing without a window.
   void show(const ColorImage& picture);
 
-  /// Turns what is seen from outside as the mouse says, and notes whether the user wants to end.
-  void handle_events();
+  /// Does what mouse and keys say: turns what is seen from outside, switches, notes whether the
+  /// user wants to end. What is held is drawn again when it changes.
+  /// @param wait  s, at most, for something to happen
+  void handle_events(double wait = 0);
+
+  /// Whether the user has paused, so that a scene is held in the window. A recording should wait
+  /// then, in handle_events(); a camera goes on, and its newest frame is shown at the next step.
+  [[nodiscard]] bool holds() const {
+    return held_ && controls_.paused && !controls_.step_wanted && !ended_;
+  }
 
   /// Whether the user has closed the window or pressed Escape or Q.
   [[nodiscard]] bool ended() const { return ended_; }
@@ -58,17 +72,31 @@ class ScenePainter {
   void throw_gl_errors() const;
 
  private:
+  void handle(const WindowEvent& event);
+  void draw_look(const Scene& scene, const Session& session, ColorImage& picture,
+                 MaskImage* visible, DepthImage* body_depth);
+  void draw_held();
+  void keep_picture(const ColorImage& picture);
+
+  const Session& session_;
   std::optional<GlContext> offscreen_;
   std::optional<Window> window_;
   std::optional<SceneRenderer> renderer_;
-  std::unique_ptr<MapPicture> map_;          // if it is to be shown
+  std::unique_ptr<MapPicture> map_;          // if it may be shown
   std::unique_ptr<SurfacePicture> surface_;  // likewise
   SceneViews views_;
   LightEstimator light_;  // in the first body's frame
   ColorImage inside_;     // what the camera sees, where the picture is another
   double scale_;          // Pa, top of the stress's colours
   bool masks_;
-  SceneShow shown_;
+  std::function<std::string(const ColorImage&)> keep_picture_;
+  LiveControls controls_;
+  LivePanel panel_;
+  bool drawn_for_window_ = false;  // the picture drawn last
+  std::optional<Scene> held_;      // what the window has shown since the user paused
+  ColorImage held_picture_;
+  LiveView held_view_ = LiveView::kCamera;  // with which it was drawn,
+  SceneShow held_show_;                     // and what of it
   bool ended_ = false;
 };
 

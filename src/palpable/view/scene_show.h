@@ -17,6 +17,8 @@ struct SceneShow {
   bool contacts = false;  ///< balls where bodies are touched
   bool forces = false;    ///< arrows: where, whither and how hard bodies are pressed
   bool legend = true;     ///< the bar of colours
+
+  friend bool operator==(const SceneShow&, const SceneShow&) = default;
 };
 
 }  // namespace palpable

@@ -11,6 +11,7 @@ namespace palpable {
 namespace {
 
 constexpr double kViewAngle = 0.55;  // rad, vertical
+constexpr double kPress = 0.1;       // of the body's height: the top of displacement's colours
 
 }  // namespace
 
@@ -54,16 +55,55 @@ void StudioScene::resize(PictureSize size) {
 }
 
 const ColorImage& StudioScene::draw(const OrbitCamera& orbit) {
-  BodyLook look = pressed_.look();
+  BodyLook look = finger_ != nullptr ? finger_->look() : pressed_.look();
   dots_.clear();
   if (sites_shown) {
     pressed_.site_dots(dot_radius_, dots_);
     look.marks = pressed_.patch_marks();
   }
-  if (pressed_.level() > 0) pressed_.load_dots(dot_radius_, dots_);
+  if (is_pressed()) {
+    if (finger_ != nullptr) {
+      finger_->finger_dots(dot_radius_, dots_);
+    } else {
+      pressed_.load_dots(dot_radius_, dots_);
+    }
+  }
   look.dots = dots_;
-  view_.legend_title = legend_shown ? "von Mises stress" : "";
+  paint(look);
   return draw(look, orbit);
+}
+
+bool StudioScene::is_pressed() const {
+  return (finger_ != nullptr ? finger_->level() : pressed_.level()) > 0;
+}
+
+// Colours of the chosen field, and its legend.
+void StudioScene::paint(BodyLook& look) {
+  view_.legend_title.clear();
+  view_.legend_unit = "kPa";
+  view_.legend_scale = 1e-3;
+  switch (field) {
+    case SceneShow::Field::kVonMises:
+      if (legend_shown) view_.legend_title = "von Mises stress";
+      break;
+    case SceneShow::Field::kDisplacement: {
+      const Eigen::Matrix3Xd& X = body_.surface.vertices;
+      displacement_.resize(static_cast<std::size_t>(X.cols()));
+      for (Eigen::Index i = 0; i < X.cols(); ++i) {
+        displacement_[static_cast<std::size_t>(i)] =
+            (look.vertices->col(i) - X.col(i).cast<float>()).norm();
+      }
+      look.scalar = displacement_;
+      look.scalar_max = static_cast<float>(kPress * X.row(2).maxCoeff());
+      if (legend_shown) view_.legend_title = "displacement";
+      view_.legend_unit = "mm";
+      view_.legend_scale = 1e3;
+      break;
+    }
+    case SceneShow::Field::kNone:
+      look.scalar = {};
+      break;
+  }
 }
 
 const ColorImage& StudioScene::draw_other(const BodyLook& look, const std::string& legend,
@@ -104,6 +144,16 @@ std::string StudioScene::title() const {
 }
 
 std::string StudioScene::reading() const {
+  if (finger_ != nullptr) {
+    std::string text =
+        fmt::format("finger pushed by {:.1f} mm   force {:.2f} N   largest stress {:.1f} kPa",
+                    1e3 * finger_->push(), finger_->force(), 1e-3 * finger_->largest_von_mises());
+    if (const auto& stated = finger_->stated_error()) {
+      text += fmt::format("   off by some {:.2g} %, stress {:.2g} %", 100 * stated->displacement,
+                          100 * stated->von_mises);
+    }
+    return text;
+  }
   return fmt::format(
       "site {}   level {:.2f}   force {:.2f} N   depth {:.1f} mm   largest stress {:.1f} kPa",
       pressed_.site(), pressed_.level(), pressed_.force(), 1e3 * pressed_.press_depth(),

@@ -6,7 +6,9 @@
 #include "palpable/render/orbit_camera.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/render/studio.h"
+#include "palpable/view/finger_press.h"
 #include "palpable/view/pressed_body.h"
+#include "palpable/view/scene_show.h"
 
 #include <Eigen/Core>
 
@@ -40,6 +42,9 @@ class StudioScene {
   void resize(PictureSize size);
 
   [[nodiscard]] PressedBody& pressed() { return pressed_; }
+  /// From now on draws the same body as a finger presses it. @param finger  null: at its site
+  void show_finger(const FingerPress* finger) { finger_ = finger; }
+  SceneShow::Field field = SceneShow::Field::kVonMises;
   bool sites_shown = false;
   bool legend_shown = true;
   std::vector<std::string> caption;
@@ -57,14 +62,18 @@ class StudioScene {
 
   /// Name and size of the body.
   [[nodiscard]] std::string title() const;
-  /// Site, level, force, depth and stress of the press.
+  /// Site and level, or the finger's push; force, depth and stress of the press.
   [[nodiscard]] std::string reading() const;
 
  private:
   const ColorImage& draw(BodyLook look, const OrbitCamera& orbit);
+  [[nodiscard]] bool is_pressed() const;
+  void paint(BodyLook& look);
 
   const ReducedBody& body_;
   PressedBody pressed_;
+  const FingerPress* finger_ = nullptr;
+  std::vector<float> displacement_;  // m, if that is painted
   Studio studio_;
   SceneRenderer renderer_;
   float dot_radius_;  // m

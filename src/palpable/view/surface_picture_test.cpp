@@ -80,7 +80,7 @@ TEST_CASE("the surface's picture shows what presses, and turns with the mouse", 
   REQUIRE(before.height() == 480);
   CHECK(std::count_if(before.begin(), before.end(), is_green) > 300);
   CHECK(std::count_if(before.begin(), before.end(), is_orange) > 50);
-  CHECK(before(30, 30) == Rgb{0, 0, 255});
+  CHECK(before(610, 30) == Rgb{0, 0, 255});
   view.handle({.kind = WindowEvent::Kind::kPress, .x_px = 300, .y_px = 200});
   view.handle({.kind = WindowEvent::Kind::kMove, .x_px = 420, .y_px = 200});
   view.handle({.kind = WindowEvent::Kind::kRelease, .x_px = 420, .y_px = 200});

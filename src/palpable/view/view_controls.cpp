@@ -1,5 +1,7 @@
 #include "palpable/view/view_controls.h"
 
+#include "palpable/view/show_names.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -82,9 +84,14 @@ void ViewControls::key(int key) {
     case 'P':
       picture_wanted = true;
       break;
+    case 'F':
+      field = next_of(field, kFieldNames);
+      break;
+    case 'T':
+      panel_shown = !panel_shown;
+      break;
     case 'R':
-      camera = usual_;
-      press_ = Press::kNone;
+      reset();
       break;
     case 'Q':
     case WindowEvent::kEscape:
@@ -93,6 +100,12 @@ void ViewControls::key(int key) {
     default:
       break;
   }
+}
+
+void ViewControls::reset() {
+  camera = usual_;
+  press_ = Press::kNone;
+  field = SceneShow::Field::kVonMises;
 }
 
 void ViewControls::keep(int site, double level) {
@@ -126,7 +139,8 @@ bool ViewControls::moving(double time) const {
 const std::array<std::string, 2>& ViewControls::help() {
   static const std::array<std::string, 2> lines{
       "Click the body and hold or drag: press    Drag beside it: turn    Wheel: zoom",
-      "S sites    L legend    R reset    P picture    H hide this    Esc quit"};
+      "F field    S sites    L legend    R reset    P picture    T panel    H hide this    Esc "
+      "quit"};
   return lines;
 }
 

@@ -5,6 +5,7 @@
 
 #include "palpable/render/orbit_camera.h"
 #include "palpable/render/window_events.h"
+#include "palpable/view/scene_show.h"
 
 #include <array>
 #include <functional>
@@ -13,12 +14,13 @@
 
 namespace palpable {
 
-/// Left button on the body presses the nearest site, deeper while it is held or dragged, and lets
-/// it spring back when released. Any button beside the body turns, the wheel zooms, keys switch.
-/// Of several buttons the first one counts until it is released.
+/// Left button on the body presses it there (or its nearest site), deeper while it is held or
+/// dragged, and lets it spring back when released. Any button beside the body turns, the wheel
+/// zooms, keys switch. Of several buttons the first one counts until it is released.
 class ViewControls {
  public:
-  /// The site at a pixel of the picture, or nothing where the body is not.
+  /// The site at a pixel of the picture, or nothing where the body is not. Of a body that is
+  /// pressed anywhere any number; where it was pressed is then the caller's to remember.
   using SiteAt = std::function<std::optional<int>(double x_px, double y_px)>;
 
   /// @param usual  where to begin, and to return to with R
@@ -26,6 +28,9 @@ class ViewControls {
 
   /// @param time  s, never before that of an earlier call
   void handle(const WindowEvent& event, double time, const SiteAt& site_at);
+
+  /// Everything as at the start, as the key R.
+  void reset();
 
   /// Holds a site at a level until another is pressed or R is hit.
   void keep(int site, double level);
@@ -39,6 +44,8 @@ class ViewControls {
   [[nodiscard]] static const std::array<std::string, 2>& help();
 
   OrbitCamera camera;
+  SceneShow::Field field = SceneShow::Field::kVonMises;
+  bool panel_shown = true;
   bool sites_shown = false;
   bool legend_shown = true;
   bool help_shown = true;

@@ -47,6 +47,8 @@ class CapsulePress {
   /// @param touches   overwritten, the strongest first
   TouchReport advance(std::span<const Capsule> capsules, SceneBody& shown,
                       std::vector<Touch>& touches);
+  /// As if nothing had pressed yet.
+  void forget() { state_ = TouchState(); }
 
  private:
   std::shared_ptr<const TouchableBody> body_;

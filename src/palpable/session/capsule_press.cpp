@@ -1,4 +1,4 @@
-#include "palpable/capi/capsule_press.h"
+#include "palpable/session/capsule_press.h"
 
 #include "palpable/geometry/surface_mesh.h"
 

@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+"""The windows of live and view, used by mouse and keys on a screen of the test's own: one case, one test, as in
+programs.py. `--list` names the cases."""
+import json
+import shutil
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+import programs as base
+from screen import BUTTON_PRESS, BUTTON_RELEASE, ESCAPE, LEFT, MOTION, Screen, wait_for
+
+base.CASES.clear()
+case = base.case
+
+
+@contextmanager
+def shown(programs, here, *words):
+    """(screen, window, process) of a program whose window shows a picture; nothing where there is no screen."""
+    here.mkdir(parents=True, exist_ok=True)
+    with Screen() as screen:
+        if screen.missing:
+            print("SKIPPED: " + screen.missing)
+            yield None
+            return
+        program = screen.start(programs.palpable, *words, cwd=here)
+        try:
+            window = screen.window()
+            wait_for("a picture", lambda: screen.lit_share(window) > 0.8)
+            yield screen, window, program
+        finally:
+            program.kill()
+            program.wait()
+
+
+def changed_by(screen, window, what, do):
+    """The window's pixels after `do`, which changes them."""
+    before = screen.pixels(window)
+    do()
+    wait_for(what, lambda: screen.pixels(window) != before)
+    return screen.pixels(window)
+
+
+def settled(screen, window):
+    """The window's pixels once they stay as they are for a while."""
+    last = [screen.pixels(window), 0]
+
+    def is_still():
+        now = screen.pixels(window)
+        last[:] = [now, last[1] + 1 if now == last[0] else 0]
+        return last[1] >= 15  # 0.3 s and more
+    wait_for("a picture that stays", is_still)
+    return last[0]
+
+
+def colors(screen, window):
+    """Rows of (r, g, b), as base.png_rows."""
+    data, width = screen.pixels(window), screen.attributes(window).width
+    at = [(data[i + 2], data[i + 1], data[i]) for i in range(0, len(data), 4)]
+    return [at[i:i + width] for i in range(0, len(at), width)]
+
+
+@case("the window of live is paused, stepped, switched and kept by keys, and goes on by a click on its panel")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=4)
+    here = folder / "here"
+    with shown(programs, here, *base.live(programs, folder, "--window", "--paused")) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        type_key = lambda key: (lambda: screen.type(window, key))
+        camera = changed_by(screen, window, "no panel", type_key("t"))
+        views = [changed_by(screen, window, f"view {key}", type_key(key)) for key in "2345"]
+        assert len(set(views + [camera])) == 5, "two views look the same"
+        assert changed_by(screen, window, "the camera's view again", type_key("1")) == camera
+        changed_by(screen, window, "another view", type_key("2"))
+        assert changed_by(screen, window, "the start", type_key("r")) == camera
+        changed_by(screen, window, "no legend", type_key("l"))
+        assert changed_by(screen, window, "the legend", type_key("l")) == camera
+
+        # What is kept is what is shown, without the panel: of the window's size here, so to the bit.
+        seen = colors(screen, window)
+        screen.type(window, "p")
+        kept = here / "ball_live_1.png"
+        wait_for("a kept picture", lambda: kept.exists() and kept.stat().st_size > 0)
+        panel = changed_by(screen, window, "the panel", type_key("t"))
+        assert [list(row) for row in base.png_rows(kept)] == seen
+        screen.type(window, "p")
+        second = here / "ball_live_2.png"
+        wait_for("a second picture", lambda: second.exists() and second.stat().st_size > 0)
+        assert second.read_bytes() == kept.read_bytes(), "the panel is in the picture"
+
+        # It waits where it is until it is told to go on by one frame. The caption says the time.
+        assert program.poll() is None
+        changed_by(screen, window, "the next frame", type_key("s"))
+        changed_by(screen, window, "the keys", type_key("h"))
+        screen.resize(window, 1280, 720)
+        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+        button = (57, 69)  # "Go on", in letters of 15 px
+        screen.mouse(window, (MOTION, *button), (BUTTON_PRESS, *button, LEFT), (BUTTON_RELEASE, *button, LEFT))
+        assert program.wait(timeout=60) == 0, "it does not go on"
+    touches = (folder / "out/touches.jsonl").read_bytes()
+    shutil.rmtree(folder / "out")
+    programs.succeeds(*base.live(programs, folder))
+    assert (folder / "out/touches.jsonl").read_bytes() == touches
+
+
+@case("a paused window of live is closed by Escape, and without a window nothing is paused")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=3)
+    with shown(programs, folder, *base.live(programs, folder, "--window", "--paused")) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        screen.type(window, ESCAPE)
+        assert program.wait(timeout=60) == 0
+    programs.refuses(*base.live(programs, folder, "--paused"), says=["--paused", "--window"])
+
+
+@case("a paused window of a camera holds its picture, and the run goes on behind it")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=240)  # 8 s as a camera gives them
+    with shown(programs, folder, *base.live(programs, folder, "--window", "--paused", "--paced")) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        held = settled(screen, window)
+        stepped = changed_by(screen, window, "a newer frame", lambda: screen.type(window, "s"))
+        assert stepped != held
+        screen.type(window, ESCAPE)
+        assert program.wait(timeout=60) == 0
+    # More than the two that were shown.
+    assert json.loads((folder / "out/live.json").read_text())["frames"] > 2
+
+
+@case("live without a display says so, and how to do without a window")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=2)
+    programs.refuses(*base.live(programs, folder, "--window"), says=["cannot open a window", "DISPLAY", "--window"])
+
+
+@case("the mouse presses a body anywhere as a finger does, and one without tables of touch at its sites")
+def _(programs, folder):
+    anywhere = programs.baked_ball(programs.work / "touched", base.TOUCHED_BALL)
+    for body, presses_anywhere in ((anywhere, True), (programs.small_body(), False)):
+        with shown(programs, folder, "view", body) as given:
+            if given is None:
+                return
+            screen, window, program = given
+            changed_by(screen, window, "no panel", lambda: screen.type(window, "t"))
+            rest = changed_by(screen, window, "no help", lambda: screen.type(window, "h"))
+            pressed = []
+            # Two places nearest to one site: a finger presses both, a site is pressed but once.
+            for place in ((600, 300), (612, 300)):
+                # Dragged so far that it is the full press at once.
+                far = (place[0], place[1] + 300)
+                screen.mouse(window, (MOTION, *place), (BUTTON_PRESS, *place, LEFT), (MOTION, *far))
+                wait_for("a press", lambda: screen.pixels(window) != rest)
+                pressed.append(settled(screen, window))
+                screen.mouse(window, (BUTTON_RELEASE, *far, LEFT))
+                wait_for("the body at rest", lambda: screen.pixels(window) == rest)
+            assert (pressed[0] != pressed[1]) == presses_anywhere, body
+            # At rest stress and displacement are 0 everywhere; then comes the material, and stress again.
+            screen.type(window, "f")
+            changed_by(screen, window, "the material", lambda: screen.type(window, "f"))
+            assert changed_by(screen, window, "stress", lambda: screen.type(window, "f")) == rest
+            screen.type(window, ESCAPE)
+            assert program.wait(timeout=60) == 0
+
+
+if __name__ == "__main__":
+    sys.exit(base.main())
