@@ -58,7 +58,7 @@ ColorImage TouchPictures::draw(const Painted& painted, const Vector3d& towards) 
   studio_.draw(view.camera, look.camera_from_body, background);
   view.background = &background;
   view.bodies.assign(1, look);
-  view.brightness = 1.12f;
+  view.light.color.setConstant(1.12f);
   view.legend_title = painted.legend;
   view.legend_unit = painted.unit;
   view.legend_scale = painted.legend_scale;

@@ -9,6 +9,11 @@ bool palpable::test::sanitizer_names_are_here() { return true; }
 // LeakSanitizer asks for this name before it looks.
 extern "C" int __lsan_is_turned_off();                                               // NOLINT
 extern "C" int __lsan_is_turned_off() { return palpable::test::leaks_are_foreign; }  // NOLINT
+
+// AddressSanitizer guesses where glibc keeps the thread's memory of libraries that are loaded late
+// (Mesa's drivers), and takes it from two words before that; LeakSanitizer dies of a wrong guess.
+extern "C" const char* __asan_default_options();                                        // NOLINT
+extern "C" const char* __asan_default_options() { return "intercept_tls_get_addr=0"; }  // NOLINT
 #endif
 
 #if defined(__SANITIZE_THREAD__)

@@ -47,7 +47,8 @@ void draw_arrow(ColorImage& picture, const Eigen::Vector2f& tail, const Eigen::V
       // How far outside, px; negative inside.
       const float of_shaft = std::max({b - 0.5f * width, -a, a - (length - 0.5f * head)});
       const float from_tip = length - a;
-      const float of_head = std::max((b - half_head * from_tip / head) * side, from_tip - head);
+      const float of_head =
+          std::max({(b - half_head * from_tip / head) * side, from_tip - head, -from_tip});
       const float outside = std::min(of_shaft, of_head);
       const float rim = std::clamp(kRim + 0.5f - outside, 0.0f, 1.0f);
       if (rim == 0.0f) continue;

@@ -13,7 +13,7 @@ TEST_CASE("an arrow covers shaft and head, and nothing beyond its ends", "[rende
   ColorImage picture(100, 60, kPaper);
   draw_arrow(picture, {20, 30}, {80, 30}, 4, kRed);
   CHECK(picture(40, 30) == kRed);
-  CHECK(picture(72, 34) == kRed);    // the head is wider than the shaft
+  CHECK(picture(70, 33) == kRed);    // the head is wider than the shaft
   CHECK(picture(40, 36) == kPaper);  // beside the shaft
   CHECK(picture(84, 30) == kPaper);
   CHECK(picture(15, 30) == kPaper);

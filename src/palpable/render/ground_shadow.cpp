@@ -6,7 +6,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kBlurRadius = 3;                // cells; applied twice in each direction
+constexpr int kBlurRadius = 2;                // cells; applied twice in each direction
 constexpr int kMargin = 2 * kBlurRadius + 2;  // cells around the shadow that the blur may darken
 
 int cell(int x, int y) { return y * GroundShadow::kSide + x; }
@@ -16,18 +16,20 @@ int cell(int x, int y) { return y * GroundShadow::kSide + x; }
 void GroundShadow::cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi& triangles,
                         const Eigen::Vector3f& to_light) {
   std::fill(shade_.begin(), shade_.end(), 0.0f);
+  std::fill(height_.begin(), height_.end(), 0.0f);
   if (vertices.cols() == 0 || !(to_light.z() > 0.0f)) return;
 
-  // The light's slope is limited, because a long shadow should be less blurred at its foot.
-  Eigen::Vector2f slope = -to_light.head<2>() / to_light.z();
-  slope *= 0.5f / std::max(0.5f, slope.norm());
+  // A long shadow would have large cells, and be blurred at its foot.
+  constexpr float kMostSlope = 1.2f;
+  slope_ = -to_light.head<2>() / to_light.z();
+  slope_ *= kMostSlope / std::max(kMostSlope, slope_.norm());
   const float height = std::max(vertices.row(2).maxCoeff(), 1e-3f);
   fallen_.resize(3, vertices.cols());
   for (Eigen::Index i = 0; i < vertices.cols(); ++i) {
     const float z = std::max(vertices(2, i), 0.0f);
-    const float far = z / (0.4f * height);
-    fallen_(0, i) = vertices(0, i) + slope.x() * z;
-    fallen_(1, i) = vertices(1, i) + slope.y() * z;
+    const float far = z / (0.9f * height);
+    fallen_(0, i) = vertices(0, i) + slope_.x() * z;
+    fallen_(1, i) = vertices(1, i) + slope_.y() * z;
     fallen_(2, i) = 1.0f / (1.0f + far * far);
   }
   const float low_x = fallen_.row(0).minCoeff(), high_x = fallen_.row(0).maxCoeff();
@@ -38,9 +40,10 @@ void GroundShadow::cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi
   const float corner_y = 0.5f * (low_y + high_y - cell_size * kSide);
   box_ << corner_x, corner_y, corner_x + cell_size * kSide, corner_y + cell_size * kSide;
 
-  const auto darken = [&](int x, int y, float value) {
+  const auto darken = [&](int x, int y, float value, float z) {
     if (x < 0 || x >= kSide || y < 0 || y >= kSide) return;
     shade_[cell(x, y)] = std::max(shade_[cell(x, y)], value);
+    height_[cell(x, y)] = std::max(height_[cell(x, y)], z);
   };
   const auto to_cells = [&](Eigen::Index i) {
     return Eigen::Vector2f((fallen_(0, i) - corner_x) / cell_size,
@@ -48,7 +51,7 @@ void GroundShadow::cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi
   };
   for (Eigen::Index i = 0; i < vertices.cols(); ++i) {
     const Eigen::Vector2f p = to_cells(i);
-    darken(static_cast<int>(p.x()), static_cast<int>(p.y()), fallen_(2, i));
+    darken(static_cast<int>(p.x()), static_cast<int>(p.y()), fallen_(2, i), vertices(2, i));
   }
   // Cells whose centre lies in a projected triangle: a mesh may be coarser than the cells.
   for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
@@ -59,6 +62,7 @@ void GroundShadow::cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi
     const float area = ab.x() * ac.y() - ab.y() * ac.x();
     if (std::abs(area) < 1e-6f) continue;
     const float closeness = (fallen_(2, v[0]) + fallen_(2, v[1]) + fallen_(2, v[2])) / 3.0f;
+    const float top = std::max({vertices(2, v[0]), vertices(2, v[1]), vertices(2, v[2])});
     const auto first = [](float base, float p, float q) {
       return static_cast<int>(base + std::min({0.0f, p, q}));
     };
@@ -71,7 +75,7 @@ void GroundShadow::cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi
         const float py = static_cast<float>(y) + 0.5f - a.y();
         const float s = (px * ac.y() - py * ac.x()) / area;
         const float r = (ab.x() * py - ab.y() * px) / area;
-        if (s >= 0.0f && r >= 0.0f && s + r <= 1.0f) darken(x, y, closeness);
+        if (s >= 0.0f && r >= 0.0f && s + r <= 1.0f) darken(x, y, closeness, top);
       }
     }
   }

@@ -10,26 +10,34 @@ namespace palpable {
 
 /// The body is projected onto the plane along the light; the shadow is darker where the body is
 /// nearer to the plane, and blurred. This solves no light transport: it makes the body appear to
-/// stand on the desk instead of floating above it.
+/// stand on the desk instead of floating above it. Things that stand on the plane are shaded by the
+/// same image, along the light, as high as what throws it (shadow.frag).
 class GroundShadow {
  public:
-  static constexpr int kSide = 64;  ///< cells per side
+  static constexpr int kSide = 96;  ///< cells per side
 
   /// Computes the shadow. Allocates nothing once it has seen as many vertices.
   /// @param vertices   (3 x V) m, body frame
   /// @param triangles  (3 x T) vertex indices
-  /// @param to_light   unit vector, body frame; without shadow if its Z <= 0 (light from below)
+  /// @param to_light   unit vector, body frame; without shadow if its Z <= 0 (light from below).
+  ///                   Light lower than slope() says is taken to be as high
   void cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi& triangles,
             const Eigen::Vector3f& to_light);
 
   /// (kSide x kSide) row-major, row = y; 0 lit .. 1 dark, 0 at the image's border.
   [[nodiscard]] const std::vector<float>& shade() const { return shade_; }
+  /// (kSide x kSide) likewise: m, how high above the plane that is which throws it; 0 nothing.
+  [[nodiscard]] const std::vector<float>& height() const { return height_; }
+  /// By how much the shadow of a point moves along x and y for each m that it is higher.
+  [[nodiscard]] const Eigen::Vector2f& slope() const { return slope_; }
   /// x0, y0, x1, y1 in m: the outer edges of the cells.
   [[nodiscard]] const Eigen::Vector4f& box() const { return box_; }
 
  private:
   void blur();
   std::vector<float> shade_ = std::vector<float>(kSide * kSide);
+  std::vector<float> height_ = std::vector<float>(kSide * kSide);
+  Eigen::Vector2f slope_ = Eigen::Vector2f::Zero();
   std::vector<float> scratch_ = std::vector<float>(kSide * kSide);
   // (3 x V) x, y of the vertex projected onto the plane along the light; darkness, 1 at the plane.
   Eigen::Matrix3Xf fallen_;

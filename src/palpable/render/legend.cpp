@@ -38,12 +38,11 @@ std::string_view print_tick(double value, double step, std::array<char, 32>& tex
 struct PresentText {
   explicit PresentText(const Legend& legend) {
     if (std::isnan(legend.present)) return;
-    lines = 1;
+    told = true;
     value_size = fmt::format_to_n(value_text.data(), value_text.size(), "max {:.{}f}",
                                   legend.present, legend.present < 10 ? 1 : 0)
                      .size;
     if (!(legend.stated_error > 0)) return;
-    lines = 2;
     // Of an error more than one digit says too much.
     const double percent = 100 * legend.stated_error;
     error_size = fmt::format_to_n(error_text.data(), error_text.size(), "\u00b1 {:.{}f} %", percent,
@@ -56,7 +55,7 @@ struct PresentText {
   [[nodiscard]] std::string_view error() const {
     return {error_text.data(), std::min(error_size, error_text.size())};
   }
-  float lines = 0;
+  bool told = false;
 
  private:
   std::array<char, 32> value_text{}, error_text{};
@@ -94,9 +93,10 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   const float line_height = measure_text("0", small).height();
   float inner = std::max({title.width, unit.width, bar_width + 10.0f * s + number_width});
   // As wide as its widest numbers would be, so that it stands still while they change.
-  if (present.lines > 0) inner = std::max(inner, measure_text("max 000.0", small).width);
+  if (present.told) inner = std::max(inner, measure_text("max 000.0", small).width);
   const float width = inner + 2.0f * pad;
-  const float below = present.lines > 0 ? 8.0f * s + present.lines * line_height : 0.0f;
+  // Room for both lines: the panel stands still while the error comes and goes.
+  const float below = present.told ? 8.0f * s + 2.0f * line_height : 0.0f;
   const float height =
       2.0f * pad + title.height() + unit.height() + 10.0f * s + bar_height + 4.0f * s + below;
   const float x = static_cast<float>(picture.width()) - width - 16.0f * s;
@@ -122,7 +122,7 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
     draw_text(picture, bar_x + bar_width + 9.0f * s, at - 0.5f * extent.height(), number, small,
               kInk);
   }
-  if (present.lines == 0) return;
+  if (!present.told) return;
   const auto share = static_cast<float>(std::clamp(legend.present / legend.top, 0.0, 1.0));
   fill_panel(picture, bar_x - 4.0f * s, std::round(bar_y + bar_height * (1.0f - share) - s),
              bar_width + 8.0f * s, std::max(2.0f, std::round(2.0f * s)), 0.0f, kInk);

@@ -48,6 +48,7 @@ struct BodyBuffers {
     inputs.floats(1, normals, 3);
     inputs.floats(2, scalar, 1);
     inputs.floats(3, marks, 1);
+    inputs.floats(4, marks, 1);  // nothing real throws shadows here, and nothing is marked
     inputs.indices(triangles);
   }
   GlBuffer vertices, normals, scalar, marks, triangles;
@@ -193,7 +194,8 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
     body.set("mark_color", floats_of(look.mark_color));
     body.set("up", up);
     body.set("key", (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized().eval());
-    body.set("brightness", 1.0f);
+    body.set("lamp", 1.0f);
+    body.set("light_color", Eigen::Vector3f(1, 1, 1));
     body.use();
     to.inputs.bind();
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
@@ -215,7 +217,8 @@ void MapRenderer::State::draw_points(const PinholeCamera& camera, const MapView&
   point.set("camera_from_body", view.camera_from_world.matrix().cast<float>().eval());
   point.set("up", up);
   point.set("key", (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized().eval());
-  point.set("brightness", 1.0f);
+  point.set("lamp", 1.0f);
+  point.set("light_color", Eigen::Vector3f(1, 1, 1));
   point.use();
   points.bind();
   glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(view.points.size()));

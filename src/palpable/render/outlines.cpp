@@ -30,7 +30,7 @@ constexpr float kFactor = 1 + RealOutlines::kJump;
 
 // Biases and links are in natural logarithms of likelihoods, times this, in the cut.
 constexpr float kUnits = 256;
-constexpr float kColorFloor = 0.03f;  // a fit to both sides below this says nothing
+constexpr float kColorFloor = 0.1f;  // a fit to both sides below this says nothing
 constexpr float kMissed = 0.08f;      // how often what moves is not in the mask, near a border
 constexpr float kFalse = 0.2f;        // how often what rests is
 constexpr float kFarMoves = 0.03f;
@@ -39,7 +39,7 @@ constexpr float kSure = 0.7f;          // one that is not
 constexpr float kHalfSeenSays = 1.0f;  // so does the background of a strip that one eye sees
 constexpr float kCloseSays = 2.0f;     // so does a mark of the matcher
 constexpr float kLink = 1.5f;          // between neighbours of the same colour ...
-constexpr float kLeastLink = 0.2f;     // ... and of whatever colours
+constexpr float kLeastLink = 0.5f;     // ... and of whatever colours
 constexpr float kLinkReach = 30;  // grey levels between neighbours from which kLeastLink is left
 constexpr int kBodyReach = 6;     // px beside the body where pixels vote as well
 

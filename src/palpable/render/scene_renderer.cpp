@@ -6,6 +6,7 @@
 #include "palpable/render/ground_shadow.h"
 #include "palpable/render/legend.h"
 #include "palpable/render/outlines.h"
+#include "palpable/render/real_shadows.h"
 #include "palpable/render/shader_files.h"
 #include "palpable/render/text.h"
 
@@ -26,19 +27,23 @@ constexpr Rgb kPlainGrey{118, 118, 118};
 
 Eigen::Vector3f floats_of(Rgb color) { return Eigen::Vector3f(color.r, color.g, color.b) / 255.0f; }
 
+Eigen::Vector4f floats_of(const PixelRange& box) {
+  return Eigen::Vector4i(box.x0, box.y0, box.x1, box.y1).cast<float>();
+}
+
 /// OpenGL buffers of one body.
 struct BodyBuffers {
-  GlBuffer vertices, normals, scalar, marks, triangles, dots;
+  GlBuffer vertices, normals, scalar, marks, shaded, triangles, dots;
   GlVertexArray inputs, dot_inputs;
   Eigen::Matrix3Xi known_triangles;
   GroundShadow shadow;
-  GlTexture shade{GL_R32F, GroundShadow::kSide, GroundShadow::kSide, GL_LINEAR};
 
   BodyBuffers() {
     inputs.floats(0, vertices, 3);
     inputs.floats(1, normals, 3);
     inputs.floats(2, scalar, 1);
     inputs.floats(3, marks, 1);
+    inputs.floats(4, shaded, 1);
     inputs.indices(triangles);
     constexpr int kDotBytes = 7 * sizeof(float);
     dot_inputs.floats(0, dots, 3, kDotBytes, 0);
@@ -101,23 +106,25 @@ struct Bounds {
   }
 };
 
+Eigen::Vector4f pinhole_of(const PinholeCamera& camera) {
+  return Eigen::Vector4d(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px).cast<float>();
+}
+
 void set_camera(const GlProgram& program, const PinholeCamera& camera) {
-  program.set(
-      "pinhole",
-      Eigen::Vector4d(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px).cast<float>().eval());
+  program.set("pinhole", pinhole_of(camera));
   program.set("size", Eigen::Vector2i(camera.width, camera.height).cast<float>().eval());
   program.set("near", kNear);
 }
 
-/// Directions in the camera frame: the body's up, and towards the key light. The light comes from
-/// above, a little from the left and from behind the camera, so that visible sides are lit.
+/// Directions in the camera frame: the body's up, and towards the lamp.
 struct Light {
   Eigen::Vector3f up;
   Eigen::Vector3f key;
 };
-Light light_on(const BodyLook& body) {
+Light light_on(const BodyLook& body, const SceneLight& light) {
   const Eigen::Vector3f up = body.camera_from_body.linear().col(2).cast<float>();
-  return {up, (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized()};
+  const Eigen::Vector3f usual = (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized();
+  return {up, light.to_lamp.value_or(usual)};
 }
 
 // NaN where nothing is painted.
@@ -139,6 +146,13 @@ void draw_on(ColorImage& picture, const Arrow& arrow, const PinholeCamera& camer
   // Beside the tail, on the side that the arrow does not take.
   const float x = tail.x() + (tail.x() < tip.x() ? -text.width - 8.0f * scale : 8.0f * scale);
   draw_label(picture, x, tail.y() - 0.5f * text.height(), arrow.label, size);
+}
+
+// Whether the outlines of real things are found at the picture's resolution.
+bool wants_outlines(const SceneView& view) {
+  return !view.hard_occlusion && view.background != nullptr && view.real_depth != nullptr &&
+         !view.real_depth->empty() && view.camera.width / 2 == view.real_depth->width() &&
+         view.camera.height / 2 == view.real_depth->height();
 }
 
 void check(const SceneView& view) {
@@ -166,17 +180,20 @@ struct SceneRenderer::State {
   GlProgram compose_fine_program;  // where fine_depth reaches wherever a body may be
   GlProgram compose_hard_program;
   FullScreenTriangle triangle;
-  GlVertexArray no_inputs;
   std::vector<BodyBuffers> buffers;
   std::unique_ptr<Targets> targets;
   GlTexture real_depth{GL_R32F, 1, 1};
   GlTexture nothing_real{GL_R32F, 1, 1};
   GlTexture fine_depth{GL_R32F, 1, 1};  // of the picture's size
+  PixelRange real_box;                  // texels of real_depth that hold this picture's
   PixelRange fine_box;                  // of the picture, where fine_depth holds; empty: nowhere
   RealOutlines outlines;
+  ShadeOnReal shade_on_real;
+  ShadeOnBody shade_on_body;
+  GlTexture light_left{GL_R32F, 1, 1, GL_LINEAR};
 
   // Kept between frames so that nothing is allocated.
-  std::vector<float> zeros, filled, body_z, dot_values, z_rows;
+  std::vector<float> zeros, filled, body_z, dot_values, shade_values, z_rows;
   std::vector<signed char> nearest_in_row;
   std::vector<std::uint8_t> rgba, mask_rows;
 
@@ -186,10 +203,11 @@ struct SceneRenderer::State {
   };
   Boxes boxes_of(const SceneView& view) const;
   Eigen::Vector2f upload_real_depth(const SceneView& view, const Boxes& boxes);
-  void upload_outlines(const SceneView& view, const PixelRange& texels, const PixelRange& bodies);
+  void upload_outlines(const SceneView& view, const PixelRange& bodies);
   void read_body_depth(const PixelRange& bodies, const PixelRange& inner);
-  void stream(const BodyLook& look, BodyBuffers& to);
-  void draw_shadows(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
+  void stream(const BodyLook& look, const SceneLight& light, BodyBuffers& to);
+  void draw_shadows(const SceneView& view, const PixelRange& box, const RealSurface& real);
+  void shade_bodies(const SceneView& view, const RealSurface& real);
   void draw_bodies(const SceneView& view);
   void compose_picture(const SceneView& view, const Boxes& boxes,
                        const Eigen::Vector2f& depth_per_picture);
@@ -205,7 +223,7 @@ Result<SceneRenderer> SceneRenderer::make() {
   constexpr std::array<ProgramSource, 6> kSources = {
       {{"body.vert", "body.frag"},
        {"dot.vert", "dot.frag"},
-       {"shadow.vert", "shadow.frag"},
+       {"full_screen.vert", "shadow.frag"},
        {"full_screen.vert", "compose.frag"},
        {"full_screen.vert", "compose.frag", "#define ALL_FINE\n"},
        {"full_screen.vert", "compose.frag", "#define HARD\n"}}};
@@ -219,15 +237,18 @@ Result<SceneRenderer> SceneRenderer::make() {
                                                 .compose_fine_program = std::move(programs[4]),
                                                 .compose_hard_program = std::move(programs[5]),
                                                 .triangle = {},
-                                                .no_inputs = {},
                                                 .buffers = {},
                                                 .targets = {},
+                                                .real_box = {},
                                                 .fine_box = {},
                                                 .outlines = {},
+                                                .shade_on_real = {},
+                                                .shade_on_body = {},
                                                 .zeros = {},
                                                 .filled = {},
                                                 .body_z = {},
                                                 .dot_values = {},
+                                                .shade_values = {},
                                                 .z_rows = {},
                                                 .nearest_in_row = {},
                                                 .rgba = {},
@@ -258,7 +279,8 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
   }
 
   while (s.buffers.size() < view.bodies.size()) s.buffers.emplace_back();
-  for (std::size_t i = 0; i < view.bodies.size(); ++i) s.stream(view.bodies[i], s.buffers[i]);
+  for (std::size_t i = 0; i < view.bodies.size(); ++i)
+    s.stream(view.bodies[i], view.light, s.buffers[i]);
   const State::Boxes boxes = s.boxes_of(view);
   const PixelRange& box = boxes.all;
   if (!box.empty()) {
@@ -268,12 +290,15 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     }
     glEnable(GL_SCISSOR_TEST);
     glScissor(box.x0, box.y0, box.width(), box.height());
-    s.draw_bodies(view);
     const Eigen::Vector2f depth_per_picture = s.upload_real_depth(view, boxes);
+    const RealSurface real{s.filled, s.real_box, depth_per_picture.cast<double>(), view.camera};
+    s.shade_bodies(view, real);
+    s.draw_bodies(view);
+    if (wants_outlines(view)) s.upload_outlines(view, boxes.bodies);
     // At this point the picture is the background, or plain grey.
     s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,
                               picture.row(box.y0) + box.x0, width);
-    s.draw_shadows(view, depth_per_picture);
+    s.draw_shadows(view, box, real);
     s.compose_picture(view, boxes, depth_per_picture);
     glDisable(GL_SCISSOR_TEST);
     s.read_back(box, picture, body_visible, body_depth);
@@ -318,8 +343,7 @@ SceneRenderer::State::Boxes SceneRenderer::State::boxes_of(const SceneView& view
     const Eigen::Isometry3f camera_from_body = body.camera_from_body.cast<float>();
     const Eigen::Vector4f& patch = buffers[i].shadow.box();
     for (const int corner : {0, 1, 2, 3}) {
-      const Eigen::Vector3f at(patch[(corner & 1) != 0 ? 2 : 0], patch[(corner & 2) != 0 ? 3 : 1],
-                               0.0f);
+      Eigen::Vector3f at(patch[(corner & 1) != 0 ? 2 : 0], patch[(corner & 2) != 0 ? 3 : 1], 0.0f);
       bounds.add(camera_from_body * at, view.camera, 0.0f);
     }
   }
@@ -330,6 +354,7 @@ SceneRenderer::State::Boxes SceneRenderer::State::boxes_of(const SceneView& view
 /// @return texels of the depth image per pixel of the picture
 Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, const Boxes& boxes) {
   fine_box = {};
+  real_box = {};
   if (view.real_depth == nullptr || view.real_depth->empty()) return Eigen::Vector2f::Zero();
   const DepthImage& depth = *view.real_depth;
   if (real_depth.width() != depth.width() || real_depth.height() != depth.height()) {
@@ -337,10 +362,7 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
   }
   const double sx = static_cast<double>(depth.width()) / view.camera.width;
   const double sy = static_cast<double>(depth.height()) / view.camera.height;
-  const bool half = !view.hard_occlusion && view.background != nullptr &&
-                    view.camera.width / 2 == depth.width() &&
-                    view.camera.height / 2 == depth.height();
-  const int margin = half ? RealOutlines::kMargin : kHoleRadius + 2;
+  const int margin = wants_outlines(view) ? RealOutlines::kMargin : kHoleRadius + 2;
   // So wide that both ends of every strip that one eye alone sees lie within.
   const int row_margin = kLongestHalfSeen + 1;
   const PixelRange& box = boxes.all;
@@ -356,12 +378,13 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
   }
   real_depth.upload(texels.x0, texels.y0, texels.width(), texels.height(), GL_RED, GL_FLOAT,
                     filled.data());
-  if (half) upload_outlines(view, texels, boxes.bodies);
+  real_box = texels;
   return Eigen::Vector2d(sx, sy).cast<float>();
 }
 
-void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRange& texels,
-                                           const PixelRange& bodies) {
+// After the bodies are drawn.
+void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRange& bodies) {
+  const PixelRange& texels = real_box;
   const PixelRange inner{bodies.x0 / 2, bodies.y0 / 2, std::min((bodies.x1 + 1) / 2, texels.x1),
                          std::min((bodies.y1 + 1) / 2, texels.y1)};
   if (inner.empty()) return;
@@ -397,7 +420,8 @@ void SceneRenderer::State::read_body_depth(const PixelRange& bodies, const Pixel
   }
 }
 
-void SceneRenderer::State::stream(const BodyLook& look, BodyBuffers& to) {
+void SceneRenderer::State::stream(const BodyLook& look, const SceneLight& scene_light,
+                                  BodyBuffers& to) {
   const auto count = static_cast<std::size_t>(look.vertices->cols());
   zeros.resize(std::max(zeros.size(), count));
   const auto matrix = [](const Eigen::Matrix3Xf& m) {
@@ -424,12 +448,23 @@ void SceneRenderer::State::stream(const BodyLook& look, BodyBuffers& to) {
   }
   to.dots.stream(std::span<const float>(dot_values));
   if (look.shadow > 0.0f) {
-    const Light light = light_on(look);
+    const Light light = light_on(look, scene_light);
     const Eigen::Matrix3f body_from_camera =
         look.camera_from_body.linear().transpose().cast<float>();
     to.shadow.cast(*look.vertices, *look.triangles, body_from_camera * light.key);
-    to.shade.upload(0, 0, GroundShadow::kSide, GroundShadow::kSide, GL_RED, GL_FLOAT,
-                    to.shadow.shade().data());
+  }
+}
+
+void SceneRenderer::State::shade_bodies(const SceneView& view, const RealSurface& real) {
+  shade_on_body.see(real);
+  for (std::size_t i = 0; i < view.bodies.size(); ++i) {
+    const BodyLook& look = view.bodies[i];
+    const auto count = static_cast<std::size_t>(look.vertices->cols());
+    shade_values.resize(std::max(shade_values.size(), count));
+    const std::span<float> shaded = std::span(shade_values).first(count);
+    shade_on_body.find(*look.vertices, *look.normals, look.camera_from_body,
+                       light_on(look, view.light).key, shaded);
+    buffers[i].shaded.stream(std::span<const float>(shaded));
   }
 }
 
@@ -447,13 +482,14 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
   glEnable(GL_PROGRAM_POINT_SIZE);
   for (std::size_t i = 0; i < view.bodies.size(); ++i) {
     const BodyLook& look = view.bodies[i];
-    const Light light = light_on(look);
+    const Light light = light_on(look, view.light);
     const auto set_common = [&](const GlProgram& program) {
       set_camera(program, view.camera);
       program.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
       program.set("key", light.key);
       program.set("up", light.up);
-      program.set("brightness", view.brightness);
+      program.set("lamp", view.light.lamp);
+      program.set("light_color", view.light.color);
       program.use();
     };
     set_common(body_program);
@@ -474,26 +510,31 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
   glDisable(GL_DEPTH_TEST);
 }
 
-void SceneRenderer::State::draw_shadows(const SceneView& view,
-                                        const Eigen::Vector2f& depth_per_picture) {
-  const bool any_real = depth_per_picture.x() > 0.0f;
+void SceneRenderer::State::draw_shadows(const SceneView& view, const PixelRange& box,
+                                        const RealSurface& real) {
   targets->ground.bind();
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_ZERO, GL_SRC_COLOR);
-  no_inputs.bind();
-  (any_real ? real_depth : nothing_real).bind(1);
+  shade_on_real.clear(box);
   for (std::size_t i = 0; i < view.bodies.size(); ++i) {
     const BodyLook& look = view.bodies[i];
     if (look.shadow <= 0.0f || look.vertices->cols() == 0) continue;
-    set_camera(shadow_program, view.camera);
-    shadow_program.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
-    shadow_program.set("patch_box", buffers[i].shadow.box());
-    shadow_program.set("depth_per_picture", depth_per_picture);
-    shadow_program.set("strength", look.shadow);
-    shadow_program.use();
-    buffers[i].shade.bind(0);
-    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    shade_on_real.add(buffers[i].shadow, look.camera_from_body, look.shadow, real);
   }
+  const PixelRange& shaded = shade_on_real.shaded();
+  if (shaded.empty()) return;
+  if (light_left.width() < shade_on_real.width() || light_left.height() < shade_on_real.height()) {
+    light_left =
+        GlTexture(GL_R32F, (view.camera.width + 1) / 2, (view.camera.height + 1) / 2, GL_LINEAR);
+  }
+  light_left.upload(0, 0, shade_on_real.width(), shade_on_real.height(), GL_RED, GL_FLOAT,
+                    shade_on_real.left().data());
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ZERO, GL_SRC_COLOR);
+  shadow_program.set("corner", Eigen::Vector2i(box.x0, box.y0).cast<float>().eval());
+  shadow_program.use();
+  light_left.bind(0);
+  glScissor(shaded.x0, shaded.y0, shaded.width(), shaded.height());
+  triangle.draw();
+  glScissor(box.x0, box.y0, box.width(), box.height());
   glDisable(GL_BLEND);
 }
 
@@ -517,9 +558,7 @@ void SceneRenderer::State::compose_picture(const SceneView& view, const Boxes& b
   targets->body_z.bind(1);
   if (!view.hard_occlusion) {
     fine_depth.bind(3);
-    program.set("fine_box",
-                Eigen::Vector4f(static_cast<float>(fine_box.x0), static_cast<float>(fine_box.y0),
-                                static_cast<float>(fine_box.x1), static_cast<float>(fine_box.y1)));
+    program.set("fine_box", floats_of(fine_box));
   }
   if (!all_fine) {
     (any_real ? real_depth : nothing_real).bind(2);

@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,15 @@ struct Dot {
   Eigen::Vector3f at_in_body = Eigen::Vector3f::Zero();  ///< m
   float radius = 0.002f;                                 ///< m
   Rgb color{240, 120, 20};
+};
+
+/// The light that bodies are drawn in, and that they keep from what is real.
+struct SceneLight {
+  /// Towards the lamp: camera frame, unit. Nothing: from above, a little from the left and from
+  /// behind the camera, so that visible sides are lit.
+  std::optional<Eigen::Vector3f> to_lamp = {};
+  float lamp = 1;                                   ///< its strength; 1: a window beside the desk
+  Eigen::Vector3f color = Eigen::Vector3f::Ones();  ///< linear R, G, B of all; 1: a well lit room
 };
 
 /// An arrow over everything that is drawn, and a text at its tail.
@@ -59,8 +69,8 @@ struct BodyLook {
   Rgb mark_color{250, 208, 60};
   std::span<const Dot> dots;
   Rigid3 camera_from_body = Rigid3::Identity();
-  /// Darkness of the shadow on the body's plane Z = 0, from 0 (none) to 1. It falls on pixels whose
-  /// real depth lies on that plane or is unknown.
+  /// Darkness of the shadow on the body's plane Z = 0 and on what real stands on it, from 0 (none)
+  /// to 1. Pixels whose real depth is unknown are taken to show the plane.
   float shadow = 0.5f;
 };
 
@@ -80,8 +90,7 @@ struct SceneView {
   PinholeCamera camera = {};  ///< of the picture; width and height are the picture's
   std::vector<BodyLook> bodies = {};
   std::vector<Arrow> arrows = {};  ///< those with an end behind the camera are left out
-  /// Brightness of the scene's light; 1 is a well lit room.
-  float brightness = 1;
+  SceneLight light = {};
   std::string legend_title = {};    ///< above the colour bar, e.g. "von Mises"; empty: no bar
   std::string legend_unit = "kPa";  ///< unit of the numbers at the colour bar
   double legend_scale = 1e-3;       ///< number shown = scalar * legend_scale

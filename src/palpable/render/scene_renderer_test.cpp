@@ -317,6 +317,7 @@ TEST_CASE("of two bodies the nearer one is seen, whatever their order", "[render
 TEST_CASE("stress is painted: more of it is lighter, marks cover it", "[render][Fig16]") {
   PALPABLE_NEEDS_RENDERER(gl);
   const Skin skin = plate();
+  bool blended = false;
   const auto color_at = [&](float stress, float mark) {
     const std::vector<float> scalar(skin.vertices.cols(), stress);
     const std::vector<float> marks(scalar.size(), mark);
@@ -324,6 +325,7 @@ TEST_CASE("stress is painted: more of it is lighter, marks cover it", "[render][
     look.scalar = scalar;
     look.scalar_max = 20e3f;
     look.marks = marks;
+    look.blended = blended;
     return draw(*gl.renderer, {.camera = kCamera, .bodies = {look}}).picture(150, 100);
   };
   const auto sum = [](Rgb c) { return c.r + c.g + c.b; };
@@ -333,6 +335,100 @@ TEST_CASE("stress is painted: more of it is lighter, marks cover it", "[render][
   CHECK(color_at(0, 1) == color_at(20e3f, 1));
   const Rgb marked = color_at(0, 1);
   CHECK((marked.r > marked.b + 50 && marked.g > marked.b + 30));  // yellow
+
+  // Blended, the material shows where there is next to no stress, and only there.
+  const Rgb high = color_at(10e3f, 0);
+  blended = true;
+  const Rgb plain =
+      draw(*gl.renderer, {.camera = kCamera, .bodies = {skin.look()}}).picture(150, 100);
+  CHECK(color_at(0, 0) == plain);
+  CHECK(color_at(0.4e3f, 0) == plain);
+  CHECK(plain.r > plain.b + 20);  // rubber, and no blue
+  CHECK(color_at(10e3f, 0) == high);
+}
+
+TEST_CASE("light has a direction, a strength and a colour", "[render][light]") {
+  PALPABLE_NEEDS_RENDERER(gl);
+  const Skin ball(sphere_surface({0, 0, 0.5}, 0.08, 4));
+  SceneView view{.camera = kCamera, .bodies = {ball.look()}};
+  view.light.to_lamp = Eigen::Vector3f(-0.8f, 0, -0.6f);
+  const auto at = [&](double x) {
+    const Eigen::Vector2d p = kCamera.project({x, 0, 0.5});
+    return draw(*gl.renderer, view)
+        .picture(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())));
+  };
+  CHECK(at(-0.05).g > at(0.05).g + 40);
+  view.light.to_lamp = Eigen::Vector3f(0.8f, 0, -0.6f);
+  CHECK(at(0.05).g > at(-0.05).g + 40);
+  const Rgb lit = at(0.05);
+  view.light.color = {1, 1, 0.5f};
+  CHECK(at(0.05).b < lit.b - 20);
+  CHECK(at(0.05).g == lit.g);
+  view.light.color = {1, 1, 1};
+  view.light.lamp = 0.2f;
+  CHECK(at(0.05).g < lit.g - 40);
+  CHECK(at(-0.05).g == Approx(at(-0.02).g).margin(60));
+}
+
+TEST_CASE("what is real between lamp and body shades it", "[render][light]") {
+  PALPABLE_NEEDS_RENDERER(gl);
+  // A plate that faces the camera, lit from the left; before it, left of its middle, a rod.
+  Eigen::Matrix3Xf grid(3, 41 * 41);
+  Eigen::Matrix3Xi triangles(3, 2 * 40 * 40);
+  for (int j = 0; j < 41; ++j) {
+    for (int i = 0; i < 41; ++i) {
+      grid.col(41 * j + i) = Eigen::Vector3f(0.004f * static_cast<float>(i - 20),
+                                             0.004f * static_cast<float>(j - 20), 0.5f);
+    }
+  }
+  int t = 0;
+  for (int j = 0; j < 40; ++j) {
+    for (int i = 0; i < 40; ++i) {
+      const int a = 41 * j + i;
+      triangles.col(t++) << a, a + 41, a + 1;
+      triangles.col(t++) << a + 1, a + 41, a + 42;
+    }
+  }
+  Skin skin{SurfaceMesh{grid.cast<double>(), triangles}};
+  if (skin.normals(2, 0) > 0) {
+    skin.triangles.row(1).swap(skin.triangles.row(2));
+    skin.normals *= -1;
+  }
+  DepthImage real(kCamera.width, kCamera.height, 0.8f);
+  const int rod = static_cast<int>(kCamera.project({-0.03, 0, 0.47}).x());
+  for (int y = 0; y < real.height(); ++y) {
+    for (int x = rod - 6; x < rod + 6; ++x) real(x, y) = 0.47f;
+  }
+  SceneView view{.real_depth = &real, .camera = kCamera, .bodies = {skin.look()}};
+  view.light.to_lamp = Eigen::Vector3f(-0.6f, 0, -0.8f);
+  const Drawn shaded = draw(*gl.renderer, view);
+  DepthImage free(kCamera.width, kCamera.height, 0.8f);
+  view.real_depth = &free;
+  const Drawn lit = draw(*gl.renderer, view);
+  // The rod stands 30 mm before the plate, and is taken to be as thick: what the lamp reaches
+  // behind it is in its shadow.
+  const auto darker = [&](double x) {
+    const Eigen::Vector2d p = kCamera.project({x, 0, 0.5});
+    const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
+    return lit.picture(u, v).g - shaded.picture(u, v).g;
+  };
+  CHECK(darker(-0.016) > 30);
+  CHECK(darker(0.03) == 0);
+  CHECK(darker(-0.065) == 0);
+}
+
+TEST_CASE("forces are arrows over all that is drawn", "[render][arrow]") {
+  PALPABLE_NEEDS_RENDERER(gl);
+  const Skin skin = plate();
+  SceneView view{.camera = kCamera, .bodies = {skin.look()}};
+  const ColorImage without = draw(*gl.renderer, view).picture;
+  view.arrows.push_back(
+      {kCamera.unproject(110, 60, 0.6), kCamera.unproject(180, 130, 0.6), {250, 0, 0}, "1.25 N"});
+  const ColorImage with = draw(*gl.renderer, view).picture;
+  CHECK(with(145, 95) == Rgb{250, 0, 0});  // behind the plate, and yet seen
+  CHECK_FALSE(with == without);
+  view.arrows.front().tail.z() = -0.1;  // behind the camera
+  CHECK(draw(*gl.renderer, view).picture == without);
 }
 
 TEST_CASE("a dot is a ball on the body", "[render][Fig15]") {
@@ -350,7 +446,7 @@ TEST_CASE("a dot is a ball on the body", "[render][Fig15]") {
   CHECK(drawn.picture(150, 100).r > 2 * drawn.picture(150, 100).g);
 }
 
-TEST_CASE("the shadow darkens the plane that the body stands on and nothing before it",
+TEST_CASE("the shadow darkens the plane that the body stands on and nothing above the body",
           "[render]") {
   PALPABLE_NEEDS_RENDERER(gl);
   const Skin skin(sphere_surface({0, 0, 0.03}, 0.03, 4));
@@ -392,11 +488,40 @@ TEST_CASE("the shadow darkens the plane that the body stands on and nothing befo
     }
     return depth;
   };
-  const DepthImage desk = plane(0), hand = plane(-0.08), wall = plane(0.08);
+  const DepthImage desk = plane(0), hand = plane(-0.2), wall = plane(0.08);
   CHECK(darkened(nullptr) > 300);
   CHECK(darkened(&desk) == darkened(nullptr));
   CHECK(darkened(&hand) == 0);
   CHECK(darkened(&wall) == 0);
+}
+
+TEST_CASE("a shadow falls on what stands in it, as high as what throws it", "[render][light]") {
+  PALPABLE_NEEDS_RENDERER(gl);
+  // Seen from above; a box 60 mm high, light from the left at 45 degrees.
+  Rigid3 camera_from_body = Rigid3::Identity();
+  camera_from_body.linear() << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+  camera_from_body.translation() = Eigen::Vector3d(0, 0, 0.6);
+  const Skin skin(box_surface({-0.03, -0.03, 0}, {0.03, 0.03, 0.06}));
+  BodyLook look = skin.look(0.5f);
+  look.camera_from_body = camera_from_body;
+  const ColorImage background(kCamera.width, kCamera.height, {180, 180, 180});
+  SceneView view{.background = &background, .camera = kCamera, .bodies = {look}};
+  view.light.to_lamp =
+      (camera_from_body.linear() * Eigen::Vector3d(-1, 0, 1).normalized()).cast<float>();
+  // What stands right of the box is as high as said all over.
+  const auto shade_at = [&](float height) {
+    const DepthImage real(kCamera.width, kCamera.height, 0.6f - height);
+    view.real_depth = &real;
+    const Eigen::Vector2d p = kCamera.project(camera_from_body * Eigen::Vector3d(0.05, 0, height));
+    return 180 -
+           draw(*gl.renderer, view)
+               .picture(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())))
+               .g;
+  };
+  CHECK(shade_at(0) > 15);
+  CHECK(shade_at(0.025f) > 5);
+  CHECK(shade_at(0.1f) == 0);   // above the box
+  CHECK(shade_at(-0.1f) == 0);  // far below the plane
 }
 
 TEST_CASE("a shadow is darkest at the body's foot and gone at its rim", "[render]") {

@@ -5,6 +5,7 @@
 #include "tests/support/test.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 using namespace palpable;
@@ -77,6 +78,41 @@ TEST_CASE("ticks are round numbers within the scale", "[render]") {
   CHECK(round_ticks(1, 5).size() == 6);
   CHECK(round_ticks(0.0007, 4).back() == Approx(0.0006));
   CHECK_THROWS_AS(round_ticks(0, 5), ContractViolation);
+}
+
+TEST_CASE("the legend marks the present largest value and says how far it may be off", "[render]") {
+  const auto drawn = [](double present, double stated_error) {
+    ColorImage picture(1280, 720, {128, 128, 128});
+    draw_legend(picture, {.title = "von Mises",
+                          .unit = "kPa",
+                          .top = 10,
+                          .present = present,
+                          .stated_error = stated_error});
+    return picture;
+  };
+  const ColorImage silent = drawn(std::numeric_limits<double>::quiet_NaN(), 0);
+  const ColorImage low = drawn(2, 0), high = drawn(8, 0), over = drawn(50, 0);
+  CHECK_FALSE(silent == low);
+  // The mark reaches beyond the bar on the left; where it is there, letters' white is.
+  const auto mark_row = [&](const ColorImage& picture) {
+    for (int y = 0; y < picture.height(); ++y) {
+      for (int x = picture.width() / 2; x + 20 < picture.width(); ++x) {
+        int run = 0;
+        while (x + run < picture.width() && picture(x + run, y) == Rgb{245, 246, 248}) ++run;
+        if (run >= 20) return y;
+      }
+    }
+    return -1;
+  };
+  CHECK(mark_row(silent) == -1);
+  CHECK(mark_row(high) > 0);
+  CHECK(mark_row(low) > mark_row(high) + 100);
+  CHECK(mark_row(over) > 0);  // at the top, not above it
+  CHECK(mark_row(over) < mark_row(high));
+  // The panel stands still while the error comes and goes.
+  const ColorImage told = drawn(8, 0.14);
+  CHECK_FALSE(told == high);
+  CHECK(mark_row(told) == mark_row(high));
 }
 
 TEST_CASE("the legend shows the colours from bottom to top and writes beside them", "[render]") {

@@ -17,8 +17,8 @@ constexpr std::uint8_t kBrightest = 247;
 constexpr int kHueSteps = 24;          // across each of the two directions of the hue
 constexpr int kFewest = 20;            // samples of one hue
 constexpr int kFirstRounds = 40;       // of the first fit
-constexpr int kRounds = 4;             // of one that begins with the last
-constexpr double kUsualWeight = 5e-4;  // of the usual light, against that of all samples
+constexpr int kRounds = 8;             // of one that begins with the last
+constexpr double kUsualWeight = 1e-4;  // of the usual light, against that of all samples
 constexpr double kUsualDirected = 1.5;
 constexpr double kMostDirected = 4;    // the sun in a room is five times as bright as its shadows
 constexpr double kFollow = 0.2;        // share of a new estimate in what is told
@@ -59,6 +59,14 @@ float median_of(std::span<float> values) {
 }
 
 }  // namespace
+
+SceneLight light_in_camera(const RoomLight& light, const Rigid3& camera_from_body) {
+  SceneLight in_camera;
+  in_camera.to_lamp = (camera_from_body.linear() * light.to_light).cast<float>();
+  in_camera.lamp = static_cast<float>(std::clamp(light.directed / kUsualDirected, 0.3, 1.4));
+  in_camera.color = (light.brightness * light.tint).cast<float>();
+  return in_camera;
+}
 
 void LightEstimator::see(const SeenFrame& seen, const Rigid3& camera_from_body) {
   if (until_next_ > 0) {
@@ -110,6 +118,7 @@ void LightEstimator::sample_surfaces(const SeenFrame& seen) {
   samples_.clear();
   samples_.reserve(static_cast<std::size_t>((depth.width() / kStep + 1)) *
                    static_cast<std::size_t>(depth.height() / kStep + 1));
+  by_hue_.reserve(samples_.capacity());
   const PinholeCamera& camera = seen.depth_camera;
   for (int y = kReach; y < depth.height() - kReach; y += kStep) {
     for (int x = kReach; x < depth.width() - kReach; x += kStep) {

@@ -6,9 +6,9 @@
 ///     I_p = rho_k(p) ( 1 + max(0, b . n_p) )
 ///
 /// with I_p the linear luminance of a pixel, n_p its surface's normal (from the depth), k(p) its
-/// hue and rho_k one unknown for each hue. b points to the lamp; |b| is its share against the room's light.
-/// Shading within one hue says what b is: a hand, a mug, a box. A desk alone, with one normal, says
-/// nothing, and b stays at what is usual: light from above.
+/// hue and rho_k one unknown for each hue. b points to the lamp; |b| is its share against the
+/// room's light. Shading within one hue says what b is: a hand, a mug, a box. A desk alone, with
+/// one normal, says nothing, and b stays at what is usual: light from above.
 ///
 /// b is a weighted least-squares fit with Cauchy weights (shadows, highlights and prints are not in
 /// the model), rho_k the median of its hue; some rounds of both, from the last estimate on. Few
@@ -22,6 +22,7 @@
 
 #include "palpable/depth/seen_frame.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/render/scene_renderer.h"
 
 #include <Eigen/Core>
 
@@ -36,6 +37,9 @@ struct RoomLight {
   double brightness = 1;                                ///< 1: a desk in a well lit room
   Eigen::Vector3d tint = Eigen::Vector3d::Ones();       ///< linear R, G, B; their mean is 1
 };
+
+/// The renderer's light. @param camera_from_body  from the light's frame
+[[nodiscard]] SceneLight light_in_camera(const RoomLight& light, const Rigid3& camera_from_body);
 
 /// Follows the light of a room. Deterministic; allocates nothing after the first frame.
 class LightEstimator {

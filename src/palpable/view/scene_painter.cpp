@@ -34,6 +34,9 @@ void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
   const StageTimer timer(drawn.scene.times, "draw");
   const bool masks = masks_ && drawn.in_files;
   SceneView& view = views_.of(drawn.scene, session, shown_);
+  const Rigid3& camera_from_body = drawn.scene.bodies.front().camera_from_body;
+  light_.see(drawn.scene.seen, camera_from_body);
+  view.light = light_in_camera(light_.light(), camera_from_body);
   const bool outside = map_ || surface_;
   if (outside) {  // its own caption says it
     view.legend_title.clear();

@@ -10,6 +10,7 @@
 #include "palpable/session/frame_loop.h"
 #include "palpable/view/drawn_frame.h"
 #include "palpable/view/map_picture.h"
+#include "palpable/view/scene_light.h"
 #include "palpable/view/scene_picture.h"
 #include "palpable/view/scene_show.h"
 #include "palpable/view/surface_picture.h"
@@ -63,8 +64,9 @@ class ScenePainter {
   std::unique_ptr<MapPicture> map_;          // if it is to be shown
   std::unique_ptr<SurfacePicture> surface_;  // likewise
   SceneViews views_;
-  ColorImage inside_;  // what the camera sees, where the picture is another
-  double scale_;       // Pa, top of the stress's colours
+  LightEstimator light_;  // in the first body's frame
+  ColorImage inside_;     // what the camera sees, where the picture is another
+  double scale_;          // Pa, top of the stress's colours
   bool masks_;
   SceneShow shown_;
   bool ended_ = false;

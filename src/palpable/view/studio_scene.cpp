@@ -84,7 +84,7 @@ const ColorImage& StudioScene::draw(BodyLook look, const OrbitCamera& orbit) {
   view_.background = &background_;
   look.camera_from_body = camera_from_body;
   view_.bodies.assign(1, look);
-  view_.brightness = 1.12f;  // a studio is lit better than a room
+  view_.light.color.setConstant(1.12f);  // a studio is lit better than a room
   view_.caption = caption;
   renderer_.draw(view_, picture_, nullptr, &depth_);
   return picture_;

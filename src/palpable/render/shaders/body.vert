@@ -4,6 +4,7 @@ layout(location = 0) in vec3 position;  // body frame, m
 layout(location = 1) in vec3 normal;    // body frame, unit
 layout(location = 2) in float scalar;   // Pa
 layout(location = 3) in float mark;     // 0 plain .. 1 marked
+layout(location = 4) in float shade;    // share of the lamp that real things keep away
 
 #include "depth.glsl"
 #include "project.glsl"
@@ -15,6 +16,7 @@ out vec3 x_in_camera;  // m
 out vec3 n_in_camera;
 out float share;       // of the colour scale
 out float marked;
+out float shaded;
 
 void main() {
   vec4 x = camera_from_body * vec4(position, 1.0);
@@ -22,5 +24,6 @@ void main() {
   n_in_camera = mat3(camera_from_body) * normal;
   share = scalar / scalar_max;
   marked = mark;
+  shaded = shade;
   gl_Position = clip_of_camera(x.xyz);
 }

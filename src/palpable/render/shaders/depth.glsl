@@ -6,11 +6,7 @@
 /// float's digits lie near 0: at Z = 1 m the step is 6e-8 of Z.
 float window_depth(float z, float near) { return near / z; }
 
-/// How much nearer than the body a real surface must be before it hides it, m. The constant is the
-/// thickness of a touch (a finger that presses lies on the body, not before it); the other part is
-/// the noise of stereo, which grows as Z^2: 0.25 px of disparity at f = 700 px, B = 63 mm are
-/// 0.0057 Z^2.
-float occlusion_bias(float z) { return 0.001f + 0.006f * z * z; }
+#include "occlusion_bias.glsl"
 
 /// Share of the body at depth body_z that is hidden by a real surface at depth real_z: 0 up to the
 /// bias, 1 beyond twice the bias, smooth between, so that noise does not flicker. real_z = 0 means

@@ -9,7 +9,8 @@ flat in vec3 albedo;
 
 uniform vec3 key;          // camera frame, unit, towards the light
 uniform vec3 up;           // camera frame, unit
-uniform float brightness;  // of all light, 1 = a well lit room
+uniform vec3 light_color;  // linear, 1 = a well lit room
+uniform float lamp;        // strength, 1: a window beside a desk
 
 layout(location = 0) out vec4 color;
 layout(location = 1) out float z;
@@ -22,5 +23,5 @@ void main() {
   vec3 n = vec3(at, -sqrt(inside)) / r;
   z = centre.z + n.z * r;
   gl_FragDepth = window_depth(z, near);
-  color = vec4(lit(albedo, n, key, up, normalize(-centre), brightness), 1.0);
+  color = vec4(lit(albedo, n, key, up, normalize(-centre), lamp, light_color), 1.0);
 }

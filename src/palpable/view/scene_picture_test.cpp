@@ -1,0 +1,101 @@
+#include "palpable/view/scene_picture.h"
+
+#include "palpable/session/frame_loop.h"
+#include "tests/support/dented_sphere.h"
+#include "tests/support/seen_wall.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+
+namespace palpable {
+namespace {
+
+// A sphere on whose top a finger of 2 N presses, 10 mm deep.
+struct Pressed {
+  FrameLoop loop = [] {
+    Rigid3 camera_from_body = Rigid3::Identity();
+    camera_from_body.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // Z up in the picture
+    camera_from_body.translation() = Eigen::Vector3d(0, 0.05, 0.4);
+    return value_or_throw(FrameLoop::make(test::DentedSphere{}.body(), camera_from_body,
+                                          test::wall_format(),
+                                          {.press_static = true, .map = false}));
+  }();
+  Scene scene = loop.process(test::frame_of_wall(0, 0));
+  SceneViews views{10e3};
+
+  Pressed() {
+    Touch touch;
+    touch.force = 2;
+    touch.press_depth = 0.01;
+    touch.point_in_body = {0, 0, 0.09};
+    touch.direction = {0, 0, -1};
+    scene.touches = {touch};
+    scene.bodies.front().stated_error = StatedError{0.03, 0.12};
+  }
+};
+
+TEST_CASE("stress, displacement or the material alone is painted", "[view]") {
+  Pressed pressed;
+  SceneShow show;
+  const SceneView& view = pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.bodies.front().scalar.data() == pressed.scene.bodies.front().von_mises.data());
+  CHECK(view.legend_title == "von Mises");
+  CHECK(view.stated_error == 0.12);
+
+  SceneBody& body = pressed.scene.bodies.front();
+  body.vertices.col(7) += Eigen::Vector3f(0, 0.003f, -0.004f);
+  show.field = SceneShow::Field::kDisplacement;
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  const std::span<const float> moved = view.bodies.front().scalar;
+  CHECK(moved[7] == Approx(0.005).epsilon(1e-3));
+  CHECK(*std::max_element(moved.begin(), moved.end()) == moved[7]);
+  CHECK(view.bodies.front().scalar_max == Approx(0.01).epsilon(0.01));  // a tenth of its height
+  CHECK(view.legend_title == "displacement");
+  CHECK(view.legend_unit == "mm");
+  CHECK(view.stated_error == 0.03);
+
+  show.field = SceneShow::Field::kNone;
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.bodies.front().scalar.empty());
+  CHECK(view.legend_title.empty());
+}
+
+TEST_CASE("touches are shown where they are, on request", "[view]") {
+  Pressed pressed;
+  SceneShow show;
+  const SceneView& view = pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.arrows.empty());
+  CHECK(view.bodies.front().dots.empty());
+  show.contacts = show.forces = true;
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  REQUIRE(view.arrows.size() == 1);
+  const Rigid3& camera_from_body = pressed.scene.bodies.front().camera_from_body;
+  const Arrow& arrow = view.arrows.front();
+  CHECK(arrow.tip.isApprox(camera_from_body * Eigen::Vector3d(0, 0, 0.09)));
+  CHECK(arrow.tail.y() < arrow.tip.y());  // it comes from above
+  CHECK(arrow.label == "2.00 N");
+  REQUIRE(view.bodies.front().dots.size() == 1);
+  CHECK(view.bodies.front().dots.front().at_in_body.isApprox(Eigen::Vector3f(0, 0, 0.09f)));
+  // A stronger force is a longer arrow, up to a point.
+  const double length = (arrow.tip - arrow.tail).norm();
+  const auto length_at = [&](double force) {
+    pressed.scene.touches.front().force = force;
+    pressed.views.of(pressed.scene, pressed.loop.session, show);
+    return (view.arrows.front().tip - view.arrows.front().tail).norm();
+  };
+  CHECK(length_at(4) > length);
+  CHECK(length_at(400) == Approx(length_at(40)));
+}
+
+TEST_CASE("without occlusion nothing real hides a body", "[view]") {
+  Pressed pressed;
+  SceneShow show;
+  const SceneView& view = pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.real_depth == &pressed.scene.seen.depth);
+  show.occlusion = false;
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.real_depth == nullptr);
+}
+
+}  // namespace
+}  // namespace palpable
