@@ -22,7 +22,7 @@ namespace palpable {
 namespace {
 
 constexpr float kSpatialReach = 40;  // R_s, px
-constexpr float kColorReach = 40;    // R_c, grey levels, Euclidean over r g b
+constexpr float kColorReach = 40;    // R_c, of colours
 constexpr int kLanes = OutlineWindow::kLanes;
 constexpr int kColumns = OutlineWindow::kColumns;
 
@@ -39,9 +39,10 @@ OutlineSums plain_sums(const OutlineWindow& w, float split) {
       const std::size_t at = static_cast<std::size_t>(v) * w.stride + k;
       const int i = k % kLanes;
       const float dx = w.dx + static_cast<float>(k) * w.step;
-      const float dr = w.r[at] - w.red, dg = w.g[at] - w.green, db = w.b[at] - w.blue;
+      const float light = w.light[at] - w.own_light, warm = w.warm[at] - w.own_warm;
+      const float pink = w.pink[at] - w.own_pink;
       const float weight = w.sure[at] * bump(dx * dx + dy * dy, kSpatialReach);
-      const float fit = weight * bump(dr * dr + dg * dg + db * db, kColorReach);
+      const float fit = weight * bump(light * light + warm * warm + pink * pink, kColorReach);
       const float is_near = w.inverse[at] > split ? 1.0f : 0.0f;
       s.near_weight[i] += is_near * weight;
       s.near_fit[i] += is_near * fit;
@@ -81,7 +82,8 @@ HWY_ATTR OutlineSums sums(const OutlineWindow& w, float split_at) {
   const Floats d;
   OutlineSums result;
   const auto split = hn::Set(d, split_at), step = hn::Set(d, w.step), dx0 = hn::Set(d, w.dx);
-  const auto red = hn::Set(d, w.red), green = hn::Set(d, w.green), blue = hn::Set(d, w.blue);
+  const auto own_light = hn::Set(d, w.own_light), own_warm = hn::Set(d, w.own_warm);
+  const auto own_pink = hn::Set(d, w.own_pink);
   for (int part = 0; part < kLanes; part += static_cast<int>(hn::Lanes(d))) {
     auto near_fit = hn::Zero(d), near_weight = near_fit, near_inverse = near_fit;
     auto all_fit = near_fit, all_weight = near_fit, all_inverse = near_fit;
@@ -92,12 +94,13 @@ HWY_ATTR OutlineSums sums(const OutlineWindow& w, float split_at) {
       for (int k = part; k < kColumns; k += kLanes) {
         const std::size_t at = static_cast<std::size_t>(v) * w.stride + k;
         const auto dx = hn::Add(dx0, hn::Mul(hn::Iota(d, static_cast<float>(k)), step));
-        const auto dr = hn::Sub(hn::LoadU(d, w.r + at), red);
-        const auto dg = hn::Sub(hn::LoadU(d, w.g + at), green);
-        const auto db = hn::Sub(hn::LoadU(d, w.b + at), blue);
+        const auto light = hn::Sub(hn::LoadU(d, w.light + at), own_light);
+        const auto warm = hn::Sub(hn::LoadU(d, w.warm + at), own_warm);
+        const auto pink = hn::Sub(hn::LoadU(d, w.pink + at), own_pink);
         const auto away = hn::Add(hn::Mul(dx, dx), dy_squared);
         const auto weight = hn::Mul(hn::LoadU(d, w.sure + at), bump_of(away, kSpatialReach));
-        const auto unlike = hn::Add(hn::Add(hn::Mul(dr, dr), hn::Mul(dg, dg)), hn::Mul(db, db));
+        const auto unlike =
+            hn::Add(hn::Add(hn::Mul(light, light), hn::Mul(warm, warm)), hn::Mul(pink, pink));
         const auto fit = hn::Mul(weight, bump_of(unlike, kColorReach));
         const auto inverse = hn::LoadU(d, w.inverse + at);
         const auto is_near = hn::Gt(inverse, split);

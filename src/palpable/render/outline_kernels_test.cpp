@@ -28,9 +28,9 @@ TEST_CASE("all instruction sets add up a window to the same bytes", "[render][ou
       moving[i] = sure(random) ? 1.0f : 0.0f;
     }
     const OutlineWindow window{.sure = is_sure.data() + 3,
-                               .r = r.data() + 3,
-                               .g = g.data() + 3,
-                               .b = b.data() + 3,
+                               .light = r.data() + 3,
+                               .warm = g.data() + 3,
+                               .pink = b.data() + 3,
                                .inverse = z.data() + 3,
                                .moving = moving.data() + 3,
                                .stride = kStride,
@@ -38,9 +38,9 @@ TEST_CASE("all instruction sets add up a window to the same bytes", "[render][ou
                                .dx = -26,
                                .dy = -27,
                                .step = 4,
-                               .red = level(random),
-                               .green = level(random),
-                               .blue = level(random)};
+                               .own_light = level(random),
+                               .own_warm = level(random),
+                               .own_pink = level(random)};
     const OutlineKernels& plain = outline_kernels().back();
     const OutlineSums sums = plain.sums(window, 3);
     CHECK(sums.near_weight[0] > 0);

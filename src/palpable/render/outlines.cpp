@@ -30,17 +30,22 @@ constexpr float kFactor = 1 + RealOutlines::kJump;
 
 // Biases and links are in natural logarithms of likelihoods, times this, in the cut.
 constexpr float kUnits = 256;
-constexpr float kColorFloor = 0.1f;  // a fit to both sides below this says nothing
-constexpr float kMissed = 0.08f;      // how often what moves is not in the mask, near a border
-constexpr float kFalse = 0.2f;        // how often what rests is
-constexpr float kFarMoves = 0.03f;
-constexpr float kMeasured = 0.5f;      // a depth in doubt speaks for its side
-constexpr float kSure = 0.7f;          // one that is not
-constexpr float kHalfSeenSays = 1.0f;  // so does the background of a strip that one eye sees
-constexpr float kCloseSays = 2.0f;     // so does a mark of the matcher
+constexpr float kColorFloor = 0.03f;  // a fit to both sides below this says nothing
+// Colours are compared by hue more than by brightness, which changes with shade.
+constexpr float kLuma = 0.5f;     // weight of a grey level
+constexpr float kHue = 400;       // of a difference of channels as a share of brightness
+constexpr float kDark = 32;       // grey levels added to brightness: hues of dark pixels are noise
+constexpr float kMissed = 0.08f;  // how often what moves is not in the mask, near a border
+constexpr float kFalse = 0.5f;    // how often what rests is: the mask closes gaps and widens
+constexpr float kFarMoves =
+    0.03f;  // a share of moving votes from which the hand is known to be behind
+constexpr float kMeasured = 0.5f;      // a measured depth in doubt speaks for its side
+constexpr float kSure = 0.2f;          // and one that was sure until its neighbours disagreed
+constexpr float kHalfSeenSays = 1.0f;  // a strip that one eye alone sees is background
+constexpr float kCloseSays = 2.0f;     // a mark "too close" of the matcher
 constexpr float kLink = 1.5f;          // between neighbours of the same colour ...
 constexpr float kLeastLink = 0.5f;     // ... and of whatever colours
-constexpr float kLinkReach = 30;  // grey levels between neighbours from which kLeastLink is left
+constexpr float kLinkReach = 30;  // of colours between neighbours from which kLeastLink is left
 constexpr int kBodyReach = 6;     // px beside the body where pixels vote as well
 
 float total(const OutlineLanes& lanes) {
@@ -85,6 +90,12 @@ void RealOutlines::find(const OutlineView& view) {
   write_fine(view, own);
 }
 
+RealOutlines::Color RealOutlines::color_of(float red, float green, float blue) {
+  const float luma = 0.3f * red + 0.6f * green + 0.1f * blue;
+  const float scale = kHue / (luma + kDark);
+  return {kLuma * luma, scale * (red - blue), scale * (red + blue - 2 * green)};
+}
+
 void RealOutlines::average_colors(const OutlineView& view) {
   color_.resize(at(0, h_));
   for (int y = 0; y < h_; ++y) {
@@ -93,9 +104,9 @@ void RealOutlines::average_colors(const OutlineView& view) {
     Color* to = color_.data() + at(0, y);
     for (int x = 0; x < w_; ++x) {
       const Rgb &a = upper[2 * x], &b = upper[2 * x + 1], &c = lower[2 * x], &d = lower[2 * x + 1];
-      to[x] = {0.25f * static_cast<float>(a.r + b.r + c.r + d.r),
-               0.25f * static_cast<float>(a.g + b.g + c.g + d.g),
-               0.25f * static_cast<float>(a.b + b.b + c.b + d.b)};
+      to[x] = color_of(0.25f * static_cast<float>(a.r + b.r + c.r + d.r),
+                       0.25f * static_cast<float>(a.g + b.g + c.g + d.g),
+                       0.25f * static_cast<float>(a.b + b.b + c.b + d.b));
     }
   }
 }
@@ -214,7 +225,7 @@ void RealOutlines::build_lattice() {
   l.width = (w_ + kLatticeStep - 1) / kLatticeStep + kWindowColumns;
   l.height = (h_ + kLatticeStep - 1) / kLatticeStep;
   const auto count = static_cast<std::size_t>(l.width) * static_cast<std::size_t>(l.height);
-  for (std::vector<float>* plane : {&l.sure, &l.r, &l.g, &l.b, &l.inverse, &l.moving}) {
+  for (std::vector<float>* plane : {&l.sure, &l.light, &l.warm, &l.pink, &l.inverse, &l.moving}) {
     plane->assign(count, 0.0f);
   }
   for (int v = 0; v < l.height; ++v) {
@@ -224,9 +235,9 @@ void RealOutlines::build_lattice() {
       if (doubt_[from] != 0 && close_[from] == 0) continue;
       const std::size_t to = row + static_cast<std::size_t>(u);
       l.sure[to] = 1.0f;
-      l.r[to] = color_[from].r;
-      l.g[to] = color_[from].g;
-      l.b[to] = color_[from].b;
+      l.light[to] = color_[from].light;
+      l.warm[to] = color_[from].warm;
+      l.pink[to] = color_[from].pink;
       l.inverse[to] = 1.0f / z_[from];
       l.moving[to] = moving_[from];
     }
@@ -243,9 +254,9 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y, float limit, signed 
   const std::size_t i = at(x, y);
   const Color c = color_[i];
   const OutlineWindow window{.sure = l.sure.data() + first,
-                             .r = l.r.data() + first,
-                             .g = l.g.data() + first,
-                             .b = l.b.data() + first,
+                             .light = l.light.data() + first,
+                             .warm = l.warm.data() + first,
+                             .pink = l.pink.data() + first,
                              .inverse = l.inverse.data() + first,
                              .moving = l.moving.data() + first,
                              .stride = static_cast<std::size_t>(l.width),
@@ -253,9 +264,9 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y, float limit, signed 
                              .dx = static_cast<float>(u0 * kLatticeStep - x),
                              .dy = static_cast<float>(v0 * kLatticeStep - y),
                              .step = kLatticeStep,
-                             .red = c.r,
-                             .green = c.g,
-                             .blue = c.b};
+                             .own_light = c.light,
+                             .own_warm = c.warm,
+                             .own_pink = c.pink};
   const OutlineSums sums = outline_kernels().front().sums(window, 1.0f / limit);
   const float near_weight = total(sums.near_weight);
   const float far_weight = total(sums.all_weight) - near_weight;
@@ -266,7 +277,7 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y, float limit, signed 
   if (any_far) verdict.far_depth = far_weight / (total(sums.all_inverse) - near_inverse);
   if (any_near && any_far) {
     const float near_fit = total(sums.near_fit);
-    const float far_fit = total(sums.all_fit) - near_fit;
+    const float far_fit = std::max(total(sums.all_fit) - near_fit, 0.0f);
     verdict.bias =
         std::log((near_fit / near_weight + kColorFloor) / (far_fit / far_weight + kColorFloor));
   }
@@ -306,9 +317,9 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
   const auto units = [](float nats) { return static_cast<int>(std::lround(kUnits * nats)); };
   const auto link = [&](std::size_t i, std::size_t j) {
     const Color &a = color_[i], &b = color_[j];
-    const float r = a.r - b.r, g = a.g - b.g, blue = a.b - b.b;
-    const float share =
-        std::max(1.0f - (r * r + g * g + blue * blue) / (kLinkReach * kLinkReach), 0.0f);
+    const float light = a.light - b.light, warm = a.warm - b.warm, pink = a.pink - b.pink;
+    const float away = light * light + warm * warm + pink * pink;
+    const float share = std::max(1.0f - away / (kLinkReach * kLinkReach), 0.0f);
     return units(kLeastLink + (kLink - kLeastLink) * share * share);
   };
   const auto ask = [&](int x, int y) {
@@ -412,20 +423,21 @@ void RealOutlines::write_fine(const OutlineView& view, const PixelRange& inner) 
           if (!(other > 0.0f)) continue;
           const std::size_t side = split * other < 1.0f ? 0 : 1;
           const Color& c = color_[at(u, v)];
-          mean[side].r += c.r;
-          mean[side].g += c.g;
-          mean[side].b += c.b;
+          mean[side].light += c.light;
+          mean[side].warm += c.warm;
+          mean[side].pink += c.pink;
           count[side] += 1;
         }
       }
-      const auto away = [&](const Rgb& c, std::size_t side) {
-        const float r = static_cast<float>(c.r) - mean[side].r / count[side];
-        const float g = static_cast<float>(c.g) - mean[side].g / count[side];
-        const float b = static_cast<float>(c.b) - mean[side].b / count[side];
-        return r * r + g * g + b * b;
+      const auto away = [&](const Color& c, std::size_t side) {
+        const float light = c.light - mean[side].light / count[side];
+        const float warm = c.warm - mean[side].warm / count[side];
+        const float pink = c.pink - mean[side].pink / count[side];
+        return light * light + warm * warm + pink * pink;
       };
       for (int k = 0; k < 4; ++k) {
-        const Rgb& c = view.picture(2 * (view.box.x0 + x) + k % 2, 2 * (view.box.y0 + y) + k / 2);
+        const Rgb& p = view.picture(2 * (view.box.x0 + x) + k % 2, 2 * (view.box.y0 + y) + k / 2);
+        const Color c = color_of(p.r, p.g, p.b);
         float* row = k < 2 ? upper : lower;
         row[k % 2] = away(c, 0) <= away(c, 1) ? low : high;
       }

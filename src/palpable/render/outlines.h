@@ -93,14 +93,15 @@ class RealOutlines {
   [[nodiscard]] std::span<const float> depth() const { return fine_; }
 
  private:
+  // A colour as its brightness and two differences of channels as shares of the brightness.
   struct Color {
-    float r, g, b;
+    float light, warm, pink;
   };
   // The lattice's pixels, row by row, one array for each quantity; `sure` is 1 or 0.
   struct Lattice {
     int width = 0;  // including empty columns at the end, which a window may read
     int height = 0;
-    std::vector<float> sure, r, g, b, inverse, moving;  // inverse: 1/m
+    std::vector<float> sure, light, warm, pink, inverse, moving;  // inverse: 1/m
   };
   // How well a colour and motion fit the two sides of a window, and their mean depths in m; 0 where
   // a side has no votes.
@@ -112,6 +113,7 @@ class RealOutlines {
   [[nodiscard]] std::size_t at(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(w_) + static_cast<std::size_t>(x);
   }
+  [[nodiscard]] static Color color_of(float red, float green, float blue);
   void average_colors(const OutlineView& view);
   void read_masks(const OutlineView& view);
   void find_body(const OutlineView& view, const PixelRange& own, const PixelRange& voting);
