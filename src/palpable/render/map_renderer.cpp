@@ -193,7 +193,7 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
     body.set("opaque", look.opaque_share());
     body.set("mark_color", floats_of(look.mark_color));
     body.set("up", up);
-    body.set("key", (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized().eval());
+    body.set("key", usual_lamp(up.cast<double>()).cast<float>().eval());
     body.set("lamp", 1.0f);
     body.set("light_color", Eigen::Vector3f(1, 1, 1));
     body.use();
@@ -216,7 +216,7 @@ void MapRenderer::State::draw_points(const PinholeCamera& camera, const MapView&
   set_camera(point, camera);
   point.set("camera_from_body", view.camera_from_world.matrix().cast<float>().eval());
   point.set("up", up);
-  point.set("key", (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized().eval());
+  point.set("key", usual_lamp(up.cast<double>()).cast<float>().eval());
   point.set("lamp", 1.0f);
   point.set("light_color", Eigen::Vector3f(1, 1, 1));
   point.use();

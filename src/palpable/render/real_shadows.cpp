@@ -18,6 +18,7 @@ namespace {
 
 constexpr float kPlane = 0.008f;      // m: what is so near to the plane is taken to be on it
 constexpr float kSoftTop = 0.04f;     // m below what throws a shadow, over which it begins
+constexpr float kOnThings = 0.5f;     // of the shade: a hand that touches is lit from its side
 constexpr float kThickness = 0.035f;  // m, of a hand
 constexpr float kLift = 0.003f;       // m, of a vertex along its normal before it looks
 constexpr float kDarkest = 0.85f;     // of the shade on a body: light comes round a finger
@@ -84,6 +85,7 @@ void ShadeOnReal::add(const GroundShadow& shadow, const Rigid3& camera_from_body
         const float* top = shadow.height().data() + y * N + x;
         const float high = std::max({top[0], top[1], top[N], top[N + 1]});
         below -= glsl::smoothstep(high - kSoftTop, high, at.z());
+        below *= kOnThings;
       } else {
         below -= glsl::smoothstep(tolerance, 2.0f * tolerance, -at.z());
       }

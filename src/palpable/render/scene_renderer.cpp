@@ -123,8 +123,7 @@ struct Light {
 };
 Light light_on(const BodyLook& body, const SceneLight& light) {
   const Eigen::Vector3f up = body.camera_from_body.linear().col(2).cast<float>();
-  const Eigen::Vector3f usual = (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized();
-  return {up, light.to_lamp.value_or(usual)};
+  return {up, light.to_lamp.value_or(usual_lamp(up.cast<double>()).cast<float>())};
 }
 
 // NaN where nothing is painted.

@@ -32,10 +32,15 @@ struct Dot {
   Rgb color{240, 120, 20};
 };
 
+/// Where a lamp usually is: above, a little to the left and behind the camera, so that visible
+/// sides are lit. Camera frame, unit. @param up  of the scene, likewise
+[[nodiscard]] inline Eigen::Vector3d usual_lamp(const Eigen::Vector3d& up) {
+  return (0.85 * up + Eigen::Vector3d(-0.55, 0.0, -0.45)).normalized();
+}
+
 /// The light that bodies are drawn in, and that they keep from what is real.
 struct SceneLight {
-  /// Towards the lamp: camera frame, unit. Nothing: from above, a little from the left and from
-  /// behind the camera, so that visible sides are lit.
+  /// Towards the lamp: camera frame, unit. Nothing: usual_lamp() above each body.
   std::optional<Eigen::Vector3f> to_lamp = {};
   float lamp = 1;                                   ///< its strength; 1: a window beside the desk
   Eigen::Vector3f color = Eigen::Vector3f::Ones();  ///< linear R, G, B of all; 1: a well lit room

@@ -43,7 +43,8 @@ constexpr std::array kKinds = {
     SequenceKind{"exposure", 600, "press while the exposure jumps"},
     SequenceKind{"rolling", 600, "press, the camera sways, rows are read one after the other"},
     SequenceKind{"drift", 600, "press while the right camera sinks by steps and a ramp"},
-    SequenceKind{"demo", 300, "the clip of ./demo: three presses, a hand before and behind"},
+    SequenceKind{"demo", 360,
+                 "the clip of ./demo: three presses, a hand before and behind, a squeeze"},
 };
 
 /// A sequence without presses: a camera that stands, is held or moves, with a working hand or

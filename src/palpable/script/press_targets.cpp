@@ -72,6 +72,21 @@ std::vector<PressTarget> between_targets(const DeskBody& body, const Rigid3& des
   return targets;
 }
 
+std::vector<PressTarget> skin_targets(const DeskBody& body, const Rigid3& desk_from_body, int most,
+                                      double lean) {
+  const Eigen::Matrix3Xf normals = normals_of(body.surface);
+  const Eigen::Index V = body.surface.vertex_count();
+  const Eigen::Index step = std::max<Eigen::Index>(1, V / most);
+  std::vector<PressTarget> targets;
+  for (Eigen::Index v = 0; v < V; v += step) {
+    const Vector3d x = body.surface.vertices.col(v);
+    const Vector3d normal = desk_from_body.linear() * normals.col(v).cast<double>();
+    targets.push_back({desk_from_body * x, (lean * -Vector3d::UnitX() - normal).normalized(),
+                       normal, nearest_site(body, x), true});
+  }
+  return targets;
+}
+
 PressSearch mirror_image(const PressSearch& search) {
   const Vector3d flip(-1, 1, 1);
   return {flip.asDiagonal() * search.points(), flip.asDiagonal() * search.eye()};

@@ -24,6 +24,14 @@ namespace palpable {
 [[nodiscard]] std::vector<PressTarget> between_targets(const DeskBody& body,
                                                        const Rigid3& desk_from_body);
 
+/// Targets on the skin, at every vertex or so many of them; pressed against the normal, leaning
+/// towards the right, from where the hand comes. Desk frame.
+/// @param most  number of targets
+/// @param lean  by how much of the way to the right: 0 presses against the normal
+[[nodiscard]] std::vector<PressTarget> skin_targets(const DeskBody& body,
+                                                    const Rigid3& desk_from_body, int most,
+                                                    double lean);
+
 /// The world in a mirror at the plane X = 0, where a left hand is a right one.
 [[nodiscard]] PressSearch mirror_image(const PressSearch& search);
 [[nodiscard]] SurfacePoints mirror_image(const SurfacePoints& surface);

@@ -221,16 +221,20 @@ class SqueezeSearch {
 /// The hand's path: it comes in, squeezes and rests in turn.
 class SqueezeScript {
  public:
-  SqueezeScript(const SqueezeSearch& search, std::uint64_t seed)
-      : search_(search), rest_turn_(frame_of({-0.93, -0.20, -0.25}, {-0.15, -0.30, 0.94})) {
+  /// @param first  frame: the hand begins outside of the picture
+  /// @param pace   of all ways; above 1 they take longer
+  SqueezeScript(const SqueezeSearch& search, std::uint64_t seed, double first = kFramesWithoutHand,
+                double pace = 1)
+      : search_(search),
+        pace_(pace),
+        rest_turn_(frame_of({-0.93, -0.20, -0.25}, {-0.15, -0.30, 0.94})) {
     path_.tool = search.tool();
     path_.arm = search.arm();
     path_.tremor_seed = seed;
     rest_ = tip_for_knuckles(path_.tool, {0.27, 0.05, 0.16}, rest_turn_);
-    path_.keys.push_back({kFramesWithoutHand,
-                          tip_for_knuckles(path_.tool, {0.62, 0.16, 0.26}, rest_turn_), rest_turn_,
-                          0.7});
-    path_.keys.push_back({kFramesWithoutHand + 18, rest_, rest_turn_, 0.7});
+    path_.keys.push_back(
+        {first, tip_for_knuckles(path_.tool, {0.62, 0.16, 0.26}, rest_turn_), rest_turn_, 0.7});
+    path_.keys.push_back({first + 18 * pace_, rest_, rest_turn_, 0.7});
   }
 
   [[nodiscard]] double now() const { return path_.keys.back().frame; }
@@ -241,16 +245,16 @@ class SqueezeScript {
   /// meet the desk, touch elsewhere, or not touch with both.
   std::optional<FrameSpan> squeeze(const Hold& hold, double depth, double in, double hold_frames) {
     const std::size_t keys_before = path_.keys.size();
-    const double start = now(), first = start + 28;
+    const double start = now(), first = start + 28 * pace_;
     const Vector3d before = hold.middle + kBack * hold.back;
-    key(start + 16, before, hold.turn, hold.opened);
+    key(start + 16 * pace_, before, hold.turn, hold.opened);
     key(first, hold.middle, hold.turn, hold.opened);
     key(first + in, hold.middle, hold.turn, hold.closed);
     key(first + in + hold_frames, hold.middle, hold.turn, hold.closed);
     const double last = first + in + hold_frames + std::max(8.0, 0.75 * in);
     key(last, hold.middle, hold.turn, hold.opened);
-    key(last + 12, before, hold.turn, hold.opened);
-    key(last + 28, rest_, rest_turn_, 0.7);
+    key(last + 12 * pace_, before, hold.turn, hold.opened);
+    key(last + 28 * pace_, rest_, rest_turn_, 0.7);
     const FrameSpan frames{static_cast<int>(std::floor(first)), static_cast<int>(std::ceil(last))};
     if (squeezes_only(hold, depth, frames, start, first + in + 0.5 * hold_frames)) return frames;
     path_.keys.resize(keys_before);
@@ -281,6 +285,7 @@ class SqueezeScript {
   }
 
   const SqueezeSearch& search_;
+  double pace_;
   Quaterniond rest_turn_;
   Vector3d rest_;
   HandPath path_;
@@ -366,6 +371,28 @@ std::optional<Sequence> attempt(const DeskBody& body, const SurfaceDistance& dis
 }
 
 }  // namespace
+
+std::optional<OneSqueeze> plan_one_squeeze(const DeskBody& body, const Rigid3& desk_from_body,
+                                           double first, double pace, std::uint64_t seed) {
+  constexpr int kTried = 60;
+  const SurfaceDistance distance(body.surface);
+  const SqueezeSearch search(transformed(sample_surface(body.surface, kSpacing), desk_from_body),
+                             distance, desk_from_body,
+                             RectifiedStereo{zed_mini_rig().left.pinhole, 0.063});
+  SqueezeScript script(search, seed, first, pace);
+  const double in = 14 * pace, stay = 14 * pace;
+  int tried = 0;
+  for (const TwoSides& sides : two_sides(search.surface(), first_eye())) {
+    if (++tried > kTried) break;
+    const std::optional<Hold> hold = search.hold(sides, kMostDepth);
+    if (!hold) continue;
+    const std::optional<FrameSpan> span = script.squeeze(*hold, kMostDepth, in, stay);
+    if (!span) continue;
+    const auto both = touches_of(*hold, kMostDepth, *span, in, body, desk_from_body);
+    return OneSqueeze{script.path(), {both.begin(), both.end()}};
+  }
+  return std::nullopt;
+}
 
 Sequence plan_squeezes(const DeskBody& body, int frames, std::uint64_t seed) {
   const SurfaceDistance distance(body.surface);

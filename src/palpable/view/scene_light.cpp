@@ -9,17 +9,22 @@
 namespace palpable {
 namespace {
 
-constexpr int kStep = 5;           // px of the depth between two samples
-constexpr int kReach = 3;          // px from a sample to the points that span its normal
+constexpr int kStep = 4;           // px of the depth between two samples
+constexpr int kReach = 5;          // px from a sample to the points that span its normal
 constexpr double kFarthest = 1.5;  // m; farther away normals are noise
 constexpr float kDarkest = 0.01f;  // linear luminance below which a pixel's hue is noise
 constexpr std::uint8_t kBrightest = 247;
-constexpr int kHueSteps = 24;          // across each of the two directions of the hue
-constexpr int kFewest = 20;            // samples of one hue
+constexpr int kHueSteps = 16;  // across each of the two directions of the hue
+constexpr int kCellsX = 8;     // of the picture, in which one hue has one albedo
+constexpr int kCellsY = 5;
+constexpr int kPaints = kHueSteps * kHueSteps * kCellsX * kCellsY;
+constexpr int kFewest = 12;            // samples of one paint
+constexpr float kLeastTurn = 0.02f;    // 1 - |mean normal| of a paint: 0.2 rad about the mean
 constexpr int kFirstRounds = 40;       // of the first fit
 constexpr int kRounds = 8;             // of one that begins with the last
-constexpr double kUsualWeight = 1e-4;  // of the usual light, against that of all samples
+constexpr double kUsualWeight = 5e-4;  // of the usual light, against that of all samples
 constexpr double kUsualDirected = 1.5;
+constexpr double kDirectedByWindow = 0.8;  // what is found beside a window (of 2.2 in truth)
 constexpr double kMostDirected = 4;    // the sun in a room is five times as bright as its shadows
 constexpr double kFollow = 0.2;        // share of a new estimate in what is told
 constexpr double kCauchy = 1.5;        // of the spread of residuals
@@ -63,7 +68,7 @@ float median_of(std::span<float> values) {
 SceneLight light_in_camera(const RoomLight& light, const Rigid3& camera_from_body) {
   SceneLight in_camera;
   in_camera.to_lamp = (camera_from_body.linear() * light.to_light).cast<float>();
-  in_camera.lamp = static_cast<float>(std::clamp(light.directed / kUsualDirected, 0.3, 1.4));
+  in_camera.lamp = static_cast<float>(std::clamp(light.directed / kDirectedByWindow, 0.5, 1.3));
   in_camera.color = (light.brightness * light.tint).cast<float>();
   return in_camera;
 }
@@ -98,9 +103,9 @@ void LightEstimator::see(const SeenFrame& seen, const Rigid3& camera_from_body) 
 
   sample_surfaces(seen);
   const Eigen::Matrix3d turn = camera_from_body.linear();
-  const Eigen::Vector3d usual = kUsualDirected * turn.col(2);
+  const Eigen::Vector3d usual = kUsualDirected * usual_lamp(turn.col(2));
   // Rounds add up from one fit to the next.
-  if (!began_) fitted_ = kUsualDirected * Eigen::Vector3d::UnitZ();
+  if (!began_) fitted_ = turn.transpose() * usual;
   fitted_ = turn.transpose() * fit(turn * fitted_, usual);
 
   const double follow = began_ ? kFollow : 1.0;
@@ -118,7 +123,7 @@ void LightEstimator::sample_surfaces(const SeenFrame& seen) {
   samples_.clear();
   samples_.reserve(static_cast<std::size_t>((depth.width() / kStep + 1)) *
                    static_cast<std::size_t>(depth.height() / kStep + 1));
-  by_hue_.reserve(samples_.capacity());
+  by_paint_.reserve(samples_.capacity());
   const PinholeCamera& camera = seen.depth_camera;
   for (int y = kReach; y < depth.height() - kReach; y += kStep) {
     for (int x = kReach; x < depth.width() - kReach; x += kStep) {
@@ -142,35 +147,48 @@ void LightEstimator::sample_surfaces(const SeenFrame& seen) {
           camera.unproject(x, y + kReach, below) - camera.unproject(x, y - kReach, above);
       // X right and Y down: this product points to the camera.
       const Eigen::Vector3f normal = down.cross(across).normalized().cast<float>();
-      samples_.push_back({normal, luminance, hue_of(color)});
+      const int cell = y * kCellsY / depth.height() * kCellsX + x * kCellsX / depth.width();
+      samples_.push_back({normal, luminance, hue_of(color) * (kCellsX * kCellsY) + cell});
     }
   }
-  // Samples of one hue beside each other.
-  first_of_hue_.assign(kHueSteps * kHueSteps + 1, 0);
-  for (const Sample& s : samples_) ++first_of_hue_[static_cast<std::size_t>(s.hue) + 1];
-  for (std::size_t k = 1; k < first_of_hue_.size(); ++k) first_of_hue_[k] += first_of_hue_[k - 1];
+  // Samples of one paint beside each other.
+  first_of_paint_.assign(kPaints + 1, 0);
+  for (const Sample& s : samples_) ++first_of_paint_[static_cast<std::size_t>(s.paint) + 1];
+  for (std::size_t k = 1; k < first_of_paint_.size(); ++k)
+    first_of_paint_[k] += first_of_paint_[k - 1];
   std::sort(samples_.begin(), samples_.end(),
-            [](const Sample& a, const Sample& b) { return a.hue < b.hue; });
-  by_hue_.resize(samples_.size());
-  albedo_.resize(kHueSteps * kHueSteps);
+            [](const Sample& a, const Sample& b) { return a.paint < b.paint; });
+  // A paint that is flat says nothing of the light, but the noise of its normals would say that
+  // there is none.
+  flat_.resize(kPaints);
+  for (std::size_t k = 0; k < flat_.size(); ++k) {
+    Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+    const auto first = static_cast<std::size_t>(first_of_paint_[k]);
+    const auto last = static_cast<std::size_t>(first_of_paint_[k + 1]);
+    for (std::size_t i = first; i < last; ++i) mean += samples_[i].normal;
+    flat_[k] = last - first < kFewest ||
+               1.0f - mean.norm() / static_cast<float>(last - first) < kLeastTurn;
+  }
+  by_paint_.resize(samples_.size());
+  albedo_.resize(kPaints);
 }
 
 void LightEstimator::fit_albedos(const Eigen::Vector3d& b) {
   const Eigen::Vector3f toward = b.cast<float>();
   for (std::size_t i = 0; i < samples_.size(); ++i) {
-    by_hue_[i] = samples_[i].luminance / (1.0f + std::max(toward.dot(samples_[i].normal), 0.0f));
+    by_paint_[i] = samples_[i].luminance / (1.0f + std::max(toward.dot(samples_[i].normal), 0.0f));
   }
   for (std::size_t k = 0; k < albedo_.size(); ++k) {
-    const auto first = static_cast<std::size_t>(first_of_hue_[k]);
-    const auto count = static_cast<std::size_t>(first_of_hue_[k + 1]) - first;
-    albedo_[k] = count < kFewest
+    const auto first = static_cast<std::size_t>(first_of_paint_[k]);
+    const auto count = static_cast<std::size_t>(first_of_paint_[k + 1]) - first;
+    albedo_[k] = flat_[k] != 0
                      ? 0.0
-                     : static_cast<double>(median_of(std::span(by_hue_).subspan(first, count)));
+                     : static_cast<double>(median_of(std::span(by_paint_).subspan(first, count)));
   }
 }
 
 Eigen::Vector3d LightEstimator::fit(Eigen::Vector3d b, const Eigen::Vector3d& usual) {
-  std::vector<float>& spread = by_hue_;  // free once the albedos are known
+  std::vector<float>& spread = by_paint_;  // free once the albedos are known
   const int rounds = began_ ? kRounds : kFirstRounds;
   for (int round = 0; round < rounds; ++round) {
     fit_albedos(b);
@@ -179,11 +197,11 @@ Eigen::Vector3d LightEstimator::fit(Eigen::Vector3d b, const Eigen::Vector3d& us
       return 1.0 + std::max(b.dot(s.normal.cast<double>()), 0.0);
     };
     const auto residual = [&](const Sample& s) {
-      return s.luminance / (albedo_[static_cast<std::size_t>(s.hue)] * light_on(s)) - 1.0;
+      return s.luminance / (albedo_[static_cast<std::size_t>(s.paint)] * light_on(s)) - 1.0;
     };
     std::size_t used = 0;
     for (const Sample& s : samples_) {
-      if (albedo_[static_cast<std::size_t>(s.hue)] == 0) continue;
+      if (albedo_[static_cast<std::size_t>(s.paint)] == 0) continue;
       spread[used++] = static_cast<float>(std::abs(residual(s)));
     }
     if (used < kFewest) return usual;
@@ -194,7 +212,7 @@ Eigen::Vector3d LightEstimator::fit(Eigen::Vector3d b, const Eigen::Vector3d& us
     Eigen::Matrix4d normal_matrix = kUsualWeight * Eigen::Matrix4d::Identity();
     Eigen::Vector4d right_side = kUsualWeight * (Eigen::Vector4d() << 1, usual).finished();
     for (const Sample& s : samples_) {
-      if (albedo_[static_cast<std::size_t>(s.hue)] == 0) continue;
+      if (albedo_[static_cast<std::size_t>(s.paint)] == 0) continue;
       const double r = residual(s) / typical;
       const double weight = 1.0 / ((1.0 + r * r) * static_cast<double>(used));
       const double light = light_on(s);

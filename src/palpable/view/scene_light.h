@@ -1,17 +1,19 @@
 /// @file
 /// The light of the room, estimated from what the camera sees: bodies are drawn in it.
 ///
-/// **Model.** Surfaces are matt; one lamp and the room light them; what has one hue has one albedo:
+/// **Model.** Surfaces are matt; one lamp and the room light them; what has one
+/// hue in one of 8 x 5 parts of the picture has one albedo (one paint):
 ///
 ///     I_p = rho_k(p) ( 1 + max(0, b . n_p) )
 ///
 /// with I_p the linear luminance of a pixel, n_p its surface's normal (from the depth), k(p) its
-/// hue and rho_k one unknown for each hue. b points to the lamp; |b| is its share against the
-/// room's light. Shading within one hue says what b is: a hand, a mug, a box. A desk alone, with
-/// one normal, says nothing, and b stays at what is usual: light from above.
+/// paint and rho_k one unknown for each. b points to the lamp; |b| is its share against the room's
+/// light, and comes out too small: noise of the normals blurs it. Shading within one paint says
+/// what b is: a hand, a mug. Flat paints say nothing and are left out; of a bare desk b is what is
+/// usual (usual_lamp()), which has a small weight always.
 ///
 /// b is a weighted least-squares fit with Cauchy weights (shadows, highlights and prints are not in
-/// the model), rho_k the median of its hue; some rounds of both, from the last estimate on. Few
+/// the model), rho_k the median of its paint; some rounds of both, from the last estimate on. Few
 /// frames are asked, and the estimate follows slowly: light that flickers is worse than light that
 /// is late.
 ///
@@ -57,7 +59,7 @@ class LightEstimator {
   struct Sample {
     Eigen::Vector3f normal;  // camera frame
     float luminance;
-    int hue;
+    int paint;
   };
   void sample_surfaces(const SeenFrame& seen);
   [[nodiscard]] Eigen::Vector3d fit(Eigen::Vector3d b, const Eigen::Vector3d& usual);
@@ -68,9 +70,10 @@ class LightEstimator {
   RoomLight light_;
   Eigen::Vector3d fitted_ = Eigen::Vector3d::Zero();  // b of the last fit, body frame
   std::vector<Sample> samples_;
-  std::vector<int> first_of_hue_;  // (hues + 1) into by_hue_
-  std::vector<float> by_hue_;      // luminance over light, sorted by hue
-  std::vector<double> albedo_;     // of each hue; 0: too few pixels
+  std::vector<int> first_of_paint_;  // (paints + 1) into by_paint_
+  std::vector<float> by_paint_;      // luminance over light, sorted by paint
+  std::vector<char> flat_;           // of each paint: of one normal, or of too few samples
+  std::vector<double> albedo_;       // of each paint; 0: it does not count
 };
 
 }  // namespace palpable

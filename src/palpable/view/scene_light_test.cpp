@@ -94,12 +94,14 @@ TEST_CASE("a darker picture is darker light, and light follows slowly", "[view][
   CHECK(estimator.light().brightness == Approx(0.25 * before).epsilon(0.05));
 }
 
-TEST_CASE("where nothing tells, light comes from above", "[view][light]") {
+TEST_CASE("where nothing tells, light comes from where it usually does", "[view][light]") {
   SeenFrame seen = lit_ball(Eigen::Vector3d(-1, 0, 0), 0.4);
   std::fill(seen.depth.begin(), seen.depth.end(), std::numeric_limits<float>::quiet_NaN());
   LightEstimator estimator;
   estimator.see(seen, upright());
-  CHECK(estimator.light().to_light.isApprox(Eigen::Vector3d::UnitZ(), 1e-9));
+  const Rigid3 camera_from_body = upright();
+  CHECK((camera_from_body.linear() * estimator.light().to_light)
+            .isApprox(usual_lamp(camera_from_body.linear().col(2)), 1e-6));
   CHECK(estimator.light().directed == Approx(1.5));
 }
 
