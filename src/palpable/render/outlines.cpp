@@ -44,9 +44,9 @@ constexpr float kSure = 0.2f;          // and one that was sure until its neighb
 constexpr float kHalfSeenSays = 1.0f;  // a strip that one eye alone sees is background
 constexpr float kCloseSays = 2.0f;     // a mark "too close" of the matcher
 constexpr float kLink = 1.5f;          // between neighbours of the same colour ...
-constexpr float kLeastLink = 0.5f;     // ... and of whatever colours
-constexpr float kLinkReach = 30;  // of colours between neighbours from which kLeastLink is left
-constexpr int kBodyReach = 6;     // px beside the body where pixels vote as well
+constexpr float kLeastLink = 0.9f;  // ... and of whatever colours: four outweigh one pixel's colour
+constexpr float kLinkReach = 30;    // of colours between neighbours from which kLeastLink is left
+constexpr int kBodyReach = 6;       // px beside the body where pixels vote as well
 
 float total(const OutlineLanes& lanes) {
   float sum = 0;

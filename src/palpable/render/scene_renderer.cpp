@@ -203,6 +203,7 @@ struct SceneRenderer::State {
   Boxes boxes_of(const SceneView& view) const;
   Eigen::Vector2f upload_real_depth(const SceneView& view, const Boxes& boxes);
   void upload_outlines(const SceneView& view, const PixelRange& bodies);
+  void mark_too_close(const MaskImage& moving);
   void read_body_depth(const PixelRange& bodies, const PixelRange& inner);
   void stream(const BodyLook& look, const SceneLight& light, BodyBuffers& to);
   void draw_shadows(const SceneView& view, const PixelRange& box, const RealSurface& real);
@@ -297,6 +298,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     // At this point the picture is the background, or plain grey.
     s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,
                               picture.row(box.y0) + box.x0, width);
+    if (view.moving != nullptr) s.mark_too_close(*view.moving);
     s.draw_shadows(view, box, real);
     s.compose_picture(view, boxes, depth_per_picture);
     glDisable(GL_SCISSOR_TEST);
@@ -402,6 +404,18 @@ void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRan
   fine_box = {2 * inner.x0, 2 * inner.y0, 2 * inner.x1, 2 * inner.y1};
   fine_depth.upload(fine_box.x0, fine_box.y0, fine_box.width(), fine_box.height(), GL_RED, GL_FLOAT,
                     outlines.depth().data());
+}
+
+// What moves and has no depth is not on the body's plane, where shadows would fall on it.
+void SceneRenderer::State::mark_too_close(const MaskImage& moving) {
+  if (moving.width() < real_box.x1 || moving.height() < real_box.y1) return;
+  float* z = filled.data();
+  for (int y = real_box.y0; y < real_box.y1; ++y) {
+    const std::uint8_t* moves = moving.row(y) + real_box.x0;
+    for (int x = 0; x < real_box.width(); ++x, ++z) {
+      if (moves[x] != 0 && !(*z > 0.0f)) *z = RealOutlines::kTooClose;
+    }
+  }
 }
 
 // Into body_z: of the texels `inner`, at the picture's resolution; 0 outside of `bodies`.

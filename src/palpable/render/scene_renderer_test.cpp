@@ -510,10 +510,12 @@ TEST_CASE("the shadow darkens the plane that the body stands on and nothing abov
           .toRotationMatrix();
   look.camera_from_body.translation() = Eigen::Vector3d(0, 0, 0.5);
   const ColorImage background(kCamera.width, kCamera.height, {200, 200, 200});
-  const auto darkened = [&](const DepthImage* real) {
-    const Drawn drawn =
-        draw(*gl.renderer,
-             {.background = &background, .real_depth = real, .camera = kCamera, .bodies = {look}});
+  const auto darkened = [&](const DepthImage* real, const MaskImage* moving = nullptr) {
+    const Drawn drawn = draw(*gl.renderer, {.background = &background,
+                                            .real_depth = real,
+                                            .moving = moving,
+                                            .camera = kCamera,
+                                            .bodies = {look}});
     int count = 0;
     for (int y = 0; y < kCamera.height; ++y) {
       for (int x = 0; x < kCamera.width; ++x) {
@@ -546,6 +548,11 @@ TEST_CASE("the shadow darkens the plane that the body stands on and nothing abov
   CHECK(darkened(&desk) == darkened(nullptr));
   CHECK(darkened(&hand) == 0);
   CHECK(darkened(&wall) == 0);
+  // What has no depth is taken to lie there, unless it moves: then it is too near for a depth.
+  const DepthImage unknown(kCamera.width, kCamera.height, kUnknown);
+  const MaskImage moving(kCamera.width, kCamera.height, 255);
+  CHECK(darkened(&unknown) == darkened(nullptr));
+  CHECK(darkened(&unknown, &moving) == 0);
 }
 
 TEST_CASE("a shadow falls on what stands in it, as high as what throws it", "[render][light]") {
