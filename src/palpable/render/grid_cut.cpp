@@ -12,16 +12,16 @@ void GridCut::begin(int width, int height) {
   stride_ = width + 2;  // a rim of nodes without links: no step leaves the memory
   step_ = {1, -1, stride_, -stride_};
   const auto count = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height + 2);
-  left_.assign(4 * count, 0);
-  wish_.assign(count, 0);
-  tree_.assign(count, kFree);
-  parent_.assign(count, kOrphan);
-  distance_.assign(count, 0);
-  checked_.assign(count, 0);
-  active_.assign(count, 0);
+  assign_with_room(left_, 4 * count, 0);
+  assign_with_room(wish_, count, 0);
+  assign_with_room(tree_, count, kFree);
+  assign_with_room(parent_, count, kOrphan);
+  assign_with_room(distance_, count, 0);
+  assign_with_room(checked_, count, 0);
+  assign_with_room(active_, count, std::uint8_t{0});
   for (std::vector<int>* list : {&queue_, &next_queue_, &orphans_}) {
+    assign_with_room(*list, count, 0);
     list->clear();
-    list->reserve(count);
   }
   time_ = 0;
 }

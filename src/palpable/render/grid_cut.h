@@ -15,11 +15,19 @@
 
 namespace palpable {
 
+/// Fills a vector; where that takes more memory, it takes half as much again, since a body's
+/// rectangle grows a little from frame to frame.
+template <class T>
+void assign_with_room(std::vector<T>& to, std::size_t count, T value) {
+  if (to.capacity() < count) to.reserve(count + count / 2);
+  to.assign(count, value);
+}
+
 /// Neighbours are the pixels on the left and right, above and below. Set all costs between begin()
 /// and solve().
 class GridCut {
  public:
-  /// Starts a grid of this size without costs. Allocates nothing for a size that it has had.
+  /// Starts a grid of this size without costs. Allocates nothing up to a size that it has had.
   void begin(int width, int height);
 
   /// A pixel's wish for side 1 (above 0) or side 0 (below 0): what the other side costs it. Adds

@@ -77,6 +77,9 @@ void RealOutlines::find(const OutlineView& view) {
         mask == nullptr || mask->empty() || (mask->width() >= box.x1 && mask->height() >= box.y1),
         "masks have the size of the depth image");
   }
+  assign_with_room(z_, count, 0.0f);
+  assign_with_room(verdicts_, count, Verdict{});
+  assign_with_room(growing_, count, 0);
   z_.assign(view.depth.begin(), view.depth.begin() + static_cast<std::ptrdiff_t>(count));
   const PixelRange own{inner.x0 - box.x0, inner.y0 - box.y0, inner.x1 - box.x0, inner.y1 - box.y0};
   const PixelRange voting{std::max(own.x0 - kBodyReach, 0), std::max(own.y0 - kBodyReach, 0),
@@ -97,7 +100,7 @@ RealOutlines::Color RealOutlines::color_of(float red, float green, float blue) {
 }
 
 void RealOutlines::average_colors(const OutlineView& view) {
-  color_.resize(at(0, h_));
+  assign_with_room(color_, at(0, h_), Color{});
   for (int y = 0; y < h_; ++y) {
     const Rgb* upper = view.picture.row(2 * (view.box.y0 + y)) + 2 * view.box.x0;
     const Rgb* lower = view.picture.row(2 * (view.box.y0 + y) + 1) + 2 * view.box.x0;
@@ -113,7 +116,7 @@ void RealOutlines::average_colors(const OutlineView& view) {
 
 void RealOutlines::read_masks(const OutlineView& view) {
   const auto read = [&](const MaskImage* mask, std::vector<std::uint8_t>& to) {
-    to.assign(at(0, h_), 0);
+    assign_with_room(to, at(0, h_), std::uint8_t{0});
     if (mask == nullptr || mask->empty()) return false;
     for (int y = 0; y < h_; ++y) {
       const std::uint8_t* from = mask->row(view.box.y0 + y) + view.box.x0;
@@ -135,7 +138,7 @@ void RealOutlines::find_body(const OutlineView& view, const PixelRange& own,
   const auto index = [w](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
   };
-  limit_.assign(index(0, h), 0.0f);
+  assign_with_room(limit_, index(0, h), 0.0f);
   const auto stride = 2 * static_cast<std::size_t>(own.width());
   for (int y = 0; y < own.height(); ++y) {
     const float* upper = view.body.data() + 2 * static_cast<std::size_t>(y) * stride;
@@ -166,7 +169,7 @@ void RealOutlines::find_body(const OutlineView& view, const PixelRange& own,
           }
         }
       };
-      scratch_.assign(static_cast<std::size_t>(length), 0.0f);
+      assign_with_room(scratch_, static_cast<std::size_t>(length), 0.0f);
       pass(0, length, 1);
       pass(length - 1, -1, -1);
       for (int i = 0; i < length; ++i) {
@@ -181,7 +184,7 @@ void RealOutlines::find_body(const OutlineView& view, const PixelRange& own,
 
 void RealOutlines::find_doubts(const OutlineView& view) {
   const std::span<const signed char> guessed = view.guessed;
-  doubt_.assign(at(0, h_), 0);
+  assign_with_room(doubt_, at(0, h_), std::uint8_t{0});
   // Compares each pixel with the one at (dx, dy) from it. Branch-free, so that it is vectorised.
   const auto compare = [&](int dx, int dy, const auto& doubtful) {
     const int first = std::max(-dx, 0);
@@ -226,7 +229,7 @@ void RealOutlines::build_lattice() {
   l.height = (h_ + kLatticeStep - 1) / kLatticeStep;
   const auto count = static_cast<std::size_t>(l.width) * static_cast<std::size_t>(l.height);
   for (std::vector<float>* plane : {&l.sure, &l.light, &l.warm, &l.pink, &l.inverse, &l.moving}) {
-    plane->assign(count, 0.0f);
+    assign_with_room(*plane, count, 0.0f);
   }
   for (int v = 0; v < l.height; ++v) {
     const auto row = static_cast<std::size_t>(v) * static_cast<std::size_t>(l.width);
@@ -304,7 +307,6 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y, float limit, signed 
 void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
   const int w = own.width(), h = own.height();
   cut_.begin(w, h);
-  verdicts_.resize(limit_.size());
   // Whether (x, y) of the own box takes part, and if not whether something real is before it.
   enum class Role : std::uint8_t { kNone, kVoter, kBefore, kBehind };
   const auto role = [&](int x, int y) {
@@ -328,7 +330,6 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
         of_window(own.x0 + x, own.y0 + y, limit_[k], view.guessed[at(own.x0 + x, own.y0 + y)]);
   };
   growing_.clear();
-  growing_.reserve(limit_.size());
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       if (role(x, y) != Role::kVoter) continue;
@@ -398,7 +399,7 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
 void RealOutlines::write_fine(const OutlineView& view, const PixelRange& inner) {
   constexpr int kReach = 2;  // px of the depth image: the colours of a side are those this near
   const std::size_t stride = 2 * static_cast<std::size_t>(inner.width());
-  fine_.resize(stride * 2 * static_cast<std::size_t>(inner.height()));
+  assign_with_room(fine_, stride * 2 * static_cast<std::size_t>(inner.height()), 0.0f);
   for (int y = inner.y0; y < inner.y1; ++y) {
     for (int x = inner.x0; x < inner.x1; ++x) {
       const float z = z_[at(x, y)];

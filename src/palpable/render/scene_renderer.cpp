@@ -421,7 +421,8 @@ void SceneRenderer::State::mark_too_close(const MaskImage& moving) {
 // Into body_z: of the texels `inner`, at the picture's resolution; 0 outside of `bodies`.
 void SceneRenderer::State::read_body_depth(const PixelRange& bodies, const PixelRange& inner) {
   const int width = 2 * inner.width(), height = 2 * inner.height();
-  body_z.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  assign_with_room(body_z, static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                   0.0f);
   targets->body.read(1, 2 * inner.x0, 2 * inner.y0, width, height, GL_RED, GL_FLOAT, body_z.data());
   for (int y = 0; y < height; ++y) {
     float* row = body_z.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
