@@ -37,8 +37,8 @@ constexpr float kHue = 400;       // of a difference of channels as a share of b
 constexpr float kDark = 32;       // grey levels added to brightness: hues of dark pixels are noise
 constexpr float kMissed = 0.08f;  // how often what moves is not in the mask, near a border
 constexpr float kFalse = 0.5f;    // how often what rests is: the mask closes gaps and widens
-constexpr float kFarMoves =
-    0.03f;  // a share of moving votes from which the hand is known to be behind
+// Share of moving votes from which what moves is known to be behind the body.
+constexpr float kFarMoves = 0.03f;
 constexpr float kMeasured = 0.5f;      // a measured depth in doubt speaks for its side
 constexpr float kSure = 0.2f;          // and one that was sure until its neighbours disagreed
 constexpr float kHalfSeenSays = 1.0f;  // a strip that one eye alone sees is background
@@ -292,10 +292,11 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y, float limit, signed 
       const float marked = kFalse + (1.0f - kFalse - kMissed) * moves;
       return moving_[i] != 0 ? marked : 1.0f - marked;
     };
-    if (!any_near && far_moves > kFarMoves)
-      verdict.bias -= kMeasured;
-    else
+    if (any_near || far_moves <= kFarMoves) {
       verdict.bias += std::log(likelihood(near_moves) / likelihood(far_moves));
+    } else {
+      verdict.bias -= kMeasured;  // a hole in what moves behind the body
+    }
   }
   if (close_[i] != 0) verdict.bias += kCloseSays;
   const bool near = z_[i] > 0.0f && z_[i] < limit;

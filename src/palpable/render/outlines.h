@@ -51,6 +51,10 @@ struct OutlineView {
 ///     P_k(p) = sum_{q in k} s(p, q) g(c_p - c_q)  /  sum_{q in k} s(p, q),     k = n, f
 ///     s = max(0, 1 - |p - q|^2 / R_s^2)^2,   g = max(0, 1 - |c_p - c_q|^2 / R_c^2)^2
 ///
+/// Shade changes brightness Y = 0.3 R + 0.6 G + 0.1 B more than hue, so a colour is
+///
+///     c = (Y / 2,  400 (R - B) / (Y + 32),  400 (R + B - 2 G) / (Y + 32))        R, G, B in 0..255
+///
 /// P_k measures how well the colour fits side k, whatever the number of pixels on that side. (The
 /// weights are those of adaptive support, Yoon and Kweon 2006, applied to labels instead of costs.)
 /// Likewise M_k is the share of what moves on side k; where no vote is near, what is before the
@@ -58,13 +62,14 @@ struct OutlineView {
 ///
 ///     bias(p) = log P_n / P_f + log P(m_p | M_n) / P(m_p | M_f) + depth's own small say
 ///
-/// So what moves, has no depth and is like nothing known behind the body is before it: too close is
-/// in front of everything.
+/// So what moves, has no depth and has no depth of anything that moves around it is before the
+/// body: too close is in front of everything. A sure pixel beside one in doubt with a bias to its
+/// other side is asked, too, and on from there while they disagree with their depth.
 ///
 /// **Vote of all.** grid_cut.h divides the pixels in doubt by these biases and by links between
-/// neighbours, which are the weaker the more their colours differ; sure neighbours do not move. A
-/// pixel that changes sides gets the mean depth of the votes of its side; kTooClose where there are
-/// none before the body, 0 (unknown) where there are none behind it.
+/// neighbours, which are the weaker the more their colours differ; sure neighbours keep their side.
+/// A pixel that changes sides gets the mean depth of the votes of its side; kTooClose where there
+/// are none before the body, 0 (unknown) where there are none behind it.
 ///
 /// **Full resolution.** A pixel of the depth image beside a border covers four pixels of the
 /// picture. Each of these goes to the side whose mean colour, within 2 px of the depth image, is
@@ -81,8 +86,8 @@ class RealOutlines {
   static constexpr int kWindow = 28;  ///< px: behind a half-seen strip of 25 px lies its background
   /// px by which `box` should exceed `inner` on each side, so that windows lie within it.
   static constexpr int kMargin = kWindow + kLatticeStep;
-  static constexpr float kTooClose =
-      0.05f;  ///< m, written where something is nearer than the range
+  /// m, written where something is nearer than the depth's range.
+  static constexpr float kTooClose = 0.05f;
 
   /// Allocates nothing once it has seen a box of this size.
   /// @throws ContractViolation when sizes do not match
