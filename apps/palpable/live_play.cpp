@@ -75,6 +75,10 @@ SceneShow show_of(const PlayOptions& options) {
                : options.paint == "displacement" ? Field::kDisplacement
                                                  : Field::kNone;
   show.blended = !options.opaque;
+  using Occlusion = SceneShow::Occlusion;
+  show.occlusion = options.occlusion == "soft"   ? Occlusion::kSoft
+                   : options.occlusion == "hard" ? Occlusion::kHard
+                                                 : Occlusion::kNone;
   show.contacts = show.forces = options.forces;
   return show;
 }
@@ -355,6 +359,14 @@ void add_play_options(Command command, PlayOptions& options) {
       .show_default();
   command.add_flag("--opaque", options.opaque,
                    "Paint all of a body, also where it bears next to nothing");
+  command
+      .add_option(
+          "--occlusion", options.occlusion,
+          "How what is real hides bodies behind it. soft: along outlines that depth, colour "
+          "and motion decide together; hard: pixel by pixel by the measured depth alone, as "
+          "the paper does; none: not at all")
+      .one_of({"soft", "hard", "none"})
+      .show_default();
   command.add_flag("--forces", options.forces,
                    "Draw where bodies are pressed, and an arrow with the force there");
   add_events_option(command, options.events);

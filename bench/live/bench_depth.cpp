@@ -268,17 +268,25 @@ class OutlineTimes {
  public:
   void add(const SeenFrame& seen) {
     constexpr int kSide = 144, kHoles = 6;  // half px
+    constexpr float kBodyZ = 0.4f;          // m: a plate between hand and desk
     const int cx = seen.depth.width() / 2, cy = seen.depth.height() / 2;
     const PixelRange inner{cx - kSide / 2, cy - kSide / 2, cx + kSide / 2, cy + kSide / 2};
     const PixelRange box{std::max(inner.x0 - kLongestHalfSeen - 1, 0),
                          std::max(inner.y0 - RealOutlines::kMargin, 0),
                          std::min(inner.x1 + kLongestHalfSeen + 1, seen.depth.width()),
                          std::min(inner.y1 + RealOutlines::kMargin, seen.depth.height())};
+    body_.assign(4 * kSide * kSide, kBodyZ);
     Times least;
     for (int i = 0; i < 5; ++i) {
       keep_least(least, timed([&] {
                    fill_unknown(seen.depth, box, kHoles, nearest_, filled_);
-                   outlines_.find(seen.color, box, filled_, nearest_, inner);
+                   outlines_.find({.picture = seen.color,
+                                   .box = box,
+                                   .depth = filled_,
+                                   .guessed = nearest_,
+                                   .inner = inner,
+                                   .body = body_,
+                                   .too_close = &seen.too_close});
                  }));
     }
     cpu_ms_.push_back(least.cpu_ms);
@@ -288,7 +296,7 @@ class OutlineTimes {
  private:
   RealOutlines outlines_;
   std::vector<signed char> nearest_;
-  std::vector<float> filled_;
+  std::vector<float> filled_, body_;
   std::vector<double> cpu_ms_;
 };
 

@@ -75,7 +75,7 @@ void fill_unknown(const DepthImage& depth, const PixelRange& box, int radius,
       if (last_known >= 0 && run > 0 && run <= kLongestHalfSeen &&
           out[last_known] > 1.1f * out[x]) {
         std::fill(out + last_known + 1, out + x, out[last_known]);
-        std::fill(offset + last_known + 1, offset + x, static_cast<signed char>(0));
+        std::fill(offset + last_known + 1, offset + x, kHalfSeen);
       }
       last_known = x;
     }

@@ -26,6 +26,9 @@ struct PixelRange {
 /// it is 10 to 25 px.
 inline constexpr int kLongestHalfSeen = 64;
 
+/// Marks pixels of such runs in `nearest_in_row` below.
+inline constexpr signed char kHalfSeen = 126;
+
 /// Copies `box` of a depth image and closes its holes. An unknown pixel (NaN, infinite or not
 /// positive) becomes
 ///
@@ -39,8 +42,8 @@ inline constexpr int kLongestHalfSeen = 64;
 ///   equally near, the farther depth), or 0 if there is none.
 ///
 /// @param nearest_in_row  (box.height x box.width) row-major, overwritten: 0 where the depth was
-///                        known or is the far depth of the first rule, else not 0. Pass the same
-///                        vectors again and nothing is allocated
+///                        known, kHalfSeen where it is the far depth of the first rule, else
+///                        another number. Pass the same vectors again and nothing is allocated
 /// @param filled          (box.height x box.width) row-major, overwritten
 void fill_unknown(const DepthImage& depth, const PixelRange& box, int radius,
                   std::vector<signed char>& nearest_in_row, std::vector<float>& filled);

@@ -82,8 +82,8 @@ TEST_CASE("left of a near thing a hole is background, right of it and within it 
   CHECK(filled[2] == 0.5f);
   CHECK(filled[7] == 0.3f);
   CHECK(filled[8] == 0.3f);
-  CHECK(filled[10] == 0.5f);  // of two equally near the farther
-  CHECK(nearest[4] == 0);     // taken for known, unlike a hole's neighbour
+  CHECK(filled[10] == 0.5f);       // of two equally near the farther
+  CHECK(nearest[4] == kHalfSeen);  // taken for known, unlike a hole's neighbour
   CHECK(nearest[7] != 0);
 }
 

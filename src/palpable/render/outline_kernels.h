@@ -15,33 +15,29 @@ struct OutlineWindow {
   static constexpr int kLanes = 8;     ///< columns that are added up apart
   static constexpr int kColumns = 16;  ///< a multiple of kLanes
 
-  /// Of the window's first lattice pixel. `sure` is 1 or 0; r, g, b grey levels; inverse 1/m, 0
-  /// where the pixel is not sure.
-  const float *sure = nullptr, *r = nullptr, *g = nullptr, *b = nullptr, *inverse = nullptr;
-  std::size_t stride = 0;              ///< from one row of the lattice to the next
-  int rows = 0;                        ///< of the window
-  float dx = 0, dy = 0;                ///< px from the pixel to the first lattice pixel
-  float step = 0;                      ///< px between lattice pixels
-  float red = 0, green = 0, blue = 0;  ///< of the pixel
+  /// Of the window's first lattice pixel. `sure` is 1 or 0; light, warm, pink
+  /// are coordinates of a colour (outlines.h); inverse 1/m, 0
+  /// where the pixel is not sure; `moving` is 1 or 0, and 0 where it is not sure.
+  const float *sure = nullptr, *light = nullptr, *warm = nullptr, *pink = nullptr,
+              *inverse = nullptr, *moving = nullptr;
+  std::size_t stride = 0;  ///< from one row of the lattice to the next
+  int rows = 0;            ///< of the window
+  float dx = 0, dy = 0;    ///< px from the pixel to the first lattice pixel
+  float step = 0;          ///< px between lattice pixels
+  float own_light = 0, own_warm = 0, own_pink = 0;  ///< of the pixel
 };
 
 using OutlineLanes = std::array<float, OutlineWindow::kLanes>;
 
-/// Least `inverse` of what is sure (the largest float where nothing is) and largest one, by lane.
-struct OutlineRange {
-  OutlineLanes low, high;
-};
-
-/// By lane: sums of s g, s and s / Z of the header's formula, over what is nearer than 1 / split
-/// and over all.
+/// By lane: sums of s g, s, s / Z and s where something moves, of the header's formula, over what
+/// is nearer than 1 / split and over all.
 struct OutlineSums {
-  OutlineLanes near_fit, near_weight, near_inverse;
-  OutlineLanes all_fit, all_weight, all_inverse;
+  OutlineLanes near_fit, near_weight, near_inverse, near_moving;
+  OutlineLanes all_fit, all_weight, all_inverse, all_moving;
 };
 
 struct OutlineKernels {
   const char* name = "";
-  OutlineRange (*range)(const OutlineWindow& window);
   OutlineSums (*sums)(const OutlineWindow& window, float split);
 };
 

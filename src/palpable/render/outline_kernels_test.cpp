@@ -15,9 +15,9 @@ TEST_CASE("all instruction sets add up a window to the same bytes", "[render][ou
     auto random = test::random_case(seed);
     std::uniform_real_distribution<float> level(0, 255), inverse(0.5f, 8);
     std::bernoulli_distribution sure(0.6);
-    std::vector<float> planes[5];
+    std::vector<float> planes[6];
     for (auto& plane : planes) plane.resize(kRows * kStride);
-    auto& [is_sure, r, g, b, z] = planes;
+    auto& [is_sure, r, g, b, z, moving] = planes;
     for (std::size_t i = 0; i < is_sure.size(); ++i) {
       if (!sure(random)) continue;
       is_sure[i] = 1;
@@ -25,30 +25,28 @@ TEST_CASE("all instruction sets add up a window to the same bytes", "[render][ou
       g[i] = level(random);
       b[i] = level(random);
       z[i] = inverse(random);
+      moving[i] = sure(random) ? 1.0f : 0.0f;
     }
     const OutlineWindow window{.sure = is_sure.data() + 3,
-                               .r = r.data() + 3,
-                               .g = g.data() + 3,
-                               .b = b.data() + 3,
+                               .light = r.data() + 3,
+                               .warm = g.data() + 3,
+                               .pink = b.data() + 3,
                                .inverse = z.data() + 3,
+                               .moving = moving.data() + 3,
                                .stride = kStride,
                                .rows = kRows,
                                .dx = -26,
                                .dy = -27,
                                .step = 4,
-                               .red = level(random),
-                               .green = level(random),
-                               .blue = level(random)};
+                               .own_light = level(random),
+                               .own_warm = level(random),
+                               .own_pink = level(random)};
     const OutlineKernels& plain = outline_kernels().back();
-    const OutlineRange range = plain.range(window);
     const OutlineSums sums = plain.sums(window, 3);
     CHECK(sums.near_weight[0] > 0);
     CHECK(sums.near_weight[0] < sums.all_weight[0]);
     for (const OutlineKernels& kernels : outline_kernels()) {
       INFO(kernels.name);
-      const OutlineRange range_here = kernels.range(window);
-      CHECK(range_here.low == range.low);
-      CHECK(range_here.high == range.high);
       const OutlineSums here = kernels.sums(window, 3);
       CHECK(here.near_fit == sums.near_fit);
       CHECK(here.near_weight == sums.near_weight);
@@ -56,6 +54,8 @@ TEST_CASE("all instruction sets add up a window to the same bytes", "[render][ou
       CHECK(here.all_fit == sums.all_fit);
       CHECK(here.all_weight == sums.all_weight);
       CHECK(here.all_inverse == sums.all_inverse);
+      CHECK(here.near_moving == sums.near_moving);
+      CHECK(here.all_moving == sums.all_moving);
     }
   }
 }

@@ -147,6 +147,13 @@ void draw_on(ColorImage& picture, const Arrow& arrow, const PinholeCamera& camer
   draw_label(picture, x, tail.y() - 0.5f * text.height(), arrow.label, size);
 }
 
+// Whether the outlines of real things are found at the picture's resolution.
+bool wants_outlines(const SceneView& view) {
+  return !view.hard_occlusion && view.background != nullptr && view.real_depth != nullptr &&
+         !view.real_depth->empty() && view.camera.width / 2 == view.real_depth->width() &&
+         view.camera.height / 2 == view.real_depth->height();
+}
+
 void check(const SceneView& view) {
   const PinholeCamera& camera = view.camera;
   PALPABLE_EXPECT(camera.width > 0 && camera.height > 0, "the picture has a size");
@@ -170,6 +177,7 @@ void check(const SceneView& view) {
 struct SceneRenderer::State {
   GlProgram body_program, dot_program, shadow_program, compose_program;
   GlProgram compose_fine_program;  // where fine_depth reaches wherever a body may be
+  GlProgram compose_hard_program;
   FullScreenTriangle triangle;
   std::vector<BodyBuffers> buffers;
   std::unique_ptr<Targets> targets;
@@ -184,7 +192,7 @@ struct SceneRenderer::State {
   GlTexture light_left{GL_R32F, 1, 1, GL_LINEAR};
 
   // Kept between frames so that nothing is allocated.
-  std::vector<float> zeros, filled, dot_values, shade_values, z_rows;
+  std::vector<float> zeros, filled, body_z, dot_values, shade_values, z_rows;
   std::vector<signed char> nearest_in_row;
   std::vector<std::uint8_t> rgba, mask_rows;
 
@@ -194,7 +202,9 @@ struct SceneRenderer::State {
   };
   Boxes boxes_of(const SceneView& view) const;
   Eigen::Vector2f upload_real_depth(const SceneView& view, const Boxes& boxes);
-  void upload_outlines(const SceneView& view, const PixelRange& texels, const PixelRange& bodies);
+  void upload_outlines(const SceneView& view, const PixelRange& bodies);
+  void mark_too_close(const MaskImage& moving);
+  void read_body_depth(const PixelRange& bodies, const PixelRange& inner);
   void stream(const BodyLook& look, const SceneLight& light, BodyBuffers& to);
   void draw_shadows(const SceneView& view, const PixelRange& box, const RealSurface& real);
   void shade_bodies(const SceneView& view, const RealSurface& real);
@@ -210,12 +220,13 @@ SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
 SceneRenderer::~SceneRenderer() = default;
 
 Result<SceneRenderer> SceneRenderer::make() {
-  constexpr std::array<ProgramSource, 5> kSources = {
+  constexpr std::array<ProgramSource, 6> kSources = {
       {{"body.vert", "body.frag"},
        {"dot.vert", "dot.frag"},
        {"full_screen.vert", "shadow.frag"},
        {"full_screen.vert", "compose.frag"},
-       {"full_screen.vert", "compose.frag", "#define ALL_FINE\n"}}};
+       {"full_screen.vert", "compose.frag", "#define ALL_FINE\n"},
+       {"full_screen.vert", "compose.frag", "#define HARD\n"}}};
   Result<std::vector<GlProgram>> made = make_programs(render_shader_files(), kSources);
   if (!made.ok()) return made.problem();
   std::vector<GlProgram> programs = std::move(made).value();
@@ -224,6 +235,7 @@ Result<SceneRenderer> SceneRenderer::make() {
                                                 .shadow_program = std::move(programs[2]),
                                                 .compose_program = std::move(programs[3]),
                                                 .compose_fine_program = std::move(programs[4]),
+                                                .compose_hard_program = std::move(programs[5]),
                                                 .triangle = {},
                                                 .buffers = {},
                                                 .targets = {},
@@ -234,6 +246,7 @@ Result<SceneRenderer> SceneRenderer::make() {
                                                 .shade_on_body = {},
                                                 .zeros = {},
                                                 .filled = {},
+                                                .body_z = {},
                                                 .dot_values = {},
                                                 .shade_values = {},
                                                 .z_rows = {},
@@ -281,9 +294,11 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     const RealSurface real{s.filled, s.real_box, depth_per_picture.cast<double>(), view.camera};
     s.shade_bodies(view, real);
     s.draw_bodies(view);
+    if (wants_outlines(view)) s.upload_outlines(view, boxes.bodies);
     // At this point the picture is the background, or plain grey.
     s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,
                               picture.row(box.y0) + box.x0, width);
+    if (view.moving != nullptr) s.mark_too_close(*view.moving);
     s.draw_shadows(view, box, real);
     s.compose_picture(view, boxes, depth_per_picture);
     glDisable(GL_SCISSOR_TEST);
@@ -348,9 +363,7 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
   }
   const double sx = static_cast<double>(depth.width()) / view.camera.width;
   const double sy = static_cast<double>(depth.height()) / view.camera.height;
-  const bool half = view.background != nullptr && view.camera.width / 2 == depth.width() &&
-                    view.camera.height / 2 == depth.height();
-  const int margin = half ? RealOutlines::kMargin : kHoleRadius + 2;
+  const int margin = wants_outlines(view) ? RealOutlines::kMargin : kHoleRadius + 2;
   // So wide that both ends of every strip that one eye alone sees lie within.
   const int row_margin = kLongestHalfSeen + 1;
   const PixelRange& box = boxes.all;
@@ -358,26 +371,67 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
                           std::max(static_cast<int>(box.y0 * sy) - margin, 0),
                           std::min(static_cast<int>(box.x1 * sx) + row_margin, depth.width()),
                           std::min(static_cast<int>(box.y1 * sy) + margin, depth.height())};
-  fill_unknown(depth, texels, kHoleRadius, nearest_in_row, filled);
+  fill_unknown(depth, texels, view.hard_occlusion ? 0 : kHoleRadius, nearest_in_row, filled);
+  if (view.hard_occlusion) {  // not even the strips that one eye alone sees
+    for (std::size_t i = 0; i < filled.size(); ++i) {
+      if (nearest_in_row[i] != 0) filled[i] = 0.0f;
+    }
+  }
   real_depth.upload(texels.x0, texels.y0, texels.width(), texels.height(), GL_RED, GL_FLOAT,
                     filled.data());
   real_box = texels;
-  if (half) upload_outlines(view, texels, boxes.bodies);
   return Eigen::Vector2d(sx, sy).cast<float>();
 }
 
-void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRange& texels,
-                                           const PixelRange& bodies) {
+// After the bodies are drawn.
+void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRange& bodies) {
+  const PixelRange& texels = real_box;
   const PixelRange inner{bodies.x0 / 2, bodies.y0 / 2, std::min((bodies.x1 + 1) / 2, texels.x1),
                          std::min((bodies.y1 + 1) / 2, texels.y1)};
   if (inner.empty()) return;
-  outlines.find(*view.background, texels, filled, nearest_in_row, inner);
+  read_body_depth(bodies, inner);
+  outlines.find({.picture = *view.background,
+                 .box = texels,
+                 .depth = filled,
+                 .guessed = nearest_in_row,
+                 .inner = inner,
+                 .body = body_z,
+                 .moving = view.moving,
+                 .too_close = view.too_close});
   if (fine_depth.width() != view.camera.width || fine_depth.height() != view.camera.height) {
     fine_depth = GlTexture(GL_R32F, view.camera.width, view.camera.height);
   }
   fine_box = {2 * inner.x0, 2 * inner.y0, 2 * inner.x1, 2 * inner.y1};
   fine_depth.upload(fine_box.x0, fine_box.y0, fine_box.width(), fine_box.height(), GL_RED, GL_FLOAT,
                     outlines.depth().data());
+}
+
+// What moves and has no depth is not on the body's plane, where shadows would fall on it.
+void SceneRenderer::State::mark_too_close(const MaskImage& moving) {
+  if (moving.width() < real_box.x1 || moving.height() < real_box.y1) return;
+  float* z = filled.data();
+  for (int y = real_box.y0; y < real_box.y1; ++y) {
+    const std::uint8_t* moves = moving.row(y) + real_box.x0;
+    for (int x = 0; x < real_box.width(); ++x, ++z) {
+      if (moves[x] != 0 && !(*z > 0.0f)) *z = RealOutlines::kTooClose;
+    }
+  }
+}
+
+// Into body_z: of the texels `inner`, at the picture's resolution; 0 outside of `bodies`.
+void SceneRenderer::State::read_body_depth(const PixelRange& bodies, const PixelRange& inner) {
+  const int width = 2 * inner.width(), height = 2 * inner.height();
+  assign_with_room(body_z, static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                   0.0f);
+  targets->body.read(1, 2 * inner.x0, 2 * inner.y0, width, height, GL_RED, GL_FLOAT, body_z.data());
+  for (int y = 0; y < height; ++y) {
+    float* row = body_z.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    const bool beside = 2 * inner.y0 + y < bodies.y0 || 2 * inner.y0 + y >= bodies.y1;
+    if (beside) std::fill_n(row, width, 0.0f);
+    std::fill_n(row, std::max(bodies.x0 - 2 * inner.x0, 0), 0.0f);
+    const int end = std::min(bodies.x1 - 2 * inner.x0, width);
+    std::fill_n(row + end, width - end, 0.0f);
+  }
 }
 
 void SceneRenderer::State::stream(const BodyLook& look, const SceneLight& scene_light,
@@ -510,14 +564,18 @@ void SceneRenderer::State::compose_picture(const SceneView& view, const Boxes& b
   if (bodies.empty()) return;
   const bool all_fine = fine_box.x0 <= bodies.x0 && fine_box.y0 <= bodies.y0 &&
                         fine_box.x1 >= bodies.x1 && fine_box.y1 >= bodies.y1;
-  const GlProgram& program = all_fine ? compose_fine_program : compose_program;
+  const GlProgram& program = view.hard_occlusion ? compose_hard_program
+                             : all_fine          ? compose_fine_program
+                                                 : compose_program;
   glScissor(bodies.x0, bodies.y0, bodies.width(), bodies.height());
   glEnablei(GL_BLEND, 0);  // attachment 0 only; the mask is not blended
   glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
   targets->body_color.bind(0);
   targets->body_z.bind(1);
-  fine_depth.bind(3);
-  program.set("fine_box", floats_of(fine_box));
+  if (!view.hard_occlusion) {
+    fine_depth.bind(3);
+    program.set("fine_box", floats_of(fine_box));
+  }
   if (!all_fine) {
     (any_real ? real_depth : nothing_real).bind(2);
     program.set("depth_per_picture", depth_per_picture);

@@ -85,6 +85,13 @@ struct SceneView {
   /// Z of the real scene in m, NaN where unknown. It may have another size than the picture, with
   /// the same field of view (camera.scaled_down(2), say). Null: nothing real hides the body.
   const DepthImage* real_depth = nullptr;
+  /// Of the size of `real_depth`, or null: 255 where something moves, and where something is nearer
+  /// than the depth's range. Both help where the depth is in doubt (outlines.h).
+  const MaskImage* moving = nullptr;
+  const MaskImage* too_close = nullptr;
+  /// Each pixel decides alone: hidden where `real_depth` at its place is known and nearer (paper
+  /// Sec. 3.5). No hole is closed, no outline found, nothing is softened.
+  bool hard_occlusion = false;
   PinholeCamera camera = {};  ///< of the picture; width and height are the picture's
   std::vector<BodyLook> bodies = {};
   std::vector<Arrow> arrows = {};  ///< those with an end behind the camera are left out

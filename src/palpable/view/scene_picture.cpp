@@ -92,7 +92,11 @@ std::string warning_of(const Scene& scene) {
 SceneView& SceneViews::of(const Scene& scene, const Session& session, const SceneShow& show) {
   using Field = SceneShow::Field;
   view_.background = &scene.seen.color;
-  view_.real_depth = show.occlusion ? &scene.seen.depth : nullptr;
+  using Occlusion = SceneShow::Occlusion;
+  view_.real_depth = show.occlusion == Occlusion::kNone ? nullptr : &scene.seen.depth;
+  view_.hard_occlusion = show.occlusion == Occlusion::kHard;
+  view_.moving = scene.moving.empty() ? nullptr : &scene.moving;
+  view_.too_close = scene.seen.too_close.empty() ? nullptr : &scene.seen.too_close;
   view_.camera = scene.seen.camera;
   view_.bodies.clear();
   const auto count = static_cast<std::size_t>(session.body_count());

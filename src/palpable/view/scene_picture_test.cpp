@@ -60,6 +60,28 @@ TEST_CASE("stress, displacement or the material alone is painted", "[view]") {
   CHECK(view.legend_title.empty());
 }
 
+TEST_CASE("occlusion is soft, hard or none, and gets what is known to move", "[view]") {
+  Pressed pressed;
+  SceneShow show;
+  const SceneView& view = pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.real_depth == &pressed.scene.seen.depth);
+  CHECK_FALSE(view.hard_occlusion);
+  pressed.scene.moving = MaskImage();
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.moving == nullptr);
+  const DepthImage& depth = pressed.scene.seen.depth;
+  pressed.scene.moving = pressed.scene.seen.too_close = MaskImage(depth.width(), depth.height(), 0);
+  show.occlusion = SceneShow::Occlusion::kHard;
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.real_depth == &depth);
+  CHECK(view.hard_occlusion);
+  CHECK(view.moving == &pressed.scene.moving);
+  CHECK(view.too_close == &pressed.scene.seen.too_close);
+  show.occlusion = SceneShow::Occlusion::kNone;
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.real_depth == nullptr);
+}
+
 TEST_CASE("touches are shown where they are, on request", "[view]") {
   Pressed pressed;
   SceneShow show;

@@ -14,6 +14,13 @@ uniform ivec2 last;              // the last pixel of the picture
 layout(location = 0) out vec4 color;
 layout(location = 1) out float visible_mask;
 
+#ifdef HARD
+/// As the paper has it: 1 where the real depth at this pixel is known and nearer, else 0.
+float hidden(ivec2 p, float z) {
+  float real = texelFetch(real_depth, ivec2((vec2(p) + 0.5) * depth_per_picture), 0).r;
+  return real > 0.0 && real < z ? 1.0 : 0.0;
+}
+#else
 #ifndef ALL_FINE
 /// Share hidden at picture position p (pixel centres at halves). The decision is interpolated, not
 /// the depth: between a hand and the wall behind it there is no surface half way.
@@ -56,6 +63,7 @@ float hidden(ivec2 p, float z) {
   bool is_fine = all(greaterThanEqual(at, fine_box.xy)) && all(lessThan(at, fine_box.zw));
   return is_fine ? hidden_at_pixel(p, z) : hidden_at(at, z);
 }
+#endif
 #endif
 
 // A renderer in software walks all of this for every pixel, whatever the conditions say: each texel
