@@ -109,15 +109,5 @@ TEST_CASE("touches are shown where they are, on request", "[view]") {
   CHECK(length_at(400) == Approx(length_at(40)));
 }
 
-TEST_CASE("without occlusion nothing real hides a body", "[view]") {
-  Pressed pressed;
-  SceneShow show;
-  const SceneView& view = pressed.views.of(pressed.scene, pressed.loop.session, show);
-  CHECK(view.real_depth == &pressed.scene.seen.depth);
-  show.occlusion = false;
-  pressed.views.of(pressed.scene, pressed.loop.session, show);
-  CHECK(view.real_depth == nullptr);
-}
-
 }  // namespace
 }  // namespace palpable
