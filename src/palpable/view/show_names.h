@@ -8,7 +8,7 @@
 namespace palpable {
 
 inline constexpr std::array<const char*, 3> kFieldNames{"stress", "displacement", "material"};
-inline constexpr std::array<const char*, 2> kOcclusionNames{"off", "on"};
+inline constexpr std::array<const char*, 3> kOcclusionNames{"none", "hard", "soft"};
 
 /// The value after `value` of those that `names` names; the first after the last one.
 template <class Value, std::size_t N>
