@@ -15,7 +15,9 @@ constexpr float kShownOfHeight = 0.1f;     // displacement at the top of the sca
 constexpr float kDotRadius = 0.0022f;      // m
 constexpr double kShortestArrow = 0.012;   // m
 constexpr double kArrowPerNewton = 0.006;  // m
-constexpr double kLongestArrow = 0.06;     // m
+constexpr std::size_t kMostArrows = 6;
+constexpr double kLeastOfStrongest = 0.05;  // of the strongest touch's force
+constexpr double kLongestArrow = 0.06;      // m
 constexpr Rgb kTouch{245, 130, 32};
 constexpr Rgb kHeldTouch{150, 150, 155};  // what presses is not seen at present
 
@@ -146,7 +148,11 @@ void SceneViews::show_touches(const Scene& scene, const SceneShow& show) {
     const Rgb color = touch.unseen_for > 0 ? kHeldTouch : kTouch;
     const Eigen::Vector3f point = touch.point_in_body.cast<float>();
     if (show.contacts) dots_[k].push_back({point, kDotRadius, color});
-    if (!show.forces) continue;
+    // The strongest stand first; many small ones beside them would hide what they are about.
+    if (!show.forces || view_.arrows.size() >= kMostArrows ||
+        touch.force < kLeastOfStrongest * scene.touches.front().force) {
+      continue;
+    }
     const double length = std::min(kShortestArrow + kArrowPerNewton * touch.force, kLongestArrow);
     const Rigid3& camera_from_body = scene.bodies[k].camera_from_body;
     const Eigen::Vector3d tip = camera_from_body * touch.point_in_body;

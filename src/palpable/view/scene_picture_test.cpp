@@ -107,6 +107,13 @@ TEST_CASE("touches are shown where they are, on request", "[view]") {
   };
   CHECK(length_at(4) > length);
   CHECK(length_at(400) == Approx(length_at(40)));
+
+  // Of many touches the strong ones have arrows, all of them balls.
+  pressed.scene.touches.resize(12, pressed.scene.touches.front());
+  for (std::size_t i = 1; i < 12; ++i) pressed.scene.touches[i].force = i < 3 ? 100 : 1;
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.arrows.size() == 3);
+  CHECK(view.bodies.front().dots.size() == 12);
 }
 
 }  // namespace

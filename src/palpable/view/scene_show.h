@@ -21,7 +21,7 @@ struct SceneShow {
   bool blended = true;  ///< low values let the material through; false: the colours alone
   Occlusion occlusion = Occlusion::kSoft;
   bool contacts = false;  ///< balls where bodies are touched
-  bool forces = false;    ///< arrows: where, whither and how hard bodies are pressed
+  bool forces = false;    ///< arrows: where, whither and how hard; of many touches the strongest
   bool legend = true;     ///< the bar of colours
 
   friend bool operator==(const SceneShow&, const SceneShow&) = default;

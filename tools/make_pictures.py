@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Makes the pictures of docs/gallery.md and README's first one again, from films of the synthetic desk.
+
+usage: tools/make_pictures.py [--work DIR] [--bunny FILE] [--dragon FILE]
+
+Films and runs that are in the work folder already are taken as they are. Figure 19 needs a dragon and Figure 12 the beam
+(out/bodies/beam.palpable); what is not baked is left out, and said. Needs Debian's python3-opencv and python3-pil, which
+the project itself does not: apt-get install python3-opencv python3-pil
+"""
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+try:
+    import cv2
+    import numpy
+    from PIL import Image
+except ImportError as missing:
+    sys.exit(f"{missing}: apt-get install python3-opencv python3-pil, and run it with /usr/bin/python3")
+
+ROOT = Path(__file__).resolve().parent.parent
+PICTURES = ROOT / "docs" / "pictures"
+PALPABLE = ROOT / "build" / "release" / "bin" / "palpable"
+
+
+def run(*words):
+    print("palpable", *words)
+    subprocess.run([PALPABLE, *map(str, words)], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+
+
+def frames_of(film, wanted):
+    """{number: picture (rows x columns x 3, blue first)} of a film's frames."""
+    video, found, number = cv2.VideoCapture(str(film)), {}, 0
+    while True:
+        there, picture = video.read()
+        if not there:
+            return found
+        if number in wanted:
+            found[number] = picture
+        number += 1
+
+
+def write_row(name, film, numbers, box=(0, 0, 1280, 720), width=640):
+    """Frames of a film beside each other, as a JPEG. `box`: x0 y0 x1 y1 that is cut out, px."""
+    x0, y0, x1, y1 = box
+    found = frames_of(film, numbers)
+    height = round(width * (y1 - y0) / (x1 - x0))
+    row = [cv2.resize(found[n][y0:y1, x0:x1], (width, height), interpolation=cv2.INTER_AREA) for n in numbers]
+    cv2.imwrite(str(PICTURES / name), numpy.hstack(row), [cv2.IMWRITE_JPEG_QUALITY, 86])
+    print(PICTURES / name)
+
+
+def write_gif(name, film, first, last, step, box, width, colors):
+    """Every `step`-th frame as a picture that moves."""
+    x0, y0, x1, y1 = box
+    numbers = range(first, last, step)
+    size = (width, round(width * (y1 - y0) / (x1 - x0)))
+    pictures = [Image.fromarray(cv2.resize(p[y0:y1, x0:x1], size, interpolation=cv2.INTER_AREA)[:, :, ::-1])
+                for p in frames_of(film, numbers).values()]
+    # One palette for all, of six of them: then what stands still does not shimmer.
+    some = Image.new("RGB", (size[0], 6 * size[1]))
+    for i in range(6):
+        some.paste(pictures[i * len(pictures) // 6], (0, i * size[1]))
+    palette = some.quantize(colors, method=Image.Quantize.MEDIANCUT)
+    plain = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
+    plain[0].save(PICTURES / name, save_all=True, append_images=plain[1:], duration=1000 * step // 30, loop=0)
+    print(PICTURES / name, f"{(PICTURES / name).stat().st_size / 1e6:.1f} MB")
+
+
+def played(work, name, film_words, live_words):
+    """The film that `palpable live` writes of a film of the desk; both are made where they are not there."""
+    clip, out = work / name, work / (name + "-live")
+    if not (clip / "truth" / "script.toml").exists():
+        run("synth", *film_words, "-o", clip)
+    if not (out / "touch.mp4").exists():
+        run("live", *live_words, "--source", clip / "frames", "--out", out, "--every-frame")
+    return out / "touch.mp4"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--work", type=Path, default=ROOT / "out" / "pictures", help="films and runs are kept here")
+    parser.add_argument("--bunny", type=Path, default=ROOT / "out" / "demo" / "bunny.palpable")
+    parser.add_argument("--dragon", type=Path, default=ROOT / "out" / "bodies" / "dragon.palpable")
+    options = parser.parse_args()
+    beam = ROOT / "out" / "bodies" / "beam.palpable"
+    if options.bunny.exists():
+        film = played(options.work, "demo", ["demo", "--body", options.bunny, "--seed", 1], [options.bunny])
+        close = (330, 110, 1010, 500)
+        write_gif("demo.gif", film, 78, 360, 3, close, 420, 80)
+        write_row("figure_9.jpg", film, [174, 248], width=720)
+        write_row("figure_16.jpg", film, [98, 142, 215, 338], close, 480)
+    else:
+        print(f"no {options.bunny}: ./demo bakes it; Figures 9 and 16 are left out")
+    if options.dragon.exists():
+        film = played(options.work, "dragon", ["demo", "--body", options.dragon, "--seed", 1], [options.dragon])
+        write_row("figure_19.jpg", film, [98, 142, 215, 248], (400, 150, 1080, 540), 480)
+    else:
+        print(f"no {options.dragon}: palpable bake bodies/dragon.toml -o {options.dragon}; Figure 19 is left out")
+    if beam.exists():
+        scene = ["--scene", ROOT / "scenes" / "beams.toml"]
+        film = played(options.work, "beams", ["beams", *scene, "--frames", 300, "--seed", 5], scene)
+        write_row("figure_12.jpg", film, [118, 160], (300, 120, 1100, 570), 720)
+    else:
+        print(f"no {beam}: scenes/beams.toml says how it is baked; Figure 12 is left out")
+
+
+if __name__ == "__main__":
+    main()
