@@ -18,6 +18,7 @@
 
 #include "bench/live/bench_depth.h"
 #include "bench/live/bench_live.h"
+#include "bench/live/bench_render.h"
 #include "bench/live/bench_sgbm.h"
 #include "bench/live/bench_surface.h"
 #include "bench/live/bench_ticks.h"
@@ -279,6 +280,7 @@ void add_bench(Command app) {
   add_bench_ticks(bench);
   add_bench_track(bench);
   add_bench_live(bench);
+  add_bench_render(bench);
 }
 
 }  // namespace palpable::app

@@ -20,9 +20,11 @@
 #include "bench/live/memory_film.h"
 #include <algorithm>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -30,10 +32,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFilm = 300;    // frames; the hand comes in the 60th
-constexpr int kFirst = 70;    // frame that is drawn first
-constexpr int kStep = 6;      // from one that is drawn to the next
-constexpr int kWarmUp = 2;    // times that all of them are drawn before the clock starts
+constexpr int kFilm = 300;  // frames; the hand comes in the 60th
+constexpr int kFirst = 70;  // frame that is drawn first
+constexpr int kStep = 6;    // from one that is drawn to the next
+constexpr int kWarmUp = 2;  // times that all of them are drawn before the clock starts
 
 struct RenderBenchOptions {
   fs::path body;
@@ -45,7 +47,7 @@ struct RenderBenchOptions {
 
 // Of one body; ms of CPU of the whole process, all drawing threads together.
 struct RenderFigures {
-  double median = 0, worst = 0;  // of all pictures
+  double median = 0, p99 = 0;  // of all pictures
   int pictures = 0;
 };
 
@@ -57,14 +59,12 @@ fs::path first_there(std::initializer_list<const char*> files) {
   return {};
 }
 
-// The scenes of the film in which a hand is at the body, as they were answered.
-std::vector<DrawnFrame> answered_scenes(LiveSetUp& setup, FrameSource& source, ProgressBar& bar) {
+// The scenes of a film in which a hand is at the body, as they were answered.
+std::vector<DrawnFrame> answered_scenes(FrameLoop& loop, const MemoryFilm& film) {
+  const std::unique_ptr<FrameSource> source = play(film, false);
   std::vector<DrawnFrame> scenes;
-  FrameLoop& loop = setup.run.loop;
   Frame frame;
-  for (int number = 0; number < kFilm; ++number) {
-    if (source.next(frame) != FrameSource::Next::kFrame) break;
-    bar.show({"answering", static_cast<double>(number), kFilm, ""});
+  for (int number = 0; number < kFilm && source->next(frame) == FrameStatus::kFrame; ++number) {
     const Scene& scene = loop.process(frame);
     if (number < kFirst || number % kStep != 0) continue;
     scenes.emplace_back();
@@ -87,5 +87,80 @@ RenderFigures draw_all(std::vector<DrawnFrame>& scenes, const FrameLoop& loop, i
   return {percentile(ms, 0.5), percentile(ms, 0.99), static_cast<int>(ms.size())};
 }
 
+RenderFigures run_body(const fs::path& body, const std::string& name,
+                       const RenderBenchOptions& options, ProgressBar& bar) {
+  const ReducedBody read = value_or_throw(read_pressable_body(body));
+  std::error_code error;
+  fs::create_directories(options.clips, error);
+  if (error) throw Error(fmt::format("{}: {}", options.clips.string(), error.message()));
+  const fs::path frames = kept_clip(read,
+                                    {.folder = options.clips / (name + "-press"),
+                                     .body_file = body,
+                                     .version = PALPABLE_VERSION,
+                                     .frames = kFilm,
+                                     .sequence = "press"},
+                                    bar.progress());
+  const MemoryFilm film = read_film(frames, {.frames = kFilm});
+  LiveOptions live;
+  live.body = body;
+  live.input.source = frames.string();
+  LiveSetUp setup = set_up_live(live, play(film, false));
+  std::vector<DrawnFrame> scenes = answered_scenes(setup.run.loop, film);
+  return draw_all(scenes, setup.run.loop, options.repeats);
+}
+
+void bench_render(RenderBenchOptions options) {
+  if (options.body.empty()) {
+    options.body = first_there({"build/bodies/bunny.palpable", "out/demo/bunny.palpable"});
+  }
+  if (options.body.empty()) throw Error("name a body file; ./demo makes one");
+  if (options.dragon.empty()) options.dragon = first_there({"build/bodies/dragon.palpable"});
+  const std::string renderer = value_or_throw(GlContext::offscreen()).description();
+  ProgressBar bar;
+  Json result;
+  result["bench"] = "render";
+  result["machine"] = processor_name();
+  result["renderer"] = renderer;
+  result["ms_dragon_720p"] = nullptr;  // unless there is one
+  for (const auto& [name, file] : {std::pair{std::string("bunny"), options.body},
+                                   std::pair{std::string("dragon"), options.dragon}}) {
+    if (file.empty()) continue;
+    const RenderFigures figures = run_body(file, name, options, bar);
+    result[fmt::format("ms_{}_720p", name)] = figures.median;
+    result[fmt::format("ms_{}_720p_p99", name)] = figures.p99;
+    if (!options.json) {
+      bar.finish();
+      fmt::print("{:<8}{:>8.1f} ms of CPU a picture (p99 {:.1f}), {} pictures\n", name,
+                 figures.median, figures.p99, figures.pictures);
+    }
+  }
+  bar.finish();
+  if (options.json) fmt::print("{}\n", result.dump(2));
+}
+
 }  // namespace
+
+void add_bench_render(Command bench) {
+  auto options = std::make_shared<RenderBenchOptions>();
+  Command command = bench.add_subcommand("render", "A picture alone: processor time at 1280 x 720");
+  command.add_option("body", options->body,
+                     "The bunny. Default: build/bodies/bunny.palpable, else "
+                     "out/demo/bunny.palpable");
+  command.add_option("--dragon", options->dragon,
+                     "The dragon. Default: build/bodies/dragon.palpable; without it left out");
+  command.add_option("--repeats", options->repeats, "How often each scene is drawn")
+      .in_range(1, 10'000)
+      .show_default();
+  command.add_option("--clips", options->clips, "Where the films are kept for the next time")
+      .type_name("DIR")
+      .show_default();
+  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.footer(
+      "Scenes of the film `press` with a hand at the body are answered once and then drawn again "
+      "and again: body, light, shadows, occlusion, legend. Processor time of the whole process, "
+      "for a renderer in software has threads of its own.\n"
+      "Example: palpable bench render out/demo/bunny.palpable --json");
+  command.callback([options] { bench_render(*options); });
+}
+
 }  // namespace palpable::app

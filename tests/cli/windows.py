@@ -161,10 +161,15 @@ def _(programs, folder):
                 screen.mouse(window, (BUTTON_RELEASE, *far, LEFT))
                 wait_for("the body at rest", lambda: screen.pixels(window) == rest)
             assert (pressed[0] != pressed[1]) == presses_anywhere, body
-            # At rest stress and displacement are 0 everywhere; then comes the material, and stress again.
-            screen.type(window, "f")
+            # At rest all fields are 0, and the body looks like its material; pressed each looks otherwise.
+            screen.mouse(window, (MOTION, *place), (BUTTON_PRESS, *place, LEFT), (MOTION, *far))
+            wait_for("a press", lambda: screen.pixels(window) != rest)
+            stress = settled(screen, window)
+            changed_by(screen, window, "displacement", lambda: screen.type(window, "f"))
             changed_by(screen, window, "the material", lambda: screen.type(window, "f"))
-            assert changed_by(screen, window, "stress", lambda: screen.type(window, "f")) == rest
+            changed_by(screen, window, "stress", lambda: screen.type(window, "f"))
+            assert settled(screen, window) == stress
+            screen.mouse(window, (BUTTON_RELEASE, *far, LEFT))
             screen.type(window, ESCAPE)
             assert program.wait(timeout=60) == 0
 

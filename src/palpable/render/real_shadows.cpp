@@ -68,7 +68,8 @@ void ShadeOnReal::add(const GroundShadow& shadow, const Rigid3& camera_from_body
       if (!(real_z > 0.0f) && !(plane_z > 0.0f)) continue;
       Eigen::Vector3f at = eye + along * (real_z > 0.0f ? real_z : plane_z);
       const float tolerance = kPlane + 2.0f * glsl::occlusion_bias(real_z);
-      if (plane_z > 0.0f && std::abs(at.z()) < tolerance) at = eye + along * plane_z;
+      const bool on_plane = plane_z > 0.0f && std::abs(at.z()) < tolerance;
+      if (on_plane) at = eye + along * plane_z;
       if (at.z() < -2.0f * tolerance) continue;
       const Eigen::Array2f cell =
           (at.head<2>().array() - (shadow.slope() * at.z()).array() - corner) * cells - 0.5f;
@@ -80,13 +81,15 @@ void ShadeOnReal::add(const GroundShadow& shadow, const Rigid3& camera_from_body
       const float dark = (1 - fy) * ((1 - fx) * shade[0] + fx * shade[1]) +
                          fy * ((1 - fx) * shade[N] + fx * shade[N + 1]);
       if (dark == 0.0f) continue;
+      // On the plane the height is 0 but for rounding, on whose sign nothing may depend.
       float below = 1.0f;
-      if (at.z() > 0.0f) {
+      if (!on_plane && at.z() > 0.0f) {
         const float* top = shadow.height().data() + y * N + x;
         const float high = std::max({top[0], top[1], top[N], top[N + 1]});
+        const float thing = glsl::smoothstep(tolerance, 2.0f * tolerance, at.z());
         below -= glsl::smoothstep(high - kSoftTop, high, at.z());
-        below *= kOnThings;
-      } else {
+        below *= 1.0f - (1.0f - kOnThings) * thing;
+      } else if (!on_plane) {
         below -= glsl::smoothstep(tolerance, 2.0f * tolerance, -at.z());
       }
       // The texture is read between texels: one pixel more on each side is not all lit.
