@@ -293,7 +293,11 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     const Eigen::Vector2f depth_per_picture = s.upload_real_depth(view, boxes);
     const RealSurface real{s.filled, s.real_box, depth_per_picture.cast<double>(), view.camera};
     s.shade_bodies(view, real);
+    // Bodies are read one pixel beyond the box: nothing of an earlier picture may be there.
+    const int x0 = std::max(box.x0 - 1, 0), y0 = std::max(box.y0 - 1, 0);
+    glScissor(x0, y0, std::min(box.x1 + 1, width) - x0, std::min(box.y1 + 1, height) - y0);
     s.draw_bodies(view);
+    glScissor(box.x0, box.y0, box.width(), box.height());
     if (wants_outlines(view)) s.upload_outlines(view, boxes.bodies);
     // At this point the picture is the background, or plain grey.
     s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,

@@ -584,6 +584,29 @@ TEST_CASE("a shadow falls on what stands in it, as high as what throws it", "[re
   CHECK(shade_at(-0.1f) == 0);  // far below the plane
 }
 
+TEST_CASE("what was drawn before leaves nothing in a picture", "[render][light]") {
+  PALPABLE_NEEDS_RENDERER(gl);
+  Rigid3 camera_from_body = Rigid3::Identity();
+  camera_from_body.linear() << 1, 0, 0, 0, -0.5, -0.8660254, 0, 0.8660254, -0.5;
+  camera_from_body.translation() = Eigen::Vector3d(0, 0.02, 0.5);
+  const auto look_of = [&](const Skin& skin) {
+    BodyLook look = skin.look(0.5f);
+    look.camera_from_body = camera_from_body;
+    return look;
+  };
+  const ColorImage background(kCamera.width, kCamera.height, {226, 226, 226});
+  for (const double smaller : {0.7, 0.93, 1.13}) {
+    const Skin ball(sphere_surface({0, 0, 0.04}, 0.04, 3));
+    const Skin other(sphere_surface({0.003, 0, smaller * 0.04}, smaller * 0.04, 3));
+    SceneView view{.background = &background, .camera = kCamera, .bodies = {look_of(ball)}};
+    const ColorImage first = draw(*gl.renderer, view).picture;
+    view.bodies = {look_of(other)};
+    (void)draw(*gl.renderer, view);
+    view.bodies = {look_of(ball)};
+    CHECK(draw(*gl.renderer, view).picture == first);
+  }
+}
+
 TEST_CASE("a shadow is darkest at the body's foot and gone at its rim", "[render]") {
   const Skin skin(box_surface({-0.02, -0.03, 0}, {0.02, 0.03, 0.1}));
   GroundShadow shadow;
