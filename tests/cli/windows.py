@@ -54,6 +54,11 @@ def settled(screen, window):
     return last[0]
 
 
+def share_apart(one, other):
+    """The share of two windows' bytes that are more than 16 apart."""
+    return sum(abs(a - b) > 16 for a, b in zip(one, other)) / len(one)
+
+
 def colors(screen, window):
     """Rows of (r, g, b), as base.png_rows."""
     data, width = screen.pixels(window), screen.attributes(window).width
@@ -167,8 +172,10 @@ def _(programs, folder):
             stress = settled(screen, window)
             changed_by(screen, window, "displacement", lambda: screen.type(window, "f"))
             changed_by(screen, window, "the material", lambda: screen.type(window, "f"))
+            assert share_apart(settled(screen, window), stress) > 0.05
             changed_by(screen, window, "stress", lambda: screen.type(window, "f"))
-            assert settled(screen, window) == stress
+            # A finger that is held is answered anew for each picture, and settles by less than is seen.
+            assert share_apart(settled(screen, window), stress) < 0.01
             screen.mouse(window, (BUTTON_RELEASE, *far, LEFT))
             screen.type(window, ESCAPE)
             assert program.wait(timeout=60) == 0
