@@ -10,12 +10,10 @@
 #include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/base/this_machine.h"
-#include "palpable/clip_writer/kept_clip.h"
 #include "palpable/live/live_loop.h"
 #include "palpable/live/run_stats.h"
 #include "palpable/live/thread_shares.h"
 #include "palpable/live_writer/live_output.h"
-#include "palpable/reduced/body_file.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/sources/paced_source.h"
 #include "palpable/sources/wall_clock.h"
@@ -23,6 +21,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/live/bench_clips.h"
 #include "bench/live/memory_film.h"
 #include <algorithm>
 #include <array>
@@ -35,7 +34,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -205,15 +203,8 @@ class Films {
     if (const auto known = frames_.find(clip.string()); known != frames_.end()) {
       return known->second;
     }
-    const ReducedBody read = value_or_throw(read_pressable_body(body));
-    make_parent();
-    const fs::path frames = kept_clip(read,
-                                      {.folder = clip,
-                                       .body_file = body,
-                                       .version = PALPABLE_VERSION,
-                                       .frames = length_,
-                                       .sequence = std::string(one.film)},
-                                      bar_.progress());
+    const fs::path frames =
+        kept_frames(clip, body, std::string(one.film), length_, bar_.progress());
     frames_[clip.string()] = frames;
     return frames;
   }
@@ -231,12 +222,6 @@ class Films {
   }
 
  private:
-  void make_parent() const {
-    std::error_code error;
-    fs::create_directories(folder_, error);
-    if (error) throw Error(fmt::format("{}: {}", folder_.string(), error.message()));
-  }
-
   fs::path folder_;
   int length_;
   ProgressBar& bar_;
@@ -346,15 +331,6 @@ void print_table(const AllFigures& all, const LeftOut& left_out) {
     fmt::print("\n{}\n  {}\n", one.name, text_of(found->second.run));
   }
   for (const auto& [name, why] : left_out) fmt::print("\n{}: left out: {}\n", name, why);
-}
-
-// The first of these files that is there; empty: none is.
-fs::path first_there(std::initializer_list<const char*> files) {
-  std::error_code ignored;
-  for (const char* file : files) {
-    if (fs::exists(file, ignored)) return file;
-  }
-  return {};
 }
 
 bool is_wanted(const LiveCase& one, const LiveBenchOptions& options) {

@@ -9,21 +9,18 @@
 #include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/base/this_machine.h"
-#include "palpable/clip_writer/kept_clip.h"
-#include "palpable/reduced/body_file.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/sources/frame_source.h"
 #include "palpable/view/scene_painter.h"
 
 #include <fmt/core.h>
 
+#include "bench/live/bench_clips.h"
 #include "bench/live/memory_film.h"
 #include <algorithm>
 #include <filesystem>
-#include <initializer_list>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -50,14 +47,6 @@ struct RenderFigures {
   double median = 0, p99 = 0;  // of all pictures
   int pictures = 0;
 };
-
-fs::path first_there(std::initializer_list<const char*> files) {
-  std::error_code ignored;
-  for (const char* file : files) {
-    if (fs::exists(file, ignored)) return file;
-  }
-  return {};
-}
 
 // The scenes of a film in which a hand is at the body, as they were answered.
 std::vector<DrawnFrame> answered_scenes(FrameLoop& loop, const MemoryFilm& film) {
@@ -89,17 +78,8 @@ RenderFigures draw_all(std::vector<DrawnFrame>& scenes, const FrameLoop& loop, i
 
 RenderFigures run_body(const fs::path& body, const std::string& name,
                        const RenderBenchOptions& options, ProgressBar& bar) {
-  const ReducedBody read = value_or_throw(read_pressable_body(body));
-  std::error_code error;
-  fs::create_directories(options.clips, error);
-  if (error) throw Error(fmt::format("{}: {}", options.clips.string(), error.message()));
-  const fs::path frames = kept_clip(read,
-                                    {.folder = options.clips / (name + "-press"),
-                                     .body_file = body,
-                                     .version = PALPABLE_VERSION,
-                                     .frames = kFilm,
-                                     .sequence = "press"},
-                                    bar.progress());
+  const fs::path frames =
+      kept_frames(options.clips / (name + "-press"), body, "press", kFilm, bar.progress());
   const MemoryFilm film = read_film(frames, {.frames = kFilm});
   LiveOptions live;
   live.body = body;

@@ -1,8 +1,9 @@
 #include "palpable/render/arrow.h"
 
+#include "palpable/render/mix_color.h"
+
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 namespace palpable {
 namespace {
@@ -11,14 +12,6 @@ constexpr float kRim = 1.5f;  // px
 constexpr Rgb kRimColor{24, 26, 30};
 constexpr float kHeadLength = 3.2f;     // widths of the shaft
 constexpr float kHeadHalfWidth = 1.5f;  // likewise
-
-void blend(Rgb& pixel, Rgb color, float share) {
-  const auto mix = [share](std::uint8_t below, std::uint8_t above) {
-    return static_cast<std::uint8_t>(std::lround((1.0f - share) * static_cast<float>(below) +
-                                                 share * static_cast<float>(above)));
-  };
-  pixel = {mix(pixel.r, color.r), mix(pixel.g, color.g), mix(pixel.b, color.b)};
-}
 
 }  // namespace
 
@@ -53,8 +46,8 @@ void draw_arrow(ColorImage& picture, const Eigen::Vector2f& tail, const Eigen::V
       const float rim = std::clamp(kRim + 0.5f - outside, 0.0f, 1.0f);
       if (rim == 0.0f) continue;
       Rgb& pixel = picture(x, y);
-      blend(pixel, kRimColor, 0.7f * rim);
-      blend(pixel, color, std::clamp(0.5f - outside, 0.0f, 1.0f));
+      mix_color(pixel, kRimColor, 0.7f * rim);
+      mix_color(pixel, color, std::clamp(0.5f - outside, 0.0f, 1.0f));
     }
   }
 }

@@ -10,10 +10,7 @@
 
 namespace palpable::glsl {
 namespace {
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"  // only occlusion_bias() is used here
-#include "palpable/render/shaders/depth.glsl"
-#pragma GCC diagnostic pop
+#include "palpable/render/shaders/occlusion_bias.glsl"
 }  // namespace
 }  // namespace palpable::glsl
 

@@ -1,6 +1,7 @@
 #include "palpable/render/text.h"
 
 #include "palpable/render/font_table.h"
+#include "palpable/render/mix_color.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,15 +49,6 @@ int take_letter(std::string_view& text) {
   return letter;
 }
 
-void mix(Rgb& pixel, Rgb color, float share) {
-  const auto one = [share](std::uint8_t from, std::uint8_t to) {
-    const float value =
-        static_cast<float>(from) + share * (static_cast<float>(to) - static_cast<float>(from));
-    return static_cast<std::uint8_t>(value + 0.5f);
-  };
-  pixel = {one(pixel.r, color.r), one(pixel.g, color.g), one(pixel.b, color.b)};
-}
-
 }  // namespace
 
 TextSize measure_text(std::string_view text, float size) {
@@ -79,7 +71,8 @@ void draw_text(ColorImage& picture, float x, float y, std::string_view text, flo
     for (int v = std::max(0, -top); v < std::min(glyph.height, picture.height() - top); ++v) {
       for (int u = std::max(0, -left); u < std::min(glyph.width, picture.width() - left); ++u) {
         const auto at = glyph.ink + v * glyph.width + u;
-        mix(picture(left + u, top + v), color, opacity * static_cast<float>(ink[at]) / 255.0f);
+        mix_color(picture(left + u, top + v), color,
+                  opacity * static_cast<float>(ink[at]) / 255.0f);
       }
     }
     pen += glyph.advance;
@@ -102,7 +95,7 @@ void fill_panel(ColorImage& picture, float x, float y, float width, float height
       const float outside =
           std::hypot(std::max(dx, 0.0f), std::max(dy, 0.0f)) + std::min(std::max(dx, dy), 0.0f) - r;
       const float cover = std::clamp(0.5f - outside, 0.0f, 1.0f);
-      if (cover > 0.0f) mix(picture(u, v), color, opacity * cover);
+      if (cover > 0.0f) mix_color(picture(u, v), color, opacity * cover);
     }
   }
 }

@@ -24,8 +24,8 @@ std::vector<std::string> names_of_bodies(const Session& session) {
 
 ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop)
     : session_(loop.session),
-      views_(stress_scale(loop.session)),
       scale_(stress_scale(loop.session)),
+      views_(scale_),
       masks_(settings.masks),
       keep_picture_(settings.keep_picture),
       controls_(settings.view, settings.show, loop.session.body_count()),

@@ -84,10 +84,10 @@ class ScenePainter {
   std::optional<SceneRenderer> renderer_;
   std::unique_ptr<MapPicture> map_;          // if it may be shown
   std::unique_ptr<SurfacePicture> surface_;  // likewise
+  double scale_;                             // Pa, top of the stress's colours
   SceneViews views_;
   LightEstimator light_;  // in the first body's frame
   ColorImage inside_;     // what the camera sees, where the picture is another
-  double scale_;          // Pa, top of the stress's colours
   bool masks_;
   std::function<std::string(const ColorImage&)> keep_picture_;
   LiveControls controls_;

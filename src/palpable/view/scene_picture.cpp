@@ -125,19 +125,26 @@ SceneView& SceneViews::of(const Scene& scene, const Session& session, const Scen
   return view_;
 }
 
+void displacement_of(const Eigen::Matrix3Xf& now, const SurfaceMesh& baked,
+                     std::vector<float>& moved) {
+  moved.resize(static_cast<std::size_t>(now.cols()));
+  for (Eigen::Index i = 0; i < now.cols(); ++i) {
+    moved[static_cast<std::size_t>(i)] = (now.col(i) - baked.vertices.col(i).cast<float>()).norm();
+  }
+}
+
+float displacement_scale(const SurfaceMesh& baked) {
+  const auto heights = baked.vertices.row(2);
+  return kShownOfHeight *
+         static_cast<float>(std::max(heights.maxCoeff() - heights.minCoeff(), 1e-3));
+}
+
 void SceneViews::show_displacement(const Scene& scene, const Session& session, int number) {
   const auto k = static_cast<std::size_t>(number);
-  const Eigen::Matrix3Xf& now = scene.bodies[k].vertices;
-  const Eigen::Matrix3Xd& baked = session.body(number).surface.vertices;
-  displacement_[k].resize(static_cast<std::size_t>(now.cols()));
-  for (Eigen::Index i = 0; i < now.cols(); ++i) {
-    displacement_[k][static_cast<std::size_t>(i)] =
-        (now.col(i) - baked.col(i).cast<float>()).norm();
-  }
-  BodyLook& look = view_.bodies[k];
-  look.scalar = displacement_[k];
-  look.scalar_max = kShownOfHeight * static_cast<float>(std::max(
-                                         baked.row(2).maxCoeff() - baked.row(2).minCoeff(), 1e-3));
+  const SurfaceMesh& baked = session.body(number).surface;
+  displacement_of(scene.bodies[k].vertices, baked, displacement_[k]);
+  view_.bodies[k].scalar = displacement_[k];
+  view_.bodies[k].scalar_max = displacement_scale(baked);
 }
 
 void SceneViews::show_touches(const Scene& scene, const SceneShow& show) {

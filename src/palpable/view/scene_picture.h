@@ -28,6 +28,13 @@ namespace palpable {
 /// That the camera is lost, and what to do; or that what presses is not seen. Else empty.
 [[nodiscard]] std::string warning_of(const Scene& scene);
 
+/// How far each vertex is from where it was baked. @param now  (3 x V) m. @param moved  (V) m,
+/// overwritten; keeps its memory
+void displacement_of(const Eigen::Matrix3Xf& now, const SurfaceMesh& baked,
+                     std::vector<float>& moved);
+/// At the top of displacement's colours: m, a tenth of the body's height.
+[[nodiscard]] float displacement_scale(const SurfaceMesh& baked);
+
 /// Scenes in the terms of the renderer, one after the other; their memory is used again.
 class SceneViews {
  public:

@@ -1,6 +1,7 @@
 #include "palpable/view/studio_scene.h"
 
 #include "palpable/base/error.h"
+#include "palpable/view/scene_picture.h"
 
 #include <fmt/core.h>
 
@@ -11,7 +12,6 @@ namespace palpable {
 namespace {
 
 constexpr double kViewAngle = 0.55;  // rad, vertical
-constexpr double kPress = 0.1;       // of the body's height: the top of displacement's colours
 
 }  // namespace
 
@@ -86,20 +86,14 @@ void StudioScene::paint(BodyLook& look) {
     case SceneShow::Field::kVonMises:
       if (legend_shown) view_.legend_title = "von Mises stress";
       break;
-    case SceneShow::Field::kDisplacement: {
-      const Eigen::Matrix3Xd& X = body_.surface.vertices;
-      displacement_.resize(static_cast<std::size_t>(X.cols()));
-      for (Eigen::Index i = 0; i < X.cols(); ++i) {
-        displacement_[static_cast<std::size_t>(i)] =
-            (look.vertices->col(i) - X.col(i).cast<float>()).norm();
-      }
+    case SceneShow::Field::kDisplacement:
+      displacement_of(*look.vertices, body_.surface, displacement_);
       look.scalar = displacement_;
-      look.scalar_max = static_cast<float>(kPress * X.row(2).maxCoeff());
+      look.scalar_max = displacement_scale(body_.surface);
       if (legend_shown) view_.legend_title = "displacement";
       view_.legend_unit = "mm";
       view_.legend_scale = 1e3;
       break;
-    }
     case SceneShow::Field::kNone:
       look.scalar = {};
       break;
