@@ -55,7 +55,7 @@ class GridCut {
     return node + step_[static_cast<std::size_t>(direction)];
   }
   [[nodiscard]] int& left_of(int node, int direction) {
-    return left_[static_cast<std::size_t>(4 * node + direction)];
+    return left_[4 * static_cast<std::size_t>(node) + static_cast<std::size_t>(direction)];
   }
   void link(int node, int direction, int cost) {
     left_of(node, direction) += cost;

@@ -27,11 +27,16 @@ struct Costs {
     }
   }
 
+  [[nodiscard]] std::size_t place(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
+  }
+
   void put_into(GridCut& cut) const {
     cut.begin(width, height);
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
-        const auto i = static_cast<std::size_t>(y * width + x);
+        const auto i = place(x, y);
         cut.add_bias(x, y, bias[i]);
         if (x + 1 < width) cut.link_right(x, y, right[i]);
         if (y + 1 < height) cut.link_down(x, y, down[i]);
@@ -44,7 +49,7 @@ struct Costs {
     long sum = 0;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
-        const auto i = static_cast<std::size_t>(y * width + x);
+        const auto i = place(x, y);
         if (side(x, y) ? bias[i] < 0 : bias[i] > 0) sum += std::abs(bias[i]);
         if (x + 1 < width && side(x, y) != side(x + 1, y)) sum += right[i];
         if (y + 1 < height && side(x, y) != side(x, y + 1)) sum += down[i];

@@ -305,10 +305,13 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y, float limit, signed 
 void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
   const int w = own.width(), h = own.height();
   cut_.begin(w, h);
+  const auto place = [w](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
+  };
   // Whether (x, y) of the own box takes part, and if not whether something real is before it.
   enum class Role : std::uint8_t { kNone, kVoter, kBefore, kBehind };
   const auto role = [&](int x, int y) {
-    const float limit = limit_[static_cast<std::size_t>(y * w + x)];
+    const float limit = limit_[place(x, y)];
     const std::size_t i = at(own.x0 + x, own.y0 + y);
     if (!(limit > 0.0f)) return Role::kNone;
     if (doubt_[i] != 0) return Role::kVoter;
@@ -323,7 +326,7 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
     return units(kLeastLink + (kLink - kLeastLink) * share * share);
   };
   const auto ask = [&](int x, int y) {
-    const auto k = static_cast<std::size_t>(y * w + x);
+    const auto k = place(x, y);
     verdicts_[k] =
         of_window(own.x0 + x, own.y0 + y, limit_[k], view.guessed[at(own.x0 + x, own.y0 + y)]);
   };
@@ -358,9 +361,7 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
       const Role here = role(x, y);
       if (here == Role::kNone) continue;
       const std::size_t i = at(own.x0 + x, own.y0 + y);
-      if (here == Role::kVoter) {
-        cut_.add_bias(x, y, units(verdicts_[static_cast<std::size_t>(y * w + x)].bias));
-      }
+      if (here == Role::kVoter) { cut_.add_bias(x, y, units(verdicts_[place(x, y)].bias)); }
       const auto join = [&](int u, int v, std::size_t j, const auto& link_both) {
         const Role there = role(u, v);
         if (there == Role::kNone) return;
@@ -384,7 +385,7 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       if (role(x, y) != Role::kVoter) continue;
-      const auto k = static_cast<std::size_t>(y * w + x);
+      const auto k = place(x, y);
       float& z = z_[at(own.x0 + x, own.y0 + y)];
       const bool before = cut_.side(x, y);
       if (before == (z > 0.0f && z < limit_[k])) continue;

@@ -126,7 +126,7 @@ class RealOutlines {
   void build_lattice();
   [[nodiscard]] Verdict of_window(int x, int y, float limit, signed char guess) const;
   void decide(const OutlineView& view, const PixelRange& own);
-  void write_fine(const OutlineView& view, const PixelRange& own);
+  void write_fine(const OutlineView& view, const PixelRange& inner);
 
   int w_ = 0;
   int h_ = 0;

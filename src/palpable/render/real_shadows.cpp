@@ -129,8 +129,9 @@ bool ShadeOnBody::free_up_to(float z, const Eigen::Vector2f& a, const Eigen::Vec
   const int y0 = block(std::min(a.y(), b.y()), blocks_y_);
   const int y1 = block(std::max(a.y(), b.y()), blocks_y_);
   for (int y = y0; y <= y1; ++y) {
+    const float* row = nearest_.data() + static_cast<std::ptrdiff_t>(y) * blocks_x_;
     for (int x = x0; x <= x1; ++x) {
-      if (nearest_[static_cast<std::size_t>(y * blocks_x_ + x)] < z) return false;
+      if (row[x] < z) return false;
     }
   }
   return true;

@@ -22,7 +22,7 @@ const std::shared_ptr<const TouchableBody>& with_tables(
 
 }  // namespace
 
-FingerPress::FingerPress(std::shared_ptr<const TouchableBody> body)
+FingerPress::FingerPress(const std::shared_ptr<const TouchableBody>& body)
     : body_(with_tables(body)),
       solver_(body),
       deepest_(std::min(kDeepest, kOfHeight * box_of(body->body.surface).sizes().z())),

@@ -29,7 +29,7 @@ class FingerPress {
   };
 
   /// @param body  with tables of touch (TouchableBody::touch); at rest to begin with
-  explicit FingerPress(std::shared_ptr<const TouchableBody> body);
+  explicit FingerPress(const std::shared_ptr<const TouchableBody>& body);
 
   /// The place that lies now where `at` is on the skin as it is shown. @param at  m, body frame
   [[nodiscard]] Place place_at(const Eigen::Vector3d& at) const;
