@@ -5,16 +5,16 @@
 namespace palpable {
 namespace {
 
-constexpr std::array<KeyMeaning, 13> kKeys{{{"1 .. 5", "view: camera, depth, ..."},
+constexpr std::array<KeyMeaning, 13> kKeys{{{"1 .. 5", "which view"},
                                             {"F", "what is painted"},
                                             {"O", "occlusion"},
                                             {"C", "contact points"},
                                             {"N", "arrows of forces"},
                                             {"L", "legend"},
-                                            {"B", "whose touches are listed"},
+                                            {"B", "which touches"},
                                             {"Space", "pause, go on"},
                                             {"S", "one frame on"},
-                                            {"P", "keep the picture (PNG)"},
+                                            {"P", "keep the picture"},
                                             {"R", "view as at the start"},
                                             {"T", "this panel"},
                                             {"Esc, Q", "end"}}};
