@@ -45,7 +45,7 @@ fs::path project_root() {
   for (const fs::path& from : {fs::current_path(), folder_of_program()}) {
     for (fs::path folder = from; folder != folder.root_path(); folder = folder.parent_path()) {
       if (fs::exists(folder / "bodies" / "dragon.toml") &&
-          fs::exists(folder / "scenes" / "beams.toml")) {
+          fs::exists(folder / "scenes" / "crossed-beams.toml")) {
         return folder;
       }
     }

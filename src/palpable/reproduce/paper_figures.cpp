@@ -122,11 +122,10 @@ void add_beam_figures(const PaperPlan& plan, std::vector<PaperFigure>& figures) 
   figures.push_back(
       FigureMaker(plan, {.number = "10",
                          .title = "Where the beams lie",
-                         .paper = "Two cantilevers whose free ends lie above each other; the load "
-                                  "acts on the upper face of the upper one.",
-                         .differs = "The paper's beams are crossed; ours lie along each other, both "
-                                    "held at their left ends, so that a hand reaches the upper one "
-                                    "all along. Half of bodies/beam.toml's size: 0.20 m."})
+                         .paper = "Two cantilevers at right angles whose free ends lie above each "
+                                  "other; the load acts on the upper face of the upper one.",
+                         .differs = "The same (scenes/crossed-beams.toml); lengths are not printed: "
+                                    "ours are 0.20 x 0.05 x 0.025 m, 10 mm apart."})
           .frame("beams-live", F::kBeamsAtRest, "before the hand comes")
           .by({"beams/film", "beams/live"})
           .made());

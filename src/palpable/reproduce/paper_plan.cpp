@@ -98,20 +98,20 @@ void PaperPlan::add_run(const std::string& name, const std::string& what, const 
 
 void PaperPlan::write_inputs() const {
   if (!has(PaperExample::kBeams)) return;
-  const fs::path scene = settings_.root / "scenes" / "beams.toml";
+  const fs::path scene = settings_.root / "scenes" / "crossed-beams.toml";
   std::string text = value_or_throw(read_whole_file(scene));
   text = replaced(text, "\"../out/bodies/", "\"../bodies/");
   text = replaced(text, "\"../bodies/beam.toml\"",
                   fmt::format("\"{}\"", (settings_.root / "bodies" / "beam.toml").string()));
   make_folder(settings_.out / "scenes");
-  write_whole_file(settings_.out / "scenes" / "beams.toml", text);
+  write_whole_file(settings_.out / "scenes" / "crossed-beams.toml", text);
 }
 
 void PaperPlan::add_beams() {
   using F = FigureFrames;
   const fs::path body = settings_.out / "bodies" / "beam.palpable";
   const fs::path film = settings_.out / "films" / "beams";
-  const Words scene{"--scene", (settings_.out / "scenes" / "beams.toml").string()};
+  const Words scene{"--scene", (settings_.out / "scenes" / "crossed-beams.toml").string()};
   add("beams/bake", {.what = "beam: intrusive PGD over all positions of the load",
                      .words = {"bake", (settings_.root / "bodies" / "beam.toml").string(),
                                "--method", "intrusive-pgd", "-o", body.string()},
@@ -133,7 +133,7 @@ void PaperPlan::add_beams() {
   add("beams/film",
       {.what = "beams: a film of the synthetic desk",
        .words = Words{"synth", "beams"} + scene +
-                Words{"--frames", "300", "--seed", "5", "-o", film.string()},
+                Words{"--frames", "240", "--seed", "5", "-o", film.string()},
        .product = film / "truth" / "script.toml",
        .seconds = 45,
        .own_folder = film});

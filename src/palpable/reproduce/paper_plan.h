@@ -52,7 +52,7 @@ class PaperPlan {
 
 /// The frames of the films that the figures show.
 struct FigureFrames {
-  static constexpr int kBeamsAtRest = 60, kBeamsPressed = 118, kBeamsBoth = 160;
+  static constexpr int kBeamsAtRest = 60, kBeamsPressed = 118, kBeamsBoth = 150;
   static constexpr int kFlank = 98, kBack = 142, kHandBefore = 174, kEar = 215, kHandBehind = 248,
                        kSqueeze = 338;
 };
