@@ -110,7 +110,7 @@ void StepList::keep() const {
 
 void StepList::run_one(const Step& step, std::size_t number) {
   if (!step.own_folder.empty()) fs::remove_all(step.own_folder);
-  make_folder(step.product.parent_path());
+  make_folder(step.own_folder.empty() ? step.product.parent_path() : step.own_folder.parent_path());
   const fs::path log = folder_ / "logs" / fmt::format("{:02}.txt", number);
   const auto begin = std::chrono::steady_clock::now();
   const int status = run_program(step, log);
