@@ -240,7 +240,8 @@ def live(programs, folder, *more, source="clip"):
 # ---- cases -------------------------------------------------------------------------------------
 
 COMMANDS = ("mesh", "bake", "reduce", "report", "compare", "solve", "truth", "export", "import-modes",
-            "inspect", "press", "view", "synth", "live", "replay", "scan", "score", "bench", "cameras", "calibrate")
+            "inspect", "press", "view", "synth", "live", "replay", "scan", "score", "bench", "cameras", "calibrate",
+            "reproduce")
 
 
 @case("help of the program and of each command has an example, on stdout, exit code 0")
