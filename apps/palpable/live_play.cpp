@@ -4,6 +4,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/kept_picture.h"
+#include "apps/palpable/live_changes.h"
 #include "palpable/base/error.h"
 #include "palpable/base/this_machine.h"
 #include "palpable/live/body_in_view.h"
@@ -139,11 +140,13 @@ std::unique_ptr<ContactTicks> ticks_of(const PlayOptions& options, const LiveRun
 
 // Plays the run to its end, or to the user's.
 // @param painter       null: nobody looks, nothing is drawn
+// @param changes       null: nothing of the run changes
 // @param begin_output  makes the output, or null; called when the first frame was answered, so that
 //                      nothing is replaced by a run that cannot begin
 template <class BeginOutput>
 Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePainter* painter,
-                LiveEvents& events, const StateWatch& watch, const BeginOutput& begin_output) {
+                LiveEvents& events, const StateWatch& watch, LiveChanges* changes,
+                const BeginOutput& begin_output) {
   const Session& session = run.loop.session;
   ProgressBar bar;
   RunStats stats(moment_of({}, nullptr));
@@ -161,6 +164,7 @@ Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePaint
     return !live && painter != nullptr && painter->holds();
   };
   while ((!loop.ended() || waits()) && !user_ended()) {
+    if (changes != nullptr) changes->record(*painter, loop, events);
     if (waits()) {
       painter->handle_events(kPauseWait);
       events.serve();
@@ -175,6 +179,7 @@ Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePaint
       events.serve();
       continue;
     }
+    if (changes != nullptr) changes->apply(*painter, *scene, events);
     if (ticks) ticks->end_frame();
     events.tell(*scene);
     if (ticks) ticks->begin_frame(session, *scene);
@@ -242,7 +247,8 @@ LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& ru
   return settings;
 }
 
-std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveSetUp& setup) {
+std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveSetUp& setup,
+                                         bool run_may_change) {
   if (!has_pictures(options)) return nullptr;
   const bool masks = !options.out.empty() && (!options.no_masks || options.pictures);
   return std::make_unique<ScenePainter>(
@@ -251,6 +257,7 @@ std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveS
                            .show = show_of(options),
                            .paused = options.paused,
                            .masks = masks,
+                           .run_may_change = run_may_change,
                            .keep_picture =
                                [body = setup.bodies.front().file](const ColorImage& picture) {
                                  return keep_picture(body, "live", picture);
@@ -288,12 +295,13 @@ void LivePlay::check(const LiveSetUp& setup) const {
   }
 }
 
-bool LivePlay::play(LiveSetUp& setup, int frames, const fs::path& scene, const StateWatch& watch) {
+bool LivePlay::play(LiveSetUp& setup, int frames, const fs::path& scene, const StateWatch& watch,
+                    LiveChanges* changes) {
   LiveRun& run = setup.run;
   check(setup);
   warn_of_size(run);
   const LiveOutputSettings written = output_settings(options_, run);
-  const std::unique_ptr<ScenePainter> painter = painter_of(options_, setup);
+  const std::unique_ptr<ScenePainter> painter = painter_of(options_, setup, changes != nullptr);
 
   const auto begin = std::chrono::steady_clock::now();
   listen_for_ctrl_c();
@@ -304,7 +312,7 @@ bool LivePlay::play(LiveSetUp& setup, int frames, const fs::path& scene, const S
     return std::make_unique<LiveOutput>(written);
   };
   const Played played =
-      play_run(options_, run, frames, painter.get(), events_, watch, begin_output);
+      play_run(options_, run, frames, painter.get(), events_, watch, changes, begin_output);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   const LiveCounts& counts = played.counts;
   if (counts.processed.empty()) {

@@ -42,6 +42,8 @@ struct PlayOptions {
 /// Adds the options to a command.
 void add_play_options(Command command, PlayOptions& options);
 
+class LiveChanges;
+
 /// Who looks at each state.
 struct StateWatch {
   /// Gets each scene once it is answered, on the thread that plays. @return a line for the user, if
@@ -67,9 +69,10 @@ class LivePlay {
   /// Plays to the end, or to the user's, and prints what came of it.
   /// @param frames  at most so many; negative: all
   /// @param scene   the file of the scene; empty: one body
+  /// @param changes  what the window's user may change of the run; null: nothing
   /// @return whether it was the user who ended it
   bool play(LiveSetUp& setup, int frames, const std::filesystem::path& scene,
-            const StateWatch& watch = {});
+            const StateWatch& watch = {}, LiveChanges* changes = nullptr);
 
  private:
   PlayOptions options_;

@@ -45,14 +45,38 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
     offscreen_.emplace(value_or_throw(GlContext::offscreen()));
   }
   renderer_.emplace(value_or_throw(SceneRenderer::make()));
-  // In a window each may be switched to.
-  if (settings.window || settings.view == LiveView::kMap) {
+  make_outside_views(settings.view);
+  controls_.run_may_change = settings.run_may_change;
+  gather_parameters();
+}
+
+// In a window each may be switched to.
+void ScenePainter::make_outside_views(LiveView view) {
+  if (window_ || view == LiveView::kMap) {
     map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
-                                        loop.session.world_from_body());
+                                        session_.world_from_body());
   }
-  if (settings.window || settings.view == LiveView::kSurface) {
-    surface_ = std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), loop.session);
+  if (window_ || view == LiveView::kSurface) {
+    surface_ = std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), session_);
   }
+}
+
+void ScenePainter::gather_parameters() {
+  controls_.parameters.clear();
+  for (int k = 0; controls_.run_may_change && k < session_.body_count(); ++k) {
+    for (const FurtherParameter& p : session_.body(k).further) {
+      controls_.parameters.push_back(
+          {k, p.name, p.samples[0], p.samples[p.samples.size() - 1], p.value});
+    }
+  }
+}
+
+void ScenePainter::begin_anew() {
+  scale_ = stress_scale(session_);
+  views_ = SceneViews(scale_);
+  light_ = LightEstimator();
+  make_outside_views(controls_.view);
+  gather_parameters();
 }
 
 void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
@@ -123,7 +147,9 @@ void ScenePainter::show(const ColorImage& picture) {
 }
 
 void ScenePainter::handle(const WindowEvent& event) {
+  const bool places = controls_.placing;
   controls_.handle(event);
+  if (places) return;
   const bool key = event.kind == WindowEvent::Kind::kKey;
   // R goes back to the start in both; the mouse turns what is seen.
   if (key || controls_.view == LiveView::kMap) map_->handle(event);
@@ -138,6 +164,8 @@ void ScenePainter::handle_events(double wait) {
     happened = true;
   }
   ended_ |= controls_.ended || window_->closed();
+  // What is wanted is done with the next frame, and wants to be seen.
+  if (controls_.paused && controls_.wishes.of_frame()) controls_.step_wanted = true;
   if (!holds()) return;
   const bool outside = controls_.view == LiveView::kMap || controls_.view == LiveView::kSurface;
   if ((happened && outside) || controls_.view != held_view_ || !(controls_.show == held_show_)) {
