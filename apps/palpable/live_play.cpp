@@ -7,6 +7,9 @@
 #include "apps/palpable/live_changes.h"
 #include "palpable/base/error.h"
 #include "palpable/base/this_machine.h"
+#include "palpable/clip_files/depth_image_file.h"
+#include "palpable/clip_files/frame_names.h"
+#include "palpable/clip_files/truth_camera_file.h"
 #include "palpable/live/body_in_view.h"
 #include "palpable/live/contact_ticks.h"
 #include "palpable/live/live_loop.h"
@@ -20,10 +23,12 @@
 #include "palpable/view/scene_picture.h"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,6 +52,10 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
   if (options.pictures && options.view != "camera") {
     throw Error("--pictures are what the camera sees: leave out --view " + options.view);
   }
+  if (!options.views.empty()) {
+    if (options.window) throw Error("--views: the --window shows one view, and switches it");
+    if (options.pictures) throw Error("--views: --pictures are of the camera's view alone");
+  }
   if (options.paused && !options.window) throw Error("--paused: a --window is paused");
   if (!options.out.empty()) return options;
   // What says how files are written says nothing where none are.
@@ -54,6 +63,7 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
        {std::pair{options.pictures, "--pictures"}, std::pair{options.meshes, "--meshes"},
         std::pair{options.no_masks, "--no-masks"}, std::pair{options.no_depth, "--no-depth"},
         std::pair{options.overwrite && !other_output, "--overwrite"},
+        std::pair{!options.views.empty(), "--views"},
         std::pair{options.every_frame, "--every-frame"}}) {
     if (wanted) throw Error(fmt::format("{}: without --out nothing is written", name));
   }
@@ -67,6 +77,32 @@ ProgressReport progress_of(const Scene& scene, int done, int total) {
 LiveView view_of(const std::string& name) {
   const auto at = std::find(kViewNames.begin(), kViewNames.end(), name);
   return static_cast<LiveView>(at - kViewNames.begin());
+}
+
+std::vector<Tile> tiles_of(const PlayOptions& options) {
+  std::vector<Tile> tiles;
+  for (const std::string& name : options.views) {
+    const auto at = std::find(kTileNames.begin(), kTileNames.end(), name);
+    tiles.push_back(static_cast<Tile>(at - kTileNames.begin()));
+  }
+  return tiles;
+}
+
+// The true depths that a filmed clip has beside its pictures. @param images  its frames/
+// @throws Error where it has none
+std::function<std::optional<DepthImage>(int)> true_depths(const fs::path& images) {
+  const fs::path truth = (fs::absolute(images) / ".." / "truth").lexically_normal();
+  std::error_code ignored;
+  if (!fs::is_directory(images, ignored) || !fs::is_directory(truth / "depth", ignored)) {
+    throw Error(
+        fmt::format("--views truth: {} has no truth/depth beside it; films of palpable "
+                    "synth have",
+                    images.string()));
+  }
+  return [truth, unit = read_truth_camera(truth / "camera.toml").depth_unit](int frame) {
+    const auto counts = read_depth_counts(truth / "depth" / frame_name(frame, ".png"));
+    return counts ? std::optional(depth_of(*counts, unit)) : std::nullopt;
+  };
 }
 
 SceneShow show_of(const PlayOptions& options) {
@@ -217,7 +253,8 @@ LiveSummary summary(const PlayOptions& options, const LiveSetUp& setup, const Pl
                     const fs::path& scene, double wall) {
   const LiveRun& run = setup.run;
   LiveSummary result = summary_of(run, played.counts, played.figures, *played.output);
-  result.view = options.view;
+  result.view =
+      options.views.empty() ? options.view : fmt::format("{}", fmt::join(options.views, ","));
   result.scene = scene.string();
   for (std::size_t k = 0; k < result.bodies.size(); ++k) {
     result.bodies[k].file = setup.bodies[k].file.string();
@@ -251,6 +288,8 @@ std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveS
                                          bool run_may_change) {
   if (!has_pictures(options)) return nullptr;
   const bool masks = !options.out.empty() && (!options.no_masks || options.pictures);
+  const std::vector<Tile> tiles = tiles_of(options);
+  const bool truth = std::find(tiles.begin(), tiles.end(), Tile::kTruth) != tiles.end();
   return std::make_unique<ScenePainter>(
       ScenePainterSettings{.window = options.window,
                            .view = view_of(options.view),
@@ -258,6 +297,8 @@ std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveS
                            .paused = options.paused,
                            .masks = masks,
                            .run_may_change = run_may_change,
+                           .tiles = tiles,
+                           .true_depth = truth ? true_depths(setup.run.images) : nullptr,
                            .keep_picture =
                                [body = setup.bodies.front().file](const ColorImage& picture) {
                                  return keep_picture(body, "live", picture);
@@ -360,6 +401,15 @@ void add_play_options(Command command, PlayOptions& options) {
       .one_of({"camera", "depth", "moving", "surface", "map"})
       .show_default();
   command
+      .add_option("--views", options.views,
+                  "Several of these side by side in one picture, at half their size, instead of "
+                  "--view. mask: where the picture shows a body; truth: where it would with the "
+                  "true depth, of a film of palpable synth, red where mask says otherwise")
+      .type_name("VIEW...")
+      .words(2, 7)
+      .excludes("--view")
+      .one_of({"camera", "depth", "moving", "surface", "map", "mask", "truth"});
+  command
       .add_option("--paint", options.paint,
                   "What is painted on bodies: stress (von Mises), displacement, or none: the "
                   "material alone")
@@ -387,7 +437,9 @@ void add_play_options(Command command, PlayOptions& options) {
       .in_range(30, 10'000);
   command.add_flag("--window", options.window,
                    "Show it in a window too, with a panel that switches what is shown; H lists the "
-                   "keys that do the same, Escape or Q ends the run. With --view map or surface, "
+                   "keys that do the same, Escape or Q ends the run. There bodies are placed by a "
+                   "click, the run begins anew, recordings begin and end, and parameters of bodies "
+                   "have sliders (docs/window.md). With --view map or surface, "
                    "dragging turns it, the wheel comes nearer, R takes both back. Files get the "
                    "pictures as they are switched to, without the panel");
   command.add_flag("--paused", options.paused,

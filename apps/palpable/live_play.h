@@ -22,10 +22,11 @@ struct PlayOptions {
   std::filesystem::path out;  ///< empty: nothing is written
   std::string events = kNoEvents;
   std::string view = "camera";
-  std::string paint = "stress";    ///< on bodies
-  bool opaque = false;             ///< the paint alone, without the material below it
-  std::string occlusion = "soft";  ///< of bodies by what is real and nearer
-  bool forces = false;             ///< where and how hard bodies are pressed is drawn
+  std::vector<std::string> views = {};  ///< several in one picture; none: `view` alone
+  std::string paint = "stress";         ///< on bodies
+  bool opaque = false;                  ///< the paint alone, without the material below it
+  std::string occlusion = "soft";       ///< of bodies by what is real and nearer
+  bool forces = false;                  ///< where and how hard bodies are pressed is drawn
   bool window = false;
   bool paused = false;  ///< the window begins with the first frame held
   bool pictures = false;

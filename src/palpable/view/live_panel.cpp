@@ -95,7 +95,7 @@ void LivePanel::lay_out_buttons(LiveControls& controls) const {
 }
 
 void LivePanel::lay_out_run(LiveControls& controls) const {
-  if (button_in_row(controls.placing ? "No click###place" : "Place body###place", 2)) {
+  if (button_in_row(controls.placing ? "Cancel###place" : "Place body###place", 2)) {
     controls.begin_placing();
   }
   ImGui::SameLine();

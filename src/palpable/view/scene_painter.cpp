@@ -7,6 +7,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +29,8 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
       scale_(stress_scale(loop.session)),
       views_(scale_),
       masks_(settings.masks),
+      tiles_(settings.tiles),
+      true_depth_(settings.true_depth),
       keep_picture_(settings.keep_picture),
       controls_(settings.view, settings.show, loop.session.body_count()),
       panel_(names_of_bodies(loop.session)) {
@@ -52,11 +56,11 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
 
 // In a window each may be switched to.
 void ScenePainter::make_outside_views(LiveView view) {
-  if (window_ || view == LiveView::kMap) {
+  if (window_ || view == LiveView::kMap || has_tile(Tile::kMap)) {
     map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
                                         session_.world_from_body());
   }
-  if (window_ || view == LiveView::kSurface) {
+  if (window_ || view == LiveView::kSurface || has_tile(Tile::kSurface)) {
     surface_ = std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), session_);
   }
 }
@@ -82,13 +86,18 @@ void ScenePainter::begin_anew() {
 void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
   drawn_for_window_ = window_ && !holds();
   const bool nobody_looks = !drawn_for_window_ && !drawn.in_files;
-  if (map_ && (nobody_looks || controls_.view != LiveView::kMap)) map_->follow(drawn.scene);
+  const bool draws_map = controls_.view == LiveView::kMap || has_tile(Tile::kMap);
+  if (map_ && (nobody_looks || !draws_map)) map_->follow(drawn.scene);
   if (nobody_looks) return;
   {
     const StageTimer timer(drawn.scene.times, "draw");
     const bool masks = masks_ && drawn.in_files;
-    draw_look(drawn.scene, session, drawn.picture, masks ? &drawn.visible : nullptr,
-              masks ? &drawn.body_depth : nullptr);
+    if (!tiles_.empty()) {
+      draw_tiles(drawn, session);
+    } else {
+      draw_look(drawn.scene, session, drawn.picture, masks ? &drawn.visible : nullptr,
+                masks ? &drawn.body_depth : nullptr);
+    }
   }
   if (!drawn_for_window_) return;
   panel_.add(drawn.scene);
@@ -134,6 +143,41 @@ void ScenePainter::draw_look(const Scene& scene, const Session& session, ColorIm
     case LiveView::kMap:
       map_->draw(scene, session, scale_, inside_, picture);
       break;
+  }
+}
+
+bool ScenePainter::has_tile(Tile tile) const {
+  return std::find(tiles_.begin(), tiles_.end(), tile) != tiles_.end();
+}
+
+void ScenePainter::draw_tiles(DrawnFrame& drawn, const Session& session) {
+  const bool masks = masks_ || has_tile(Tile::kMask) || has_tile(Tile::kTruth);
+  controls_.view = LiveView::kCamera;
+  draw_look(drawn.scene, session, seen_, masks ? &drawn.visible : nullptr,
+            masks ? &drawn.body_depth : nullptr);
+  for (std::size_t k = 0; k < tiles_.size(); ++k) {
+    const Tile tile = tiles_[k];
+    switch (tile) {
+      case Tile::kCamera:
+        break;
+      case Tile::kMask:
+        draw_mask(drawn.visible, tile_);
+        break;
+      case Tile::kTruth:
+        if (const auto depth = true_depth_(drawn.scene.number)) {
+          draw_true_mask(drawn.visible, drawn.body_depth, *depth, tile_);
+        } else {
+          tile_.resize(seen_.width(), seen_.height());
+          std::fill(tile_.begin(), tile_.end(), Rgb{});
+        }
+        break;
+      default:
+        controls_.view = static_cast<LiveView>(tile);
+        draw_look(drawn.scene, session, tile_, nullptr, nullptr);
+    }
+    put_tile(tile == Tile::kCamera ? seen_ : tile_, static_cast<int>(k),
+             static_cast<int>(tiles_.size()), kTileNames[static_cast<std::size_t>(tile)],
+             drawn.picture);
   }
 }
 

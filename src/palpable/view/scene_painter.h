@@ -16,11 +16,13 @@
 #include "palpable/view/scene_picture.h"
 #include "palpable/view/scene_show.h"
 #include "palpable/view/surface_picture.h"
+#include "palpable/view/tiles.h"
 
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -32,6 +34,10 @@ struct ScenePainterSettings {
   bool masks = true;  ///< also fill DrawnFrame::visible and body_depth, which are read back for it
   /// Whether the user of the window may change the run itself: who plays it looks at wishes().
   bool run_may_change = false;
+  /// Several views in one picture, instead of `view`; none: that one. Not in a window.
+  std::vector<Tile> tiles = {};
+  /// For Tile::kTruth: the true depth of the frame with this number; nothing: it is not known.
+  std::function<std::optional<DepthImage>(int number)> true_depth = {};
   /// Called with the picture that is shown when the user of the window asks to keep it; returns
   /// what became of it, in a line for the panel.
   std::function<std::string(const ColorImage&)> keep_picture = {};
@@ -92,6 +98,8 @@ class ScenePainter {
   void handle(const WindowEvent& event);
   void draw_look(const Scene& scene, const Session& session, ColorImage& picture,
                  MaskImage* visible, DepthImage* body_depth);
+  [[nodiscard]] bool has_tile(Tile tile) const;
+  void draw_tiles(DrawnFrame& drawn, const Session& session);
   void draw_held();
   void keep_picture(const ColorImage& picture);
 
@@ -106,6 +114,9 @@ class ScenePainter {
   LightEstimator light_;  // in the first body's frame
   ColorImage inside_;     // what the camera sees, where the picture is another
   bool masks_;
+  std::vector<Tile> tiles_;
+  std::function<std::optional<DepthImage>(int)> true_depth_;
+  ColorImage seen_, tile_;  // of draw_tiles()
   std::function<std::string(const ColorImage&)> keep_picture_;
   LiveControls controls_;
   LivePanel panel_;
