@@ -158,6 +158,35 @@ def _(programs, folder):
     assert anew == first
 
 
+# What the panel looked like when somebody looked at it, without the line that says how fast the run is.
+PANEL = Path(__file__).parent.parent / "data/live_panel.png"
+PANEL_SIZE = (224, 560)
+PANEL_FROM = 30  # px from above
+
+
+@case("the panel of live looks as it did")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=2)
+    with shown(programs, folder, *base.live(programs, folder, "--window", "--paused")) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        screen.resize(window, 1280, 720)
+        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+        settled(screen, window)
+        width, height = PANEL_SIZE
+        now = [row[:width] for row in colors(screen, window)[PANEL_FROM:height]]
+        screen.type(window, ESCAPE)
+        assert program.wait(timeout=60) == 0
+    (folder / "panel.png").write_bytes(base.png_of_rows(now))
+    then = base.png_rows(PANEL)
+    assert (len(then), len(then[0])) == (len(now), len(now[0]))
+    # Letters and buttons have soft edges, which another Mesa may round by some grey levels; what moved by a pixel
+    # changes the edges of all letters, 4 % of the panel.
+    apart = [max(abs(a - b) for a, b in zip(one, other)) > 48 for one, other in zip(sum(now, []), sum(then, []))]
+    assert sum(apart) / len(apart) < 0.005, f"{sum(apart)} px of the panel are others: {folder / 'panel.png'}"
+
+
 @case("a recording begins and ends while live runs, by a key and by the panel, and replays to the same states")
 def _(programs, folder):
     base.write_stereo(folder / "clip", frames=40)
