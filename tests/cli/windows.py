@@ -301,5 +301,44 @@ def _(programs, folder):
             assert program.wait(timeout=60) == 0
 
 
+@case("a slider on the panel settles a body's parameter anew")
+def _(programs, folder):
+    group = """
+[[material.group]]
+name = "top"
+above = 0.5
+young = "60 kPa"
+poisson = 0.4
+[[parameter]]
+name = "top"
+of = "top"
+stiffness = [0.5, 1, 2]
+[support]"""
+    soft = programs.baked_ball(programs.work / "sliding", base.BALL.replace("[support]", group))
+    base.write_stereo(folder / "clip", frames=12)
+    words = list(base.live(programs, folder, "--window", "--paused", "--record", folder / "a.palprec"))
+    words[1] = soft
+    with shown(programs, folder, *words) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        screen.resize(window, 1280, 720)
+        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+        settled(screen, window)
+        left, right = (80, 619), (260, 619)  # below its name, beyond the slider's end
+        screen.mouse(window, (MOTION, *left), (BUTTON_PRESS, *left, LEFT))
+        changed_by(screen, window, "a dragged slider", lambda: screen.mouse(window, (MOTION, *right)))
+        changed_by(screen, window, "the next frame", lambda: screen.mouse(window, (BUTTON_RELEASE, *right, LEFT)))
+        settled(screen, window)
+        screen.type(window, "v")
+        changed_by(screen, window, "the next frame", lambda: screen.type(window, "s"))
+        settled(screen, window)
+        screen.type(window, ESCAPE)
+        assert program.wait(timeout=60) == 0
+    recorded, = folder.glob("ball_*.palprec")
+    assert b'"set":["top=2"]' in recorded.read_bytes().replace(b" ", b"")
+    assert "1 of 1 states of the live run: equal" in programs.succeeds("replay", recorded).stdout
+
+
 if __name__ == "__main__":
     sys.exit(base.main())
