@@ -50,8 +50,7 @@ fs::path project_root() {
       }
     }
   }
-  throw Error(
-      "reproduce reads bodies/ and scenes/ of the project: run it in the project's folder");
+  throw Error("reproduce reads bodies/ and scenes/ of the project: run it in the project's folder");
 }
 
 std::vector<PaperExample> examples_of(const std::string& what) {
@@ -64,19 +63,19 @@ std::vector<PaperExample> examples_of(const std::string& what) {
 // As docs/results/ wants a section (tools/write_results.py), with the keys of --json.
 Json result_of(const std::string& what, const std::vector<PaperFigure>& figures,
                const std::vector<PaperNumber>& numbers, const StepTimes& times) {
-  Json result{
-      {"title", "The paper's examples, side by side"},
-      {"order", 5},
-      {"text", "What the paper prints beside what `palpable reproduce` measured; the figures "
+  Json result{{"title", "The paper's examples, side by side"},
+              {"order", 5},
+              {"text",
+               "What the paper prints beside what `palpable reproduce` measured; the figures "
                "themselves are on the page that it writes."},
-      {"command", fmt::format("palpable reproduce {} -o out/paper --json", what)},
-      {"date", date_today()},
-      {"machine", processor_name()},
-      {"figures", Json::array()},
-      {"bake_s", times.bakes},
-      {"page_s", times.others},
-      {"columns", Json::array({"", "paper", "Palpable", "remark"})},
-      {"rows", Json::array()}};
+              {"command", fmt::format("palpable reproduce {} -o out/paper --json", what)},
+              {"date", date_today()},
+              {"machine", processor_name()},
+              {"figures", Json::array()},
+              {"bake_s", times.bakes},
+              {"page_s", times.others},
+              {"columns", Json::array({"", "paper", "Palpable", "remark"})},
+              {"rows", Json::array()}};
   for (const PaperFigure& figure : figures) result["figures"].push_back(figure.number);
   for (const PaperNumber& number : numbers) {
     result["rows"].push_back(Json::array({number.what, number.paper, number.here, number.remark}));
@@ -104,14 +103,14 @@ void reproduce(const Options& options) {
   const StepTimes times = list.times(plan.steps());
   const fs::path page = out / "index.html";
   write_whole_file(
-      page, paper_page({.numbers = numbers,
-                        .figures = figures,
-                        .provenance = {{"date", date_today()},
-                                       {"machine", processor_name()},
-                                       {"program", std::string("palpable ") + PALPABLE_VERSION},
-                                       {"baked in", duration_text(times.bakes)},
-                                       {"filmed, played and drawn in",
-                                        duration_text(times.others)}}}));
+      page,
+      paper_page({.numbers = numbers,
+                  .figures = figures,
+                  .provenance = {{"date", date_today()},
+                                 {"machine", processor_name()},
+                                 {"program", std::string("palpable ") + PALPABLE_VERSION},
+                                 {"baked in", duration_text(times.bakes)},
+                                 {"filmed, played and drawn in", duration_text(times.others)}}}));
   const Json result = result_of(options.what, figures, numbers, times);
   write_whole_file(out / "reproduce.json", result.dump(2) + "\n");
   if (options.json) {

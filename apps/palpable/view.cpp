@@ -35,8 +35,9 @@ struct ViewOptions {
   fs::path out;
   int site = -1;  // -1: not asked for
   double level = 1.0;
-  std::string load;              // X,Y,Z=F instead of site and level
-  int modes = 0;                 // drawn instead of presses, if above 0
+  std::string load;  // X,Y,Z=F instead of site and level
+  int modes = 0;     // drawn instead of presses, if above 0
+  std::string modes_of = "displacement";
   std::vector<std::string> set;  // NAME=VALUE
   std::string size = "1280x720";
   double close_after = 0;  // s; 0: when the user wants
@@ -77,7 +78,9 @@ void write_pictures(const ReducedBody& body, const ViewOptions& options, Picture
 
 void write_modes(const ReducedBody& body, const ViewOptions& options, PictureSize size,
                  const fs::path& folder) {
-  const std::vector<ModeShape> shapes = value_or_throw(first_modes(body, options.modes));
+  const std::vector<ModeShape> shapes = value_or_throw(
+      first_modes(body, options.modes,
+                  options.modes_of == "stress" ? ModeField::kStress : ModeField::kDisplacement));
   make_folder(folder);
   const GlContext context = value_or_throw(GlContext::offscreen());
   write_picture(options.body, folder, "modes", draw_modes(body, shapes, size));
@@ -160,12 +163,15 @@ void add_view(Command app) {
           .excludes(site)
           .excludes(level);
   view.add_option("--modes", options->modes,
-                  "Instead of presses: this many modes of displacement, the first ones, and their "
-                  "functions of where the load is, as modes.png in the folder of --out")
+                  "Instead of presses: this many modes, the first ones, and their functions of "
+                  "where the load is, as modes.png in the folder of --out")
       .in_range(1, 16)
       .excludes(site)
       .excludes(level)
       .excludes(load);
+  view.add_option("--modes-of", options->modes_of, "Whose modes --modes draws")
+      .one_of({"displacement", "stress"})
+      .show_default();
   add_set_option(view, options->set);
   view.add_option("--size", options->size, "Pixels of window and pictures")
       .type_name("WIDTHxHEIGHT")

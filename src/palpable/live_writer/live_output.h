@@ -54,8 +54,8 @@ struct LiveOutputSettings {
   bool depth = true;
   bool masks = true;
   bool figures = false;
-  bool all_pictures = false;           ///< every frame's picture is kept as pictures/NUMBER.png
-  std::vector<int> kept_pictures = {};  ///< those of these frames are, rising
+  bool all_pictures = false;             ///< every frame's picture is kept as pictures/NUMBER.png
+  std::vector<int> kept_pictures = {};   ///< those of these frames are, rising
   std::vector<std::string> bodies = {};  ///< names, where there are several; else none
   /// The bodies at rest where every frame's are to be written; none: nothing is.
   std::vector<SurfaceMesh> meshes_of = {};

@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -45,10 +43,9 @@ std::string script_of(const std::vector<Chart>& charts, const std::filesystem::p
     script += "plot ";
     for (std::size_t i = 0; i < chart.lines.size(); ++i) {
       const ChartLine& line = chart.lines[i];
-      script += fmt::format(
-          "{}\"-\" using 1:2 with {} lw 2 pt 7 ps 0.5 lc rgb \"{}\" title {}", i > 0 ? ", " : "",
-          line.x.size() <= 40 ? "linespoints" : "lines", kColors[i % std::size(kColors)],
-          quoted(line.name));
+      script += fmt::format("{}\"-\" using 1:2 with {} lw 2 pt 7 ps 0.5 lc rgb \"{}\" title {}",
+                            i > 0 ? ", " : "", line.x.size() <= 40 ? "linespoints" : "lines",
+                            kColors[i % std::size(kColors)], quoted(line.name));
     }
     script += "\n";
     for (const ChartLine& line : chart.lines) {

@@ -25,8 +25,8 @@ class FigureMaker {
       : plan_(plan), out_(plan.settings().out), figure_(std::move(figure)) {}
 
   FigureMaker& picture(const fs::path& source, const std::string& caption) {
-    const fs::path name = fs::path("figures") / fmt::format("{}_{}.png", figure_.number,
-                                                            figure_.pictures.size() + 1);
+    const fs::path name =
+        fs::path("figures") / fmt::format("{}_{}.png", figure_.number, figure_.pictures.size() + 1);
     copy(source, name);
     figure_.pictures.push_back({name, caption});
     return *this;
@@ -49,8 +49,8 @@ class FigureMaker {
     return *this;
   }
   FigureMaker& table(const fs::path& source) {
-    const fs::path name = fs::path("figures") / fmt::format("{}{}", figure_.number,
-                                                            source.extension().string());
+    const fs::path name =
+        fs::path("figures") / fmt::format("{}{}", figure_.number, source.extension().string());
     copy(source, name);
     figure_.tables.push_back(name);
     return *this;
@@ -120,16 +120,16 @@ Chart error_chart(const std::vector<ReportRow>& table, const std::string& quanti
 void add_beam_figures(const PaperPlan& plan, std::vector<PaperFigure>& figures) {
   using F = FigureFrames;
   figures.push_back(
-      FigureMaker(plan, {.number = "10",
-                         .title = "Where the beams lie",
-                         .paper = "Two cantilevers at right angles whose free ends lie above each "
-                                  "other; the load acts on the upper face of the upper one.",
-                         .differs = "The same (scenes/crossed-beams.toml); lengths are not printed: "
-                                    "ours are 0.20 x 0.05 x 0.025 m, 10 mm apart."})
+      FigureMaker(plan,
+                  {.number = "10",
+                   .title = "Where the beams lie",
+                   .paper = "Two cantilevers at right angles whose free ends lie above each "
+                            "other; the load acts on the upper face of the upper one.",
+                   .differs = "The same (scenes/crossed-beams.toml); lengths are not printed: "
+                              "ours are 0.20 x 0.05 x 0.025 m, 10 mm apart."})
           .frame("beams-live", F::kBeamsAtRest, "before the hand comes")
           .by({"beams/film", "beams/live"})
           .made());
-  const std::vector<ReportRow> table = report_of(plan, "beam");
   figures.push_back(
       FigureMaker(plan, {.number = "11",
                          .title = "Modes of the beam, and their functions of the load's place",
@@ -142,8 +142,6 @@ void add_beam_figures(const PaperPlan& plan, std::vector<PaperFigure>& figures) 
                                     "is a parameter, too."})
           .picture(plan.settings().out / "pictures" / "beam-modes" / "modes.png",
                    "modes 1 to 6, and below each its function of where the load stands")
-          .charts(function_charts(table, "displacement"),
-                  "the first functions, of place (in the order of the body file) and size")
           .table(plan.settings().out / "reports" / "beam.csv")
           .by({"beams/bake", "beams/modes", "beams/report"})
           .made());
@@ -167,13 +165,14 @@ void add_beam_figures(const PaperPlan& plan, std::vector<PaperFigure>& figures) 
 void add_camera_figures(const PaperPlan& plan, std::vector<PaperFigure>& figures) {
   using F = FigureFrames;
   figures.push_back(
-      FigureMaker(plan, {.number = "6",
-                         .title = "Trajectory and map",
-                         .paper = "The path of a walking stereo camera, in blue, through the "
-                                  "surface that its depths add up to; tracking and fusion are the "
-                                  "camera maker's.",
-                         .differs = "Tracking and map are this project's, on a CPU; the room is the "
-                                    "synthetic one, whose truth is known."})
+      FigureMaker(plan,
+                  {.number = "6",
+                   .title = "Trajectory and map",
+                   .paper = "The path of a walking stereo camera, in blue, through the "
+                            "surface that its depths add up to; tracking and fusion are the "
+                            "camera maker's.",
+                   .differs = "Tracking and map are this project's, on a CPU; the room is the "
+                              "synthetic one, whose truth is known."})
           .frame("room-live", 449, "the room from outside after 15 s, the way through it, the body")
           .table(plan.settings().out / "runs" / "room-live" / "trajectory.txt")
           .film("room-live")
@@ -231,8 +230,8 @@ void add_modes_and_frames(const PaperPlan& plan, const std::string& name, const 
   using F = FigureFrames;
   const std::vector<ReportRow> table = report_of(plan, name);
   const std::string bake = name + "/bake", reduce = name + "/reduce", report = name + "/report",
-                    modes = name + "/modes", film = name + "/film", live = name + "/live",
-                    paper = name + "/paper", anywhere = name + "/anywhere";
+                    modes = name + "/modes", stress = name + "/stress-modes", film = name + "/film",
+                    live = name + "/live", paper = name + "/paper", anywhere = name + "/anywhere";
   figures.push_back(
       FigureMaker(plan, {.number = texts.modes_number,
                          .title = fmt::format("Modes of the {}, and their functions", name),
@@ -240,23 +239,26 @@ void add_modes_and_frames(const PaperPlan& plan, const std::string& name, const 
                          .differs = texts.modes_differs})
           .picture(plan.settings().out / "pictures" / (name + "-modes") / "modes.png",
                    "modes 1 to 4 of displacement, and below each its value at each contact point")
+          .picture(plan.settings().out / "pictures" / (name + "-stress-modes") / "modes.png",
+                   "modes 1 to 4 of the stress, likewise")
           .charts(function_charts(table, "displacement"), "functions of displacement's modes")
           .charts(function_charts(table, "stress"), "functions of the stress' modes")
           .table(plan.settings().out / "reports" / (name + ".csv"))
-          .by({bake.c_str(), reduce.c_str(), modes.c_str(), report.c_str()})
+          .by({bake.c_str(), reduce.c_str(), modes.c_str(), stress.c_str(), report.c_str()})
           .made());
   const bool touch = plan.settings().touch;
   const std::string run = name + (touch ? "-anywhere" : "-live");
   FigureMaker frames(
-      plan, {.number = texts.frames_number,
-             .title = fmt::format("Four frames of the {} under a hand, with its stress", name),
-             .paper = texts.frames_paper,
-             .differs = touch ? "A synthetic hand, whose truth is known; touched anywhere, several "
-                                "times at once, by tables of touch (docs/touch.md)."
-                              : "A synthetic hand, whose truth is known. These bodies know their "
-                                "contact points alone, as the paper's do: what presses between them "
-                                "moves the nearest. `reproduce --touch` bakes what is touched "
-                                "anywhere."});
+      plan,
+      {.number = texts.frames_number,
+       .title = fmt::format("Four frames of the {} under a hand, with its stress", name),
+       .paper = texts.frames_paper,
+       .differs = touch ? "A synthetic hand, whose truth is known; touched anywhere, several "
+                          "times at once, by tables of touch (docs/touch.md)."
+                        : "A synthetic hand, whose truth is known. These bodies know their "
+                          "contact points alone, as the paper's do: what presses between them "
+                          "moves the nearest. `reproduce --touch` bakes what is touched "
+                          "anywhere."});
   frames.frame(run, F::kFlank, "a flank")
       .frame(run, F::kBack, "the back")
       .frame(run, F::kEar, "an ear's root")
@@ -283,10 +285,9 @@ void add_bunny_figures(const PaperPlan& plan, std::vector<PaperFigure>& figures)
           .made());
   add_modes_and_frames(
       plan, "bunny",
-      {"13", "16",
-       "Modes in space, of displacement and stress; no numbers.",
+      {"13", "16", "Modes in space, of displacement and stress; no numbers.",
        "The same three-factor PGD (space, contact point, load); modes of displacement as bent "
-       "shapes, those of stress by their functions and in the table.",
+       "shapes, those of stress by their von Mises stress.",
        "Four frames of a desk film: a hand touches the bunny at different points."},
       figures);
   const std::vector<ReportRow> table = report_of(plan, "bunny");
@@ -306,13 +307,11 @@ void add_bunny_figures(const PaperPlan& plan, std::vector<PaperFigure>& figures)
 }
 
 void add_dragon_figures(const PaperPlan& plan, std::vector<PaperFigure>& figures) {
-  add_modes_and_frames(
-      plan, "dragon",
-      {"17", "19",
-       "Modes in space of a mesh of 22,982 nodes; no numbers.",
-       "23,408 vertices on the skin; the interior is meshed, too (40,159 nodes).",
-       "Four frames of the same film as the bunny's: two points are touched."},
-      figures);
+  add_modes_and_frames(plan, "dragon",
+                       {"17", "19", "Modes in space of a mesh of 22,982 nodes; no numbers.",
+                        "23,408 vertices on the skin; the interior is meshed, too (40,159 nodes).",
+                        "Four frames of the same film as the bunny's: two points are touched."},
+                       figures);
   const std::vector<ReportRow> table = report_of(plan, "dragon");
   figures.push_back(
       FigureMaker(plan,

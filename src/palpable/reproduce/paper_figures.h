@@ -17,7 +17,7 @@ struct FigurePicture {
 };
 
 struct PaperFigure {
-  std::string number;   ///< of the paper: "2c", "9"
+  std::string number;  ///< of the paper: "2c", "9"
   std::string title;
   std::string paper;    ///< what the paper shows there and says of it
   std::string differs;  ///< what differs here, and why

@@ -56,16 +56,17 @@ void pretend_to_have_run(const fs::path& out) {
   for (const char* body : {"beam", "bunny", "dragon"}) {
     write(out / "reports" / (std::string(body) + ".csv"), small_report());
     write(out / "pictures" / (std::string(body) + "-modes") / "modes.png", body);
+    write(out / "pictures" / (std::string(body) + "-stress-modes") / "modes.png", body);
   }
   for (const char* body : {"bunny", "dragon"}) {
-    for (const char* name : {"2_sites.png", "3_press_site_7_level_33.png",
-                             "5_press_site_7_level_100.png"}) {
+    for (const char* name :
+         {"2_sites.png", "3_press_site_7_level_33.png", "5_press_site_7_level_100.png"}) {
       write(out / "pictures" / (std::string(body) + "-sites") / name, name);
     }
   }
-  for (const char* run : {"beams-live", "beams-paper", "room-live", "bunny-live", "bunny-paper",
-                          "bunny-hard", "bunny-depth", "bunny-surface", "dragon-live",
-                          "dragon-paper"}) {
+  for (const char* run :
+       {"beams-live", "beams-paper", "room-live", "bunny-live", "bunny-paper", "bunny-hard",
+        "bunny-depth", "bunny-surface", "dragon-live", "dragon-paper"}) {
     for (const char* frame : {"000060", "000118", "000150", "000098", "000142", "000174", "000215",
                               "000248", "000338", "000449"}) {
       write(out / "runs" / run / "pictures" / (std::string(frame) + ".png"),
@@ -160,8 +161,7 @@ TEST_CASE("of a report's table the lines of a chart are read", "[reproduce]") {
   CHECK(over_sites(table, "displacement", 1).y == std::vector<double>{0.5, -0.25});
   CHECK(over_levels(table, "displacement", 1).x == std::vector<double>{0, 0.5});
   CHECK(over_levels(table, "displacement", 2).x.empty());
-  CHECK(chart_table({"t", "x", "y", true, {errors}}) ==
-        "line,x,y\nstress,1,0.1\nstress,2,0.01\n");
+  CHECK(chart_table({"t", "x", "y", true, {errors}}) == "line,x,y\nstress,1,0.1\nstress,2,0.01\n");
   write(folder / "other.csv", "a,b\n1,2\n");
   CHECK_THROWS_WITH(read_report_table(folder / "other.csv"),
                     Catch::Contains("other.csv") && Catch::Contains("no table"));

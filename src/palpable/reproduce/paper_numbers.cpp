@@ -36,6 +36,10 @@ std::string modes_of(const ReducedBody& body) {
 
 std::string mesh_of(const ReducedBody& body) {
   const std::string mesh = fact_of(body, "mesh");
+  if (mesh.find("nodes") == std::string::npos) {
+    return fmt::format("{} nodes and {} triangles on the skin", body.surface.vertices.cols(),
+                       body.surface.triangles.cols());
+  }
   return mesh.substr(0, mesh.find(';'));
 }
 
@@ -45,7 +49,8 @@ std::string speed_of(const PaperPlan& plan, const std::string& run) {
   std::string stages;
   for (const auto& [stage, ms] : stats["stage_p50_ms"].items()) {
     const double value = ms.get<double>();
-    if (value >= 0.5) stages += fmt::format("{}{} {:.1f}", stages.empty() ? "" : ", ", stage, value);
+    if (value >= 0.5)
+      stages += fmt::format("{}{} {:.1f}", stages.empty() ? "" : ", ", stage, value);
   }
   return fmt::format("{:.0f} frames/s, {:.0f} ms of CPU a frame; stages, ms: {}",
                      stats["frames_per_s"].get<double>(), stats["cpu_ms_per_frame"].get<double>(),
@@ -63,8 +68,8 @@ void add_solid(const PaperPlan& plan, const StepList& list, const std::string& n
   numbers.push_back({loads.what, loads.paper,
                      fmt::format("{} x {}", body.sites.size(), body.levels().size() - 1),
                      loads.remark});
-  numbers.push_back({name + ": offline, a contact point", per_site,
-                     duration_text(bake / sites), "wall time of the whole bake, shared out"});
+  numbers.push_back({name + ": offline, a contact point", per_site, duration_text(bake / sites),
+                     "wall time of the whole bake, shared out"});
   numbers.push_back({name + ": offline, all", "-",
                      duration_text(bake + list.seconds(plan.step(name + "/reduce"))),
                      "mesh, finite elements, reductions"});

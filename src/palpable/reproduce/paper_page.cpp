@@ -21,10 +21,14 @@ Json json_of(const PaperFigure& figure) {
   }
   Json commands = Json::array();
   for (const std::string& command : figure.commands) commands.push_back(command);
-  return {{"number", figure.number},   {"title", figure.title},
-          {"paper", figure.paper},     {"differs", figure.differs},
-          {"pictures", pictures},      {"tables", texts_of(figure.tables)},
-          {"films", texts_of(figure.films)}, {"commands", commands}};
+  return {{"number", figure.number},
+          {"title", figure.title},
+          {"paper", figure.paper},
+          {"differs", figure.differs},
+          {"pictures", pictures},
+          {"tables", texts_of(figure.tables)},
+          {"films", texts_of(figure.films)},
+          {"commands", commands}};
 }
 
 }  // namespace
@@ -42,15 +46,18 @@ std::string paper_page(const PaperPage& page) {
       {.title = "The paper, reproduced",
        .content = "reproduce.html",
        .scripts = {"reproduce.js"},
-       .texts = {{"lead",
-                  "Real-time interaction of virtual and physical objects in Mixed Reality "
-                  "applications (Badías, González, Alfaro, Chinesta, Cueto), figure by figure: what "
-                  "the paper shows and says, what Palpable makes of it on the synthetic desk, and "
-                  "the command for each."},
-                 {"measured", "Measured on the machine below by the run that wrote this page, and "
-                              "beside whatever else it did."},
-                 {"footer", "Made by palpable reproduce. Pictures, tables (CSV) and films lie "
-                            "beside this page and travel with its folder."}},
+       .texts =
+           {{"lead",
+             "Real-time interaction of virtual and physical objects in Mixed Reality "
+             "applications (Badías, González, Alfaro, Chinesta, Cueto), figure by figure: what "
+             "the paper shows and says, what Palpable makes of it on the synthetic desk, and "
+             "the command for each."},
+            {"measured",
+             "Measured on the machine below by the run that wrote this page, and "
+             "beside whatever else it did."},
+            {"footer",
+             "Made by palpable reproduce. Pictures, tables (CSV) and films lie "
+             "beside this page and travel with its folder."}},
        .data = data.dump()});
 }
 

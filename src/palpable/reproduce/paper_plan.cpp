@@ -124,19 +124,17 @@ void PaperPlan::add_beams() {
                        .product = page,
                        .seconds = 10});
   const fs::path modes = settings_.out / "pictures" / "beam-modes";
-  add("beams/modes",
-      {.what = "beam: its modes",
-       .words = {"view", body.string(), "--modes", "6", "--size", "1280x800", "--out",
-                 modes.string()},
-       .product = modes / "modes.png",
-       .seconds = 10});
-  add("beams/film",
-      {.what = "beams: a film of the synthetic desk",
-       .words = Words{"synth", "beams"} + scene +
-                Words{"--frames", "240", "--seed", "5", "-o", film.string()},
-       .product = film / "truth" / "script.toml",
-       .seconds = 45,
-       .own_folder = film});
+  add("beams/modes", {.what = "beam: its modes",
+                      .words = {"view", body.string(), "--modes", "6", "--size", "1280x800",
+                                "--out", modes.string()},
+                      .product = modes / "modes.png",
+                      .seconds = 10});
+  add("beams/film", {.what = "beams: a film of the synthetic desk",
+                     .words = Words{"synth", "beams"} + scene +
+                              Words{"--frames", "240", "--seed", "5", "-o", film.string()},
+                     .product = film / "truth" / "script.toml",
+                     .seconds = 45,
+                     .own_folder = film});
   const Words frames = frame_words({F::kBeamsAtRest, F::kBeamsPressed, F::kBeamsBoth});
   add_run("beams/live", "beams: live", scene, "beams", frames, 20);
   add_run("beams/paper", "beams: live, by Algorithm 1 as printed", scene, "beams",
@@ -156,37 +154,43 @@ void PaperPlan::add_solid(const std::string& name, double bake_seconds) {
                        .product = body,
                        .seconds = settings_.touch ? 4 * bake_seconds : bake_seconds,
                        .is_bake = true});
-  add(name + "/reduce", {.what = name + ": the paper's PGD",
-                         .words = {"reduce", (bodies / (name + ".snapshots")).string(), "--method",
-                                   "pgd", "-o", pgd},
-                         .product = pgd,
-                         .seconds = 15,
-                         .is_bake = true});
+  add(name + "/reduce",
+      {.what = name + ": the paper's PGD",
+       .words = {"reduce", (bodies / (name + ".snapshots")).string(), "--method", "pgd", "-o", pgd},
+       .product = pgd,
+       .seconds = 15,
+       .is_bake = true});
   const fs::path page = settings_.out / "reports" / (name + ".html");
   add(name + "/report", {.what = name + ": errors against modes",
                          .words = {"report", pgd, "-o", page.string()},
                          .product = page,
                          .seconds = 10});
   const fs::path modes = settings_.out / "pictures" / (name + "-modes");
-  add(name + "/modes", {.what = name + ": its modes",
-                        .words = {"view", pgd, "--modes", "4", "--size", "1280x800", "--out",
-                                  modes.string()},
-                        .product = modes / "modes.png",
-                        .seconds = 10});
+  add(name + "/modes",
+      {.what = name + ": its modes",
+       .words = {"view", pgd, "--modes", "4", "--size", "1280x800", "--out", modes.string()},
+       .product = modes / "modes.png",
+       .seconds = 10});
+  const fs::path stress = settings_.out / "pictures" / (name + "-stress-modes");
+  add(name + "/stress-modes", {.what = name + ": its modes of stress",
+                               .words = {"view", pgd, "--modes", "4", "--modes-of", "stress",
+                                         "--size", "1280x800", "--out", stress.string()},
+                               .product = stress / "modes.png",
+                               .seconds = 10});
   const fs::path sites = settings_.out / "pictures" / (name + "-sites");
   add(name + "/sites", {.what = name + ": contact points, and presses that grow",
                         .words = {"view", body, "--site", "7", "--out", sites.string()},
                         .product = sites / "contact_sheet.png",
                         .seconds = 10,
                         .own_folder = sites});
-  add(name + "/film", {.what = name + ": a film of the synthetic desk",
-                       .words = {"synth", "demo", "--body", body, "--seed", "1", "-o",
-                                 film.string()},
-                       .product = film / "truth" / "script.toml",
-                       .seconds = 55,
-                       .own_folder = film});
-  const Words frames = frame_words(
-      {F::kFlank, F::kBack, F::kHandBefore, F::kEar, F::kHandBehind, F::kSqueeze});
+  add(name + "/film",
+      {.what = name + ": a film of the synthetic desk",
+       .words = {"synth", "demo", "--body", body, "--seed", "1", "-o", film.string()},
+       .product = film / "truth" / "script.toml",
+       .seconds = 55,
+       .own_folder = film});
+  const Words frames =
+      frame_words({F::kFlank, F::kBack, F::kHandBefore, F::kEar, F::kHandBehind, F::kSqueeze});
   add_run(name + "/live", name + ": live", {body}, name, Words{"--contact", "site"} + frames, 20);
   add_run(name + "/paper", name + ": live, by Algorithm 1 as printed", {body}, name,
           Words{"--contact", "paper"} + frames, 20);

@@ -60,8 +60,7 @@ std::string Step::command(const fs::path& base) const {
   std::string text = program.filename().string();
   for (const std::string& word : words) {
     const fs::path path(word);
-    const std::string shown =
-        path.is_absolute() ? path.lexically_proximate(base).string() : word;
+    const std::string shown = path.is_absolute() ? path.lexically_proximate(base).string() : word;
     const bool quoted = shown.find(' ') != std::string::npos;
     text += quoted ? fmt::format(" \"{}\"", shown) : " " + shown;
   }
@@ -119,10 +118,11 @@ void StepList::run_one(const Step& step, std::size_t number) {
     throw Error("stopped; the same command goes on where it was");
   }
   if (status != 0 || !fs::exists(step.product)) {
-    throw Error(fmt::format(
-        "{}: failed; what it printed is in {}, its command was\n  {}\nonce that is mended, the same "
-        "command goes on from here",
-        step.what, log.string(), step.command({})));
+    throw Error(
+        fmt::format("{}: failed; what it printed is in {}, its command was\n  {}\nonce that is "
+                    "mended, the same "
+                    "command goes on from here",
+                    step.what, log.string(), step.command({})));
   }
   std::erase_if(done_, [&](const Done& d) { return d.key == key_of(step); });
   done_.push_back({key_of(step), taken.count()});

@@ -17,8 +17,8 @@ struct Step {
   std::filesystem::path program = {};  ///< e.g. .../bin/palpable
   std::vector<std::string> words = {};
   std::filesystem::path product = {};  ///< a file that is whole when it is there
-  double seconds = 1;             ///< expected, of two cores
-  bool is_bake = false;           ///< its time counts as the offline half's
+  double seconds = 1;                  ///< expected, of two cores
+  bool is_bake = false;                ///< its time counts as the offline half's
   /// Folder that is emptied before it begins: of commands that do not write over what is there.
   std::filesystem::path own_folder = {};
 

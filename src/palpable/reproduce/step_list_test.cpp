@@ -33,7 +33,8 @@ std::size_t runs_of(const fs::path& folder, const std::string& name) {
 
 TEST_CASE("what was finished is not done again, what is missing is", "[reproduce]") {
   const test::ScratchFolder folder("step_list");
-  const std::vector<Step> steps{counting_step(folder.path(), "a"), counting_step(folder.path(), "b")};
+  const std::vector<Step> steps{counting_step(folder.path(), "a"),
+                                counting_step(folder.path(), "b")};
   std::vector<std::string> said;
   const auto say = [&](const std::string& line) { said.push_back(line); };
   StepList(folder / "work").run(steps, say);
@@ -63,8 +64,8 @@ TEST_CASE("a command that fails ends the list, and the next call goes on there",
                                 counting_step(folder.path(), "c")};
   StepList list(folder / "work");
   const auto quiet = [](const std::string&) {};
-  CHECK_THROWS_WITH(list.run(steps, quiet), Catch::Contains("b: failed") &&
-                                                Catch::Contains("02.txt"));
+  CHECK_THROWS_WITH(list.run(steps, quiet),
+                    Catch::Contains("b: failed") && Catch::Contains("02.txt"));
   CHECK(runs_of(folder.path(), "c") == 0);
   std::ifstream log(folder / "work" / "logs" / "02.txt");
   std::string line;
@@ -78,19 +79,18 @@ TEST_CASE("a command that fails ends the list, and the next call goes on there",
 
 TEST_CASE("a command that ends well without its product has failed", "[reproduce]") {
   const test::ScratchFolder folder("step_list_empty");
-  const Step step{.what = "nothing",
-                  .program = "/bin/true",
-                  .words = {},
-                  .product = folder / "never"};
+  const Step step{
+      .what = "nothing", .program = "/bin/true", .words = {}, .product = folder / "never"};
   StepList list(folder / "work");
   CHECK_THROWS_AS(list.run({step}, [](const std::string&) {}), Error);
 }
 
 TEST_CASE("a command reads as a user types it", "[reproduce]") {
-  const Step step{.what = {},
-                  .program = "/home/me/palpable/build/release/bin/palpable",
-                  .words = {"bake", "/home/me/palpable/bodies/bunny.toml", "-o", "out/a b.palpable"},
-                  .product = {}};
+  const Step step{
+      .what = {},
+      .program = "/home/me/palpable/build/release/bin/palpable",
+      .words = {"bake", "/home/me/palpable/bodies/bunny.toml", "-o", "out/a b.palpable"},
+      .product = {}};
   CHECK(step.command("/home/me/palpable") ==
         "palpable bake bodies/bunny.toml -o \"out/a b.palpable\"");
 }

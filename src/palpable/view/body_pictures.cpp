@@ -62,7 +62,7 @@ struct PaintedBody {
   PaintedBody(const PaintedBody&) = delete;  // look points into it
   PaintedBody& operator=(const PaintedBody&) = delete;
 
-  ColorImage draw(StudioScene& scene, const std::string& legend, const OrbitCamera& camera) {
+  ColorImage draw(StudioScene& scene, const OtherLegend& legend, const OrbitCamera& camera) {
     vertex_normals(vertices, *look.triangles, normals);
     return scene.draw_other(look, legend, camera);
   }
@@ -72,20 +72,26 @@ struct PaintedBody {
   BodyLook look;
 };
 
-// Each moves the body as its mode does.
+// Each moves the body as its mode does; modes of stress are painted on the body at rest.
 void draw_shapes(const std::vector<ModeShape>& shapes, double body_size, const OrbitCamera& camera,
                  StudioScene& scene, PaintedBody& painted, std::vector<ColorImage>& cells) {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const ModeShape& shape = shapes[i];
-    const auto u = shape.displacement.reshaped(3, painted.at_rest.cols());
+    const Eigen::Index V = painted.at_rest.cols();
+    Eigen::Map<Eigen::VectorXf>(painted.scalar.data(), V) = shape.size;
+    painted.look.scalar_max = static_cast<float>(std::max(shape.largest, 1e-9));
+    painted.vertices = painted.at_rest;
+    if (shape.displacement.size() == 0) {
+      scene.caption = {fmt::format("mode {}: up to {:.3g} kPa", i + 1, 1e-3 * shape.largest)};
+      cells.push_back(painted.draw(scene, {"von Mises", "kPa", 1e-3}, camera));
+      continue;
+    }
     // As large as a picture needs it: an eighth of the body.
     const double shown = shape.largest > 0 ? 0.125 * body_size / shape.largest : 0.0;
-    painted.vertices = painted.at_rest + static_cast<float>(shown) * u;
-    Eigen::Map<Eigen::VectorXf>(painted.scalar.data(), u.cols()) = u.colwise().norm();
-    painted.look.scalar_max = static_cast<float>(std::max(shape.largest, 1e-9));
+    painted.vertices += static_cast<float>(shown) * shape.displacement.reshaped(3, V);
     scene.caption = {fmt::format("mode {}: up to {:.3g} mm, drawn {:.2g} times as large", i + 1,
                                  1e3 * shape.largest, shown)};
-    cells.push_back(painted.draw(scene, "displacement", camera));
+    cells.push_back(painted.draw(scene, {"displacement", "mm", 1e3}, camera));
   }
 }
 
@@ -108,7 +114,7 @@ void draw_functions(const ReducedBody& body, const std::vector<ModeShape>& shape
         fmt::format("function {} of the load's position, {:.2f} to {:.2f} of its "
                     "largest; dark -1, light 1, grey none",
                     i + 1, shapes[i].over_sites.minCoeff(), shapes[i].over_sites.maxCoeff())};
-    cells.push_back(painted.draw(scene, "", camera));
+    cells.push_back(painted.draw(scene, {}, camera));
   }
 }
 

@@ -22,8 +22,8 @@ namespace palpable {
 void draw_presses(const ReducedBody& body, int site, double level, PictureSize size,
                   const std::function<void(const std::string& name, const ColorImage&)>& show);
 
-/// The modes of displacement side by side, drawn so large that they can be seen, and below each the
-/// function of the load's position that goes with it (paper Figs. 11 and 13). Needs a current
+/// Modes side by side, those of displacement drawn so large that they can be seen, and below each
+/// the function of the load's position that goes with it (paper Figs. 11 and 13). Needs a current
 /// OpenGL context.
 /// @param shapes  at least one: first_modes() of the body
 /// @param size    of a picture twice as wide and high as each cell of the sheet

@@ -10,8 +10,9 @@ namespace palpable {
 
 using Eigen::Index;
 
-Result<std::vector<ModeShape>> first_modes(const ReducedBody& body, int count) {
-  const SeparatedField& field = body.displacement;
+Result<std::vector<ModeShape>> first_modes(const ReducedBody& body, int count, ModeField of) {
+  const bool moves = of == ModeField::kDisplacement;
+  const SeparatedField& field = moves ? body.displacement : body.stress;
   if (field.largest_block() < field.mode_count()) {
     return Problem{fmt::format(
         "'{}' has modes of its own for each site, which are no functions of where the load is; "
@@ -31,9 +32,17 @@ Result<std::vector<ModeShape>> first_modes(const ReducedBody& body, int count) {
     }
     const double most = shape.over_sites.cwiseAbs().maxCoeff();
     if (most > 0) shape.over_sites /= most;
-    shape.displacement = static_cast<float>(most) * F.col(first);
-    shape.largest = static_cast<double>(
-        shape.displacement.reshaped(3, F.rows() / 3).colwise().norm().maxCoeff());
+    Eigen::VectorXf mode = static_cast<float>(most) * F.col(first);
+    const Index V = body.surface.vertices.cols();
+    if (moves) {
+      shape.size = mode.reshaped(3, V).colwise().norm().transpose();
+      shape.displacement = std::move(mode);
+    } else {
+      shape.size.resize(V);
+      von_mises({mode.data(), static_cast<std::size_t>(mode.size())},
+                {shape.size.data(), static_cast<std::size_t>(V)});
+    }
+    shape.largest = static_cast<double>(shape.size.maxCoeff());
     shapes.push_back(std::move(shape));
   }
   return shapes;

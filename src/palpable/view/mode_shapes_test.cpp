@@ -41,6 +41,38 @@ TEST_CASE("products of one mode are one mode, as large as it gets under the full
              Catch::Contains("'ball' has modes of its own for each site"));
 }
 
+TEST_CASE("modes of stress are as large as their von Mises stress, and move nothing",
+          "[view][mode_shapes]") {
+  ReducedBody body = body_of_products();
+  Eigen::MatrixXf F(body.stress.value_count(), 2);
+  F << body.stress.modes().col(0), body.stress.modes().col(4);
+  std::vector<ParameterAxis> axes = body.displacement.axes();
+  for (ParameterAxis& axis : axes) axis.functions = axis.functions.rightCols(2).eval();
+  body.stress = {F, axes};
+  const std::vector<ModeShape> shapes = first_modes(body, 2, ModeField::kStress).value();
+  REQUIRE(!shapes.empty());
+  const SeparatedField& field = body.stress;
+  const Eigen::Index V = body.surface.vertices.cols();
+  CHECK(shapes[0].displacement.size() == 0);
+  REQUIRE(shapes[0].size.size() == V);
+  // The largest that the first mode gets under a full load, at each vertex by its own formula.
+  double most = 0;
+  const Eigen::MatrixXd &G = field.axes()[0].functions, &level = field.axes()[1].functions;
+  for (Eigen::Index s = 0; s < G.rows(); ++s) {
+    most = std::max(most, std::abs(G(s, 0) * level(level.rows() - 1, 0)));
+  }
+  const Eigen::VectorXd sigma = most * field.modes().col(0).cast<double>();
+  for (Eigen::Index v = 0; v < V; ++v) {
+    const Eigen::Matrix<double, 6, 1> x = sigma.segment<6>(6 * v);
+    const double expected =
+        std::sqrt(0.5 * ((x[0] - x[1]) * (x[0] - x[1]) + (x[1] - x[2]) * (x[1] - x[2]) +
+                         (x[2] - x[0]) * (x[2] - x[0])) +
+                  3 * (x[3] * x[3] + x[4] * x[4] + x[5] * x[5]));
+    CHECK(static_cast<double>(shapes[0].size[v]) ==
+          Approx(expected).epsilon(test::tolerance(1e-4, "single precision")).margin(1e-3));
+  }
+}
+
 TEST_CASE("a function of the position is painted where its sites' patches are",
           "[view][mode_shapes]") {
   const ReducedBody body = body_of_products();

@@ -100,11 +100,11 @@ void StudioScene::paint(BodyLook& look) {
   }
 }
 
-const ColorImage& StudioScene::draw_other(const BodyLook& look, const std::string& legend,
+const ColorImage& StudioScene::draw_other(const BodyLook& look, const OtherLegend& legend,
                                           const OrbitCamera& orbit) {
-  view_.legend_title = legend;
-  view_.legend_unit = "mm";
-  view_.legend_scale = 1e3;
+  view_.legend_title = legend.title;
+  view_.legend_unit = legend.unit;
+  view_.legend_scale = legend.scale;
   return draw(look, orbit);
 }
 

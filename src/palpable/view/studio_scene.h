@@ -18,6 +18,13 @@
 
 namespace palpable {
 
+/// Of colours that are no pressed body's stress.
+struct OtherLegend {
+  std::string title = {};  ///< above the colour bar; empty: no bar
+  std::string unit = {};   ///< of the numbers beside it
+  double scale = 1;        ///< of that unit in one of the scalar's
+};
+
 /// The size of a picture, px.
 struct PictureSize {
   int width = 0;
@@ -51,9 +58,8 @@ class StudioScene {
 
   /// The pressed body. The picture is valid until the next one is drawn.
   const ColorImage& draw(const OrbitCamera& orbit);
-  /// Another look than the pressed body's; its colours stand for a displacement.
-  /// @param legend  above the colour bar, whose numbers are mm; empty: no bar
-  const ColorImage& draw_other(const BodyLook& look, const std::string& legend,
+  /// Another look than the pressed body's.
+  const ColorImage& draw_other(const BodyLook& look, const OtherLegend& legend,
                                const OrbitCamera& orbit);
 
   /// The point of the body (body frame, m) that the last picture shows at a pixel; nothing where it

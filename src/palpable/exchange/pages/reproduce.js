@@ -27,7 +27,7 @@ function paperFigure(figure) {
     make("p", {}, make("strong", {}, "The paper: "), figure.paper),
     make("p", {}, make("strong", {}, "Here: "), figure.differs), pictures);
   if (figure.films.length) {
-    const films = make("div", { class: "shots" });
+    const films = make("div", { class: "shots films" });
     for (const film of figure.films) films.append(make("figure", { class: "card" }, make("video", { src: film, controls: "", preload: "metadata" }), make("figcaption", {}, film)));
     place.append(films);
   }
