@@ -114,11 +114,13 @@ std::vector<DescribedBody> wanted_bodies(const LiveOptions& options) {
 // Where frames come from and what is matched.
 void add_input_options(Command command, LiveOptions& options) {
   command
-      .add_option("--source", options.input.source,
-                  "A folder (left/ right/, side by side, colour + depth, EuRoC, KITTI, TUM, "
-                  "7-Scenes), images by name (\"cam0/*.png\"), a video file, what --record has "
-                  "kept (*.palprec), a camera (/dev/video0), or the word synthetic: the built-in "
-                  "desk")
+      .add_option(
+          "--source", options.input.source,
+          "A folder (left/ right/, side by side, colour + depth, EuRoC, KITTI, TUM, "
+          "7-Scenes, Middlebury), images by name (\"cam0/*.png\"), one image (with --right), a "
+          "video file, what --record has "
+          "kept (*.palprec), a camera (/dev/video0), or the word synthetic: the built-in "
+          "desk")
       .required();
   add_source_options(command, options.input);
   command.add_flag("--paced", options.paced,

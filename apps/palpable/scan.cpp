@@ -147,8 +147,10 @@ void add_scan(Command app) {
   auto options = std::make_shared<ScanOptions>();
   Command command = app.add_subcommand("scan", "Make a surface of what a camera saw of a room");
   command
-      .add_option("source", options->input.source,
-                  "A folder, images by name, a video file, a *.palprec or a camera, as for live")
+      .add_option(
+          "source", options->input.source,
+          "A folder, images by name, one image (with --right), a video file, a *.palprec or a "
+          "camera, as for live")
       .required();
   add_source_options(command, options->input);
   command.add_option("-o,--out", options->out, "Surface to write, a .ply with colours").required();

@@ -11,7 +11,7 @@ namespace palpable::app {
 void add_source_options(Command command, SourceOptions& options, SourceKind kind) {
   command.add_option(
       "--right", options.right,
-      "The right eye's camera, video or images by name; the source is then the left's");
+      "The right eye's camera, video, image or images by name; the source is then the left's");
   if (kind == SourceKind::kAny) {
     command.add_option("--depth", options.depth,
                        "The depth camera, or depth images by name: from where the source looks, or "
