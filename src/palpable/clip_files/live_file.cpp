@@ -85,6 +85,9 @@ LiveFile live_file_of(const json& live) {
   LiveFile file;
   const JsonObject object(live);
   if (object.has("camera_from_body")) file.camera_from_body = object.rigid("camera_from_body");
+  // null where colour and depth share one view
+  if (live.contains("color_from_depth") && !live.at("color_from_depth").is_null())
+    file.color_from_depth = object.rigid("color_from_depth");
   if (!object.has("processed")) return file;
   if (!live.at("processed").is_array()) throw Error("processed is no list of frames");
   file.processed.emplace();

@@ -98,9 +98,10 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
 struct LiveFile {
   std::optional<std::vector<int>> processed;  ///< numbers of the frames looked at; nothing: all
   std::optional<Rigid3> camera_from_body;     ///< of a body that stays where it is
+  std::optional<Rigid3> color_from_depth;     ///< trajectory.txt is the colour camera's
 };
 
-/// @throws Error naming the file when it is no JSON object, or when one of the two makes no sense
+/// @throws Error naming the file when it is no JSON object, or when one of these makes no sense
 [[nodiscard]] LiveFile read_live_file(const std::filesystem::path& path);
 
 }  // namespace palpable

@@ -143,6 +143,7 @@ const T* nearest(const std::map<double, T>& entries, double time) {
 void count_from_first(Recording& recording) {
   if (recording.frames.empty()) return;
   const double begin = recording.frames.front().time.value_or(0);
+  recording.starts_at += begin;
   for (RecordedFrame& frame : recording.frames) {
     if (frame.time) *frame.time -= begin;
   }
@@ -213,22 +214,6 @@ long long nanoseconds(std::string_view text) {
   return std::max(to_whole_number(text).value_or(-1), -1LL);
 }
 
-// Poses of the body by their time in s after `begin` ns.
-std::map<double, Rigid3> euroc_poses(const fs::path& csv, long long begin) {
-  std::map<double, Rigid3> poses;
-  const auto truth = read_lines(csv);
-  for (const std::string& line : truth.value_or(std::vector<std::string>{})) {
-    const auto n = to_numbers(line);
-    if (!n || n->size() < 8) continue;
-    const long long stamp = nanoseconds(std::string_view(line).substr(0, line.find(',')));
-    if (stamp < 0) continue;
-    const double time = kNanosecond * static_cast<double>(stamp - begin);
-    poses[time] =
-        pose_of(Eigen::Vector3d((*n)[1], (*n)[2], (*n)[3]), (*n)[4], (*n)[5], (*n)[6], (*n)[7]);
-  }
-  return poses;
-}
-
 // The rig of both cameras' sensor.yaml.
 Result<SourceCalibration> euroc_calibration(const fs::path& folder) {
   for (const char* file : {"cam0/sensor.yaml", "cam1/sensor.yaml"}) {
@@ -272,8 +257,9 @@ Result<Recording> euroc(const fs::path& folder) {
   // Times are kept relative to the first image: 1e18 ns do not fit a double.
   const std::vector<fs::path> lefts = images_in(folder / "cam0/data");
   const long long begin = lefts.empty() ? 0 : nanoseconds(lefts.front().stem().string());
+  recording.starts_at = kNanosecond * static_cast<double>(begin);
   const std::map<double, Rigid3> poses =
-      euroc_poses(folder / "state_groundtruth_estimate0/data.csv", begin);
+      read_euroc_poses(folder / "state_groundtruth_estimate0/data.csv", begin);
   for (const fs::path& image : lefts) {
     const fs::path partner = folder / "cam1/data" / image.filename();
     const long long stamp = nanoseconds(image.stem().string());
@@ -658,6 +644,21 @@ void find_calibration_files(const fs::path& folder, Recording& recording) {
 }
 
 }  // namespace
+
+std::map<double, Rigid3> read_euroc_poses(const fs::path& csv, long long begin) {
+  std::map<double, Rigid3> poses;
+  const auto truth = read_lines(csv);
+  for (const std::string& line : truth.value_or(std::vector<std::string>{})) {
+    const auto n = to_numbers(line);
+    if (!n || n->size() < 8) continue;
+    const long long stamp = nanoseconds(std::string_view(line).substr(0, line.find(',')));
+    if (stamp < 0) continue;
+    const double time = kNanosecond * static_cast<double>(stamp - begin);
+    poses[time] =
+        pose_of(Eigen::Vector3d((*n)[1], (*n)[2], (*n)[3]), (*n)[4], (*n)[5], (*n)[6], (*n)[7]);
+  }
+  return poses;
+}
 
 std::string_view known_layouts() {
   return "Read are: left/ and right/; left* and right*; imL and imR, im0 and im1, view1 and view5; "

@@ -8,6 +8,7 @@
 #include "palpable/sources/source_calibration.h"
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -38,6 +39,7 @@ struct Recording {
   /// In layouts that match images by time: how many have no partner of the same moment, or no time
   /// stamp of their own.
   int unmatched = 0;
+  double starts_at = 0;       ///< s: the recording's own clock when `time` is 0; 0 without one
   double depth_unit = 0.001;  ///< m per step of a depth image, unless a calibration says otherwise
   /// The calibration that belongs to the layout; without one `calibration_files` are read.
   std::optional<SourceCalibration> calibration;
@@ -73,6 +75,11 @@ struct Recording {
 ///
 /// A problem, one line with the folder, when none fits or partners are missing.
 [[nodiscard]] Result<Recording> recognise_folder(const std::filesystem::path& folder);
+
+/// EuRoC's state_groundtruth_estimate0/data.csv: (s after `begin` ns -> world_from_body), the body
+/// of its sensor.yaml. Lines that are no poses are left out; empty where no file is.
+[[nodiscard]] std::map<double, Rigid3> read_euroc_poses(const std::filesystem::path& csv,
+                                                        long long begin);
 
 /// What recognise_folder() reads, for messages: one line.
 [[nodiscard]] std::string_view known_layouts();

@@ -124,6 +124,7 @@ TEST_CASE("a folder of EuRoC: pairs of one stamp, the rig from its files, poses 
       recording.frames[1].world_from_camera->translation().isApprox(Vector3d(3.98, 5.1, 6), 1e-6));
 
   const auto source = value_or_throw(open_folder(folder / "MH_01"));
+  CHECK(source->format().starts_at == Approx(1403636579.763555584).margin(1e-6));
   const StereoRig& rig = source->format().rig;
   CHECK(rig.left.pinhole == PinholeCamera{kWidth, kHeight, 30.5, 30.25, 20, 12});
   CHECK(rig.left.distortion[3] == 1.8e-05);
@@ -226,6 +227,7 @@ TEST_CASE("a folder of TUM: colour and depth of one moment, depth in fifths of a
   CHECK(frame.left(0, 0).r == 52);
   CHECK(frame.depth(3, 4) == Approx(1.0));
   CHECK(frame.time == Approx(0.07));
+  CHECK(source->format().starts_at == Approx(1311868164.36).margin(1e-6));
 
   // intrinsics.txt wins over the published numbers; without a unit in it the unit stays TUM's.
   write_bytes(set / "intrinsics.txt", "31 31 20 12");

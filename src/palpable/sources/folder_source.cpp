@@ -136,7 +136,9 @@ class ImageReader final : public FrameReader {
       : recording_(std::move(recording)),
         format_(calibration.format),
         frames_per_second_(calibration.frames_per_second),
-        depth_unit_(calibration.depth_unit.value_or(recording_.depth_unit)) {}
+        depth_unit_(calibration.depth_unit.value_or(recording_.depth_unit)) {
+    format_.starts_at = recording_.starts_at;
+  }
 
   const FrameFormat& format() const override { return format_; }
   int count() const override { return static_cast<int>(recording_.frames.size()); }
