@@ -144,6 +144,13 @@ TEST_CASE("that a touch is held without being seen is said on the picture",
   CHECK(warning_of(scene).empty());
   scene.touches[1].unseen_for = 0.1;
   CHECK(warning_of(scene).find("not seen") != std::string::npos);
+  scene.touches.clear();
+  scene.seen.trouble = DepthTrouble::kRowsOff;
+  scene.seen.row_error_px = -1.26;
+  CHECK(warning_of(scene).find("rows are 1.3 px out of line") != std::string::npos);
+  scene.seen.trouble = DepthTrouble::kFewDepths;
+  scene.seen.density = 0.031;
+  CHECK(warning_of(scene).find("Depth in 3 % of the picture only") != std::string::npos);
 }
 
 TEST_CASE("a scan has a picture without a way, too: before a bare wall nothing is followed",

@@ -88,6 +88,17 @@ std::string warning_of(const Scene& scene) {
   for (const Touch& touch : scene.touches) {
     if (touch.unseen_for > 0) return "What presses is not seen at present: its last place is held";
   }
+  switch (scene.seen.trouble) {
+    case DepthTrouble::kRowsOff:
+      return fmt::format("The eyes' rows are {:.1f} px out of line: calibrate the camera again",
+                         std::abs(scene.seen.row_error_px));
+    case DepthTrouble::kFewDepths:
+      return fmt::format(
+          "Depth in {:.0f} % of the picture only: dark, plain, blurred or not aligned",
+          100 * scene.seen.density);
+    case DepthTrouble::kNone:
+      break;
+  }
   return {};
 }
 
