@@ -2,22 +2,18 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/live_changes.h"
 #include "apps/palpable/live_play.h"
 #include "apps/palpable/live_setup.h"
-#include "apps/palpable/recorded_run.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
-#include "palpable/events/event_lines.h"
-#include "palpable/live/recorder.h"
+#include "palpable/sources/recording_file.h"
 
 #include <fmt/core.h>
 
-#include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -45,54 +41,6 @@ void check_recording(const Options& options) {
   }
 }
 
-// One run's recording: its file, and what goes into it.
-class Recording {
- public:
-  // Begins the file; the run's frames go through it from now on.
-  Recording(const Options& options, LiveSetUp& setup)
-      : file_(options.record),
-        lines_(event_bodies(setup.run.loop.session)),
-        recorder_(file_, setup.run.source->format(),
-                  json_of_run(recorded_run(options.live, setup))),
-        refiner_(setup.run.loop.session.refiner()) {
-    setup.run.source = recorded(std::move(setup.run.source), recorder_);
-    fmt::print("recording {}: it holds pictures of your room\n", file_.string());
-    std::fflush(stdout);
-  }
-
-  [[nodiscard]] StateWatch watch() {
-    return {[this](const Scene& scene) {
-              const bool refines =
-                  refiner_ != nullptr && (refiner_->asked() || refiner_->taken_up() != nullptr);
-              if (refines) recorder_.add_refinement(refiner_->asked(), refiner_->taken_up());
-              recorder_.add_state(scene.number, state_hash(scene), lines_.line_of(scene));
-              return recorder_.take_trouble();
-            },
-            [this]() -> std::optional<LiveSummary::States> {
-              counts_ = recorder_.finish();
-              return LiveSummary::States{counts_.states.text(), counts_.states.count()};
-            }};
-  }
-
-  // What became of it.
-  void report() {
-    if (const auto trouble = recorder_.take_trouble()) fmt::print(stderr, "{}\n", *trouble);
-    if (counts_.left_out > 0) {
-      fmt::print("{} frames were left out of recording and run: the disk was behind\n",
-                 counts_.left_out);
-    }
-    fmt::print("{}: {} frames, {:.1f} MB, pictures of your room; palpable replay plays it\n",
-               file_.string(), counts_.frames, 1e-6 * static_cast<double>(counts_.bytes));
-  }
-
- private:
-  fs::path file_;
-  EventLines lines_;
-  Recorder recorder_;
-  const Refiner* refiner_;  // the session's; null: nothing is refined
-  RecorderCounts counts_;
-};
-
 void live(const Options& options) {
   LiveOptions wanted = options.live;
   check_recording(options);
@@ -101,10 +49,11 @@ void live(const Options& options) {
   share_drawing_threads(wanted.threads);
   LiveSetUp setup = set_up_live(wanted);
   play.check(setup);  // before an earlier recording is replaced
-  std::optional<Recording> recording;
-  if (!options.record.empty()) recording.emplace(options, setup);
-  play.play(setup, wanted.frames, wanted.scene, recording ? recording->watch() : StateWatch());
-  if (recording) recording->report();
+  LiveChanges changes(wanted, setup);
+  if (!options.record.empty()) changes.begin_recording(options.record);
+  const bool may_change = LiveChanges::possible(wanted, options.play);
+  play.play(setup, wanted.frames, wanted.scene, changes.watch(), may_change ? &changes : nullptr);
+  changes.report();
 }
 
 }  // namespace

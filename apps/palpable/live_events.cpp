@@ -34,6 +34,14 @@ void LiveEvents::begin(const Session& session) {
   std::fflush(stdout);  // who reads it through a pipe waits for it
 }
 
+void LiveEvents::begin_anew(const Session& session) {
+  if (!server_) return;
+  const std::vector<EventBody> bodies = event_bodies(session);
+  const std::lock_guard lock(mutex_);
+  lines_.emplace(bodies);
+  server_->greet_with(hello_line(bodies));
+}
+
 void LiveEvents::tell(const Scene& scene) {
   const std::lock_guard lock(mutex_);
   if (lines_) server_->send(lines_->line_of(scene));

@@ -30,6 +30,9 @@ class LiveEvents {
 
   /// Lets clients in from now on, and prints where they are to connect.
   void begin(const Session& session);
+  /// From now on what is told is of another session, whose bodies may stand elsewhere; who connects
+  /// is greeted with that.
+  void begin_anew(const Session& session);
   /// Tells what was answered to a frame.
   void tell(const Scene& scene);
   /// What was answered between two frames.

@@ -4,8 +4,12 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/kept_picture.h"
+#include "apps/palpable/live_changes.h"
 #include "palpable/base/error.h"
 #include "palpable/base/this_machine.h"
+#include "palpable/clip_files/depth_image_file.h"
+#include "palpable/clip_files/frame_names.h"
+#include "palpable/clip_files/truth_camera_file.h"
 #include "palpable/live/body_in_view.h"
 #include "palpable/live/contact_ticks.h"
 #include "palpable/live/live_loop.h"
@@ -19,10 +23,12 @@
 #include "palpable/view/scene_picture.h"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,6 +52,10 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
   if (options.pictures && options.view != "camera") {
     throw Error("--pictures are what the camera sees: leave out --view " + options.view);
   }
+  if (!options.views.empty()) {
+    if (options.window) throw Error("--views: the --window shows one view, and switches it");
+    if (options.pictures) throw Error("--views: --pictures are of the camera's view alone");
+  }
   if (options.paused && !options.window) throw Error("--paused: a --window is paused");
   if (!options.out.empty()) return options;
   // What says how files are written says nothing where none are.
@@ -53,6 +63,7 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
        {std::pair{options.pictures, "--pictures"}, std::pair{options.meshes, "--meshes"},
         std::pair{options.no_masks, "--no-masks"}, std::pair{options.no_depth, "--no-depth"},
         std::pair{options.overwrite && !other_output, "--overwrite"},
+        std::pair{!options.views.empty(), "--views"},
         std::pair{options.every_frame, "--every-frame"}}) {
     if (wanted) throw Error(fmt::format("{}: without --out nothing is written", name));
   }
@@ -66,6 +77,32 @@ ProgressReport progress_of(const Scene& scene, int done, int total) {
 LiveView view_of(const std::string& name) {
   const auto at = std::find(kViewNames.begin(), kViewNames.end(), name);
   return static_cast<LiveView>(at - kViewNames.begin());
+}
+
+std::vector<Tile> tiles_of(const PlayOptions& options) {
+  std::vector<Tile> tiles;
+  for (const std::string& name : options.views) {
+    const auto at = std::find(kTileNames.begin(), kTileNames.end(), name);
+    tiles.push_back(static_cast<Tile>(at - kTileNames.begin()));
+  }
+  return tiles;
+}
+
+// The true depths that a filmed clip has beside its pictures. @param images  its frames/
+// @throws Error where it has none
+std::function<std::optional<DepthImage>(int)> true_depths(const fs::path& images) {
+  const fs::path truth = (fs::absolute(images) / ".." / "truth").lexically_normal();
+  std::error_code ignored;
+  if (!fs::is_directory(images, ignored) || !fs::is_directory(truth / "depth", ignored)) {
+    throw Error(
+        fmt::format("--views truth: {} has no truth/depth beside it; films of palpable "
+                    "synth have",
+                    images.string()));
+  }
+  return [truth, unit = read_truth_camera(truth / "camera.toml").depth_unit](int frame) {
+    const auto counts = read_depth_counts(truth / "depth" / frame_name(frame, ".png"));
+    return counts ? std::optional(depth_of(*counts, unit)) : std::nullopt;
+  };
 }
 
 SceneShow show_of(const PlayOptions& options) {
@@ -139,11 +176,13 @@ std::unique_ptr<ContactTicks> ticks_of(const PlayOptions& options, const LiveRun
 
 // Plays the run to its end, or to the user's.
 // @param painter       null: nobody looks, nothing is drawn
+// @param changes       null: nothing of the run changes
 // @param begin_output  makes the output, or null; called when the first frame was answered, so that
 //                      nothing is replaced by a run that cannot begin
 template <class BeginOutput>
 Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePainter* painter,
-                LiveEvents& events, const StateWatch& watch, const BeginOutput& begin_output) {
+                LiveEvents& events, const StateWatch& watch, LiveChanges* changes,
+                const BeginOutput& begin_output) {
   const Session& session = run.loop.session;
   ProgressBar bar;
   RunStats stats(moment_of({}, nullptr));
@@ -161,6 +200,7 @@ Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePaint
     return !live && painter != nullptr && painter->holds();
   };
   while ((!loop.ended() || waits()) && !user_ended()) {
+    if (changes != nullptr) changes->record(*painter, loop, events);
     if (waits()) {
       painter->handle_events(kPauseWait);
       events.serve();
@@ -175,6 +215,7 @@ Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePaint
       events.serve();
       continue;
     }
+    if (changes != nullptr) changes->apply(*painter, *scene, events);
     if (ticks) ticks->end_frame();
     events.tell(*scene);
     if (ticks) ticks->begin_frame(session, *scene);
@@ -212,7 +253,8 @@ LiveSummary summary(const PlayOptions& options, const LiveSetUp& setup, const Pl
                     const fs::path& scene, double wall) {
   const LiveRun& run = setup.run;
   LiveSummary result = summary_of(run, played.counts, played.figures, *played.output);
-  result.view = options.view;
+  result.view =
+      options.views.empty() ? options.view : fmt::format("{}", fmt::join(options.views, ","));
   result.scene = scene.string();
   for (std::size_t k = 0; k < result.bodies.size(); ++k) {
     result.bodies[k].file = setup.bodies[k].file.string();
@@ -243,15 +285,21 @@ LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& ru
   return settings;
 }
 
-std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveSetUp& setup) {
+std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveSetUp& setup,
+                                         bool run_may_change) {
   if (!has_pictures(options)) return nullptr;
   const bool masks = !options.out.empty() && (!options.no_masks || options.pictures);
+  const std::vector<Tile> tiles = tiles_of(options);
+  const bool truth = std::find(tiles.begin(), tiles.end(), Tile::kTruth) != tiles.end();
   return std::make_unique<ScenePainter>(
       ScenePainterSettings{.window = options.window,
                            .view = view_of(options.view),
                            .show = show_of(options),
                            .paused = options.paused,
                            .masks = masks,
+                           .run_may_change = run_may_change,
+                           .tiles = tiles,
+                           .true_depth = truth ? true_depths(setup.run.images) : nullptr,
                            .keep_picture =
                                [body = setup.bodies.front().file](const ColorImage& picture) {
                                  return keep_picture(body, "live", picture);
@@ -289,12 +337,13 @@ void LivePlay::check(const LiveSetUp& setup) const {
   }
 }
 
-bool LivePlay::play(LiveSetUp& setup, int frames, const fs::path& scene, const StateWatch& watch) {
+bool LivePlay::play(LiveSetUp& setup, int frames, const fs::path& scene, const StateWatch& watch,
+                    LiveChanges* changes) {
   LiveRun& run = setup.run;
   check(setup);
   warn_of_size(run);
   const LiveOutputSettings written = output_settings(options_, run);
-  const std::unique_ptr<ScenePainter> painter = painter_of(options_, setup);
+  const std::unique_ptr<ScenePainter> painter = painter_of(options_, setup, changes != nullptr);
 
   const auto begin = std::chrono::steady_clock::now();
   listen_for_ctrl_c();
@@ -305,7 +354,7 @@ bool LivePlay::play(LiveSetUp& setup, int frames, const fs::path& scene, const S
     return std::make_unique<LiveOutput>(written);
   };
   const Played played =
-      play_run(options_, run, frames, painter.get(), events_, watch, begin_output);
+      play_run(options_, run, frames, painter.get(), events_, watch, changes, begin_output);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   const LiveCounts& counts = played.counts;
   if (counts.processed.empty()) {
@@ -353,6 +402,15 @@ void add_play_options(Command command, PlayOptions& options) {
       .one_of({"camera", "depth", "moving", "surface", "map"})
       .show_default();
   command
+      .add_option("--views", options.views,
+                  "Several of these side by side in one picture, at half their size, instead of "
+                  "--view. mask: where the picture shows a body; truth: where it would with the "
+                  "true depth, of a film of palpable synth, red where mask says otherwise")
+      .type_name("VIEW...")
+      .words(2, 7)
+      .excludes("--view")
+      .one_of({"camera", "depth", "moving", "surface", "map", "mask", "truth"});
+  command
       .add_option("--paint", options.paint,
                   "What is painted on bodies: stress (von Mises), displacement, or none: the "
                   "material alone")
@@ -380,7 +438,9 @@ void add_play_options(Command command, PlayOptions& options) {
       .in_range(30, 10'000);
   command.add_flag("--window", options.window,
                    "Show it in a window too, with a panel that switches what is shown; H lists the "
-                   "keys that do the same, Escape or Q ends the run. With --view map or surface, "
+                   "keys that do the same, Escape or Q ends the run. There bodies are placed by a "
+                   "click, the run begins anew, recordings begin and end, and parameters of bodies "
+                   "have sliders (docs/window.md). With --view map or surface, "
                    "dragging turns it, the wheel comes nearer, R takes both back. Files get the "
                    "pictures as they are switched to, without the panel");
   command.add_flag("--paused", options.paused,

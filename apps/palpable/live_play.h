@@ -22,10 +22,11 @@ struct PlayOptions {
   std::filesystem::path out;  ///< empty: nothing is written
   std::string events = kNoEvents;
   std::string view = "camera";
-  std::string paint = "stress";    ///< on bodies
-  bool opaque = false;             ///< the paint alone, without the material below it
-  std::string occlusion = "soft";  ///< of bodies by what is real and nearer
-  bool forces = false;             ///< where and how hard bodies are pressed is drawn
+  std::vector<std::string> views = {};  ///< several in one picture; none: `view` alone
+  std::string paint = "stress";         ///< on bodies
+  bool opaque = false;                  ///< the paint alone, without the material below it
+  std::string occlusion = "soft";       ///< of bodies by what is real and nearer
+  bool forces = false;                  ///< where and how hard bodies are pressed is drawn
   bool window = false;
   bool paused = false;  ///< the window begins with the first frame held
   bool pictures = false;
@@ -41,6 +42,8 @@ struct PlayOptions {
 
 /// Adds the options to a command.
 void add_play_options(Command command, PlayOptions& options);
+
+class LiveChanges;
 
 /// Who looks at each state.
 struct StateWatch {
@@ -67,9 +70,10 @@ class LivePlay {
   /// Plays to the end, or to the user's, and prints what came of it.
   /// @param frames  at most so many; negative: all
   /// @param scene   the file of the scene; empty: one body
+  /// @param changes  what the window's user may change of the run; null: nothing
   /// @return whether it was the user who ended it
   bool play(LiveSetUp& setup, int frames, const std::filesystem::path& scene,
-            const StateWatch& watch = {});
+            const StateWatch& watch = {}, LiveChanges* changes = nullptr);
 
  private:
   PlayOptions options_;

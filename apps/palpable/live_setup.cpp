@@ -300,7 +300,7 @@ LiveSetUp set_up_live(const LiveOptions& options, std::unique_ptr<FrameSource> i
     if (wanted[k].scale != 1) bodies[k].body = scaled(bodies[k].body, wanted[k].scale);
   }
   try {
-    return {open_live(std::move(bodies), settings, std::move(images)), std::move(wanted)};
+    return {open_live(std::move(bodies), settings, std::move(images)), std::move(wanted), settings};
   } catch (const NoPlaceError& error) {
     throw Error(fmt::format("{}; {}", error.what(), other_places(settings.anchor)));
   }

@@ -54,6 +54,7 @@ void share_drawing_threads(int threads);
 struct LiveSetUp {
   LiveRun run;
   std::vector<DescribedBody> bodies;
+  LiveSettings settings = {};  ///< with which it was opened
 };
 
 /// One of the run's bodies from its file, in its own size.

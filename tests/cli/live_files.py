@@ -2,6 +2,7 @@
 """What a live run writes, and what not: one case, one test, as in programs.py. `--list` names the cases."""
 import json
 import os
+import struct
 import sys
 import time
 from pathlib import Path
@@ -47,6 +48,40 @@ def _(programs, folder):
     assert result.returncode == 0, result.stderr
     assert "3 frames in" in result.stdout, result.stdout
     assert sorted(folder.rglob("*")) == before, "something was written"
+
+
+def film_size(path):
+    """(width, height) of a film's picture, of its track's header."""
+    data = path.read_bytes()
+    at = data.index(b"tkhd") - 4
+    width, height = struct.unpack_from(">II", data, at + struct.unpack_from(">I", data, at)[0] - 8)
+    return width >> 16, height >> 16
+
+
+@case("live writes several views side by side, with the truth where a film has one")
+def _(programs, folder):
+    base.write_stereo(folder / "clip/frames", frames=2)
+    words = base.live(programs, folder, source="clip/frames")
+    for wrong, says in ((("camera",), "--views"), (("camera", "ears"), "ears"),
+                        (("camera", "truth"), "no truth/depth")):
+        programs.refuses(*words, "--views", *wrong, says=[says])
+    programs.refuses(*words, "--views", "camera", "mask", "--window", says=["--views", "--window"])
+    programs.refuses(*words, "--views", "camera", "mask", "--pictures", says=["--views", "--pictures"])
+    truth = folder / "clip/truth"
+    (truth / "depth").mkdir(parents=True)
+    (truth / "camera.toml").write_text("fps = 30.0\ndepth_unit_m = 0.00025\n")
+    # Nothing is known of the true depth of the second frame.
+    (truth / "depth/000000.png").write_bytes(base.png(base.WIDTH // 2, base.HEIGHT // 2, lambda x, y: 1764, bits=16, channels=1))
+    programs.succeeds(*words, "--views", "camera", "depth", "mask", "truth")
+    assert json.loads((folder / "out/live.json").read_text())["view"] == "camera,depth,mask,truth"
+    sizes = {}
+    for count, views in ((4, "out"), (2, "two")):
+        if count == 2:
+            programs.succeeds(*[folder / "two" if word == folder / "out" else word for word in words],
+                              "--views", "camera", "moving", "--no-masks")
+        sizes[count] = film_size(folder / views / "touch.mp4")
+    assert sizes == {4: (base.WIDTH, base.HEIGHT), 2: (base.WIDTH, base.HEIGHT // 2)}, sizes
+    assert not (folder / "two/visible").exists() and (folder / "out/visible").exists()
 
 
 STUCK = range(30, 34)  # frames, of which a paced run may drop some

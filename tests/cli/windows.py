@@ -4,6 +4,7 @@ programs.py. `--list` names the cases."""
 import json
 import shutil
 import sys
+import time
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -109,6 +110,135 @@ def _(programs, folder):
     shutil.rmtree(folder / "out")
     programs.succeeds(*base.live(programs, folder))
     assert (folder / "out/touches.jsonl").read_bytes() == touches
+
+
+def click(screen, window, x, y):
+    screen.mouse(window, (MOTION, x, y), (BUTTON_PRESS, x, y, LEFT), (BUTTON_RELEASE, x, y, LEFT))
+
+
+def places(folder):
+    """Of each frame the body's 16 numbers in the camera."""
+    return [json.loads(line)["camera_from_body"] for line in (folder / "out/pose.jsonl").read_text().splitlines()]
+
+
+@case("a click puts the body on the surface that is seen there, one beside all depth says so, and the run begins anew")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=12)
+    with shown(programs, folder, *base.live(programs, folder, "--window", "--paused")) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        screen.resize(window, 1280, 720)
+        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+        changed_by(screen, window, "no panel", lambda: screen.type(window, "t"))
+        # Without the key a click is none; with it the next frame shows the body there.
+        before = settled(screen, window)
+        click(screen, window, 900, 300)
+        screen.type(window, "a")
+        assert settled(screen, window) == before
+        changed_by(screen, window, "the body elsewhere", lambda: click(screen, window, 900, 300))
+        settled(screen, window)
+        # The matcher sees nothing at the left margin: there the next frame comes, and the body stays.
+        screen.type(window, "a")
+        changed_by(screen, window, "a frame", lambda: click(screen, window, 4, 300))
+        settled(screen, window)
+        screen.type(window, ESCAPE)  # not the end: it ends the placing, which goes on until a click says a place
+        changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
+        settled(screen, window)
+        screen.type(window, ESCAPE)
+        assert program.wait(timeout=60) == 0
+    first, placed, still, anew = places(folder)
+    # The wall stands 0.441 m away and faces the camera; a pixel of the picture is 4 of the window.
+    where = [placed[at] for at in (3, 7, 11)]
+    meant = [((900 + 0.5) / 4 - 0.5 - 159.5) / 175 * 0.441, ((300 + 0.5) / 4 - 0.5 - 89.5) / 175 * 0.441, 0.441]
+    assert all(abs(a - b) < 0.01 for a, b in zip(where, meant)), (where, meant)
+    assert placed[10] < -0.99, placed  # its Z comes out of the wall
+    # A camera that stands still is followed to a millimetre.
+    assert all(abs(a - b) < 1e-3 for a, b in zip(placed, still)), (placed, still)
+    assert anew == first
+
+
+@case("a recording begins and ends while live runs, by a key and by the panel, and replays to the same states")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=40)
+    here = folder / "here"
+    words = base.live(programs, folder, "--window", "--paused", "--record", folder / "first.palprec")
+    with shown(programs, here, *words, ) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        screen.resize(window, 1280, 720)
+        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+
+        def step():
+            # The caption says the time.
+            changed_by(screen, window, "the next frame", lambda: screen.type(window, "s"))
+            settled(screen, window)
+        step()
+        step()
+        changed_by(screen, window, "the end of the first", lambda: screen.type(window, "v"))
+        step()
+        record = (112, 147)
+        changed_by(screen, window, "a recording", lambda: click(screen, window, *record))
+        for _ in range(3):
+            step()
+        found = list(here.glob("ball_*.palprec"))
+        assert len(found) == 1, found
+        changed_by(screen, window, "the end of the second", lambda: click(screen, window, *record))
+        step()
+        # What begins a session ends a recording of the one before.
+        time.sleep(1.1)  # its name has the second
+        screen.type(window, "v")
+        step()
+        step()
+        changed_by(screen, window, "a new beginning", lambda: screen.type(window, "e"))
+        settled(screen, window)
+        step()
+        screen.type(window, ESCAPE)
+        assert program.wait(timeout=60) == 0
+    third = [file for file in here.glob("ball_*.palprec") if file not in found]
+    assert len(third) == 1, third
+    for file, states in ((folder / "first.palprec", 3), (found[0], 3), (third[0], 2)):
+        assert f"{states} of {states} states of the live run: equal" in programs.succeeds("replay", file).stdout
+
+
+@case("a slider on the panel settles a body's parameter anew, and a body without parameters has none")
+def _(programs, folder):
+    group = """
+[[material.group]]
+name = "top"
+above = 0.5
+young = "60 kPa"
+poisson = 0.4
+[[parameter]]
+name = "top"
+of = "top"
+stiffness = [0.5, 1, 2]
+[support]"""
+    soft = programs.baked_ball(programs.work / "sliding", base.BALL.replace("[support]", group))
+    base.write_stereo(folder / "clip", frames=12)
+    words = list(base.live(programs, folder, "--window", "--paused", "--record", folder / "a.palprec"))
+    words[1] = soft
+    with shown(programs, folder, *words) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        screen.resize(window, 1280, 720)
+        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+        settled(screen, window)
+        left, right = (30, 587), (260, 587)  # below its name, beyond the slider's end
+        screen.mouse(window, (MOTION, *left), (BUTTON_PRESS, *left, LEFT))
+        changed_by(screen, window, "a dragged slider", lambda: screen.mouse(window, (MOTION, *right)))
+        changed_by(screen, window, "the next frame", lambda: screen.mouse(window, (BUTTON_RELEASE, *right, LEFT)))
+        settled(screen, window)
+        screen.type(window, "v")
+        changed_by(screen, window, "the next frame", lambda: screen.type(window, "s"))
+        settled(screen, window)
+        screen.type(window, ESCAPE)
+        assert program.wait(timeout=60) == 0
+    recorded, = folder.glob("ball_*.palprec")
+    assert b'"set":["top=2"]' in recorded.read_bytes().replace(b" ", b"")
+    assert "1 of 1 states of the live run: equal" in programs.succeeds("replay", recorded).stdout
 
 
 @case("a paused window of live is closed by Escape, and without a window nothing is paused")

@@ -10,6 +10,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <type_traits>
@@ -28,6 +29,10 @@ constexpr int kMostFailures = 100;
 
 // m from the body's origin at which its pose has to be right: half of a hand-sized body.
 constexpr double kBodyReach = 0.1;
+
+// A point belongs to the desk where the plane around it is that plane, but for the noise.
+constexpr double kSameHeight = 0.01;  // m
+constexpr double kSameTilt = 0.15;    // rad
 
 // Calls look() for each of the first frames that can be used.
 // @return how many there were, at least one
@@ -136,6 +141,23 @@ Rigid3 pose_on_board(FrameSource& source, const std::string& name, const DepthSe
     poses.push_back(start_from_camera * found);
   }
   return median_pose(poses, kBodyReach);
+}
+
+std::optional<Rigid3> pose_at_pixel(const SeenFrame& seen, const DepthNoise& noise,
+                                    const Eigen::Vector2d& at_px) {
+  const Eigen::Vector3d ray = seen.camera.unproject(at_px.x(), at_px.y(), 1.0);
+  const Eigen::Vector2d at = seen.depth_camera.project(ray);
+  std::optional<Plane> plane = fit_plane_at(seen.depth, seen.depth_camera, noise, at.x(), at.y());
+  if (!plane) return std::nullopt;
+  if (const auto desk = fit_standing_plane(seen.depth, seen.depth_camera, noise)) {
+    const double above = desk->normal.dot(plane->middle) - desk->offset;
+    if (std::abs(above) < kSameHeight && desk->normal.dot(plane->normal) > std::cos(kSameTilt)) {
+      const Eigen::Vector3d middle = ray * (desk->offset / desk->normal.dot(ray));
+      plane = *desk;
+      plane->middle = middle;
+    }
+  }
+  return camera_from_body_on(*plane);
 }
 
 }  // namespace palpable

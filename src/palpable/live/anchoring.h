@@ -13,6 +13,9 @@
 #include "palpable/geometry/rigid.h"
 #include "palpable/sources/frame_source.h"
 
+#include <Eigen/Core>
+
+#include <optional>
 #include <string>
 
 namespace palpable {
@@ -32,5 +35,13 @@ namespace palpable {
 /// the same.
 [[nodiscard]] Rigid3 pose_on_board(FrameSource& source, const std::string& name,
                                    const DepthSettings& settings, const BoardPattern& pattern);
+
+/// Where a body stands that is put on the surface at a pixel, upright on it: camera_from_body_on()
+/// of the plane around that point, or of the desk where it belongs to the one that is seen, which
+/// is known better.
+/// @param at_px  of seen.color
+/// @return camera_from_body; nothing where no surface is known there
+[[nodiscard]] std::optional<Rigid3> pose_at_pixel(const SeenFrame& seen, const DepthNoise& noise,
+                                                  const Eigen::Vector2d& at_px);
 
 }  // namespace palpable

@@ -18,6 +18,7 @@
 namespace palpable {
 namespace {
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using test::tolerance;
 
@@ -147,6 +148,33 @@ TEST_CASE("a body is put on the middle of the chessboard that is seen", "[live][
         tolerance(2e-3, "0.1 px of the corners of a board that is 72 px wide"));
   CHECK(pose.linear().col(2).dot(camera_from_board.linear().col(2)) <
         -0.999);  // Z points out of the board, at the camera: 2.6 degrees
+}
+
+TEST_CASE(
+    "a body is put on the surface at a pixel: on the desk as it is seen, on a box as it faces",
+    "[live][anchor]") {
+  // The picture is twice as large as the depth.
+  SeenFrame seen;
+  seen.depth_camera = test::wall_format().depth_camera;
+  seen.camera = {322, 242, 500, 500, 160.5, 120.5};
+  seen.depth = frame_of_desk().depth;
+  for (int v = 70; v < 110; ++v) {
+    for (int u = 20; u < 70; ++u) seen.depth(u, v) = 0.3F;
+  }
+  const DepthNoise noise{0, 0, 0.002};
+  const Vector2d on_desk(250.3, 160.2), on_box(90, 180);
+  const auto desk = pose_at_pixel(seen, noise, on_desk);
+  REQUIRE(desk);
+  CHECK((desk->linear().col(2) - kUp).norm() <= tolerance(2e-3, "the desk's plane beside a box"));
+  const Vector3d ray = seen.camera.unproject(on_desk.x(), on_desk.y(), 1.0);
+  CHECK((desk->translation() - ray * (-kHeight / kUp.dot(ray))).norm() <=
+        tolerance(1e-3, "the desk's plane beside a box"));
+  const auto box = pose_at_pixel(seen, noise, on_box);
+  REQUIRE(box);
+  CHECK((box->linear().col(2) + Vector3d::UnitZ()).norm() <= tolerance(1e-4, "depths are floats"));
+  CHECK((box->translation() - seen.camera.unproject(on_box.x(), on_box.y(), 0.3)).norm() <=
+        tolerance(1e-4, "depths are floats"));
+  CHECK_FALSE(pose_at_pixel(seen, noise, {-20, 40}));
 }
 
 TEST_CASE("where no plane, no board or no picture is, the source is named and what is missing",

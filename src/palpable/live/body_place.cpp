@@ -60,15 +60,14 @@ double entry_of(const PlacedBody& a, const PlacedBody& b) {
 
 }  // namespace
 
-std::vector<PlacedBody> placed(std::vector<LiveBody> bodies, Anchor of_run,
-                               const std::function<Rigid3(Anchor)>& world_from_anchor) {
-  std::vector<PlacedBody> all;
-  for (LiveBody& body : bodies) {
-    const BodyPlace& at = body.place;
+std::vector<Rigid3> world_from_bodies(const std::vector<BodyPlace>& places, Anchor of_run,
+                                      const std::function<Rigid3(Anchor)>& world_from_anchor) {
+  std::vector<Rigid3> all;
+  for (const BodyPlace& at : places) {
     PALPABLE_EXPECT(at.beside < std::ssize(all), "a body stands beside an earlier one");
     Rigid3 world_from_base;
     if (at.beside >= 0) {
-      world_from_base = all[static_cast<std::size_t>(at.beside)].world_from_body;
+      world_from_base = all[static_cast<std::size_t>(at.beside)];
     } else if (at.place) {
       world_from_base = *at.place;
     } else {
@@ -76,9 +75,20 @@ std::vector<PlacedBody> placed(std::vector<LiveBody> bodies, Anchor of_run,
     }
     // A body at its anchor stands where the anchor is, to the bit.
     const bool shifted = !at.anchor_from_body.matrix().isIdentity(0);
-    all.push_back({std::move(body.body),
-                   shifted ? world_from_base * at.anchor_from_body : world_from_base,
-                   std::move(body.name), body.color});
+    all.push_back(shifted ? world_from_base * at.anchor_from_body : world_from_base);
+  }
+  return all;
+}
+
+std::vector<PlacedBody> placed(std::vector<LiveBody> bodies, Anchor of_run,
+                               const std::function<Rigid3(Anchor)>& world_from_anchor) {
+  std::vector<BodyPlace> places;
+  for (const LiveBody& body : bodies) places.push_back(body.place);
+  const std::vector<Rigid3> stand = world_from_bodies(places, of_run, world_from_anchor);
+  std::vector<PlacedBody> all;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    LiveBody& body = bodies[k];
+    all.push_back({std::move(body.body), stand[k], std::move(body.name), body.color});
   }
   return all;
 }

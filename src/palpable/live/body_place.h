@@ -23,6 +23,12 @@ struct LiveBody {
   std::optional<Rgb> color = {};  ///< of its material; none: rubber
 };
 
+/// Where bodies with these places stand, in the same order.
+/// @param world_from_anchor  asked only where a body needs it; what it throws is passed on
+[[nodiscard]] std::vector<Rigid3> world_from_bodies(
+    const std::vector<BodyPlace>& places, Anchor of_run,
+    const std::function<Rigid3(Anchor)>& world_from_anchor);
+
 /// The bodies where they stand, in the same order.
 /// @param world_from_anchor  asked only where a body needs it; what it throws is passed on
 [[nodiscard]] std::vector<PlacedBody> placed(

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -17,36 +18,68 @@ int total_of(const FrameSource& source, int frames) {
   return there > 0 ? std::min(there, frames) : frames;
 }
 
+SourceTroubles sum_of(SourceTroubles a, const SourceTroubles& b) {
+  a.unreadable += b.unreadable;
+  a.back_in_time += b.back_in_time;
+  a.dropped += b.dropped;
+  a.stalls += b.stalls;
+  a.losses += b.losses;
+  return a;
+}
+
 }  // namespace
 
 LiveLoop::LiveLoop(LiveRun& run, int frames, std::function<void(const std::string& line)> report)
     : run_(run),
       total_(total_of(*run.source, frames)),
       report_(std::move(report)),
-      vision_(*run.source, run.loop.camera, frames) {}
+      frames_(frames) {
+  begin_seeing();
+}
+
+void LiveLoop::begin_seeing() {
+  const int answered = static_cast<int>(counts_.processed.size());
+  const int left = frames_ < 0 ? frames_ : std::max(frames_ - answered, 0);
+  vision_.emplace(*run_.source, run_.loop.camera, left);
+}
+
+void LiveLoop::begin_anew(const std::function<void(LiveRun&)>& change) {
+  counts();
+  troubles_before_ = counts_.troubles;
+  flight_.reset();
+  vision_.reset();
+  std::exception_ptr trouble;
+  try {
+    change(run_);
+  } catch (...) { trouble = std::current_exception(); }
+  begin_seeing();
+  if (trouble) std::rethrow_exception(trouble);
+}
 
 Scene* LiveLoop::next() {
   recycle();
-  return ended() ? nullptr : answer(vision_.next());
+  return ended() ? nullptr : answer(vision_->next());
 }
 
 Scene* LiveLoop::next_within(double seconds) {
   recycle();
-  return ended() ? nullptr : answer(vision_.next_within(seconds));
+  return ended() ? nullptr : answer(vision_->next_within(seconds));
 }
 
 bool LiveLoop::ended() {
   const bool all_answered = total_ > 0 && static_cast<int>(counts_.processed.size()) >= total_;
-  return all_answered || vision_.ended();
+  return all_answered || vision_->ended();
 }
 
 const LiveCounts& LiveLoop::counts() {
-  for (std::string& line : vision_.take_reports()) {
+  for (std::string& line : vision_->take_reports()) {
     if (report_) report_(line);
     counts_.reports.push_back(std::move(line));
   }
-  counts_.troubles = vision_.troubles();
-  counts_.last_trouble = vision_.last_trouble();
+  counts_.troubles = sum_of(troubles_before_, vision_->troubles());
+  if (std::string last = vision_->last_trouble(); !last.empty()) {
+    counts_.last_trouble = std::move(last);
+  }
   return counts_;
 }
 
@@ -74,7 +107,7 @@ void LiveLoop::report_refiner() {
 }
 
 void LiveLoop::recycle() {
-  if (flight_) vision_.recycle(std::move(flight_));
+  if (flight_) vision_->recycle(std::move(flight_));
 }
 
 }  // namespace palpable

@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace palpable {
@@ -43,10 +44,17 @@ class LiveLoop {
   /// Frames that come in all, as far as that is known beforehand; else 0 or less.
   [[nodiscard]] int total() const { return total_; }
 
+  /// Ends reading and seeing, lets `change` put another source or camera into the run, and goes on
+  /// with the source's next frame. Those that were read and not answered (at most three) are left
+  /// out. Not while the caller uses a scene.
+  /// @throws what `change` throws, with which the loop goes on all the same
+  void begin_anew(const std::function<void(LiveRun&)>& change);
+
   /// What happened up to now. Reports what the source has said since the last call.
   const LiveCounts& counts();
 
  private:
+  void begin_seeing();
   Scene* answer(std::unique_ptr<FrameInFlight> flight);
   void report_refiner();
   void recycle();
@@ -55,7 +63,9 @@ class LiveLoop {
   int total_;
   std::function<void(const std::string&)> report_;
   LiveCounts counts_;
-  VisionThread vision_;
+  int frames_;                      // at most; negative: all
+  SourceTroubles troubles_before_;  // of threads that have ended
+  std::optional<VisionThread> vision_;
   std::unique_ptr<FrameInFlight> flight_;  // whose scene the caller has
 };
 

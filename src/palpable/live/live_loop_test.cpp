@@ -1,5 +1,6 @@
 #include "palpable/live/live_loop.h"
 
+#include "palpable/base/error.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/misbehaving_camera.h"
 #include "tests/support/test.h"
@@ -70,6 +71,33 @@ TEST_CASE("a run's loop ends after the frames that were asked for", "[live][thre
   while (loop.next() != nullptr) ++frames;
   CHECK(frames == 4);
   CHECK(loop.ended());
+}
+
+TEST_CASE("a loop that begins anew goes on with the source's next frame, and keeps its counts",
+          "[live][threads]") {
+  std::vector<Act> acts(20, Act::kGood);
+  acts[2] = Act::kGarbage;
+  LiveRun run = run_of(acts);
+  LiveLoop loop(run, 15);
+  for (int k = 0; k < 5; ++k) REQUIRE(loop.next() != nullptr);
+  int changes = 0;
+  loop.begin_anew([&](LiveRun& changed) {
+    CHECK(&changed == &run);
+    ++changes;
+  });
+  CHECK_THROWS_AS(loop.begin_anew([](LiveRun&) { throw Error("it cannot be changed"); }), Error);
+  CHECK(changes == 1);
+  int last = -1;
+  while (const Scene* scene = loop.next()) {
+    CHECK(scene->number > last);
+    last = scene->number;
+  }
+  const LiveCounts& counts = loop.counts();
+  // What was read ahead is left out, each time at most three frames; and fifteen were asked for.
+  CHECK(counts.processed.size() >= 19 - 6 - 1);
+  CHECK(counts.processed.size() <= 15);
+  CHECK(counts.troubles.unreadable == 1);
+  CHECK(counts.last_trouble == "the picture is cut off");
 }
 
 TEST_CASE("a scene that is swapped out of the loop stays, and what is given instead is used",

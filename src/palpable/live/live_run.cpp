@@ -5,6 +5,7 @@
 #include "palpable/depth/image_threads.h"
 #include "palpable/live/anchoring.h"
 #include "palpable/live/thread_shares.h"
+#include "palpable/map/plane_fit.h"
 #include "palpable/sources/open_source.h"
 #include "palpable/sources/paced_source.h"
 
@@ -87,6 +88,29 @@ LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings,
     run.loop.session.refine_with(value_or_throw(Refiner::start(refine)));
   }
   return run;
+}
+
+std::vector<Rigid3> places_anew(const std::vector<BodyPlace>& places, const LiveSettings& settings,
+                                const fs::path& images, const SeenFrame& seen,
+                                const DepthNoise& noise) {
+  const SceneFile scene = scene_file_beside(images);
+  return world_from_bodies(places, settings.anchor, [&](Anchor anchor) {
+    switch (anchor) {
+      case Anchor::kPlace:
+        break;
+      case Anchor::kPlane:
+        if (const auto plane = fit_standing_plane(seen.depth, seen.depth_camera, noise)) {
+          return camera_from_body_on(*plane);
+        }
+        throw NoPlaceError("no desk or floor to stand on is seen");
+      case Anchor::kBoard:
+        if (const auto pose = find_board_pose(seen.color, seen.camera, settings.board)) {
+          return *pose;
+        }
+        throw NoPlaceError("the chessboard is not seen");
+    }
+    return place_of(settings, scene);
+  });
 }
 
 void share_threads(int threads, SessionSettings& session) {

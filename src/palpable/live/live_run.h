@@ -62,6 +62,15 @@ struct LiveRun {
 [[nodiscard]] LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings,
                                 std::unique_ptr<FrameSource> source);
 
+/// Where bodies stand if a run begins anew with a frame: as open_live() puts them, but by this one
+/// frame, whose camera the world then is.
+/// @param images  LiveRun::images
+/// @throws NoPlaceError where the frame does not show what some body is to stand on
+[[nodiscard]] std::vector<Rigid3> places_anew(const std::vector<BodyPlace>& places,
+                                              const LiveSettings& settings,
+                                              const std::filesystem::path& images,
+                                              const SeenFrame& seen, const DepthNoise& noise);
+
 /// Gives a run its threads (thread_shares.h): OpenCV's, of the whole process, and the matcher's.
 /// @param threads  of the run altogether; 0: as many as the machine has
 void share_threads(int threads, SessionSettings& session);

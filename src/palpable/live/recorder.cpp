@@ -1,5 +1,6 @@
 #include "palpable/live/recorder.h"
 
+#include "palpable/base/contract.h"
 #include "palpable/sources/source_guard.h"
 
 #include <fmt/core.h>
@@ -39,9 +40,10 @@ std::unique_ptr<Recorder::Item> Recorder::room(bool waits) {
 }
 
 bool Recorder::add_frame(const Frame& frame, std::optional<double> taken, bool waits) {
-  if (ended_early_) return true;
+  if (is_over()) return true;
   std::unique_ptr<Item> item = room(waits);
   if (!item) {
+    if (is_over()) return true;
     ++left_out_;
     return false;
   }
@@ -53,9 +55,10 @@ bool Recorder::add_frame(const Frame& frame, std::optional<double> taken, bool w
 }
 
 bool Recorder::add_unreadable(int number, std::string_view why, bool waits) {
-  if (ended_early_) return true;
+  if (is_over()) return true;
   std::unique_ptr<Item> item = room(waits);
   if (!item) {
+    if (is_over()) return true;
     ++left_out_;
     return false;
   }
@@ -67,9 +70,9 @@ bool Recorder::add_unreadable(int number, std::string_view why, bool waits) {
 }
 
 bool Recorder::add_silence(SourceState state, std::string_view why, bool waits) {
-  if (ended_early_) return true;
+  if (is_over()) return true;
   std::unique_ptr<Item> item = room(waits);
-  if (!item) return false;
+  if (!item) return is_over();
   item->kind = Item::Kind::kSilence;
   item->silence = state;
   item->why = why;
@@ -78,7 +81,7 @@ bool Recorder::add_silence(SourceState state, std::string_view why, bool waits) 
 }
 
 void Recorder::add_refinement(bool asked, const Eigen::Matrix3Xf* exact) {
-  if (ended_early_) return;
+  if (is_over()) return;
   std::optional<std::unique_ptr<Item>> item = free_states_.pop();
   if (!item) return;
   (*item)->kind = Item::Kind::kRefinement;
@@ -92,7 +95,7 @@ void Recorder::add_refinement(bool asked, const Eigen::Matrix3Xf* exact) {
 }
 
 void Recorder::add_state(int number, std::uint64_t hash, std::string_view line) {
-  if (ended_early_) return;
+  if (is_over()) return;
   std::optional<std::unique_ptr<Item>> item = free_states_.pop();
   if (!item) return;
   (*item)->kind = Item::Kind::kState;
@@ -145,6 +148,7 @@ void Recorder::end_early(const std::string& why) {
 }
 
 RecorderCounts Recorder::finish() {
+  finished_ = true;
   finish_thread();
   try {
     if (!ended_early_) writer_.finish();
@@ -196,6 +200,8 @@ class RecordedSource final : public FrameSource {
     return is_recorded ? status : FrameStatus::kWaiting;
   }
 
+  std::unique_ptr<FrameSource> release() { return std::move(source_); }
+
  private:
   // Pictures that come again are recorded with the first of them. @return whether what has just
   // come may be recorded: not where there was no room for the silence before it
@@ -218,6 +224,12 @@ class RecordedSource final : public FrameSource {
 
 std::unique_ptr<FrameSource> recorded(std::unique_ptr<FrameSource> source, Recorder& recorder) {
   return std::make_unique<RecordedSource>(std::move(source), recorder);
+}
+
+std::unique_ptr<FrameSource> unrecorded(std::unique_ptr<FrameSource> source) {
+  auto* recorded = dynamic_cast<RecordedSource*>(source.get());
+  PALPABLE_EXPECT(recorded != nullptr, "recorded() made the source");
+  return recorded->release();
 }
 
 }  // namespace palpable

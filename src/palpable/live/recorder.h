@@ -61,7 +61,7 @@ class Recorder {
   /// @param line  of docs/touch_events.md
   void add_state(int number, std::uint64_t hash, std::string_view line);
 
-  /// Writes what waits, and ends the file.
+  /// Writes what waits, and ends the file. Frames that come later pass by.
   RecorderCounts finish();
   /// Why the recording has ended early, once.
   [[nodiscard]] std::optional<std::string> take_trouble();
@@ -80,6 +80,7 @@ class Recorder {
   };
   using Items = BoundedQueue<std::unique_ptr<Item>>;
 
+  [[nodiscard]] bool is_over() const { return ended_early_ || finished_; }
   [[nodiscard]] std::unique_ptr<Item> room(bool waits);
   void run_thread();
   void finish_thread();
@@ -92,6 +93,7 @@ class Recorder {
   RecorderCounts counts_;
   std::atomic<int> left_out_ = 0;
   std::atomic<bool> ended_early_ = false;
+  std::atomic<bool> finished_ = false;
   Items ready_;
   Items free_;
   Items free_states_;
@@ -104,5 +106,8 @@ class Recorder {
 /// @param recorder  must outlive it
 [[nodiscard]] std::unique_ptr<FrameSource> recorded(std::unique_ptr<FrameSource> source,
                                                     Recorder& recorder);
+
+/// The source that recorded() was given. @pre `source` comes from there
+[[nodiscard]] std::unique_ptr<FrameSource> unrecorded(std::unique_ptr<FrameSource> source);
 
 }  // namespace palpable

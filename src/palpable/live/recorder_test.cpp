@@ -319,5 +319,31 @@ TEST_CASE("recording takes no memory once it runs", "[live][recording]") {
   CHECK(test::allocations_during([&] { record(50); }) == 0);
 }
 
+TEST_CASE("a source whose recording is finished goes on unrecorded, and can be recorded again",
+          "[live][threads][recording]") {
+  const test::ScratchFolder folder("twice");
+  const std::vector<Act> acts(40, Act::kGood);
+  std::unique_ptr<FrameSource> source = std::make_unique<test::MisbehavingCamera>(acts);
+  const FrameFormat format = source->format();
+  Frame frame;
+  int number = 0;
+  for (const char* name : {"one.palprec", "two.palprec"}) {
+    Recorder recorder(folder.path() / name, format, Json::object());
+    source = recorded(std::move(source), recorder);
+    for (int k = 0; k < 5; ++k, ++number) {
+      REQUIRE(source->next(frame) == FrameStatus::kFrame);
+      CHECK(frame.number == number);
+    }
+    CHECK(recorder.finish().frames == 5);
+    // More than the recorder has room for.
+    for (std::size_t k = 0; k < 2 * Recorder::kFrames; ++k, ++number) {
+      REQUIRE(source->next(frame) == FrameStatus::kFrame);
+      CHECK(frame.number == number);
+    }
+    CHECK(value_or_throw(read_recording(folder.path() / name)).frames == 5);
+    source = unrecorded(std::move(source));
+  }
+}
+
 }  // namespace
 }  // namespace palpable

@@ -136,6 +136,49 @@ void measure_extent(const std::vector<Point>& points, Plane& plane) {
   plane.share = static_cast<double>(inside) / static_cast<double>(points.size());
 }
 
+// m: the median of the depths around a pixel. Nothing where fewer than half of them are known, or
+// the pixel is not in the picture.
+std::optional<double> depth_around(const DepthImage& depth, int x, int y) {
+  constexpr int kAround = 2;
+  std::vector<float> known;
+  for (int j = y - kAround; j <= y + kAround; ++j) {
+    for (int i = x - kAround; i <= x + kAround; ++i) {
+      if (i < 0 || j < 0 || i >= depth.width() || j >= depth.height()) continue;
+      if (depth(i, j) > 0) known.push_back(depth(i, j));
+    }
+  }
+  constexpr std::size_t kAll = (2 * kAround + 1) * (2 * kAround + 1);
+  if (2 * known.size() < kAll) return std::nullopt;
+  const auto middle = known.begin() + std::ssize(known) / 2;
+  std::nth_element(known.begin(), middle, known.end());
+  return *middle;
+}
+
+// What was measured within `reach` (m) of a point, of at most some 60 x 60 pixels.
+std::vector<Point> points_near(const DepthImage& depth, const PinholeCamera& camera,
+                               const DepthNoise& noise, const Eigen::Vector3d& at, double reach) {
+  constexpr double kMostInRow = 60;
+  const Eigen::Vector2d middle = camera.project(at);
+  const double radius = camera.fx_px * reach / at.z();
+  const int step = std::max(1, static_cast<int>(2 * radius / kMostInRow));
+  const auto from = [&](double of) { return std::max(0, static_cast<int>(of - radius)); };
+  const auto to = [&](double of, int size) {
+    return std::min(size - 1, static_cast<int>(of + radius));
+  };
+  std::vector<Point> points;
+  for (int y = from(middle.y()); y <= to(middle.y(), depth.height()); y += step) {
+    for (int x = from(middle.x()); x <= to(middle.x(), depth.width()); x += step) {
+      const auto Z = static_cast<double>(depth(x, y));
+      if (!(Z > 0)) continue;
+      const Eigen::Vector3d point = camera.unproject(x, y, Z);
+      if ((point - at).norm() > reach) continue;
+      const Eigen::Vector2d off = Eigen::Vector2d(x, y) - middle;
+      points.push_back({point, std::max(noise.sigma(Z), kLeastSigma), off.squaredNorm()});
+    }
+  }
+  return points;
+}
+
 }  // namespace
 
 std::optional<Plane> fit_standing_plane(const DepthImage& depth, const PinholeCamera& camera,
@@ -153,6 +196,31 @@ std::optional<Plane> fit_standing_plane(const DepthImage& depth, const PinholeCa
   if (!is_level(plane->normal, least_up) || !(plane->offset < 0)) return std::nullopt;
   measure_extent(points, *plane);
   if (plane->share < settings.least_share) return std::nullopt;
+  return plane;
+}
+
+std::optional<Plane> fit_plane_at(const DepthImage& depth, const PinholeCamera& camera,
+                                  const DepthNoise& noise, double x_px, double y_px, double reach) {
+  PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
+                  "the depth is the camera's");
+  const int x = static_cast<int>(std::lround(std::clamp(x_px, -1e6, 1e6)));
+  const int y = static_cast<int>(std::lround(std::clamp(y_px, -1e6, 1e6)));
+  const std::optional<double> Z = depth_around(depth, x, y);
+  if (!Z) return std::nullopt;
+  const Eigen::Vector3d at = camera.unproject(x_px, y_px, *Z);
+  const std::vector<Point> points = points_near(depth, camera, noise, at, reach);
+  if (points.size() < kFewestPoints) return std::nullopt;
+  constexpr double kAnyWay = -2;
+  std::optional<Plane> plane = plane_by_vote(points, PlaneFitSettings{}.trials, kAnyWay);
+  if (!plane) return std::nullopt;
+  for (int round = 0; round < kRounds; ++round) {
+    if (!improve(points, *plane)) return std::nullopt;
+  }
+  if (!(plane->offset < 0)) return std::nullopt;
+  measure_extent(points, *plane);
+  const Eigen::Vector3d ray = camera.unproject(x_px, y_px, 1.0);
+  plane->middle = ray * (plane->offset / plane->normal.dot(ray));
+  if (!((plane->middle - at).norm() <= reach / 2)) return std::nullopt;
   return plane;
 }
 

@@ -39,6 +39,19 @@ struct Plane {
                                                       const DepthNoise& noise,
                                                       const PlaneFitSettings& settings = {});
 
+/// The surface at one pixel as a plane: of what was measured within `reach` of the point there, by
+/// the same votes and rounds, whatever way it faces. `middle` is that point, `share` of the points
+/// around it.
+/// @param x_px, y_px  of the depth; may lie beside it
+/// @param reach       m; what lies deeper than PlaneFitSettings::farthest counts, too
+/// @return nothing where no depth is known at the pixel or too little around it, and where the
+/// plane
+///         around it passes it by
+[[nodiscard]] std::optional<Plane> fit_plane_at(const DepthImage& depth,
+                                                const PinholeCamera& camera,
+                                                const DepthNoise& noise, double x_px, double y_px,
+                                                double reach = 0.04);
+
 /// The same plane in another frame: `to` from the frame in which it is given.
 [[nodiscard]] Plane moved_by(const Rigid3& to_from, const Plane& plane);
 

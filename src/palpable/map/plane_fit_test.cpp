@@ -2,9 +2,11 @@
 
 #include "tests/support/test.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 namespace palpable {
 namespace {
@@ -48,6 +50,47 @@ TEST_CASE("a desk is found beside a box and before a wall", "[map][plane_fit]") 
     CHECK(std::abs(pose.linear().determinant() - 1) <= 1e-12);
     CHECK(pose.linear()(0, 0) > 0.9);
   }
+}
+
+TEST_CASE("the surface at a pixel is found, whatever way it faces, and none where it is not known",
+          "[map][plane_fit]") {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    INFO("seed " << seed);
+    const Eigen::Vector3d normal = Eigen::Vector3d(0.05 * seed - 0.2, -0.85, -0.5).normalized();
+    const DepthImage depth = desk(normal, -0.35, seed);
+    const struct {
+      double x, y;
+      Eigen::Vector3d normal;
+      double offset;
+    } places[] = {{200.3, 150.6, normal, -0.35},                // the desk
+                  {95, 105, -Eigen::Vector3d::UnitZ(), -0.45},  // the box's front
+                  {200, 12, -Eigen::Vector3d::UnitZ(), -1.3}};  // the wall
+    for (const auto& place : places) {
+      INFO("at " << place.x << ", " << place.y);
+      const auto plane = fit_plane_at(depth, kCamera, kNoise, place.x, place.y);
+      REQUIRE(plane);
+      const Eigen::Vector3d ray = kCamera.unproject(place.x, place.y, 1.0);
+      const Eigen::Vector3d there = ray * (place.offset / place.normal.dot(ray));
+      const double sigma = kNoise.sigma(there.z());
+      CHECK((plane->middle - there).norm() <=
+            test::tolerance(sigma, "of a mean of some hundred points, under a slant"));
+      CHECK(plane->normal.dot(place.normal) >=
+            1 - test::tolerance(0.5 * std::pow(6 * sigma / 0.04 / 10, 2) + 1e-3,
+                                "a hundred points of that noise over 4 cm"));
+    }
+    // At the box's rim its front counts or the desk behind, not what lies between them.
+    if (const auto rim = fit_plane_at(depth, kCamera, kNoise, 130, 105)) {
+      const bool front = rim->normal.dot(-Eigen::Vector3d::UnitZ()) > 0.95;
+      CHECK((front || rim->normal.dot(normal) > 0.95));
+    }
+    for (const auto& [x, y] : {std::pair{-3.0, 40.0}, {400.0, 40.0}, {40.0, 1e9}}) {
+      CHECK_FALSE(fit_plane_at(depth, kCamera, kNoise, x, y));
+    }
+  }
+  DepthImage unknown(kCamera.width, kCamera.height, 0.5F);
+  for (int y = 80; y < 100; ++y) std::fill(unknown.row(y), unknown.row(y) + 320, std::nanf(""));
+  CHECK_FALSE(fit_plane_at(unknown, kCamera, kNoise, 160, 90));
+  CHECK(fit_plane_at(unknown, kCamera, kNoise, 160, 120));
 }
 
 TEST_CASE("a plane that is seen from elsewhere is the same plane", "[map][plane_fit]") {

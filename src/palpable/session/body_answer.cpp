@@ -42,6 +42,10 @@ BodyAnswer::BodyAnswer(TouchableBody body, const AnswerSettings& settings)
   }
 }
 
+TouchableBody BodyAnswer::take_body() {
+  return TouchableBody(std::move(body_), std::move(tables_), std::move(modal_));
+}
+
 ContactKind BodyAnswer::contact() const { return contact_; }
 
 const ModalTables* BodyAnswer::modal() const {

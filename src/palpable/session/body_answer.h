@@ -80,6 +80,9 @@ class BodyAnswer {
   /// @param touches  as find_touches() gave them
   void reconstruct(const std::vector<Touch>& touches, SceneBody& shown);
 
+  /// Its body, with what it was given beside; only the destructor may be called after it.
+  [[nodiscard]] TouchableBody take_body();
+
   /// From now on exact answers are taken up where the body is touched anywhere.
   void refine_with(Refiner refiner) { refiner_.emplace(std::move(refiner)); }
   [[nodiscard]] Refiner* refiner() { return refiner_ ? &*refiner_ : nullptr; }

@@ -339,6 +339,14 @@ void Session::refine_with(Refiner refiner) {
 Refiner* Session::refiner() { return parts_->bodies.front()->answer.refiner(); }
 const Refiner* Session::refiner() const { return parts_->body(0).answer.refiner(); }
 
+std::vector<PlacedBody> Session::take_bodies() {
+  std::vector<PlacedBody> taken;
+  for (const auto& body : parts_->bodies) {
+    taken.push_back({body->answer.take_body(), body->world_from_body, body->name, body->color});
+  }
+  return taken;
+}
+
 int Session::body_count() const { return static_cast<int>(parts_->bodies.size()); }
 const ReducedBody& Session::body(int number) const { return parts_->body(number).answer.body(); }
 const std::string& Session::body_name(int number) const { return parts_->body(number).name; }

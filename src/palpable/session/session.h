@@ -96,6 +96,10 @@ class Session {
   [[nodiscard]] Refiner* refiner();
   [[nodiscard]] const Refiner* refiner() const;
 
+  /// Ends the session: its bodies where they stand, for another one. Of this one only
+  /// settings() may be asked after it.
+  [[nodiscard]] std::vector<PlacedBody> take_bodies();
+
   /// Of which the functions below are asked by number, from 0 on, in the order of make().
   [[nodiscard]] int body_count() const;
   [[nodiscard]] const ReducedBody& body(int number = 0) const;

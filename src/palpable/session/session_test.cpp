@@ -124,6 +124,22 @@ TEST_CASE("of several bodies the one that is pressed says so, the others stand a
   CHECK((scene.bodies[0].camera_from_body.translation() - aside.translation()).norm() == 0);
 }
 
+TEST_CASE("the bodies of a session that ends answer in the next one as in the first", "[session]") {
+  FrameLoop loop = touchable_sphere_loop(), fresh = touchable_sphere_loop();
+  for (int n = 0; n < 6; ++n) loop.process(frame_with_finger(n, 0.002 * n));
+  std::vector<PlacedBody> bodies = loop.session.take_bodies();
+  REQUIRE(bodies.size() == 1);
+  CHECK(bodies[0].world_from_body.matrix() == sphere_pose().matrix());
+  loop.session = value_or_throw(
+      Session::make(std::move(bodies), loop.camera, depth_format(), loop.session.settings()));
+  for (int n = 0; n < 6; ++n) {
+    const Frame frame = frame_with_finger(n, n < 3 ? -0.03 : 0.002 * n);
+    CHECK(loop.process(frame).bodies[0].vertices == fresh.process(frame).bodies[0].vertices);
+    CHECK(loop.scene.touches.size() == fresh.scene.touches.size());
+  }
+  CHECK_FALSE(loop.scene.touches.empty());
+}
+
 TEST_CASE("with Algorithm 1 as printed a body presses the one that nothing real is near, one way",
           "[session][scene]") {
   SessionSettings settings = kEverythingPresses;

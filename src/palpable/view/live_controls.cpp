@@ -5,13 +5,16 @@
 namespace palpable {
 namespace {
 
-constexpr std::array<KeyMeaning, 13> kKeys{{{"1 .. 5", "which view"},
+constexpr std::array<KeyMeaning, 16> kKeys{{{"1 .. 5", "which view"},
                                             {"F", "what is painted"},
                                             {"O", "occlusion"},
                                             {"C", "contact points"},
                                             {"N", "arrows of forces"},
                                             {"L", "legend"},
-                                            {"B", "which touches"},
+                                            {"B", "which body"},
+                                            {"A", "place it by a click"},
+                                            {"E", "begin anew"},
+                                            {"V", "record, stop"},
                                             {"Space", "pause, go on"},
                                             {"S", "one frame on"},
                                             {"P", "keep the picture"},
@@ -33,6 +36,11 @@ LiveControls::LiveControls(LiveView the_view, const SceneShow& the_show, int bod
 std::span<const KeyMeaning> LiveControls::keys() { return kKeys; }
 
 void LiveControls::handle(const WindowEvent& event) {
+  if (placing && event.kind == WindowEvent::Kind::kPress && event.button == 0 && shows_camera()) {
+    placing = false;
+    wishes.place = {event.x_px, event.y_px};
+    return;
+  }
   if (event.kind != WindowEvent::Kind::kKey) return;
   if (event.key >= '1' && event.key < '1' + static_cast<int>(kViewNames.size())) {
     view = static_cast<LiveView>(event.key - '1');
@@ -77,9 +85,19 @@ void LiveControls::handle(const WindowEvent& event) {
       help_shown = !help_shown || !panel_shown;
       panel_shown |= help_shown;
       break;
+    case 'A':
+      begin_placing();
+      break;
+    case 'E':
+      begin_anew();
+      break;
+    case 'V':
+      wishes.recording = run_may_change;
+      break;
     case 'Q':
     case WindowEvent::kEscape:
-      ended = true;
+      ended = !placing || event.key == 'Q';
+      placing = false;
       break;
     default:
       break;
@@ -94,6 +112,17 @@ void LiveControls::next_body() {
   ++body;
   if (body == bodies_ || bodies_ == 1) body = -1;
 }
+
+bool LiveControls::shows_camera() const {
+  return view != LiveView::kSurface && view != LiveView::kMap;
+}
+
+void LiveControls::begin_placing() {
+  placing = run_may_change && !placing;
+  if (placing && !shows_camera()) view = LiveView::kCamera;  // where a click says a place
+}
+
+void LiveControls::begin_anew() { wishes.anew = run_may_change; }
 
 void LiveControls::reset() {
   view = first_view_;

@@ -8,8 +8,13 @@
 #include "palpable/view/scene_show.h"
 #include "palpable/view/show_names.h"
 
+#include <Eigen/Core>
+
 #include <array>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -28,6 +33,28 @@ struct KeyMeaning {
   const char* meaning;
 };
 
+/// A parameter of a body that the user may set while the run goes on (ReducedBody::further).
+struct LiveParameter {
+  int body = 0;
+  std::string name;
+  double low = 0, high = 1;  ///< between which the body was baked
+  double value = 0;
+
+  friend bool operator==(const LiveParameter&, const LiveParameter&) = default;
+};
+
+/// What the user has asked for that changes the run itself, and the picture only in the end.
+struct LiveWishes {
+  /// Where a body is to stand: px of the camera's picture.
+  std::optional<Eigen::Vector2d> place = {};
+  bool anew = false;        ///< as if the run began with the next frame
+  bool recording = false;   ///< to begin or to end one
+  bool parameters = false;  ///< to have the values of LiveControls::parameters
+
+  /// Whether there is one that the next frame is needed for.
+  [[nodiscard]] bool of_frame() const { return place || anew || parameters; }
+};
+
 class LiveControls {
  public:
   /// @param view, show  to begin with, and to return to with R
@@ -44,6 +71,9 @@ class LiveControls {
   void reset();
   /// From a pause on by one frame; begins a pause otherwise.
   void step();
+  /// The next click into the picture says where a body stands; or no longer.
+  void begin_placing();
+  void begin_anew();
 
   [[nodiscard]] int body_count() const { return bodies_; }
   /// What the keys do, for the help.
@@ -51,7 +81,7 @@ class LiveControls {
 
   LiveView view;
   SceneShow show;
-  int body = -1;  ///< whose touches are listed; -1: all
+  int body = -1;  ///< which is placed, and whose touches are listed; -1: all
   bool paused = false;
   bool step_wanted = false;     ///< the reader resets it
   bool picture_wanted = false;  ///< likewise
@@ -59,7 +89,16 @@ class LiveControls {
   bool help_shown = false;
   bool ended = false;
 
+  /// Whether the run itself may be changed: without it the rest stays as it is.
+  bool run_may_change = false;
+  bool placing = false;
+  LiveWishes wishes;  ///< the reader resets them
+  std::vector<LiveParameter> parameters = {};
+
  private:
+  // Whether the picture has the camera's pixels.
+  [[nodiscard]] bool shows_camera() const;
+
   LiveView first_view_;
   SceneShow first_show_;
   int bodies_;

@@ -71,6 +71,65 @@ TEST_CASE("a step pauses first, and goes on by a frame then", "[view][live_contr
   CHECK_FALSE(controls.paused);
 }
 
+WindowEvent clicked(double x, double y, int button = 0) {
+  WindowEvent event;
+  event.kind = WindowEvent::Kind::kPress;
+  event.x_px = x;
+  event.y_px = y;
+  event.button = button;
+  return event;
+}
+
+TEST_CASE("a click says where a body stands only after A, where the camera's pixels are seen",
+          "[view][live_controls]") {
+  LiveControls controls(LiveView::kMap, {}, 1);
+  controls.run_may_change = true;
+  controls.handle(clicked(10, 20));
+  CHECK_FALSE(controls.wishes.place);
+  type(controls, "A");
+  CHECK(controls.placing);
+  CHECK(controls.view == LiveView::kCamera);
+  type(controls, "5");
+  controls.handle(clicked(10, 20));  // that turns the map
+  CHECK_FALSE(controls.wishes.place);
+  type(controls, "2");
+  controls.handle(clicked(30, 40, 1));
+  CHECK_FALSE(controls.wishes.place);
+  controls.handle(clicked(30, 40));
+  REQUIRE(controls.wishes.place);
+  CHECK(*controls.wishes.place == Eigen::Vector2d(30, 40));
+  CHECK(controls.wishes.of_frame());
+  CHECK_FALSE(controls.placing);
+  controls.wishes = {};
+  controls.handle(clicked(50, 60));  // one A, one place
+  CHECK_FALSE(controls.wishes.place);
+  // Escape takes the A back; the next one ends.
+  type(controls, "A");
+  controls.handle(typed(WindowEvent::kEscape));
+  CHECK_FALSE(controls.placing);
+  CHECK_FALSE(controls.ended);
+  controls.handle(typed(WindowEvent::kEscape));
+  CHECK(controls.ended);
+}
+
+TEST_CASE("a run is changed where it may be, and nothing is asked of another",
+          "[view][live_controls]") {
+  for (const bool may_change : {true, false}) {
+    INFO("may change: " << may_change);
+    LiveControls controls(LiveView::kCamera, {}, 1);
+    controls.run_may_change = may_change;
+    type(controls, "E");
+    CHECK(controls.wishes.anew == may_change);
+    CHECK(controls.wishes.of_frame() == may_change);
+    controls.wishes = {};
+    type(controls, "V");
+    CHECK(controls.wishes.recording == may_change);
+    CHECK_FALSE(controls.wishes.of_frame());
+    type(controls, "A");
+    CHECK(controls.placing == may_change);
+  }
+}
+
 TEST_CASE("H shows the keys where they can be read, and each key once", "[view][live_controls]") {
   LiveControls controls(LiveView::kCamera, {}, 1);
   type(controls, "TH");

@@ -49,6 +49,10 @@ void LivePanel::lay_out(LiveControls& controls) {
   lay_out_buttons(controls);
   ImGui::Separator();
   lay_out_look(controls);
+  if (!controls.parameters.empty()) {
+    ImGui::Separator();
+    lay_out_parameters(controls);
+  }
   ImGui::Separator();
   lay_out_touches(controls);
   ImGui::End();
@@ -84,9 +88,38 @@ void LivePanel::lay_out_buttons(LiveControls& controls) const {
   if (button_in_row("Step", 2)) controls.step();
   if (button_in_row("Picture", 2)) controls.picture_wanted = true;
   ImGui::SameLine();
-  if (button_in_row("Reset", 2)) controls.reset();
+  if (button_in_row("Reset view", 2)) controls.reset();
+  if (controls.run_may_change) lay_out_run(controls);
   ImGui::Checkbox("Keys (H)", &controls.help_shown);
   if (!note.empty()) ImGui::TextWrapped("%s", note.c_str());
+}
+
+void LivePanel::lay_out_run(LiveControls& controls) const {
+  if (button_in_row(controls.placing ? "Cancel###place" : "Place body###place", 2)) {
+    controls.begin_placing();
+  }
+  ImGui::SameLine();
+  if (button_in_row("Begin anew", 2)) controls.begin_anew();
+  if (button_in_row(recording.empty() ? "Record###record" : "Stop recording###record", 1)) {
+    controls.wishes.recording = true;
+  }
+  if (controls.placing) ImGui::TextWrapped("click where it is to stand; Esc: not");
+  if (!recording.empty()) ImGui::TextWrapped("recording %s", recording.c_str());
+}
+
+void LivePanel::lay_out_parameters(LiveControls& controls) const {
+  int row = 0;
+  for (LiveParameter& parameter : controls.parameters) {
+    ImGui::PushID(row++);
+    const std::string& body = names_[static_cast<std::size_t>(parameter.body)];
+    text("{}{}{}", parameter.name, names_.size() > 1 ? " of " : "", names_.size() > 1 ? body : "");
+    ImGui::SetNextItemWidth(-1);
+    ImGui::SliderScalar("##value", ImGuiDataType_Double, &parameter.value, &parameter.low,
+                        &parameter.high, "%.3g", ImGuiSliderFlags_AlwaysClamp);
+    // Bodies are settled anew for a value: for the one where the mouse lets go.
+    controls.wishes.parameters |= ImGui::IsItemDeactivatedAfterEdit();
+    ImGui::PopID();
+  }
 }
 
 void LivePanel::lay_out_look(LiveControls& controls) const {

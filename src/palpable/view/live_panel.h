@@ -27,13 +27,17 @@ class LivePanel {
   /// Between ImGui's NewFrame and Render.
   void lay_out(LiveControls& controls);
 
-  /// For the user to read: what became of a picture that was to be kept.
+  /// For the user to read: what became of a picture that was to be kept, or of another wish.
   std::string note;
+  /// The file of the recording that goes on; empty: none does.
+  std::string recording;
 
  private:
   using Clock = std::chrono::steady_clock;
   void lay_out_rate();
   void lay_out_buttons(LiveControls& controls) const;
+  void lay_out_run(LiveControls& controls) const;
+  void lay_out_parameters(LiveControls& controls) const;
   void lay_out_look(LiveControls& controls) const;
   void lay_out_touches(LiveControls& controls) const;
 

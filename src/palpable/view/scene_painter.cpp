@@ -7,6 +7,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +29,8 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
       scale_(stress_scale(loop.session)),
       views_(scale_),
       masks_(settings.masks),
+      tiles_(settings.tiles),
+      true_depth_(settings.true_depth),
       keep_picture_(settings.keep_picture),
       controls_(settings.view, settings.show, loop.session.body_count()),
       panel_(names_of_bodies(loop.session)) {
@@ -45,26 +49,55 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
     offscreen_.emplace(value_or_throw(GlContext::offscreen()));
   }
   renderer_.emplace(value_or_throw(SceneRenderer::make()));
-  // In a window each may be switched to.
-  if (settings.window || settings.view == LiveView::kMap) {
+  make_outside_views(settings.view);
+  controls_.run_may_change = settings.run_may_change;
+  gather_parameters();
+}
+
+// In a window each may be switched to.
+void ScenePainter::make_outside_views(LiveView view) {
+  if (window_ || view == LiveView::kMap || has_tile(Tile::kMap)) {
     map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
-                                        loop.session.world_from_body());
+                                        session_.world_from_body());
   }
-  if (settings.window || settings.view == LiveView::kSurface) {
-    surface_ = std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), loop.session);
+  if (window_ || view == LiveView::kSurface || has_tile(Tile::kSurface)) {
+    surface_ = std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), session_);
   }
+}
+
+void ScenePainter::gather_parameters() {
+  controls_.parameters.clear();
+  for (int k = 0; controls_.run_may_change && k < session_.body_count(); ++k) {
+    for (const FurtherParameter& p : session_.body(k).further) {
+      controls_.parameters.push_back(
+          {k, p.name, p.samples[0], p.samples[p.samples.size() - 1], p.value});
+    }
+  }
+}
+
+void ScenePainter::begin_anew() {
+  scale_ = stress_scale(session_);
+  views_ = SceneViews(scale_);
+  light_ = LightEstimator();
+  make_outside_views(controls_.view);
+  gather_parameters();
 }
 
 void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
   drawn_for_window_ = window_ && !holds();
   const bool nobody_looks = !drawn_for_window_ && !drawn.in_files;
-  if (map_ && (nobody_looks || controls_.view != LiveView::kMap)) map_->follow(drawn.scene);
+  const bool draws_map = controls_.view == LiveView::kMap || has_tile(Tile::kMap);
+  if (map_ && (nobody_looks || !draws_map)) map_->follow(drawn.scene);
   if (nobody_looks) return;
   {
     const StageTimer timer(drawn.scene.times, "draw");
     const bool masks = masks_ && drawn.in_files;
-    draw_look(drawn.scene, session, drawn.picture, masks ? &drawn.visible : nullptr,
-              masks ? &drawn.body_depth : nullptr);
+    if (!tiles_.empty()) {
+      draw_tiles(drawn, session);
+    } else {
+      draw_look(drawn.scene, session, drawn.picture, masks ? &drawn.visible : nullptr,
+                masks ? &drawn.body_depth : nullptr);
+    }
   }
   if (!drawn_for_window_) return;
   panel_.add(drawn.scene);
@@ -113,6 +146,41 @@ void ScenePainter::draw_look(const Scene& scene, const Session& session, ColorIm
   }
 }
 
+bool ScenePainter::has_tile(Tile tile) const {
+  return std::find(tiles_.begin(), tiles_.end(), tile) != tiles_.end();
+}
+
+void ScenePainter::draw_tiles(DrawnFrame& drawn, const Session& session) {
+  const bool masks = masks_ || has_tile(Tile::kMask) || has_tile(Tile::kTruth);
+  controls_.view = LiveView::kCamera;
+  draw_look(drawn.scene, session, seen_, masks ? &drawn.visible : nullptr,
+            masks ? &drawn.body_depth : nullptr);
+  for (std::size_t k = 0; k < tiles_.size(); ++k) {
+    const Tile tile = tiles_[k];
+    switch (tile) {
+      case Tile::kCamera:
+        break;
+      case Tile::kMask:
+        draw_mask(drawn.visible, tile_);
+        break;
+      case Tile::kTruth:
+        if (const auto depth = true_depth_(drawn.scene.number)) {
+          draw_true_mask(drawn.visible, drawn.body_depth, *depth, tile_);
+        } else {
+          tile_.resize(seen_.width(), seen_.height());
+          std::fill(tile_.begin(), tile_.end(), Rgb{});
+        }
+        break;
+      default:
+        controls_.view = static_cast<LiveView>(tile);
+        draw_look(drawn.scene, session, tile_, nullptr, nullptr);
+    }
+    put_tile(tile == Tile::kCamera ? seen_ : tile_, static_cast<int>(k),
+             static_cast<int>(tiles_.size()), kTileNames[static_cast<std::size_t>(tile)],
+             drawn.picture);
+  }
+}
+
 void ScenePainter::show(const ColorImage& picture) {
   if (!window_) return;
   if (drawn_for_window_) {
@@ -123,7 +191,9 @@ void ScenePainter::show(const ColorImage& picture) {
 }
 
 void ScenePainter::handle(const WindowEvent& event) {
+  const bool places = controls_.placing;
   controls_.handle(event);
+  if (places) return;
   const bool key = event.kind == WindowEvent::Kind::kKey;
   // R goes back to the start in both; the mouse turns what is seen.
   if (key || controls_.view == LiveView::kMap) map_->handle(event);
@@ -138,6 +208,8 @@ void ScenePainter::handle_events(double wait) {
     happened = true;
   }
   ended_ |= controls_.ended || window_->closed();
+  // What is wanted is done with the next frame, and wants to be seen.
+  if (controls_.paused && controls_.wishes.of_frame()) controls_.step_wanted = true;
   if (!holds()) return;
   const bool outside = controls_.view == LiveView::kMap || controls_.view == LiveView::kSurface;
   if ((happened && outside) || controls_.view != held_view_ || !(controls_.show == held_show_)) {

@@ -16,11 +16,13 @@
 #include "palpable/view/scene_picture.h"
 #include "palpable/view/scene_show.h"
 #include "palpable/view/surface_picture.h"
+#include "palpable/view/tiles.h"
 
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -30,6 +32,12 @@ struct ScenePainterSettings {
   SceneShow show = {};                ///< what of a scene is shown to begin with
   bool paused = false;  ///< stop at the first scene, until the user of the window goes on
   bool masks = true;  ///< also fill DrawnFrame::visible and body_depth, which are read back for it
+  /// Whether the user of the window may change the run itself: who plays it looks at wishes().
+  bool run_may_change = false;
+  /// Several views in one picture, instead of `view`; none: that one. Not in a window.
+  std::vector<Tile> tiles = {};
+  /// For Tile::kTruth: the true depth of the frame with this number; nothing: it is not known.
+  std::function<std::optional<DepthImage>(int number)> true_depth = {};
   /// Called with the picture that is shown when the user of the window asks to keep it; returns
   /// what became of it, in a line for the panel.
   std::function<std::string(const ColorImage&)> keep_picture = {};
@@ -68,13 +76,30 @@ class ScenePainter {
   /// Whether the user has closed the window or pressed Escape or Q.
   [[nodiscard]] bool ended() const { return ended_; }
 
+  /// What the user wants changed of the run; with run_may_change alone there is something. Who has
+  /// done it resets it.
+  [[nodiscard]] LiveControls& controls() { return controls_; }
+  /// Says something on the panel.
+  [[nodiscard]] LivePanel& panel() { return panel_; }
+  /// The scene that the window shows while it is paused; else null.
+  [[nodiscard]] const Scene* held() const { return held_ ? &*held_ : nullptr; }
+
+  /// The loop's session is another one from now on, of the same bodies perhaps elsewhere and of
+  /// other stiffness.
+  void begin_anew();
+  /// Has the panel show the values that the session's bodies have.
+  void gather_parameters();
+
   /// @throws Error when OpenGL reported errors
   void throw_gl_errors() const;
 
  private:
+  void make_outside_views(LiveView view);
   void handle(const WindowEvent& event);
   void draw_look(const Scene& scene, const Session& session, ColorImage& picture,
                  MaskImage* visible, DepthImage* body_depth);
+  [[nodiscard]] bool has_tile(Tile tile) const;
+  void draw_tiles(DrawnFrame& drawn, const Session& session);
   void draw_held();
   void keep_picture(const ColorImage& picture);
 
@@ -89,6 +114,9 @@ class ScenePainter {
   LightEstimator light_;  // in the first body's frame
   ColorImage inside_;     // what the camera sees, where the picture is another
   bool masks_;
+  std::vector<Tile> tiles_;
+  std::function<std::optional<DepthImage>(int)> true_depth_;
+  ColorImage seen_, tile_;  // of draw_tiles()
   std::function<std::string(const ColorImage&)> keep_picture_;
   LiveControls controls_;
   LivePanel panel_;
