@@ -64,7 +64,8 @@ class PlaneGrid {
     return cells_[place.j * kSide + place.i].plane > 0;
   }
   // Whether a body may stand with its middle in this cell.
-  [[nodiscard]] bool is_free(Place place, double radius) const {
+  // @param least_seen  share of the plane below it that must have been seen
+  [[nodiscard]] bool is_free(Place place, double radius, double least_seen) const {
     const int reach = static_cast<int>(std::ceil((radius + kMargin) / kCell));
     int below = 0, seen = 0;
     for (int j = -reach; j <= reach; ++j) {
@@ -79,7 +80,7 @@ class PlaneGrid {
         seen += is_plane(at) ? 1 : 0;
       }
     }
-    return seen >= kSeenShare * below;
+    return seen >= least_seen * below;
   }
 
  private:
@@ -119,7 +120,7 @@ std::optional<Eigen::Vector3d> free_place_on(const Plane& plane, const DepthImag
   PALPABLE_EXPECT(body.radius >= 0 && body.radius <= kReach / 2 && body.height >= 0,
                   "a body has a size, and stands on a desk");
   const PlaneGrid grid(plane, depth, camera, noise, body.height);
-  if (grid.is_free(grid.place_of(plane.middle), body.radius)) return plane.middle;
+  if (grid.is_free(grid.place_of(plane.middle), body.radius, kSeenShare)) return plane.middle;
   const Eigen::Vector2d middle(0.5 * (camera.width - 1), 0.5 * (camera.height - 1));
   std::vector<Candidate> candidates;
   for (int j = 0; j < kSide; ++j) {
@@ -132,11 +133,14 @@ std::optional<Eigen::Vector3d> free_place_on(const Plane& plane, const DepthImag
   }
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& a, const Candidate& b) { return a.off_middle < b.off_middle; });
-  const auto found = std::find_if(
-      candidates.begin(), candidates.end(),
-      [&](const Candidate& candidate) { return grid.is_free(candidate.place, body.radius); });
-  if (found == candidates.end()) return std::nullopt;
-  return grid.middle_of(found->place);
+  for (const double least_seen : {kSeenShare, 0.0}) {
+    for (const Candidate& candidate : candidates) {
+      if (grid.is_free(candidate.place, body.radius, least_seen)) {
+        return grid.middle_of(candidate.place);
+      }
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace palpable

@@ -16,7 +16,8 @@ struct Footprint {
 
 /// The point of the plane at which a body can stand: nothing that is seen is in its room or within
 /// 15 mm beside it, and half of the plane below it is seen. plane.middle if that is such a point,
-/// else the one nearest to the picture's middle.
+/// else the one nearest to the picture's middle; where nowhere half of the plane is seen, a bare
+/// desk say, any point that is.
 ///
 /// On a grid of 10 mm: cells of the plane in which the plane was seen, and cells above which
 /// something lower than the body's height was. What things hide is taken for neither. Costs some

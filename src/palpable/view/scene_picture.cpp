@@ -57,8 +57,15 @@ BodyLook look_of_body(const Scene& scene, const Session& session, int number, do
 }
 
 std::string caption_of(const Scene& scene) {
-  if (scene.touches.empty()) return fmt::format("{:.2f} s", scene.time);
-  std::string text = fmt::format("{:.2f} s   {}", scene.time, caption_of(scene.touches));
+  std::string text = fmt::format("{:.2f} s", scene.time);
+  double hidden = 0;
+  for (const SceneBody& body : scene.bodies) hidden = std::max(hidden, body.hidden_since_start);
+  constexpr double kWorthTelling = 0.05;
+  if (hidden >= kWorthTelling) {
+    text += fmt::format("   {:.0f} % hidden since the start, not felt there", 100 * hidden);
+  }
+  if (scene.touches.empty()) return text;
+  text += "   " + caption_of(scene.touches);
   if (const std::optional<StatedError> error = worst_stated_error(scene)) {
     text += fmt::format("   for what is seen off by some {:.2g} %, stress {:.2g} %",
                         100 * error->displacement, 100 * error->von_mises);
