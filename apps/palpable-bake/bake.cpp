@@ -44,6 +44,7 @@ struct Options {
   std::vector<std::string> at;
   int threads = 0;
   bool held_out = false;
+  bool no_touch = false;
   FileOptions file;
 };
 
@@ -178,7 +179,8 @@ std::string add_touch(const Options& options, const BodyDescription& description
 
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
   const auto begin = std::chrono::steady_clock::now();
-  const BodyDescription description = read_description(options.description);
+  BodyDescription description = read_description(options.description);
+  if (options.no_touch) description.touch = {.tables = BodyDescription::Touch::Tables::kNone};
   const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
   guard_output_file(options.output, inputs);
   const bool has_campaign = options.method != "intrusive-pgd";
@@ -257,6 +259,9 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
                    "Also solve the levels in between (and the values of a free parameter in "
                    "between), and say how far the body is from them; takes as long as the campaign "
                    "again; snapshots go to NAME.held-out and NAME.between-PARAMETER");
+  command.add_flag("--no-touch", options->no_touch,
+                   "Leave out the tables of touch, whatever the description says: the body is "
+                   "touched at its sites, and done in a fifth of the time");
   command.add_option("--solver", options->solver, "own: this project's; calculix: runs ccx")
       .one_of({"own", "calculix"})
       .show_default();

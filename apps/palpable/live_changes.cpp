@@ -215,6 +215,7 @@ void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& even
   if (records()) {
     panel.recording.clear();
     panel.note = end_recording();
+    painter.refresh_panel();
     return;
   }
   if (camera_from_body_.empty()) return;  // nothing has been answered: ask again
@@ -223,7 +224,9 @@ void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& even
     loop.begin_anew([&](LiveRun& run) { begin_recorded_session(file, run); });
     panel.note.clear();
   } catch (const Error& error) { panel.note = error.what(); }
+  if (records()) panel.recording = recording_->file().string();
   painter.begin_anew();
+  painter.refresh_panel();
   events.begin_anew(setup_.run.loop.session);
 }
 

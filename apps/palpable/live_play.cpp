@@ -6,6 +6,7 @@
 #include "apps/palpable/kept_picture.h"
 #include "apps/palpable/live_changes.h"
 #include "palpable/base/error.h"
+#include "palpable/base/text_numbers.h"
 #include "palpable/base/this_machine.h"
 #include "palpable/clip_files/depth_image_file.h"
 #include "palpable/clip_files/frame_names.h"
@@ -61,6 +62,7 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
   // What says how files are written says nothing where none are.
   for (const auto& [wanted, name] :
        {std::pair{options.pictures, "--pictures"}, std::pair{options.meshes, "--meshes"},
+        std::pair{!options.frame_pictures.empty(), "--frame-pictures"},
         std::pair{options.no_masks, "--no-masks"}, std::pair{options.no_depth, "--no-depth"},
         std::pair{options.overwrite && !other_output, "--overwrite"},
         std::pair{!options.views.empty(), "--views"},
@@ -270,6 +272,25 @@ std::optional<FolderLock> lock_of(const fs::path& out) {
   return std::optional<FolderLock>(std::in_place, out);
 }
 
+// --frame-pictures: which frames' pictures are kept.
+void read_frame_pictures(const std::vector<std::string>& words, LiveOutputSettings& settings) {
+  constexpr long long kMostFrames = 100'000'000;
+  for (const std::string& word : words) {
+    if (word == "all") {
+      settings.all_pictures = true;
+      continue;
+    }
+    const auto number = to_whole_number(word);
+    if (!number || *number < 0 || *number > kMostFrames) {
+      throw Error(fmt::format(
+          "--frame-pictures {}: must be numbers of frames, the first one is 0, or the word all",
+          word));
+    }
+    settings.kept_pictures.push_back(static_cast<int>(*number));
+  }
+  std::sort(settings.kept_pictures.begin(), settings.kept_pictures.end());
+}
+
 LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& run) {
   const Session& session = run.loop.session;
   LiveOutputSettings settings;
@@ -279,6 +300,7 @@ LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& ru
   settings.depth = !options.no_depth;
   settings.masks = !options.no_masks;
   settings.figures = options.pictures;
+  read_frame_pictures(options.frame_pictures, settings);
   settings.bodies = names_of_several(session);
   settings.meshes_of = meshes_of(options, session);
   if (options.pictures) settings.touch_frames = truly_touching_frames(run.images);
@@ -454,6 +476,11 @@ void add_play_options(Command command, PlayOptions& options) {
                    "Also write the three pictures that best show the hand before the body, the "
                    "body before the hand, and a touch (of a clip with a truth: at least 4 mm "
                    "deep in truth)");
+  command
+      .add_option("--frame-pictures", options.frame_pictures,
+                  "Also write the pictures of these frames, or of all, as pictures/000098.png; the "
+                  "first frame is 0")
+      .type_name("N ...|all");
   command.add_flag("--no-masks", options.no_masks,
                    "Leave out visible/, body_depth/ and moving/, which palpable score compares");
   command.add_flag("--no-depth", options.no_depth, "Leave out depth/, the measured depth");

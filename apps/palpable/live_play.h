@@ -30,6 +30,7 @@ struct PlayOptions {
   bool window = false;
   bool paused = false;  ///< the window begins with the first frame held
   bool pictures = false;
+  std::vector<std::string> frame_pictures = {};  ///< numbers of frames, or "all"
   bool no_masks = false;
   bool no_depth = false;
   bool meshes = false;

@@ -38,6 +38,7 @@ constexpr std::array kBakeCommands{
     BakeCommand{"truth", "The full finite-element answer to the true hand of a filmed clip"},
     BakeCommand{"export", "Write a body or its snapshots for other programs"},
     BakeCommand{"import-modes", "Make a body file from another program's modes"},
+    BakeCommand{"reproduce", "The paper's examples and figures beside its own numbers, as a page"},
 };
 
 // Of `palpable bench`, those that palpable-bake has.

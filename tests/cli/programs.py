@@ -213,6 +213,15 @@ def png(width, height, shade, bits=8, channels=3):
             + chunk(b"IEND", b""))
 
 
+def png_of_rows(rows):
+    """A PNG of rows of (r, g, b)."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 2, 0, 0, 0)
+    packed = zlib.compress(b"".join(b"\0" + bytes(sum(map(list, row), [])) for row in rows), 9)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", packed) + chunk(b"IEND", b""))
+
+
 WIDTH, HEIGHT = 320, 180
 
 
@@ -240,7 +249,8 @@ def live(programs, folder, *more, source="clip"):
 # ---- cases -------------------------------------------------------------------------------------
 
 COMMANDS = ("mesh", "bake", "reduce", "report", "compare", "solve", "truth", "export", "import-modes",
-            "inspect", "press", "view", "synth", "live", "replay", "scan", "score", "bench", "cameras", "calibrate")
+            "inspect", "press", "view", "synth", "live", "replay", "scan", "score", "bench", "cameras", "calibrate",
+            "reproduce")
 
 
 @case("help of the program and of each command has an example, on stdout, exit code 0")

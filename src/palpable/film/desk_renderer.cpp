@@ -379,7 +379,6 @@ void DeskRenderer::draw_truth(const DeskMoment& moment, const PinholeCamera& vie
   s.painter.place(movers, movers);
   const Rigid3 camera_from_desk = moment.camera_from_desk(moment.frame);
   const Rigid3 right_from_desk = Eigen::Translation3d(-baseline, 0.0, 0.0) * camera_from_desk;
-  glPixelStorei(GL_PACK_ALIGNMENT, 4);
   const std::vector<Eigen::Vector2f> right = s.measured(right_from_desk, view);
   const std::vector<Eigen::Vector2f> left = s.measured(camera_from_desk, view);
   truth.depth.resize(view.width, view.height);

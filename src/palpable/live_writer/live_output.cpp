@@ -77,6 +77,7 @@ void copy_lines(const Scene& scene, FrameLines& lines) {
 }
 
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
+constexpr const char* kPictures = "pictures";
 constexpr std::string_view kTimingBegin = "frame,";  // of a run's timing.csv
 // All that a run may leave in its folder, timing.csv first: every run begins with it.
 constexpr std::array kOutputs{"timing.csv",
@@ -94,7 +95,8 @@ constexpr std::array kOutputs{"timing.csv",
                               kFigureNames[1],
                               kFigureNames[2],
                               "touch.mp4.part",
-                              "meshes"};
+                              "meshes",
+                              kPictures};
 
 // Whether a run has written it; one that was killed at once has left it empty.
 bool is_timing_of_run(const fs::path& file) {
@@ -187,6 +189,7 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
   const fs::path& folder = settings_.folder;
   make_folder(folder);
   texts_.emplace(folder);  // first: what has no timing.csv is taken for somebody else's
+  if (settings_.all_pictures || !settings_.kept_pictures.empty()) make_folder(folder / kPictures);
   if (settings_.depth) make_folder(folder / "depth");
   if (settings_.masks) {
     make_folder(folder / "visible");
@@ -305,6 +308,7 @@ void LiveOutput::write_pictures(const DrawnFrame& frame) {
   if (settings_.masks) write_masks(frame);
   write_meshes(frame.scene);
   write_video(frame);
+  write_picture(frame);
   keep_if_best(frame);
 }
 
@@ -395,6 +399,16 @@ void LiveOutput::write_video(const DrawnFrame& frame) {
     video_->append(first_picture_);
   }
   video_->append(frame.picture, after);
+}
+
+void LiveOutput::write_picture(const DrawnFrame& frame) {
+  const std::vector<int>& kept = settings_.kept_pictures;
+  if (!settings_.all_pictures &&
+      !std::binary_search(kept.begin(), kept.end(), frame.scene.number)) {
+    return;
+  }
+  write_png(settings_.folder / kPictures / fmt::format("{:06}.png", frame.scene.number),
+            frame.picture);
 }
 
 void LiveOutput::keep_if_best(const DrawnFrame& frame) {

@@ -20,6 +20,7 @@
 ///   meshes/%06d.ply rest.ply  the body as it is drawn, with its stress, if asked for
 ///   (mesh_file.h);
 ///                             of several bodies each in a folder of its name in meshes/
+///   pictures/%06d.png         what was shown, of the frames that are asked for
 ///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, if asked for
 #pragma once
 
@@ -54,6 +55,8 @@ struct LiveOutputSettings {
   bool depth = true;
   bool masks = true;
   bool figures = false;
+  bool all_pictures = false;           ///< every frame's picture is kept as pictures/NUMBER.png
+  std::vector<int> kept_pictures = {};  ///< those of these frames are, rising
   std::vector<std::string> bodies = {};  ///< names, where there are several; else none
   /// The bodies at rest where every frame's are to be written; none: nothing is.
   std::vector<SurfaceMesh> meshes_of = {};
@@ -157,6 +160,7 @@ class LiveOutput {
   [[nodiscard]] std::string name_of(std::size_t body) const;
   [[nodiscard]] std::filesystem::path meshes_folder(std::size_t body) const;
   void write_video(const DrawnFrame& frame);
+  void write_picture(const DrawnFrame& frame);
   void open_video(const ColorImage& picture, double frames_per_second);
   void flush();
   void keep_if_best(const DrawnFrame& frame);

@@ -191,6 +191,33 @@ TEST_CASE("the picture of a touch is one of a frame that truly touches", "[live_
         test::file_bytes(folder / "expected.png"));
 }
 
+TEST_CASE("pictures of the frames that are asked for are written as they were shown",
+          "[live_writer]") {
+  const test::ScratchFolder folder("live_output_pictures");
+  for (const bool all : {false, true}) {
+    const fs::path out = folder / (all ? "all" : "some");
+    LiveOutput output({.folder = out, .all_pictures = all, .kept_pictures = {1, 3}});
+    for (int number = 0; number < 4; ++number) {
+      std::unique_ptr<DrawnFrame> drawn = output.blank();
+      fill(*drawn, number);
+      drawn->picture =
+          ColorImage(kWidth, kHeight, Rgb{static_cast<std::uint8_t>(50 * number), 0, 0});
+      output.write(std::move(drawn));
+    }
+    output.finish();
+    for (int number = 0; number < 4; ++number) {
+      const fs::path file = out / "pictures" / fmt::format("{:06}.png", number);
+      INFO(file);
+      REQUIRE(fs::exists(file) == (all || number % 2 == 1));
+      if (!fs::exists(file)) continue;
+      write_png(folder / "expected.png",
+                ColorImage(kWidth, kHeight, Rgb{static_cast<std::uint8_t>(50 * number), 0, 0}));
+      CHECK(test::file_bytes(file) == test::file_bytes(folder / "expected.png"));
+    }
+    CHECK(earlier_run(out, true, {}).back() == out / "pictures");  // it goes with the run
+  }
+}
+
 TEST_CASE("a run of one frame has a video, one without depth and masks no folders of them",
           "[live_writer]") {
   const test::ScratchFolder folder("live_output_one");

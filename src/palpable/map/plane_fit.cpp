@@ -223,6 +223,8 @@ std::optional<Plane> fit_plane_at(const DepthImage& depth, const PinholeCamera& 
   const std::optional<double> Z = depth_around(depth, x, y);
   if (!Z) return std::nullopt;
   const Eigen::Vector3d at = camera.unproject(x_px, y_px, *Z);
+  constexpr double kLeastRadius = 8;  // px: far away a few centimetres are too few points
+  reach = std::max(reach, kLeastRadius * *Z / camera.fx_px);
   const std::vector<Point> points = points_near(depth, camera, noise, at, reach);
   if (points.size() < kFewestPoints) return std::nullopt;
   std::optional<Plane> plane = fit(points, PlaneFitSettings{}.trials, kAnyWay);

@@ -48,7 +48,8 @@ struct Plane {
 /// the same votes and rounds, whatever way it faces. `middle` is that point, `share` of the points
 /// around it.
 /// @param x_px, y_px  of the depth; may lie beside it
-/// @param reach       m; what lies deeper than PlaneFitSettings::farthest counts, too
+/// @param reach       m, but at least 8 px; what lies deeper than PlaneFitSettings::farthest
+/// counts, too
 /// @return nothing where no depth is known at the pixel or too little around it, and where the
 /// plane
 ///         around it passes it by

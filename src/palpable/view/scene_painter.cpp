@@ -220,6 +220,10 @@ void ScenePainter::handle_events(double wait) {
   if (controls_.picture_wanted) keep_picture(held_picture_);
 }
 
+void ScenePainter::refresh_panel() {
+  if (holds()) window_->show(held_picture_);
+}
+
 void ScenePainter::draw_held() {
   held_view_ = controls_.view;
   held_show_ = controls_.show;

@@ -87,6 +87,8 @@ class ScenePainter {
   /// The loop's session is another one from now on, of the same bodies perhaps elsewhere and of
   /// other stiffness.
   void begin_anew();
+  /// Paints the window again while it is paused, with what the panel says now.
+  void refresh_panel();
   /// Has the panel show the values that the session's bodies have.
   void gather_parameters();
 

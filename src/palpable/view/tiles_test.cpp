@@ -24,7 +24,7 @@ TEST_CASE("tiles stand beside each other at half their size, more than three in 
     for (int k = 0; k < count; ++k) {
       CHECK(sheet(160 * (k % columns) + 150, 90 * (k / columns) + 80) == colors[k]);
       // The name stands in its upper left corner.
-      const auto is_letter = [](const Rgb& at) { return at.r > 230 && at.g > 230 && at.b > 230; };
+      const auto is_letter = [](const Rgb& at) { return at.r > 120 && at.g > 120 && at.b > 120; };
       int letters = 0;
       for (int y = 0; y < 30; ++y) {
         const Rgb* row = sheet.row(90 * (k / columns) + y) + 160 * (k % columns);
