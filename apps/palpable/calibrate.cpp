@@ -101,7 +101,7 @@ void add_calibrate(Command app) {
       .required();
   add_board_options(command, options->board);
   command.add_option("--views", options->views, "For a camera: pictures of the board to take")
-      .in_range(6, 1000)
+      .in_range(3, 1000)
       .show_default();
   command
       .add_option("--largest-reprojection", options->limits.largest_reprojection_px,
@@ -113,6 +113,10 @@ void add_calibrate(Command app) {
                   "Refuse one whose two eyes' rows are farther apart, px rms")
       .positive()
       .show_default();
+  command.add_flag("--accept", options->limits.accept_weak,
+                   "Write a calibration although it has fewer than 6 boards (3 at least), boards "
+                   "tilted by less than 15 degrees, or a focal length known to less than 1 %; how "
+                   "well it is known is said");
   command.add_option("--check", options->check,
                      "Instead of calibrating: say how far this calibration leaves the two eyes' "
                      "rows apart on the boards");

@@ -295,6 +295,7 @@ LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& ru
   const Session& session = run.loop.session;
   LiveOutputSettings settings;
   settings.folder = options.out;
+  settings.starts_at = run.source->format().starts_at;
   settings.complete = options.every_frame || !run.source->is_live();
   settings.depth = !options.no_depth;
   settings.masks = !options.no_masks;

@@ -4,6 +4,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/bake_program.h"
 #include "palpable/base/error.h"
+#include "palpable/base/text_numbers.h"
 #include "palpable/clip_files/place.h"
 #include "palpable/clip_files/scene_description.h"
 #include "palpable/clip_writer/kept_clip.h"
@@ -54,11 +55,24 @@ Anchor anchor_of(const LiveOptions& options) {
   return options.anchor == "board" ? Anchor::kBoard : Anchor::kPlace;
 }
 
+// The pixel of --at; nothing without it.
+std::optional<Eigen::Vector2d> given_pixel(const LiveOptions& options) {
+  if (options.at.empty()) return std::nullopt;
+  const auto numbers = to_numbers(options.at);
+  if (!numbers || numbers->size() != 2) {
+    throw Error(fmt::format("--at {}: should be a pixel like 320,200", options.at));
+  }
+  if (options.anchor != "plane") {
+    throw Error("--at says where on the plane that is seen: give --anchor plane, too");
+  }
+  return Eigen::Vector2d((*numbers)[0], (*numbers)[1]);
+}
+
 // What else to type where nothing says where the body stands.
 std::string_view other_places(Anchor anchor) {
   switch (anchor) {
     case Anchor::kPlane:
-      return "or give --place";
+      return "or say where with --at X,Y (a pixel) or --place";
     case Anchor::kBoard:
       return "--board says how many corners it has; or give --place";
     case Anchor::kPlace:
@@ -114,11 +128,13 @@ std::vector<DescribedBody> wanted_bodies(const LiveOptions& options) {
 // Where frames come from and what is matched.
 void add_input_options(Command command, LiveOptions& options) {
   command
-      .add_option("--source", options.input.source,
-                  "A folder (left/ right/, side by side, colour + depth, EuRoC, KITTI, TUM, "
-                  "7-Scenes), images by name (\"cam0/*.png\"), a video file, what --record has "
-                  "kept (*.palprec), a camera (/dev/video0), or the word synthetic: the built-in "
-                  "desk")
+      .add_option(
+          "--source", options.input.source,
+          "A folder (left/ right/, side by side, colour + depth, EuRoC, KITTI, TUM, "
+          "7-Scenes, Middlebury), images by name (\"cam0/*.png\"), one image (with --right), a "
+          "video file, what --record has "
+          "kept (*.palprec), a camera (/dev/video0), or the word synthetic: the built-in "
+          "desk")
       .required();
   add_source_options(command, options.input);
   command.add_flag("--paced", options.paced,
@@ -139,12 +155,19 @@ void add_place_options(Command command, LiveOptions& options) {
       .add_option(
           "--anchor",
           [&options](const std::vector<std::string>& words) { return read_anchor(words, options); },
-          "Instead of --place. plane: on the desk or floor that the first frames show, in the "
-          "middle of the picture; board: on the middle of the chessboard that they show (--board, "
+          "Instead of --place. plane: on the desk or floor that the first frames show, where "
+          "nothing "
+          "stands, as near to the middle of the picture as can be, or --at a pixel; board: on the "
+          "middle of the chessboard that they show (--board, "
           "--square); pose FILE: at the pose in a file, as --place FILE")
       .type_name("plane|board|pose FILE")
       .words(1, 2)
       .excludes("--place");
+  command
+      .add_option("--at", options.at,
+                  "With --anchor plane: the pixel of the first picture's surface on which the body "
+                  "is to stand, from its top left corner")
+      .type_name("X,Y");
   add_board_options(command, options.board);
   command.add_option("--scale", options.scale, "Make the body this many times as large")
       .in_range(1e-3, 1e3)
@@ -201,6 +224,8 @@ void add_loop_options(Command command, LiveOptions& options) {
 SessionSettings session_settings(const LiveOptions& options) {
   SessionSettings settings;
   if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
+  settings.depth.full_resolution = matches_full_size(options.input);
+  if (options.input.farthest > 0) settings.depth.farthest = options.input.farthest;
   settings.contact = options.contact == "paper"  ? ContactKind::kPaper
                      : options.contact == "site" ? ContactKind::kSite
                                                  : ContactKind::kAnywhere;
@@ -262,6 +287,7 @@ LiveSetUp set_up_live(const LiveOptions& options, std::unique_ptr<FrameSource> i
   settings.images = request_of(options.input);
   settings.place = given_place(options);
   settings.anchor = anchor_of(options);
+  settings.at_px = given_pixel(options);
   settings.paced = options.paced;
   settings.threads = options.threads;
   settings.session = session_settings(options);

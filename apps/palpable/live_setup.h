@@ -28,6 +28,7 @@ struct LiveOptions {
   /// "plane", "board": on the desk or chessboard that is seen; "pose", empty: where `place` says.
   std::string anchor;
   BoardOptions board;  ///< which one
+  std::string at;      ///< "320,200": where on the plane; empty: it is looked for
   double scale = 1;
   std::vector<std::string> set;  ///< NAME=VALUE of further parameters
   bool press_static = false;

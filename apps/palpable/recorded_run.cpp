@@ -65,6 +65,8 @@ RecordedRun recorded_run(const LiveOptions& options, const LiveSetUp& setup) {
   if (!options.scene.empty()) run.scene = std::filesystem::absolute(options.scene);
   run.options.contact = options.contact;
   run.options.matcher = options.matcher;
+  if (matches_full_size(options.input)) run.options.input.depth = options.input.depth;
+  run.options.input.farthest = options.input.farthest;
   run.options.fixed_camera = options.fixed_camera;
   run.options.refine = options.refine;
   run.options.press_static = session.settings().press_static;  // scene.toml may have asked for it
@@ -99,6 +101,8 @@ Json json_of_run(const RecordedRun& run) {
           {"scene", run.scene.string()},
           {"contact", run.options.contact},
           {"matcher", run.options.matcher},
+          {"depth", run.options.input.depth},
+          {"farthest", run.options.input.farthest},
           {"fixed_camera", run.options.fixed_camera},
           {"press_static", run.options.press_static},
           {"refine", run.options.refine.string()},
@@ -112,6 +116,10 @@ RecordedRun recorded_run_of(const Json& json) {
   run.scene = json["scene"].get<std::string>();
   run.options.contact = json["contact"].get<std::string>();
   run.options.matcher = json["matcher"].get<std::string>();
+  if (json.contains("depth")) {  // earlier recordings have half
+    run.options.input.depth = json["depth"].get<std::string>();
+    run.options.input.farthest = json["farthest"].get<double>();
+  }
   run.options.fixed_camera = json["fixed_camera"].get<bool>();
   run.options.press_static = json["press_static"].get<bool>();
   run.options.refine = json["refine"].get<std::string>();
@@ -127,6 +135,10 @@ RecordedRun recorded_run_of(const Json& json) {
   if (!is_one_of(run.options.matcher, {"census", "opencv"})) {
     throw Error(
         fmt::format("its matcher is '{}', which this program does not know", run.options.matcher));
+  }
+  if (!is_one_of(run.options.input.depth, {"", "half", "full"})) {
+    throw Error(fmt::format("its depth is '{}', which this program does not know",
+                            run.options.input.depth));
   }
   for (const RecordedRun::Body& body : run.bodies) {
     if (!(body.body.scale > 0)) {

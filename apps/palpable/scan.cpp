@@ -79,6 +79,17 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   settings.slam.fuse_every = options.fuse_every;
   settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
   settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
+  settings.depth.full_resolution = matches_full_size(options.input);
+  if (options.input.farthest > 0) {
+    SurfaceMapSettings& surface = settings.slam.surface;
+    // The scatter of depth grows with its square; the largest one in step with the way, or the
+    // surface would be blurred over metres.
+    const double farther = std::max(options.input.farthest / surface.farthest, 1.0);
+    surface.best_sigma *= farther * farther;
+    surface.largest_sigma *= farther;
+    surface.farthest = options.input.farthest;
+    settings.depth.farthest = std::max(settings.depth.farthest, options.input.farthest);
+  }
   settings.most_frames = options.frames;
   if (!given.empty())
     settings.pose_at = [&](double time) {
@@ -124,7 +135,7 @@ void scan(const ScanOptions& options) {
                             scanned.last_trouble));
   }
   const SurfaceMap& map = *scanned.slam->map();
-  const ColoredSurface mesh = map.mesh();
+  const ColoredSurface mesh = surface_of(scanned);
   if (mesh.surface.triangle_count() == 0) {
     throw Error(fmt::format("{}: no surface within {} m was seen in {} frames ({} without a pose)",
                             options.input.source, map.settings().farthest, frames,
@@ -147,8 +158,10 @@ void add_scan(Command app) {
   auto options = std::make_shared<ScanOptions>();
   Command command = app.add_subcommand("scan", "Make a surface of what a camera saw of a room");
   command
-      .add_option("source", options->input.source,
-                  "A folder, images by name, a video file, a *.palprec or a camera, as for live")
+      .add_option(
+          "source", options->input.source,
+          "A folder, images by name, one image (with --right), a video file, a *.palprec or a "
+          "camera, as for live")
       .required();
   add_source_options(command, options->input);
   command.add_option("-o,--out", options->out, "Surface to write, a .ply with colours").required();
@@ -170,7 +183,8 @@ void add_scan(Command app) {
   command.add_option("--frames", options->frames, "Stop after this many frames")
       .in_range(1, 100'000'000);
   command.footer(
-      "What moves is left out. Depths up to 3 m are taken, or up to where they scatter by 50 mm.\n"
+      "What moves is left out. Depths up to 3 m are taken, or up to where they scatter by 50 mm;\n"
+      "--farthest 12 takes those up to 12 m, which may scatter four times as much.\n"
       "Ctrl-C ends the scan and writes what was seen; a camera has no end of its own.\n"
       "Example: palpable scan room -o room.ply");
   command.callback([options] { scan(*options); });

@@ -7,6 +7,7 @@
 #include "palpable/base/error.h"
 #include "palpable/base/json.h"
 #include "palpable/reduced/body_file.h"
+#include "palpable/scorecard/pose_scores.h"
 #include "palpable/scorecard/scorecard.h"
 
 #include <fmt/core.h>
@@ -22,10 +23,26 @@ struct Options {
   std::filesystem::path truth;
   std::filesystem::path result;
   std::filesystem::path body;
+  std::filesystem::path poses;  // empty: truth is a folder of a film's truth
+  double poses_per_second = 0;  // 0: as their format has them
   bool json = false;
 };
 
+// A camera's path alone, against poses that somebody has published.
+void score_path_of(const Options& options) {
+  if (!options.result.empty() || !options.body.empty()) {
+    throw Error("--poses takes the place of the truth: give the result's folder or file alone");
+  }
+  const std::optional<double> rate =
+      options.poses_per_second > 0 ? std::optional(options.poses_per_second) : std::nullopt;
+  const PoseScores scores = score_poses(read_published_poses(options.poses, rate), options.truth);
+  fmt::print("{}", options.json ? json_of(scores) + "\n" : text_of(scores));
+}
+
 void score(const Options& options) {
+  if (!options.poses.empty()) return score_path_of(options);
+  if (options.poses_per_second > 0) throw Error("--fps is of the poses that --poses names");
+  if (options.result.empty()) throw Error("give the folder of the result, too");
   std::optional<ReducedBody> body;
   if (!options.body.empty()) body = value_or_throw(read_pressable_body(options.body));
   ProgressBar bar;
@@ -45,21 +62,34 @@ void add_score(Command app) {
   auto options = std::make_shared<Options>();
   Command command = app.add_subcommand("score", "Compare a run with the truth of what it saw");
   command
-      .add_option("truth", options->truth,
-                  "Folder of the truth: truth/ of palpable synth, or one like it")
+      .add_option(
+          "truth", options->truth,
+          "Folder of the truth: truth/ of palpable synth, or one like it. With --poses: the "
+          "result's folder, or its trajectory in TUM's format")
       .required();
-  command
-      .add_option("result", options->result,
-                  "What a run left: the --out folder of palpable live, or another system's files")
-      .required();
+  command.add_option(
+      "result", options->result,
+      "What a run left: the --out folder of palpable live, or another system's files");
   command.add_option("--body", options->body,
                      "The body of the run: then it is also scored how deep the hand stays in it, "
                      "how it jumps, and how far it is from the true answer. Of a body that was "
                      "touched anywhere that takes live --meshes");
+  command
+      .add_option("--poses", options->poses,
+                  "Poses that a data set has published of the camera, instead of a truth: a file "
+                  "of TUM, KITTI (poses.txt), 7-Scenes (one of its *.pose.txt) or EuRoC "
+                  "(data.csv), or the recording's folder")
+      .type_name("FILE");
+  command
+      .add_option("--fps", options->poses_per_second,
+                  "Of poses without times. Default: KITTI's times.txt beside them or 10, 30 of "
+                  "7-Scenes")
+      .in_range(0.1, 1000.0);
   command.add_flag("--json", options->json, "One JSON object on stdout");
   command.footer(
       "Formats and scores: docs/benchmark.md. What a result does not hold is null (-).\n"
-      "Example: palpable score clip/truth out --body bunny.palpable");
+      "Example: palpable score clip/truth out --body bunny.palpable\n"
+      "         palpable score --poses rgbd_dataset_freiburg1_xyz/groundtruth.txt out");
   command.callback([options] { score(*options); });
 }
 

@@ -6,16 +6,36 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 namespace palpable::app {
+namespace {
+
+bool is_depth_size(const std::string& word) {
+  return std::find(kDepthSizes.begin(), kDepthSizes.end(), word) != kDepthSizes.end();
+}
+
+}  // namespace
+
+bool matches_full_size(const SourceOptions& options) { return options.depth == kDepthSizes[1]; }
 
 void add_source_options(Command command, SourceOptions& options, SourceKind kind) {
   command.add_option(
       "--right", options.right,
-      "The right eye's camera, video or images by name; the source is then the left's");
+      "The right eye's camera, video, image or images by name; the source is then the left's");
   if (kind == SourceKind::kAny) {
-    command.add_option("--depth", options.depth,
-                       "The depth camera, or depth images by name: from where the source looks, or "
-                       "from where intrinsics.txt says");
+    command
+        .add_option(
+            "--depth", options.depth,
+            "Of stereo: half or full, the size at which pairs are matched; full finds finer "
+            "things and takes 4 to 6 times as long for it (docs/depth.md). Default: half. "
+            "Else the depth camera, or depth images by name: from where the source looks, "
+            "or from where intrinsics.txt says")
+        .type_name("half|full|DEVICE|IMAGES");
+    command
+        .add_option("--farthest", options.farthest,
+                    "Depths beyond are taken for unknown, m. A street wants more than a desk")
+        .in_range(0.2, 1000.0);
     command.add_option(
         "--calibration", options.calibration,
         "OpenCV YAML, a ZED's SN*.conf or intrinsics.txt. Default: what lies beside the "
@@ -41,7 +61,7 @@ CameraRequest request_of(const SourceOptions& options) {
   CameraRequest request;
   request.device = options.source;
   request.right = options.right;
-  request.depth = options.depth;
+  if (!is_depth_size(options.depth)) request.depth = options.depth;
   request.calibration = options.calibration;
   request.folders = calibration_folders();
   if (!options.size.empty()) {
@@ -59,9 +79,10 @@ CameraRequest request_of(const SourceOptions& options) {
 
 std::vector<std::filesystem::path> inputs_of(const SourceOptions& options) {
   std::vector<std::filesystem::path> inputs;
+  const std::string depth = is_depth_size(options.depth) ? "" : options.depth;
   for (const std::filesystem::path& input :
        {std::filesystem::path(options.source), std::filesystem::path(options.right),
-        std::filesystem::path(options.depth), options.calibration}) {
+        std::filesystem::path(depth), options.calibration}) {
     if (input.empty()) continue;
     inputs.push_back(is_pattern(input) ? std::filesystem::absolute(input).parent_path() : input);
   }

@@ -5,8 +5,10 @@
 #include "palpable/sources/camera_source.h"
 #include "palpable/sources/frame_source.h"
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpable::app {
@@ -16,7 +18,8 @@ class Command;
 struct SourceOptions {
   std::string source;  ///< folder, images by name, video file or /dev/video*
   std::string right;
-  std::string depth;
+  std::string depth;    ///< a depth camera or its images; or a word of kDepthSizes
+  double farthest = 0;  ///< m; 0: what the command takes without it
   std::filesystem::path calibration;
   std::string size;  ///< "2560x720"; empty: chosen
   double frames_per_second = 0;
@@ -29,6 +32,12 @@ enum class SourceKind {
   kAny,
   kRawStereo,  ///< to be calibrated: neither --depth nor --calibration
 };
+
+/// The words of --depth that say at which size stereo is matched, the usual one first.
+inline constexpr std::array<std::string_view, 2> kDepthSizes = {"half", "full"};
+
+/// Whether stereo is matched at full size.
+[[nodiscard]] bool matches_full_size(const SourceOptions& options);
 
 /// Adds all but --source, which commands explain in their own words.
 void add_source_options(Command command, SourceOptions& options,

@@ -229,12 +229,12 @@ def texture(shift):
     return lambda x, y: zlib.crc32(struct.pack("ii", (x + shift) // 2, y // 2)) % 200 + 20
 
 
-def write_stereo(folder, frames=4, width=WIDTH):
-    """A wall 0.44 m away: every point of the right image lies 25 px farther left."""
-    for eye, shift in (("left", 0), ("right", 25)):
+def write_stereo(folder, frames=4, width=WIDTH, shift=25):
+    """A wall 0.44 m away: every point of the right image lies 25 px farther left; 11 m / shift otherwise."""
+    for eye, of_eye in (("left", 0), ("right", shift)):
         (folder / eye).mkdir(parents=True)
         for n in range(frames):
-            (folder / eye / f"{n:06d}.png").write_bytes(png(WIDTH, HEIGHT, texture(shift)))
+            (folder / eye / f"{n:06d}.png").write_bytes(png(WIDTH, HEIGHT, texture(of_eye)))
     (folder / "rectified.yml").write_text(
         f"%YAML:1.0\n---\nfx: 175.0\nfy: 175.0\ncx: 159.5\ncy: 89.5\nwidth: {width}\nheight: {HEIGHT}\n"
         "baseline_m: 0.063\ndoffs_px: 0.0\n")
@@ -1757,8 +1757,12 @@ def _(programs, folder):
     away = (pose[7] + pose[11]) * 0.5 ** 0.5
     assert abs(away / height - 1) < 0.03 and abs(pose[3]) < 0.03 and abs(pose[11] - 0.44) < 0.05, (away, pose)
 
-    write_stereo(folder / "wall", frames=2)
-    refusal = ["wall", "no plane to stand on", "--place"]
+    # A wall that faces the camera looks as the desk does to one that looks straight down; beyond 1.5 m nobody touches.
+    programs.succeeds(*words, write_stereo(folder / "below", frames=2), "--overwrite")
+    pose = json.loads((folder / "out/live.json").read_text())["camera_from_body"]
+    assert pose[10] < -0.99 and abs(pose[11] - 0.44) < 0.02, pose
+    write_stereo(folder / "wall", frames=2, shift=5)
+    refusal = ["wall", "no plane to stand on", "--place", "--at"]
     programs.refuses(*words, folder / "wall", "--overwrite", says=refusal)
     programs.refuses(*words, folder / "desk", "--place", "0 0 0.4 0 0 0", says=["--anchor", "--place"])
     programs.refuses(*words[:-2], "ceiling", "--source", folder / "desk", says=["ceiling"])

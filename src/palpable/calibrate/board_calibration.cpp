@@ -4,7 +4,7 @@
 #include "palpable/calibrate/rectification.h"
 
 #include <Eigen/Geometry>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -225,27 +225,48 @@ double covered_share(const std::vector<Points2>& views, int width, int height) {
   return cv::contourArea(hull) / (static_cast<double>(width) * height);
 }
 
+// What is wanting in the boards, and what follows for the focal length; empty where nothing is.
+// `result` is solved already.
+std::string weakness_of(const BoardCalibration& result, int views, const BoardLimits& limits) {
+  std::vector<std::string> wanting;
+  if (views < limits.fewest_views) {
+    wanting.push_back(
+        fmt::format("the board was seen whole by both eyes in {} pairs; {} are wanted", views,
+                    limits.fewest_views));
+  }
+  if (result.tilt < limits.least_tilt) {
+    wanting.push_back(fmt::format(
+        "the boards are tilted by at most {:.0f} degrees against each other; {:.0f} are wanted to "
+        "tell focal length from distance",
+        result.tilt * kDegrees, limits.least_tilt * kDegrees));
+  }
+  if (wanting.empty() && result.focal_sigma <= limits.largest_focal_sigma) return {};
+  const double sigma = 100 * result.focal_sigma;
+  const std::string known = !(sigma < 100) ? "not at all"
+                                           : fmt::format("to {:.{}f} % (one standard deviation)",
+                                                         sigma, sigma < 1 ? 2 : 1);
+  return fmt::format("{}{}so the focal length, and with it every depth, is known {}",
+                     fmt::join(wanting, ", and "), wanting.empty() ? "" : ": ", known);
+}
+
 Result<BoardCalibration> calibrate(std::span<const BoardView> views, const BoardPattern& pattern,
                                    int width, int height, const BoardLimits& limits) {
   const Corners corners = corners_of(views, pattern);
   BoardCalibration result;
   result.tilt = largest_tilt(board_points(pattern), corners.left, width, height);
-  if (result.tilt < limits.least_tilt) {
-    return Problem{fmt::format(
-        "the boards are tilted by at most {:.0f} degrees against each other; {:.0f} are needed to "
-        "tell focal length from distance, so tilt the board to all sides",
-        result.tilt * kDegrees, limits.least_tilt * kDegrees)};
-  }
   solve(corners, width, height, result);
   if (auto problem = bad_reprojection(result, views, pattern, limits)) return *problem;
   const StereoRig& rig = result.calibration.rig;
+  result.weakness = weakness_of(result, static_cast<int>(views.size()), limits);
   const std::string wrong = what_is_wrong_with(rig);
-  if (!wrong.empty()) return Problem{no_rig(wrong)};
-  if (!(result.focal_sigma <= limits.largest_focal_sigma)) {
-    return Problem{fmt::format(
-        "the boards fix the focal length only to {:.1f} %; {:.1f} % are wanted, so take more of "
-        "them, tilted and near enough to fill the picture",
-        100 * result.focal_sigma, 100 * limits.largest_focal_sigma)};
+  if (!wrong.empty()) {
+    return Problem{result.weakness.empty() ? no_rig(wrong)
+                                           : no_rig(wrong) + "; " + result.weakness};
+  }
+  if (!result.weakness.empty() && !limits.accept_weak) {
+    return Problem{result.weakness +
+                   "; take more boards, near enough to fill the picture and tilted to all sides, "
+                   "or take it as it is with --accept"};
   }
   const Result<double> rows = row_error_px(views, rig);
   if (!rows.ok()) return rows.problem();
@@ -315,7 +336,8 @@ Result<BoardCalibration> calibrate_boards(std::span<const BoardView> views,
     PALPABLE_EXPECT(seen.left.size() == corners && seen.right.size() == corners,
                     "a view has all corners of its board");
   }
-  if (static_cast<int>(views.size()) < limits.fewest_views) {
+  constexpr std::size_t kFewest = 3;  // Zhang's method
+  if (views.size() < kFewest) {
     return Problem{
         fmt::format("both eyes see the whole board of {} x {} inner corners in {} pairs; at least "
                     "{} are needed",

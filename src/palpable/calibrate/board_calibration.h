@@ -54,6 +54,9 @@ struct BoardView {
 
 /// Limits beyond which a calibration is refused.
 struct BoardLimits {
+  /// Take what too few or too little tilted boards, or a focal length that is not known well, give,
+  /// with BoardCalibration::weakness. The other limits stay.
+  bool accept_weak = false;
   int fewest_views = 6;
   /// rad between the most different two boards. Boards that are all parallel to the image leave
   /// focal length and distance undecided.
@@ -70,16 +73,20 @@ struct BoardCalibration {
   std::vector<double> reprojections_px;  ///< the same view by view
   double row_error_px = 0;  ///< rms of y_left - y_right of the corners after rectification
   double focal_sigma = 0;   ///< standard deviation of the left fx, as a share of it
-  double tilt = 0;          ///< rad between the most different two boards
-  double covered = 0;       ///< share of the left image inside the hull of all corners
+  /// Why it would have been refused without accept_weak, and how well the focal length is known
+  /// then; empty where all is well.
+  std::string weakness;
+  double tilt = 0;     ///< rad between the most different two boards
+  double covered = 0;  ///< share of the left image inside the hull of all corners
 };
 
 /// Each eye by Zhang's method (cv::calibrateCamera with k1 k2 p1 p2), then both and the pose
 /// between them together (cv::stereoCalibrate).
 ///
-/// A problem, without a file's name, when there is no calibration or it cannot be trusted: too few
-/// views, too little tilt, a limit exceeded (the worst view is named), eyes swapped, a rig that is
-/// not sound.
+/// A problem, without a file's name, when there is no calibration or it cannot be trusted: fewer
+/// than 3 views, or without accept_weak too few, too little tilt or a focal length that is not
+/// known well (it is said how well, which is what follows from the corners' scatter), a limit
+/// exceeded (the worst view is named), eyes swapped, a rig that is not sound.
 [[nodiscard]] Result<BoardCalibration> calibrate_boards(std::span<const BoardView> views,
                                                         const BoardPattern& pattern, int width,
                                                         int height, const BoardLimits& limits = {});

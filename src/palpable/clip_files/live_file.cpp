@@ -52,6 +52,13 @@ ordered_json map_of(const std::optional<LiveSummary::Map>& map) {
           {"free_space_refused", map->free_space_refused}};
 }
 
+ordered_json depth_of(const LiveSummary::Depth& depth) {
+  return {{"median_density", depth.median_density},
+          {"frames_few_depths", depth.frames_few_depths},
+          {"frames_rows_off", depth.frames_rows_off},
+          {"rows_off_px", depth.rows_off_px}};
+}
+
 ordered_json troubles_of(const LiveSummary::Troubles& troubles) {
   return {{"back_in_time", troubles.back_in_time},
           {"dropped", troubles.dropped},
@@ -85,6 +92,9 @@ LiveFile live_file_of(const json& live) {
   LiveFile file;
   const JsonObject object(live);
   if (object.has("camera_from_body")) file.camera_from_body = object.rigid("camera_from_body");
+  // null where colour and depth share one view
+  if (live.contains("color_from_depth") && !live.at("color_from_depth").is_null())
+    file.color_from_depth = object.rigid("color_from_depth");
   if (!object.has("processed")) return file;
   if (!live.at("processed").is_array()) throw Error("processed is no list of frames");
   file.processed.emplace();
@@ -116,6 +126,7 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
       summary.color_from_depth ? rows_of(*summary.color_from_depth) : ordered_json(nullptr);
   live["tracking"] = tracking_of(summary.tracking);
   live["map"] = map_of(summary.map);
+  live["depth"] = depth_of(summary.depth);
   live["frames"] = summary.processed.size();
   live["unreadable"] = summary.unreadable;
   live["source_troubles"] = troubles_of(summary.source_troubles);

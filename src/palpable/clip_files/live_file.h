@@ -28,6 +28,13 @@ struct LiveSummary {
     std::int64_t refused = 0;
     std::int64_t free_space_refused = 0;
   };
+  /// How well depth could be measured (depth/depth_watch.h).
+  struct Depth {
+    double median_density = 0;           ///< share of the pixels with a depth
+    std::vector<int> frames_few_depths;  ///< numbers: hardly any pixel had one
+    std::vector<int> frames_rows_off;    ///< numbers: the eyes' rows were out of line
+    double rows_off_px = 0;              ///< by how much at most
+  };
   struct Troubles {
     int back_in_time = 0;
     int dropped = 0;
@@ -70,6 +77,7 @@ struct LiveSummary {
   std::optional<Rigid3> color_from_depth;
   std::optional<Tracking> tracking;  ///< nothing: the camera was taken for fixed
   std::optional<Map> map;
+  Depth depth;
   int unreadable = 0;  ///< frames
   Troubles source_troubles;
   int frames_touching = 0;
@@ -98,9 +106,10 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
 struct LiveFile {
   std::optional<std::vector<int>> processed;  ///< numbers of the frames looked at; nothing: all
   std::optional<Rigid3> camera_from_body;     ///< of a body that stays where it is
+  std::optional<Rigid3> color_from_depth;     ///< trajectory.txt is the colour camera's
 };
 
-/// @throws Error naming the file when it is no JSON object, or when one of the two makes no sense
+/// @throws Error naming the file when it is no JSON object, or when one of these makes no sense
 [[nodiscard]] LiveFile read_live_file(const std::filesystem::path& path);
 
 }  // namespace palpable

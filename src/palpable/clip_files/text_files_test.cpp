@@ -379,6 +379,7 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   body.camera_from_body = some_pose();
   summary.tracking = {3, {1}, 1, 0, 7, 500};
   summary.map = {12, 0, 2};
+  summary.depth = {0.5, {}, {2}, 0.75};
   summary.unreadable = 1;
   summary.source_troubles = {0, 1, 2, 3, {"a camera"}};
   summary.frames_touching = 1;
@@ -434,6 +435,14 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
     "blocks": 12,
     "refused": 0,
     "free_space_refused": 2
+  },
+  "depth": {
+    "median_density": 0.5,
+    "frames_few_depths": [],
+    "frames_rows_off": [
+      2
+    ],
+    "rows_off_px": 0.75
   },
   "frames": 2,
   "unreadable": 1,

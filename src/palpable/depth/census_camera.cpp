@@ -19,12 +19,29 @@ constexpr double kGuardNearest = 0.05;
 
 constexpr int kMostThreads = 16;
 
+// Below the disparity of infinity, where nothing is: so far things are matched inside of the range,
+// whose ends are not trusted, and tell how rows lie; fill_depth() leaves out what is too far.
+constexpr int kBehindInfinity = 2;  // px
+
+// Frames without a measured row error after which the rows are looked for otherwise, and again.
+// That takes 50 ms: a second apart at first, then ever less often.
+constexpr int kUnmeasured = 8;
+constexpr double kLeastRows = 0.4;  // px of the matched images; the watch measures what is less
+
+bool searches_rows(int unmeasured) {
+  int due = kUnmeasured;
+  while (due < unmeasured && due < (1 << 24)) due *= 4;
+  return due == unmeasured;
+}
+
 StereoMatcherSettings matching_of(const StereoEyes& eyes, const DepthSettings& settings) {
   StereoMatcherSettings s = settings.full_resolution ? full_matching() : near_matching();
-  s.first = eyes.first_disparity();
-  const int most = (kMostDisparities - 1 - std::abs(s.first)) / 16 * 16;
-  s.disparities = std::min(eyes.disparities(), most);
   const RectifiedStereo& matched = eyes.matched();
+  s.first =
+      std::min(eyes.first_disparity(),
+               static_cast<int>(std::floor(matched.disparity_at_infinity_px)) - kBehindInfinity);
+  const int most = (kMostDisparities - 1 - std::abs(s.first)) / 16 * 16;
+  s.disparities = std::min((eyes.last_disparity() - s.first + 1 + 15) / 16 * 16, most);
   const double f_T = matched.camera.fx_px * matched.baseline;
   // At a quarter of the resolution, from the same end of the range on.
   const double widest = matched.camera.width;
@@ -91,6 +108,8 @@ void CensusCamera::watch_rows(SeenFrame& seen) {
   seen.row_error_px = error.median_px;
   if (std::isnan(error.median_px) && !fit_is_known_) find_misfit(seen);
   fit_is_known_ = true;
+  unmeasured_ = std::isnan(error.median_px) ? unmeasured_ + 1 : 0;
+  if (searches_rows(unmeasured_)) find_rows(seen);
   if (const std::optional<EyeTilt> due = watch_->correction_due()) {
     eyes_.turn_right(due->rotation());
     row_correction_px_ += due->pitch * camera().fy_px;
@@ -103,6 +122,19 @@ void CensusCamera::find_misfit(SeenFrame& seen) const {
       misfit_of(eyes_.left(seen), eyes_.right(seen), static_cast<int>(std::lround(infinity)),
                 std::max(matcher_.settings().disparities, 1));
   if (seen.misfit && eyes_.halved()) seen.misfit->rows_px *= 2;
+}
+
+// Where too few points match to measure their rows, the rows may be the reason: places are looked
+// for on all rows, and the right eye turned so that the watch finds them.
+void CensusCamera::find_rows(const SeenFrame& seen) {
+  const double infinity = eyes_.matched().disparity_at_infinity_px;
+  const std::optional<double> rows =
+      rows_between(eyes_.left(seen), eyes_.right(seen), static_cast<int>(std::lround(infinity)),
+                   std::max(matcher_.settings().disparities, 1));
+  if (!rows || std::abs(*rows) < kLeastRows) return;
+  const EyeTilt tilt{*rows / eyes_.matched().camera.fy_px, 0};
+  eyes_.turn_right(tilt.rotation());
+  row_correction_px_ += tilt.pitch * camera().fy_px;
 }
 
 void CensusCamera::fill_depth(SeenFrame& seen) const {

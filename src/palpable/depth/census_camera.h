@@ -35,6 +35,7 @@ class CensusCamera {
   void match(SeenFrame& seen);
   void watch_rows(SeenFrame& seen);
   void find_misfit(SeenFrame& seen) const;
+  void find_rows(const SeenFrame& seen);
   void fill_depth(SeenFrame& seen) const;
 
   StereoEyes eyes_;
@@ -45,6 +46,7 @@ class CensusCamera {
   std::optional<RowWatch> watch_;
   double row_correction_px_ = 0;
   bool fit_is_known_ = false;  // asked of the first frame alone: it takes time and memory
+  int unmeasured_ = 0;         // frames in a row in which the watch could not measure
 };
 
 }  // namespace palpable

@@ -48,10 +48,19 @@ void blank(SeenFrame& seen) {
   std::fill(seen.confidence.begin(), seen.confidence.end(), std::uint8_t{0});
 }
 
+double density_of(const SeenFrame& seen) {
+  if (seen.depth.empty()) return 0;
+  const auto known = std::count_if(seen.depth.begin(), seen.depth.end(),
+                                   [](float Z) { return Z > 0; });  // NaN is not
+  const auto close = std::count(seen.too_close.begin(), seen.too_close.end(), std::uint8_t{255});
+  return static_cast<double>(known + close) / static_cast<double>(seen.depth.size());
+}
+
 }  // namespace
 
 struct DepthCamera::Parts {
   AnyCamera any;
+  DepthWatch watch;
   StageTimes times;
 };
 
@@ -70,7 +79,7 @@ Result<DepthCamera> DepthCamera::make(const FrameFormat& format, const DepthSett
   }
   Result<AnyCamera> any = camera_for(format, settings);
   if (!any.ok()) return any.problem();
-  return DepthCamera(std::make_unique<Parts>(Parts{std::move(any).value(), {}}));
+  return DepthCamera(std::make_unique<Parts>(Parts{std::move(any).value(), DepthWatch(), {}}));
 }
 
 void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
@@ -90,6 +99,8 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
     usable = std::visit([&](auto& any) { return any.measure(frame, seen, p.times); }, p.any);
   } catch (const cv::Exception&) {}  // OpenCV ran out of memory, say: this frame has no depth
   if (!usable) blank(seen);
+  seen.density = density_of(seen);
+  seen.trouble = p.watch.look(seen.density, seen.row_error_px);
 }
 
 const PinholeCamera& DepthCamera::camera() const {

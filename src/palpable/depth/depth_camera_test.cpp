@@ -542,6 +542,40 @@ TEST_CASE("a camera whose eyes are turned is right again within a second", "[dep
   CHECK(seen.row_correction_px == 0);
 }
 
+TEST_CASE("rows that are too far off to be matched are found again, however far away all is",
+          "[depth][rows]") {
+  // The wall stands at 55 m for this rig, which sees it 0.4 px from infinity, and beyond 20 m.
+  RectifiedStereo stereo = test::tilted_stereo();
+  stereo.disparity_at_infinity_px = test::kTiltedDisparity - 0.4;
+  const FrameFormat format = format_of(stereo);
+  for (const double rows : {2.5, -2.5}) {
+    INFO(rows << " px out of line");
+    auto camera = value_or_throw(DepthCamera::make(format, {.farthest = 1000}));
+    auto usual = value_or_throw(DepthCamera::make(format));
+    const auto pair = test::tilted_pair({rows / stereo.camera.fy_px, 0}, 4);
+    Frame frame;
+    frame.left = gray_color(pair.left);
+    frame.right = gray_color(pair.right);
+    SeenFrame seen, beyond;
+    double first = 0;
+    for (int i = 0; i < 40; ++i) {
+      camera.see(frame, seen);
+      usual.see(frame, beyond);
+      if (i == 0) first = seen.density;
+    }
+    INFO("density " << first << " at first, then " << seen.density);
+    CHECK(std::abs(seen.row_correction_px - rows) <= test::tolerance(0.1, "px"));
+    CHECK(std::abs(beyond.row_correction_px - rows) <= test::tolerance(0.1, "px"));
+    CHECK(std::abs(seen.row_error_px) <= test::tolerance(0.06, "px; the watch's limit"));
+    CHECK(first < 0.5);
+    CHECK(seen.density > 0.9);
+    CHECK(seen.trouble == DepthTrouble::kNone);
+    // Beyond 20 m nothing has a depth, and that is told: but the rows are right.
+    CHECK(beyond.density < 0.05);
+    CHECK(beyond.trouble == DepthTrouble::kFewDepths);
+  }
+}
+
 TEST_CASE("numbers that do not make a camera are refused with a reason", "[depth][refusal]") {
   const auto reason = [](const FrameFormat& format, const DepthSettings& settings = {}) {
     const auto camera = DepthCamera::make(format, settings);

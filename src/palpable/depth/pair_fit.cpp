@@ -116,10 +116,14 @@ std::optional<Found> find(const Place& place, const GrayImage& left, const GrayI
   return found;
 }
 
-}  // namespace
+// What most places agree on.
+struct Agreement {
+  double rows_px = 0;
+  bool behind_infinity = false;  // most lie there
+};
 
-std::optional<PairMisfit> misfit_of(const GrayImage& left, const GrayImage& right, int infinity,
-                                    int reach) {
+std::optional<Agreement> agreement_of(const GrayImage& left, const GrayImage& right, int infinity,
+                                      int reach) {
   PALPABLE_EXPECT(left.width() == right.width() && left.height() == right.height(),
                   "both eyes see images of one size");
   PALPABLE_EXPECT(reach >= 1, "disparities are searched");
@@ -150,9 +154,23 @@ std::optional<PairMisfit> misfit_of(const GrayImage& left, const GrayImage& righ
     rows += f.row;
     behind_infinity += f.disparity < infinity - 2 ? 1 : 0;
   }
-  PairMisfit misfit;
-  misfit.swapped = behind_infinity >= least;
-  misfit.rows_px = rows / near(best);
+  return Agreement{rows / near(best), behind_infinity >= least};
+}
+
+}  // namespace
+
+std::optional<double> rows_between(const GrayImage& left, const GrayImage& right, int infinity,
+                                   int reach) {
+  const std::optional<Agreement> agreed = agreement_of(left, right, infinity, reach);
+  if (!agreed || agreed->behind_infinity) return std::nullopt;
+  return agreed->rows_px;
+}
+
+std::optional<PairMisfit> misfit_of(const GrayImage& left, const GrayImage& right, int infinity,
+                                    int reach) {
+  const std::optional<Agreement> agreed = agreement_of(left, right, infinity, reach);
+  if (!agreed) return std::nullopt;
+  const PairMisfit misfit{agreed->behind_infinity, agreed->rows_px};
   if (!misfit.swapped && std::abs(misfit.rows_px) < kLeastRows) return std::nullopt;
   return misfit;
 }

@@ -22,6 +22,12 @@ struct PairMisfit {
   [[nodiscard]] std::string message() const;
 };
 
+/// By how many px of the given images the right one lies lower, to a quarter of one or so: the mean
+/// of the rows on which the places of misfit_of() are found again, if three in five of them agree
+/// on it to a row. Nothing otherwise. Costs as much and allocates, too.
+[[nodiscard]] std::optional<double> rows_between(const GrayImage& left, const GrayImage& right,
+                                                 int infinity, int reach);
+
 /// Follows some 60 textured places of the left image through rows up to kFarthestRow up and down
 /// and disparities up to `reach` to both sides, by the sum of absolute differences of 9 x 9 px with
 /// their means removed. It is a misfit if three in five of them agree on it and the row watch could

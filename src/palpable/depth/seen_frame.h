@@ -2,6 +2,7 @@
 /// What is known of one moment once its depth was measured.
 #pragma once
 
+#include "palpable/depth/depth_watch.h"
 #include "palpable/depth/pair_fit.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
@@ -34,6 +35,10 @@ struct SeenFrame {
   double row_error_px = std::numeric_limits<double>::quiet_NaN();
   /// By how many px the right image's middle was moved up in this frame, beyond the calibration.
   double row_correction_px = 0;
+  /// Share of the pixels of `depth` that have one or are marked as too close.
+  double density = 0;
+  /// What lasts and makes depth bad, this frame included (depth_watch.h).
+  DepthTrouble trouble = DepthTrouble::kNone;
   /// Set in the first frame if its images do not fit the calibration (pair_fit.h; `rows_px` is of
   /// the full images): no later depth can then be trusted.
   std::optional<PairMisfit> misfit;

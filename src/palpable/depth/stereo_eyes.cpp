@@ -63,9 +63,9 @@ void StereoEyes::find_range(const DepthSettings& settings) {
   // One less and one more than the range needs, because neither end is trusted.
   first_disparity_ = static_cast<int>(std::floor(infinity + f_T / settings.farthest)) - 1;
   // What both eyes see at a disparity of half the width or more is a strip at the border.
-  const int last = std::min(static_cast<int>(std::ceil(infinity + f_T / settings.nearest)) + 1,
-                            std::max(matched_.camera.width / 2, first_disparity_ + 16));
-  disparities_ = (last - first_disparity_ + 1 + 15) / 16 * 16;
+  last_disparity_ = std::min(static_cast<int>(std::ceil(infinity + f_T / settings.nearest)) + 1,
+                             std::max(matched_.camera.width / 2, first_disparity_ + 16));
+  disparities_ = (last_disparity_ - first_disparity_ + 1 + 15) / 16 * 16;
 }
 
 bool StereoEyes::fits(const Frame& frame) const {

@@ -48,6 +48,8 @@ class StereoEyes {
   /// settings.farthest to settings.nearest; how many is a multiple of 16.
   [[nodiscard]] int first_disparity() const { return first_disparity_; }
   [[nodiscard]] int disparities() const { return disparities_; }
+  /// The last one that settings.nearest needs; at most the last of them.
+  [[nodiscard]] int last_disparity() const { return last_disparity_; }
 
  private:
   StereoEyes(Rectification rectification, const FrameFormat& format, const DepthSettings& settings);
@@ -61,6 +63,7 @@ class StereoEyes {
   RectifiedStereo matched_;
   int first_disparity_ = 0;
   int disparities_ = 0;
+  int last_disparity_ = 0;
   GrayImage right_half_;
 };
 

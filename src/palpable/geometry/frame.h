@@ -38,6 +38,9 @@ struct FrameFormat {
   Kind kind = Kind::kStereo;
   int width = 0;   ///< px, of each colour image and of the depth
   int height = 0;  ///< px
+  /// s: when the frame of time 0 was taken by the recording's own clock, for files that other
+  /// programs join by it; 0 where the recording has none.
+  double starts_at = 0;
   /// kStereo with already_rectified == false: both lenses and how they stand to each other.
   StereoRig rig;
   bool already_rectified = false;

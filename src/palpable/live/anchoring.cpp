@@ -105,26 +105,101 @@ auto find_in_first_frames(FrameSource& source, const std::string& name,
 
 }  // namespace
 
-Rigid3 pose_on_plane(FrameSource& source, const std::string& name, const DepthSettings& settings) {
-  const auto plane_in = [](const SeenFrame& seen, const DepthCamera& camera) {
-    return fit_standing_plane(seen.depth, seen.depth_camera, camera.noise());
+namespace {
+
+// What the first frames show of the plane to stand on. Its middle is where the body is to stand.
+struct StandingPlane {
+  Plane plane;
+  bool is_desk = true;  // the plane that all frames see; false: a thing's surface
+  bool is_free = true;  // nothing stands at its middle
+};
+
+std::optional<StandingPlane> plane_with_room(const SeenFrame& seen, const DepthNoise& noise,
+                                             const Footprint& body) {
+  std::optional<Plane> plane = fit_standing_plane(seen.depth, seen.depth_camera, noise);
+  if (!plane) return std::nullopt;
+  StandingPlane found{*plane};
+  if (body.radius == 0) return found;
+  const auto place = free_place_on(*plane, seen.depth, seen.depth_camera, noise, body);
+  found.is_free = place.has_value();
+  if (place) found.plane.middle = *place;
+  return found;
+}
+
+// The surface at a pixel, or the desk where it belongs to the one that is seen.
+std::optional<StandingPlane> plane_at_pixel(const SeenFrame& seen, const DepthNoise& noise,
+                                            const Eigen::Vector2d& at_px) {
+  const Eigen::Vector3d ray = seen.camera.unproject(at_px.x(), at_px.y(), 1.0);
+  const Eigen::Vector2d at = seen.depth_camera.project(ray);
+  const auto plane = fit_plane_at(seen.depth, seen.depth_camera, noise, at.x(), at.y());
+  if (!plane) return std::nullopt;
+  StandingPlane found{*plane, false};
+  if (const auto desk = fit_standing_plane(seen.depth, seen.depth_camera, noise)) {
+    const double above = desk->normal.dot(plane->middle) - desk->offset;
+    if (std::abs(above) < kSameHeight && desk->normal.dot(plane->normal) > std::cos(kSameTilt)) {
+      found = {*desk};
+      found.plane.middle = ray * (desk->offset / desk->normal.dot(ray));
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+Rigid3 pose_on_plane(FrameSource& source, const std::string& name, const DepthSettings& settings,
+                     const Spot& spot) {
+  if (spot.at_px) {
+    const FrameFormat& format = source.format();
+    const Eigen::Vector2d at = *spot.at_px;
+    if (!(at.x() >= 0 && at.y() >= 0 && at.x() < format.width && at.y() < format.height)) {
+      throw Error(fmt::format("{}: the pixel {}, {} is outside of the picture of {} x {}", name,
+                              at.x(), at.y(), format.width, format.height));
+    }
+  }
+  // A camera's session begins with the last frame, a recording's with the first that shows it.
+  const bool live = source.is_live();
+  std::optional<StandingPlane> chosen;
+  const auto plane_in = [&](const SeenFrame& seen,
+                            const DepthCamera& camera) -> std::optional<StandingPlane> {
+    if (chosen && !live) {  // the others say how the desk lies
+      if (!chosen->is_desk) return std::nullopt;
+      return plane_with_room(seen, camera.noise(), {});
+    }
+    const auto found = spot.at_px ? plane_at_pixel(seen, camera.noise(), *spot.at_px)
+                                  : plane_with_room(seen, camera.noise(), spot.body);
+    if (found) chosen = found;
+    return found;
   };
-  const auto sightings =
-      find_in_first_frames(source, name, settings, plane_in,
-                           "plane to stand on (within 1.5 m, a tenth of what is seen there, "
-                           "facing up in the picture); turn the camera to the desk");
+  const auto sightings = find_in_first_frames(
+      source, name, settings, plane_in,
+      spot.at_px ? fmt::format("surface at pixel {}, {}", spot.at_px->x(), spot.at_px->y())
+                 : "plane to stand on (within 1.5 m, a tenth of what is seen there, facing up in "
+                   "the picture, or half of it, facing the camera); turn the camera to the desk");
   // The sighting nearest in time to where the session begins says at which point of the plane.
-  const auto& nearest = source.is_live() ? sightings.back() : sightings.front();
-  const Eigen::Vector3d middle = nearest.start_from_camera * nearest.found.middle;
+  const auto& nearest = live ? sightings.back() : sightings.front();
+  if (!nearest.found.is_free) {
+    throw NoPlaceError(fmt::format(
+        "{}: on the desk that is seen no place of {:.2f} m is free for the body; clear one", name,
+        2 * spot.body.radius));
+  }
+  const Eigen::Vector3d middle = nearest.start_from_camera * nearest.found.plane.middle;
   std::vector<Rigid3> poses;
   for (const auto& [start_from_camera, found] : sightings) {
-    Plane plane = moved_by(start_from_camera, found);
+    if (found.is_desk != nearest.found.is_desk) continue;
+    Plane plane = moved_by(start_from_camera, found.plane);
     // The middle of its own picture is another point in every frame. All are asked for the pose at
     // the same one, projected to their own plane.
     plane.middle = middle - (plane.normal.dot(middle) - plane.offset) * plane.normal;
     poses.push_back(camera_from_body_on(plane));
   }
   return median_pose(poses, kBodyReach);
+}
+
+std::optional<Rigid3> pose_on_desk(const SeenFrame& seen, const DepthNoise& noise,
+                                   const Footprint& body) {
+  const std::optional<StandingPlane> found = plane_with_room(seen, noise, body);
+  if (!found || !found->is_free) return std::nullopt;
+  return camera_from_body_on(found->plane);
 }
 
 Rigid3 pose_on_board(FrameSource& source, const std::string& name, const DepthSettings& settings,
@@ -145,19 +220,9 @@ Rigid3 pose_on_board(FrameSource& source, const std::string& name, const DepthSe
 
 std::optional<Rigid3> pose_at_pixel(const SeenFrame& seen, const DepthNoise& noise,
                                     const Eigen::Vector2d& at_px) {
-  const Eigen::Vector3d ray = seen.camera.unproject(at_px.x(), at_px.y(), 1.0);
-  const Eigen::Vector2d at = seen.depth_camera.project(ray);
-  std::optional<Plane> plane = fit_plane_at(seen.depth, seen.depth_camera, noise, at.x(), at.y());
-  if (!plane) return std::nullopt;
-  if (const auto desk = fit_standing_plane(seen.depth, seen.depth_camera, noise)) {
-    const double above = desk->normal.dot(plane->middle) - desk->offset;
-    if (std::abs(above) < kSameHeight && desk->normal.dot(plane->normal) > std::cos(kSameTilt)) {
-      const Eigen::Vector3d middle = ray * (desk->offset / desk->normal.dot(ray));
-      plane = *desk;
-      plane->middle = middle;
-    }
-  }
-  return camera_from_body_on(*plane);
+  const std::optional<StandingPlane> found = plane_at_pixel(seen, noise, at_px);
+  if (!found) return std::nullopt;
+  return camera_from_body_on(found->plane);
 }
 
 }  // namespace palpable

@@ -11,6 +11,7 @@
 #include "palpable/calibrate/board_calibration.h"
 #include "palpable/depth/depth_camera.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/map/free_place.h"
 #include "palpable/sources/frame_source.h"
 
 #include <Eigen/Core>
@@ -20,16 +21,30 @@
 
 namespace palpable {
 
-/// On the plane that is seen, at the point nearest to the picture's middle, upright
-/// (camera_from_body_on in plane_fit.h).
+/// Where on what is seen a body is to stand.
+struct Spot {
+  /// The room that it needs there; without a radius nobody asks whether something stands in it.
+  Footprint body = {};
+  std::optional<Eigen::Vector2d> at_px = {};  ///< of the picture; nothing: it is looked for
+};
+
+/// On the plane that is seen, upright (camera_from_body_on in plane_fit.h): at the place nearest to
+/// the picture's middle in which nothing stands that is seen (free_place.h). Or with Spot::at_px on
+/// what is seen at that pixel of the frame named above (pose_at_pixel).
 ///
 /// @param source  reads up to 30 frames of it
 /// @param name    of the source, for messages
 /// @return world_from_body; the world is the camera of the frame named above
-/// @throws NoPlaceError (place.h) when no frame shows such a plane; Error when none can be used, or
-///         when a pair does not fit its calibration
+/// @throws NoPlaceError (place.h) when no frame shows such a plane, things stand all over it, or
+///         nothing is known of the pixel; Error when no frame can be used, the pixel is outside of
+///         the picture, or a pair does not fit its calibration
 [[nodiscard]] Rigid3 pose_on_plane(FrameSource& source, const std::string& name,
-                                   const DepthSettings& settings);
+                                   const DepthSettings& settings, const Spot& spot = {});
+
+/// What one frame says of it: camera_from_body; nothing where no plane is seen, or none that is
+/// free.
+[[nodiscard]] std::optional<Rigid3> pose_on_desk(const SeenFrame& seen, const DepthNoise& noise,
+                                                 const Footprint& body);
 
 /// On the middle of the chessboard that is seen (find_board_pose in board_calibration.h); otherwise
 /// the same.

@@ -9,8 +9,10 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -177,12 +179,77 @@ TEST_CASE(
   CHECK_FALSE(pose_at_pixel(seen, noise, {-20, 40}));
 }
 
+// A desk with a box in the picture's middle, 50 mm high or so.
+Frame frame_of_crowded_desk() {
+  Frame frame = frame_of_desk();
+  const int width = frame.depth.width(), height = frame.depth.height();
+  for (int v = height / 2 - 25; v < height / 2 + 25; ++v) {
+    for (int u = width / 2 - 30; u < width / 2 + 30; ++u) frame.depth(u, v) -= 0.06F;
+  }
+  return frame;
+}
+
+TEST_CASE("on a desk with a thing in the middle a body stands beside it, or where it is told to",
+          "[live][anchor]") {
+  const FrameFormat format = test::wall_format();
+  const PinholeCamera& camera = format.depth_camera;
+  Pictures desk(format, {frame_of_crowded_desk()}, 4);
+  const Footprint body{0.03, 0.05};
+  const Rigid3 beside = pose_on_plane(desk, "the desk", {}, {body, std::nullopt});
+  CHECK((beside.linear().col(2) - kUp).norm() <= tolerance(2e-3, "the desk's plane beside a box"));
+  const Vector2d at = camera.project(beside.translation());
+  const double radius_px = camera.fx_px * body.radius / beside.translation().z();
+  INFO("at " << at.transpose() << " px, " << radius_px << " px around");
+  CHECK((std::abs(at.x() - 0.5 * camera.width) > 30 + 0.7 * radius_px ||
+         std::abs(at.y() - 0.5 * camera.height) > 25 + 0.7 * radius_px));
+  CHECK(at.x() > 0);
+  CHECK(at.x() < camera.width);
+
+  Pictures again(format, {frame_of_crowded_desk()}, 4);
+  const Vector2d wanted(0.25 * camera.width, 0.75 * camera.height);
+  const Rigid3 there = pose_on_plane(again, "the desk", {}, {body, wanted});
+  CHECK((camera.project(there.translation()) - wanted).norm() <= tolerance(0.1, "px; the plane"));
+  CHECK((there.linear().col(2) - kUp).norm() <= tolerance(2e-3, "the desk's plane"));
+  // On the box too, if that is what is asked for.
+  Pictures third(format, {frame_of_crowded_desk()}, 4);
+  const Vector2d middle(0.5 * camera.width, 0.5 * camera.height);
+  const Rigid3 on_top = pose_on_plane(third, "the desk", {}, {body, middle});
+  CHECK((camera.project(on_top.translation()) - middle).norm() <= tolerance(0.1, "px; the plane"));
+  CHECK(kUp.dot(on_top.translation()) + kHeight > 0.02);
+
+  using Catch::Contains;
+  const auto refused = [&](Frame frame, const Spot& spot) {
+    Pictures source(format, {std::move(frame)}, 4);
+    try {
+      (void)pose_on_plane(source, "the desk", {}, spot);
+    } catch (const Error& error) { return std::string(error.what()); }
+    return std::string("stands");
+  };
+  CHECK_THAT(refused(frame_of_desk(), {body, Vector2d(-1, 5)}), Contains("-1, 5 is outside of"));
+  Frame hole = frame_of_desk();
+  std::fill(hole.depth.begin(), hole.depth.end(), std::nanf(""));
+  CHECK_THAT(refused(hole, {body, wanted}), Contains("show no surface at pixel"));
+  CHECK_THAT(refused(frame_of_crowded_desk(), {{0.5, 0.1}, std::nullopt}),
+             Contains("no place of 1.00 m is free"));
+}
+
 TEST_CASE("where no plane, no board or no picture is, the source is named and what is missing",
           "[live][anchor][errors]") {
   using Catch::Contains;
-  const auto wall = [] { return Pictures(test::wall_format(), {test::frame_of_wall(0, 0)}, 4); };
-  Pictures facing = wall();
-  CHECK_THROWS_WITH(pose_on_plane(facing, "my clip", {}),
+  // A wall that is turned aside: one that faces the camera looks as a desk does from above.
+  const auto wall = [] {
+    Frame turned = test::frame_of_wall(0, 0);
+    const PinholeCamera camera = test::wall_format().depth_camera;
+    const Vector3d normal(std::sin(0.6), 0, -std::cos(0.6));
+    for (int v = 0; v < turned.depth.height(); ++v) {
+      for (int u = 0; u < turned.depth.width(); ++u) {
+        turned.depth(u, v) = static_cast<float>(-0.6 / normal.dot(camera.unproject(u, v, 1.0)));
+      }
+    }
+    return Pictures(test::wall_format(), {turned}, 4);
+  };
+  Pictures aside = wall();
+  CHECK_THROWS_WITH(pose_on_plane(aside, "my clip", {}),
                     Contains("my clip: its first 4 frames show no plane to stand on"));
   Pictures bare = wall();
   CHECK_THROWS_WITH(pose_on_board(bare, "my clip", {}, {}),

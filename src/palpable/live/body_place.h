@@ -5,6 +5,7 @@
 #include "palpable/clip_files/scene_description.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/map/free_place.h"
 #include "palpable/session/session.h"
 #include "palpable/touch/touchable_body.h"
 
@@ -28,6 +29,10 @@ struct LiveBody {
 [[nodiscard]] std::vector<Rigid3> world_from_bodies(
     const std::vector<BodyPlace>& places, Anchor of_run,
     const std::function<Rigid3(Anchor)>& world_from_anchor);
+
+/// The room that all bodies take that stand on a plane, around its anchor (free_place.h); of bodies
+/// at rest. At most 1 m around.
+[[nodiscard]] Footprint footprint_of(const std::vector<LiveBody>& bodies, Anchor of_run);
 
 /// The bodies where they stand, in the same order.
 /// @param world_from_anchor  asked only where a body needs it; what it throws is passed on

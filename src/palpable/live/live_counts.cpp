@@ -1,6 +1,7 @@
 #include "palpable/live/live_counts.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpable {
 
@@ -8,6 +9,13 @@ void LiveCounts::add(const Scene& scene) {
   processed.push_back(scene.number);
   if (scene.camera.state == TrackState::kLost) lost.push_back(scene.number);
   if (scene.camera.state == TrackState::kTracking) ++moving;
+  densities.push_back(static_cast<float>(scene.seen.density));
+  if (scene.seen.trouble == DepthTrouble::kFewDepths) few_depths.push_back(scene.number);
+  if (scene.seen.trouble == DepthTrouble::kRowsOff) {
+    rows_off.push_back(scene.number);
+    const double rows = std::abs(scene.seen.row_error_px);
+    if (!std::isnan(rows)) rows_off_px = std::max(rows_off_px, rows);
+  }
   if (scene.touches.empty()) return;
   ++touching;
   if (!first_touch) first_touch = scene.number;

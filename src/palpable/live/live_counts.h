@@ -24,6 +24,10 @@ struct LiveCounts {
   double between = 0;              ///< m, deepest of bodies into each other (Scene::between)
   double imbalance = 0;            ///< N, largest (Scene::imbalance)
 
+  std::vector<float> densities;      ///< of the answered frames (SeenFrame::density)
+  std::vector<int> few_depths;       ///< numbers of the frames with DepthTrouble::kFewDepths
+  std::vector<int> rows_off;         ///< and with kRowsOff
+  double rows_off_px = 0;            ///< the largest row error in the latter, px
   SourceTroubles troubles;           ///< of the source
   std::string last_trouble;          ///< why the last unusable frame could not be used
   std::vector<std::string> reports;  ///< of the source and the refiner, a line each

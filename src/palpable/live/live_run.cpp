@@ -21,11 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 
 // Where the first frames say that a body stands.
-Rigid3 anchored_pose(Anchor anchor, const LiveSettings& settings) {
+Rigid3 anchored_pose(Anchor anchor, const LiveSettings& settings, const Footprint& room) {
   const std::unique_ptr<FrameSource> source = value_or_throw(open_source(settings.images));
   const DepthSettings& depth = settings.session.depth;
   return anchor == Anchor::kPlane
-             ? pose_on_plane(*source, settings.images.device, depth)
+             ? pose_on_plane(*source, settings.images.device, depth, {room, settings.at_px})
              : pose_on_board(*source, settings.images.device, depth, settings.board);
 }
 
@@ -43,7 +43,9 @@ std::map<Anchor, Rigid3> looked_for_places(const std::vector<LiveBody>& bodies,
   for (const LiveBody& body : bodies) {
     const Anchor anchor = body.place.anchor.value_or(settings.anchor);
     const bool looks = anchor != Anchor::kPlace && body.place.beside < 0 && !body.place.place;
-    if (looks && !places.contains(anchor)) places[anchor] = anchored_pose(anchor, settings);
+    if (looks && !places.contains(anchor)) {
+      places[anchor] = anchored_pose(anchor, settings, footprint_of(bodies, settings.anchor));
+    }
   }
   return places;
 }

@@ -32,7 +32,8 @@ struct LiveSettings {
   bool paced = false;              ///< a recording at its own pace; else it waits for the loop
   Anchor anchor = Anchor::kPlace;  ///< where bodies stand that have no anchor of their own
   std::optional<Rigid3> place;     ///< of kPlace: world_from_body
-  BoardPattern board;              ///< of kBoard
+  std::optional<Eigen::Vector2d> at_px;  ///< of kPlane: at which pixel; nothing: it is looked for
+  BoardPattern board;                    ///< of kBoard
   /// Whom to ask for exact answers; nothing: nobody. Whether frames wait for them is found out:
   /// those of a camera and of a paced recording do not.
   std::optional<RefinerSettings> refine;

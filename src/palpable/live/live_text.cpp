@@ -15,6 +15,19 @@ std::string text_of(const LiveCounts& counts, const Session& session, double wal
     text += fmt::format("the camera was lost in {} frames, first in frame {}\n", counts.lost.size(),
                         counts.lost.front());
   }
+  if (!counts.rows_off.empty()) {
+    text += fmt::format(
+        "the eyes' rows were up to {:.1f} px out of line in {} frames, first in frame {}: "
+        "calibrate "
+        "the camera again\n",
+        counts.rows_off_px, counts.rows_off.size(), counts.rows_off.front());
+  }
+  if (!counts.few_depths.empty()) {
+    text += fmt::format(
+        "hardly any depth was found in {} frames, first in frame {}: dark, plain, blurred, or the "
+        "calibration is another camera's\n",
+        counts.few_depths.size(), counts.few_depths.front());
+  }
   if (const SurfaceMap* room = session.map();
       room != nullptr && (room->refused() > 0 || session.free_space()->blocked() > 0)) {
     text += fmt::format(

@@ -5,11 +5,15 @@
 #include "tests/support/misbehaving_camera.h"
 #include "tests/support/test.h"
 
+#include <cmath>
 #include <memory>
+#include <string>
 #include <utility>
 
 namespace palpable {
 namespace {
+
+using Catch::Matchers::Contains;
 
 TEST_CASE("a run is told in frames, troubles and touches", "[live][text]") {
   const test::MisbehavingCamera camera({});
@@ -31,6 +35,20 @@ TEST_CASE("a run is told in frames, troubles and touches", "[live][text]") {
         "last unreadable: the picture is cut off\n"
         "the camera was lost in 2 frames, first in frame 2\n"
         "touched in 2 frames, first in frame 1, at most 12.3 mm deep\n");
+  Scene scene;
+  scene.seen.trouble = DepthTrouble::kRowsOff;
+  for (const double rows : {-0.8, 0.6, std::nan("")}) {
+    scene.number = 7 + static_cast<int>(counts.rows_off.size());
+    scene.seen.row_error_px = rows;
+    counts.add(scene);
+  }
+  scene.seen.trouble = DepthTrouble::kFewDepths;
+  scene.number = 12;
+  counts.add(scene);
+  const std::string text = text_of(counts, loop.session, 2.0);
+  CHECK_THAT(text, Contains("\nthe eyes' rows were up to 0.8 px out of line in 3 frames, first in "
+                            "frame 7: calibrate the camera again\n"));
+  CHECK_THAT(text, Contains("\nhardly any depth was found in 1 frames, first in frame 12: dark"));
 }
 
 }  // namespace

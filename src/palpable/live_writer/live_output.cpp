@@ -320,7 +320,8 @@ void LiveOutput::write_lines(const FrameLines& scene) {
     texts_->touches.write(touches_line(felt));
   }
   if (scene.camera.state != TrackState::kLost) {  // a fixed camera's pose stays as it is
-    texts_->trajectory.write(trajectory_line({scene.time, scene.camera.world_from_camera}));
+    texts_->trajectory.write(
+        trajectory_line({settings_.starts_at + scene.time, scene.camera.world_from_camera}));
   }
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     texts_->poses.write(pose_line({scene.number, scene.bodies[k].camera_from_body, name_of(k)}));

@@ -48,6 +48,7 @@ namespace palpable {
 
 struct LiveOutputSettings {
   std::filesystem::path folder;  ///< made if it is not there
+  double starts_at = 0;          ///< s: FrameFormat::starts_at, which times of trajectory.txt have
   /// Whether every frame is in all files, and who plays waits for the disk; else nobody waits, and
   /// frames are left out and counted.
   bool complete = true;

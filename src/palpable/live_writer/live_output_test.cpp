@@ -62,7 +62,7 @@ void fill(DrawnFrame& drawn, int number) {
 
 TEST_CASE("every file of a run can be read by its reader", "[live_writer]") {
   const test::ScratchFolder folder("live_output");
-  LiveOutput output({.folder = folder / "out", .figures = true});
+  LiveOutput output({.folder = folder / "out", .starts_at = 1305031098.25, .figures = true});
   for (int number = 0; number < 3; ++number) {
     std::unique_ptr<DrawnFrame> drawn = output.blank();
     fill(*drawn, number);
@@ -99,7 +99,9 @@ TEST_CASE("every file of a run can be read by its reader", "[live_writer]") {
   const std::vector<PoseLine> poses = read_poses(out / "pose.jsonl");
   REQUIRE(poses.size() == 3);
   CHECK(poses[2].camera_from_body.translation().x() == Approx(0.2));
-  CHECK(read_trajectory(out / "trajectory.txt").size() == 2);  // not where the camera is lost
+  const std::vector<StampedPose> path = read_trajectory(out / "trajectory.txt");
+  REQUIRE(path.size() == 2);  // not where the camera is lost
+  CHECK(path[1].time == Approx(1305031098.25 + felt[0].touches[0].time.value()).margin(1e-6));
   const std::vector<CorrectionLine> corrections = read_corrections(out / "rectification.jsonl");
   REQUIRE(corrections.size() == 2);  // its changes only
   CHECK(corrections[1].frame == 2);

@@ -3,6 +3,8 @@
 #include "palpable/base/order_statistics.h"
 #include "palpable/view/stress_scale.h"
 
+#include <vector>
+
 namespace palpable {
 
 namespace {
@@ -46,6 +48,9 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
   if (const SurfaceMap* map = session.map()) {
     result.map = {map->blocks(), map->refused(), session.free_space()->blocked()};
   }
+  const std::vector<double> densities(counts.densities.begin(), counts.densities.end());
+  result.depth = {densities.empty() ? 0 : percentile(densities, 0.5), counts.few_depths,
+                  counts.rows_off, counts.rows_off_px};
   result.unreadable = counts.troubles.unreadable;
   result.source_troubles = {counts.troubles.back_in_time, counts.troubles.dropped,
                             counts.troubles.stalls, counts.troubles.losses, counts.reports};

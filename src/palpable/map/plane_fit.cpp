@@ -179,6 +179,20 @@ std::vector<Point> points_near(const DepthImage& depth, const PinholeCamera& cam
   return points;
 }
 
+constexpr double kAnyWay = -2;  // least_up of planes that may face any way
+
+// The plane with the most votes, improved and measured. Nothing where none is before the camera.
+std::optional<Plane> fit(const std::vector<Point>& points, int trials, double least_up) {
+  std::optional<Plane> plane = plane_by_vote(points, trials, least_up);
+  if (!plane) return std::nullopt;
+  for (int round = 0; round < kRounds; ++round) {
+    if (!improve(points, *plane)) return std::nullopt;
+  }
+  if (!(plane->offset < 0)) return std::nullopt;
+  measure_extent(points, *plane);
+  return plane;
+}
+
 }  // namespace
 
 std::optional<Plane> fit_standing_plane(const DepthImage& depth, const PinholeCamera& camera,
@@ -188,14 +202,15 @@ std::optional<Plane> fit_standing_plane(const DepthImage& depth, const PinholeCa
   const std::vector<Point> points = sampled_points(depth, camera, noise, settings.farthest);
   if (points.size() < kFewestPoints) return std::nullopt;
   const double least_up = std::cos(settings.steepest);
-  std::optional<Plane> plane = plane_by_vote(points, settings.trials, least_up);
-  if (!plane) return std::nullopt;
-  for (int round = 0; round < kRounds; ++round) {
-    if (!improve(points, *plane)) return std::nullopt;
+  std::optional<Plane> plane = fit(points, settings.trials, least_up);
+  if (plane && is_level(plane->normal, least_up) && plane->share >= settings.least_share) {
+    return plane;
   }
-  if (!is_level(plane->normal, least_up) || !(plane->offset < 0)) return std::nullopt;
-  measure_extent(points, *plane);
-  if (plane->share < settings.least_share) return std::nullopt;
+  plane = fit(points, settings.trials, kAnyWay);
+  if (!plane || -plane->normal.z() < std::cos(settings.facing) ||
+      plane->share < settings.share_facing) {
+    return std::nullopt;
+  }
   return plane;
 }
 
@@ -212,14 +227,8 @@ std::optional<Plane> fit_plane_at(const DepthImage& depth, const PinholeCamera& 
   reach = std::max(reach, kLeastRadius * *Z / camera.fx_px);
   const std::vector<Point> points = points_near(depth, camera, noise, at, reach);
   if (points.size() < kFewestPoints) return std::nullopt;
-  constexpr double kAnyWay = -2;
-  std::optional<Plane> plane = plane_by_vote(points, PlaneFitSettings{}.trials, kAnyWay);
+  std::optional<Plane> plane = fit(points, PlaneFitSettings{}.trials, kAnyWay);
   if (!plane) return std::nullopt;
-  for (int round = 0; round < kRounds; ++round) {
-    if (!improve(points, *plane)) return std::nullopt;
-  }
-  if (!(plane->offset < 0)) return std::nullopt;
-  measure_extent(points, *plane);
   const Eigen::Vector3d ray = camera.unproject(x_px, y_px, 1.0);
   plane->middle = ray * (plane->offset / plane->normal.dot(ray));
   if (!((plane->middle - at).norm() <= reach / 2)) return std::nullopt;

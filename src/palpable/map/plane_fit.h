@@ -14,6 +14,10 @@ namespace palpable {
 struct PlaneFitSettings {
   double farthest = 1.5;  ///< m; what lies deeper is out of a hand's reach and is left out
   double steepest = 1.2;  ///< rad at most between the normal and the picture's upward direction
+  /// Where no such plane is found the camera may look straight down: then the plane faces it, to
+  /// this angle (rad), and has this share. A wall before the camera looks the same.
+  double facing = 0.4;
+  double share_facing = 0.5;
   double least_share =
       0.1;           ///< share of the pixels with a depth up to `farthest` that must lie in it
   int trials = 150;  ///< planes through three random points each that are tried
@@ -33,7 +37,8 @@ struct Plane {
 /// RANSAC (Fischler and Bolles 1981, with the same random triples each time) finds it, then eight
 /// rounds of weighted least squares improve it: each point's distance along its ray has the depth's
 /// sigma, and Tukey's weights leave out what lies beyond 4.685 sigma. One pixel in 16 is sampled.
-/// @return nothing when no plane has PlaneFitSettings::least_share
+/// @return nothing when no plane has PlaneFitSettings::least_share, nor one that faces the camera
+///         share_facing
 [[nodiscard]] std::optional<Plane> fit_standing_plane(const DepthImage& depth,
                                                       const PinholeCamera& camera,
                                                       const DepthNoise& noise,

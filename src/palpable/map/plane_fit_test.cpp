@@ -108,9 +108,44 @@ TEST_CASE("a plane that is seen from elsewhere is the same plane", "[map][plane_
   CHECK(moved.share == plane.share);
 }
 
-TEST_CASE("a wall is nothing to stand on, and neither is nothing", "[map][plane_fit]") {
-  const DepthImage wall(kCamera.width, kCamera.height, 0.8F);
-  CHECK_FALSE(fit_standing_plane(wall, kCamera, kNoise));
+// A plane that fills the picture, without noise.
+DepthImage alone(const Eigen::Vector3d& normal, double offset) {
+  DepthImage depth(kCamera.width, kCamera.height);
+  for (int y = 0; y < kCamera.height; ++y) {
+    for (int x = 0; x < kCamera.width; ++x) {
+      depth(x, y) = static_cast<float>(offset / normal.dot(kCamera.unproject(x, y, 1.0)));
+    }
+  }
+  return depth;
+}
+
+TEST_CASE("a camera that looks straight down sees the desk, whichever way it is turned",
+          "[map][plane_fit]") {
+  for (const double tilt : {-0.35, -0.1, 0.0, 0.1, 0.35}) {
+    INFO("tilt " << tilt);
+    const Eigen::Vector3d normal(0.05, std::sin(tilt), -std::cos(tilt));
+    const auto plane = fit_standing_plane(alone(normal.normalized(), -0.6), kCamera, kNoise);
+    REQUIRE(plane);
+    CHECK((plane->normal - normal.normalized()).norm() <= test::tolerance(1e-4, "floats"));
+    const Rigid3 pose = camera_from_body_on(*plane);
+    CHECK((pose.linear().col(2) - plane->normal).norm() <= 1e-12);
+    CHECK(pose.linear()(0, 0) > 0.9);
+  }
+}
+
+TEST_CASE("a wall beside the camera is nothing to stand on, and neither is nothing",
+          "[map][plane_fit]") {
+  const Eigen::Vector3d turned(std::sin(0.6), 0, -std::cos(0.6));
+  CHECK_FALSE(fit_standing_plane(alone(turned, -0.7), kCamera, kNoise));
+  const Eigen::Vector3d ceiling = Eigen::Vector3d(0, 0.8, -0.6);
+  CHECK_FALSE(fit_standing_plane(alone(ceiling, -0.5), kCamera, kNoise));
+  // A wall that fills less than half of what is near stands behind a room's things.
+  DepthImage behind(kCamera.width, kCamera.height, 0.8F);
+  for (int y = 0; y < kCamera.height; ++y) {
+    for (int x = 0; x < 200; ++x)
+      behind(x, y) = 0.4F + 0.3F * static_cast<float>((7 * x + 3 * y) % 11) / 11;
+  }
+  CHECK_FALSE(fit_standing_plane(behind, kCamera, kNoise));
   const DepthImage unknown(kCamera.width, kCamera.height, std::nanf(""));
   CHECK_FALSE(fit_standing_plane(unknown, kCamera, kNoise));
 }

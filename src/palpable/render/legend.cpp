@@ -62,6 +62,51 @@ struct PresentText {
   std::size_t value_size = 0, error_size = 0;
 };
 
+// Lengths of a legend in px, and what it holds.
+struct LegendLayout {
+  explicit LegendLayout(const ColorImage& picture, float s)
+      : small(picture.height() < kSmallPicture), pad((small ? 4.0f : 12.0f) * s) {
+    const auto rows = static_cast<float>(picture.height());
+    bar_width = (small ? 8.0f : 16.0f) * s;
+    bar_height = std::round((small ? 0.30f : 0.36f) * rows);
+    edge = (small ? 5.0f : 16.0f) * s;
+    corner = (small ? 4.0f : 8.0f) * s;
+    above_bar = (small ? 6.0f : 10.0f) * s;
+    below_bar = (small ? 5.0f : 4.0f) * s;
+    ticks = small ? 2 : 5;
+  }
+  bool small;
+  float pad;
+  float bar_width = 0, bar_height = 0;
+  float edge = 0;  // from the picture's right edge
+  float corner = 0, above_bar = 0, below_bar = 0;
+  int ticks = 0;
+};
+
+// Calls draw(line) for the lines of a text that is to be at most `room` px wide: broken where three
+// spaces are, or where that does not suffice at the last space that fits. A word that is wider
+// alone is not broken. Allocates nothing: captions are drawn for every frame.
+template <class Draw>
+void for_each_line_within(std::string_view text, float size, float room, const Draw& draw) {
+  const auto fits = [&](std::string_view part) { return measure_text(part, size).width <= room; };
+  const auto last_break = [&](std::string_view gap) {
+    std::size_t best = std::string_view::npos;
+    for (auto at = text.find(gap); at != std::string_view::npos;
+         at = text.find(gap, at + gap.size())) {
+      if (at > 0 && fits(text.substr(0, at))) best = at;
+    }
+    return best;
+  };
+  while (!fits(text)) {
+    auto at = last_break("   ");
+    if (at == std::string_view::npos) at = last_break(" ");
+    if (at == std::string_view::npos) break;
+    draw(text.substr(0, at));
+    text.remove_prefix(std::min(text.find_first_not_of(' ', at), text.size()));
+  }
+  draw(text);
+}
+
 }  // namespace
 
 std::vector<double> round_ticks(double top, int wanted) {
@@ -75,15 +120,15 @@ std::vector<double> round_ticks(double top, int wanted) {
 void draw_legend(ColorImage& picture, const Legend& legend) {
   PALPABLE_EXPECT(legend.top > 0.0 && std::isfinite(legend.top), "the scale has a length");
   const float s = legend.scale;
-  const float size = 15.0f * s, small = 13.0f * s, pad = 12.0f * s;
-  const float bar_width = 16.0f * s;
-  const float bar_height = std::round(0.36f * static_cast<float>(picture.height()));
-  constexpr int kWanted = 5;
-  const double step = tick_step(legend.top, kWanted);
+  const float size = 15.0f * s, small = 13.0f * s;
+  const LegendLayout layout(picture, s);
+  const float pad = layout.pad, bar_width = layout.bar_width, bar_height = layout.bar_height;
+  const double step = tick_step(legend.top, layout.ticks);
   std::array<char, 32> text;
 
   const PresentText present(legend);
-  const TextSize title = measure_text(legend.title, size);
+  const bool tells_present = present.told && !layout.small;
+  const TextSize title = layout.small ? TextSize{} : measure_text(legend.title, size);
   const TextSize unit = measure_text(legend.unit, small);
   float number_width = 0;
   for (int i = 0; i * step <= legend.top * (1.0 + 1e-9); ++i) {
@@ -93,20 +138,20 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   const float line_height = measure_text("0", small).height();
   float inner = std::max({title.width, unit.width, bar_width + 10.0f * s + number_width});
   // As wide as its widest numbers would be, so that it stands still while they change.
-  if (present.told) inner = std::max(inner, measure_text("max 000.0", small).width);
+  if (tells_present) inner = std::max(inner, measure_text("max 000.0", small).width);
   const float width = inner + 2.0f * pad;
   // Room for both lines: the panel stands still while the error comes and goes.
-  const float below = present.told ? 8.0f * s + 2.0f * line_height : 0.0f;
-  const float height =
-      2.0f * pad + title.height() + unit.height() + 10.0f * s + bar_height + 4.0f * s + below;
-  const float x = static_cast<float>(picture.width()) - width - 16.0f * s;
+  const float below = tells_present ? 8.0f * s + 2.0f * line_height : 0.0f;
+  const float height = 2.0f * pad + title.height() + unit.height() + layout.above_bar + bar_height +
+                       layout.below_bar + below;
+  const float x = static_cast<float>(picture.width()) - width - layout.edge;
   const float y = 0.5f * (static_cast<float>(picture.height()) - height);
-  fill_panel(picture, x, y, width, height, 8.0f * s, kPanel, kPanelOpacity);
-  draw_text(picture, x + pad, y + pad, legend.title, size, kInk);
+  fill_panel(picture, x, y, width, height, layout.corner, kPanel, kPanelOpacity);
+  if (!layout.small) draw_text(picture, x + pad, y + pad, legend.title, size, kInk);
   draw_text(picture, x + pad, y + pad + title.height(), legend.unit, small, kQuietInk);
 
   const float bar_x = std::round(x + pad);
-  const float bar_y = std::round(y + pad + title.height() + unit.height() + 10.0f * s);
+  const float bar_y = std::round(y + pad + title.height() + unit.height() + layout.above_bar);
   for (int row = 0; row < static_cast<int>(bar_height); ++row) {
     const float share = 1.0f - (static_cast<float>(row) + 0.5f) / bar_height;
     fill_panel(picture, bar_x, bar_y + static_cast<float>(row), bar_width, 1.0f, 0.0f,
@@ -126,6 +171,7 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   const auto share = static_cast<float>(std::clamp(legend.present / legend.top, 0.0, 1.0));
   fill_panel(picture, bar_x - 4.0f * s, std::round(bar_y + bar_height * (1.0f - share) - s),
              bar_width + 8.0f * s, std::max(2.0f, std::round(2.0f * s)), 0.0f, kInk);
+  if (!tells_present) return;
   const float text_y = bar_y + bar_height + 12.0f * s;
   draw_text(picture, x + pad, text_y, present.value(), small, kInk);
   draw_text(picture, x + pad, text_y + line_height, present.error(), small, kQuietInk);
@@ -147,32 +193,48 @@ void draw_warning(ColorImage& picture, std::string_view text, float scale) {
   const float room = width - 4.0f * pad;
   const float asked = measure_text(text, size).width;
   if (asked > room) size *= std::max(room, 1.0f) / asked;
-  const TextSize extent = measure_text(text, size);
-  const float x = 0.5f * (width - extent.width);
-  fill_panel(picture, x - pad, pad, extent.width + 2.0f * pad, extent.height() + pad, 8.0f * scale,
-             kRed, 0.88f);
-  draw_text(picture, x, 1.5f * pad, text, size, {255, 255, 255});
+  float widest = 0;
+  float height = 0;
+  for_each_line_within(text, size, room, [&](std::string_view line) {
+    const TextSize extent = measure_text(line, size);
+    widest = std::max(widest, extent.width);
+    height += extent.height();
+  });
+  fill_panel(picture, 0.5f * (width - widest) - pad, pad, widest + 2.0f * pad, height + pad,
+             8.0f * scale, kRed, 0.88f);
+  float y = 1.5f * pad;
+  for_each_line_within(text, size, room, [&](std::string_view line) {
+    const TextSize extent = measure_text(line, size);
+    draw_text(picture, 0.5f * (width - extent.width), y, line, size, {255, 255, 255});
+    y += extent.height();
+  });
 }
 
 float legend_scale(int rows) { return std::max(static_cast<float>(rows) / 720.0f, 0.75f); }
 
 void draw_caption(ColorImage& picture, std::span<const std::string> lines, float scale) {
-  const float size = 15.0f * scale, pad = 10.0f * scale, gap = 3.0f * scale;
+  const bool small = picture.height() < kSmallPicture;
+  const float size = 15.0f * scale, pad = (small ? 4.0f : 10.0f) * scale, gap = 3.0f * scale;
+  const float edge = (small ? 5.0f : 16.0f) * scale;
+  const float room = static_cast<float>(picture.width()) - 2.0f * (edge + pad);
   float width = 0, height = 0;
   for (const std::string& line : lines) {
-    const TextSize extent = measure_text(line, size);
-    width = std::max(width, extent.width);
-    height += extent.height() + gap;
+    for_each_line_within(line, size, room, [&](std::string_view part) {
+      const TextSize extent = measure_text(part, size);
+      width = std::max(width, extent.width);
+      height += extent.height() + gap;
+    });
   }
   if (width == 0) return;
-  const float x = 16.0f * scale;
-  float y = static_cast<float>(picture.height()) - 16.0f * scale - height - 2.0f * pad + gap;
-  fill_panel(picture, x, y, width + 2.0f * pad, height + 2.0f * pad - gap, 8.0f * scale, kPanel,
+  float y = static_cast<float>(picture.height()) - edge - height - 2.0f * pad + gap;
+  fill_panel(picture, edge, y, width + 2.0f * pad, height + 2.0f * pad - gap, 8.0f * scale, kPanel,
              kPanelOpacity);
   y += pad;
   for (const std::string& line : lines) {
-    draw_text(picture, x + pad, y, line, size, kInk);
-    y += measure_text(line, size).height() + gap;
+    for_each_line_within(line, size, room, [&](std::string_view part) {
+      draw_text(picture, edge + pad, y, part, size, kInk);
+      y += measure_text(part, size).height() + gap;
+    });
   }
 }
 

@@ -26,13 +26,18 @@ struct Legend {
   float scale = 1;          ///< of all lengths; 1 suits a picture of 720 rows
 };
 
-/// Draws the bar on a translucent panel at the right edge, centred in height.
+/// Draws the bar on a translucent panel at the right edge, centred in height. Letters have a least
+/// size, so in a picture of fewer than kSmallPicture rows the panel holds what is needed to read
+/// the bar alone: unit, three numbers, the mark; it then covers some 4 % of the picture.
 void draw_legend(ColorImage& picture, const Legend& legend);
+
+inline constexpr int kSmallPicture = 300;  // rows
 
 /// Legend::scale for a picture with this many rows; letters stay legible in small pictures.
 [[nodiscard]] float legend_scale(int rows);
 
-/// Draws lines of text on a translucent panel in the lower left corner.
+/// Draws lines of text on a translucent panel in the lower left corner. A line that is wider than
+/// the picture goes on below, if it can at three spaces, else at one.
 void draw_caption(ColorImage& picture, std::span<const std::string> lines, float scale);
 
 /// Draws a line of text with its top left corner at (x, y) px on a translucent panel around it.
@@ -40,7 +45,7 @@ void draw_caption(ColorImage& picture, std::span<const std::string> lines, float
 void draw_label(ColorImage& picture, float x, float y, std::string_view text, float size);
 
 /// Draws one line on a red panel at the middle of the top: something that the user has to act on. A
-/// line that would not fit gets smaller letters.
+/// line that would not fit gets smaller letters, and then goes on below.
 void draw_warning(ColorImage& picture, std::string_view text, float scale);
 
 /// Round numbers from 0 to at most `top` (> 0), about `wanted` of them, in steps of 1, 2 or 5 times

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 using namespace palpable;
 
@@ -144,4 +146,72 @@ TEST_CASE("the legend shows the colours from bottom to top and writes beside the
                                      [](Rgb p) { return p.r > 190 && p.g > 190 && p.b > 190; });
     CHECK(light > height / 6);
   }
+}
+
+namespace {
+
+// Share of the picture that differs from the plain one.
+double covered(const ColorImage& picture, Rgb plain) {
+  const auto same = std::count(picture.begin(), picture.end(), plain);
+  return 1 - static_cast<double>(same) / static_cast<double>(picture.size());
+}
+
+}  // namespace
+
+TEST_CASE("legend and caption leave the picture free, whatever its size", "[render]") {
+  constexpr Rgb kPlain{128, 128, 128};
+  struct Case {
+    int width, height;
+    double most;  // share
+  };
+  for (const auto& [width, height, most] :
+       {Case{160, 120, 0.12}, Case{320, 240, 0.05}, Case{640, 480, 0.07}, Case{1280, 720, 0.05}}) {
+    INFO(width << " x " << height);
+    ColorImage picture(width, height, kPlain);
+    draw_legend(picture, {.title = "von Mises",
+                          .unit = "kPa",
+                          .top = 16.3,
+                          .present = 8,
+                          .stated_error = 0.14,
+                          .scale = legend_scale(height)});
+    CHECK(covered(picture, kPlain) < most);
+    CHECK(covered(picture, kPlain) > most / 4);  // and can be read
+    ColorImage captioned(width, height, kPlain);
+    const std::vector<std::string> lines{"2.27 s   13 touches   1.0 mm   6.22 N"};
+    draw_caption(captioned, lines, legend_scale(height));
+    CHECK(covered(captioned, kPlain) < (width < 320 ? 0.25 : 0.06));
+  }
+}
+
+TEST_CASE("a text wider than the picture goes on below and loses nothing", "[render]") {
+  constexpr Rgb kPlain{128, 128, 128};
+  const auto extent_of = [&](const ColorImage& picture) {
+    int right = -1, rows = 0;
+    for (int y = 0; y < picture.height(); ++y) {
+      bool any = false;
+      for (int x = 0; x < picture.width(); ++x) {
+        if (picture(x, y) == kPlain) continue;
+        any = true;
+        right = std::max(right, x);
+      }
+      rows += any ? 1 : 0;
+    }
+    return std::pair(right, rows);
+  };
+  const std::vector<std::string> wide{
+      "2.27 s   13 touches   1.0 mm   6.22 N   for what is seen off by some 12 %, stress 34 %"};
+  ColorImage one(1280, 240, kPlain), several(320, 240, kPlain);
+  draw_caption(one, wide, 0.75f);
+  draw_caption(several, wide, 0.75f);
+  CHECK(extent_of(several).first < 320 - 2);  // its panel ends inside
+  CHECK(extent_of(several).second > extent_of(one).second + 8);
+  const auto ink = [](const ColorImage& picture) {
+    return std::count_if(picture.begin(), picture.end(), [](Rgb p) { return p.r > 180; });
+  };
+  CHECK(ink(several) > ink(one) * 9 / 10);
+  ColorImage warned(320, 240, kPlain);
+  draw_warning(warned, "What presses is not seen at present: its last place is held", 0.75f);
+  CHECK(extent_of(warned).first < 320 - 2);
+  // A word that fits nowhere is drawn as far as there is room.
+  draw_caption(warned, std::vector<std::string>{std::string(200, 'm'), ""}, 0.75f);
 }

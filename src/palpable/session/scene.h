@@ -28,6 +28,9 @@ struct SceneBody {
   /// Of the answer, the obstacle taken as it is seen; nothing where nothing touches or where that
   /// is not known.
   std::optional<StatedError> stated_error;
+  /// Share of the skin that has been hidden since the session began: what hides it counts as the
+  /// room, and is not felt (hidden_at_start.h).
+  double hidden_since_start = 0;
 };
 
 /// All that is to be drawn, written or compared of one frame. Plain data without pointers: it may

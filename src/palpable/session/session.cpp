@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/contact/pressing_bodies.h"
 #include "palpable/geometry/pixel_box.h"
+#include "palpable/session/hidden_at_start.h"
 #include "palpable/session/modal_bodies.h"
 #include "palpable/slam/slam.h"
 
@@ -82,6 +83,7 @@ struct SessionBody {
   BodyAnswer answer;
   int modal = -1;  // its place among those that are answered by their energy; -1: it is none
   std::vector<Touch> touches;
+  HiddenAtStart hidden;
   Eigen::Matrix3Xf shape;  // (3 x V) m, as it was shown last; of ContactKind::kPaper alone
 };
 
@@ -100,6 +102,7 @@ struct Session::Parts {
   Parts(std::vector<PlacedBody> placed, const DepthCamera& camera, const FrameFormat& format,
         const SessionSettings& s)
       : settings(s),
+        noise(camera.noise()),
         slam(camera, {.track = s.track, .map = s.map}),
         pressing(camera.noise(), settings.pressing) {
     const AnswerSettings how = answer_settings(settings, camera, format);
@@ -120,12 +123,14 @@ struct Session::Parts {
   void gather_pressing();
   void forget_room();
   void place_camera(Scene& scene, const SlamFrame& found);
+  void find_what_is_hidden(Scene& scene);
   void find_what_presses(const Scene& scene);
   int gather_others(std::size_t of);
   void find_touches(Scene& scene);
   void answer(Scene& scene, const SlamFrame& found);
 
   SessionSettings settings;
+  DepthNoise noise;
   Slam slam;
   std::vector<std::unique_ptr<SessionBody>> bodies;
   std::optional<ModalBodies> modal;
@@ -167,6 +172,7 @@ void Session::Parts::gather_pressing() {
 // stands.
 void Session::Parts::forget_room() {
   if (settings.map) anchored.emplace(*slam.map());
+  for (const auto& body : bodies) body->hidden.begin();
 }
 
 // Takes up where the camera is, and with it the body, and what moves.
@@ -195,6 +201,19 @@ void Session::Parts::place_camera(Scene& scene, const SlamFrame& found) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const Rigid3& place = bodies[k]->world_from_body;
     scene.bodies[k].camera_from_body = stands ? place : camera_from_world * place;
+  }
+}
+
+// Of what presses only what has come: where something hides a body from the start, nothing can be
+// said to have.
+void Session::Parts::find_what_is_hidden(Scene& scene) {
+  if (settings.press_static || scene.camera.state == TrackState::kLost) return;
+  const SeenFrame& seen = scene.seen;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    SessionBody& body = *bodies[k];
+    scene.bodies[k].hidden_since_start =
+        body.hidden.look(seen.depth, seen.depth_camera, noise, body.answer.body().surface.vertices,
+                         scene.bodies[k].camera_from_body);
   }
 }
 
@@ -301,6 +320,7 @@ void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
   place_camera(scene, found);
   {
     const StageTimer timer(scene.times, "presses");
+    find_what_is_hidden(scene);
     find_what_presses(scene);
   }
   {

@@ -16,13 +16,14 @@ namespace {
 using PoseOf = std::function<std::optional<Rigid3>(int index, const SeenFrame& seen)>;
 
 // One pass through a source.
+// @param depth    how frames are measured
 // @param most     frames that are read at most; -1: all
 // @param pose_of  empty: the camera is tracked
 // @param again    this is the second pass: it has the first one's frames, whatever `go_on` returns
-RoomScan play(FrameSource& source, const std::string& name, const SlamSettings& settings, int most,
-              const PoseOf& pose_of, bool again,
+RoomScan play(FrameSource& source, const std::string& name, const DepthSettings& depth,
+              const SlamSettings& settings, int most, const PoseOf& pose_of, bool again,
               const std::function<bool(const RoomScanStep&)>& go_on) {
-  Result<DepthCamera> made = DepthCamera::make(source.format());
+  Result<DepthCamera> made = DepthCamera::make(source.format(), depth);
   if (!made.ok()) throw Error(name + ": " + made.problem().message);
   DepthCamera camera = std::move(made).value();
   RoomScan scan;
@@ -84,7 +85,8 @@ RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
     pose_of = [&](int, const SeenFrame& seen) { return settings.pose_at(seen.time); };
   }
   std::unique_ptr<FrameSource> source = open();
-  RoomScan first = play(*source, settings.name, slam, settings.most_frames, pose_of, false, go_on);
+  RoomScan first = play(*source, settings.name, settings.depth, slam, settings.most_frames, pose_of,
+                        false, go_on);
   const Tracker* tracker = first.slam->tracker();
   if (tracker == nullptr) return first;
   first.keyframes = tracker->keyframes();
@@ -96,12 +98,18 @@ RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
   first.slam.reset();  // one map at a time
   slam.track = false;
   source = open();
-  RoomScan second = play(*source, settings.name, slam, static_cast<int>(first.frames.size()),
-                         pose_as_corrected, true, go_on);
+  RoomScan second = play(*source, settings.name, settings.depth, slam,
+                         static_cast<int>(first.frames.size()), pose_as_corrected, true, go_on);
   second.keyframes = std::move(first.keyframes);
   second.loops = first.loops;
   second.again = true;
   return second;
+}
+
+ColoredSurface surface_of(const RoomScan& scan) {
+  constexpr int kTooFewToAgree = 3;  // frames
+  const SurfaceMap& map = *scan.slam->map();
+  return scan.slam->counts().fused <= kTooFewToAgree ? map.mesh(0) : map.mesh();
 }
 
 std::string text_of(const RoomScan& scan) {

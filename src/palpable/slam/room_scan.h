@@ -5,6 +5,7 @@
 /// along the corrected path. Offline: it throws, and waits for its source.
 #pragma once
 
+#include "palpable/depth/depth_settings.h"
 #include "palpable/slam/slam.h"
 #include "palpable/sources/frame_source.h"
 #include "palpable/sources/source_guard.h"
@@ -19,9 +20,10 @@
 namespace palpable {
 
 struct RoomScanSettings {
-  SlamSettings slam{};   ///< its `track` is not read: the camera is tracked without a `pose_at`
-  std::string name{};    ///< of the source, for messages
-  int most_frames = -1;  ///< -1: up to the source's end
+  DepthSettings depth{};  ///< how its frames are measured
+  SlamSettings slam{};    ///< its `track` is not read: the camera is tracked without a `pose_at`
+  std::string name{};     ///< of the source, for messages
+  int most_frames = -1;   ///< -1: up to the source's end
   /// world_from_camera at a time of the source, s; nothing where it is not known. Empty: the camera
   /// is tracked.
   std::function<std::optional<Rigid3>(double time)> pose_at{};
@@ -59,6 +61,10 @@ using OpenSource = std::function<std::unique_ptr<FrameSource>()>;
 ///         what `open` throws
 [[nodiscard]] RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
                                  const std::function<bool(const RoomScanStep&)>& go_on);
+
+/// What was seen, as a surface: what several frames agree on (SurfaceMap::mesh), or all of it where
+/// three frames or fewer were used, one pair of pictures for instance.
+[[nodiscard]] ColoredSurface surface_of(const RoomScan& scan);
 
 /// Lines for people: frames, what could not be read, loops.
 [[nodiscard]] std::string text_of(const RoomScan& scan);

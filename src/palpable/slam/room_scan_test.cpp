@@ -159,6 +159,27 @@ TEST_CASE("poses that are given are taken by the source's time, and nothing is f
   CHECK(scanned.keyframes.empty());
 }
 
+TEST_CASE("of one pair alone all that was seen is the surface, of many frames what they agree on",
+          "[slam][room_scan]") {
+  for (const int frames : {1, 12}) {
+    INFO(frames << " frames");
+    RoomScanSettings settings;
+    settings.slam.fuse_every = 0;
+    settings.most_frames = frames;
+    const RoomScan scanned = scan_room(
+        [&] {
+          return std::make_unique<MadeSource>(test::creeping_format(), test::kCreepingFrames,
+                                              test::creeping_frame);
+        },
+        settings, [](const RoomScanStep&) { return true; });
+    const SurfaceMap& map = *scanned.slam->map();
+    const Eigen::Index found = surface_of(scanned).surface.triangle_count();
+    CHECK(found == (frames == 1 ? map.mesh(0) : map.mesh()).surface.triangle_count());
+    CHECK(found > 1000);
+    CHECK(map.mesh().surface.triangle_count() < map.mesh(0).surface.triangle_count());
+  }
+}
+
 TEST_CASE("a scan is told in frames, troubles and loops", "[slam][room_scan]") {
   RoomScanSettings settings;
   settings.slam.fuse_every = 0;

@@ -28,6 +28,7 @@ Json json_of(const BoardCalibration& found, const SeenBoards& seen) {
   result["reprojection_px"] = found.reprojection_px;
   result["row_error_px"] = found.row_error_px;
   result["focal_sigma"] = found.focal_sigma;
+  result["weakness"] = found.weakness.empty() ? Json(nullptr) : Json(found.weakness);
   result["tilt_degrees"] = found.tilt * kDegrees;
   result["covered"] = found.covered;
   return result;
@@ -56,6 +57,7 @@ std::string text_of(const BoardCalibration& found, const SeenBoards& seen,
                       1e3 * baseline, baseline / pattern.square, 100 * found.focal_sigma);
   text += fmt::format("reprojection {:.3f} px rms, rows after rectification {:.3f} px rms\n",
                       found.reprojection_px, found.row_error_px);
+  if (!found.weakness.empty()) text += fmt::format("accepted although {}\n", found.weakness);
   return text;
 }
 

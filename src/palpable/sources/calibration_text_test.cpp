@@ -48,6 +48,12 @@ TEST_CASE("people read each view's error, both lenses, the baseline in squares, 
   example.seen.alike = 7;
   CHECK_THAT(text_of(example.found, example.seen, example.pattern),
              Contains("2 boards in 40 pairs (7 more were where another had been); tilt"));
+  CHECK(json_of(example.found, example.seen)["weakness"].is_null());
+  example.found.weakness = "the boards are few";
+  CHECK_THAT(text_of(example.found, example.seen, example.pattern),
+             Contains("\naccepted although the boards are few\n"));
+  CHECK(json_of(example.found, example.seen)["weakness"].get<std::string>() ==
+        example.found.weakness);
 }
 
 TEST_CASE("programs read the same numbers of a calibration", "[sources][calibration]") {

@@ -2,8 +2,10 @@
 
 #include "palpable/base/text_numbers.h"
 #include "palpable/calibrate/rectification.h"
+#include "palpable/sources/image_file.h"
 #include "palpable/sources/name_pattern.h"
 #include "palpable/sources/natural_order.h"
+#include "palpable/sources/side_by_side.h"
 #include "palpable/sources/video_file_source.h"
 
 #include <Eigen/Geometry>
@@ -26,15 +28,6 @@ namespace fs = std::filesystem;
 
 constexpr double kSameMoment = 0.02;  // s, as TUM's own tool has it
 
-bool is_image(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  constexpr std::array<std::string_view, 8> kKnown = {".png", ".jpg", ".jpeg", ".bmp",
-                                                      ".ppm", ".pgm", ".tif",  ".tiff"};
-  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
-}
-
 // The images directly in `folder` whose names match, in natural order.
 std::vector<fs::path> images_in(const fs::path& folder, std::string_view pattern = "*") {
   std::vector<fs::path> images;
@@ -42,7 +35,7 @@ std::vector<fs::path> images_in(const fs::path& folder, std::string_view pattern
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     std::error_code ignored;
     const std::string name = it->path().filename().string();
-    if (name.front() != '.' && matches_pattern(name, pattern) && is_image(it->path()) &&
+    if (name.front() != '.' && matches_pattern(name, pattern) && is_image_name(it->path()) &&
         it->is_regular_file(ignored)) {
       images.push_back(it->path());
     }
@@ -150,6 +143,7 @@ const T* nearest(const std::map<double, T>& entries, double time) {
 void count_from_first(Recording& recording) {
   if (recording.frames.empty()) return;
   const double begin = recording.frames.front().time.value_or(0);
+  recording.starts_at += begin;
   for (RecordedFrame& frame : recording.frames) {
     if (frame.time) *frame.time -= begin;
   }
@@ -198,7 +192,7 @@ Result<EurocCamera> read_euroc_camera(const fs::path& path) {
     }
     return Problem{
         fmt::format("{}: {}: only radial-tangential lenses are understood; rectify the "
-                    "images first, or calibrate again",
+                    "images first, or calibrate again and name the file with --calibration",
                     path.string(), line)};
   }
   EurocCamera camera;
@@ -220,25 +214,15 @@ long long nanoseconds(std::string_view text) {
   return std::max(to_whole_number(text).value_or(-1), -1LL);
 }
 
-// Poses of the body by their time in s after `begin` ns.
-std::map<double, Rigid3> euroc_poses(const fs::path& csv, long long begin) {
-  std::map<double, Rigid3> poses;
-  const auto truth = read_lines(csv);
-  for (const std::string& line : truth.value_or(std::vector<std::string>{})) {
-    const auto n = to_numbers(line);
-    if (!n || n->size() < 8) continue;
-    const long long stamp = nanoseconds(std::string_view(line).substr(0, line.find(',')));
-    if (stamp < 0) continue;
-    const double time = kNanosecond * static_cast<double>(stamp - begin);
-    poses[time] =
-        pose_of(Eigen::Vector3d((*n)[1], (*n)[2], (*n)[3]), (*n)[4], (*n)[5], (*n)[6], (*n)[7]);
+// The rig of both cameras' sensor.yaml.
+Result<SourceCalibration> euroc_calibration(const fs::path& folder) {
+  for (const char* file : {"cam0/sensor.yaml", "cam1/sensor.yaml"}) {
+    if (!is_there(folder / file)) {
+      return Problem{fmt::format(
+          "{} is laid out as EuRoC is but has no {}: name a calibration with --calibration",
+          folder.string(), file)};
+    }
   }
-  return poses;
-}
-
-Result<Recording> euroc(const fs::path& folder) {
-  Recording recording;
-  recording.layout = "EuRoC";
   const Result<EurocCamera> left = read_euroc_camera(folder / "cam0/sensor.yaml");
   if (!left.ok()) return left.problem();
   const Result<EurocCamera> right = read_euroc_camera(folder / "cam1/sensor.yaml");
@@ -255,13 +239,27 @@ Result<Recording> euroc(const fs::path& folder) {
   calibration.format.width = left.value().lens.pinhole.width;
   calibration.format.height = left.value().lens.pinhole.height;
   calibration.frames_per_second = left.value().rate;
-  recording.calibration = calibration;
+  return calibration;
+}
+
+Result<Recording> euroc(const fs::path& folder) {
+  Recording recording;
+  recording.layout = "EuRoC";
+  const Result<SourceCalibration> calibration = euroc_calibration(folder);
+  if (calibration.ok()) {
+    recording.calibration = calibration.value();
+  } else {
+    recording.calibration_trouble = calibration.problem().message;
+  }
+  const Result<EurocCamera> first = read_euroc_camera(folder / "cam0/sensor.yaml");
+  const Rigid3 body_from_camera = first.ok() ? first.value().body_from_camera : Rigid3::Identity();
 
   // Times are kept relative to the first image: 1e18 ns do not fit a double.
   const std::vector<fs::path> lefts = images_in(folder / "cam0/data");
   const long long begin = lefts.empty() ? 0 : nanoseconds(lefts.front().stem().string());
+  recording.starts_at = kNanosecond * static_cast<double>(begin);
   const std::map<double, Rigid3> poses =
-      euroc_poses(folder / "state_groundtruth_estimate0/data.csv", begin);
+      read_euroc_poses(folder / "state_groundtruth_estimate0/data.csv", begin);
   for (const fs::path& image : lefts) {
     const fs::path partner = folder / "cam1/data" / image.filename();
     const long long stamp = nanoseconds(image.stem().string());
@@ -275,7 +273,7 @@ Result<Recording> euroc(const fs::path& folder) {
     frame.second = partner;
     frame.time = time;
     if (const Rigid3* world_from_body = nearest(poses, time)) {
-      frame.world_from_camera = *world_from_body * left.value().body_from_camera;
+      frame.world_from_camera = *world_from_body * body_from_camera;
     }
   }
   return recording;
@@ -469,15 +467,129 @@ Result<Recording> color_and_depth(const fs::path& folder, const std::vector<fs::
   return recording;
 }
 
+// --- Middlebury: https://vision.middlebury.edu/stereo/data, and pairs named alike ----------------
+
+// The value of `key=` in a calib.txt of Middlebury; empty without one.
+std::vector<double> middlebury_numbers(const std::vector<std::string>& lines,
+                                       std::string_view key) {
+  for (const std::string& line : lines) {
+    if (!line.starts_with(key) || line.substr(key.size(), 1) != "=") continue;
+    std::string numbers = line.substr(key.size() + 1);
+    std::replace_if(
+        numbers.begin(), numbers.end(), [](char c) { return c == '[' || c == ']' || c == ';'; },
+        ' ');
+    return to_numbers(numbers).value_or(std::vector<double>{});
+  }
+  return {};
+}
+
+// calib.txt as Middlebury's sets since 2014 and ETH3D's pairs have it: cam0=[f 0 cx; 0 f cy; 0 0
+// 1], doffs (px), baseline (mm), width, height. A problem where it is there and says something
+// else.
+Result<SourceCalibration> middlebury_calibration(const fs::path& path) {
+  const std::vector<std::string> lines = read_lines(path).value_or(std::vector<std::string>{});
+  const auto one = [&](std::string_view key) {
+    const std::vector<double> numbers = middlebury_numbers(lines, key);
+    return numbers.size() == 1 ? numbers.front() : std::nan("");
+  };
+  const std::vector<double> K = middlebury_numbers(lines, "cam0");
+  const double baseline = 1e-3 * one("baseline");
+  const double doffs = one("doffs");
+  const double width = one("width");
+  const double height = one("height");
+  constexpr double kLongestBaseline = 10;  // m
+  if (K.size() != 9 || !(K[0] > 0 && K[4] > 0) || !std::isfinite(doffs) ||
+      !(baseline > 0 && baseline < kLongestBaseline) || !is_image_side(width) ||
+      !is_image_side(height)) {
+    return Problem{fmt::format(
+        "{} is no calib.txt of Middlebury: it should have cam0=[f 0 cx; 0 f cy; 0 0 1], doffs= "
+        "(px), baseline= (mm), width= and height=",
+        path.string())};
+  }
+  SourceCalibration calibration;
+  calibration.format.already_rectified = true;
+  calibration.format.rectified = {
+      {static_cast<int>(width), static_cast<int>(height), K[0], K[4], K[2], K[5]}, baseline, doffs};
+  calibration.format.width = calibration.format.rectified.camera.width;
+  calibration.format.height = calibration.format.rectified.camera.height;
+  return calibration;
+}
+
+// im0 and im1, imL and imR, view1 and view5: the one pair that is called so; nothing without.
+std::optional<Recording> named_pair(const std::vector<fs::path>& images) {
+  constexpr std::array kNames{std::pair{"im0", "im1"}, std::pair{"imL", "imR"},
+                              std::pair{"view1", "view5"}};
+  const auto called = [&](std::string_view stem) {
+    return std::find_if(images.begin(), images.end(),
+                        [&](const fs::path& image) { return image.stem() == stem; });
+  };
+  for (const auto& [left, right] : kNames) {
+    const auto first = called(left);
+    const auto second = called(right);
+    if (first == images.end() || second == images.end()) continue;
+    Recording recording;
+    recording.layout = fmt::format("{} and {}", left, right);
+    recording.frames.push_back({*first, *second, {}, {}});
+    const fs::path calibration = first->parent_path() / "calib.txt";
+    if (!is_there(calibration)) return recording;
+    const Result<SourceCalibration> read = middlebury_calibration(calibration);
+    if (read.ok()) {
+      recording.calibration = read.value();
+    } else {
+      recording.calibration_trouble = read.problem().message;
+    }
+    return recording;
+  }
+  return std::nullopt;
+}
+
+// Whether a picture shows two eyes, as far as its size says.
+bool shows_two_eyes(const fs::path& image) {
+  ImageFileReader reader;
+  ColorImage picture;
+  return reader.read_color(image, picture).ok() &&
+         looks_side_by_side(picture.width(), picture.height());
+}
+
+// *_0 and *_1, *_left and *_right, *_L and *_R: pairs where every image of the folder has its
+// partner; nothing otherwise. Two pictures side by side may be numbered _0 and _1, too.
+std::optional<Recording> ended_pairs(const std::vector<fs::path>& images) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kEndings{
+      std::pair{"_0", "_1"}, std::pair{"_left", "_right"}, std::pair{"_L", "_R"}};
+  for (const auto& [left, right] : kEndings) {
+    Recording recording;
+    recording.layout = fmt::format("*{} and *{}", left, right);
+    std::map<std::string, fs::path> rights;  // by what stands before the ending
+    std::vector<std::pair<std::string, fs::path>> lefts;
+    for (const fs::path& image : images) {
+      const std::string stem = image.stem().string();
+      if (stem.ends_with(left)) {
+        lefts.emplace_back(stem.substr(0, stem.size() - left.size()), image);
+      } else if (stem.ends_with(right)) {
+        rights.emplace(stem.substr(0, stem.size() - right.size()), image);
+      }
+    }
+    if (lefts.empty() || lefts.size() != rights.size() || 2 * lefts.size() != images.size()) {
+      continue;
+    }
+    for (const auto& [base, image] : lefts) {
+      const auto partner = rights.find(base);
+      if (partner != rights.end()) recording.frames.push_back({image, partner->second, {}, {}});
+    }
+    if (recording.frames.size() != lefts.size()) continue;
+    if (lefts.size() == 1 && shows_two_eyes(lefts.front().second)) continue;
+    return recording;
+  }
+  return std::nullopt;
+}
+
 Result<Recording> side_by_side(const fs::path& folder, const std::vector<fs::path>& images) {
   Recording recording;
   recording.layout = "side by side";
   recording.pair = ImagePair::kSideBySide;
   if (images.empty()) {
-    return Problem{
-        fmt::format("{} has no images: it should have left/ and right/, pairs side by "
-                    "side, color_* and depth_*, or be an EuRoC, KITTI, TUM or 7-Scenes folder",
-                    folder.string())};
+    return Problem{fmt::format("{} has no images in a layout that is known. {}", folder.string(),
+                               known_layouts())};
   }
   for (const fs::path& image : images) recording.frames.push_back({image, {}, {}, {}});
   return recording;
@@ -485,7 +597,10 @@ Result<Recording> side_by_side(const fs::path& folder, const std::vector<fs::pat
 
 Result<Recording> recognise(const fs::path& folder) {
   for (const fs::path& euroc_folder : {folder / "mav0", folder}) {
-    if (is_there(euroc_folder / "cam0/sensor.yaml")) return euroc(euroc_folder);
+    if (is_there(euroc_folder / "cam0/sensor.yaml") ||
+        (is_folder(euroc_folder / "cam0/data") && is_folder(euroc_folder / "cam1/data"))) {
+      return euroc(euroc_folder);
+    }
   }
   constexpr std::array kKitti{std::pair{"image_0", "image_1"}, std::pair{"image_2", "image_3"},
                               std::pair{"image_l", "image_r"}};
@@ -505,7 +620,10 @@ Result<Recording> recognise(const fs::path& folder) {
     if (auto problem = join(folder, left, right, "left", "right", recording)) return *problem;
     return recording;
   }
-  return side_by_side(folder, images_in(folder));
+  const std::vector<fs::path> images = images_in(folder);
+  if (std::optional<Recording> pair = named_pair(images)) return *std::move(pair);
+  if (std::optional<Recording> pairs = ended_pairs(images)) return *std::move(pairs);
+  return side_by_side(folder, images);
 }
 
 void find_calibration_files(const fs::path& folder, Recording& recording) {
@@ -527,6 +645,29 @@ void find_calibration_files(const fs::path& folder, Recording& recording) {
 
 }  // namespace
 
+std::map<double, Rigid3> read_euroc_poses(const fs::path& csv, long long begin) {
+  std::map<double, Rigid3> poses;
+  const auto truth = read_lines(csv);
+  for (const std::string& line : truth.value_or(std::vector<std::string>{})) {
+    const auto n = to_numbers(line);
+    if (!n || n->size() < 8) continue;
+    const long long stamp = nanoseconds(std::string_view(line).substr(0, line.find(',')));
+    if (stamp < 0) continue;
+    const double time = kNanosecond * static_cast<double>(stamp - begin);
+    poses[time] =
+        pose_of(Eigen::Vector3d((*n)[1], (*n)[2], (*n)[3]), (*n)[4], (*n)[5], (*n)[6], (*n)[7]);
+  }
+  return poses;
+}
+
+std::string_view known_layouts() {
+  return "Read are: left/ and right/; left* and right*; imL and imR, im0 and im1, view1 and view5; "
+         "*_0 and *_1, *_left and *_right, *_L and *_R; pairs side by side in one picture; color_* "
+         "or rgb_* with depth_* (16-bit images); folders of EuRoC, KITTI, TUM and 7-Scenes; or "
+         "name "
+         "images: --source \"a*.png\" --right \"b*.png\" (docs/recordings.md)";
+}
+
 std::optional<ColorSensor> color_sensor_of(const Recording& recording,
                                            const PinholeCamera& depth_camera) {
   if (recording.layout == kSevenScenes && depth_camera.fx_px == kSevenScenesDepth.fx_px) {
@@ -538,8 +679,10 @@ std::optional<ColorSensor> color_sensor_of(const Recording& recording,
 Result<Recording> recognise_folder(const fs::path& folder) {
   if (!is_there(folder)) { return Problem{fmt::format("there is no folder {}", folder.string())}; }
   if (!is_folder(folder)) {
-    return Problem{fmt::format("{} is not a folder, and its name does not end like a video's ({})",
-                               folder.string(), fmt::join(kVideoEndings, " "))};
+    return Problem{
+        fmt::format("{} is not a folder, and its name does not end like a video's ({}) "
+                    "or an image's (.png .jpg .bmp .ppm .pgm .tif)",
+                    folder.string(), fmt::join(kVideoEndings, " "))};
   }
   Result<Recording> recognised = recognise(folder);
   if (!recognised.ok()) return recognised;
@@ -551,6 +694,15 @@ Result<Recording> recognise_folder(const fs::path& folder) {
   count_from_first(recording);
   find_calibration_files(folder, recording);
   return recognised;
+}
+
+bool is_image_name(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr std::array<std::string_view, 8> kKnown = {".png", ".jpg", ".jpeg", ".bmp",
+                                                      ".ppm", ".pgm", ".tif",  ".tiff"};
+  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
 }
 
 bool is_pattern(const fs::path& path) {

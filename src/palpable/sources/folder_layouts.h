@@ -8,8 +8,10 @@
 #include "palpable/sources/source_calibration.h"
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpable {
@@ -37,9 +39,13 @@ struct Recording {
   /// In layouts that match images by time: how many have no partner of the same moment, or no time
   /// stamp of their own.
   int unmatched = 0;
+  double starts_at = 0;       ///< s: the recording's own clock when `time` is 0; 0 without one
   double depth_unit = 0.001;  ///< m per step of a depth image, unless a calibration says otherwise
   /// The calibration that belongs to the layout; without one `calibration_files` are read.
   std::optional<SourceCalibration> calibration;
+  /// Why the calibration that the layout brings cannot be used; empty where it can. A file among
+  /// calibration_files, or one that the user names, takes its place.
+  std::string calibration_trouble;
   std::vector<std::filesystem::path> calibration_files;  ///< those that exist
 };
 
@@ -61,11 +67,22 @@ struct Recording {
 ///   7-Scenes  frame-N.color.*, frame-N.depth.png; frame-N.pose.txt if there; depth in mm;
 ///             camera-intrinsics.txt or intrinsics.txt, else the published f = 585 px, c = (320,
 ///             240); a colour sensor of its own (color_sensor_of)
-///   ours      left/ and right/; color_* or rgb_* with depth_*; left* and right*;
-///             images side by side
+///   ours      left/ and right/; color_* or rgb_* with depth_*; left* and right*
+///   Middlebury  the pair im0 and im1, imL and imR or view1 and view5, whatever else lies there;
+///             calib.txt (2014 and later, ETH3D) if there
+///   pairs     *_0 and *_1, *_left and *_right, *_L and *_R, where all images have partners
+///   else      images side by side
 ///
 /// A problem, one line with the folder, when none fits or partners are missing.
 [[nodiscard]] Result<Recording> recognise_folder(const std::filesystem::path& folder);
+
+/// EuRoC's state_groundtruth_estimate0/data.csv: (s after `begin` ns -> world_from_body), the body
+/// of its sensor.yaml. Lines that are no poses are left out; empty where no file is.
+[[nodiscard]] std::map<double, Rigid3> read_euroc_poses(const std::filesystem::path& csv,
+                                                        long long begin);
+
+/// What recognise_folder() reads, for messages: one line.
+[[nodiscard]] std::string_view known_layouts();
 
 /// Images by name: each pattern is a path whose last part may contain * and ?; the matching files
 /// are sorted in natural order. With `second` empty they are pairs side by side.
@@ -73,7 +90,10 @@ struct Recording {
                                                    const std::filesystem::path& second,
                                                    bool second_is_depth);
 
-/// Whether a name is such a pattern.
+/// Whether a name ends like an image's that is read (.png, .jpg, ...); one image is such a pattern.
+[[nodiscard]] bool is_image_name(const std::filesystem::path& path);
+
+/// Whether a name has * or ? in its last part.
 [[nodiscard]] bool is_pattern(const std::filesystem::path& path);
 
 }  // namespace palpable

@@ -2,14 +2,17 @@
 
 #include "palpable/calibrate/calibration_file.h"
 #include "palpable/sources/folder_source.h"
+#include "palpable/sources/open_source.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
 #include <opencv2/imgcodecs.hpp>
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace palpable {
 namespace {
@@ -121,6 +124,7 @@ TEST_CASE("a folder of EuRoC: pairs of one stamp, the rig from its files, poses 
       recording.frames[1].world_from_camera->translation().isApprox(Vector3d(3.98, 5.1, 6), 1e-6));
 
   const auto source = value_or_throw(open_folder(folder / "MH_01"));
+  CHECK(source->format().starts_at == Approx(1403636579.763555584).margin(1e-6));
   const StereoRig& rig = source->format().rig;
   CHECK(rig.left.pinhole == PinholeCamera{kWidth, kHeight, 30.5, 30.25, 20, 12});
   CHECK(rig.left.distortion[3] == 1.8e-05);
@@ -223,6 +227,7 @@ TEST_CASE("a folder of TUM: colour and depth of one moment, depth in fifths of a
   CHECK(frame.left(0, 0).r == 52);
   CHECK(frame.depth(3, 4) == Approx(1.0));
   CHECK(frame.time == Approx(0.07));
+  CHECK(source->format().starts_at == Approx(1311868164.36).margin(1e-6));
 
   // intrinsics.txt wins over the published numbers; without a unit in it the unit stays TUM's.
   write_bytes(set / "intrinsics.txt", "31 31 20 12");
@@ -338,6 +343,115 @@ TEST_CASE("left* and right* in one folder, or any two patterns of names, are pai
   CHECK(contains(refused(open_patterns(folder / "other/L*.png", folder / "other/D*.png", true,
                                        {.calibration = folder / "calibration.yml"})),
                  "holds a stereo rig but"));
+}
+
+// Whose brightness stands in which eye.
+void check_pair(const std::unique_ptr<FrameSource>& source, int left, int right) {
+  Frame frame;
+  REQUIRE(source->next(frame) == FrameStatus::kFrame);
+  CHECK(static_cast<int>(frame.left(0, 0).r) == left);
+  CHECK(static_cast<int>(frame.right(0, 0).r) == right);
+}
+
+TEST_CASE("one pair is read by the names of its two images, or as Middlebury calls them",
+          "[sources][folder]") {
+  const ScratchFolder root("one_pair");
+  constexpr std::array kNames{std::pair{"im0", "im1"}, std::pair{"imL", "imR"},
+                              std::pair{"view1", "view5"}};
+  for (const auto& [left, right] : kNames) {
+    const fs::path folder = root / left;
+    INFO(folder.string());
+    write_image(folder / (std::string(left) + ".png"), 11);
+    write_image(folder / (std::string(right) + ".png"), 99);
+    write_image(folder / "groundtruth.png", 50);  // beside them, and no part of the pair
+    CHECK(contains(refusal(folder), "no calibration: put calibration.yml"));
+    write_rectified_calibration(folder / "rectified.yml",
+                                {{{kWidth, kHeight, 30, 30, 20, 12}, 0.06, 4}, 30});
+    const auto source = value_or_throw(open_folder(folder));
+    CHECK(source->frame_count() == 1);
+    check_pair(source, 11, 99);
+    CameraRequest request;
+    request.device = (folder / (std::string(left) + ".png")).string();
+    request.right = (folder / (std::string(right) + ".png")).string();
+    check_pair(value_or_throw(open_source(request)), 11, 99);
+  }
+}
+
+TEST_CASE("a calib.txt of Middlebury is read: mm, and the offset of its disparities",
+          "[sources][folder]") {
+  const ScratchFolder folder("middlebury");
+  write_image(folder / "im0.png", 11);
+  write_image(folder / "im1.png", 99);
+  const std::string begin =
+      "cam0=[30.5 0 20.25; 0 30.5 12.5; 0 0 1]\n"
+      "cam1=[30.5 0 24.25; 0 30.5 12.5; 0 0 1]\ndoffs=4\n";
+  write_bytes(folder / "calib.txt", begin + "baseline=193.001\nwidth=40\nheight=24\nndisp=70\n");
+  const auto source = value_or_throw(open_folder(folder.path()));
+  const RectifiedStereo& stereo = source->format().rectified;
+  CHECK(source->format().already_rectified);
+  CHECK(stereo.camera == PinholeCamera{kWidth, kHeight, 30.5, 30.5, 20.25, 12.5});
+  CHECK(stereo.baseline == Approx(0.193001));
+  CHECK(stereo.disparity_at_infinity_px == 4);
+  for (const char* wrong : {"", "baseline=0\nwidth=40\nheight=24\n", "baseline=193\nwidth=40\n",
+                            "baseline=193\nwidth=1e9\nheight=24\n", "baseline=x\nwidth=40\n"}) {
+    INFO(wrong);
+    write_bytes(folder / "calib.txt", begin + wrong);
+    CHECK(contains(refusal(folder.path()), "calib.txt is no calib.txt of Middlebury"));
+  }
+  write_rectified_calibration(folder / "rectified.yml",
+                              {{{kWidth, kHeight, 30, 30, 20, 12}, 0.06, 0}, 30});
+  CHECK(value_or_throw(open_folder(folder.path()))->format().rectified.baseline == 0.06);
+}
+
+TEST_CASE("names that end in _0 and _1, _left and _right, _L and _R are pairs, if all are",
+          "[sources][folder]") {
+  const ScratchFolder root("endings");
+  constexpr std::array kEndings{std::pair{"_0", "_1"}, std::pair{"_left", "_right"},
+                                std::pair{"_L", "_R"}};
+  const RectifiedCalibration calibration{{{kWidth, kHeight, 30, 30, 20, 12}, 0.06, 0}, 30};
+  for (const auto& [left, right] : kEndings) {
+    const fs::path folder = root / left;
+    INFO(folder.string());
+    for (int n = 8; n < 11; ++n) {
+      write_image(folder / ("a" + std::to_string(n) + left + ".png"), n);
+      write_image(folder / ("a" + std::to_string(n) + right + ".png"), 100 + n);
+    }
+    write_rectified_calibration(folder / "rectified.yml", calibration);
+    const auto source = value_or_throw(open_folder(folder));
+    CHECK(source->frame_count() == 3);
+    for (int n = 8; n < 11; ++n) check_pair(source, n, 100 + n);  // in natural order
+    write_image(folder / "another.png", 1);
+    CHECK(contains(refusal(folder), "was not recognised"));
+  }
+  // Two moments side by side, numbered.
+  const fs::path both = root / "both";
+  fs::create_directories(both);
+  for (const char* name : {"pair_0.png", "pair_1.png"}) {
+    cv::imwrite((both / name).string(), cv::Mat(kHeight, 2 * kWidth, CV_8UC1, cv::Scalar(7)));
+  }
+  write_rectified_calibration(both / "rectified.yml", calibration);
+  CHECK(value_or_throw(open_folder(both))->frame_count() == 2);
+}
+
+TEST_CASE("images laid out as EuRoC's whose lenses are not understood take another calibration",
+          "[sources][folder]") {
+  const ScratchFolder folder("euroc_fisheye");
+  for (const char* camera : {"cam0", "cam1"}) {
+    write_image(folder / "mav0" / camera / "data/1000.png", camera[3] == '0' ? 11 : 99);
+  }
+  CHECK(contains(refusal(folder.path()), "has no cam0/sensor.yaml: name a calibration"));
+  for (const char* camera : {"cam0", "cam1"}) {
+    std::string sensor = euroc_sensor(0);
+    sensor.replace(sensor.find("radial-tangential"), 17, "equidistant");
+    write_bytes(folder / "mav0" / camera / "sensor.yaml", sensor);
+  }
+  CHECK(contains(refusal(folder.path()), "name the file with --calibration"));
+  StereoCalibration calibration;
+  calibration.rig.left.pinhole = calibration.rig.right.pinhole = {kWidth, kHeight, 30, 30, 20, 12};
+  calibration.rig.right_from_left.translation().x() = -0.06;
+  write_stereo_calibration(folder / "own.yml", calibration);
+  check_pair(value_or_throw(open_folder(folder.path(), {.calibration = folder / "own.yml"})), 11,
+             99);
 }
 
 TEST_CASE("stereo images open without a calibration for whoever looks for one",

@@ -70,6 +70,9 @@ Result<SourceCalibration> calibration_of(const fs::path& folder, const Recording
   if (recording.calibration) return *recording.calibration;
   const std::vector<fs::path>& files = recording.calibration_files;
   if (files.size() == 1) return read(files.front());
+  if (files.empty() && !recording.calibration_trouble.empty()) {
+    return Problem{recording.calibration_trouble};
+  }
   if (wants_depth) {
     if (!files.empty()) return read(files.front());
     return Problem{fmt::format("{} has no intrinsics.txt: write one line `fx fy cx cy` in pixels",
@@ -80,11 +83,24 @@ Result<SourceCalibration> calibration_of(const fs::path& folder, const Recording
                                folder.string(), files[0].filename().string(),
                                files[1].filename().string())};
   }
-  return Problem{
-      fmt::format("{} has no calibration: put calibration.yml (raw images) or "
-                  "rectified.yml (rectified ones) into it, or name one with --calibration; "
-                  "palpable calibrate makes one",
-                  folder.string())};
+  return Problem{fmt::format(
+      "{} has no calibration: put calibration.yml (raw images; palpable calibrate makes one) or "
+      "rectified.yml (rectified ones; lines of `fx: 500`, fy, cx, cy, width, height, baseline_m, "
+      "doffs_px below `%YAML:1.0` and `---`) {}, or name one with --calibration",
+      folder.string(), is_image_name(folder) ? "beside it" : "into it")};
+}
+
+// Images of one eye that nothing has joined to pairs, in a folder or alone by name.
+Problem not_recognised(const fs::path& name, const ImageSize& found) {
+  if (is_image_name(name) || is_pattern(name)) {
+    return Problem{fmt::format(
+        "{} is {} x {} px, which is no pair side by side: name the other eye's with --right, or "
+        "depth with --depth",
+        found.path.string(), found.width, found.height)};
+  }
+  return Problem{fmt::format(
+      "the layout of {} was not recognised: {} is {} x {} px, which is no pair side by side. {}",
+      name.string(), found.path.filename().string(), found.width, found.height, known_layouts())};
 }
 
 // Compares the images with the calibration; sets the format's size where only images know it.
@@ -120,7 +136,9 @@ class ImageReader final : public FrameReader {
       : recording_(std::move(recording)),
         format_(calibration.format),
         frames_per_second_(calibration.frames_per_second),
-        depth_unit_(calibration.depth_unit.value_or(recording_.depth_unit)) {}
+        depth_unit_(calibration.depth_unit.value_or(recording_.depth_unit)) {
+    format_.starts_at = recording_.starts_at;
+  }
 
   const FrameFormat& format() const override { return format_; }
   int count() const override { return static_cast<int>(recording_.frames.size()); }
@@ -200,14 +218,15 @@ Result<std::unique_ptr<FrameSource>> open_recording(const fs::path& name,
   if (!recognised.ok()) return recognised.problem();
   Recording recording = std::move(recognised).value();
   const std::optional<ImageSize> found = first_readable_size(recording);
-  if (recording.pair == ImagePair::kSideBySide && settings.without_calibration && found &&
-      !looks_side_by_side(found->width, found->height)) {
-    return Problem{fmt::format(
-        "{}: {} is {} x {} px, which is no pair side by side; put the eyes' images into "
-        "left/ and right/",
-        name.string(), found->path.filename().string(), found->width, found->height)};
-  }
+  const bool maybe_one_eye = recording.pair == ImagePair::kSideBySide && found &&
+                             !looks_side_by_side(found->width, found->height);
   Result<SourceCalibration> calibration = calibration_of(name, recording, settings, found);
+  // Pairs side by side are known by their calibration, whose eyes are half as wide, or their
+  // aspect.
+  if (maybe_one_eye && (!calibration.ok() || settings.without_calibration ||
+                        2 * calibration.value().format.width != found->width)) {
+    return not_recognised(name, *found);
+  }
   if (!calibration.ok()) return calibration.problem();
   if (!found) {
     return Problem{fmt::format("none of the {} images of {} can be read", recording.frames.size(),

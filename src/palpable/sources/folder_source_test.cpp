@@ -193,7 +193,7 @@ TEST_CASE("a folder that cannot be used says why and what to do", "[sources][fol
   write_bytes(root / "file", "x");
   CHECK(contains(refusal(root / "file"), "not a folder"));
   fs::create_directories(root / "empty");
-  CHECK(contains(refusal(root / "empty"), "no images"));
+  CHECK(contains(refusal(root / "empty"), "no images in a layout that is known. Read are: left/"));
   fs::create_directories(root / "empty_eyes/left");
   CHECK(contains(refusal(root / "empty_eyes"), "no images in left/ and right/"));
 
@@ -222,7 +222,17 @@ TEST_CASE("a folder that cannot be used says why and what to do", "[sources][fol
 
   write_image(root / "single/a.png", 1);
   write_stereo_calibration(root / "single/calibration.yml", small_rig());
-  CHECK(contains(refusal(root / "single"), "side by side 80 x 24"));
+  CHECK(contains(refusal(root / "single"), "was not recognised: a.png is 40 x 24"));
+  CHECK(contains(refusal(root / "single"), "imL and imR"));
+  const auto alone = open_patterns(root / "single/a.png", "", false);
+  REQUIRE_FALSE(alone.ok());
+  CHECK(contains(alone.problem().message, "name the other eye's with --right"));
+
+  // Colour with depth of another program: no pairs of images.
+  write_image(root / "npz/rgb_0.png", 1);
+  write_bytes(root / "npz/depth_0.npz", "PK");
+  CHECK(contains(refusal(root / "npz"), "was not recognised: rgb_0.png is 40 x 24"));
+  CHECK(contains(refusal(root / "npz"), "depth_* (16-bit images)"));
 
   write_two_folders(root / "garbage", 2);
   for (const char* name : {"0.png", "1.png"}) write_bytes(root / "garbage/left" / name, "x");

@@ -71,6 +71,7 @@ FrameFormat format_or_throw(const Json& json) {
   if (std::int64_t{format.width} * format.height > kMostPixels) {
     throw Error(fmt::format("{} x {} px are too many", format.width, format.height));
   }
+  if (json.contains("starts_at")) format.starts_at = json["starts_at"].get<double>();
   const std::string kind = json["kind"].get<std::string>();
   if (kind == "stereo") {
     read_stereo(json, format);
@@ -108,6 +109,7 @@ Rigid3 rigid_of(const Json& rows) {
 
 Json json_of(const FrameFormat& format) {
   Json json{{"width", format.width}, {"height", format.height}};
+  if (format.starts_at != 0) json["starts_at"] = format.starts_at;
   if (format.kind == FrameFormat::Kind::kColorDepth) {
     json["kind"] = "color and depth";
     json["depth_camera"] = json_of_pinhole(format.depth_camera);

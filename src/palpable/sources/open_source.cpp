@@ -36,7 +36,7 @@ Result<std::unique_ptr<FrameSource>> open_source(const CameraRequest& request,
         request.device)};
   }
   const FolderSettings folder{request.calibration, request.without_calibration};
-  if (is_pattern(request.device)) {
+  if (is_pattern(request.device) || is_image_name(request.device)) {
     const bool has_depth = !request.depth.empty();
     return open_patterns(request.device, has_depth ? request.depth : request.right, has_depth,
                          folder);
@@ -52,7 +52,7 @@ Result<std::unique_ptr<FrameSource>> open_source(const CameraRequest& request,
   if (!request.right.empty() || !request.depth.empty()) {
     return Problem{
         fmt::format("{} is a folder, which has its own pairs; --right and --depth are "
-                    "for cameras, videos and images by name (*.png)",
+                    "for cameras, videos, an image and images by name (*.png)",
                     request.device)};
   }
   return open_folder(request.device, folder);

@@ -11,12 +11,14 @@
 
 namespace palpable {
 
-/// Like open_camera(), but `device` may also be a folder, images by name (cam0/*.png), or a video
-/// file; `right` and `depth` then name the other images or the other file. Or it is a recording
+/// Like open_camera(), but `device` may also be a folder, images by name (cam0/*.png), one image,
+/// or a video file; `right` and `depth` then name the other images or the other file. Or it is a
+/// recording
 /// (*.palprec), which needs nothing else. Size, rate, exposure and gain are for cameras only.
 ///
-/// A folder is opened by folder_source.h, a name with * or ? by its open_patterns(), a video's name
-/// by video_file_source.h, a recording's by recording_file.h, what lies in /dev by camera_source.h.
+/// A folder is opened by folder_source.h, a name with * or ? or an image's by its open_patterns(),
+/// a video's name by video_file_source.h, a recording's by recording_file.h, what lies in /dev by
+/// camera_source.h.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> open_source(const CameraRequest& request,
                                                                VideoSystem& system = linux_video());
 

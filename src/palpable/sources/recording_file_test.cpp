@@ -209,6 +209,10 @@ TEST_CASE("the format of a recording is the source's to the bit", "[sources][rec
   CHECK(depth.depth_camera == depth_format(true).depth_camera);
   REQUIRE(depth.color_sensor);
   CHECK(depth.color_sensor->camera == depth_format(true).color_sensor->camera);
+  FrameFormat own_clock = rectified_format();
+  own_clock.starts_at = 1403636579.763555584;
+  CHECK(frame_format_of(json_of(own_clock)).value().starts_at == own_clock.starts_at);
+  CHECK(frame_format_of(json_of(rectified_format())).value().starts_at == 0);
   CHECK(frame_format_of(json_of(rectified_format())).value().rectified.disparity_at_infinity_px ==
         -1.0 / 3);
 }

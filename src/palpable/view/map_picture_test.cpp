@@ -134,6 +134,11 @@ TEST_CASE("the caption says how deep and how hard, and how many touches there ar
   scene.bodies[1].stated_error = StatedError{.displacement = 0.0213, .von_mises = 0.07};
   CHECK(caption_of(scene) ==
         "2.00 s   site 7   6.0 mm   1.50 N   for what is seen off by some 2.1 %, stress 7 %");
+  scene.bodies[0].hidden_since_start = 0.04;
+  CHECK(caption_of(scene).find("hidden") == std::string::npos);
+  scene.bodies[0].hidden_since_start = 0.314;
+  scene.touches.clear();
+  CHECK(caption_of(scene) == "2.00 s   31 % hidden since the start, not felt there");
 }
 
 TEST_CASE("that a touch is held without being seen is said on the picture",
@@ -144,6 +149,13 @@ TEST_CASE("that a touch is held without being seen is said on the picture",
   CHECK(warning_of(scene).empty());
   scene.touches[1].unseen_for = 0.1;
   CHECK(warning_of(scene).find("not seen") != std::string::npos);
+  scene.touches.clear();
+  scene.seen.trouble = DepthTrouble::kRowsOff;
+  scene.seen.row_error_px = -1.26;
+  CHECK(warning_of(scene).find("rows are 1.3 px out of line") != std::string::npos);
+  scene.seen.trouble = DepthTrouble::kFewDepths;
+  scene.seen.density = 0.031;
+  CHECK(warning_of(scene).find("Depth in 3 % of the picture only") != std::string::npos);
 }
 
 TEST_CASE("a scan has a picture without a way, too: before a bare wall nothing is followed",

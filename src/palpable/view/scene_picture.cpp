@@ -57,8 +57,15 @@ BodyLook look_of_body(const Scene& scene, const Session& session, int number, do
 }
 
 std::string caption_of(const Scene& scene) {
-  if (scene.touches.empty()) return fmt::format("{:.2f} s", scene.time);
-  std::string text = fmt::format("{:.2f} s   {}", scene.time, caption_of(scene.touches));
+  std::string text = fmt::format("{:.2f} s", scene.time);
+  double hidden = 0;
+  for (const SceneBody& body : scene.bodies) hidden = std::max(hidden, body.hidden_since_start);
+  constexpr double kWorthTelling = 0.05;
+  if (hidden >= kWorthTelling) {
+    text += fmt::format("   {:.0f} % hidden since the start, not felt there", 100 * hidden);
+  }
+  if (scene.touches.empty()) return text;
+  text += "   " + caption_of(scene.touches);
   if (const std::optional<StatedError> error = worst_stated_error(scene)) {
     text += fmt::format("   for what is seen off by some {:.2g} %, stress {:.2g} %",
                         100 * error->displacement, 100 * error->von_mises);
@@ -87,6 +94,17 @@ std::string warning_of(const Scene& scene) {
   }
   for (const Touch& touch : scene.touches) {
     if (touch.unseen_for > 0) return "What presses is not seen at present: its last place is held";
+  }
+  switch (scene.seen.trouble) {
+    case DepthTrouble::kRowsOff:
+      return fmt::format("The eyes' rows are {:.1f} px out of line: calibrate the camera again",
+                         std::abs(scene.seen.row_error_px));
+    case DepthTrouble::kFewDepths:
+      return fmt::format(
+          "Depth in {:.0f} % of the picture only: dark, plain, blurred or not aligned",
+          100 * scene.seen.density);
+    case DepthTrouble::kNone:
+      break;
   }
   return {};
 }
