@@ -27,6 +27,9 @@ namespace {
 
 constexpr const char* kSynthetic = "synthetic";  // a source that is filmed here
 
+constexpr double kMm = 1e3;      // in a metre
+constexpr double kMostMm = 500;  // of a distance: a body is hardly larger
+
 // Reads what follows --anchor. Returns why it is refused, else nothing.
 std::string read_anchor(const std::vector<std::string>& words, LiveOptions& options) {
   const std::string& how = words.front();
@@ -174,6 +177,44 @@ void add_place_options(Command command, LiveOptions& options) {
       .show_default();
 }
 
+// What Algorithm 1 leaves open.
+void add_paper_options(Command command, PaperOptions& paper) {
+  const PaperSettings usual;
+  command
+      .add_option("--paper-step", paper.step,
+                  fmt::format("With --contact paper, N_step: every N-th pixel of every N-th row of "
+                              "the depth becomes a point. Default: {}",
+                              ObjectSurfaceSettings{}.step))
+      .type_name("N")
+      .in_range(1, 64);
+  command
+      .add_option("--paper-press", paper.press_mm,
+                  fmt::format("With --contact paper, delta_Incr: a nearer point presses by a level "
+                              "more in each frame. Default: {}",
+                              kMm * usual.press_distance))
+      .type_name("MM")
+      .in_range(0.0, kMostMm);
+  command
+      .add_option("--paper-release", paper.release_mm,
+                  fmt::format("With --contact paper, delta_Decr: between the two it presses by a "
+                              "level less in each frame. Default: {}",
+                              kMm * usual.release_distance))
+      .type_name("MM")
+      .in_range(0.0, kMostMm);
+  command
+      .add_option("--paper-nodes", paper.nodes,
+                  "With --contact paper, the nodes whose distance counts. sites: the middles of "
+                  "the sites; all: all of the skin but those of the support, and the site nearest "
+                  "to the node is pressed. Default: sites")
+      .one_of({"sites", "all"});
+  command
+      .add_option("--distance", paper.distance,
+                  "With --contact paper, how the nearest seen point is found. grid: exactly; "
+                  "voxmap: in a distance field with voxels of 4 mm, made anew in each frame, as in "
+                  "the paper. Default: grid")
+      .one_of({"grid", "voxmap"});
+}
+
 // What the loop makes of them.
 void add_loop_options(Command command, LiveOptions& options) {
   command.add_flag("--press-static", options.press_static,
@@ -189,6 +230,7 @@ void add_loop_options(Command command, LiveOptions& options) {
           "by the measured depth; paper: at its sites by the paper's Algorithm 1, as "
           "printed. Default: anywhere if the body file has tables of touch, else site")
       .one_of({"anywhere", "site", "paper"});
+  add_paper_options(command, options.paper);
   command
       .add_option(
           "--matcher", options.matcher,
@@ -219,7 +261,34 @@ void add_loop_options(Command command, LiveOptions& options) {
       .in_range(1, 100'000'000);
 }
 
+PaperSettings paper_settings(const PaperOptions& options) {
+  PaperSettings settings;
+  if (options.press_mm) settings.press_distance = *options.press_mm / kMm;
+  if (options.release_mm) settings.release_distance = *options.release_mm / kMm;
+  if (options.nodes == "all") settings.nodes = QueriedNodes::kAll;
+  if (options.distance == "voxmap") settings.distance = DistanceQuery::kVoxmap;
+  return settings;
+}
+
 }  // namespace
+
+void PaperOptions::check(const std::string& contact) const {
+  const char* given = step != 0           ? "--paper-step"
+                      : press_mm          ? "--paper-press"
+                      : release_mm        ? "--paper-release"
+                      : !nodes.empty()    ? "--paper-nodes"
+                      : !distance.empty() ? "--distance"
+                                          : nullptr;
+  if (given == nullptr) return;
+  if (contact != "paper")
+    throw Error(fmt::format("{} is of --contact paper: give that, too", given));
+  const PaperSettings settings = paper_settings(*this);
+  if (!(settings.press_distance > 0 && settings.press_distance < settings.release_distance)) {
+    throw Error(
+        fmt::format("--paper-press {:g} mm must be above 0 and below --paper-release {:g} mm",
+                    kMm * settings.press_distance, kMm * settings.release_distance));
+  }
+}
 
 SessionSettings session_settings(const LiveOptions& options) {
   SessionSettings settings;
@@ -229,6 +298,8 @@ SessionSettings session_settings(const LiveOptions& options) {
   settings.contact = options.contact == "paper"  ? ContactKind::kPaper
                      : options.contact == "site" ? ContactKind::kSite
                                                  : ContactKind::kAnywhere;
+  settings.paper = paper_settings(options.paper);
+  if (options.paper.step != 0) settings.surface.step = options.paper.step;
   settings.track = !options.fixed_camera;
   settings.map = true;
   settings.press_static = options.press_static;
@@ -283,6 +354,7 @@ std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
 LiveSetUp set_up_live(const LiveOptions& options) { return set_up_live(options, nullptr); }
 
 LiveSetUp set_up_live(const LiveOptions& options, std::unique_ptr<FrameSource> images) {
+  options.paper.check(options.contact);
   LiveSettings settings;
   settings.images = request_of(options.input);
   settings.place = given_place(options);

@@ -11,12 +11,26 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace palpable::app {
 
 class Command;
+
+/// Of --contact paper.
+struct PaperOptions {
+  int step = 0;                    ///< px; 0: the usual one
+  std::optional<double> press_mm;  ///< none: the usual ones
+  std::optional<double> release_mm;
+  std::string nodes;     ///< "sites", "all"; empty: the first
+  std::string distance;  ///< "grid", "voxmap"; empty: the first
+
+  /// @throws Error when something is asked for that `contact` does not know, or the distances are
+  /// not in order
+  void check(const std::string& contact) const;
+};
 
 struct LiveOptions {
   std::filesystem::path body;      ///< empty: `scene` says which
@@ -34,6 +48,7 @@ struct LiveOptions {
   bool press_static = false;
   bool fixed_camera = false;
   std::string contact;  ///< empty: what the body has tables for
+  PaperOptions paper;
   std::string matcher = "census";
   std::filesystem::path refine;  ///< the body's description; empty: nothing is refined
   int refine_latency = 6;        ///< frames
@@ -62,7 +77,7 @@ struct LiveSetUp {
 /// @param contact  LiveOptions::contact. @throws Error
 [[nodiscard]] TouchableBody read_live_body(const DescribedBody& wanted, const std::string& contact);
 
-/// What --contact, --matcher, --fixed-camera and --press-static mean.
+/// What --contact and its options, --matcher, --fixed-camera and --press-static mean.
 [[nodiscard]] SessionSettings session_settings(const LiveOptions& options);
 
 /// Reads the bodies, films the synthetic clip if it is wanted and not there yet, opens the images,

@@ -50,6 +50,37 @@ RecordedRun::Body body_of(const Json& json) {
   return body;
 }
 
+// How Algorithm 1 was asked, all of it, so that a run stays what it was when what is usual changes.
+PaperOptions written_out(PaperOptions paper) {
+  const PaperSettings usual;
+  if (paper.step == 0) paper.step = ObjectSurfaceSettings{}.step;
+  if (!paper.press_mm) paper.press_mm = 1e3 * usual.press_distance;
+  if (!paper.release_mm) paper.release_mm = 1e3 * usual.release_distance;
+  if (paper.nodes.empty()) paper.nodes = "sites";
+  if (paper.distance.empty()) paper.distance = "grid";
+  return paper;
+}
+
+Json json_of_paper(const LiveOptions& options) {
+  if (options.contact != "paper") return nullptr;
+  const PaperOptions& paper = options.paper;
+  return {{"step", paper.step},
+          {"press_mm", paper.press_mm},
+          {"release_mm", paper.release_mm},
+          {"nodes", paper.nodes},
+          {"distance", paper.distance}};
+}
+
+PaperOptions paper_of(const Json& json) {
+  PaperOptions paper;
+  paper.step = json["step"].get<int>();
+  paper.press_mm = json["press_mm"].get<double>();
+  paper.release_mm = json["release_mm"].get<double>();
+  paper.nodes = json["nodes"].get<std::string>();
+  paper.distance = json["distance"].get<std::string>();
+  return paper;
+}
+
 bool has_checksum(const std::filesystem::path& file, std::uint64_t checksum) {
   const Result<std::uint64_t> found = file_checksum(file);
   return found.ok() && found.value() == checksum;
@@ -64,6 +95,7 @@ RecordedRun recorded_run(const LiveOptions& options, const LiveSetUp& setup) {
   run.source = setup.run.images.string();
   if (!options.scene.empty()) run.scene = std::filesystem::absolute(options.scene);
   run.options.contact = options.contact;
+  if (options.contact == "paper") run.options.paper = written_out(options.paper);
   run.options.matcher = options.matcher;
   if (matches_full_size(options.input)) run.options.input.depth = options.input.depth;
   run.options.input.farthest = options.input.farthest;
@@ -100,6 +132,7 @@ Json json_of_run(const RecordedRun& run) {
           {"source", run.source},
           {"scene", run.scene.string()},
           {"contact", run.options.contact},
+          {"paper", json_of_paper(run.options)},
           {"matcher", run.options.matcher},
           {"depth", run.options.input.depth},
           {"farthest", run.options.input.farthest},
@@ -115,6 +148,10 @@ RecordedRun recorded_run_of(const Json& json) {
   run.source = json["source"].get<std::string>();
   run.scene = json["scene"].get<std::string>();
   run.options.contact = json["contact"].get<std::string>();
+  // What earlier versions recorded does not have it: what is usual.
+  if (json.contains("paper") && !json["paper"].is_null()) {
+    run.options.paper = paper_of(json["paper"]);
+  }
   run.options.matcher = json["matcher"].get<std::string>();
   if (json.contains("depth")) {  // earlier recordings have half
     run.options.input.depth = json["depth"].get<std::string>();
@@ -140,6 +177,13 @@ RecordedRun recorded_run_of(const Json& json) {
     throw Error(fmt::format("its depth is '{}', which this program does not know",
                             run.options.input.depth));
   }
+  const PaperOptions& paper = run.options.paper;
+  if (paper.step < 0 || !is_one_of(paper.nodes, {"", "sites", "all"}) ||
+      !is_one_of(paper.distance, {"", "grid", "voxmap"})) {
+    throw Error(fmt::format("its --contact paper has step {}, nodes '{}' and distance '{}'",
+                            paper.step, paper.nodes, paper.distance));
+  }
+  paper.check(run.options.contact);
   for (const RecordedRun::Body& body : run.bodies) {
     if (!(body.body.scale > 0)) {
       throw Error(fmt::format("the body '{}' has the scale {}", body.body.name, body.body.scale));

@@ -23,7 +23,7 @@ struct RecordedRun {
   std::string source;           ///< what was played
   std::filesystem::path scene;  ///< empty: one body
   std::vector<Body> bodies;
-  LiveOptions options;  ///< contact, matcher, fixed_camera, press_static, refine
+  LiveOptions options;  ///< contact, paper, matcher, fixed_camera, press_static, refine
 };
 
 /// Of a run that is about to begin.

@@ -268,6 +268,86 @@ def _(programs, folder):
     assert (large["scale"], large["color"], small["scale"], small["color"]) == (1, None, 0.5, [200, 120, 80])
 
 
+def paper_touches(programs, folder, *more):
+    """[(site, level, force)] of each frame of the clip, by Algorithm 1."""
+    out = folder / "paper"
+    programs.succeeds("live", touched_body(programs), "--source", folder / "clip", "--out", out, "--overwrite", "--contact",
+                      "paper", *more)
+    lines = map(json.loads, (out / "touches.jsonl").read_text().splitlines())
+    return {line["frame"]: [(touch["site"], touch["level"]) for touch in line["touches"]] for line in lines}
+
+
+@case("Algorithm 1 on all nodes presses the same sites by its distance field as by the exact distance")
+def _(programs, folder):
+    write_clip(folder / "clip", frames=30)
+    exact = paper_touches(programs, folder, "--paper-nodes", "all", "--distance", "grid")
+    field = paper_touches(programs, folder, "--paper-nodes", "all", "--distance", "voxmap")
+    # The wall goes through the ball, so a node is always nearer to it than a voxel, where the field is exact.
+    assert field == exact and len(exact) == 30, (field, exact)
+    assert sum(map(len, exact.values())) > 20 and len({touch[0][0] for touch in exact.values() if touch}) > 1, exact
+    assert paper_touches(programs, folder, "--paper-nodes", "sites") != exact
+    # Each of the other options changes what is answered, and is asked for in its own unit.
+    usual = paper_touches(programs, folder)
+    assert paper_touches(programs, folder, "--paper-step", 2, "--paper-press", 12, "--paper-release", 25, "--paper-nodes",
+                         "sites", "--distance", "grid") == usual
+    assert paper_touches(programs, folder, "--paper-press", "0.1") != usual
+    assert paper_touches(programs, folder, "--paper-press", "0.1", "--paper-release", "0.2") != usual
+    assert paper_touches(programs, folder, "--paper-step", 60) != usual
+
+
+@case("options of Algorithm 1 are refused without it, and where its distances are not in order")
+def _(programs, folder):
+    write_clip(folder / "clip", frames=1)
+    words = ("live", touched_body(programs), "--source", folder / "clip")
+    for option, value in (("--paper-step", 2), ("--paper-press", 12), ("--paper-release", 25), ("--paper-nodes", "sites"),
+                          ("--distance", "grid")):
+        for contact in ((), ("--contact", "site"), ("--contact", "anywhere")):
+            programs.refuses(*words, option, value, *contact, says=[option, "--contact paper"])
+    paper = (*words, "--contact", "paper")
+    for more in (("--paper-press", 30), ("--paper-release", 12), ("--paper-press", 20, "--paper-release", 20),
+                 ("--paper-press", 0)):
+        programs.refuses(*paper, *more, says=["--paper-press", "above 0 and below --paper-release"])
+    programs.refuses(*paper, "--paper-press", "nan", says=["--paper-press"])
+    programs.refuses(*paper, "--paper-press", "-1", says=["--paper-press"])
+    programs.refuses(*paper, "--paper-step", 0, says=["--paper-step"])
+    programs.refuses(*paper, "--paper-nodes", "some", says=["--paper-nodes"])
+    programs.refuses(*paper, "--distance", "field", says=["--distance"])
+
+
+@case("a recording has the options of Algorithm 1, and one of before them is played with the usual ones")
+def _(programs, folder):
+    asked = ("--paper-step", 3, "--paper-press", "10.3", "--paper-release", 31, "--paper-nodes", "all", "--distance", "voxmap")
+    states = record(programs, folder, "--contact", "paper", *asked)
+    assert states_of(programs.succeeds("replay", folder / "a.palprec").stdout) == states
+    data = (folder / "a.palprec").read_bytes()
+    _, begin, end = chunks_of(data)[0]
+    about = json.loads(data[begin + 20:end])
+    assert about["run"]["paper"] == {"step": 3, "press_mm": 10.3, "release_mm": 31.0, "nodes": "all",
+                                     "distance": "voxmap"}, about["run"]
+    changed = folder / "changed.palprec"
+
+    def play(about, data):
+        _, begin, end = chunks_of(data)[0]
+        text = json.dumps(about).encode()
+        changed.write_bytes(data[:begin] + struct.pack("<4sQQ", b"ABOU", len(text), checksum(b"ABOU", text)) + text +
+                            data[end:])
+        return ("replay", changed)
+    for key, value, says in (("nodes", "some", "some"), ("distance", "field", "field"), ("press_mm", 40, "--paper-release"),
+                             ("step", -1, "-1")):
+        wrong = json.loads(json.dumps(about))
+        wrong["run"]["paper"][key] = value
+        programs.refuses(*play(wrong, data), says=["changed.palprec", says])
+    # An earlier version's has no such key.
+    del about["run"]["paper"]
+    programs.refuses(*play(about, data), says=["states", "differ"])
+    usual = record(programs, folder, "--contact", "paper")
+    data = (folder / "a.palprec").read_bytes()
+    _, begin, end = chunks_of(data)[0]
+    about = json.loads(data[begin + 20:end])
+    del about["run"]["paper"]
+    assert states_of(programs.succeeds(*play(about, data)).stdout) == usual
+
+
 @case("a film of a hand before a camera that is carried about replays to the same states", long=True)
 def _(programs, folder):
     for sequence, frames in (("walk-hand", "120"), ("press", "110")):

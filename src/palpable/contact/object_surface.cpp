@@ -20,8 +20,8 @@ using Eigen::Vector3f;
 // Of a ball's radius: over so much of the surface its shape is averaged.
 constexpr float kShapeStep = 0.5f;
 
-// Balls, and points of the cloud, for which there is room from the start: a flat hand near the
-// camera makes 2,500, and no two frames of it as many. More are possible.
+// Balls, and points of them, for which there is room from the start: a flat hand near the camera
+// makes 2,500, and no two frames of it as many. More are possible.
 constexpr std::size_t kRoom = 8192;
 
 // Of the sum of two builds' ways: between a whole thing's (1/2) and that of one cut off (1).
@@ -174,7 +174,7 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
           sigma_of(ball.front.z(), ball.pixels) / std::sqrt(frames)});
   }
   held_.recall(depth, given, camera, camera_from_body, time, balls_);
-  fill_cloud(to_body, near);
+  fill_cloud(depth, given, box, to_body, near);
   finish();
 }
 
@@ -214,15 +214,16 @@ PixelBox ObjectSurface::box_of_things(const DepthImage& depth, const MaskImage& 
           std::min(box.y + box.height, interest.y + interest.height) - y};
 }
 
-void ObjectSurface::fill_cloud(const RayToRegion& to_body, const Eigen::AlignedBox3f& near) {
-  const PixelBox& box = silhouette_.box();
-  const auto first = [&](int from) {
-    return (from + settings_.step - 1) / settings_.step * settings_.step;
-  };
-  for (int v = first(box.y); v < box.y + box.height; v += settings_.step) {
-    for (int u = first(box.x); u < box.x + box.width; u += settings_.step) {
-      if (!(silhouette_.distance(u, v) > 0)) continue;
-      const Vector3f x = to_body.point(u, v, rest_.depth()(u, v));
+void ObjectSurface::fill_cloud(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+                               const RayToRegion& to_body, const Eigen::AlignedBox3f& near) {
+  const int step = settings_.step;
+  const auto first = [&](int from) { return (from + step - 1) / step * step; };
+  cloud_.reserve(static_cast<std::size_t>(first(depth.width()) / step) *
+                 static_cast<std::size_t>(first(depth.height()) / step));
+  for (int v = first(box.y); v < box.y + box.height; v += step) {
+    for (int u = first(box.x); u < box.x + box.width; u += step) {
+      if (shows(u, v) != kShowsPresser || !is_depth(depth(u, v))) continue;
+      const Vector3f x = to_body.point(u, v, depth(u, v));
       if (near.contains(x)) cloud_.push_back(x);
     }
   }

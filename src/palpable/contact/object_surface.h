@@ -31,6 +31,7 @@
 #include <Eigen/Geometry>
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -115,8 +116,11 @@ class ObjectSurface {
              const Eigen::Vector3f& camera_in_body = Eigen::Vector3f::Zero());
 
   [[nodiscard]] std::span<const ObjectBall> balls() const { return balls_; }
-  /// Seen points near the region, thinned out by settings.step: the cloud of Algorithm 1.
+  /// The cloud of Algorithm 1: the pixels that press near the region, thinned out by settings.step,
+  /// at the depth that this frame measured (not the average over frames, of which balls are made).
   [[nodiscard]] std::span<const Eigen::Vector3f> cloud() const { return cloud_; }
+  /// How many points the cloud of a depth image of this size can have, from the first build on.
+  [[nodiscard]] std::size_t cloud_room() const { return cloud_.capacity(); }
   [[nodiscard]] const ObjectSurfaceSettings& settings() const { return settings_; }
   /// What the balls fill; empty without any.
   [[nodiscard]] const Eigen::AlignedBox3f& bounds() const { return bounds_; }
@@ -158,7 +162,8 @@ class ObjectSurface {
                                        const PinholeCamera& camera, const PixelBox& interest,
                                        const RayToRegion& to_body,
                                        const Eigen::AlignedBox3f& near) const;
-  void fill_cloud(const RayToRegion& to_body, const Eigen::AlignedBox3f& near);
+  void fill_cloud(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+                  const RayToRegion& to_body, const Eigen::AlignedBox3f& near);
   [[nodiscard]] float sigma_of(float depth, int pixels) const;
   [[nodiscard]] double noise_at(double Z) const;
 

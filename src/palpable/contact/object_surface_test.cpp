@@ -399,6 +399,44 @@ TEST_CASE("a thing that is far from the region makes no balls", "[contact][objec
   for (const Vector3f& point : seen.cloud()) CHECK(point.z() < 0.45f);
 }
 
+TEST_CASE(
+    "the cloud is every third pixel of every third row that presses, as deep as in this frame",
+    "[contact][object surface][Alg1]") {
+  const Capsule finger{{0, 0, 0.4}, {0, 0.1, 0.4}, 0.02};
+  const DepthImage rests = test::depth_of({finger}, kCamera);
+  MaskImage shows(kCamera.width, kCamera.height);
+  std::size_t expected = 0;
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      // The lower part is measured, but is not known to press.
+      const bool presses = std::isfinite(rests(u, v)) && v < 100;
+      shows(u, v) = presses ? kShowsPresser : kShowsRoom;
+      if (presses && u % 3 == 0 && v % 3 == 0) ++expected;
+    }
+  }
+  REQUIRE(expected > 100);
+  ObjectSurface seen({.step = 3});
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(0, 0.001f);
+  const Rigid3 pose = some_pose();
+  for (int frame = 0; frame < 12; ++frame) {  // the average of a dozen is not the last one
+    DepthImage depth = rests;
+    for (float& z : depth) z += noise(random);
+    seen.build(depth, shows, kCamera, pose, box_around(pose * Vector3d(0, 0, 0.4), 0.1),
+               frame / 30.0);
+    REQUIRE(seen.cloud().size() == expected);
+    for (const Vector3f& point : seen.cloud()) {
+      const Vector3d x = pose.inverse() * point.cast<double>();
+      const Vector3d pixel = x / x.z() * 350 + Vector3d(80, 60, 0);
+      const int u = static_cast<int>(std::lround(pixel.x()));
+      const int v = static_cast<int>(std::lround(pixel.y()));
+      REQUIRE((u % 3 == 0 && v % 3 == 0));
+      CHECK(std::abs(x.z() - static_cast<double>(depth(u, v))) <
+            tolerance(1e-6, "floats of half a metre"));
+    }
+  }
+}
+
 TEST_CASE("pixels without depth, and single flickering ones, make no balls",
           "[contact][object surface]") {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();

@@ -9,16 +9,90 @@
 
 namespace palpable {
 
-std::optional<NearestNode> nearest_node(const Eigen::Matrix3Xf& nodes,
-                                        std::span<const Eigen::Vector3f> cloud) {
+namespace {
+
+// Of a squared length, so that rounding leaves out nothing that is just within it.
+constexpr double kSomewhatMore = 1 + 1e-6;
+
+int nearest_site(const ReducedBody& body, int vertex) {
+  const Eigen::Matrix3Xd& X = body.surface.vertices;
+  int nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t s = 0; s < body.sites.size(); ++s) {
+    const double squared = (X.col(body.sites[s].vertex) - X.col(vertex)).squaredNorm();
+    if (squared < least) least = squared, nearest = static_cast<int>(s);
+  }
+  return nearest;
+}
+
+}  // namespace
+
+PaperNodes::PaperNodes(const ReducedBody& body, QueriedNodes which) : which_(which) {
+  const int V = body.surface.vertex_count();
+  if (which == QueriedNodes::kAll) {
+    for (int k = 0; k < V; ++k) {
+      if (body.fixed[static_cast<std::size_t>(k)] == 0) vertices_.push_back(k);
+    }
+    for (const int k : vertices_) sites_.push_back(nearest_site(body, k));
+    displacement_.resize(3, V);
+  } else {
+    for (const Site& site : body.sites) {
+      sites_.push_back(static_cast<int>(vertices_.size()));
+      vertices_.push_back(site.vertex);
+    }
+  }
+  rest_.resize(3, static_cast<Eigen::Index>(vertices_.size()));
+  for (Eigen::Index i = 0; i < rest_.cols(); ++i) {
+    rest_.col(i) = body.surface.vertices.col(vertices_[i]).cast<float>();
+  }
+  positions_ = rest_;
+}
+
+void PaperNodes::deform(const PaperState& state, const ReducedBody& body) {
+  positions_ = rest_;
+  if (state.step == 0) return;
+  const std::array mu{static_cast<double>(state.site), body.levels()[state.step]};
+  if (which_ == QueriedNodes::kAll) {
+    const auto size = static_cast<std::size_t>(displacement_.size());
+    body.displacement.evaluate(mu, std::span<float>(displacement_.data(), size));
+    for (Eigen::Index i = 0; i < rest_.cols(); ++i) {
+      positions_.col(i) += displacement_.col(vertices_[i]);
+    }
+    return;
+  }
+  for (Eigen::Index i = 0; i < rest_.cols(); ++i) {
+    Eigen::Vector3f u;
+    body.displacement.evaluate_part(mu, 3 * vertices_[i], std::span<float>(u.data(), 3));
+    positions_.col(i) += u;
+  }
+}
+
+std::optional<NearestNode> nearest_node(const PaperNodes& nodes, const CloudDistance& cloud) {
+  std::optional<NearestSeen> nearest;
+  Eigen::Index node = 0;
+  auto below = static_cast<float>(cloud.reach() * cloud.reach() * kSomewhatMore);
+  for (Eigen::Index i = 0; i < nodes.positions().cols(); ++i) {
+    const auto found = cloud.nearest(nodes.positions().col(i), below);
+    if (!found) continue;
+    nearest = found;
+    node = i;
+    below = found->squared;
+  }
+  if (!nearest) return std::nullopt;
+  return NearestNode{nodes.site_of(node), std::sqrt(static_cast<double>(nearest->squared)),
+                     nearest->point.cast<double>()};
+}
+
+std::optional<NearestNode> nearest_by_all_pairs(const PaperNodes& nodes,
+                                                std::span<const Eigen::Vector3f> cloud) {
   float least = std::numeric_limits<float>::infinity();
   NearestNode nearest;
-  for (Eigen::Index s = 0; s < nodes.cols(); ++s) {
+  for (Eigen::Index i = 0; i < nodes.positions().cols(); ++i) {
     for (const Eigen::Vector3f& seen : cloud) {
-      const float d2 = (nodes.col(s) - seen).squaredNorm();
-      if (d2 < least) {
-        least = d2;
-        nearest.site = static_cast<int>(s);
+      const float squared = (nodes.positions().col(i) - seen).squaredNorm();
+      if (squared < least) {
+        least = squared;
+        nearest.site = nodes.site_of(i);
         nearest.point = seen.cast<double>();
       }
     }
@@ -57,17 +131,6 @@ std::optional<Touch> touch_of(const PaperState& state, const ReducedBody& body) 
                body.press_depth(state.step, state.site),
                state.point_in_body,
                site.direction};
-}
-
-void deformed_nodes(const PaperState& state, const ReducedBody& body, Eigen::Matrix3Xf& nodes) {
-  nodes.resize(3, static_cast<Eigen::Index>(body.sites.size()));
-  const std::array mu{static_cast<double>(state.site), body.levels()[state.step]};
-  for (Eigen::Index s = 0; s < nodes.cols(); ++s) {
-    const int k = body.sites[s].vertex;
-    Eigen::Vector3f u;
-    body.displacement.evaluate_part(mu, 3 * k, std::span<float>(u.data(), 3));
-    nodes.col(s) = body.surface.vertices.col(k).cast<float>() + u;
-  }
 }
 
 }  // namespace palpable

@@ -14,10 +14,14 @@
 /// - a full press needs as many frames as there are levels, however fast the hand is;
 /// - the distance has no sign: a hand deep inside is as far away as one outside.
 ///
-/// The paper does not say which nodes it queries nor in which shape; ours are the middles of the
-/// sites ("the most salient features", Sec. 3.4) of the deformed body.
+/// The paper does not say which nodes it queries nor in which shape. Ours have the deformed shape,
+/// and are the middles of the sites ("the most salient features", Sec. 3.4) or all nodes of the
+/// skin
+/// ("finite element nodes on the boundary, a subset of them", Sec. 2.4); then the site is pressed
+/// that is nearest to the node at rest, since only sites have been solved.
 #pragma once
 
+#include "palpable/contact/cloud_distance.h"
 #include "palpable/contact/touch.h"
 #include "palpable/reduced/reduced_body.h"
 
@@ -25,14 +29,25 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace palpable {
 
+/// Which nodes of the body Algorithm 1 queries.
+enum class QueriedNodes {
+  kSites,  ///< the middles of the sites
+  kAll     ///< all of the skin that no support holds
+};
+
+/// N_step is ObjectSurfaceSettings::step.
 struct PaperSettings {
   /// m, delta_Incr. The paper gives no number. A node inside a finger is up to half the finger's
   /// thickness from the skin that the camera sees, and the cloud's points are 3 mm apart.
   double press_distance = 0.012;
   double release_distance = 0.025;  ///< m, delta_Decr > delta_Incr
+  QueriedNodes nodes = QueriedNodes::kSites;
+  DistanceQuery distance = DistanceQuery::kGrid;
+  double voxel = 0.004;  ///< m, of the Voxmap: as far apart as the points of the cloud
 };
 
 /// deformationPseudoTime and nodeVirtualObject. The default is at rest.
@@ -44,18 +59,44 @@ struct PaperState {
   friend bool operator==(const PaperState&, const PaperState&) = default;
 };
 
-/// A contact node and the seen point that is nearest to it.
-struct NearestNode {
-  int site = 0;
-  double distance = 0;  ///< m, from point to point
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+/// The nodes that are queried, in the shape that a state gives the body.
+///   N  nodes
+class PaperNodes {
+ public:
+  PaperNodes(const ReducedBody& body, QueriedNodes which);
+
+  /// Gives them the shape. Allocates nothing.
+  /// @param body  as in the constructor
+  void deform(const PaperState& state, const ReducedBody& body);
+
+  /// (3 x N) m, body frame
+  [[nodiscard]] const Eigen::Matrix3Xf& positions() const { return positions_; }
+  /// The site whose middle is nearest to the node at rest.
+  [[nodiscard]] int site_of(Eigen::Index node) const { return sites_[node]; }
+
+ private:
+  QueriedNodes which_;
+  std::vector<int> vertices_, sites_;  // (N)
+  Eigen::Matrix3Xf rest_, positions_;  // (3 x N) m
+  Eigen::Matrix3Xf displacement_;      // (3 x V) m, of QueriedNodes::kAll
 };
 
-/// parallelizedDistance: all pairs, O(S n). Nothing when nothing is seen.
-/// @param nodes  (3 x S) m, body frame, deformed
-/// @param cloud  m, body frame: ObjectSurface::cloud()
-[[nodiscard]] std::optional<NearestNode> nearest_node(const Eigen::Matrix3Xf& nodes,
-                                                      std::span<const Eigen::Vector3f> cloud);
+/// The queried node to which a seen point is nearest.
+struct NearestNode {
+  int site = 0;                                     ///< PaperNodes::site_of it
+  double distance = 0;                              ///< m, from point to point
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< m, the seen one
+};
+
+/// parallelizedDistance, up to cloud.reach(); nothing when all is farther. Of equally near nodes
+/// the first.
+[[nodiscard]] std::optional<NearestNode> nearest_node(const PaperNodes& nodes,
+                                                      const CloudDistance& cloud);
+
+/// The same however far it is, as it is printed: all pairs, O(N n).
+/// @param cloud  m, body frame
+[[nodiscard]] std::optional<NearestNode> nearest_by_all_pairs(
+    const PaperNodes& nodes, std::span<const Eigen::Vector3f> cloud);
 
 /// One frame. Pure. A distance of exactly delta_Incr or delta_Decr does nothing, as printed.
 /// @throws ContractViolation unless 0 < press_distance < release_distance and last_step >= 1
@@ -65,9 +106,5 @@ struct NearestNode {
 
 /// The state in the terms of the default law; nothing at rest.
 [[nodiscard]] std::optional<Touch> touch_of(const PaperState& state, const ReducedBody& body);
-
-/// (3 x S) the middles of the sites in the shape that `state` gives the body.
-/// @param nodes  overwritten; allocates nothing when it has S columns already
-void deformed_nodes(const PaperState& state, const ReducedBody& body, Eigen::Matrix3Xf& nodes);
 
 }  // namespace palpable

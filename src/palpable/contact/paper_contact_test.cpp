@@ -1,10 +1,14 @@
 #include "palpable/contact/paper_contact.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/contact/press_law.h"
+#include "palpable/contact/cloud_distance.h"
+#include "palpable/geometry/surface_mesh.h"
+#include "tests/support/allocations.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/test.h"
 
+#include <algorithm>
+#include <random>
 #include <vector>
 
 namespace palpable {
@@ -66,28 +70,121 @@ TEST_CASE("Algorithm 1 takes the press along when another node becomes the neare
 
 TEST_CASE("the nearest node is the one with the smallest distance from point to point",
           "[contact][Alg1]") {
-  Eigen::Matrix3Xf nodes(3, 2);
-  nodes << 0, 1, 0, 0, 0, 0;
-  const std::vector<Eigen::Vector3f> cloud{{5, 5, 5}, {0.9f, 0, 0.2f}};
-  const auto nearest = nearest_node(nodes, cloud);
+  const ReducedBody body = test::DentedSphere{}.body();
+  const PaperNodes nodes(body, QueriedNodes::kSites);
+  const Vector3f front = nodes.positions().col(1);  // y points backwards
+  const std::vector<Vector3f> cloud{{5, 5, 5}, front + Vector3f(0.003f, -0.004f, 0)};
+  const auto nearest = nearest_by_all_pairs(nodes, cloud);
   REQUIRE(nearest.has_value());
   CHECK(nearest->site == 1);
-  CHECK(nearest->distance == Approx(std::sqrt(0.05)).epsilon(test::tolerance(1e-6, "floats")));
-  CHECK(nearest->point.z() == Approx(0.2));
-  CHECK_FALSE(nearest_node(nodes, {}).has_value());
+  CHECK(nearest->distance == Approx(0.005).epsilon(test::tolerance(1e-5, "floats of 5 cm")));
+  CHECK(nearest->point == cloud[1].cast<double>());
+  CHECK_FALSE(nearest_by_all_pairs(nodes, {}).has_value());
+}
+
+// Of the front of a ball of 12 mm that hovers 2 mm above the sphere, somewhere.
+std::vector<Vector3f> hovering_cap(const Vector3d& direction, std::mt19937& random) {
+  const Vector3d centre = Vector3d(0, 0, 0.05) + 0.064 * direction;
+  std::normal_distribution<double> any;
+  std::vector<Vector3f> cloud;
+  for (int k = 0; k < 400; ++k) {
+    const Vector3d out = Vector3d(any(random), any(random), any(random)).normalized();
+    cloud.emplace_back((centre + 0.012 * out).cast<float>());
+  }
+  return cloud;
+}
+
+TEST_CASE("the grid finds the pair that all pairs have, however the body is pressed",
+          "[contact][Alg1]") {
+  const ReducedBody body = test::DentedSphere{}.body();
+  const double reach = 0.025;
+  CloudDistance grid(DistanceQuery::kGrid, box_of(body.surface), reach, 0.004);
+  std::mt19937 random(3);
+  std::normal_distribution<double> any;
+  int near = 0;
+  for (const QueriedNodes which : {QueriedNodes::kSites, QueriedNodes::kAll}) {
+    PaperNodes nodes(body, which);
+    for (int n = 0; n < 60; ++n) {
+      INFO("cloud " << n);
+      const auto cloud =
+          hovering_cap(Vector3d(any(random), any(random), any(random)).normalized(), random);
+      nodes.deform({n % 5, n % 11, Vector3d::Zero()}, body);
+      grid.build(cloud);
+      const auto found = nearest_node(nodes, grid);
+      const auto expected = nearest_by_all_pairs(nodes, cloud);
+      REQUIRE(expected.has_value());
+      REQUIRE(found.has_value() == (expected->distance < reach));
+      if (!found) continue;
+      ++near;
+      CHECK(found->site == expected->site);
+      CHECK(found->distance == expected->distance);
+      CHECK(found->point == expected->point);
+    }
+  }
+  CHECK(near > 60);
+}
+
+TEST_CASE(
+    "all nodes of the skin are queried but those of the support, and the nearest site pressed",
+    "[contact][Alg1]") {
+  const ReducedBody body = test::DentedSphere{}.body();
+  PaperNodes nodes(body, QueriedNodes::kAll);
+  const Eigen::Matrix3Xd& X = body.surface.vertices;
+  const auto held = std::count(body.fixed.begin(), body.fixed.end(), 1);
+  REQUIRE(held > 0);
+  CHECK(nodes.positions().cols() == X.cols() - held);
+  // A point above a node between two sites, nearer to the second of them (-y) than to the top.
+  const Vector3d between = Vector3d(0, -0.8, 0.6);
+  int vertex = 0;
+  (X.colwise() - (Vector3d(0, 0, 0.05) + 0.05 * between)).colwise().squaredNorm().minCoeff(&vertex);
+  const std::vector<Vector3f> cloud{(X.col(vertex) + 0.001 * between).cast<float>()};
+  const auto nearest = nearest_by_all_pairs(nodes, cloud);
+  REQUIRE(nearest.has_value());
+  CHECK(nearest->site == 1);
+  CHECK(nearest->distance == Approx(0.001).margin(test::tolerance(1e-7, "floats of 5 cm")));
+  // The middles of the sites alone are 31 mm away.
+  CHECK(nearest_by_all_pairs(PaperNodes(body, QueriedNodes::kSites), cloud)->distance > 0.02);
+  // What is below the support is far from all nodes.
+  const std::vector<Vector3f> below{{0, 0, -0.001f}};
+  CHECK(nearest_by_all_pairs(nodes, below)->distance > 0.01);
+  // Their shape is the pressed one's.
+  nodes.deform({1, 7, Vector3d::Zero()}, body);
+  const double deepest = nodes.positions().row(1).minCoeff();
+  CHECK(deepest > -0.05 + 0.5 * test::DentedSphere{}.depth(0.7));
+  nodes.deform({}, body);
+  CHECK(nodes.positions().row(1).minCoeff() == Approx(-0.05).margin(1e-6));
+}
+
+TEST_CASE("a frame of Algorithm 1 takes no memory, whatever it queries and how",
+          "[contact][Alg1]") {
+  const ReducedBody body = test::DentedSphere{}.body();
+  std::mt19937 random(3);
+  const auto cloud = hovering_cap({0, 0, 1}, random);
+  for (const QueriedNodes which : {QueriedNodes::kSites, QueriedNodes::kAll}) {
+    for (const DistanceQuery how : {DistanceQuery::kGrid, DistanceQuery::kVoxmap}) {
+      PaperNodes nodes(body, which);
+      CloudDistance seen(how, box_of(body.surface), 0.025, 0.004);
+      seen.reserve(cloud.size());
+      CHECK(test::allocations_during([&] {
+              nodes.deform({1, 3, Vector3d::Zero()}, body);
+              seen.build(cloud);
+              static_cast<void>(nearest_node(nodes, seen));
+            }) == 0);
+    }
+  }
 }
 
 TEST_CASE("the nodes that are queried have the shape that the press gives them",
           "[contact][Alg1]") {
   const test::DentedSphere sphere;
   const ReducedBody body = sphere.body();
-  Eigen::Matrix3Xf nodes;
+  PaperNodes nodes(body, QueriedNodes::kSites);
   const PaperState state{1, 7, Vector3d::Zero()};
-  deformed_nodes(state, body, nodes);
-  REQUIRE(nodes.cols() == 5);
+  nodes.deform(state, body);
+  REQUIRE(nodes.positions().cols() == 5);
   for (int s = 0; s < 5; ++s) {
     const Vector3d X = body.surface.vertices.col(body.sites[s].vertex);
-    const double moved = (nodes.col(s).cast<double>() - X).norm();
+    const double moved = (nodes.positions().col(s).cast<double>() - X).norm();
     if (s == 1) {
       CHECK(moved == Approx(sphere.depth(0.7)).epsilon(test::tolerance(1e-5, "floats")));
     } else {

@@ -162,11 +162,11 @@ TEST_CASE("a hand that leaves between two frames leaves the body at rest", "[con
   // The same two frames and Algorithm 1: pressed for ever.
   const PaperSettings settings;
   PaperState paper;
-  Eigen::Matrix3Xf nodes;
+  PaperNodes nodes(loop.body, QueriedNodes::kSites);
   for (int frame = 0; frame < 20; ++frame) {
     loop.seen.build(finger(loop.sphere, {0, 0, 1}, frame < 5 ? 0.0 : -0.2), loop.region);
-    deformed_nodes(paper, loop.body, nodes);
-    paper = advance_as_printed(paper, nearest_node(nodes, loop.seen.cloud()), 10, settings);
+    nodes.deform(paper, loop.body);
+    paper = advance_as_printed(paper, nearest_by_all_pairs(nodes, loop.seen.cloud()), 10, settings);
   }
   CHECK(paper.step > 0);
 }

@@ -39,6 +39,10 @@ BodyAnswer::BodyAnswer(TouchableBody body, const AnswerSettings& settings)
     anywhere_->stress(touched_, at_rest_);
   } else if (contact_ == ContactKind::kSite) {
     law_.emplace(body_, settings.press);
+  } else if (contact_ == ContactKind::kPaper) {
+    nodes_.emplace(body_, paper_settings_.nodes);
+    seen_.emplace(paper_settings_.distance, region_, paper_settings_.release_distance,
+                  paper_settings_.voxel);
   }
 }
 
@@ -80,11 +84,16 @@ void BodyAnswer::find_touches(double time, std::span<const Eigen::Vector3f> othe
     if (press_.touch) touches.push_back(*press_.touch);
     return;
   }
-  deformed_nodes(paper_, body_, nodes_);
+  nodes_->deform(paper_, body_);
   const int last = static_cast<int>(body_.levels().size()) - 1;
-  std::optional<NearestNode> nearest = nearest_node(nodes_, surface_.cloud());
+  seen_->reserve(surface_.cloud_room());
+  seen_->build(surface_.cloud());
+  std::optional<NearestNode> nearest = nearest_node(*nodes_, *seen_);
   const bool is_real = nearest && nearest->distance < paper_settings_.release_distance;
-  if (!is_real && !others.empty()) nearest = nearest_node(nodes_, others);
+  if (!is_real && !others.empty()) {
+    seen_->build(others);
+    nearest = nearest_node(*nodes_, *seen_);
+  }
   paper_ = advance_as_printed(paper_, nearest, last, paper_settings_);
   if (auto touch = touch_of(paper_, body_)) {
     if (!is_real && !others.empty()) touch->by = by;

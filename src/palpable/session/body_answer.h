@@ -4,6 +4,7 @@
 ///   V  surface vertices
 #pragma once
 
+#include "palpable/contact/cloud_distance.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/paper_contact.h"
 #include "palpable/contact/press_law.h"
@@ -121,7 +122,8 @@ class BodyAnswer {
   std::optional<PressLaw> law_;
   PressState press_;
   PaperState paper_;
-  Eigen::Matrix3Xf nodes_;
+  std::optional<PaperNodes> nodes_;
+  std::optional<CloudDistance> seen_;
 };
 
 }  // namespace palpable

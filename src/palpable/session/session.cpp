@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -62,9 +63,13 @@ std::optional<Problem> wrong_setting(const SessionSettings& s) {
         "above 0",
         s.surface.balls.most_radius, s.surface.band, s.surface.step, s.surface.balls.reach)};
   }
-  if (!(s.paper.press_distance > 0) || !(s.paper.press_distance < s.paper.release_distance)) {
+  if (!(s.paper.press_distance > 0) || !(s.paper.press_distance < s.paper.release_distance) ||
+      !std::isfinite(s.paper.release_distance)) {
     return Problem{fmt::format("delta_Incr {} m must be above 0 and below delta_Decr {} m",
                                s.paper.press_distance, s.paper.release_distance)};
+  }
+  if (!(s.paper.voxel > 0) || !std::isfinite(s.paper.voxel)) {
+    return Problem{fmt::format("a voxel of {} m must be above 0", s.paper.voxel)};
   }
   return std::nullopt;
 }

@@ -378,9 +378,16 @@ TEST_CASE("a frame without any depth holds the press; after a while it fades",
 
 TEST_CASE("contact and reconstruction allocate nothing after the first frames",
           "[session][frame loop]") {
-  for (const ContactKind kind : {ContactKind::kSite, ContactKind::kPaper}) {
+  struct Case {
+    ContactKind kind;
+    PaperSettings paper;
+  };
+  const PaperSettings all{.nodes = QueriedNodes::kAll, .distance = DistanceQuery::kVoxmap};
+  for (const auto& [kind, paper] : {Case{ContactKind::kSite, {}}, Case{ContactKind::kPaper, {}},
+                                    Case{ContactKind::kPaper, all}}) {
     SessionSettings settings;
     settings.contact = kind;
+    settings.paper = paper;
     FrameLoop loop = make_loop(settings);
     Scene away, pressing;
     loop.camera.see(frame_with_finger(0, -0.3), away.seen);
@@ -432,6 +439,14 @@ TEST_CASE("settings out of range and formats without numbers are problems, not c
   SessionSettings crossed;
   crossed.paper = {.press_distance = 0.02, .release_distance = 0.01};
   CHECK(refused(crossed));
+  SessionSettings endless;
+  endless.paper.release_distance = std::numeric_limits<double>::infinity();
+  CHECK(refused(endless));
+  for (const double side : {0.0, -0.004, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    SessionSettings voxels;
+    voxels.paper.voxel = side;
+    CHECK(refused(voxels));
+  }
   FrameFormat nothing = depth_format();
   nothing.kind = FrameFormat::Kind::kStereo;
   CHECK_FALSE(FrameLoop::make(test::DentedSphere{}.body(), sphere_pose(), nothing).ok());
