@@ -224,8 +224,7 @@ void add_loop_options(Command command, LiveOptions& options) {
 SessionSettings session_settings(const LiveOptions& options) {
   SessionSettings settings;
   if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
-  settings.depth.full_resolution = matches_full_size(options.input);
-  if (options.input.farthest > 0) settings.depth.farthest = options.input.farthest;
+  set_depth(options.input, settings.depth);
   settings.contact = options.contact == "paper"  ? ContactKind::kPaper
                      : options.contact == "site" ? ContactKind::kSite
                                                  : ContactKind::kAnywhere;
