@@ -293,8 +293,7 @@ void PaperOptions::check(const std::string& contact) const {
 SessionSettings session_settings(const LiveOptions& options) {
   SessionSettings settings;
   if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
-  settings.depth.full_resolution = matches_full_size(options.input);
-  if (options.input.farthest > 0) settings.depth.farthest = options.input.farthest;
+  set_depth(options.input, settings.depth);
   settings.contact = options.contact == "paper"  ? ContactKind::kPaper
                      : options.contact == "site" ? ContactKind::kSite
                                                  : ContactKind::kAnywhere;

@@ -97,7 +97,7 @@ RecordedRun recorded_run(const LiveOptions& options, const LiveSetUp& setup) {
   run.options.contact = options.contact;
   if (options.contact == "paper") run.options.paper = written_out(options.paper);
   run.options.matcher = options.matcher;
-  if (matches_full_size(options.input)) run.options.input.depth = options.input.depth;
+  run.options.input.depth = depth_size(options.input);
   run.options.input.farthest = options.input.farthest;
   run.options.fixed_camera = options.fixed_camera;
   run.options.refine = options.refine;
@@ -173,7 +173,7 @@ RecordedRun recorded_run_of(const Json& json) {
     throw Error(
         fmt::format("its matcher is '{}', which this program does not know", run.options.matcher));
   }
-  if (!is_one_of(run.options.input.depth, {"", "half", "full"})) {
+  if (!is_one_of(run.options.input.depth, {"", "half", "full", "auto"})) {
     throw Error(fmt::format("its depth is '{}', which this program does not know",
                             run.options.input.depth));
   }

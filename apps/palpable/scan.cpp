@@ -18,6 +18,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -79,7 +80,8 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   settings.slam.fuse_every = options.fuse_every;
   settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
   settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
-  settings.depth.full_resolution = matches_full_size(options.input);
+  const double usual = settings.depth.farthest;
+  set_depth(options.input, settings.depth);
   if (options.input.farthest > 0) {
     SurfaceMapSettings& surface = settings.slam.surface;
     // The scatter of depth grows with its square; the largest one in step with the way, or the
@@ -88,7 +90,7 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
     surface.best_sigma *= farther * farther;
     surface.largest_sigma *= farther;
     surface.farthest = options.input.farthest;
-    settings.depth.farthest = std::max(settings.depth.farthest, options.input.farthest);
+    settings.depth.farthest = std::max(usual, options.input.farthest);
   }
   settings.most_frames = options.frames;
   if (!given.empty())

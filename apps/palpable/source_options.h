@@ -34,10 +34,21 @@ enum class SourceKind {
 };
 
 /// The words of --depth that say at which size stereo is matched, the usual one first.
-inline constexpr std::array<std::string_view, 2> kDepthSizes = {"half", "full"};
+inline constexpr std::array<std::string_view, 3> kDepthSizes = {"half", "full", "auto"};
 
-/// Whether stereo is matched at full size.
-[[nodiscard]] bool matches_full_size(const SourceOptions& options);
+/// --depth as such a word; empty where it is none.
+[[nodiscard]] std::string depth_size(const SourceOptions& options);
+
+/// What --depth and --farthest say of how depth is measured.
+/// @param depth  as it is without them. A template: programs include no header of depth
+template <class DepthSettings>
+void set_depth(const SourceOptions& options, DepthSettings& depth) {
+  constexpr int kSmall = 640;  // px; of pictures that small auto matches all of it
+  const std::string size = depth_size(options);
+  depth.full_resolution = size == "full";
+  depth.full_up_to_px = size == "auto" ? kSmall : 0;
+  if (options.farthest > 0) depth.farthest = options.farthest;
+}
 
 /// Adds all but --source, which commands explain in their own words.
 void add_source_options(Command command, SourceOptions& options,

@@ -129,14 +129,14 @@ def _(programs, folder):
     (clip / "scene.toml").write_text(SCENE)
     words = ("live", touched_body(programs), "--source", clip, "--out", folder / "out", "--overwrite")
     sizes = {}
-    for size in ("half", "full"):
+    for size in ("half", "full", "auto"):
         programs.succeeds(*words, "--depth", size, "--farthest", "3", "--record", folder / f"{size}.palprec")
         picture = (folder / "out/depth/000001.png").read_bytes()
         sizes[size] = int.from_bytes(picture[16:20], "big")
         depth = json.loads((folder / "out/live.json").read_text())["depth"]
         assert depth["median_density"] > 0.5 and depth["frames_few_depths"] == [], depth
         assert "equal" in programs.succeeds("replay", folder / f"{size}.palprec").stdout
-    assert sizes == {"half": 160, "full": 320}, sizes
+    assert sizes == {"half": 160, "full": 320, "auto": 320}, sizes
     programs.succeeds(*words, "--farthest", "0.3")  # the wall is 0.44 m away
     assert json.loads((folder / "out/live.json").read_text())["depth"]["median_density"] == 0
     programs.refuses(*words, "--depth", "double", says=["--depth"])

@@ -35,7 +35,7 @@ bool searches_rows(int unmeasured) {
 }
 
 StereoMatcherSettings matching_of(const StereoEyes& eyes, const DepthSettings& settings) {
-  StereoMatcherSettings s = settings.full_resolution ? full_matching() : near_matching();
+  StereoMatcherSettings s = eyes.halved() ? near_matching() : full_matching();
   const RectifiedStereo& matched = eyes.matched();
   s.first =
       std::min(eyes.first_disparity(),

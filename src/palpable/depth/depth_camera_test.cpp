@@ -576,6 +576,18 @@ TEST_CASE("rows that are too far off to be matched are found again, however far 
   }
 }
 
+TEST_CASE("small images are matched at full size where that is asked for, large ones at half",
+          "[depth]") {
+  const FrameFormat format = format_of(test::tilted_stereo());
+  const auto width = [&](int up_to) {
+    const auto camera = value_or_throw(DepthCamera::make(format, {.full_up_to_px = up_to}));
+    return camera.depth_camera().width;
+  };
+  CHECK(width(0) == test::kTiltedWidth / 2);
+  CHECK(width(test::kTiltedWidth - 1) == test::kTiltedWidth / 2);
+  CHECK(width(test::kTiltedWidth) == test::kTiltedWidth);
+}
+
 TEST_CASE("numbers that do not make a camera are refused with a reason", "[depth][refusal]") {
   const auto reason = [](const FrameFormat& format, const DepthSettings& settings = {}) {
     const auto camera = DepthCamera::make(format, settings);

@@ -19,6 +19,9 @@ struct DepthSettings {
   /// Match stereo at full resolution instead of half: for scenes, small images and benchmarks.
   /// Takes about 6 times as long.
   bool full_resolution = false;
+  /// The same for images at most so wide, px, whatever full_resolution says: at half of their size
+  /// there would be too little left to match.
+  int full_up_to_px = 0;
   /// A patch of connected pixels smaller than this is noise and becomes unknown (kOpenCv).
   int speckle_size_px = 60;
   int threads = 2;  ///< of kCensus; the depth does not depend on it

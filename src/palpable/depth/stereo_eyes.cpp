@@ -47,7 +47,7 @@ StereoEyes::StereoEyes(Rectification rectification, const FrameFormat& format,
                        const DepthSettings& settings)
     : width_(format.width),
       height_(format.height),
-      halved_(!settings.full_resolution),
+      halved_(!settings.full_resolution && format.width > settings.full_up_to_px),
       rectification_(std::move(rectification)),
       rectified_(rectification_.geometry().stereo),
       matched_(rectified_) {

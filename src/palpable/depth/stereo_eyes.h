@@ -13,7 +13,7 @@
 namespace palpable {
 
 /// The eyes of a raw rig, or of one whose rows are aligned already, at the resolution of matching:
-/// half of the images', or the same with settings.full_resolution.
+/// half of the images', or the same with settings.full_resolution, or full_up_to_px.
 class StereoEyes {
  public:
   /// A problem when the numbers do not make a rig or the images are too small to be matched.

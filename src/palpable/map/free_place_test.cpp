@@ -40,7 +40,7 @@ DepthImage desk(const Plane& plane, const std::vector<Ball>& balls, unsigned see
       const double along = plane.normal.dot(ray);
       double Z = along < 0 ? plane.offset / along : INFINITY;
       for (const Ball& ball : balls) Z = std::min(Z, depth_of(ball, ray));
-      if (Z > 2 || (x + 7 * y) % 10 == 0) continue;
+      if (Z > 1.2 || (x + 7 * y) % 10 == 0) continue;
       depth(x, y) = static_cast<float>(Z + kNoise.sigma(Z) * scatter(random));
     }
   }
@@ -95,8 +95,8 @@ TEST_CASE("what is too high for the body, lies below the desk or is out of sight
   CHECK((*below - plane.middle).norm() < 0.1);
   // A desk full of things has none, nor has one that is not seen.
   std::vector<Ball> many;
-  for (int j = -8; j <= 8; ++j) {
-    for (int i = -8; i <= 8; ++i) many.push_back(on(plane, {0.09 * i, 0.09 * j, 0}, 0.03));
+  for (int j = -12; j <= 12; ++j) {
+    for (int i = -12; i <= 12; ++i) many.push_back(on(plane, {0.1 * i, 0.1 * j, 0}, 0.03));
   }
   CHECK_FALSE(free_place_on(plane, desk(plane, many, 1), kCamera, kNoise, kBody));
   const DepthImage nothing(kCamera.width, kCamera.height, std::nanf(""));
