@@ -7,6 +7,7 @@ namespace palpable {
 void LiveCounts::add(const Scene& scene) {
   processed.push_back(scene.number);
   if (scene.camera.state == TrackState::kLost) lost.push_back(scene.number);
+  if (scene.camera.new_world) new_worlds.push_back(scene.number);
   if (scene.camera.state == TrackState::kTracking) ++moving;
   if (scene.touches.empty()) return;
   ++touching;

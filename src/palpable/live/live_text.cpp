@@ -15,6 +15,12 @@ std::string text_of(const LiveCounts& counts, const Session& session, double wal
     text += fmt::format("the camera was lost in {} frames, first in frame {}\n", counts.lost.size(),
                         counts.lost.front());
   }
+  if (!counts.new_worlds.empty()) {
+    text += fmt::format(
+        "a new world began {}, first in frame {}: where bodies stood before is not known in it\n",
+        counts.new_worlds.size() == 1 ? "once" : fmt::format("{} times", counts.new_worlds.size()),
+        counts.new_worlds.front());
+  }
   if (const SurfaceMap* room = session.map();
       room != nullptr && (room->refused() > 0 || session.free_space()->blocked() > 0)) {
     text += fmt::format(
