@@ -29,6 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Fewer are no surface but specks: one voxel on a wall makes two.
+constexpr int kLeastTriangles = 100;
+
 struct ScanOptions {
   SourceOptions input;
   fs::path out;
@@ -138,10 +141,11 @@ void scan(const ScanOptions& options) {
   }
   const SurfaceMap& map = *scanned.slam->map();
   const ColoredSurface mesh = surface_of(scanned);
-  if (mesh.surface.triangle_count() == 0) {
-    throw Error(fmt::format("{}: no surface within {} m was seen in {} frames ({} without a pose)",
-                            options.input.source, map.settings().farthest, frames,
-                            scanned.slam->counts().lost));
+  if (mesh.surface.triangle_count() < kLeastTriangles) {
+    throw Error(fmt::format(
+        "{}: no surface within {} m was seen in {} frames ({} without a pose, {} triangles)",
+        options.input.source, map.settings().farthest, frames, scanned.slam->counts().lost,
+        mesh.surface.triangle_count()));
   }
   write_colored_ply(
       options.out, mesh.surface, mesh.colors,

@@ -14,12 +14,14 @@
 #include "palpable/score/trajectory_score.h"
 #include "palpable/score/warped_depth.h"
 #include "palpable/script/plan_sequence.h"
+#include "palpable/slam/slam.h"
 #include "palpable/sources/folder_source.h"
 #include "palpable/track/tracker_input.h"
 
 #include <fmt/core.h>
 
 #include "bench/live/bench_map.h"
+#include "bench/live/opencv_odometry.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,6 +31,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,7 +46,11 @@ constexpr int kFixedFrames = 40;        // of a camera on a tripod
 constexpr int kDarkFrames = 30;         // 1 s
 constexpr int kAfterDark = 30;          // frames in which the camera should find its pose again
 constexpr double kFoundWithin = 0.010;  // m: a pose that is farther off counts as not found
-constexpr double kWidestDepth = 100;    // m, of the street
+constexpr double kMoved = 0.1;          // m from where a camera began: it no longer stands there
+constexpr int kQuick = 6;               // of so many frames of the kitchen one is read
+// m up to which OpenCV's odometry uses depths: its own default, and what its street needs.
+constexpr double kKitchenDepth = 4;
+constexpr double kStreetDepth = 60;
 
 struct TrackBenchOptions {
   fs::path body;
@@ -145,32 +152,52 @@ void bench_fixed(const ReducedBody& body, const TrackBenchOptions& options, Prog
 // camera.
 struct Followed {
   std::vector<PosePair> pairs;
-  std::vector<DepthImage> depths;  // as recorded
+  std::vector<PosePair> opencv;    // the same by OpenCV's RGB-D odometry; FollowSettings::opencv
+  std::vector<DepthImage> depths;  // as recorded; FollowSettings::keep_depths
   PinholeCamera depth_camera;
+  int lost = 0;        // frames without a pose
+  int identities = 0;  // frames in which the camera has moved and is said to be where it began
+};
+
+struct FollowSettings {
+  int every = 1;           // frame that is read: a camera so many times as fast
+  bool with_mask = false;  // what moves is left out, as `palpable live` does it
+  bool keep_depths = false;
+  double opencv = 0;  // m: OpenCV's odometry uses depths up to here; 0: it is not asked
 };
 
 // Follows the camera through a folder. pose_of(n) is the published pose of frame number n.
 template <class PoseOf>
-Followed follow(const fs::path& folder, double farthest, bool keep_depths, const PoseOf& pose_of) {
+Followed follow(const fs::path& folder, const FollowSettings& how, const PoseOf& pose_of) {
   auto source = value_or_throw(open_folder(folder));
-  DepthSettings depth;
-  depth.farthest = farthest;
-  DepthCamera camera = value_or_throw(DepthCamera::make(source->format(), depth));
-  Tracker tracker(tracker_settings(camera));
+  DepthCamera camera = value_or_throw(DepthCamera::make(source->format()));
+  Slam slam(camera, {.map = how.with_mask});
+  OpenCvOdometry odometry(camera.camera(), how.opencv > 0 ? how.opencv : 1);
   Followed followed;
   followed.depth_camera = source->format().depth_camera;
   const auto& color = source->format().color_sensor;
   const Rigid3 camera_from_depth = color ? color->color_from_depth : Rigid3::Identity();
   Frame frame;
   SeenFrame seen;
+  StageTimes times;
+  int read = 0;
   FrameStatus status = source->next(frame);
   for (; status != FrameStatus::kEnd; status = source->next(frame)) {
-    if (status != FrameStatus::kFrame) continue;
+    if (status != FrameStatus::kFrame || read++ % how.every != 0) continue;
     camera.see(frame, seen);
-    const TrackedPose pose = tracker.track(tracker_frame(seen));
-    followed.pairs.push_back(
-        {seen.time, pose_of(seen.number), pose.world_from_camera * camera_from_depth});
-    if (keep_depths) followed.depths.push_back(frame.depth);
+    const TrackedPose pose = slam.advance(seen, times).camera;
+    const Rigid3 truth = pose_of(seen.number);
+    followed.pairs.push_back({seen.time, truth, pose.world_from_camera * camera_from_depth});
+    if (how.opencv > 0) {
+      followed.opencv.push_back({seen.time, truth, odometry.follow(seen) * camera_from_depth});
+    }
+    if (how.keep_depths) followed.depths.push_back(frame.depth);
+    const double moved =
+        (followed.pairs.front().truth.inverse() * truth).translation().norm();  // m
+    const bool lost = pose.state == TrackState::kLost;
+    followed.lost += lost ? 1 : 0;
+    followed.identities +=
+        !lost && moved > kMoved && pose.world_from_camera.matrix().isIdentity(0) ? 1 : 0;
   }
   return followed;
 }
@@ -183,16 +210,27 @@ Rigid3 read_matrix(std::istream& in, int rows, const fs::path& path) {
   return pose;
 }
 
-void bench_kitchen(const fs::path& folder, Json& result) {
-  result["ate_7scenes_mm"] = result["warp_ratio_7scenes"] = nullptr;
-  if (!fs::exists(folder)) return;
-  const Followed f = follow(folder, 20, true, [&](int number) {
+double ate_mm(std::span<const PosePair> pairs) { return 1e3 * score_trajectory(pairs).ate; }
+
+Followed follow_kitchen(const fs::path& folder, const FollowSettings& how) {
+  return follow(folder, how, [&](int number) {
     const fs::path path = folder / fmt::format("frame-{:06d}.pose.txt", number);
     std::ifstream in(path);
     return read_matrix(in, 4, path);
   });
+}
+
+void bench_kitchen(const fs::path& folder, Json& result) {
+  for (const char* key :
+       {"ate_7scenes_mm", "ate_7scenes_mm_opencv", "opencv_ratio_7scenes", "warp_ratio_7scenes"}) {
+    result[key] = nullptr;
+  }
+  if (!fs::exists(folder)) return;
+  const Followed f = follow_kitchen(folder, {.keep_depths = true, .opencv = kKitchenDepth});
   if (f.pairs.empty()) return;
-  result["ate_7scenes_mm"] = 1e3 * score_trajectory(f.pairs).ate;
+  result["ate_7scenes_mm"] = ate_mm(f.pairs);
+  result["ate_7scenes_mm_opencv"] = ate_mm(f.opencv);
+  result["opencv_ratio_7scenes"] = ate_mm(f.pairs) / ate_mm(f.opencv);
   std::vector<Rigid3> found, truth;
   for (const PosePair& pair : f.pairs) {
     found.push_back(pair.found);
@@ -206,30 +244,93 @@ void bench_kitchen(const fs::path& folder, Json& result) {
   result["warp_ratio_7scenes"] = *ours / *published;
 }
 
-void bench_street(const fs::path& folder, Json& result) {
-  result["kitti_position_error"] = nullptr;
+// The kitchen's first 400 frames, whose first half was looked at while the tracker was made, and
+// every sixth of them: a hand that turns six times as fast.
+void bench_long_kitchen(const fs::path& folder, Json& result) {
+  for (const char* key :
+       {"ate_7scenes_long_mm", "ate_7scenes_long_mm_opencv", "opencv_ratio_7scenes_long",
+        "ate_7scenes_long_first_half_mm", "ate_7scenes_long_second_half_mm", "7scenes_long_lost",
+        "7scenes_quick_lost", "ate_7scenes_quick_mm"}) {
+    result[key] = nullptr;
+  }
   if (!fs::exists(folder)) return;
+  const Followed f = follow_kitchen(folder, {.opencv = kKitchenDepth});
+  if (f.pairs.size() < 2) return;
+  const std::span<const PosePair> pairs = f.pairs;
+  result["ate_7scenes_long_mm"] = ate_mm(pairs);
+  result["ate_7scenes_long_mm_opencv"] = ate_mm(f.opencv);
+  result["opencv_ratio_7scenes_long"] = ate_mm(pairs) / ate_mm(f.opencv);
+  result["ate_7scenes_long_first_half_mm"] = ate_mm(pairs.first(pairs.size() / 2));
+  result["ate_7scenes_long_second_half_mm"] = ate_mm(pairs.subspan(pairs.size() / 2));
+  result["7scenes_long_lost"] = f.lost;
+  const Followed quick = follow_kitchen(folder, {.every = kQuick, .with_mask = true});
+  result["7scenes_quick_lost"] = quick.lost;
+  result["ate_7scenes_quick_mm"] = ate_mm(quick.pairs);
+}
+
+Followed follow_street(const fs::path& folder, const FollowSettings& how) {
   std::ifstream in(folder / "poses.txt");
   // By frame number. Poses are read in turn, also those of frames that cannot be read.
   std::vector<Rigid3> published;
-  const Followed f = follow(folder, kWidestDepth, false, [&](int number) {
+  return follow(folder, how, [&](int number) {
     while (std::ssize(published) <= number) {
       published.push_back(read_matrix(in, 3, folder / "poses.txt"));
     }
     return published[number];
   });
-  if (f.pairs.empty()) return;
+}
+
+// How far off the last camera is as seen from the first one, by the length of the true path.
+double end_error(std::span<const PosePair> pairs) {
   double path = 0;
-  for (std::size_t i = 1; i < f.pairs.size(); ++i) {
-    path += (f.pairs[i].truth.translation() - f.pairs[i - 1].truth.translation()).norm();
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    path += (pairs[i].truth.translation() - pairs[i - 1].truth.translation()).norm();
   }
-  // From the first camera to the last one.
-  const auto way = [&](const Rigid3& first, const Rigid3& last) -> Eigen::Vector3d {
+  const auto way = [](const Rigid3& first, const Rigid3& last) -> Eigen::Vector3d {
     return (first.inverse() * last).translation();
   };
-  const Eigen::Vector3d error = way(f.pairs.front().truth, f.pairs.back().truth) -
-                                way(f.pairs.front().found, f.pairs.back().found);
-  result["kitti_position_error"] = error.norm() / path;
+  const Eigen::Vector3d error =
+      way(pairs.front().truth, pairs.back().truth) - way(pairs.front().found, pairs.back().found);
+  return error.norm() / path;
+}
+
+void bench_street(const fs::path& folder, Json& result) {
+  result["kitti_position_error"] = result["kitti_position_error_opencv"] = nullptr;
+  if (!fs::exists(folder)) return;
+  const Followed f = follow_street(folder, {.opencv = kStreetDepth});
+  if (f.pairs.empty()) return;
+  result["kitti_position_error"] = end_error(f.pairs);
+  result["kitti_position_error_opencv"] = end_error(f.opencv);
+}
+
+// The whole clip, and with two to four times the speed: up to 4.8 m from picture to picture.
+void bench_long_street(const fs::path& folder, Json& result) {
+  for (const char* key :
+       {"kitti_long_position_error", "kitti_long_position_error_opencv",
+        "kitti_long_first_half_error", "kitti_long_second_half_error", "kitti_long_lost",
+        "kitti_fast_lost", "kitti_fast_position_error", "identity_poses_of_moving"}) {
+    result[key] = nullptr;
+  }
+  if (!fs::exists(folder)) return;
+  const Followed f = follow_street(folder, {.with_mask = true, .opencv = kStreetDepth});
+  if (f.pairs.size() < 4) return;
+  const std::span<const PosePair> pairs = f.pairs;
+  result["kitti_long_position_error"] = end_error(pairs);
+  result["kitti_long_position_error_opencv"] = end_error(f.opencv);
+  result["kitti_long_first_half_error"] = end_error(pairs.first(pairs.size() / 2));
+  result["kitti_long_second_half_error"] = end_error(pairs.subspan(pairs.size() / 2));
+  result["kitti_long_lost"] = f.lost;
+  int lost = 0, identities = f.identities;
+  double worst = 0;
+  for (int every = 2; every <= 4; ++every) {
+    const Followed fast = follow_street(folder, {.every = every, .with_mask = true});
+    lost += fast.lost;
+    identities += fast.identities;
+    worst = std::max(worst, end_error(fast.pairs));
+  }
+  result["kitti_fast_lost"] = lost;
+  result["kitti_fast_position_error"] = worst;
+  result["identity_poses_of_moving"] = identities;
 }
 
 void print_table(const Json& r) {
@@ -247,9 +348,25 @@ void print_table(const Json& r) {
   line("CPU ms per frame: what moves, and free space", "mask_ms", 1, "1");
   line("map cells where the hand was and nothing is", "ghost_voxels", 1, "0");
   line("  the same without the mask", "ghost_voxels_no_mask", 1, "");
-  line("7-Scenes kitchen: path error, mm", "ate_7scenes_mm", 1, "25");
+  line("7-Scenes kitchen, 90 frames: path error, mm", "ate_7scenes_mm", 1, "25");
+  line("  by OpenCV's RGB-D odometry", "ate_7scenes_mm_opencv", 1, "");
   line("  depth warped by our poses / by the published", "warp_ratio_7scenes", 1, "1.1");
-  line("KITTI street: end position, % of the path", "kitti_position_error", 100, "2");
+  line("  400 frames: path error, mm", "ate_7scenes_long_mm", 1, "30");
+  line("  by OpenCV's RGB-D odometry", "ate_7scenes_long_mm_opencv", 1, "");
+  line("  ours by OpenCV's", "opencv_ratio_7scenes_long", 1, "0.8");
+  line("  the half that was looked at, mm", "ate_7scenes_long_first_half_mm", 1, "");
+  line("  the half that was kept back, mm", "ate_7scenes_long_second_half_mm", 1, "");
+  line("  frames lost", "7scenes_long_lost", 1, "0");
+  line("  every sixth frame: frames lost", "7scenes_quick_lost", 1, "0");
+  line("KITTI street, 16 pairs: end position, % of the path", "kitti_position_error", 100, "2");
+  line("  51 pairs", "kitti_long_position_error", 100, "1.2");
+  line("  by OpenCV's RGB-D odometry", "kitti_long_position_error_opencv", 100, "");
+  line("  the half that was looked at", "kitti_long_first_half_error", 100, "");
+  line("  the half that was kept back", "kitti_long_second_half_error", 100, "");
+  line("  frames lost", "kitti_long_lost", 1, "0");
+  line("  every 2nd to 4th pair: frames lost", "kitti_fast_lost", 1, "0");
+  line("  the worst of their ends, % of the path", "kitti_fast_position_error", 100, "");
+  line("  identity poses of a camera that has moved", "identity_poses_of_moving", 1, "0");
   line("after 1 s of darkness: found again, s", "relocalise_s", 1, "0.5");
 }
 
@@ -265,7 +382,9 @@ void bench_track(const TrackBenchOptions& options) {
   bench_map(body, options.seed, options.hand_frames, bar, result);
   bar.finish();
   bench_kitchen(options.data / "rgbd_pose_7scenes", result);
+  bench_long_kitchen(options.data / "rgbd_pose_7scenes_long", result);
   bench_street(options.data / "stereo_video_kitti1", result);
+  bench_long_street(options.data / "stereo_video_kitti1_long", result);
   if (options.json) {
     fmt::print("{}\n", result.dump(2));
   } else {
@@ -294,7 +413,8 @@ void add_bench_track(Command bench) {
   command
       .add_option(
           "--data", options->data,
-          "Folder that holds rgbd_pose_7scenes and stereo_video_kitti1; what is missing is null")
+          "Folder that holds rgbd_pose_7scenes, stereo_video_kitti1 and the same with _long; what "
+          "is missing is null")
       .show_default();
   command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
   command.footer(

@@ -1036,7 +1036,8 @@ def _(programs, folder):
     # The yardstick sees a hand that is in the map; with the mask none is.
     assert figures["ghost_voxels_no_mask"] > 100 and figures["ghost_voxels"] == 0, figures
     # The recordings are not in that folder.
-    for key in ("ate_7scenes_mm", "warp_ratio_7scenes", "kitti_position_error"):
+    for key in ("ate_7scenes_mm", "warp_ratio_7scenes", "kitti_position_error", "ate_7scenes_long_mm",
+                "opencv_ratio_7scenes_long", "kitti_long_position_error", "kitti_long_lost", "identity_poses_of_moving"):
         assert figures[key] is None, (key, figures)
 
 

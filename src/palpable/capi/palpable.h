@@ -112,7 +112,7 @@ typedef struct palpable_setup {
    * thing is believed in the third frame that shows it. */
   int32_t press_static;
   double nearest;          /**< m, stereo: depths from here on are searched; 0: 0.12 */
-  double farthest;         /**< m: depths beyond count as unknown; 0: 20 */
+  double farthest;         /**< m: depths beyond count as unknown; 0: 20, more for a wide rig */
   int32_t threads;         /**< of stereo matching, up to 64; 0: 2. No result depends on it */
   int32_t full_resolution; /**< 1: stereo is matched at full resolution, in six times the time */
 } palpable_setup;

@@ -78,9 +78,10 @@ DepthSettings depth_settings(const palpable_setup& setup) {
   if (setup.farthest != 0) depth.farthest = setup.farthest;
   if (setup.threads != 0) depth.threads = setup.threads;
   depth.full_resolution = is_on(setup.full_resolution, "full_resolution");
-  if (!(depth.nearest >= 0.01 && depth.nearest < depth.farthest && depth.farthest <= 1000)) {
+  const double farthest = depth.farthest.value_or(kUsualFarthest);
+  if (!(depth.nearest >= 0.01 && depth.nearest < farthest && farthest <= 1000)) {
     refuse(fmt::format("setup: depths from {} to {} m; 0.01 to 1000 are possible", depth.nearest,
-                       depth.farthest));
+                       farthest));
   }
   if (depth.threads < 1) refuse(fmt::format("setup.threads is {}", depth.threads));
   return depth;

@@ -42,7 +42,8 @@ ordered_json tracking_of(const std::optional<LiveSummary::Tracking>& tracking) {
           {"times_found_again", tracking->times_found_again},
           {"loops_closed", tracking->loops_closed},
           {"keyframes", tracking->keyframes},
-          {"landmarks", tracking->landmarks}};
+          {"landmarks", tracking->landmarks},
+          {"new_worlds", tracking->new_worlds}};
 }
 
 ordered_json map_of(const std::optional<LiveSummary::Map>& map) {

@@ -22,6 +22,8 @@ struct LiveSummary {
     int loops_closed = 0;
     int keyframes = 0;
     int landmarks = 0;
+    /// Numbers of the frames with which a new world began (TrackedPose::new_world).
+    std::vector<int> new_worlds = {};
   };
   struct Map {
     int blocks = 0;

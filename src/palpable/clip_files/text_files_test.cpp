@@ -377,7 +377,7 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   summary.view = "camera";
   summary.press_static = true;
   body.camera_from_body = some_pose();
-  summary.tracking = {3, {1}, 1, 0, 7, 500};
+  summary.tracking = {3, {1}, 1, 0, 7, 500, {2}};
   summary.map = {12, 0, 2};
   summary.depth = {0.5, {}, {2}, 0.75};
   summary.unreadable = 1;
@@ -429,7 +429,10 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
     "times_found_again": 1,
     "loops_closed": 0,
     "keyframes": 7,
-    "landmarks": 500
+    "landmarks": 500,
+    "new_worlds": [
+      2
+    ]
   },
   "map": {
     "blocks": 12,

@@ -72,7 +72,7 @@ Result<CensusCamera> CensusCamera::make(const FrameFormat& format, const DepthSe
 CensusCamera::CensusCamera(StereoEyes eyes, const DepthSettings& settings)
     : eyes_(std::move(eyes)),
       noise_(eyes_.noise()),
-      farthest_(settings.farthest),
+      farthest_(eyes_.farthest()),
       matcher_(matching_of(eyes_, settings)) {
   if (settings.watch_rows) watch_.emplace(camera());
 }

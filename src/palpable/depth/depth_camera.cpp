@@ -70,12 +70,12 @@ DepthCamera& DepthCamera::operator=(DepthCamera&&) noexcept = default;
 DepthCamera::~DepthCamera() = default;
 
 Result<DepthCamera> DepthCamera::make(const FrameFormat& format, const DepthSettings& settings) {
-  if (!(settings.nearest > 0 && settings.farthest > settings.nearest &&
-        std::isfinite(settings.farthest))) {
+  const double farthest = settings.farthest.value_or(kUsualFarthest);
+  if (!(settings.nearest > 0 && farthest > settings.nearest && std::isfinite(farthest))) {
     return Problem{
         fmt::format("depth is searched from {} m to {} m; both should be positive and "
                     "the second larger",
-                    settings.nearest, settings.farthest)};
+                    settings.nearest, farthest)};
   }
   Result<AnyCamera> any = camera_for(format, settings);
   if (!any.ok()) return any.problem();

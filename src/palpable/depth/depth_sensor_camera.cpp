@@ -43,7 +43,7 @@ Result<DepthSensorCamera> DepthSensorCamera::make(const FrameFormat& format,
   DepthSensorCamera made;
   made.width_ = format.width;
   made.height_ = format.height;
-  made.farthest_ = settings.farthest;
+  made.farthest_ = settings.farthest.value_or(kUsualFarthest);
   made.camera_ = format.depth_camera;
   if (format.color_sensor) {
     const ColorSensor& color = *format.color_sensor;

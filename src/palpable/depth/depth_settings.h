@@ -2,6 +2,8 @@
 /// How depth is measured.
 #pragma once
 
+#include <optional>
+
 namespace palpable {
 
 struct DepthSettings {
@@ -14,8 +16,12 @@ struct DepthSettings {
   /// (f = 700 px, T = 63 mm). A range that is too short does not leave holes, it calls near things
   /// far; kCensus guards against that, kOpenCv does not.
   double nearest = 0.12;
-  /// Depths beyond are unknown, m. At 720p half a pixel of disparity is 25 % of the depth at 20 m.
-  double farthest = 20.0;
+  /// Depths beyond are unknown, m. Nothing: 20 m, and for a stereo rig as far as the disparity is
+  /// 12 px of the full images if that is farther: 20 m for a rig of 63 mm at 720p (half a pixel is
+  /// 25 % of the depth there), and 32 m for a car's of 537 mm. A rig's rows are off by 0.1 px where
+  /// its calibration is good: 1 % of the depth at 12 px, and of the path of a camera that goes by
+  /// it.
+  std::optional<double> farthest = std::nullopt;
   /// Match stereo at full resolution instead of half: for scenes, small images and benchmarks.
   /// Takes about 6 times as long.
   bool full_resolution = false;
@@ -28,5 +34,8 @@ struct DepthSettings {
   /// Measure the row error of every frame, and correct it once it lasts (row_watch.h; kCensus).
   bool watch_rows = true;
 };
+
+inline constexpr double kUsualFarthest = 20.0;      ///< m
+inline constexpr double kLeastUsualDisparity = 12;  ///< px of the full images, of farther depths
 
 }  // namespace palpable

@@ -26,14 +26,14 @@ constexpr int kLargestLeftRightDifference = 1;  // px between the left view's ma
 
 // Of each disparity in sixteenths from the first searched one on: its depth, NaN where the matcher
 // is not to be trusted.
-std::vector<float> depth_table(const StereoEyes& eyes, double farthest) {
+std::vector<float> depth_table(const StereoEyes& eyes) {
   const int disparities = eyes.disparities();
   std::vector<float> depth_of(disparities * kSubpixels, std::numeric_limits<float>::quiet_NaN());
   // A minimum at either end of the range has only one neighbour: the true one may lie outside.
   for (int i = kSubpixels; i <= (disparities - 2) * kSubpixels; ++i) {
     const double Z =
         eyes.matched().depth(eyes.first_disparity() + static_cast<double>(i) / kSubpixels);
-    if (Z > 0 && Z <= farthest) depth_of[i] = static_cast<float>(Z);
+    if (Z > 0 && Z <= eyes.farthest()) depth_of[i] = static_cast<float>(Z);
   }
   return depth_of;
 }
@@ -52,7 +52,7 @@ struct SgbmCamera::Parts {
   Parts(StereoEyes eyes_of, const DepthSettings& settings)
       : eyes(std::move(eyes_of)),
         noise(eyes.noise()),
-        depth_of(depth_table(eyes, settings.farthest)),
+        depth_of(depth_table(eyes)),
         matcher(cv::StereoSGBM::create(eyes.first_disparity(), eyes.disparities(), kBlock, kP1, kP2,
                                        kLargestLeftRightDifference, 63, kUniquenessPercent,
                                        settings.speckle_size_px, 1,

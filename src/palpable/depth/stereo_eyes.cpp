@@ -50,7 +50,9 @@ StereoEyes::StereoEyes(Rectification rectification, const FrameFormat& format,
       halved_(!settings.full_resolution && format.width > settings.full_up_to_px),
       rectification_(std::move(rectification)),
       rectified_(rectification_.geometry().stereo),
-      matched_(rectified_) {
+      matched_(rectified_),
+      farthest_(settings.farthest.value_or(std::max(
+          kUsualFarthest, rectified_.camera.fx_px * rectified_.baseline / kLeastUsualDisparity))) {
   if (!halved_) return;
   matched_.camera = rectified_.camera.scaled_down(2);
   // x_L - x_R shrinks with the picture; the half pixels of the two centres cancel.
@@ -61,7 +63,7 @@ void StereoEyes::find_range(const DepthSettings& settings) {
   const double f_T = matched_.camera.fx_px * matched_.baseline;
   const double infinity = matched_.disparity_at_infinity_px;
   // One less and one more than the range needs, because neither end is trusted.
-  first_disparity_ = static_cast<int>(std::floor(infinity + f_T / settings.farthest)) - 1;
+  first_disparity_ = static_cast<int>(std::floor(infinity + f_T / farthest_)) - 1;
   // What both eyes see at a disparity of half the width or more is a strip at the border.
   last_disparity_ = std::min(static_cast<int>(std::ceil(infinity + f_T / settings.nearest)) + 1,
                              std::max(matched_.camera.width / 2, first_disparity_ + 16));

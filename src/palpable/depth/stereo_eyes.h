@@ -45,7 +45,8 @@ class StereoEyes {
   [[nodiscard]] DepthNoise noise() const { return stereo_noise(matched_); }
 
   /// Disparities from first_disparity() on, px of the matched images, that reach from
-  /// settings.farthest to settings.nearest; how many is a multiple of 16.
+  /// farthest() to settings.nearest; how many is a multiple of 16.
+  [[nodiscard]] double farthest() const { return farthest_; }  ///< m; depths beyond are unknown
   [[nodiscard]] int first_disparity() const { return first_disparity_; }
   [[nodiscard]] int disparities() const { return disparities_; }
   /// The last one that settings.nearest needs; at most the last of them.
@@ -61,6 +62,7 @@ class StereoEyes {
   Rectification rectification_;
   RectifiedStereo rectified_;
   RectifiedStereo matched_;
+  double farthest_;
   int first_disparity_ = 0;
   int disparities_ = 0;
   int last_disparity_ = 0;

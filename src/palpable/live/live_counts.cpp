@@ -8,6 +8,7 @@ namespace palpable {
 void LiveCounts::add(const Scene& scene) {
   processed.push_back(scene.number);
   if (scene.camera.state == TrackState::kLost) lost.push_back(scene.number);
+  if (scene.camera.new_world) new_worlds.push_back(scene.number);
   if (scene.camera.state == TrackState::kTracking) ++moving;
   densities.push_back(static_cast<float>(scene.seen.density));
   if (scene.seen.trouble == DepthTrouble::kFewDepths) few_depths.push_back(scene.number);

@@ -12,9 +12,11 @@
 namespace palpable {
 
 struct LiveCounts {
-  std::vector<int> processed;  ///< numbers of the answered frames
-  std::vector<int> lost;       ///< of these, frames in which it was not known where the camera is
-  int moving = 0;              ///< frames in which the camera moved and was followed
+  std::vector<int> processed;   ///< numbers of the answered frames
+  std::vector<int> lost;        ///< of these, frames in which it was not known where the camera is
+  std::vector<int> new_worlds;  ///< of these, frames with which a new world began: what was placed
+                                ///< before them may be anywhere
+  int moving = 0;               ///< frames in which the camera moved and was followed
 
   int touching = 0;                ///< frames in which a body was touched
   std::optional<int> first_touch;  ///< number of the first of them

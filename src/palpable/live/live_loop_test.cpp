@@ -146,6 +146,11 @@ TEST_CASE("touches at another site than the one before are counted, also after a
   scene.camera.state = TrackState::kLost;
   counts.add(scene);
   CHECK(counts.lost == std::vector<int>{7});
+  CHECK(counts.new_worlds.empty());
+  scene.camera.state = TrackState::kFixed;
+  scene.camera.new_world = true;
+  counts.add(scene);
+  CHECK(counts.new_worlds == std::vector<int>{7});
 }
 
 }  // namespace

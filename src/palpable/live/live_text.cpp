@@ -28,6 +28,12 @@ std::string text_of(const LiveCounts& counts, const Session& session, double wal
         "calibration is another camera's\n",
         counts.few_depths.size(), counts.few_depths.front());
   }
+  if (!counts.new_worlds.empty()) {
+    text += fmt::format(
+        "a new world began {}, first in frame {}: where bodies stood before is not known in it\n",
+        counts.new_worlds.size() == 1 ? "once" : fmt::format("{} times", counts.new_worlds.size()),
+        counts.new_worlds.front());
+  }
   if (const SurfaceMap* room = session.map();
       room != nullptr && (room->refused() > 0 || session.free_space()->blocked() > 0)) {
     text += fmt::format(

@@ -27,6 +27,7 @@ TEST_CASE("a run is told in frames, troubles and touches", "[live][text]") {
   counts.troubles.unreadable = 1;
   counts.last_trouble = "the picture is cut off";
   counts.lost = {2, 4};
+  counts.new_worlds = {4};
   counts.touching = 2;
   counts.first_touch = 1;
   counts.deepest = 0.01234;
@@ -34,6 +35,7 @@ TEST_CASE("a run is told in frames, troubles and touches", "[live][text]") {
         "4 frames in 2.0 s (500 ms each), 1 unreadable\n"
         "last unreadable: the picture is cut off\n"
         "the camera was lost in 2 frames, first in frame 2\n"
+        "a new world began once, first in frame 4: where bodies stood before is not known in it\n"
         "touched in 2 frames, first in frame 1, at most 12.3 mm deep\n");
   Scene scene;
   scene.seen.trouble = DepthTrouble::kRowsOff;

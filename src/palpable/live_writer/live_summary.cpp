@@ -42,8 +42,8 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
   }
   if (session.settings().track) {
     const TrackerCounts tracker = session.tracker_counts();
-    result.tracking = {counts.moving, counts.lost,       tracker.recognised,
-                       tracker.loops, tracker.keyframes, tracker.landmarks};
+    result.tracking = {counts.moving,     counts.lost,       tracker.recognised, tracker.loops,
+                       tracker.keyframes, tracker.landmarks, counts.new_worlds};
   }
   if (const SurfaceMap* map = session.map()) {
     result.map = {map->blocks(), map->refused(), session.free_space()->blocked()};

@@ -91,6 +91,7 @@ RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
   if (tracker == nullptr) return first;
   first.keyframes = tracker->keyframes();
   first.loops = tracker->counts().loops;
+  first.new_worlds = tracker->counts().new_worlds;
   if (first.loops == 0 || source->is_live()) return first;
 
   const std::vector<std::optional<Rigid3>> path = corrected_path(first.frames, first.keyframes);
@@ -102,6 +103,7 @@ RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
                          static_cast<int>(first.frames.size()), pose_as_corrected, true, go_on);
   second.keyframes = std::move(first.keyframes);
   second.loops = first.loops;
+  second.new_worlds = first.new_worlds;
   second.again = true;
   return second;
 }
@@ -119,6 +121,10 @@ std::string text_of(const RoomScan& scan) {
   if (scan.troubles.unreadable > 0) {
     text +=
         fmt::format("{} unreadable, the last: {}\n", scan.troubles.unreadable, scan.last_trouble);
+  }
+  if (scan.new_worlds > 0) {
+    text += fmt::format("{} new world{} began: the surface holds what was seen since the last\n",
+                        scan.new_worlds, scan.new_worlds == 1 ? "" : "s");
   }
   if (scan.loops > 0) {
     text += fmt::format("{} loop{} closed: {}\n", scan.loops, scan.loops == 1 ? "" : "s",

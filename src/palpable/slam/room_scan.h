@@ -45,6 +45,7 @@ struct RoomScan {
   std::vector<TrackedPose> frames;      ///< of the last pass
   std::vector<KeyframePose> keyframes;  ///< as adjusted last; none where poses were given
   int loops = 0;                        ///< that were closed
+  int new_worlds = 0;                   ///< that began after the camera was lost
   bool again = false;                   ///< there was a second pass
   SourceTroubles troubles;              ///< of the last pass
   std::string last_trouble;             ///< its message; empty: there was none

@@ -191,10 +191,12 @@ TEST_CASE("a scan is told in frames, troubles and loops", "[slam][room_scan]") {
   CHECK(text_of(scanned) == "4 frames, 3 fused, 1 without a pose\n");
   scanned.troubles.unreadable = 2;
   scanned.last_trouble = "cut off";
+  scanned.new_worlds = 1;
   scanned.loops = 1;
   CHECK(text_of(scanned) ==
         "4 frames, 3 fused, 1 without a pose\n"
         "2 unreadable, the last: cut off\n"
+        "1 new world began: the surface holds what was seen since the last\n"
         "1 loop closed: the surface holds what was seen since the last\n");
   scanned.loops = 2;
   scanned.again = true;

@@ -17,6 +17,9 @@ constexpr double kUneven = 1e-4;
 // Last motions: after a longer gap the camera has hardly gone on as before.
 constexpr double kLongestPrediction = 3;
 
+// px between the picture and where the predicted pose has it, from which on the mask is found anew.
+constexpr double kMostSurprise = 4;
+
 // Whether there is a pose to learn from. Before there is a keyframe, a camera that stands has its
 // pose where the world begins. Otherwise a hand before a bare desk would be the first thing to be
 // followed.
@@ -62,9 +65,14 @@ const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
     const bool has_keyframe = is_known(last_camera_);
     frame_.camera = tracker_->track(tracker_frame(seen, has_keyframe ? frame_.moving : nullptr));
   }
+  const StageTimer timer(times, "map");
   // The mask was found from a predicted pose that turns out to be wrong.
   if (!is_placed(frame_.camera)) frame_.moving = nullptr;
-  const StageTimer timer(times, "map");
+  const bool has_mask = frame_.moving != nullptr || large_mask_ != nullptr;
+  if (has_mask && frame_.camera.prediction_error_px > kMostSurprise) {
+    frame_.moving = large_mask_ = nullptr;
+    find_moving(seen, frame_.camera.world_from_camera);
+  }
   if (frame_.camera.closed_loop && map_) {
     frame_.moving = nullptr;  // it was found by the map that is forgotten now
     begin_map();

@@ -231,6 +231,19 @@ TEST_CASE("a camera that walks to a wall and leaves out frames sees nothing move
   CHECK(room.slam.counts().frames == 19);
 }
 
+TEST_CASE("after a motion that nobody could predict the mask is found from the pose that was found",
+          "[slam]") {
+  Room room({.fuse_every = 0});
+  for (int n = 0; n < 30; ++n) room.show();
+  // As seen from where the camera stood, the wall would be before itself by 80 mm.
+  const SlamFrame& found =
+      room.slam.advance(room.see(frame_of_wall(room.number++, 0, 0.08)), room.times);
+  REQUIRE(found.camera.state == TrackState::kTracking);
+  CHECK(found.camera.prediction_error_px > 4);
+  REQUIRE(found.moving != nullptr);
+  CHECK(share_of(*found.moving) == 0);
+}
+
 TEST_CASE("when a loop is closed the map begins anew, and it says by what all has moved",
           "[slam][long]") {
   DepthCamera camera = std::move(DepthCamera::make(test::creeping_format()).value());

@@ -16,6 +16,8 @@ constexpr double kLargestZoom = 2.3;  // distance then over distance now, or its
 constexpr double kHides = 0.9;
 // Along a row a repeated texture is easily mistaken, so a patch has to be more alike there.
 constexpr double kRowLikeness = 0.8;
+// px of the disparity that stands for a measured depth: at 0.5 m a depth is good to 0.3 mm at best.
+constexpr double kLeastSigmaOfDepth = 0.05;
 
 // How well a landmark has proved so far; an unknown one begins with 1/2.
 double worth_of(const Landmark& landmark, int frame_count) {
@@ -151,7 +153,7 @@ Sighting LandmarkSearch::sighting_of(const TrackerFrame& frame, const Candidate&
   const double f_T = camera.camera.fx_px * camera.baseline;
   const double expected = f_T / candidate.depth;
   const double scale = (1 << level) * (1 + candidate.smear.norm() / (4 << level));
-  seen.sigma = kSigma * scale;
+  seen.sigma = sigma_of_pixel(frame) * scale;
   seen.uvd = {uv.x(), uv.y(), std::numeric_limits<double>::quiet_NaN()};
   if (const std::optional<double> d = disparity_at(frame, uv, expected);
       d && *d > kLeastDisparity) {
@@ -166,7 +168,7 @@ double LandmarkSearch::sigma_of_disparity(const TrackerFrame& frame, double d) c
   if (frame.right != nullptr) return kSigmaStereo;
   const double f_T = settings.camera.camera.fx_px * settings.camera.baseline;
   const double Z = f_T / d;
-  return std::max(0.2, 2 * f_T * settings.noise.sigma(Z) / (Z * Z));
+  return std::max(kLeastSigmaOfDepth, f_T * settings.noise.sigma(Z) / (Z * Z));
 }
 
 }  // namespace palpable

@@ -121,17 +121,21 @@ TEST_CASE("a blank patch and one at the border are not followed", "[track]") {
 TEST_CASE("a standing camera stands, whatever hand moves before it; a moved one has moved",
           "[track]") {
   StillWatch watch;
-  watch.begin(picture(640, 360, kSame, {0, 0}, 1, 0.7, 1));
-  CHECK(watch.look(picture(640, 360, kSame, {0, 0}, 1, 0.7, 2), nullptr) == Stillness::kStill);
-  CHECK(watch.look(picture(640, 360, kSame, {0, 0}, 0.5, 0.7, 3), nullptr) == Stillness::kStill);
+  const DepthImage depth(320, 180, 1.0F);
+  watch.begin(picture(640, 360, kSame, {0, 0}, 1, 0.7, 1), depth);
+  CHECK(watch.look(picture(640, 360, kSame, {0, 0}, 1, 0.7, 2), depth, nullptr) ==
+        Stillness::kStill);
+  CHECK(watch.look(picture(640, 360, kSame, {0, 0}, 0.5, 0.7, 3), depth, nullptr) ==
+        Stillness::kStill);
   GrayImage hand = picture(640, 360, kSame, {0, 0}, 1, 0.7, 4);
   const GrayImage other = picture(640, 360, 1.3 * kSame, {9, 4}, 0.8, 0.7, 5);
   for (int y = 60; y < 360; ++y) {
     for (int x = 200; x < 510; ++x) hand(x, y) = other(x, y);  // 40 % of the view
   }
-  CHECK(watch.look(hand, nullptr) == Stillness::kStill);
-  CHECK(watch.look(picture(640, 360, kSame, {0.6, 0.2}, 1, 0.7, 6), nullptr) == Stillness::kMoved);
-  CHECK(watch.look(GrayImage(640, 360, 4), nullptr) == Stillness::kUnclear);
+  CHECK(watch.look(hand, depth, nullptr) == Stillness::kStill);
+  CHECK(watch.look(picture(640, 360, kSame, {0.6, 0.2}, 1, 0.7, 6), depth, nullptr) ==
+        Stillness::kMoved);
+  CHECK(watch.look(GrayImage(640, 360, 4), depth, nullptr) == Stillness::kUnclear);
 }
 
 }  // namespace

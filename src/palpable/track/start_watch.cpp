@@ -42,14 +42,14 @@ Stillness StartWatch::compare(const Samples& now) const {
 Stillness StartWatch::look(const GrayImage& image, const DepthImage& depth) {
   const Samples now = samples_of(depth);
   if (!begun_) {
-    picture_.begin(image);
+    picture_.begin(image, depth);
     first_ = now;
     // It has begun when this view can be compared with itself.
-    begun_ =
-        picture_.look(image, nullptr) == Stillness::kStill || compare(now) == Stillness::kStill;
+    begun_ = picture_.look(image, depth, nullptr) == Stillness::kStill ||
+             compare(now) == Stillness::kStill;
     return begun_ ? Stillness::kStill : Stillness::kUnclear;
   }
-  const Stillness seen = picture_.look(image, nullptr);
+  const Stillness seen = picture_.look(image, depth, nullptr);
   return seen != Stillness::kUnclear ? seen : compare(now);
 }
 

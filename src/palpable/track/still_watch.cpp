@@ -24,6 +24,31 @@ constexpr double kMoved = 0.3;
 // the noise of a dark picture, shows something else.
 constexpr double kLikenessShare = 0.75;
 constexpr double kNoise = 2;  // n, grey levels
+// A patch that is not found is hidden where the picture has less than this share of its contrast,
+// or where what is seen is nearer than this share of its depth: a hand, darkness.
+constexpr float kFadedShare = 0.4F;
+constexpr float kNearerShare = 0.7F;
+
+float depth_at(const DepthImage& depth, const GrayImage& image, const Eigen::Vector2d& at) {
+  return depth(static_cast<int>(at.x()) * depth.width() / image.width(),
+               static_cast<int>(at.y()) * depth.height() / image.height());
+}
+
+// Standard deviation of the grey levels where a patch was, at a place where patches lie.
+float contrast_at(const GrayImage& image, const Eigen::Vector2d& at) {
+  float sum = 0, squares = 0;
+  for (int dy = -PatchTemplate::kReach; dy < PatchTemplate::kReach; ++dy) {
+    const std::uint8_t* row =
+        image.row(static_cast<int>(at.y()) + dy) + static_cast<int>(at.x()) - PatchTemplate::kReach;
+    for (int x = 0; x < PatchTemplate::kSide; ++x) {
+      const auto value = static_cast<float>(row[x]);
+      sum += value;
+      squares += value * value;
+    }
+  }
+  const float mean = sum / PatchTemplate::kPixels;
+  return std::sqrt(std::max(squares / PatchTemplate::kPixels - mean * mean, 0.0F));
+}
 
 bool is_moving(const MaskImage* mask, const GrayImage& image, const Eigen::Vector2d& at) {
   if (mask == nullptr || mask->empty()) return false;
@@ -48,7 +73,15 @@ std::optional<StillWatch::Patch> StillWatch::patch_at(const Pyramid& pyramid,
   return patch;
 }
 
-void StillWatch::begin(const GrayImage& image) {
+// Whether a patch that is not found where it was is not there to be found. A sensor that is blinded
+// by what is too near knows no depth there.
+bool StillWatch::is_hidden(const Patch& patch, const GrayImage& image, const DepthImage& depth) {
+  if (contrast_at(image, patch.at) < kFadedShare * patch.look.contrast) return true;
+  const float now = depth_at(depth, image, patch.at);
+  return !std::isnan(patch.depth) && !(now >= kNearerShare * patch.depth);
+}
+
+void StillWatch::begin(const GrayImage& image, const DepthImage& depth) {
   patches_.clear();
   const int cell_x = image.width() / kAcross;
   const int cell_y = image.height() / kDown;
@@ -68,6 +101,7 @@ void StillWatch::begin(const GrayImage& image) {
     }
   }
   if (patches_.size() < kPatches) fill_up(pyramid, image);
+  for (Patch& patch : patches_) patch.depth = depth_at(depth, image, patch.at);
 }
 
 // A bare room has texture in few cells, and not at the places that were tried: adds the best places
@@ -92,14 +126,18 @@ void StillWatch::fill_up(const Pyramid& pyramid, const GrayImage& image) {
   }
 }
 
-Stillness StillWatch::look(const GrayImage& image, const MaskImage* moving) const {
+Stillness StillWatch::look(const GrayImage& image, const DepthImage& depth,
+                           const MaskImage* moving) const {
   const Eigen::Vector2d middle(0.5 * (image.width() - 1), 0.5 * (image.height() - 1));
   std::array<double, kPatches> dx{}, dy{}, outwards{}, around{};
-  std::size_t compared = 0, resting = 0;
+  std::size_t compared = 0, resting = 0, others = 0;
   for (const Patch& patch : patches_) {
     if (is_moving(moving, image, patch.at)) continue;
     const PatchMatch match = follow(image, patch.look, patch.at, {.steps = 6, .farthest = 4});
-    if (!match.found || match.likeness < patch.least_likeness) continue;
+    if (!match.found || match.likeness < patch.least_likeness) {
+      others += is_hidden(patch, image, depth) ? 0 : 1;
+      continue;
+    }
     const Eigen::Vector2d moved = match.at - patch.at;
     const Eigen::Vector2d out = (patch.at - middle).normalized();
     dx[compared] = moved.x();
@@ -109,7 +147,8 @@ Stillness StillWatch::look(const GrayImage& image, const MaskImage* moving) cons
     ++compared;
     resting += moved.cwiseAbs().maxCoeff() < kMoved ? 1 : 0;
   }
-  if (compared < kLeast) return Stillness::kUnclear;
+  const Stillness unclear = others >= kLeast ? Stillness::kOtherView : Stillness::kUnclear;
+  if (compared < kLeast) return unclear;
   const double share = static_cast<double>(resting) / static_cast<double>(compared);
   const auto middle_of = [&](std::array<double, kPatches>& values) {
     return std::abs(upper_median(std::span(values).first(compared)));
@@ -119,7 +158,7 @@ Stillness StillWatch::look(const GrayImage& image, const MaskImage* moving) cons
   const double shift =
       std::max({middle_of(dx), middle_of(dy), middle_of(outwards), middle_of(around)});
   if (shift < kMoved && share > 0.5) return Stillness::kStill;
-  if (compared < patches_.size() / 4) return Stillness::kUnclear;
+  if (compared < patches_.size() / 4) return unclear;
   return shift >= kMoved ? Stillness::kMoved : Stillness::kStill;
 }
 

@@ -1,5 +1,6 @@
 #include "palpable/track/still_watch.h"
 
+#include "tests/support/noise_room.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Geometry>
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 
 namespace palpable {
@@ -35,27 +37,32 @@ GrayImage picture(double dx = 0, double dy = 0) {
 
 StillWatch watch_of(const GrayImage& image) {
   StillWatch watch;
-  watch.begin(image);
+  watch.begin(image, DepthImage(kWidth / 2, kHeight / 2, 1.0F));
   return watch;
+}
+
+Stillness look(const StillWatch& watch, const GrayImage& image, const MaskImage* moving = nullptr,
+               float depth = 1) {
+  return watch.look(image, DepthImage(kWidth / 2, kHeight / 2, depth), moving);
 }
 
 TEST_CASE("a camera stands while its picture has moved by less than 0.3 px, to whatever side",
           "[track][still]") {
   const StillWatch watch = watch_of(picture());
   REQUIRE(watch.begun());
-  CHECK(watch.look(picture(), nullptr) == Stillness::kStill);
-  CHECK(watch.look(picture(0.2, -0.2), nullptr) == Stillness::kStill);
-  CHECK(watch.look(picture(0.4, 0), nullptr) == Stillness::kMoved);
-  CHECK(watch.look(picture(0, -0.4), nullptr) == Stillness::kMoved);
+  CHECK(look(watch, picture()) == Stillness::kStill);
+  CHECK(look(watch, picture(0.2, -0.2)) == Stillness::kStill);
+  CHECK(look(watch, picture(0.4, 0)) == Stillness::kMoved);
+  CHECK(look(watch, picture(0, -0.4)) == Stillness::kMoved);
 }
 
 TEST_CASE("a camera that goes straight ahead or rolls does not stand", "[track][still]") {
   const StillWatch watch = watch_of(picture());
   // Half of the picture lies more than 110 px from its middle: 0.55 px.
   for (const double growth : {-0.005, 0.005}) {
-    CHECK(watch.look(picture({0, 0}, (1 + growth) * Eigen::Matrix2d::Identity()), nullptr) ==
+    CHECK(look(watch, picture({0, 0}, (1 + growth) * Eigen::Matrix2d::Identity())) ==
           Stillness::kMoved);
-    CHECK(watch.look(picture({0, 0}, Eigen::Rotation2Dd(growth).toRotationMatrix()), nullptr) ==
+    CHECK(look(watch, picture({0, 0}, Eigen::Rotation2Dd(growth).toRotationMatrix())) ==
           Stillness::kMoved);
   }
 }
@@ -69,14 +76,14 @@ TEST_CASE("a bare picture is watched by the little that it shows", "[track][stil
     return image;
   };
   const StillWatch watch = watch_of(bare(0, 0));
-  CHECK(watch.look(bare(0, 0), nullptr) == Stillness::kStill);
-  CHECK(watch.look(bare(0.2, 0), nullptr) == Stillness::kStill);
-  CHECK(watch.look(bare(0.4, 0), nullptr) == Stillness::kMoved);
-  CHECK(watch.look(bare(0, 0.4), nullptr) == Stillness::kMoved);
+  CHECK(look(watch, bare(0, 0)) == Stillness::kStill);
+  CHECK(look(watch, bare(0.2, 0)) == Stillness::kStill);
+  CHECK(look(watch, bare(0.4, 0)) == Stillness::kMoved);
+  CHECK(look(watch, bare(0, 0.4)) == Stillness::kMoved);
   // A hand over it: what is left says nothing.
   MaskImage mask(kWidth, kHeight);
   for (int y = 90; y < 150; ++y) std::fill_n(mask.row(y) + 90, 60, std::uint8_t{255});
-  CHECK(watch.look(bare(0, 0), &mask) == Stillness::kUnclear);
+  CHECK(look(watch, bare(0, 0), &mask) == Stillness::kUnclear);
   CHECK_FALSE(watch_of(GrayImage(kWidth, kHeight, 200)).begun());
 }
 
@@ -90,7 +97,7 @@ TEST_CASE("noise is no motion", "[track][still]") {
     for (std::uint8_t& y : noisy) {
       y = static_cast<std::uint8_t>(std::clamp(std::lround(y + noise(random)), 0L, 255L));
     }
-    CHECK(watch.look(noisy, nullptr) == Stillness::kStill);
+    CHECK(look(watch, noisy) == Stillness::kStill);
   }
 }
 
@@ -106,12 +113,36 @@ TEST_CASE("what hides most patches says neither that it stands nor that it moves
       std::copy_n(hand.row(y), columns * kWidth / 8, image.row(y));
       std::fill_n(mask.row(y / 2), columns * kWidth / 16, std::uint8_t{255});
     }
-    return watch.look(image, masked ? &mask : nullptr);
+    return look(watch, image, masked ? &mask : nullptr);
   };
   CHECK(hidden(4, false) == Stillness::kStill);
   CHECK(hidden(4, true) == Stillness::kStill);
   CHECK(hidden(7, true) == Stillness::kUnclear);  // 6 patches are left of the 10 that it takes
-  CHECK(watch.look(GrayImage(kWidth, kHeight, 3), nullptr) == Stillness::kUnclear);
+  CHECK(look(watch, GrayImage(kWidth, kHeight, 3)) == Stillness::kUnclear);
+}
+
+TEST_CASE("another view as far away is told from darkness and from what hides the view",
+          "[track][still]") {
+  // Waves would be found again a wave farther.
+  const auto noise = [](unsigned wall) {
+    GrayImage image(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        image(x, y) = static_cast<std::uint8_t>(test::wall_texture(x / 100.0, y / 100.0, wall));
+      }
+    }
+    return image;
+  };
+  const StillWatch watch = watch_of(noise(1));
+  const GrayImage other = noise(2);
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  CHECK(look(watch, other) == Stillness::kOtherView);
+  CHECK(look(watch, other, nullptr, 3) == Stillness::kOtherView);
+  CHECK(look(watch, other, nullptr, 0.3F) == Stillness::kUnclear);      // a hand
+  CHECK(look(watch, other, nullptr, kUnknown) == Stillness::kUnclear);  // too near to be measured
+  GrayImage faded = other;
+  for (std::uint8_t& y : faded) y = static_cast<std::uint8_t>(y / 5);
+  CHECK(look(watch, faded) == Stillness::kUnclear);
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ namespace {
 constexpr int kLeastInliers = 12;     // landmarks that must agree with a pose near the last one
 constexpr int kLeastRecognised = 20;  // and with a pose of a camera that was lost, or at the start
 constexpr double kSurePx = 2.0;       // after a prediction that was better no coarse search is made
+constexpr double kMaskedPx = 4.0;     // after a prediction that was worse no mask is believed
 constexpr double kFastPx = 14.0;      // px per frame: faster, the coarse search is always made and
                                       // the exposure is measured
 constexpr double kLongestPrediction = 3;  // last motions: after a longer gap a camera has hardly
@@ -43,16 +44,23 @@ constexpr double kUnknownError = 1e9;  // px
 // hides its patches is a hand.
 constexpr double kSamePosePx = 2 * RecentPoses::kRestPx;
 constexpr double kLongestHidden = 1;  // s that a standing camera may show too little to compare
+// s for which a camera is lost before a new world begins. After less, a glance away from known
+// ground would cost it.
+constexpr double kLongestLost = 1;
 
 // --- keyframes ---------------------------------------------------------------------------------
-constexpr int kLatency = 3;         // frames after which the work of a keyframe is used
-constexpr int kKeyframeGap = 4;     // frames at least between keyframes; more than the latency
+constexpr int kLatency = 3;  // frames after which the work of a keyframe is used
+// Frames at least between keyframes, more than the latency; of a camera that leaves its landmarks
+// behind, which then waits for the work of the keyframe before; and when a frame must be kept.
+constexpr int kKeyframeGap = 4;
+constexpr int kHurriedGap = 2;
 constexpr int kMust = 35;           // landmarks that agree: with fewer a frame must be kept
 constexpr int kFew = 70;            // with fewer it is kept, unless it is blurred
 constexpr double kFewer = 0.7;      // or with less than this share of the last keyframe's
 constexpr double kFarMoved = 0.12;  // or when it is farther than this share of the median depth
 constexpr double kTurned = 0.2;     // and rad from every keyframe
-constexpr int kStartEvery = 5;      // frames between attempts to make the first keyframe
+// Frames between attempts to make the first keyframe; a camera that moves tries in each.
+constexpr int kStartEvery = 5;
 
 // --- recognition -------------------------------------------------------------------------------
 // Keyframes whose features a lost camera is compared with: those whose pictures are most like what
@@ -87,6 +95,10 @@ struct Tracker::Parts {
   TrackedPose track(const TrackerFrame& frame);
   [[nodiscard]] bool fits(const TrackerFrame& frame) const;
   bool begin_world(const TrackerFrame& frame);
+  bool begin_anew(const TrackerFrame& frame);
+  [[nodiscard]] FrameEvidence begun() const {
+    return settings.watch_stillness ? FrameEvidence::kFirstKeyframe : FrameEvidence::kPoseFound;
+  }
   FrameEvidence follow(const TrackerFrame& frame, double dt);
   bool follow_motion(const TrackerFrame& frame, double dt);
   bool recognise_place(const TrackerFrame& frame);
@@ -107,6 +119,7 @@ struct Tracker::Parts {
   TrackCamera camera;
   TrackState state = TrackState::kStarting;
   LandmarkMap map;
+  LandmarkMap other_map;  // empty, but while begin_anew() tries
 
   // The camera.
   Rigid3 camera_from_world = Rigid3::Identity();
@@ -114,6 +127,7 @@ struct Tracker::Parts {
   Rigid3 camera_from_previous = Rigid3::Identity();  // the last motion
   double motion_time = 0;                            // s that it took; 0: there is none
   double last_time = 0;                              // s
+  std::optional<double> new_world_time;              // s, when one began last
   double median_depth = 1;                           // m, of the landmarks that agreed
   double prediction_error_px = kUnknownError;        // of the last prediction
 
@@ -128,6 +142,7 @@ struct Tracker::Parts {
   StillWatch still_watch;  // the view in which it came to rest
   RecentPoses recent_poses;
   double hidden_s = 0;  // for how long too little could be compared with that view
+  double lost_s = 0;    // since the camera has been lost
 
   // Keyframes, and what is done beside the frames.
   NewLandmarks new_landmarks;
@@ -157,22 +172,32 @@ TrackedPose Tracker::Parts::track(const TrackerFrame& frame) {
   } else if (map.keyframes.empty()) {
     const bool stands = start_watch.look(*frame.left, *frame.depth) == Stillness::kStill;
     state = next_state(state, stands ? FrameEvidence::kStartView : FrameEvidence::kOtherView);
-    if (counts.frames % kStartEvery == 1 && begin_world(frame)) {
+    if ((!stands || counts.frames % kStartEvery == 1) && begin_world(frame)) {
       result.new_world = state == TrackState::kLost;
-      state = next_state(state, settings.watch_stillness ? FrameEvidence::kFirstKeyframe
-                                                         : FrameEvidence::kPoseFound);
+      state = next_state(state, begun());
     }
   } else {
     state = next_state(state, follow(frame, dt));
+    lost_s = state == TrackState::kLost ? lost_s + dt : 0;
+    if (lost_s > kLongestLost && begin_anew(frame)) {
+      result.new_world = true;
+      state = next_state(state, begun());
+    }
   }
 
   if (state == TrackState::kLost) ++counts.lost;
+  if (result.new_world) {
+    ++counts.new_worlds;
+    new_world_time = frame.time;
+  }
+  if (new_world_time) result.since_new_world = frame.time - *new_world_time;
   // The inverse of the identity would have minus zeros.
   if (!camera_from_world.matrix().isIdentity(0)) {
     result.world_from_camera = inverse(camera_from_world);
   }
   result.state = state;
   if (state == TrackState::kTracking) {
+    result.prediction_error_px = prediction_error_px;
     result.landmarks = pose_search.inliers();
     result.tried = pose_search.tried();
   }
@@ -199,24 +224,46 @@ bool Tracker::Parts::fits(const TrackerFrame& frame) const {
 bool Tracker::Parts::begin_world(const TrackerFrame& frame) {
   pyramid.build(*frame.left);
   pose_search.clear();
+  loops.clear();
   keep(frame);
   if (map.keyframes.back().tracked < kLeastRecognised) {
     map.clear();
     worker.abandon();
-    loops.clear();
-    counts.keyframes = 0;
+    --counts.keyframes;
     return false;
   }
-  if (settings.watch_stillness) still_watch.begin(*frame.left);
+  if (settings.watch_stillness) still_watch.begin(*frame.left, *frame.depth);
+  return true;
+}
+
+// Begins a new world in the place of one that is not found again, where the camera was seen last.
+// False when the frame shows too little; the old world is kept then.
+bool Tracker::Parts::begin_anew(const TrackerFrame& frame) {
+  if (worker.is_busy()) use_finished_work();
+  std::swap(map, other_map);
+  if (!begin_world(frame)) {
+    std::swap(map, other_map);
+    return false;
+  }
+  other_map.clear();
+  corrections.clear();
+  exposure = {};
+  previous_from_world = camera_from_world;
+  camera_from_previous = Rigid3::Identity();
+  motion_time = 0;
+  prediction_error_px = kUnknownError;
+  recent_poses.clear();
+  hidden_s = lost_s = 0;
   return true;
 }
 
 // Finds out what a frame shows, once there is a world; the pose follows.
-FrameEvidence Tracker::Parts::follow(const TrackerFrame& frame, double dt) {
+FrameEvidence Tracker::Parts::follow(const TrackerFrame& given, double dt) {
+  TrackerFrame frame = given;
   const bool was_fixed = state == TrackState::kFixed;
   // A camera that moves is not compared with the view in which it stood last.
   if (settings.watch_stillness && still_watch.begun() && state != TrackState::kTracking) {
-    const Stillness seen = still_watch.look(*frame.left, frame.moving);
+    const Stillness seen = still_watch.look(*frame.left, *frame.depth, frame.moving);
     if (seen == Stillness::kStill) {
       hidden_s = 0;
       ++counts.stood;
@@ -229,7 +276,14 @@ FrameEvidence Tracker::Parts::follow(const TrackerFrame& frame, double dt) {
   // for elsewhere: what is found in the dark is found by chance.
   const bool may_be_hidden = was_fixed && hidden_s > 0 && hidden_s < kLongestHidden;
   const Rigid3 held = camera_from_world;
-  const bool followed = state != TrackState::kLost && follow_motion(frame, dt);
+  const bool was_lost = state == TrackState::kLost;
+  // What moves was found from a predicted pose. Where predictions were bad, that is mostly what the
+  // prediction has missed; where nothing is found without it, it may be.
+  if (prediction_error_px > kMaskedPx) frame.moving = nullptr;
+  bool followed = !was_lost && follow_motion(frame, dt);
+  if (!followed && !was_lost && std::exchange(frame.moving, nullptr) != nullptr) {
+    followed = follow_motion(frame, dt);
+  }
   if (!followed && may_be_hidden) return FrameEvidence::kHidden;
   if (!followed && !recognise_place(frame)) {
     camera_from_previous = Rigid3::Identity();
@@ -241,7 +295,9 @@ FrameEvidence Tracker::Parts::follow(const TrackerFrame& frame, double dt) {
     camera_from_world = previous_from_world = held;
     return FrameEvidence::kPoseAtRest;
   }
-  return use_pose(frame, dt, followed);
+  // A view that motion cannot be followed to, from a known pose: the features say how it moved.
+  if (!followed && !was_lost) previous_from_world = held;
+  return use_pose(frame, dt, !was_lost);
 }
 
 // The pose near where the last motion predicts it, or else near the last one.
@@ -278,6 +334,9 @@ bool Tracker::Parts::recognise_place(const TrackerFrame& frame) {
   if (features.uv.empty()) return false;
   std::vector<int> asked(order.begin(),
                          order.begin() + std::min<std::ptrdiff_t>(kMostAlike, std::ssize(order)));
+  // A camera whose pose was known in the frame before has most likely not gone far.
+  if (state != TrackState::kLost)
+    asked.insert(asked.begin(), static_cast<int>(map.keyframes.size()) - 1);
   next_asked = (next_asked + 1) % static_cast<int>(map.keyframes.size());
   asked.push_back(next_asked);
   for (const int k : asked) {
@@ -327,7 +386,7 @@ FrameEvidence Tracker::Parts::use_pose(const TrackerFrame& frame, double dt, boo
       !recent_poses.add_and_check_rest(camera, median_depth, frame.time, camera_from_world)) {
     return FrameEvidence::kPoseFound;
   }
-  still_watch.begin(*frame.left);
+  still_watch.begin(*frame.left, *frame.depth);
   camera_from_previous = Rigid3::Identity();
   recent_poses.clear();
   return FrameEvidence::kCameToRest;
@@ -337,10 +396,12 @@ FrameEvidence Tracker::Parts::use_pose(const TrackerFrame& frame, double dt, boo
 
 bool Tracker::Parts::wants_keyframe() const {
   const int inliers = pose_search.inliers();
-  if (since_keyframe < kKeyframeGap) return false;
   if (inliers < kMust) return true;
   if (pose_search.is_blurred()) return false;
-  if (inliers < kFew || inliers < kFewer * map.keyframes.back().tracked) return true;
+  const bool fewer = inliers < kFewer * map.keyframes.back().tracked;
+  if (inliers < kFew && (fewer || since_keyframe >= kHurriedGap)) return true;
+  if (since_keyframe < kKeyframeGap) return false;
+  if (fewer) return true;
   const Rigid3 world_from_camera = inverse(camera_from_world);
   return std::none_of(map.keyframes.begin(), map.keyframes.end(), [&](const Keyframe& keyframe) {
     const Rigid3 keyframe_from_camera = keyframe.camera_from_world * world_from_camera;

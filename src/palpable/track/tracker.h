@@ -27,6 +27,7 @@
 #include "palpable/track/sighting.h"
 #include "palpable/track/track_states.h"
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -48,15 +49,20 @@ struct TrackerFrame {
 struct TrackedPose {
   Rigid3 world_from_camera = Rigid3::Identity();
   TrackState state = TrackState::kStarting;
-  int landmarks = 0;      ///< that agreed with the pose; 0 unless kTracking
-  int tried = 0;          ///< that were looked for; 0 unless kTracking
+  int landmarks = 0;  ///< that agreed with the pose; 0 unless kTracking
+  int tried = 0;      ///< that were looked for; 0 unless kTracking
+  /// px by which the picture is not where the last motion predicts it; 0 unless kTracking.
+  double prediction_error_px = 0;
   bool keyframe = false;  ///< this frame became a keyframe
   /// A loop was closed with this frame: what was placed by earlier poses may be off by their drift,
   /// and Tracker::corrections() says by how much.
   bool closed_loop = false;
-  /// The world begins with this frame, and the camera was lost before: nobody knows where in the
-  /// new world that lies which was placed before.
+  /// The world begins with this frame, and the camera was lost before: for more than a second, or
+  /// without a keyframe. Nobody knows where in the new world that lies which was placed before. Its
+  /// first pose is the last one that was known in the old world.
   bool new_world = false;
+  /// s since new_world was true last; infinite: it never was.
+  double since_new_world = std::numeric_limits<double>::infinity();
   int newest_keyframe = -1;  ///< its frame number; -1: there is none
   /// This frame's pose relative to the newest keyframe. With Tracker::keyframes() it gives the pose
   /// with all corrections that have been made since.
@@ -96,6 +102,7 @@ struct TrackerCounts {
   int lost = 0;             ///< frames without a pose
   int stood = 0;            ///< frames that needed nothing but the patches of still_watch.h
   int recognised = 0;       ///< times that a lost camera found its pose again
+  int new_worlds = 0;       ///< that began after the camera was lost (TrackedPose::new_world)
   int loops = 0;            ///< that were closed
   int landmarks = 0;        ///< that are remembered and looked for
   double cpu_s = 0;         ///< of track(), on the calling thread

@@ -415,6 +415,112 @@ TEST_CASE(
         tolerance(2e-3, "a third of a pixel at 1.5 m; it was 100 mm away"));
 }
 
+// Past the wall, from the first frame on.
+Rigid3 past_the_wall(double x) { return Rigid3(Eigen::Translation3d(x, 0, 0)); }
+
+TEST_CASE("a camera that moves fast from the first frame on is followed and never said to stand",
+          "[track]") {
+  // 0.3 m a frame, as the keyframes of a drone: 70 px, farther than anything is looked for.
+  Tracker tracker(settings_of());
+  for (int n = 0; n < 12; ++n) {
+    INFO("frame " << n);
+    const Rigid3 truth = past_the_wall(0.3 * n);
+    TrackerFrame frame;
+    const Pair pair = pair_at(truth);
+    frame = frame_of(pair, n);
+    frame.time = 0.1 * n;
+    const TrackedPose pose = tracker.track(frame);
+    CHECK(pose.state == (n == 0 ? TrackState::kFixed : TrackState::kTracking));
+    CHECK(error_of(pose, truth) <= tolerance(0.02, "0.6 % of the way"));
+  }
+  CHECK(tracker.counts().recognised == 0);  // it was never lost
+}
+
+TEST_CASE("a camera that has jumped to where nothing is known does not stand", "[track]") {
+  Tracker tracker(settings_of());
+  int number = 0;
+  for (int n = 0; n < 3; ++n) {
+    CHECK(tracker.track(frame_of(pair_at(past_the_wall(0)), number++)).state == TrackState::kFixed);
+  }
+  for (int n = 0; n < 4; ++n) {
+    CHECK(tracker.track(frame_of(pair_at(past_the_wall(50 + 20 * n)), number++)).state ==
+          TrackState::kLost);
+  }
+}
+
+TEST_CASE("after a second without a pose a new world begins where the camera was seen last",
+          "[track]") {
+  Tracker tracker(settings_of());
+  int number = 0;
+  TrackedPose pose;
+  for (int n = 0; n <= 6; ++n) {
+    pose = tracker.track(frame_of(pair_at(walk_pose(2 * n)), number++));
+  }
+  REQUIRE(pose.state == TrackState::kTracking);
+  const Rigid3 last = pose.world_from_camera;
+  CHECK(pose.since_new_world > 1e9);
+  // Somewhere else, with pauses of 0.25 s.
+  const auto elsewhere = [](int n) { return Rigid3(past_the_wall(50) * walk_pose(n)); };
+  double time = number / 30.0;
+  int lost = 0;
+  do {
+    const Pair pair = pair_at(elsewhere(0));
+    TrackerFrame frame = frame_of(pair, number++);
+    frame.time = time += 0.25;
+    pose = tracker.track(frame);
+    lost += pose.state == TrackState::kLost ? 1 : 0;
+  } while (!pose.new_world && lost < 10);
+  CHECK(lost == 3);  // 1.03 s after the last pose it is more than a second
+  CHECK(tracker.counts().new_worlds == 1);
+  CHECK(pose.since_new_world == 0);
+  CHECK(error_of(pose, last) <= tolerance(1e-4, "the last keyframe was adjusted meanwhile"));
+  CHECK(tracker.keyframes().size() == 1);
+  for (int n = 1; n <= 6; ++n) {
+    const Pair pair = pair_at(elsewhere(2 * n));
+    TrackerFrame frame = frame_of(pair, number++);
+    frame.time = time += 1.0 / 30;
+    pose = tracker.track(frame);
+    CHECK_FALSE(pose.new_world);
+  }
+  CHECK(pose.since_new_world == Approx(0.2));
+  CHECK(error_of(pose, last * walk_pose(12)) <=
+        tolerance(2e-3, "a tenth of a pixel at 1 m and 350 px is 0.3 mm; drift of three windows"));
+}
+
+TEST_CASE("known ground is looked for before a new world begins", "[track]") {
+  Tracker tracker(settings_of());
+  int number = 0;
+  for (int n = 0; n <= 6; ++n) tracker.track(frame_of(pair_at(walk_pose(2 * n)), number++));
+  Pair dark = pair_at(walk_pose(12));
+  std::fill(dark.left.begin(), dark.left.end(), std::uint8_t{0});
+  std::fill(dark.right.begin(), dark.right.end(), std::uint8_t{0});
+  TrackerFrame frame = frame_of(dark, number++);
+  frame.time += 2;
+  CHECK(tracker.track(frame).state == TrackState::kLost);
+  const Pair back = pair_at(walk_pose(8));
+  frame = frame_of(back, number++);
+  frame.time += 4;
+  const TrackedPose pose = tracker.track(frame);
+  CHECK(is_known(pose));
+  CHECK(error_of(pose, walk_pose(8)) <= tolerance(2e-3, "as on the walk"));
+  CHECK(tracker.counts().new_worlds == 0);
+}
+
+TEST_CASE("a mask that leaves nothing to follow is not believed", "[track]") {
+  Tracker tracker(settings_of());
+  for (int n = 0; n < 12; ++n) {
+    INFO("frame " << n);
+    const Pair pair = pair_at(walk_pose(2 * n));
+    const MaskImage all(pair.depth.width(), pair.depth.height(), 255);
+    TrackerFrame frame = frame_of(pair, n);
+    if (n >= 4) frame.moving = &all;
+    const TrackedPose pose = tracker.track(frame);
+    CHECK(is_known(pose));
+    CHECK(error_of(pose, walk_pose(2 * n)) <=
+          tolerance(1.5e-3, "a tenth of a pixel at 1 m and 350 px is 0.3 mm"));
+  }
+}
+
 TEST_CASE("images of a wrong size make a lost frame, and settings of nothing are refused",
           "[track]") {
   Tracker tracker(settings_of());

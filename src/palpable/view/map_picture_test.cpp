@@ -113,6 +113,11 @@ TEST_CASE("a lost camera is said to be lost, a found one is not", "[view][scene_
   CHECK(warning_of(scene).find("not placed yet") != std::string::npos);
   scene.camera.newest_keyframe = 0;
   CHECK(warning_of(scene).find("lost") != std::string::npos);
+  scene.camera.state = TrackState::kTracking;
+  scene.camera.since_new_world = 2;
+  CHECK(warning_of(scene).find("New surroundings") != std::string::npos);
+  scene.camera.since_new_world = 6;
+  CHECK(warning_of(scene).empty());
 }
 
 TEST_CASE("the caption says how deep and how hard, and how many touches there are",

@@ -11,6 +11,7 @@ namespace palpable {
 namespace {
 
 constexpr double kSameGround = 0.003;      // m
+constexpr double kNewWorldShown = 5;       // s for which it is said that a world is new
 constexpr float kShownOfHeight = 0.1f;     // displacement at the top of the scale, of the height
 constexpr float kDotRadius = 0.0022f;      // m
 constexpr double kShortestArrow = 0.012;   // m
@@ -91,6 +92,9 @@ std::string warning_of(const Scene& scene) {
     if (scene.camera.newest_keyframe < 0)
       return "Camera not placed yet: show it a place with texture";
     return "Camera lost: show it what it has seen before";
+  }
+  if (scene.camera.since_new_world < kNewWorldShown) {
+    return "New surroundings: where the body stood is not known here";
   }
   for (const Touch& touch : scene.touches) {
     if (touch.unseen_for > 0) return "What presses is not seen at present: its last place is held";
