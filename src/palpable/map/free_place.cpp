@@ -15,9 +15,9 @@ constexpr double kReach = 2;       // m, of the grid from plane.middle to its si
 constexpr double kMargin = 0.015;  // m beside the body
 constexpr double kFlat = 0.01;     // m: lower things, and noise, are the plane's
 constexpr double kSigmas = 3;
-constexpr double kSeenShare = 0.5;  // of the plane below a body
-constexpr int kSamplesInRow = 400;  // of the picture
-constexpr int kFewest = 2;          // samples of a thing; one alone is an outlier
+constexpr double kSeenShare = 0.85;  // of the plane below a body
+constexpr int kSamplesInRow = 400;   // of the picture
+constexpr int kFewest = 2;           // samples of a thing; one alone is an outlier
 constexpr int kSide = static_cast<int>(2 * kReach / kCell);
 
 // What was seen above the cells of the plane.
@@ -133,7 +133,7 @@ std::optional<Eigen::Vector3d> free_place_on(const Plane& plane, const DepthImag
   }
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& a, const Candidate& b) { return a.off_middle < b.off_middle; });
-  for (const double least_seen : {kSeenShare, 0.0}) {
+  for (const double least_seen : {kSeenShare, 0.5, 0.0}) {
     for (const Candidate& candidate : candidates) {
       if (grid.is_free(candidate.place, body.radius, least_seen)) {
         return grid.middle_of(candidate.place);

@@ -15,9 +15,10 @@ struct Footprint {
 };
 
 /// The point of the plane at which a body can stand: nothing that is seen is in its room or within
-/// 15 mm beside it, and half of the plane below it is seen. plane.middle if that is such a point,
-/// else the one nearest to the picture's middle; where nowhere half of the plane is seen, a bare
-/// desk say, any point that is.
+/// 15 mm beside it, and 85 % of the plane below it is seen: not behind a thing, whose back is not.
+/// plane.middle if that is such a point, else the one nearest to the picture's middle; where
+/// nowhere so much of the plane is seen, half of it, and then any point that is: a bare desk has
+/// few depths.
 ///
 /// On a grid of 10 mm: cells of the plane in which the plane was seen, and cells above which
 /// something lower than the body's height was. What things hide is taken for neither. Costs some

@@ -86,9 +86,13 @@ struct LegendLayout {
 // Calls draw(line) for the lines of a text that is to be at most `room` px wide: broken where three
 // spaces are, or where that does not suffice at the last space that fits. A word that is wider
 // alone is not broken. Allocates nothing: captions are drawn for every frame.
+// In a picture that is too narrow for words nothing is broken: a column of them would hide it all.
 template <class Draw>
 void for_each_line_within(std::string_view text, float size, float room, const Draw& draw) {
-  const auto fits = [&](std::string_view part) { return measure_text(part, size).width <= room; };
+  constexpr float kNarrowest = 120;  // px
+  const auto fits = [&](std::string_view part) {
+    return room < kNarrowest || measure_text(part, size).width <= room;
+  };
   const auto last_break = [&](std::string_view gap) {
     std::size_t best = std::string_view::npos;
     for (auto at = text.find(gap); at != std::string_view::npos;
