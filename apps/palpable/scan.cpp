@@ -83,7 +83,6 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   settings.slam.fuse_every = options.fuse_every;
   settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
   settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
-  const double usual = settings.depth.farthest;
   set_depth(options.input, settings.depth);
   if (options.input.farthest > 0) {
     SurfaceMapSettings& surface = settings.slam.surface;
@@ -93,7 +92,8 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
     surface.best_sigma *= farther * farther;
     surface.largest_sigma *= farther;
     surface.farthest = options.input.farthest;
-    settings.depth.farthest = std::max(usual, options.input.farthest);
+    // The camera is followed by what is farther than the surface, too.
+    if (options.input.farthest < kUsualFarthest) settings.depth.farthest = std::nullopt;
   }
   settings.most_frames = options.frames;
   if (!given.empty())

@@ -184,6 +184,20 @@ TEST_CASE("walls at 5, 10 and 15 m come out better than the paper's camera", "[d
   }
 }
 
+TEST_CASE("a wide rig sees beyond 20 m by itself, a narrow one does not", "[depth]") {
+  const Plane wall{25, 0.1, 0};
+  for (const double baseline : {0.063, 0.54}) {
+    const RectifiedStereo stereo{{640, 360, 700, 700, 319.5, 179.5}, baseline, 0};
+    auto camera = value_or_throw(DepthCamera::make(format_of(stereo)));
+    SeenFrame seen;
+    camera.see(frame_of(wall, stereo, 4), seen);
+    const Quality quality = quality_of(seen, wall, stereo);
+    INFO("baseline " << baseline << " m: known " << quality.known);
+    CHECK((quality.known > 0.8) == (baseline > 0.5));
+    CHECK((quality.known < 0.2) == (baseline < 0.5));
+  }
+}
+
 TEST_CASE(
     "OpenCV's matcher, the reference, finds the same plane; it does not say what is too close",
     "[depth][Sec3.3]") {
