@@ -95,7 +95,11 @@ void add_compare(Command app, const std::string& command_line) {
                   "Page to write, NAME.html; the numbers go to NAME.csv")
       .type_name("FILE")
       .show_default();
-  command.add_option("--method", options->settings.methods, "Only these methods. Default: all")
+  command
+      .add_option(
+          "--method", options->settings.methods,
+          "Only these methods. Default: all. Not sparse-pgd, which learns from a part of the "
+          "snapshots: bring its body file")
       .one_of(method_names())
       .type_name("METHOD");
   command

@@ -6,13 +6,17 @@
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/bake_body.h"
 #include "palpable/bake/bake_touch.h"
+#include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
+#include "palpable/separate/sparse_pgd.h"
 #include "palpable/touch/touch_file.h"
 #include "palpable/touch/touch_text.h"
 
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,9 +31,33 @@ struct Options {
   std::string method, norm;
   double tolerance = 0;
   int max_modes = 0;
+  std::optional<double> part;
+  std::uint64_t seed = 0;  // 0: not given
   std::vector<std::string> at;
   FileOptions file;
 };
+
+// The words of the user, as a method of the whole table or as sparse PGD.
+void set_method(const Options& options, ReduceSettings& settings) {
+  const bool sparse = options.method == kSparsePgdName;
+  if (!sparse && (options.part || options.seed > 0)) {
+    throw Error(fmt::format("{}: only --method {} learns from a part of the snapshots",
+                            options.part ? "--part" : "--seed", kSparsePgdName));
+  }
+  if (sparse && (options.tolerance > 0.0 || !options.norm.empty())) {
+    throw Error(
+        fmt::format("{}: --method {} stops where further modes no longer help, and at "
+                    "--modes at the latest",
+                    options.norm.empty() ? "--error" : "--norm", kSparsePgdName));
+  }
+  if (sparse) {
+    settings.sparse.emplace();
+    if (options.part) settings.sparse->part = *options.part;
+    if (options.seed > 0) settings.sparse->seed = options.seed;
+    return;
+  }
+  if (!options.method.empty()) settings.method = method_named(options.method);
+}
 
 void reduce(const Options& options, const std::string& command_line) {
   guard_output_file(options.output, {options.store});
@@ -38,7 +66,7 @@ void reduce(const Options& options, const std::string& command_line) {
                           .volume = options.file.volume,
                           .version = std::string("palpable ") + PALPABLE_VERSION,
                           .command_line = command_line};
-  if (!options.method.empty()) settings.method = method_named(options.method);
+  set_method(options, settings);
   if (!options.norm.empty()) settings.own_norms = options.norm == "own";
   if (options.tolerance > 0.0) settings.tolerance = options.tolerance;
   if (options.max_modes > 0) settings.max_modes = options.max_modes;
@@ -63,6 +91,8 @@ void reduce(const Options& options, const std::string& command_line) {
 
 void add_reduce(Command app, const std::string& command_line) {
   const auto options = std::make_shared<Options>();
+  std::vector<std::string> methods = method_names();
+  methods.emplace_back(kSparsePgdName);
   Command command = app.add_subcommand("reduce", "Make a body file from snapshots");
   command
       .add_option("snapshots", options->store,
@@ -75,8 +105,9 @@ void add_reduce(Command app, const std::string& command_line) {
   command
       .add_option(
           "--method", options->method,
-          "How (docs/reduction.md); pgd is the paper's. Default: as the body's description says")
-      .one_of(method_names());
+          "How (docs/reduction.md); pgd is the paper's, sparse-pgd learns from a part of the "
+          "snapshots. Default: as the body's description says")
+      .one_of(methods);
   command
       .add_option("-e,--error,--tolerance", options->tolerance,
                   "Relative error for displacement and stress each: over all snapshots, or with "
@@ -85,7 +116,7 @@ void add_reduce(Command app, const std::string& command_line) {
       .in_range(1e-6, 0.999);
   command
       .add_option("-n,--modes,--max-modes", options->max_modes,
-                  "Stop at this many modes at the latest. Default: likewise")
+                  "Stop at this many modes at the latest. Default: likewise; sparse-pgd: 40")
       .in_range(1, 100000);
   command
       .add_option(
@@ -93,6 +124,13 @@ void add_reduce(Command app, const std::string& command_line) {
           "own: each snapshot counts by its own norm, so that small presses are as accurate "
           "as large ones; pooled: by its size. Default: own with per-site, else pooled")
       .one_of({"own", "pooled"});
+  command
+      .add_option("--part", options->part,
+                  "sparse-pgd: the part of the snapshots that is learnt from, drawn at random; the "
+                  "file states the errors of the others too. Default: 0.3")
+      .in_range(1e-6, 0.999999);
+  command.add_option("--seed", options->seed, "sparse-pgd: decides which those are. Default: 1")
+      .in_range(std::uint64_t{1}, std::uint64_t{std::numeric_limits<std::int64_t>::max()});
   command
       .add_option("--at", options->at,
                   "The one value of a further parameter that the body file holds. Default: the "

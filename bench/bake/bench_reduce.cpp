@@ -4,6 +4,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/bake/sparse_campaign.h"
 #include "palpable/base/json.h"
 #include "palpable/campaign/between_sites.h"
 #include "palpable/campaign/held_out.h"
@@ -14,7 +15,6 @@
 
 #include "bench/bake/bench.h"
 #include "bench/bake/recomputed_stress.h"
-#include "bench/bake/sparse_campaign.h"
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -152,14 +152,10 @@ void compare_sites(const Options& options, Json& result) {
 }
 
 Json field_figures(const ReductionReport& report) {
-  return {{"method", method_name(report.method)},
-          {"modes", report.modes},
-          {"modes_in_all", report.columns},
-          {"bytes", static_cast<long long>(report.bytes)},
-          {"pooled", report.pooled},
-          {"median_snapshot", report.median},
-          {"worst_snapshot", report.worst},
-          {"reached", report.reached}};
+  return {{"method", report.method},        {"modes", report.modes},
+          {"modes_in_all", report.columns}, {"bytes", static_cast<long long>(report.bytes)},
+          {"pooled", report.pooled},        {"median_snapshot", report.median},
+          {"worst_snapshot", report.worst}, {"reached", report.reached}};
 }
 
 void bench_reduce(const Options& options) {
@@ -207,13 +203,14 @@ void bench_reduce(const Options& options) {
 
   const SnapshotStore beam = solved(options.beam, folder / "beam.snapshots", options);
   const Clock::time_point sparse_begin = Clock::now();
-  const SparseCampaign sparse = sparse_campaign(beam, {});
-  result["sparse_heldout"] = sparse.held_out;
-  result["sparse_heldout_median"] = sparse.held_out_median;
-  result["sparse_heldout_worst"] = sparse.held_out_worst;
+  const SparseCampaign sparse =
+      sparse_campaign(beam, 0, *find_field(beam.content(), "displacement"), {});
+  result["sparse_heldout"] = sparse.unseen.pooled;
+  result["sparse_heldout_median"] = sparse.unseen.median;
+  result["sparse_heldout_worst"] = sparse.unseen.worst;
   result["sparse_modes"] = sparse.model.F.cols();
   result["sparse_trained_on"] = sparse.trained_on;
-  result["sparse_samples"] = sparse.samples;
+  result["sparse_samples"] = sparse.all.count;
   result["sparse_validation"] = sparse.model.validation_errors.tail(1)[0];
   result["sparse_s"] = seconds_since(sparse_begin);
 

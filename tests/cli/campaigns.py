@@ -425,10 +425,59 @@ stiffness = [0.5, 1, 2]
     assert "ratio" in programs.succeeds("inspect", folder / "free.palpable").stdout
     programs.refuses("reduce", store, "--method", "pod", "-o", folder / "x.palpable",
                      says=["'pod' has no functions of 'ratio'", "--at ratio="])
+    programs.refuses("reduce", store, "--method", "sparse-pgd", "-o", folder / "x.palpable",
+                     says=["'sparse-pgd' has no functions of 'ratio'", "--at ratio="])
     programs.refuses("reduce", store, "--at", "ratio=3", "-o", folder / "x.palpable",
                      says=["'ratio' has no value 3", "0.5 1 2"])
     programs.refuses("reduce", store, "--at", "ears=1", "-o", folder / "x.palpable",
                      says=["no parameter 'ears'", "'ratio'"])
+
+
+@case("a body learnt from a part of its snapshots is inspected, compared and played live")
+def _(programs, folder):
+    # The side x = 0 of the bar, from its middle up: the place of a press is a quantity there.
+    side = [9 * z + 3 * y + 1 for z in range(3, 7) for y in range(3)]
+    deck = base.bar_deck().replace("NSET=TIP\n59\n", f"NSET=TIP\n{', '.join(map(str, side))}\n")
+    base.write_bar(folder, base.BAR.replace("levels = 2", "levels = 4"), deck)
+    programs.succeeds("bake", "bar.toml", "-o", "bar.palpable", cwd=folder)
+    reduce, out = ("reduce", folder / "bar.snapshots"), ("-o", folder / "sparse.palpable")
+    learn = (*reduce, *out, "--method", "sparse-pgd")
+    said = programs.succeeds(*learn, "--part", "0.6").stdout
+    assert re.search(r"^displacement: sparse-pgd, \d+ modes, error \S+ pooled, \S+ at the worst snapshot; learnt from 29 "
+                     r"snapshots, of the 19 others \S+ pooled, \S+ at the worst$", said, re.M), said
+    body = json.loads(programs.succeeds("inspect", folder / "sparse.palpable", "--json").stdout)
+    assert body["form"] == "global", body
+    assert re.match(r"sparse-pgd \(learnt from 29 snapshots of 48, drawn at random with seed 1; where it is pressed is a "
+                    r"quantity, y and z;", body["provenance"]["reduction"]), body["provenance"]
+    first = (folder / "sparse.palpable").read_bytes()
+    programs.succeeds(*learn, "--part", "0.6", "--seed", "2")
+    assert (folder / "sparse.palpable").read_bytes() != first
+
+    # That side stands 2 mm inside a wall 0.441 m away, which presses it.
+    clip = base.write_stereo(folder / "clip", frames=4)
+    (clip / "scene.toml").write_text("press_static = true\ncamera_from_body = [0, 1, 0, 0,  0, 0, -1, 0.04,  -1, 0, 0, 0.433,  "
+                                     "0, 0, 0, 1]\n")
+    programs.succeeds("live", folder / "sparse.palpable", "--source", clip, "--out", folder / "out")
+    touches = [json.loads(line) for line in (folder / "out/touches.jsonl").read_text().splitlines()]
+    assert json.loads((folder / "out/live.json").read_text())["frames"] == 4
+    assert touches and 0 <= touches[-1]["touches"][0]["site"] < 12 and touches[-1]["touches"][0]["level"] > 0.2, touches
+    programs.succeeds("report", folder / "sparse.palpable", "-o", folder / "sparse.html")
+    assert "error_all_together,displacement," in (folder / "sparse.csv").read_text()
+    programs.succeeds("compare", folder / "bar.snapshots", folder / "sparse.palpable", "-o", folder / "c.html")
+    assert "sparse.palpable (sparse-pgd)" in (folder / "c.csv").read_text()
+
+    # What belongs to the one is refused with the other.
+    for more, says in (((*learn, "--error", "1e-3"), ["--error", "sparse-pgd"]),
+                       ((*learn, "--norm", "own"), ["--norm", "sparse-pgd"]),
+                       ((*learn, "--part", "0.05"), ["0.05 of 48 snapshots are 2", "at least 5"]),
+                       ((*learn, "--part", "1"), ["--part"]),
+                       ((*reduce, *out, "--part", "0.5"), ["--part", "only --method sparse-pgd"]),
+                       ((*reduce, *out, "--method", "pgd", "--seed", "3"), ["--seed", "only --method sparse-pgd"]),
+                       (("compare", folder / "bar.snapshots", "--method", "sparse-pgd"), ["sparse-pgd"])):
+        programs.refuses(*more, says=says)
+    base.write_bar(folder, base.BAR + '[reduction]\nmethod = "sparse-pgd"\n')
+    programs.refuses("bake", folder / "bar.toml", *out,
+                     says=["'method' in [reduction] is 'sparse-pgd'", "palpable reduce --method sparse-pgd"])
 
 
 @case("a bad parameter of a body is refused with its line")

@@ -1,6 +1,7 @@
 #include "palpable/bake/bake_body.h"
 
 #include "palpable/bake/error_course.h"
+#include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/campaign/between_sites.h"
@@ -12,9 +13,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <future>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -125,19 +129,51 @@ double median(VectorXd values) {
   return upper_median(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
-ReducedField reduce_field(const StoredField& field, const SnapshotStore& store,
-                          const Points& points, const Boundary& boundary, bool volume,
-                          const ReductionSettings& settings, const Progress& progress) {
-  const Progress named = [&](const ProgressReport& r) {
+// What a field's modes are kept from.
+struct Reducing {
+  const SnapshotStore& store;
+  const Points& points;
+  const Boundary& boundary;
+  bool volume;
+};
+
+// Modes as the live half evaluates them, measured against the snapshots.
+ReducedField kept(const std::vector<SeparatedTensor>& blocks, const StoredField& field,
+                  const Reducing& what, ReductionReport report, ErrorCourse course) {
+  const StoreContent& content = what.store.content();
+  const Index snapshots = course.snapshots.rows();
+  ReducedField reduced{as_field(blocks, content, &what.boundary, field.components),
+                       std::move(report), std::nullopt, std::move(course)};
+  if (what.volume) reduced.inside = as_field(blocks, content, nullptr, field.components);
+  reduced.report.bytes = 4.0 * static_cast<double>(reduced.field.value_count()) *
+                         static_cast<double>(reduced.report.columns);
+  std::optional<VonMisesCourse> von_mises;
+  if (field.name == "stress") {
+    von_mises.emplace(reduced.field, vertex_areas(what.boundary.surface), snapshots);
+  }
+  reduced.report.evaluated_worst =
+      largest_evaluation_error(reduced.field, what.store, what.points, field, what.boundary,
+                               von_mises ? &*von_mises : nullptr);
+  if (von_mises) reduced.von_mises_course = von_mises->result();
+  return reduced;
+}
+
+// Says which field it is that a reduction reports about.
+Progress named(const StoredField& field, const Progress& progress) {
+  return [&field, &progress](const ProgressReport& r) {
     report(progress, {fmt::format("reducing {}", field.name), r.done, r.total, r.note});
   };
-  const StoreContent& content = store.content();
-  const int S = content.site_count();
-  const VectorXd weights = value_weights(content.mesh, field);
-  Reduction result = reduce(
-      points.free() ? snapshot_rows(store, field) : snapshot_rows(store, points.first, field),
-      weights, settings, named);
-  ReductionReport report{.method = settings.method,
+}
+
+ReducedField reduce_field(const StoredField& field, const Reducing& what,
+                          const ReductionSettings& settings, const Progress& progress) {
+  const Points& points = what.points;
+  const int S = what.store.content().site_count();
+  const VectorXd weights = value_weights(what.store.content().mesh, field);
+  Reduction result = reduce(points.free() ? snapshot_rows(what.store, field)
+                                          : snapshot_rows(what.store, points.first, field),
+                            weights, settings, named(field, progress));
+  ReductionReport report{.method = std::string(method_name(settings.method)),
                          .modes = result.most_modes(),
                          .errors = result.errors,
                          .ranks = result.ranks,
@@ -151,23 +187,55 @@ ReducedField reduce_field(const StoredField& field, const SnapshotStore& store,
     result.blocks = as_blocks(result.blocks[0], S, weights, 0.1 * settings.tolerance);
   }
   report.columns = result.total_modes();
-  ReducedField reduced{as_field(result.blocks, content, &boundary, field.components),
-                       std::move(report), std::nullopt, course_of(result)};
-  if (volume) reduced.inside = as_field(result.blocks, content, nullptr, field.components);
-  reduced.report.bytes = 4.0 * static_cast<double>(reduced.field.value_count()) *
-                         static_cast<double>(reduced.report.columns);
-  std::optional<VonMisesCourse> von_mises;
-  if (field.name == "stress") {
-    von_mises.emplace(reduced.field, vertex_areas(boundary.surface), result.course.cols());
-  }
-  reduced.report.evaluated_worst = largest_evaluation_error(
-      reduced.field, store, points, field, boundary, von_mises ? &*von_mises : nullptr);
-  if (von_mises) reduced.von_mises_course = von_mises->result();
-  return reduced;
+  return kept(result.blocks, field, what, std::move(report), course_of(result));
+}
+
+// "x and y"; nothing where sites are choices.
+std::string place_text(const SitePlaces& places) {
+  if (!places.quantities) return {};
+  std::string text = places.axes[0].name;
+  if (places.axes.size() > 1) text += " and " + places.axes[1].name;
+  return text;
+}
+
+// The model of a part of the snapshots, at all sites and levels: a field of the global form. Of its
+// course only the end is known, since each mode changes the functions of all before.
+ReducedField learn_field(const StoredField& field, const Reducing& what,
+                         const SparseCampaignSettings& settings, const Progress& progress) {
+  SparseCampaign found =
+      sparse_campaign(what.store, what.points.first, field, settings, named(field, progress));
+  SeparatedTensor table{std::move(found.model.F),
+                        {std::move(found.site_functions), std::move(found.level_functions)}};
+  for (MatrixXd& G : table.G) normalise(table.F, G);
+  const auto m = static_cast<int>(table.F.cols());
+  ErrorCourse course{.modes = Eigen::VectorXi::Constant(1, m),
+                     .pooled = VectorXd::Constant(1, found.all.pooled),
+                     .snapshots = found.errors.cast<float>()};
+  return kept(
+      {std::move(table)}, field, what,
+      {.method = std::string(kSparsePgdName),
+       .modes = m,
+       .columns = m,
+       .pooled = found.all.pooled,
+       .median = found.all.median,
+       .worst = found.all.worst,
+       .learning = LearningReport{found.trained_on, place_text(found.places), found.unseen}},
+      std::move(course));
+}
+
+std::string learning_line(const char* what, const ReductionReport& report) {
+  const LearningReport& learning = *report.learning;
+  return fmt::format(
+      "{}: {} modes, relative L2 error over the volume {:.3g} pooled, {:.3g} at the median "
+      "snapshot and {:.3g} at the worst, in their own norms; of the {} snapshots that it was not "
+      "learnt from {:.3g} pooled, {:.3g} at the median and {:.3g} at the worst",
+      what, report.modes, report.pooled, report.median, report.worst, learning.unseen.count,
+      learning.unseen.pooled, learning.unseen.median, learning.unseen.worst);
 }
 
 std::string reduction_line(const char* what, const ReductionReport& report,
                            const ReductionSettings& asked) {
+  if (report.learning) return learning_line(what, report);
   const std::string modes =
       asked.method == ReductionMethod::kPerSite
           ? fmt::format("blocks of up to {} modes, {} in all", report.modes, report.columns)
@@ -197,6 +265,24 @@ const char* method_line(ReductionMethod method) {
       return "ST-HOSVD; stored in blocks of sites";
   }
   return "";
+}
+
+// What the line "reduction" of the provenance says.
+std::string method_text(const ReductionSettings& wanted,
+                        const std::optional<SparseCampaignSettings>& sparse,
+                        const ReductionReport& displacement) {
+  if (!sparse) {
+    return fmt::format("{} ({})", method_name(wanted.method), method_line(wanted.method));
+  }
+  const LearningReport& learning = *displacement.learning;
+  return fmt::format(
+      "{} (learnt from {} snapshots of {}, drawn at random with seed {}; {}; degrees and number of "
+      "modes by cross-validation)",
+      kSparsePgdName, learning.trained_on, learning.trained_on + learning.unseen.count,
+      sparse->seed,
+      learning.place.empty()
+          ? "sites are choices"
+          : fmt::format("where it is pressed is a quantity, {}", learning.place));
 }
 
 // Another method than the store's has other defaults, too.
@@ -258,16 +344,13 @@ void add_further(const SnapshotStore& store, int usual, ReducedBody& body) {
 
 // Throws where a method cannot keep the parameters of several points free.
 void require_free_functions(const SnapshotStore& store, const Points& points,
-                            ReductionMethod method) {
-  if (!points.free() || method == ReductionMethod::kPerSite || method == ReductionMethod::kPgd ||
-      method == ReductionMethod::kCp) {
-    return;
-  }
+                            std::string_view method) {
+  if (!points.free() || method == "per-site" || method == "pgd" || method == "cp") return;
   const std::string& parameter = store.content().parameters[0].name;
   throw Error(
       fmt::format("{}: '{}' has no functions of '{}' alone; take per-site, pgd or cp, or one "
                   "value: --at {}=...",
-                  store.folder().string(), method_name(method), parameter, parameter));
+                  store.folder().string(), method, parameter, parameter));
 }
 
 struct ReducedFields {
@@ -275,10 +358,11 @@ struct ReducedFields {
   bool has_stress = false;  // else it is taken as zero
 };
 
+using FieldReduction = std::function<ReducedField(const StoredField&, const Progress&)>;
+
 // Both fields at a time, and the bar shows the larger.
-ReducedFields reduce_fields(const SnapshotStore& store, const Points& points,
-                            const Boundary& boundary, bool volume, const ReductionSettings& wanted,
-                            const Progress& progress) {
+ReducedFields reduce_fields(const SnapshotStore& store, const Boundary& boundary,
+                            const FieldReduction& reduce_one, const Progress& progress) {
   const StoreContent& content = store.content();
   const StoredField* moved = find_field(content, "displacement");
   const StoredField* stressed = find_field(content, "stress");
@@ -286,15 +370,13 @@ ReducedFields reduce_fields(const SnapshotStore& store, const Points& points,
     throw Error(fmt::format("{}: has no displacement", store.folder().string()));
   }
   std::future<ReducedField> beside = std::async(std::launch::async, [&] {
-    return reduce_field(*moved, store, points, boundary, volume, wanted,
-                        stressed == nullptr ? progress : Progress{});
+    return reduce_one(*moved, stressed == nullptr ? progress : Progress{});
   });
-  ReducedField sigma =
-      stressed != nullptr
-          ? reduce_field(*stressed, store, points, boundary, volume, wanted, progress)
-          : ReducedField{zero_field(6 * boundary.surface.vertices.cols(), content.site_count(),
-                                    content.levels),
-                         {}};
+  ReducedField sigma = stressed != nullptr
+                           ? reduce_one(*stressed, progress)
+                           : ReducedField{zero_field(6 * boundary.surface.vertices.cols(),
+                                                     content.site_count(), content.levels),
+                                          {}};
   return {beside.get(), std::move(sigma), stressed != nullptr};
 }
 
@@ -349,7 +431,8 @@ double add_presses(const SnapshotStore& store, int point, const Boundary& bounda
 }
 
 // The store's lines, with what is known now that all is solved, and how the fields were reduced.
-void add_provenance(const StoreContent& content, const ReductionSettings& wanted, bool has_stress,
+void add_provenance(const StoreContent& content, const ReductionSettings& wanted,
+                    const std::optional<SparseCampaignSettings>& sparse, bool has_stress,
                     double farthest_rest, BakedBody& baked) {
   ReducedBody& body = baked.body;
   const BakeReport& made = baked.report;
@@ -367,8 +450,8 @@ void add_provenance(const StoreContent& content, const ReductionSettings& wanted
     body.provenance.emplace_back(key, value);
   }
   body.provenance.emplace_back("reduction",
-                               fmt::format("{} ({}), space weighted by nodal volume",
-                                           method_name(wanted.method), method_line(wanted.method)));
+                               fmt::format("{}, space weighted by nodal volume",
+                                           method_text(wanted, sparse, made.displacement)));
   body.provenance.emplace_back("displacement",
                                reduction_line("displacement", made.displacement, wanted));
   body.provenance.emplace_back(
@@ -393,6 +476,9 @@ void state_between_sites(const SnapshotStore& store, BakedBody& baked) {
 
 BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& settings,
                        const Progress& progress) {
+  PALPABLE_EXPECT(
+      !settings.sparse || (!settings.method && !settings.tolerance && !settings.own_norms),
+      "sparse PGD is a method of its own, and stops by itself");
   StageTimes wall;
   std::optional<StageTimer> timer(std::in_place, wall, "reduce");
   const StoreContent& content = store.content();
@@ -402,13 +488,23 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
                             : Points{point, 1};
   require_complete(store, points, progress);
   const ReductionSettings wanted = wanted_of(settings, content.reduction);
-  require_free_functions(store, points, wanted.method);
+  std::optional<SparseCampaignSettings> sparse = settings.sparse;
+  if (sparse && settings.max_modes) sparse->sparse.max_modes = *settings.max_modes;
+  const std::string method(sparse ? kSparsePgdName : method_name(wanted.method));
+  require_free_functions(store, points, method);
   const Boundary boundary = split_boundary_of(content.mesh);
-  ReducedFields fields = reduce_fields(store, points, boundary, settings.volume, wanted, progress);
+  const Reducing what{store, points, boundary, settings.volume};
+  ReducedFields fields = reduce_fields(
+      store, boundary,
+      [&](const StoredField& field, const Progress& bar) {
+        return sparse ? learn_field(field, what, *sparse, bar)
+                      : reduce_field(field, what, wanted, bar);
+      },
+      progress);
 
   BakedBody baked{body_of(content, boundary, fields, settings.volume), {}};
   ReducedBody& body = baked.body;
-  body.method = method_name(wanted.method);
+  body.method = method;
   BakeReport& made = baked.report;
   const double farthest_rest = add_presses(store, point, boundary, body, made.outcomes);
   if (points.free()) add_further(store, point, body);
@@ -424,7 +520,7 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   for (std::size_t k = 0; k < values.size(); ++k) {
     body.material += fmt::format("; {} {:.6g}", content.parameters[k].name, values[k]);
   }
-  add_provenance(content, wanted, fields.has_stress, farthest_rest, baked);
+  add_provenance(content, wanted, sparse, fields.has_stress, farthest_rest, baked);
   state_between_sites(store, baked);
   if (!settings.version.empty()) body.provenance.emplace_back("program", settings.version);
   if (!settings.command_line.empty()) {

@@ -2,6 +2,7 @@
 /// The whole bake: description -> mesh -> campaign in a store -> reduction -> body.
 #pragma once
 
+#include "palpable/bake/sparse_campaign.h"
 #include "palpable/base/progress.h"
 #include "palpable/base/stage_clock.h"
 #include "palpable/campaign/fill_store.h"
@@ -29,6 +30,9 @@ struct ReduceSettings {
   std::optional<double> tolerance = {};
   std::optional<int> max_modes = {};   ///< none: as the description says
   std::optional<bool> own_norms = {};  ///< ReductionSettings::weight_snapshots; likewise
+  /// Sparse PGD, which learns from a part of the snapshots, in the place of a method for the whole
+  /// table; takes neither tolerance nor own_norms.
+  std::optional<SparseCampaignSettings> sparse = {};
   /// Values of parameters beyond site and level. Empty: they stay free, and the body holds them all
   /// (ReducedBody::further). Otherwise it holds one value of each; of one that is not named, that
   /// in the middle of its list.
@@ -37,13 +41,21 @@ struct ReduceSettings {
   std::string version = {}, command_line = {};  ///< for the provenance
 };
 
+/// What sparse PGD learnt a field from, and what it says of the rest.
+struct LearningReport {
+  int trained_on = 0;  ///< snapshots
+  /// The coordinates that say where a press is, e.g. "x and y"; empty: sites are choices.
+  std::string place = {};
+  SnapshotErrors unseen = {};
+};
+
 /// How one field was reduced, and how much of it was lost.
 struct ReductionReport {
-  ReductionMethod method = ReductionMethod::kPerSite;
+  std::string method = std::string(method_name(ReductionMethod::kPerSite));
   int modes = 0;                ///< with kPerSite the most of one site
   int columns = 0;              ///< modes that the body file holds, of all blocks
   double bytes = 0;             ///< of those, boundary only, single precision
-  Eigen::VectorXd errors = {};  ///< after 1, 2, ... modes (see Reduction)
+  Eigen::VectorXd errors = {};  ///< after 1, 2, ... modes (see Reduction); of sparse PGD none
   std::vector<int> ranks = {};  ///< kHosvd
   std::optional<double> bound = {};
   bool reached = true;  ///< the tolerance was met
@@ -53,6 +65,7 @@ struct ReductionReport {
   /// Largest difference of the body as the live half evaluates it (single precision, boundary) from
   /// the snapshots there, relative to the largest value of all. Contains the reduction error.
   double evaluated_worst = 0;
+  std::optional<LearningReport> learning = {};  ///< sparse PGD only
 };
 
 struct BakeReport {
@@ -71,9 +84,11 @@ struct BakedBody {
 };
 
 /// Reduces the snapshots of a complete store to a body, boundary only unless settings.volume. Reads
-/// them in blocks: memory is 200 MB, 24 bytes for each pair of snapshots and what the modes take.
+/// them in blocks: memory is 200 MB, 24 bytes for each pair of snapshots and what the modes take;
+/// with sparse PGD the snapshots that it learns from, twice, in double precision.
 /// What a touch between sites costs is stated where the store has linear responses.
-/// @throws Error if a unit is missing or damaged, or `at` names what the store does not have
+/// @throws Error if a unit is missing or damaged, `at` names what the store does not have, or a
+///         method cannot be had of this store
 [[nodiscard]] BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& settings,
                                      const Progress& progress = {});
 

@@ -8,24 +8,35 @@
 namespace palpable {
 namespace {
 
-std::string text_of(const char* what, const ReductionReport& report, double rounding) {
-  return fmt::format("{}: {}, {} modes{}, error {:.2g} pooled, {:.2g} at the worst snapshot{}{}\n",
-                     what, method_name(report.method), report.modes,
-                     report.method == ReductionMethod::kPerSite
-                         ? fmt::format(" at most, {} in all", report.columns)
-                         : std::string(),
-                     report.pooled, report.worst,
-                     rounding > 0.0
-                         ? fmt::format("; stored in half precision, which adds {:.1e}", rounding)
-                         : std::string(),
-                     report.reached ? "" : " (the tolerance was not reached: raise max_modes)");
+// What sparse PGD says of the snapshots that it was not shown.
+std::string unseen_text(const ReductionReport& report) {
+  if (!report.learning) return {};
+  const SnapshotErrors& unseen = report.learning->unseen;
+  return fmt::format(
+      "; learnt from {} snapshots, of the {} others {:.2g} pooled, {:.2g} at the worst",
+      report.learning->trained_on, unseen.count, unseen.pooled, unseen.worst);
 }
 
-// The error against the number of modes, both fields side by side, in about ten rows and the ends.
+std::string text_of(const char* what, const ReductionReport& report, double rounding) {
+  return fmt::format(
+      "{}: {}, {} modes{}, error {:.2g} pooled, {:.2g} at the worst snapshot{}{}{}\n", what,
+      report.method, report.modes,
+      report.method == method_name(ReductionMethod::kPerSite)
+          ? fmt::format(" at most, {} in all", report.columns)
+          : std::string(),
+      report.pooled, report.worst, unseen_text(report),
+      rounding > 0.0 ? fmt::format("; stored in half precision, which adds {:.1e}", rounding)
+                     : std::string(),
+      report.reached ? "" : " (the tolerance was not reached: raise max_modes)");
+}
+
+// The error against the number of modes, both fields side by side, in about ten rows and the ends;
+// where it is known.
 std::string errors_text(const BakeReport& report) {
   const Eigen::VectorXd& u = report.displacement.errors;
   const Eigen::VectorXd& sigma = report.stress.errors;
   const Eigen::Index most = std::max(u.size(), sigma.size());
+  if (most == 0) return "\n";
   std::set<Eigen::Index> rows{1, u.size(), sigma.size()};
   const Eigen::Index step = std::max<Eigen::Index>(1, most / 10);
   for (Eigen::Index m = step; m <= most; m += step) rows.insert(m);

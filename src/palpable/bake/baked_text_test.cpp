@@ -16,13 +16,13 @@ BakedBody example() {
   report.nodes = 500;
   report.tets = 2000;
   report.outcomes.resize(6);
-  report.displacement = {.method = ReductionMethod::kPerSite,
+  report.displacement = {.method = "per-site",
                          .modes = 3,
                          .columns = 17,
                          .errors = Eigen::Vector3d(0.5, 0.25, 0.0625),
                          .pooled = 0.01,
                          .worst = 0.02};
-  report.stress = {.method = ReductionMethod::kPgd,
+  report.stress = {.method = "pgd",
                    .modes = 2,
                    .columns = 2,
                    .errors = Eigen::Vector2d(0.75, 0.125),
@@ -59,6 +59,21 @@ TEST_CASE("what a bake fell short of is said", "[bake][text]") {
                        Contains("0.04 at the worst snapshot; stored in half precision, which adds "
                                 "2.0e-04 (the tolerance was not reached: raise max_modes)\n") &&
                        EndsWith("\nbetween sites: wrong by a third\nheld out: half as good\n"));
+}
+
+TEST_CASE("a body learnt from a part says what it makes of the rest, and shows no course",
+          "[bake][text]") {
+  BakedBody baked = example();
+  for (ReductionReport* report : {&baked.report.displacement, &baked.report.stress}) {
+    report->method = "sparse-pgd";
+    report->errors.resize(0);
+    report->learning = LearningReport{8, "x and y", {16, 0.011, 0.012, 0.025}};
+  }
+  CHECK_THAT(text_of(baked),
+             StartsWith("\n500 nodes") &&
+                 Contains("displacement: sparse-pgd, 3 modes, error 0.01 pooled, 0.02 at the worst "
+                          "snapshot; learnt from 8 snapshots, of the 16 others 0.011 pooled, 0.025 "
+                          "at the worst\n"));
 }
 
 TEST_CASE("a field without modes has a dash in the table of errors", "[bake][text]") {

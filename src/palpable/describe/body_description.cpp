@@ -5,6 +5,7 @@
 #include "palpable/base/whole_file.h"
 #include "palpable/material/material.h"
 #include "palpable/mesh/volume_mesh.h"
+#include "palpable/separate/sparse_pgd.h"
 #include "palpable/toml/toml_section.h"
 
 #include <fmt/format.h>
@@ -432,6 +433,12 @@ BodyDescription parse_body_description(std::string_view text, const std::filesys
 
   TomlSection reduction = root.section("reduction");
   ReductionSettings& wanted = body.reduction;
+  if (reduction.has("method") && reduction.text("method") == kSparsePgdName) {
+    reduction.bad("method",
+                  fmt::format("is '{}', which learns from a part of the snapshots that are "
+                              "there: palpable reduce --method {} makes that body",
+                              kSparsePgdName, kSparsePgdName));
+  }
   wanted.method = *method_named(
       reduction.choice("method", method_names(), std::string(method_name(wanted.method))));
   wanted.tolerance =

@@ -182,14 +182,33 @@ class Growing {
   std::vector<std::vector<Index>> sizes_;
 };
 
+// Moves samples from `ask` to `learn` until each choice among those that are asked about is one of
+// those that are learnt from: of a choice that was never seen nothing can be said, and the error of
+// such samples would hide what further modes gain.
+void learn_every_choice(const std::vector<SparseAxis>& axes, const Tables& tables,
+                        std::vector<Index>& learn, std::vector<Index>& ask) {
+  for (std::size_t j = 0; j < axes.size(); ++j) {
+    if (axes[j].basis != SparseAxis::Basis::kNodal) continue;
+    VectorXd times_learnt = tables[j](Eigen::all, learn).rowwise().sum();
+    std::vector<Index> left;
+    for (const Index k : ask) {
+      const bool known = times_learnt.dot(tables[j].col(k)) > 0.0;
+      if (!known) times_learnt += tables[j].col(k);
+      (known ? left : learn).push_back(k);
+    }
+    ask = std::move(left);
+  }
+}
+
 // A part of the samples to learn from, and the rest to be asked about.
 struct Fold {
   MatrixXd learn_values, ask_values;
   Tables learn, ask;
 };
 
+// Folds that may be asked about something.
 std::vector<Fold> make_folds(const MatrixXd& values, const Tables& tables,
-                             const SparseSettings& settings) {
+                             const std::vector<SparseAxis>& axes, const SparseSettings& settings) {
   const Index T = values.cols();
   std::vector<Index> order(T);
   std::iota(order.begin(), order.end(), Index{0});
@@ -201,6 +220,8 @@ std::vector<Fold> make_folds(const MatrixXd& values, const Tables& tables,
   for (int f = 0; f < settings.folds; ++f) {
     std::vector<Index> learn, ask;
     for (Index k = 0; k < T; ++k) { (k % settings.folds == f ? ask : learn).push_back(order[k]); }
+    learn_every_choice(axes, tables, learn, ask);
+    if (ask.empty()) continue;
     folds.push_back({values(Eigen::all, learn), values(Eigen::all, ask), columns_of(tables, learn),
                      columns_of(tables, ask)});
   }
@@ -230,13 +251,15 @@ VectorXd basis_functions(const SparseAxis& axis, double mu) {
   return phi;
 }
 
+VectorXd SparsePgd::functions_of(Index j, double mu_j) const {
+  PALPABLE_EXPECT(0 <= j && j < static_cast<Index>(axes.size()), "an axis of the model");
+  return coefficients[j].transpose() * basis_functions(axes[j], mu_j);
+}
+
 VectorXd SparsePgd::functions(const VectorXd& mu) const {
   PALPABLE_EXPECT(mu.size() == static_cast<Index>(axes.size()), "a value for each parameter");
   VectorXd product = VectorXd::Ones(F.cols());
-  for (std::size_t j = 0; j < axes.size(); ++j) {
-    product.array() *=
-        (coefficients[j].transpose() * basis_functions(axes[j], mu[static_cast<Index>(j)])).array();
-  }
+  for (Index j = 0; j < mu.size(); ++j) product.array() *= functions_of(j, mu[j]).array();
   return product;
 }
 
@@ -248,7 +271,11 @@ class CrossValidation {
  public:
   CrossValidation(const MatrixXd& values, const Tables& tables, const std::vector<SparseAxis>& axes,
                   const SparseSettings& settings)
-      : axes_(axes), settings_(settings), folds_(make_folds(values, tables, settings)) {
+      : axes_(axes), settings_(settings), folds_(make_folds(values, tables, axes, settings)) {
+    if (folds_.empty()) {
+      throw Error("no sample can be left out to be predicted: each has a choice of its own");
+    }
+    for (const Fold& fold : folds_) asked_ += fold.ask_values.squaredNorm();
     for (const SparseAxis& axis : axes) {
       starts_.emplace_back(axis.basis == SparseAxis::Basis::kNodal
                                ? VectorXd::Ones(basis_size(axis))
@@ -292,7 +319,7 @@ class CrossValidation {
     return degrees;
   }
 
-  // Adds a mode to each fold's model. @returns the square of what is left of all unseen samples
+  // Adds a mode to each fold's model. @returns what is left of all unseen samples, relative
   double add_mode(const std::vector<Index>& sizes) {
     for (std::size_t f = 0; f < folds_.size(); ++f) {
       learning_[f].add(fit_mode(learning_[f].left(), folds_[f].learn, starts_, sizes, settings_),
@@ -300,7 +327,7 @@ class CrossValidation {
     }
     double lost = 0;
     for (std::size_t f = 0; f < folds_.size(); ++f) lost += unseen(f).squaredNorm();
-    return lost;
+    return asked_ > 0.0 ? std::sqrt(lost / asked_) : 0.0;
   }
 
  private:
@@ -327,6 +354,7 @@ class CrossValidation {
   const std::vector<SparseAxis>& axes_;
   const SparseSettings& settings_;
   std::vector<Fold> folds_;
+  double asked_ = 0;  // the square of all samples that are unseen somewhere
   std::vector<VectorXd> starts_;
   std::vector<Growing> learning_;
 };
@@ -367,7 +395,7 @@ SparsePgd sparse_pgd(const MatrixXd& values, const MatrixXd& points, std::vector
   while (static_cast<int>(training.size()) < settings.max_modes) {
     degrees = folds.raised(std::move(degrees));
     const std::vector<Index> sizes = folds.sizes_of(degrees);
-    const double now = std::sqrt(folds.add_mode(sizes)) / whole;
+    const double now = folds.add_mode(sizes);
     if (!training.empty() && now > (1.0 - settings.least_gain) * before) break;
     before = now;
     model.add(fit_mode(model.left(), tables, folds.starts(), sizes, settings), sizes);

@@ -13,9 +13,13 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpable {
+
+/// What people call it, as method_name() of the reductions of whole tables.
+inline constexpr std::string_view kSparsePgdName = "sparse-pgd";
 
 /// One parameter of the samples and what its functions G^j may be.
 struct SparseAxis {
@@ -47,8 +51,12 @@ struct SparsePgd {
   Eigen::MatrixXd F;                          ///< (N x m)
   std::vector<Eigen::MatrixXd> coefficients;  ///< (p) of (b_j x m)
   std::vector<std::vector<int>> degrees;      ///< (m) of (p): how far each mode's polynomials go
-  /// (m) relative pooled error on the samples, and on the folds left out, after 1, 2, ... modes.
+  /// (m) relative pooled error on the samples, and on those that folds leave out, after 1, 2, ...
+  /// modes.
   Eigen::VectorXd training_errors, validation_errors;
+
+  /// (m) G_i^j(mu_j) of one axis.
+  [[nodiscard]] Eigen::VectorXd functions_of(Eigen::Index j, double mu_j) const;
 
   /// (m) prod_j G_i^j(mu_j). @param mu  (p)
   [[nodiscard]] Eigen::VectorXd functions(const Eigen::VectorXd& mu) const;
@@ -68,7 +76,8 @@ struct SparsePgd {
 /// cross-validation.
 /// @param values  (N x T)
 /// @param points  (p x T)
-/// @throws Error if the samples are all zero or not finite
+/// A fold learns at least one sample of each choice that it is asked about.
+/// @throws Error if the samples are all zero or not finite, or no choice has two of them
 /// @throws ContractViolation for sizes that do not fit, or choices out of range
 [[nodiscard]] SparsePgd sparse_pgd(const Eigen::MatrixXd& values, const Eigen::MatrixXd& points,
                                    std::vector<SparseAxis> axes,

@@ -93,6 +93,25 @@ TEST_CASE("choices have values of their own in sparse PGD", "[separate][sparse]"
   CHECK(model.functions(mu).isZero(0.0));
 }
 
+TEST_CASE("a choice is asked about only where another sample of it was learnt",
+          "[separate][sparse]") {
+  // Twelve choices with two samples each: of some both lie in one fold.
+  auto random = random_case(4);
+  const MatrixXd F = test::random_matrix(6, 1, random);
+  MatrixXd points(2, 24), values(6, 24);
+  for (Index t = 0; t < 24; ++t) {
+    points.col(t) << 0.25 + 0.5 * static_cast<double>(t % 2), static_cast<double>(t / 2);
+    values.col(t) = F.col(0) * points(0, t) * (1.0 + points(1, t));
+  }
+  const std::vector<SparseAxis> axes{
+      {.name = "level", .zero_at_low = true, .highest_degree = 2},
+      {.name = "site", .basis = SparseAxis::Basis::kNodal, .choices = 12}};
+  CHECK(sparse_pgd(values, points, axes).validation_errors[0] <= tolerance(1e-4, "the ridge"));
+  // One sample each: none can be predicted.
+  const std::vector<Index> even{0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22};
+  CHECK_THROWS_AS(sparse_pgd(values(Eigen::all, even), points(Eigen::all, even), axes), Error);
+}
+
 TEST_CASE("noise in samples is not learnt by raising degrees", "[separate][sparse]") {
   auto random = random_case(5);
   std::normal_distribution<double> normal(0.0, 0.05);
