@@ -99,11 +99,11 @@ def main():
     else:
         print(f"no {options.dragon}: palpable bake bodies/dragon.toml -o {options.dragon}; Figure 19 is left out")
     if beam.exists():
-        scene = ["--scene", ROOT / "scenes" / "beams.toml"]
-        film = played(options.work, "beams", ["beams", *scene, "--frames", 300, "--seed", 5], scene)
-        write_row("figure_12.jpg", film, [118, 160], (300, 120, 1100, 570), 720)
+        scene = ["--scene", ROOT / "scenes" / "crossed-beams.toml"]
+        film = played(options.work, "beams", ["beams", *scene, "--frames", 240, "--seed", 5], scene)
+        write_row("figure_12.jpg", film, [118, 150], (445, 140, 1165, 545), 720)
     else:
-        print(f"no {beam}: scenes/beams.toml says how it is baked; Figure 12 is left out")
+        print(f"no {beam}: scenes/crossed-beams.toml says how it is baked; Figure 12 is left out")
 
 
 if __name__ == "__main__":
