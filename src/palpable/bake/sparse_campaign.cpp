@@ -210,8 +210,11 @@ SparseCampaign sparse_campaign(const SnapshotStore& store, int point, const Stor
   axes.push_back({.name = "level",
                   .zero_at_low = true,
                   .highest_degree = std::clamp(content.level_count() - 1, 1, 12)});
+  SparseSettings sparse = settings.sparse;
+  // A mode may serve one site alone: all together then gain as little by it.
+  if (!result.places.quantities) sparse.least_gain /= static_cast<double>(S);
   result.trained_on = static_cast<int>(T);
-  result.model = sparse_pgd(Q.C, learnt.points, std::move(axes), settings.sparse, progress);
+  result.model = sparse_pgd(Q.C, learnt.points, std::move(axes), sparse, progress);
   const MatrixXd F = times(learnt.values, times(Q.combination, result.model.F));  // likewise
   result.model.F = root.cwiseInverse().asDiagonal() * F;
   add_functions(result.places.points, levels, result);
