@@ -114,6 +114,10 @@ const PinholeCamera& DepthCamera::depth_camera() const {
 const DepthNoise& DepthCamera::noise() const {
   return std::visit([](const auto& any) -> const DepthNoise& { return any.noise(); }, parts_->any);
 }
+bool DepthCamera::has_two_sensors() const {
+  const auto* sensor = std::get_if<DepthSensorCamera>(&parts_->any);
+  return sensor != nullptr && sensor->has_two_sensors();
+}
 const StageTimes& DepthCamera::last_times() const { return parts_->times; }
 
 const RectifiedStereo* DepthCamera::rectified() const {

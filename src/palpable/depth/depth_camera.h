@@ -45,6 +45,8 @@ class DepthCamera {
   [[nodiscard]] const RectifiedStereo* rectified() const;
   /// How far measured depths scatter around the true ones.
   [[nodiscard]] const DepthNoise& noise() const;
+  /// Whether colour and depth come from two sensors that stand apart, each with a lens of its own.
+  [[nodiscard]] bool has_two_sensors() const;
   /// Wall time of the last frame: "rectify" (luma and colour), "disparity", "depth" (filters, Z).
   [[nodiscard]] const StageTimes& last_times() const;
 

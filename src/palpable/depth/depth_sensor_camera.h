@@ -30,6 +30,7 @@ class DepthSensorCamera {
   [[nodiscard]] const PinholeCamera& camera() const { return camera_; }
   [[nodiscard]] const PinholeCamera& depth_camera() const { return camera_; }
   [[nodiscard]] const DepthNoise& noise() const { return noise_; }
+  [[nodiscard]] bool has_two_sensors() const { return registration_.has_value(); }
 
  private:
   DepthSensorCamera() = default;

@@ -122,10 +122,7 @@ TEST_CASE(
     Pictures desk(format, frames, 30, live);
     const Rigid3 pose = pose_on_plane(desk, "the desk", {});
     const double height = kHeight + (live ? 29 * kRise : 0);
-    CHECK((pose.linear().col(2) - kUp).norm() <=
-          tolerance(1.5e-3,
-                    "of the poses that are followed: a landmark of a colour + depth camera counts "
-                    "with 1.8 px"));
+    CHECK((pose.linear().col(2) - kUp).norm() <= tolerance(5e-4, "of the poses that are followed"));
     CHECK(std::abs(kUp.dot(pose.translation()) + height) <=
           tolerance(5e-4, "of the poses that are followed"));
     const Vector3d middle(0, 0, height / -kUp.z());

@@ -153,7 +153,7 @@ Sighting LandmarkSearch::sighting_of(const TrackerFrame& frame, const Candidate&
   const double f_T = camera.camera.fx_px * camera.baseline;
   const double expected = f_T / candidate.depth;
   const double scale = (1 << level) * (1 + candidate.smear.norm() / (4 << level));
-  seen.sigma = sigma_of_pixel(frame) * scale;
+  seen.sigma = sigma_of_pixel() * scale;
   seen.uvd = {uv.x(), uv.y(), std::numeric_limits<double>::quiet_NaN()};
   if (const std::optional<double> d = disparity_at(frame, uv, expected);
       d && *d > kLeastDisparity) {
@@ -168,7 +168,8 @@ double LandmarkSearch::sigma_of_disparity(const TrackerFrame& frame, double d) c
   if (frame.right != nullptr) return kSigmaStereo;
   const double f_T = settings.camera.camera.fx_px * settings.camera.baseline;
   const double Z = f_T / d;
-  return std::max(kLeastSigmaOfDepth, f_T * settings.noise.sigma(Z) / (Z * Z));
+  const double sigma = f_T * settings.noise.sigma(Z) / (Z * Z);
+  return settings.two_sensors ? std::max(kLeastSigmaOfDepth, sigma) : std::max(0.2, 2 * sigma);
 }
 
 }  // namespace palpable

@@ -29,9 +29,9 @@ struct LandmarkSearch {
   static constexpr int kCellsAcross = 32;       ///< of the picture: one is looked for in each
   static constexpr double kFineLikeness = 0.7;  ///< correlation from which on a patch is found
   static constexpr double kSigma = 0.3;         ///< px of u and v at level 0; doubles with each
-  /// The same of a colour + depth camera, whose two sensors stand apart, are calibrated to some
-  /// pixels and read at different moments: its depths say more of its turns than its pixels do.
-  static constexpr double kSigmaColorDepth = 1.8;
+  /// The same where colour and depth have two sensors, which are calibrated to some pixels and read
+  /// at different moments: the depths say more of a turn than the pixels do.
+  static constexpr double kSigmaTwoSensors = 1.8;
   static constexpr double kSigmaStereo = 0.25;    ///< px of d
   static constexpr double kLeastDisparity = 0.3;  ///< px; below nothing is measured
 
@@ -77,8 +77,8 @@ struct LandmarkSearch {
                                                    double expected) const;
 
   /// Standard deviation of u and v at level 0, px.
-  [[nodiscard]] static double sigma_of_pixel(const TrackerFrame& frame) {
-    return frame.right == nullptr ? kSigmaColorDepth : kSigma;
+  [[nodiscard]] double sigma_of_pixel() const {
+    return settings.two_sensors ? kSigmaTwoSensors : kSigma;
   }
   /// Standard deviation of a measured disparity d, px.
   [[nodiscard]] double sigma_of_disparity(const TrackerFrame& frame, double d) const;

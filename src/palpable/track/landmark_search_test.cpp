@@ -221,11 +221,11 @@ TEST_CASE("a disparity is measured in the right picture, or computed from the de
   d = search.disparity_at(depth_only, uv, 99);
   REQUIRE(d);
   CHECK(std::abs(*d - truth) <= tolerance(2e-6, "a float's rounding of 1.2 m, in 13.65 px"));
-  // 0.25 px, which the settings' noise says; never less than 0.05 px.
-  CHECK(std::abs(search.sigma_of_disparity(depth_only, truth) - 0.25) <=
+  // 2 sigmas of 0.25 px, which the settings' noise says; never less than 0.2 px.
+  CHECK(std::abs(search.sigma_of_disparity(depth_only, truth) - 0.5) <=
         tolerance(1e-12, "rounding"));
   settings.noise = {};
-  CHECK(search.sigma_of_disparity(depth_only, truth) == 0.05);
+  CHECK(search.sigma_of_disparity(depth_only, truth) == 0.2);
   const DepthImage unknown(view.depth.width(), view.depth.height(), kUnknown);
   depth_only.depth = &unknown;
   CHECK_FALSE(search.disparity_at(depth_only, uv, truth));

@@ -114,7 +114,7 @@ Landmark NewLandmarks::landmark_at(const LandmarkSearch& search, const TrackerFr
   landmark.slope = corner.slope;
   Sighting seen;
   seen.uvd = {corner.uv.x(), corner.uv.y(), disparity};
-  seen.sigma = kFirstSighting * LandmarkSearch::sigma_of_pixel(frame);
+  seen.sigma = kFirstSighting * search.sigma_of_pixel();
   seen.sigma_d = search.sigma_of_disparity(frame, disparity);
   landmark.x_in_world = world_from_camera * search.settings.camera.point(seen.uvd);
   landmark.look = PatchSource::cut(search.pyramid, corner.uv);

@@ -85,6 +85,7 @@ struct TrackerSettings {
                        ///< kDepthCameraBaseline
   double disparity_at_infinity_px = 0;  ///< that the right image shows of points infinitely far
   DepthNoise noise;                     ///< of the depth images
+  bool two_sensors = false;  ///< colour and depth come from two, which agree to some pixels only
   bool adjust_on_thread = true;  ///< false: adjustments are made in track(), when they are due
   bool watch_stillness = true;   ///< false: every frame is tracked in full, also of a camera that
                                  ///< stands

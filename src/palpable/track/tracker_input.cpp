@@ -6,6 +6,7 @@ TrackerSettings tracker_settings(const DepthCamera& camera) {
   TrackerSettings settings;
   settings.camera = {camera.camera(), kDepthCameraBaseline};
   settings.noise = camera.noise();
+  settings.two_sensors = camera.has_two_sensors();
   if (const RectifiedStereo* rig = camera.rectified()) {
     settings.camera.baseline = rig->baseline;
     settings.disparity_at_infinity_px = rig->disparity_at_infinity_px;
