@@ -180,7 +180,9 @@ std::string add_touch(const Options& options, const BodyDescription& description
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
   const auto begin = std::chrono::steady_clock::now();
   BodyDescription description = read_description(options.description);
-  if (options.no_touch) description.touch = {.tables = BodyDescription::Touch::Tables::kNone};
+  if (options.no_touch) {
+    description.touch = {.tables = BodyDescription::Touch::Tables::kNone, .by_default = false};
+  }
   const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
   guard_output_file(options.output, inputs);
   const bool has_campaign = options.method != "intrusive-pgd";
