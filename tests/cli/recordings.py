@@ -112,7 +112,7 @@ def _(programs, folder):
     programs.refuses(*words, "--right", "x", says=["b.palprec", "--right"])
     # All of it was read, though nothing but noise was seen.
     programs.refuses("scan", folder / "elsewhere/b.palprec", "-o", folder / "room.ply",
-                     says=[f"no surface within 3 m was seen in {FRAMES} frames (0 without a pose)"])
+                     says=[f"no surface within 3 m was seen in {FRAMES} frames (0 without a pose, 0 triangles)"])
 
 
 @case("a recording that was cut off is played up to there, one that is damaged says so and fails")
