@@ -395,6 +395,15 @@ FrameEvidence Tracker::Parts::use_pose(const TrackerFrame& frame, double dt, boo
 // --- keyframes ---------------------------------------------------------------------------------
 
 bool Tracker::Parts::wants_keyframe() const {
+  const Rigid3 world_from_camera = inverse(camera_from_world);
+  const auto is_near = [&](const Keyframe& keyframe) {
+    const Rigid3 keyframe_from_camera = keyframe.camera_from_world * world_from_camera;
+    const double angle = Eigen::AngleAxisd(keyframe_from_camera.linear()).angle();
+    return keyframe_from_camera.translation().norm() < kFarMoved * median_depth && angle < kTurned;
+  };
+  // A camera that has not gone far yet has lost its landmarks to something else, creeping depths for
+  // instance: a keyframe more would not help.
+  if (since_keyframe < kKeyframeGap && is_near(map.keyframes.back())) return false;
   const int inliers = pose_search.inliers();
   if (inliers < kMust) return true;
   if (pose_search.is_blurred()) return false;
@@ -402,12 +411,7 @@ bool Tracker::Parts::wants_keyframe() const {
   if (inliers < kFew && (fewer || since_keyframe >= kHurriedGap)) return true;
   if (since_keyframe < kKeyframeGap) return false;
   if (fewer) return true;
-  const Rigid3 world_from_camera = inverse(camera_from_world);
-  return std::none_of(map.keyframes.begin(), map.keyframes.end(), [&](const Keyframe& keyframe) {
-    const Rigid3 keyframe_from_camera = keyframe.camera_from_world * world_from_camera;
-    const double angle = Eigen::AngleAxisd(keyframe_from_camera.linear()).angle();
-    return keyframe_from_camera.translation().norm() < kFarMoved * median_depth && angle < kTurned;
-  });
+  return std::none_of(map.keyframes.begin(), map.keyframes.end(), is_near);
 }
 
 // Makes this frame a keyframe, and begins the work beside the frames.
