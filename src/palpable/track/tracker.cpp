@@ -401,8 +401,8 @@ bool Tracker::Parts::wants_keyframe() const {
     const double angle = Eigen::AngleAxisd(keyframe_from_camera.linear()).angle();
     return keyframe_from_camera.translation().norm() < kFarMoved * median_depth && angle < kTurned;
   };
-  // A camera that has not gone far yet has lost its landmarks to something else, creeping depths for
-  // instance: a keyframe more would not help.
+  // A camera that has not gone far yet has lost its landmarks to something else, creeping depths
+  // for instance: a keyframe more would not help.
   if (since_keyframe < kKeyframeGap && is_near(map.keyframes.back())) return false;
   const int inliers = pose_search.inliers();
   if (inliers < kMust) return true;
