@@ -176,7 +176,11 @@ TEST_CASE("of one pair alone all that was seen is the surface, of many frames wh
     const Eigen::Index found = surface_of(scanned).surface.triangle_count();
     CHECK(found == (frames == 1 ? map.mesh(0) : map.mesh()).surface.triangle_count());
     CHECK(found > 1000);
-    CHECK(map.mesh().surface.triangle_count() < map.mesh(0).surface.triangle_count());
+    // Of one frame as clean as these the two are the same; of a noisy pair tests/cli tells them
+    // apart.
+    if (frames > 1) {
+      CHECK(map.mesh().surface.triangle_count() < map.mesh(0).surface.triangle_count());
+    }
   }
 }
 
