@@ -104,7 +104,7 @@ void LiveChanges::report() const {
 std::string LiveChanges::end_recording() {
   recording_->finish();
   recording_->report();
-  return fmt::format("{} is written", recording_->file().string());
+  return fmt::format("{} is written", recording_->file().filename().string());
 }
 
 void LiveChanges::plan_place(const LiveControls& controls, const Scene* held, const Scene& scene,
@@ -209,7 +209,7 @@ void LiveChanges::apply(ScenePainter& painter, Scene& scene, LiveEvents& events)
 void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& events) {
   LiveWishes& wishes = painter.controls().wishes;
   LivePanel& panel = painter.panel();
-  if (records()) panel.recording = recording_->file().string();  // --record has begun it
+  if (records()) panel.recording = recording_->file().filename().string();  // --record has begun it
   if (!wishes.recording) return;
   wishes.recording = false;
   if (records()) {
@@ -224,7 +224,7 @@ void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& even
     loop.begin_anew([&](LiveRun& run) { begin_recorded_session(file, run); });
     panel.note.clear();
   } catch (const Error& error) { panel.note = error.what(); }
-  if (records()) panel.recording = recording_->file().string();
+  if (records()) panel.recording = recording_->file().filename().string();
   painter.begin_anew();
   painter.refresh_panel();
   events.begin_anew(setup_.run.loop.session);

@@ -323,17 +323,7 @@ def _(programs, folder):
 
 @case("values between those of a parameter are solved afresh and compared, if asked")
 def _(programs, folder):
-    base.write_bar(folder, BLOCK.replace("count = 6", "count = 2").replace("levels = 6", "levels = 3") + """
-[[material.group]]
-name = "upper"
-above = 0.5
-young = "60 kPa"
-poisson = 0.4
-[[parameter]]
-name = "upper"
-of = "upper"
-stiffness = [0.5, 1, 2]
-""")
+    base.write_bar(folder, BLOCK.replace("count = 6", "count = 2").replace("levels = 6", "levels = 3") + base.UPPER_HALF)
     words = ("bake", "bar.toml", "-o", "bar.palpable", "--held-out")
     said = programs.succeeds(*words, cwd=folder).stdout
     found = re.findall(r"against 6 presses at upper = ([\d.]+), .*: displacement ([\d.e-]+) pooled", said)

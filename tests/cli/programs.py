@@ -124,6 +124,18 @@ tables = "none"
 """
 # The same, that may be touched anywhere.
 TOUCHED_BALL = BALL.replace('"none"', '"linear"\nheld_out = 0')
+# Appended to a body: its upper half, whose stiffness is a parameter.
+UPPER_HALF = """
+[[material.group]]
+name = "upper"
+above = 0.5
+young = "60 kPa"
+poisson = 0.4
+[[parameter]]
+name = "upper"
+of = "upper"
+stiffness = [0.5, 1, 2]
+"""
 
 
 def octahedron(holes=0):

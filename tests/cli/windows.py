@@ -55,6 +55,12 @@ def settled(screen, window):
     return last[0]
 
 
+def enlarge(screen, window):
+    """Makes the window so large that the panel's letters have 15 px."""
+    screen.resize(window, 1280, 720)
+    wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+
+
 def share_apart(one, other):
     """The share of two windows' bytes that are more than 16 apart."""
     return sum(abs(a - b) > 16 for a, b in zip(one, other)) / len(one)
@@ -101,8 +107,7 @@ def _(programs, folder):
         assert program.poll() is None
         changed_by(screen, window, "the next frame", type_key("s"))
         changed_by(screen, window, "the keys", type_key("h"))
-        screen.resize(window, 1280, 720)
-        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+        enlarge(screen, window)
         button = (57, 69)  # "Go on", in letters of 15 px
         screen.mouse(window, (MOTION, *button), (BUTTON_PRESS, *button, LEFT), (BUTTON_RELEASE, *button, LEFT))
         assert program.wait(timeout=60) == 0, "it does not go on"
@@ -128,8 +133,7 @@ def _(programs, folder):
         if given is None:
             return
         screen, window, program = given
-        screen.resize(window, 1280, 720)
-        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+        enlarge(screen, window)
         changed_by(screen, window, "no panel", lambda: screen.type(window, "t"))
         # Without the key a click is none; with it the next frame shows the body there.
         before = settled(screen, window)
@@ -171,8 +175,7 @@ def _(programs, folder):
         if given is None:
             return
         screen, window, program = given
-        screen.resize(window, 1280, 720)
-        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+        enlarge(screen, window)
         settled(screen, window)
         width, height = PANEL_SIZE
         now = [row[:width] for row in colors(screen, window)[PANEL_FROM:height]]
@@ -196,8 +199,7 @@ def _(programs, folder):
         if given is None:
             return
         screen, window, program = given
-        screen.resize(window, 1280, 720)
-        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+        enlarge(screen, window)
 
         def step():
             # The caption says the time.
@@ -303,29 +305,20 @@ def _(programs, folder):
 
 @case("a slider on the panel settles a body's parameter anew")
 def _(programs, folder):
-    group = """
-[[material.group]]
-name = "top"
-above = 0.5
-young = "60 kPa"
-poisson = 0.4
-[[parameter]]
-name = "top"
-of = "top"
-stiffness = [0.5, 1, 2]
-[support]"""
-    soft = programs.baked_ball(programs.work / "sliding", base.BALL.replace("[support]", group))
+    soft = programs.baked_ball(programs.work / "sliding", base.BALL + base.UPPER_HALF)
     base.write_stereo(folder / "clip", frames=12)
-    words = list(base.live(programs, folder, "--window", "--paused", "--record", folder / "a.palprec"))
+    # The panel says its name in one line, in whatever folder it lies.
+    far = folder / "a folder whose name is longer than a line of the panel"
+    far.mkdir()
+    words = list(base.live(programs, folder, "--window", "--paused", "--record", far / "a.palprec"))
     words[1] = soft
     with shown(programs, folder, *words) as given:
         if given is None:
             return
         screen, window, program = given
-        screen.resize(window, 1280, 720)
-        wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
+        enlarge(screen, window)
         settled(screen, window)
-        left, right = (80, 619), (260, 619)  # below its name, beyond the slider's end
+        left, right = (80, 587), (260, 587)  # below its name, beyond the slider's end
         screen.mouse(window, (MOTION, *left), (BUTTON_PRESS, *left, LEFT))
         changed_by(screen, window, "a dragged slider", lambda: screen.mouse(window, (MOTION, *right)))
         changed_by(screen, window, "the next frame", lambda: screen.mouse(window, (BUTTON_RELEASE, *right, LEFT)))
@@ -336,7 +329,7 @@ stiffness = [0.5, 1, 2]
         screen.type(window, ESCAPE)
         assert program.wait(timeout=60) == 0
     recorded, = folder.glob("ball_*.palprec")
-    assert b'"set":["top=2"]' in recorded.read_bytes().replace(b" ", b"")
+    assert b'"set":["upper=2"]' in recorded.read_bytes().replace(b" ", b"")
     assert "1 of 1 states of the live run: equal" in programs.succeeds("replay", recorded).stdout
 
 

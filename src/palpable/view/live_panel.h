@@ -29,7 +29,7 @@ class LivePanel {
 
   /// For the user to read: what became of a picture that was to be kept, or of another wish.
   std::string note;
-  /// The file of the recording that goes on; empty: none does.
+  /// The file's name of the recording that goes on, without its folder; empty: none does.
   std::string recording;
 
  private:
