@@ -263,7 +263,8 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
                    "again; snapshots go to NAME.held-out and NAME.between-PARAMETER");
   command.add_flag("--no-touch", options->no_touch,
                    "Leave out the tables of touch, whatever the description says: the body is "
-                   "touched at its sites, and done in a fifth of the time");
+                   "touched at its sites, and done much sooner (the paper's bunny in a minute, "
+                   "not twenty)");
   command.add_option("--solver", options->solver, "own: this project's; calculix: runs ccx")
       .one_of({"own", "calculix"})
       .show_default();

@@ -33,13 +33,6 @@ struct Options {
   bool json = false;
 };
 
-fs::path folder_of_program() {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  if (error) throw Error("the folder of this program is not known: " + error.message());
-  return self.parent_path();
-}
-
 // The project's folder: here, or above the program.
 fs::path project_root() {
   for (const fs::path& from : {fs::current_path(), folder_of_program()}) {
@@ -141,7 +134,8 @@ void add_reproduce(Command app) {
   command.add_flag("--json", options->json,
                    "One JSON object on stdout: figures, bake_s, page_s, and the numbers as rows");
   command.footer(
-      "All three take a quarter of an hour on two cores from nothing, and 4 GB of disk. What is "
+      "All three take a quarter of an hour on two idle cores from nothing, and 3 GB of disk. What "
+      "is "
       "done stays done: a call that was stopped goes on where it was.\n"
       "Example: palpable reproduce all -o out/paper\n"
       "Example: palpable reproduce beams -o out/paper --json");

@@ -8,6 +8,7 @@
 #include "palpable/base/error.h"
 #include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/clip_files/published_poses.h"
 #include "palpable/clip_writer/desk_film.h"
 #include "palpable/depth/depth_camera.h"
 #include "palpable/reduced/body_file.h"
@@ -27,7 +28,6 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -166,9 +166,9 @@ struct FollowSettings {
   double opencv = 0;  // m: OpenCV's odometry uses depths up to here; 0: it is not asked
 };
 
-// Follows the camera through a folder. pose_of(n) is the published pose of frame number n.
-template <class PoseOf>
-Followed follow(const fs::path& folder, const FollowSettings& how, const PoseOf& pose_of) {
+// Follows the camera through a folder whose frames have their published poses by their numbers.
+Followed follow(const fs::path& folder, const FollowSettings& how) {
+  const std::vector<StampedPose> published = read_published_poses(folder).poses;
   auto source = value_or_throw(open_folder(folder));
   DepthCamera camera = value_or_throw(DepthCamera::make(source->format()));
   Slam slam(camera, {.map = how.with_mask});
@@ -186,7 +186,7 @@ Followed follow(const fs::path& folder, const FollowSettings& how, const PoseOf&
     if (status != FrameStatus::kFrame || read++ % how.every != 0) continue;
     camera.see(frame, seen);
     const TrackedPose pose = slam.advance(seen, times).camera;
-    const Rigid3 truth = pose_of(seen.number);
+    const Rigid3 truth = published.at(static_cast<std::size_t>(seen.number)).world_from_camera;
     followed.pairs.push_back({seen.time, truth, pose.world_from_camera * camera_from_depth});
     if (how.opencv > 0) {
       followed.opencv.push_back({seen.time, truth, odometry.follow(seen) * camera_from_depth});
@@ -202,23 +202,7 @@ Followed follow(const fs::path& folder, const FollowSettings& how, const PoseOf&
   return followed;
 }
 
-Rigid3 read_matrix(std::istream& in, int rows, const fs::path& path) {
-  Rigid3 pose = Rigid3::Identity();
-  for (int k = 0; k < 4 * rows; ++k) in >> pose.matrix()(k / 4, k % 4);
-  if (!in)
-    throw Error(fmt::format("{}: a matrix of {} x 4 numbers was expected", path.string(), rows));
-  return pose;
-}
-
 double ate_mm(std::span<const PosePair> pairs) { return 1e3 * score_trajectory(pairs).ate; }
-
-Followed follow_kitchen(const fs::path& folder, const FollowSettings& how) {
-  return follow(folder, how, [&](int number) {
-    const fs::path path = folder / fmt::format("frame-{:06d}.pose.txt", number);
-    std::ifstream in(path);
-    return read_matrix(in, 4, path);
-  });
-}
 
 void bench_kitchen(const fs::path& folder, Json& result) {
   for (const char* key :
@@ -226,7 +210,7 @@ void bench_kitchen(const fs::path& folder, Json& result) {
     result[key] = nullptr;
   }
   if (!fs::exists(folder)) return;
-  const Followed f = follow_kitchen(folder, {.keep_depths = true, .opencv = kKitchenDepth});
+  const Followed f = follow(folder, {.keep_depths = true, .opencv = kKitchenDepth});
   if (f.pairs.empty()) return;
   result["ate_7scenes_mm"] = ate_mm(f.pairs);
   result["ate_7scenes_mm_opencv"] = ate_mm(f.opencv);
@@ -253,7 +237,7 @@ void bench_long_kitchen(const fs::path& folder, Json& result) {
     result[key] = nullptr;
   }
   if (!fs::exists(folder)) return;
-  const Followed f = follow_kitchen(folder, {.opencv = kKitchenDepth});
+  const Followed f = follow(folder, {.opencv = kKitchenDepth});
   if (f.pairs.size() < 2) return;
   const std::span<const PosePair> pairs = f.pairs;
   result["ate_7scenes_long_mm"] = ate_mm(pairs);
@@ -262,21 +246,9 @@ void bench_long_kitchen(const fs::path& folder, Json& result) {
   result["ate_7scenes_long_first_half_mm"] = ate_mm(pairs.first(pairs.size() / 2));
   result["ate_7scenes_long_second_half_mm"] = ate_mm(pairs.subspan(pairs.size() / 2));
   result["7scenes_long_lost"] = f.lost;
-  const Followed quick = follow_kitchen(folder, {.every = kQuick, .with_mask = true});
+  const Followed quick = follow(folder, {.every = kQuick, .with_mask = true});
   result["7scenes_quick_lost"] = quick.lost;
   result["ate_7scenes_quick_mm"] = ate_mm(quick.pairs);
-}
-
-Followed follow_street(const fs::path& folder, const FollowSettings& how) {
-  std::ifstream in(folder / "poses.txt");
-  // By frame number. Poses are read in turn, also those of frames that cannot be read.
-  std::vector<Rigid3> published;
-  return follow(folder, how, [&](int number) {
-    while (std::ssize(published) <= number) {
-      published.push_back(read_matrix(in, 3, folder / "poses.txt"));
-    }
-    return published[number];
-  });
 }
 
 // How far off the last camera is as seen from the first one, by the length of the true path.
@@ -296,7 +268,7 @@ double end_error(std::span<const PosePair> pairs) {
 void bench_street(const fs::path& folder, Json& result) {
   result["kitti_position_error"] = result["kitti_position_error_opencv"] = nullptr;
   if (!fs::exists(folder)) return;
-  const Followed f = follow_street(folder, {.opencv = kStreetDepth});
+  const Followed f = follow(folder, {.opencv = kStreetDepth});
   if (f.pairs.empty()) return;
   result["kitti_position_error"] = end_error(f.pairs);
   result["kitti_position_error_opencv"] = end_error(f.opencv);
@@ -311,7 +283,7 @@ void bench_long_street(const fs::path& folder, Json& result) {
     result[key] = nullptr;
   }
   if (!fs::exists(folder)) return;
-  const Followed f = follow_street(folder, {.with_mask = true, .opencv = kStreetDepth});
+  const Followed f = follow(folder, {.with_mask = true, .opencv = kStreetDepth});
   if (f.pairs.size() < 4) return;
   const std::span<const PosePair> pairs = f.pairs;
   result["kitti_long_position_error"] = end_error(pairs);
@@ -322,7 +294,7 @@ void bench_long_street(const fs::path& folder, Json& result) {
   int lost = 0, identities = f.identities;
   double worst = 0;
   for (int every = 2; every <= 4; ++every) {
-    const Followed fast = follow_street(folder, {.every = every, .with_mask = true});
+    const Followed fast = follow(folder, {.every = every, .with_mask = true});
     lost += fast.lost;
     identities += fast.identities;
     worst = std::max(worst, end_error(fast.pairs));

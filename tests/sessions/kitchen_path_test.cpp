@@ -1,3 +1,4 @@
+#include "palpable/clip_files/published_poses.h"
 #include "palpable/depth/depth_camera.h"
 #include "palpable/score/warped_depth.h"
 #include "palpable/sources/folder_source.h"
@@ -6,9 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <vector>
 
 namespace palpable {
@@ -20,6 +19,7 @@ TEST_CASE("the 7-Scenes kitchen is followed to 25 mm, and its depth agrees as by
           "[track][real][long]") {
   const std::filesystem::path folder = "../shared/data/rgbd_pose_7scenes";
   if (!std::filesystem::exists(folder)) PALPABLE_SKIP("no folder " + folder.string());
+  const std::vector<StampedPose> poses = read_published_poses(folder).poses;
   auto source = value_or_throw(open_folder(folder));
   auto camera = value_or_throw(DepthCamera::make(source->format()));
   TrackerSettings settings;
@@ -38,12 +38,7 @@ TEST_CASE("the 7-Scenes kitchen is followed to 25 mm, and its depth agrees as by
     TrackerFrame given{seen.number, seen.time, &seen.left, nullptr, &seen.depth, nullptr};
     const TrackedPose pose = tracker.track(given);
     CHECK((pose.state == TrackState::kTracking || depths.size() < 3));
-    char name[32];
-    std::snprintf(name, sizeof name, "frame-%06d.pose.txt", seen.number);
-    std::ifstream in(folder / name);
-    Rigid3 truth = Rigid3::Identity();
-    for (int k = 0; k < 16; ++k) in >> truth.matrix()(k / 4, k % 4);
-    REQUIRE(in);
+    const Rigid3& truth = poses.at(depths.size()).world_from_camera;
     published.push_back(truth);
     found.push_back(pose.world_from_camera * color_from_depth);
     REQUIRE(found.size() <= 90);

@@ -1,10 +1,10 @@
+#include "palpable/clip_files/published_poses.h"
 #include "palpable/depth/depth_camera.h"
 #include "palpable/slam/slam.h"
 #include "palpable/sources/folder_source.h"
 #include "tests/support/test.h"
 
 #include <filesystem>
-#include <fstream>
 #include <vector>
 
 namespace palpable {
@@ -12,22 +12,11 @@ namespace {
 
 using test::tolerance;
 
-std::vector<Rigid3> published_poses(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::vector<Rigid3> poses;
-  for (;;) {
-    Rigid3 pose = Rigid3::Identity();
-    for (int k = 0; k < 12; ++k) in >> pose.matrix()(k / 4, k % 4);
-    if (!in) return poses;
-    poses.push_back(pose);
-  }
-}
-
 TEST_CASE("a street is followed from the first pair on, also at four times the speed",
           "[track][real][long]") {
   const std::filesystem::path folder = "../shared/data/stereo_video_kitti1_long";
   if (!std::filesystem::exists(folder)) PALPABLE_SKIP("no folder " + folder.string());
-  const std::vector<Rigid3> published = published_poses(folder / "poses.txt");
+  const std::vector<StampedPose> published = read_published_poses(folder).poses;
   for (const int every : {1, 2, 4}) {
     INFO("each " << every << ". pair");
     auto source = value_or_throw(open_folder(folder));
@@ -37,7 +26,8 @@ TEST_CASE("a street is followed from the first pair on, also at four times the s
     SeenFrame seen;
     StageTimes times;
     double path = 0, off = 0;
-    Rigid3 last = published.front();
+    const Rigid3 first = published.front().world_from_camera;
+    Rigid3 last = first;
     for (int n = 0; source->next(frame) == FrameStatus::kFrame; ++n) {
       if (n % every != 0) continue;
       camera.see(frame, seen);
@@ -45,12 +35,10 @@ TEST_CASE("a street is followed from the first pair on, also at four times the s
       INFO("pair " << n);
       CHECK(pose.state == (n == 0 ? TrackState::kFixed : TrackState::kTracking));
       CHECK((n == 0) == pose.world_from_camera.matrix().isIdentity(0));
-      const Rigid3& truth = published.at(static_cast<std::size_t>(n));
+      const Rigid3& truth = published.at(static_cast<std::size_t>(n)).world_from_camera;
       path += (truth.translation() - last.translation()).norm();
       last = truth;
-      off = ((published.front().inverse() * truth).translation() -
-             pose.world_from_camera.translation())
-                .norm();
+      off = ((first.inverse() * truth).translation() - pose.world_from_camera.translation()).norm();
     }
     REQUIRE(path > 50);
     CHECK(off <= tolerance(0.012, "issue 30: 1.2 % of the way") * path);

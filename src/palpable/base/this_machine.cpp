@@ -1,10 +1,13 @@
 #include "palpable/base/this_machine.h"
 
+#include "palpable/base/error.h"
+
 #include <fmt/core.h>
 
 #include <ctime>
 #include <fstream>
 #include <sys/resource.h>
+#include <system_error>
 #include <thread>
 
 namespace palpable {
@@ -34,6 +37,13 @@ std::string processor_name() {
     break;
   }
   return fmt::format("{}, {} cores", name, std::thread::hardware_concurrency());
+}
+
+std::filesystem::path folder_of_program() {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) throw Error("the folder of this program is not known: " + error.message());
+  return self.parent_path();
 }
 
 std::string date_today() {

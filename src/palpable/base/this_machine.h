@@ -1,8 +1,9 @@
 /// @file
-/// Facts that reports state beside their measurements: the machine, memory, processor time, the
-/// day.
+/// Facts of the process and where it runs: memory, processor time, the machine, the day; reports
+/// state them beside their measurements.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace palpable {
@@ -16,6 +17,10 @@ namespace palpable {
 
 /// The processor's name in /proc/cpuinfo with the number of cores: "..., 2 cores".
 [[nodiscard]] std::string processor_name();
+
+/// The folder of the running program's file, where its companions lie.
+/// @throws Error where the system does not tell
+[[nodiscard]] std::filesystem::path folder_of_program();
 
 /// Today by UTC, as in "2026-11-21".
 [[nodiscard]] std::string date_today();

@@ -365,7 +365,7 @@ std::string lead_text(const ReducedBody& body) {
 
 // Builds the CSV: one figure a line, with what it is, its field and its parameters.
 struct Table {
-  std::string text = "quantity,field,modes,site,level,further,value,unit\n";
+  std::string text = fmt::format("{}\n", kBodyTableHeader);
 
   void add(std::string_view quantity, std::string_view field, std::string_view modes,
            std::string_view site, std::string_view level, std::string_view further, double value,

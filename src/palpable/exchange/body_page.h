@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpable {
@@ -31,7 +32,10 @@ struct BodyPageFacts {
 [[nodiscard]] std::string body_page(const ReducedBody& body, const BodyPageFacts& facts,
                                     const std::string& csv_name);
 
-/// The same numbers as CSV, one a line: quantity,field,modes,site,level,further,value,unit
+/// The first line of the table below.
+constexpr std::string_view kBodyTableHeader = "quantity,field,modes,site,level,further,value,unit";
+
+/// The same numbers as CSV, one a line.
 [[nodiscard]] std::string body_table(const ReducedBody& body, const BodyPageFacts& facts);
 
 }  // namespace palpable

@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kColors[] = {"#2563c9", "#d2601a", "#0f8a6a",
                                         "#8b47b8", "#b0892a", "#c2315a"};
 
-// Text within "..." of a gnuplot script, without its marks for subscripts and Greek letters.
+// Text within "..." of a gnuplot script.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -43,9 +43,10 @@ std::string script_of(const std::vector<Chart>& charts, const std::filesystem::p
     script += "plot ";
     for (std::size_t i = 0; i < chart.lines.size(); ++i) {
       const ChartLine& line = chart.lines[i];
-      script += fmt::format("{}\"-\" using 1:2 with {} lw 2 pt 7 ps 0.5 lc rgb \"{}\" title {}",
-                            i > 0 ? ", " : "", line.x.size() <= 40 ? "linespoints" : "lines",
-                            kColors[i % std::size(kColors)], quoted(line.name));
+      script +=
+          fmt::format("{}\"-\" using 1:2 with {} lw 2 lc rgb \"{}\" title {}", i > 0 ? ", " : "",
+                      line.x.size() <= 40 ? "linespoints pt 7 ps 0.5" : "lines",
+                      kColors[i % std::size(kColors)], quoted(line.name));
     }
     script += "\n";
     for (const ChartLine& line : chart.lines) {
@@ -84,7 +85,8 @@ void draw_charts(const std::vector<Chart>& charts, const std::filesystem::path& 
     }
   }
   expect_writable(png);
-  std::FILE* gnuplot = ::popen("gnuplot 2>&1 >/dev/null", "w");
+  // What it complains of is for people.
+  std::FILE* gnuplot = ::popen("gnuplot >/dev/null", "w");
   if (gnuplot == nullptr) expect_gnuplot();
   const std::string script = script_of(charts, png);
   const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();

@@ -59,8 +59,8 @@ class FigureMaker {
     figure_.films.push_back(fs::path("runs") / run / "touch.mp4");
     return *this;
   }
-  FigureMaker& by(std::initializer_list<const char*> steps) {
-    for (const char* name : steps) {
+  FigureMaker& by(std::initializer_list<std::string> steps) {
+    for (const std::string& name : steps) {
       figure_.commands.push_back(plan_.step(name).command(plan_.settings().root));
     }
     return *this;
@@ -244,7 +244,7 @@ void add_modes_and_frames(const PaperPlan& plan, const std::string& name, const 
           .charts(function_charts(table, "displacement"), "functions of displacement's modes")
           .charts(function_charts(table, "stress"), "functions of the stress' modes")
           .table(plan.settings().out / "reports" / (name + ".csv"))
-          .by({bake.c_str(), reduce.c_str(), modes.c_str(), stress.c_str(), report.c_str()})
+          .by({bake, reduce, modes, stress, report})
           .made());
   const bool touch = plan.settings().touch;
   const std::string run = name + (touch ? "-anywhere" : "-live");
@@ -266,7 +266,7 @@ void add_modes_and_frames(const PaperPlan& plan, const std::string& name, const 
       .frame(name + "-paper", F::kBack, "the second one by Algorithm 1 as printed")
       .film(run)
       .film(name + "-paper")
-      .by({film.c_str(), touch ? anywhere.c_str() : live.c_str(), paper.c_str()});
+      .by({film, touch ? anywhere : live, paper});
   figures.push_back(frames.made());
 }
 
@@ -341,7 +341,7 @@ void add_contact_points(const PaperPlan& plan, std::vector<PaperFigure>& figures
   for (const std::string name : {"bunny", "dragon"}) {
     if (!plan.has(name == "bunny" ? PaperExample::kBunny : PaperExample::kDragon)) continue;
     figure.picture(plan.settings().out / "pictures" / (name + "-sites") / "2_sites.png", name)
-        .by({(name + "/sites").c_str()});
+        .by({name + "/sites"});
   }
   figures.push_back(figure.made());
 }

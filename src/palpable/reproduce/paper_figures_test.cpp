@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
+#include "palpable/exchange/body_page.h"
 #include "palpable/reproduce/chart.h"
 #include "palpable/reproduce/paper_page.h"
 #include "palpable/reproduce/report_table.h"
@@ -10,9 +11,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fcntl.h>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 namespace palpable {
@@ -35,7 +39,7 @@ std::string bytes_of(const fs::path& file) {
 
 // What `palpable report` writes: errors that fall with the modes, two functions.
 std::string small_report() {
-  std::string text = "quantity,field,modes,site,level,further,value,unit\n";
+  std::string text = fmt::format("{}\n", kBodyTableHeader);
   for (const char* field : {"displacement", "stress"}) {
     text += std::string("error_all_together,") + field + ",,,,,0.001,1\n";  // the body's own
     for (const char* quantity : {"error_all_together", "error_median", "error_worst"}) {
@@ -149,6 +153,36 @@ TEST_CASE("what a step reads an earlier one has made", "[reproduce]") {
       }
     }
   }
+}
+
+// What is written to standard output and error meanwhile.
+template <class Work>
+std::string said_by(const fs::path& file, const Work& work) {
+  std::cout.flush();
+  std::cerr.flush();
+  const int out = ::dup(STDOUT_FILENO), error = ::dup(STDERR_FILENO);
+  const int to = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  ::dup2(to, STDOUT_FILENO);
+  ::dup2(to, STDERR_FILENO);
+  work();
+  ::dup2(out, STDOUT_FILENO);
+  ::dup2(error, STDERR_FILENO);
+  for (const int used : {out, error, to}) ::close(used);
+  return bytes_of(file);
+}
+
+TEST_CASE("charts of few points and of many are drawn without a word", "[reproduce]") {
+  const test::ScratchFolder folder("chart");
+  ChartLine few{"few", {1, 2, 3}, {0.1, 0.01, 0.02}}, many{"many \"lines\"", {}, {}};
+  for (int k = 1; k < 200; ++k) {
+    many.x.push_back(k);
+    many.y.push_back(1.0 / k);
+  }
+  const fs::path png = folder / "a.png";
+  CHECK(said_by(folder / "said.txt", [&] {
+          draw_charts({{"a", "x", "y", true, {few, many}}, {"b", "x", "y", false, {many}}}, png);
+        }).empty());
+  CHECK(bytes_of(png).substr(1, 3) == "PNG");
 }
 
 TEST_CASE("of a report's table the lines of a chart are read", "[reproduce]") {

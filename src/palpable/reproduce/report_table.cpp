@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/whole_file.h"
+#include "palpable/exchange/body_page.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +15,6 @@
 namespace palpable {
 namespace {
 
-constexpr std::string_view kHeader = "quantity,field,modes,site,level,further,value,unit";
 constexpr std::size_t kCells = 8;
 
 double number_of(std::string_view cell) {
@@ -46,7 +46,7 @@ std::vector<ReportRow> read_report_table(const std::filesystem::path& csv) {
     const std::string_view line = rest.substr(0, end);
     rest.remove_prefix(std::min(end + 1, rest.size()));
     if (number == 0) {
-      if (line != kHeader) {
+      if (line != kBodyTableHeader) {
         throw Error(fmt::format("{}: line 1: is no table of palpable report", csv.string()));
       }
       continue;

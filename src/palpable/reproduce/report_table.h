@@ -10,7 +10,7 @@
 
 namespace palpable {
 
-/// A row of "quantity,field,modes,site,level,further,value,unit". Cells that are empty are NaN.
+/// A row of body_table() (exchange/body_page.h). Cells that are empty are NaN.
 struct ReportRow {
   std::string quantity, field;
   double modes = 0, site = 0, level = 0, value = 0;

@@ -212,6 +212,16 @@ TEST_CASE("a body that stays at rest misses the touch and is penetrated", "[scor
   CHECK(scores.deformed.displacement_error_mm_shallow->median == Approx(2));
   CHECK(scores.deformed.von_mises_error->median == Approx(1));
   CHECK(scores.deformed.force_error->median == Approx(1));
+  REQUIRE(scores.deformed.frames.size() == 2);
+  for (const DeformedFrame& frame : scores.deformed.frames) {
+    CHECK(*frame.displacement_error == Approx(1));
+    CHECK(*frame.von_mises_error == Approx(1));
+    CHECK(*frame.force_error == Approx(1));
+  }
+  CHECK(scores.deformed.frames[0].frame < scores.deformed.frames[1].frame);
+  CHECK(*scores.deformed.frames[0].displacement_error_mm +
+            *scores.deformed.frames[1].displacement_error_mm ==
+        Approx(14));  // 6 and 8 mm
   CHECK(scores.deformed.overpress_mm->p99 == 0);
   // 2, 6 and 8 mm; not the 12 mm of a ball that passes through, nor the 6 that no camera sees.
   CHECK(*scores.surface.penetration_median_mm == Approx(6));

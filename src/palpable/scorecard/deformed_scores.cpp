@@ -101,6 +101,7 @@ class SkinErrors {
     return true;
   }
 
+  // @pre scores.frames are the deep and seen ones of those that were added
   void write(DeformedScores& scores) const {
     scores.displacement_error = median_and_p90(relative_);
     scores.displacement_error_mm = median_and_p90(worst_mm_);
@@ -108,6 +109,11 @@ class SkinErrors {
     scores.displacement_error_mm_unseen = median_and_p90(unseen_mm_);
     scores.overpress_mm = p50_and_p99(overpress_mm_);
     if (stress_known_) scores.von_mises_error = median_and_p90(stress_);
+    for (std::size_t k = 0; k < relative_.size(); ++k) {
+      scores.frames[k].displacement_error = relative_[k];
+      scores.frames[k].displacement_error_mm = worst_mm_[k];
+      if (stress_known_) scores.frames[k].von_mises_error = stress_[k];
+    }
   }
 
  private:
@@ -161,25 +167,25 @@ std::optional<Eigen::Vector3d> force_of(const FoundTouch& touch, const ReducedBo
 }
 
 // As in the other scores of touches, a frame that was not processed feels nothing.
-std::optional<MedianAndP90> score_forces(const TruthFolder& truth, const ResultFolder& result,
-                                         const std::vector<DeformedLine>& lines,
-                                         const ReducedBody* body) {
-  if (!result.touches) return std::nullopt;
+// @param lines  those of scores.frames
+void add_force_scores(const ResultFolder& result, const std::vector<DeformedLine>& lines,
+                      const ReducedBody* body, DeformedScores& scores) {
+  if (!result.touches) return;
   std::vector<double> errors;
   for (const DeformedLine& line : lines) {
-    if (!is_deep(line) || !truth.is_seen(line.frame)) continue;
     std::vector<Eigen::Vector3d> felt;
     const auto touches = result.touches->find(line.frame);
     if (touches != result.touches->end() && result.processed[line.frame] != 0) {
       for (const FoundTouch& touch : touches->second) {
         const std::optional<Eigen::Vector3d> force = force_of(touch, body);
-        if (!force) return std::nullopt;
+        if (!force) return;
         felt.push_back(*force);
       }
     }
     errors.push_back(force_error(line.force, felt));
   }
-  return median_and_p90(errors);
+  scores.force_error = median_and_p90(errors);
+  for (std::size_t k = 0; k < errors.size(); ++k) scores.frames[k].force_error = errors[k];
 }
 
 }  // namespace
@@ -193,15 +199,20 @@ DeformedScores score_deformed(const TruthFolder& truth, const ResultFolder& resu
   scores.deformed_frames = 0;
   scores.deformed_frames_shallow = 0;
   scores.deformed_frames_unseen = 0;
+  std::vector<DeformedLine> deep;
   for (const DeformedLine& line : lines) {
     if (!truth.is_seen(line.frame)) {
       ++*scores.deformed_frames_unseen;
+    } else if (!is_deep(line)) {
+      ++*scores.deformed_frames_shallow;
     } else {
-      ++*(is_deep(line) ? scores.deformed_frames : scores.deformed_frames_shallow);
+      ++*scores.deformed_frames;
+      scores.frames.emplace_back().frame = line.frame;
+      deep.push_back(line);
     }
   }
   add_skin_scores(truth, result, lines, skins, scores);
-  scores.force_error = score_forces(truth, result, lines, body);
+  add_force_scores(result, deep, body, scores);
   return scores;
 }
 

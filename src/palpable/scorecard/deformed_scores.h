@@ -7,8 +7,16 @@
 #include "palpable/scorecard/folders.h"
 
 #include <optional>
+#include <vector>
 
 namespace palpable {
+
+/// Of a frame that is 4 mm deep or more, and seen; by the names of docs/benchmark.md. Nothing is
+/// what the result does not say.
+struct DeformedFrame {
+  int frame = 0;
+  std::optional<double> displacement_error, displacement_error_mm, von_mises_error, force_error;
+};
 
 /// By the names of docs/benchmark.md; nothing without a truth of that kind.
 struct DeformedScores {
@@ -22,6 +30,7 @@ struct DeformedScores {
   std::optional<MedianAndP90> von_mises_error;
   std::optional<MedianAndP90> force_error;
   std::optional<P50AndP99> overpress_mm;
+  std::vector<DeformedFrame> frames;  ///< of which displacement, stress and force are told above
 };
 
 /// A figure is nothing when it is not known of some frame, which might be the worst. A frame that

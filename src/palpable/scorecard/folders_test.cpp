@@ -273,6 +273,7 @@ TEST_CASE("what has no score is null for programs and a dash for people", "[scor
   "von_mises_error": null,
   "force_error": null,
   "overpress_mm": null,
+  "deformed_by_frame": null,
   "placement_error_mm": null,
   "jitter_mm": null,
   "row_error_px": null

@@ -23,6 +23,19 @@ Json or_null(const std::optional<P50AndP99>& value) {
   return value ? both("p50", value->p50, "p99", value->p99) : Json(nullptr);
 }
 
+Json by_frame(const DeformedScores& deformed) {
+  if (!deformed.deformed_frames) return nullptr;
+  Json frames = Json::array();
+  for (const DeformedFrame& frame : deformed.frames) {
+    frames.push_back({{"frame", frame.frame},
+                      {"displacement_error", or_null(frame.displacement_error)},
+                      {"displacement_error_mm", or_null(frame.displacement_error_mm)},
+                      {"von_mises_error", or_null(frame.von_mises_error)},
+                      {"force_error", or_null(frame.force_error)}});
+  }
+  return frames;
+}
+
 // @param scores  a Scorecard, or BodyScores
 template <class Scores>
 void add_press(const Scores& scores, Json& json) {
@@ -54,6 +67,7 @@ void add_press(const Scores& scores, Json& json) {
   json["von_mises_error"] = or_null(deformed.von_mises_error);
   json["force_error"] = or_null(deformed.force_error);
   json["overpress_mm"] = or_null(deformed.overpress_mm);
+  json["deformed_by_frame"] = by_frame(deformed);
 }
 
 void add_depth(const ImageScores& images, Json& json) {
