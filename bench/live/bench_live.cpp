@@ -49,6 +49,9 @@ constexpr double kRate = 30;  // frames a second of a paced run
 struct LiveBenchOptions {
   fs::path body;
   fs::path dragon;
+  fs::path source;      // the user's own pictures instead of the films; empty: none
+  fs::path scene;       // with `source`: several bodies instead of one
+  std::string contact;  // with `source`; empty: what the body has tables for
   fs::path clips = fs::temp_directory_path() / "palpable-bench-live";
   std::vector<std::string> runs;  // empty: all
   int film = 300;                 // frames of each film; played there and back
@@ -84,6 +87,8 @@ constexpr std::array kCases{LiveCase{.name = "bunny"},
                             LiveCase{.name = "1080p", .width = 1920, .height = 1080},
                             LiveCase{.name = "bunny_moving", .film = "walk-hand"},
                             LiveCase{.name = "dragon", .dragon = true}};
+// Of --source, alone.
+constexpr LiveCase kSourceCase{.name = "source"};
 
 std::string names_of_cases() {
   std::string names;
@@ -230,15 +235,10 @@ class Films {
   MemoryFilm film_;
 };
 
-LiveFigures run_case(const LiveCase& one, const LiveBenchOptions& options, const fs::path& body,
-                     Films& films, ProgressBar& bar) {
-  LiveOptions live;
-  live.body = body;
-  live.contact = one.contact;
+// @param live  bodies, the folder that the film was read from, contact
+LiveFigures play_case(const LiveCase& one, LiveOptions live, const MemoryFilm& film,
+                      const LiveBenchOptions& options, ProgressBar& bar) {
   live.threads = options.threads;
-  const fs::path frames = films.folder_of(one, body);
-  live.input.source = frames.string();
-  const MemoryFilm& film = films.film_of(one, frames);
   std::unique_ptr<FrameSource> source = play(film, one.converted);
   if (one.paced) source = paced(std::move(source));
   LiveSetUp setup = set_up_live(live, std::move(source));
@@ -261,6 +261,27 @@ LiveFigures run_case(const LiveCase& one, const LiveBenchOptions& options, const
   if (painter) painter->throw_gl_errors();
   figures.peak_memory = peak_memory();
   return figures;
+}
+
+LiveFigures run_case(const LiveCase& one, const LiveBenchOptions& options, const fs::path& body,
+                     Films& films, ProgressBar& bar) {
+  LiveOptions live;
+  live.body = body;
+  live.contact = one.contact;
+  const fs::path frames = films.folder_of(one, body);
+  live.input.source = frames.string();
+  return play_case(one, live, films.film_of(one, frames), options, bar);
+}
+
+// The user's own pictures.
+LiveFigures run_source(const LiveCase& one, const LiveBenchOptions& options, ProgressBar& bar) {
+  LiveOptions live;
+  live.body = options.body;
+  live.scene = options.scene;
+  live.contact = options.contact;
+  live.input.source = options.source.string();
+  const MemoryFilm film = read_film(options.source, {.frames = options.film});
+  return play_case(one, live, film, options, bar);
 }
 
 Json stages_of(const LiveFigures& figures) {
@@ -314,22 +335,26 @@ void add_keys(const AllFigures& all, Json& result) {
 // Which runs were not made, and why.
 using LeftOut = std::map<std::string, std::string>;
 
+// As the runs were made.
+std::vector<std::pair<std::string_view, LiveFigures>> in_order(const AllFigures& all) {
+  std::vector<std::pair<std::string_view, LiveFigures>> figures;
+  const auto add = [&](std::string_view name) {
+    if (const auto found = all.find(name); found != all.end()) figures.push_back(*found);
+  };
+  add(kSourceCase.name);
+  for (const LiveCase& one : kCases) add(one.name);
+  return figures;
+}
+
 void print_table(const AllFigures& all, const LeftOut& left_out) {
   fmt::print("{:<14}{:>8}{:>10}{:>12}{:>12}{:>9}{:>9}{:>13}\n", "run", "fps", "CPU ms",
              "sum p50 ms", "sum p99 ms", "copy ms", "dropped", "allocations");
-  for (const LiveCase& one : kCases) {
-    const auto found = all.find(one.name);
-    if (found == all.end()) continue;
-    const LiveFigures& f = found->second;
-    fmt::print("{:<14}{:>8.1f}{:>10.1f}{:>12.1f}{:>12.1f}{:>9.2f}{:>9}{:>13}\n", one.name,
+  for (const auto& [name, f] : in_order(all)) {
+    fmt::print("{:<14}{:>8.1f}{:>10.1f}{:>12.1f}{:>12.1f}{:>9.2f}{:>9}{:>13}\n", name,
                f.run.frames_per_second, f.run.cpu_ms_per_frame, f.total_p50_ms, f.total_p99_ms,
                f.copy_ms, f.run.dropped, f.allocations);
   }
-  for (const LiveCase& one : kCases) {
-    const auto found = all.find(one.name);
-    if (found == all.end()) continue;
-    fmt::print("\n{}\n  {}\n", one.name, text_of(found->second.run));
-  }
+  for (const auto& [name, f] : in_order(all)) fmt::print("\n{}\n  {}\n", name, text_of(f.run));
   for (const auto& [name, why] : left_out) fmt::print("\n{}: left out: {}\n", name, why);
 }
 
@@ -338,17 +363,30 @@ bool is_wanted(const LiveCase& one, const LiveBenchOptions& options) {
   return runs.empty() || std::find(runs.begin(), runs.end(), one.name) != runs.end();
 }
 
-void bench_live(LiveBenchOptions options) {
+void expect_consistent(const LiveBenchOptions& options) {
+  if (options.source.empty()) {
+    if (!options.scene.empty()) throw Error("--scene is of --source: the films have one body");
+    if (!options.contact.empty())
+      throw Error("--contact is of --source: of the films there are the runs site and paper");
+  } else if (!options.runs.empty()) {
+    throw Error("--runs are of the films; --source is one run of its own");
+  }
   for (const std::string& name : options.runs) {
     if (std::none_of(kCases.begin(), kCases.end(),
                      [&](const LiveCase& c) { return c.name == name; })) {
       throw Error(fmt::format("--runs {}: not one of {}", name, names_of_cases()));
     }
   }
-  if (options.body.empty()) {
+}
+
+void bench_live(LiveBenchOptions options) {
+  expect_consistent(options);
+  if (options.body.empty() && options.scene.empty()) {
     options.body = first_there({"build/bodies/bunny.palpable", "out/demo/bunny.palpable"});
   }
-  if (options.body.empty()) throw Error("name a body file; ./demo makes one");
+  if (options.body.empty() && options.scene.empty()) {
+    throw Error("name a body file; ./demo makes one");
+  }
   if (options.dragon.empty()) options.dragon = first_there({"build/bodies/dragon.palpable"});
   share_drawing_threads(options.threads);
   const std::string renderer = value_or_throw(GlContext::offscreen()).description();
@@ -358,8 +396,12 @@ void bench_live(LiveBenchOptions options) {
   AllFigures all;
   LeftOut left_out;
   Json modes = Json::object();
+  if (!options.source.empty()) {
+    all[kSourceCase.name] = run_source(kSourceCase, options, bar);
+    modes[kSourceCase.name] = mode_of(all[kSourceCase.name]);
+  }
   for (const LiveCase& one : kCases) {
-    if (!is_wanted(one, options)) continue;
+    if (!options.source.empty() || !is_wanted(one, options)) continue;
     const fs::path& body = one.dragon ? options.dragon : options.body;
     if (body.empty()) {
       left_out[std::string(one.name)] =
@@ -376,7 +418,7 @@ void bench_live(LiveBenchOptions options) {
   result["machine"] = processor_name();
   result["renderer"] = renderer;
   result["threads"] = options.threads > 0 ? options.threads : usual_threads();
-  result["body"] = options.body.string();
+  result["body"] = (options.scene.empty() ? options.body : options.scene).string();
   add_keys(all, result);
   result["modes"] = modes;
   result["left_out"] = left_out.empty() ? Json::object() : Json(left_out);
@@ -396,6 +438,15 @@ void add_bench_live(Command bench) {
                      "The dragon. Default: build/bodies/dragon.palpable; without it its run is "
                      "left out");
   command.add_option("--runs", options->runs, fmt::format("Only these: {}", names_of_cases()));
+  command
+      .add_option("--source", options->source,
+                  "Play this folder of raw stereo pairs instead, the body where its scene.toml "
+                  "says: one run, called source")
+      .type_name("DIR");
+  command.add_option("--scene", options->scene, "With --source: its bodies, instead of one")
+      .type_name("FILE");
+  command.add_option("--contact", options->contact, "With --source, as of palpable live")
+      .one_of({"anywhere", "site", "paper"});
   command.add_option("--film", options->film, "Frames of each film: 3.7 MB of memory each at 720p")
       .in_range(1, 10'000)
       .show_default();
@@ -419,7 +470,8 @@ void add_bench_live(Command bench) {
       "three minutes, the first time as long again for the films, and 1.5 GB of memory. "
       "docs/benchmark.md says what each run is and what the keys mean.\n"
       "Example: palpable bench live out/demo/bunny.palpable --json\n"
-      "Example: palpable bench live --runs bunny bare --frames 600");
+      "Example: palpable bench live --runs bunny bare --frames 600\n"
+      "Example: palpable bench live bunny.palpable --source clip/frames");
   command.callback([options] { bench_live(*options); });
 }
 

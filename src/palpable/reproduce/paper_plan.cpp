@@ -96,6 +96,20 @@ void PaperPlan::add_run(const std::string& name, const std::string& what, const 
              .own_folder = out});
 }
 
+// The loop alone, as a camera feeds it: its pictures are in memory, and nothing is written.
+void PaperPlan::add_bench(const std::string& name, const Words& body, const Words& words) {
+  const fs::path out = settings_.out / "runs" / (name + "-bench.json");
+  add(name + "/bench",
+      {.what = name + ": frames a second of the loop",
+       .words = Words{"bench", "live"} + body +
+                Words{"--source", (settings_.out / "films" / name / "frames").string(), "--film",
+                      "120", "--frames", "150", "--json"} +
+                words,
+       .product = out,
+       .seconds = 10,
+       .prints_product = true});
+}
+
 void PaperPlan::write_inputs() const {
   if (!has(PaperExample::kBeams)) return;
   const fs::path scene = settings_.root / "scenes" / "crossed-beams.toml";
@@ -139,6 +153,7 @@ void PaperPlan::add_beams() {
   add_run("beams/live", "beams: live", scene, "beams", frames, 20);
   add_run("beams/paper", "beams: live, by Algorithm 1 as printed", scene, "beams",
           Words{"--contact", "paper"} + frames, 20);
+  add_bench("beams", scene, {});
 }
 
 void PaperPlan::add_solid(const std::string& name, double bake_seconds) {
@@ -194,6 +209,7 @@ void PaperPlan::add_solid(const std::string& name, double bake_seconds) {
   add_run(name + "/live", name + ": live", {body}, name, Words{"--contact", "site"} + frames, 20);
   add_run(name + "/paper", name + ": live, by Algorithm 1 as printed", {body}, name,
           Words{"--contact", "paper"} + frames, 20);
+  add_bench(name, {body}, {"--contact", settings_.touch ? "anywhere" : "site"});
   if (settings_.touch) {
     add_run(name + "/anywhere", name + ": live, touched anywhere", {body}, name,
             Words{"--contact", "anywhere"} + frames, 20);

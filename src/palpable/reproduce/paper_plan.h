@@ -44,6 +44,8 @@ class PaperPlan {
   void add_run(const std::string& name, const std::string& what,
                const std::vector<std::string>& body, const std::string& film,
                const std::vector<std::string>& words, double seconds);
+  void add_bench(const std::string& name, const std::vector<std::string>& body,
+                 const std::vector<std::string>& words);
 
   PlanSettings settings_;
   std::vector<PaperExample> examples_;

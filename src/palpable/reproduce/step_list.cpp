@@ -111,12 +111,14 @@ void StepList::run_one(const Step& step, std::size_t number) {
   if (!step.own_folder.empty()) fs::remove_all(step.own_folder);
   make_folder(step.own_folder.empty() ? step.product.parent_path() : step.own_folder.parent_path());
   const fs::path log = folder_ / "logs" / fmt::format("{:02}.txt", number);
+  if (step.prints_product) fs::remove(step.product);  // an earlier one's, of another command
   const auto begin = std::chrono::steady_clock::now();
   const int status = run_program(step, log);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM)) {
     throw Error("stopped; the same command goes on where it was");
   }
+  if (status == 0 && step.prints_product) fs::rename(log, step.product);
   if (status != 0 || !fs::exists(step.product)) {
     throw Error(
         fmt::format("{}: failed; what it printed is in {}, its command was\n  {}\nonce that is "

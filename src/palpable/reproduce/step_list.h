@@ -19,6 +19,7 @@ struct Step {
   std::filesystem::path product = {};  ///< a file that is whole when it is there
   double seconds = 1;                  ///< expected, of two cores
   bool is_bake = false;                ///< its time counts as the offline half's
+  bool prints_product = false;         ///< the product is what it prints
   /// Folder that is emptied before it begins: of commands that do not write over what is there.
   std::filesystem::path own_folder = {};
 
@@ -42,7 +43,7 @@ class StepList {
   /// Whether the same command was finished before and what it made is still there.
   [[nodiscard]] bool is_done(const Step& step) const;
   /// Runs those that are not done. Their progress bars and complaints come through to stderr; what
-  /// they print goes to logs/.
+  /// they print goes to logs/, or is their product.
   /// @param say  is told before each, "[3 of 17] dragon: the film; some 4 min left"
   /// @throws Error where one fails or is stopped
   void run(const std::vector<Step>& steps, const std::function<void(const std::string&)>& say);

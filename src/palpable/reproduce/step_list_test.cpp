@@ -85,6 +85,26 @@ TEST_CASE("a command that ends well without its product has failed", "[reproduce
   CHECK_THROWS_AS(list.run({step}, [](const std::string&) {}), Error);
 }
 
+TEST_CASE("what a command prints may be what it leaves, once it has ended well", "[reproduce]") {
+  const test::ScratchFolder folder("step_list_prints");
+  Step step{.what = "a figure",
+            .program = "/bin/sh",
+            .words = {"-c", "echo 42; exit 1"},
+            .product = folder / "figures" / "a.json",
+            .prints_product = true};
+  StepList list(folder / "work");
+  const auto quiet = [](const std::string&) {};
+  CHECK_THROWS_AS(list.run({step}, quiet), Error);
+  CHECK_FALSE(fs::exists(step.product));
+  step.words[1] = "echo 42";
+  list.run({step}, quiet);
+  CHECK(list.is_done(step));
+  std::ifstream in(step.product);
+  std::string line;
+  std::getline(in, line);
+  CHECK(line == "42");
+}
+
 TEST_CASE("a command reads as a user types it", "[reproduce]") {
   const Step step{
       .what = {},
