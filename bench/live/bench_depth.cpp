@@ -279,7 +279,7 @@ class OutlineTimes {
     Times least;
     for (int i = 0; i < 5; ++i) {
       keep_least(least, timed([&] {
-                   fill_unknown(seen.depth, box, kHoles, nearest_, filled_);
+                   fill_unknown(seen.depth, nullptr, box, kHoles, nearest_, filled_);
                    outlines_.find({.picture = seen.color,
                                    .box = box,
                                    .depth = filled_,

@@ -44,6 +44,9 @@ constexpr int kFewestBeside = 3;
 // one that sways and rests for a moment.
 constexpr int kToStand = 12;
 
+// Frames for which it must have stood before the map is taken to know what depths it is going to.
+constexpr int kToKnow = 60;
+
 // While nothing moves, the canvas of a camera that sways is drawn in every 4th frame only, to
 // learn.
 constexpr int kQuietEvery = 4;
@@ -143,6 +146,7 @@ void MovingMask::resize(const DepthImage& depth) {
   depth_size_ = {depth.width(), depth.height()};
   tile_depth_ = DepthImage(width, height);
   tile_label_ = tile_moves_ = tile_static_ = Image<std::uint8_t>(width, height);
+  borrowed_ = MaskImage(depth.width(), depth.height());
   ray_depth_ = DepthImage((width + 1) / 2, (height + 1) / 2);
   smooth_.resize((width + 1) / 2);
   lowest_.resize(2 * smooth_.size());
@@ -402,10 +406,26 @@ void MovingMask::relabel_with_depth(const StaticPicture& picture, int i, int j) 
   const bool moves = label >= kChanged && label != kCarried;
   if (shows_scene) {
     // Its depth is one that the matcher took over from a neighbour.
+    if (is_borrowed(picture, i, j)) mark_borrowed(i, j);
     label = kUnknown;
     tile_depth_(i, j) = kNaN;
   } else if (look == StaticPicture::kShadow && !moves) {
     label = kStatic;  // nothing speaks for a motion but a neighbour: it is the scene in the shade
+  }
+}
+
+// Of a tile that looks as the scene does and whose depth is not known to be the scene's: whether it
+// is known not to be. What has come and was learnt since has no look of the scene; and where it was
+// not seen free, a depth is the scene's until the map has had the time to know it.
+bool MovingMask::is_borrowed(const StaticPicture& picture, int i, int j) const {
+  if (&picture != &picture_ || stood_ < kToKnow || !picture.looks_as_ever(i, j)) return false;
+  return tile_label_(i, j) == kMoving || picture.is_plain(i, j);
+}
+
+void MovingMask::mark_borrowed(int i, int j) {
+  const int across = std::min(kTile, borrowed_.width() - kTile * i);
+  for (int y = kTile * j; y < std::min(kTile * (j + 1), borrowed_.height()); ++y) {
+    std::fill_n(borrowed_.row(y) + kTile * i, across, std::uint8_t{255});
   }
 }
 
@@ -425,6 +445,7 @@ const MaskImage& MovingMask::find(const SeenFrame& seen, const Rigid3& world_fro
             c.fy_px / kTile,     (c.cx_px - 2) / kTile, (c.cy_px - 2) / kTile};
   sample(seen);
   label(world_from_camera, map);
+  std::fill(borrowed_.begin(), borrowed_.end(), std::uint8_t{0});
   compare_look(seen, world_from_camera);
   moved_ = groups_.find(tile_depth_, tile_label_);
   mark_label(tile_label_.data(), kMoving, tile_moves_.data(), tile_moves_.size());

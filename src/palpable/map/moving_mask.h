@@ -80,6 +80,11 @@ class MovingMask {
   const MaskImage& find(const SeenFrame& seen, const Rigid3& world_from_camera,
                         const SurfaceMap* map);
 
+  /// Of the depth's size: 255 where the last frame's depth is none of the pixel's own. It looks as
+  /// the scene there does, and what was known of the scene's depth there is another one: the
+  /// matcher took it over from what stands beside it, or found it by chance.
+  [[nodiscard]] const MaskImage& borrowed() const { return borrowed_; }
+
   /// Learns from the frame of the last find(): through which cells it looked, and how the scene
   /// looks. Do not call it for a frame whose pose is not known.
   void learn(const Rigid3& world_from_camera);
@@ -125,6 +130,8 @@ class MovingMask {
   void relabel_by_look(const StaticPicture& picture, bool is_starting, int i, int j);
   void relabel_without_depth(const StaticPicture& picture, int i, int j);
   void relabel_with_depth(const StaticPicture& picture, int i, int j);
+  [[nodiscard]] bool is_borrowed(const StaticPicture& picture, int i, int j) const;
+  void mark_borrowed(int i, int j);
   void find_ray_depths();
 
   DepthNoise noise_;
@@ -142,6 +149,7 @@ class MovingMask {
   std::vector<float> smooth_;  // per 2 x 2 tiles of two rows: the mean depth, or 0
   TileGroups groups_;
   Image<std::uint8_t> tile_moves_;  // 1 or 0
+  MaskImage borrowed_;
   MaskOutline outline_;
 
   StaticPicture picture_;                     // for a camera that stands

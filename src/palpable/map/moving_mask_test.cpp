@@ -179,6 +179,84 @@ TEST_CASE("a hand that a matcher made too wide is cut to its look", "[map][movin
   CHECK(wrong <= test::tolerance(1, "px at its left border, which is 72 px long") * 72);
 }
 
+// A wall, and below it white paper, on which nothing has a depth but what is put there by cover().
+struct Paper : Scene {
+  static constexpr int kEdge = 60;                      // its first row
+  static constexpr int kRows = 180 - kEdge;  // whole tiles
+  explicit Paper(unsigned seed) : Scene(seed), depth(kCamera.width, kCamera.height, 1.5F) {
+    place(0, kCamera.width, kNaN);
+  }
+  // Depth of the paper's columns x0 .. x1.
+  void place(int x0, int x1, float Z) { cover(depth, x0, kEdge, x1, kCamera.height, Z); }
+  // A frame with a hand in columns x0 .. x1 of the picture; what has a depth is the caller's.
+  void show_paper(int x0 = 0, int x1 = 0) {
+    std::normal_distribution<double> normal(0, 0.7);
+    seen.left.resize(kCamera.width, kCamera.height);
+    seen.color.resize(kCamera.width, kCamera.height);
+    for (int y = 0; y < kCamera.height; ++y) {
+      for (int x = 0; x < kCamera.width; ++x) {
+        const bool hand = y >= kEdge && x >= x0 && x < x1;
+        const double level = hand ? 140 : y < kEdge ? 100 + (x * 7 + y * 13) % 31 : 220;
+        const auto value = static_cast<std::uint8_t>(std::lround(level + normal(random)));
+        seen.left(x, y) = value;
+        seen.color(x, y) = {value, static_cast<std::uint8_t>(hand ? 100 : value), value};
+      }
+    }
+    show(depth);
+  }
+  // How many pixels of columns x0 .. x1 are marked.
+  int borrowed(int x0, int x1) {
+    int count = 0;
+    for (int y = 0; y < kCamera.height; ++y)
+      for (int x = x0; x < x1; ++x) count += mover.borrowed()(x, y) != 0 ? 1 : 0;
+    return count;
+  }
+  DepthImage depth;
+};
+
+TEST_CASE("the depth that bare paper takes over from a hand beside it is none of its own",
+          "[map][moving_mask]") {
+  Paper paper(21);
+  for (int i = 0; i < 70; ++i) paper.show_paper();
+  CHECK(set(paper.mover.borrowed()) == 0);
+  paper.place(100, 240, 0.4F);
+  paper.show_paper(180, 240);
+  CHECK(paper.borrowed(104, 176) == 72 * Paper::kRows);
+  CHECK(paper.borrowed(180, 240) == 0);
+  CHECK(set(paper.mover.borrowed()) <= 80 * Paper::kRows);
+}
+
+TEST_CASE("what stood before bare paper from the start keeps its depth, however plain it is",
+          "[map][moving_mask]") {
+  Paper paper(22);
+  paper.place(100, 180, 0.4F);
+  for (int i = 0; i < 120; ++i) {
+    paper.show_paper();
+    // But for the outermost tiles, where voxels are seen beside it.
+    CHECK(paper.borrowed(104, 176) == 0);
+  }
+}
+
+TEST_CASE("a depth is not called another one's before the map could know it",
+          "[map][moving_mask]") {
+  Paper paper(23);
+  for (int i = 0; i < 20; ++i) paper.show_paper();
+  paper.place(100, 240, 0.4F);
+  paper.show_paper(180, 240);
+  CHECK(set(paper.mover.borrowed()) == 0);
+}
+
+TEST_CASE("a plain thing that was put down keeps its depth", "[map][moving_mask]") {
+  Paper paper(24);
+  for (int i = 0; i < 70; ++i) paper.show_paper();
+  paper.place(180, 240, 0.4F);
+  // Longer than the picture takes to have learnt it.
+  for (int i = 0; i < 700; ++i) {
+    paper.show_paper(180, 240);
+    CHECK(paper.borrowed(180, 240) == 0);
+  }
+}
+
 TEST_CASE("a camera that moves goes by depth alone", "[map][moving_mask]") {
   Scene scene(10);
   learn_picture(scene);

@@ -5,10 +5,14 @@
 
 namespace palpable {
 
-void fill_unknown(const DepthImage& depth, const PixelRange& box, int radius,
-                  std::vector<signed char>& nearest_in_row, std::vector<float>& filled) {
+void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const PixelRange& box,
+                  int radius, std::vector<signed char>& nearest_in_row,
+                  std::vector<float>& filled) {
   PALPABLE_EXPECT(0 <= box.x0 && box.x1 <= depth.width() && 0 <= box.y0 && box.y1 <= depth.height(),
                   "the box lies within the image");
+  PALPABLE_EXPECT(borrowed == nullptr ||
+                      (borrowed->width() == depth.width() && borrowed->height() == depth.height()),
+                  "what is borrowed has the depth's size");
   PALPABLE_EXPECT(0 <= radius && radius < 64, "the radius fits a signed char");
   const int width = std::max(box.width(), 0);
   const int height = std::max(box.height(), 0);
@@ -23,11 +27,14 @@ void fill_unknown(const DepthImage& depth, const PixelRange& box, int radius,
   // Along rows: the offset to the nearest known pixel; of two equally near, the farther depth.
   for (int y = 0; y < height; ++y) {
     const float* in = depth.row(box.y0 + y) + box.x0;
+    const std::uint8_t* not_own =
+        borrowed != nullptr ? borrowed->row(box.y0 + y) + box.x0 : nullptr;
     float* out = filled.data() + at(0, y);
     signed char* offset = nearest_in_row.data() + at(0, y);
     int last_known = -1000;
     for (int x = 0; x < width; ++x) {
-      const bool known = in[x] > 0.0f && std::isfinite(in[x]);
+      const bool known =
+          in[x] > 0.0f && std::isfinite(in[x]) && (not_own == nullptr || not_own[x] == 0);
       out[x] = known ? in[x] : 0.0f;
       if (known) last_known = x;
       offset[x] = x - last_known <= radius ? static_cast<signed char>(last_known - x) : kNone;

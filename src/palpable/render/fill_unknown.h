@@ -45,7 +45,9 @@ inline constexpr signed char kHalfSeen = 126;
 ///                        known, kHalfSeen where it is the far depth of the first rule, else
 ///                        another number. Pass the same vectors again and nothing is allocated
 /// @param filled          (box.height x box.width) row-major, overwritten
-void fill_unknown(const DepthImage& depth, const PixelRange& box, int radius,
-                  std::vector<signed char>& nearest_in_row, std::vector<float>& filled);
+/// @param borrowed  of the image's size, or null: not 0 where the depth is none of the pixel's own,
+///                  and counts as unknown
+void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const PixelRange& box,
+                  int radius, std::vector<signed char>& nearest_in_row, std::vector<float>& filled);
 
 }  // namespace palpable

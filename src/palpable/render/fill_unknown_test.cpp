@@ -57,7 +57,7 @@ TEST_CASE("a hole takes its nearest known neighbour within the radius", "[render
     const PixelRange box{3, 2, 21, 17};
     std::vector<signed char> nearest;
     std::vector<float> filled;
-    fill_unknown(depth, box, 3, nearest, filled);
+    fill_unknown(depth, nullptr, box, 3, nearest, filled);
     REQUIRE(filled.size() == 18u * 15u);
     for (int y = box.y0; y < box.y1; ++y) {
       for (int x = box.x0; x < box.x1; ++x) {
@@ -77,7 +77,7 @@ TEST_CASE("left of a near thing a hole is background, right of it and within it 
   depth(10, 0) = kUnknown;
   std::vector<signed char> nearest;
   std::vector<float> filled;
-  fill_unknown(depth, {0, 0, 12, 1}, 3, nearest, filled);
+  fill_unknown(depth, nullptr, {0, 0, 12, 1}, 3, nearest, filled);
   CHECK(filled[4] == 0.5f);  // beside the finger, but to its left
   CHECK(filled[2] == 0.5f);
   CHECK(filled[7] == 0.3f);
@@ -93,7 +93,7 @@ TEST_CASE("a hole that is too long for one eye alone is not called background", 
   depth(kLongestHalfSeen + 2, 0) = 0.3f;
   std::vector<signed char> nearest;
   std::vector<float> filled;
-  fill_unknown(depth, {0, 0, depth.width(), 1}, 3, nearest, filled);
+  fill_unknown(depth, nullptr, {0, 0, depth.width(), 1}, 3, nearest, filled);
   CHECK(filled[kLongestHalfSeen + 1] == 0.3f);
   CHECK(filled[kLongestHalfSeen / 2] == 0.0f);
 }
@@ -105,16 +105,30 @@ TEST_CASE("what is not a depth counts as unknown", "[render]") {
   depth(4, 0) = 0.0f;
   std::vector<signed char> nearest;
   std::vector<float> filled;
-  fill_unknown(depth, {0, 0, 5, 1}, 0, nearest, filled);
+  fill_unknown(depth, nullptr, {0, 0, 5, 1}, 0, nearest, filled);
   CHECK(filled == std::vector<float>{0, 1, 0, 1, 0});
+}
+
+TEST_CASE("a depth that is none of the pixel's own counts as unknown", "[render]") {
+  DepthImage depth(6, 2, 1.0f);
+  depth(3, 1) = depth(4, 1) = 0.5f;
+  MaskImage borrowed(6, 2, 0);
+  borrowed(3, 1) = borrowed(4, 1) = 255;
+  std::vector<signed char> nearest;
+  std::vector<float> filled;
+  fill_unknown(depth, &borrowed, {1, 1, 6, 2}, 0, nearest, filled);
+  CHECK(filled == std::vector<float>{1, 1, 0, 0, 1});
+  CHECK(nearest[2] != 0);
+  fill_unknown(depth, nullptr, {1, 1, 6, 2}, 0, nearest, filled);
+  CHECK(filled == std::vector<float>{1, 1, 0.5f, 0.5f, 1});
 }
 
 TEST_CASE("filling again allocates nothing", "[render]") {
   const DepthImage depth(40, 30, kUnknown);
   std::vector<signed char> nearest;
   std::vector<float> filled;
-  fill_unknown(depth, {0, 0, 40, 30}, 4, nearest, filled);
+  fill_unknown(depth, nullptr, {0, 0, 40, 30}, 4, nearest, filled);
   CHECK(test::allocations_during([&] {
-          fill_unknown(depth, {1, 1, 39, 29}, 4, nearest, filled);
+          fill_unknown(depth, nullptr, {1, 1, 39, 29}, 4, nearest, filled);
         }) == 0);
 }

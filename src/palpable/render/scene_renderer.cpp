@@ -375,7 +375,8 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
                           std::max(static_cast<int>(box.y0 * sy) - margin, 0),
                           std::min(static_cast<int>(box.x1 * sx) + row_margin, depth.width()),
                           std::min(static_cast<int>(box.y1 * sy) + margin, depth.height())};
-  fill_unknown(depth, texels, view.hard_occlusion ? 0 : kHoleRadius, nearest_in_row, filled);
+  fill_unknown(depth, view.hard_occlusion ? nullptr : view.borrowed, texels,
+               view.hard_occlusion ? 0 : kHoleRadius, nearest_in_row, filled);
   if (view.hard_occlusion) {  // not even the strips that one eye alone sees
     for (std::size_t i = 0; i < filled.size(); ++i) {
       if (nearest_in_row[i] != 0) filled[i] = 0.0f;

@@ -89,6 +89,9 @@ struct SceneView {
   /// than the depth's range. Both help where the depth is in doubt (outlines.h).
   const MaskImage* moving = nullptr;
   const MaskImage* too_close = nullptr;
+  /// Of the size of `real_depth`, or null: 255 where its depth is none of the pixel's own, and
+  /// counts as unknown.
+  const MaskImage* borrowed = nullptr;
   /// Each pixel decides alone: hidden where `real_depth` at its place is known and nearer (paper
   /// Sec. 3.5). No hole is closed, no outline found, nothing is softened.
   bool hard_occlusion = false;

@@ -53,6 +53,9 @@ struct Scene {
   /// 255 where something moves, of the depth's size. Empty when that is not looked for, or when the
   /// camera is lost.
   MaskImage moving;
+  /// 255 where the depth is none of the pixel's own (MovingMask::borrowed()). Empty when `moving`
+  /// is.
+  MaskImage borrowed;
   /// Stages as in StageTimes: "rectify" ... "depth" of seeing, "track" ... "contact", "evaluate" of
   /// answering. Each step adds its own; whoever fills a scene anew clears them first.
   StageTimes times;

@@ -187,8 +187,10 @@ void Session::Parts::place_camera(Scene& scene, const SlamFrame& found) {
   picture = found.picture;
   if (found.moving != nullptr) {
     scene.moving = *found.moving;
+    scene.borrowed = *found.borrowed;
   } else {
     scene.moving.resize(0, 0);
+    scene.borrowed.resize(0, 0);
   }
   if (found.camera.new_world) forget_room();
   if (!found.corrections.empty()) {

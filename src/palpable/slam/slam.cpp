@@ -135,6 +135,7 @@ void Slam::learn(const SeenFrame& seen) {
       frame_.moving == nullptr) {
     frame_.moving = large_mask_;
   }
+  if (frame_.moving != nullptr) frame_.borrowed = &mover_->borrowed();
   before_from_last_ = known && is_placed(last_camera_)
                           ? last_camera_.world_from_camera.inverse() * world_from_camera
                           : Rigid3::Identity();
@@ -153,7 +154,10 @@ void Slam::learn(const SeenFrame& seen) {
   frame_.fused = true;
   ++counts_.fused;
   const CpuTimer timer(counts_.fuse_cpu_s);
-  map_->fuse(seen.depth, seen.depth_camera, world_from_camera, *frame_.moving, seen.color);
+  unfit_ = *frame_.moving;
+  const MaskImage& borrowed = mover_->borrowed();
+  for (std::size_t k = 0; k < unfit_.size(); ++k) unfit_.data()[k] |= borrowed.data()[k];
+  map_->fuse(seen.depth, seen.depth_camera, world_from_camera, unfit_, seen.color);
 }
 
 }  // namespace palpable

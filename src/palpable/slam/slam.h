@@ -49,6 +49,7 @@ struct SlamFrame {
   /// covers too much, and while the camera is lost or was in the frame before. Valid until the next
   /// frame.
   const MaskImage* moving = nullptr;
+  const MaskImage* borrowed = nullptr;      ///< MovingMask::borrowed(); null where `moving` is
   LookedAt looked_at = LookedAt::kNothing;  ///< with what the mask's frame was compared
   const StaticPicture* picture = nullptr;   ///< that one; null unless looked_at is kPicture
   bool fused = false;                       ///< its depth image was fused into the map
@@ -109,6 +110,7 @@ class Slam {
   std::optional<MovingMask> mover_;
   std::optional<SurfaceMap> map_;
   SlamFrame frame_;
+  MaskImage unfit_;  // 255 where the depth is not the scene's
   // Of the last frame. Before the first one the camera stands where the world begins.
   TrackedPose last_camera_{.state = TrackState::kFixed};
   const MaskImage* large_mask_ = nullptr;         // this frame's mask, when it covers too much

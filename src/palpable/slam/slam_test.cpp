@@ -82,6 +82,25 @@ TEST_CASE("what comes into the room moves and stays out of its map", "[slam]") {
   CHECK(room.slam.space()->is_free({-0.06, 0, 0.4}));
 }
 
+TEST_CASE("depth that is none of the pixel's own stays out of the map", "[slam]") {
+  Room room({.track = false});
+  for (int n = 0; n < 80; ++n) {
+    const SlamFrame& found = room.show();
+    REQUIRE(found.borrowed != nullptr);
+    CHECK(share_of(*found.borrowed) == 0);
+  }
+  for (int n = 0; n < 30; ++n) {
+    // The matcher says something else than the wall, which looks as ever.
+    Frame frame = frame_of_wall(room.number++, 0);
+    for (int y = 0; y < frame.depth.height(); ++y) std::fill_n(frame.depth.row(y), 80, 0.4F);
+    room.camera.see(frame, room.seen);
+    const SlamFrame& found = room.slam.advance(room.seen, room.times);
+    CHECK(share_of(*found.moving) < 0.01);  // at the border between both depths
+    CHECK(share_of(*found.borrowed) > 0.4);
+  }
+  CHECK_FALSE(room.slam.map()->distance({-0.06, 0, 0.4}).has_value());
+}
+
 TEST_CASE("a mask of more than 70 % of the picture is believed of a camera that stands alone",
           "[slam]") {
   for (const bool stands : {false, true}) {

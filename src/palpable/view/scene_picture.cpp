@@ -120,6 +120,7 @@ SceneView& SceneViews::of(const Scene& scene, const Session& session, const Scen
   view_.real_depth = show.occlusion == Occlusion::kNone ? nullptr : &scene.seen.depth;
   view_.hard_occlusion = show.occlusion == Occlusion::kHard;
   view_.moving = scene.moving.empty() ? nullptr : &scene.moving;
+  view_.borrowed = scene.borrowed.empty() ? nullptr : &scene.borrowed;
   view_.too_close = scene.seen.too_close.empty() ? nullptr : &scene.seen.too_close;
   view_.camera = scene.seen.camera;
   view_.bodies.clear();

@@ -69,13 +69,16 @@ TEST_CASE("occlusion is soft, hard or none, and gets what is known to move", "[v
   pressed.scene.moving = MaskImage();
   pressed.views.of(pressed.scene, pressed.loop.session, show);
   CHECK(view.moving == nullptr);
+  CHECK(view.borrowed == nullptr);
   const DepthImage& depth = pressed.scene.seen.depth;
-  pressed.scene.moving = pressed.scene.seen.too_close = MaskImage(depth.width(), depth.height(), 0);
+  pressed.scene.moving = pressed.scene.seen.too_close = pressed.scene.borrowed =
+      MaskImage(depth.width(), depth.height(), 0);
   show.occlusion = SceneShow::Occlusion::kHard;
   pressed.views.of(pressed.scene, pressed.loop.session, show);
   CHECK(view.real_depth == &depth);
   CHECK(view.hard_occlusion);
   CHECK(view.moving == &pressed.scene.moving);
+  CHECK(view.borrowed == &pressed.scene.borrowed);
   CHECK(view.too_close == &pressed.scene.seen.too_close);
   show.occlusion = SceneShow::Occlusion::kNone;
   pressed.views.of(pressed.scene, pressed.loop.session, show);
