@@ -181,7 +181,7 @@ TEST_CASE("a hand that a matcher made too wide is cut to its look", "[map][movin
 
 // A wall, and below it white paper, on which nothing has a depth but what is put there by cover().
 struct Paper : Scene {
-  static constexpr int kEdge = 60;                      // its first row
+  static constexpr int kEdge = 60;           // its first row
   static constexpr int kRows = 180 - kEdge;  // whole tiles
   explicit Paper(unsigned seed) : Scene(seed), depth(kCamera.width, kCamera.height, 1.5F) {
     place(0, kCamera.width, kNaN);
