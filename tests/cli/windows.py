@@ -164,7 +164,7 @@ def _(programs, folder):
 
 # What the panel looked like when somebody looked at it, without the line that says how fast the run is.
 PANEL = Path(__file__).parent.parent / "data/live_panel.png"
-PANEL_SIZE = (224, 560)
+PANEL_SIZE = (224, 586)
 PANEL_FROM = 30  # px from above
 
 
@@ -188,6 +188,39 @@ def _(programs, folder):
     # changes the edges of all letters, 4 % of the panel.
     apart = [max(abs(a - b) for a, b in zip(one, other)) > 48 for one, other in zip(sum(now, []), sum(then, []))]
     assert sum(apart) / len(apart) < 0.005, f"{sum(apart)} px of the panel are others: {folder / 'panel.png'}"
+
+
+@case("the panel of live chooses which component is painted, while one is")
+def _(programs, folder):
+    base.write_nearing_wall(folder / "clip", frames=12)
+    with shown(programs, folder, *base.live(programs, folder, "--window", "--paused", "--press-static")) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        enlarge(screen, window)
+        for _ in range(10):
+            # The caption says the time.
+            changed_by(screen, window, "the next frame", lambda: screen.type(window, "s"))
+        settled(screen, window)
+
+        def picture():
+            """The window without its panel."""
+            screen.type(window, "t")
+            seen = settled(screen, window)
+            changed_by(screen, window, "the panel", lambda: screen.type(window, "t"))
+            settled(screen, window)
+            return seen
+        seen = [picture()]
+        for place in ((19, 347), (19, 451)):  # "component", and the first one below "Component"
+            changed_by(screen, window, "a switch", lambda: click(screen, window, *place))
+            settled(screen, window)
+            seen.append(picture())
+        assert len(set(seen)) == 3, "stress, zz and xx"
+        changed_by(screen, window, "the start", lambda: screen.type(window, "r"))
+        settled(screen, window)
+        assert picture() == seen[0]
+        screen.type(window, ESCAPE)
+        assert program.wait(timeout=60) == 0
 
 
 @case("a recording begins and ends while live runs, by a key and by the panel, and replays to the same states")
@@ -292,8 +325,8 @@ def _(programs, folder):
             screen.mouse(window, (MOTION, *place), (BUTTON_PRESS, *place, LEFT), (MOTION, *far))
             wait_for("a press", lambda: screen.pixels(window) != rest)
             stress = settled(screen, window)
-            changed_by(screen, window, "displacement", lambda: screen.type(window, "f"))
-            changed_by(screen, window, "the material", lambda: screen.type(window, "f"))
+            for field in ("pressure", "a component", "displacement", "the material"):
+                changed_by(screen, window, field, lambda: screen.type(window, "f"))
             assert share_apart(settled(screen, window), stress) > 0.05
             changed_by(screen, window, "stress", lambda: screen.type(window, "f"))
             # A finger that is held is answered anew for each picture, and settles by less than is seen.
@@ -318,7 +351,7 @@ def _(programs, folder):
         screen, window, program = given
         enlarge(screen, window)
         settled(screen, window)
-        left, right = (80, 587), (260, 587)  # below its name, beyond the slider's end
+        left, right = (80, 613), (260, 613)  # below its name, beyond the slider's end
         screen.mouse(window, (MOTION, *left), (BUTTON_PRESS, *left, LEFT))
         changed_by(screen, window, "a dragged slider", lambda: screen.mouse(window, (MOTION, *right)))
         changed_by(screen, window, "the next frame", lambda: screen.mouse(window, (BUTTON_RELEASE, *right, LEFT)))
