@@ -192,7 +192,7 @@ def _(programs, folder):
 
 @case("the panel of live chooses which component is painted, while one is")
 def _(programs, folder):
-    base.write_nearing_wall(folder / "clip", frames=12)
+    base.write_nearing_wall(folder / "clip", frames=14)
     with shown(programs, folder, *base.live(programs, folder, "--window", "--paused", "--press-static")) as given:
         if given is None:
             return
@@ -216,9 +216,13 @@ def _(programs, folder):
             settled(screen, window)
             seen.append(picture())
         assert len(set(seen)) == 3, "stress, zz and xx"
+        # A session that begins anew keeps what is painted of its first frame, too.
+        changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
+        settled(screen, window)
+        anew = picture()
         changed_by(screen, window, "the start", lambda: screen.type(window, "r"))
         settled(screen, window)
-        assert picture() == seen[0]
+        assert picture() != anew
         screen.type(window, ESCAPE)
         assert program.wait(timeout=60) == 0
 
