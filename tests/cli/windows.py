@@ -162,6 +162,34 @@ def _(programs, folder):
     assert anew == first
 
 
+@case("a run that begins anew puts the body where its start has put it: on a free place, or at the pixel")
+def _(programs, folder):
+    base.write_desk(folder / "desk", frames=6)
+    for at in ((), ("--at", "90,130")):
+        words = ("live", programs.small_body(), "--source", folder / "desk", "--anchor", "plane", *at, "--window", "--paused",
+                 "--out", folder / "out", "--overwrite")
+        with shown(programs, folder, *words) as given:
+            if given is None:
+                return
+            screen, window, program = given
+            enlarge(screen, window)
+            changed_by(screen, window, "no panel", lambda: screen.type(window, "t"))
+            settled(screen, window)
+            changed_by(screen, window, "a frame", lambda: screen.type(window, "s"))  # the caption says the time
+            settled(screen, window)
+            changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
+            settled(screen, window)
+            screen.type(window, ESCAPE)
+            assert program.wait(timeout=60) == 0
+        first, *_, anew = places(folder)
+        assert len(places(folder)) == 3
+        # The start takes the median of all frames' planes, the new beginning the plane of one.
+        assert all(abs(a - b) < 0.02 for a, b in zip(first, anew)), (at, first, anew)
+        if at:
+            x, y, z = (anew[k] for k in (3, 7, 11))
+            assert abs(175 * x / z + 159.5 - 90) < 2 and abs(175 * y / z + 89.5 - 130) < 2, anew
+
+
 # What the panel looked like when somebody looked at it, without the line that says how fast the run is.
 PANEL = Path(__file__).parent.parent / "data/live_panel.png"
 PANEL_SIZE = (224, 586)
