@@ -155,21 +155,29 @@ LiveChanges::Plan LiveChanges::plan_of(const LiveControls& controls, const Scene
     places.push_back(setup_.bodies[k].place);
   }
   plan.read.resize(setup_.bodies.size());
-  if (controls.wishes.anew) {
-    plan.world_from_body = places_anew(places, setup_.settings, setup_.run.images, scene.seen,
-                                       setup_.run.loop.camera.noise());
-  } else {
+  if (!controls.wishes.anew) {
     if (controls.wishes.parameters) plan_values(controls, plan);
     if (controls.wishes.place) plan_place(controls, held, scene, plan);
+    plan_bodies(plan);
+    return plan;
   }
   plan_bodies(plan);
+  std::vector<const SurfaceMesh*> skins;
+  for (std::size_t k = 0; k < setup_.bodies.size(); ++k) {
+    skins.push_back(plan.read[k] ? &plan.read[k]->body.surface
+                                 : &setup_.run.loop.session.body(static_cast<int>(k)).surface);
+  }
+  plan.world_from_body = places_anew(places, skins, setup_.settings, setup_.run.images, scene.seen,
+                                     setup_.run.loop.camera.noise());
   return plan;
 }
 
 void LiveChanges::begin_session(std::vector<PlacedBody> bodies) {
   FrameLoop& loop = setup_.run.loop;
+  const bool keeps_components = loop.session.keeps_components();
   loop.session = value_or_throw(Session::make(
       std::move(bodies), loop.camera, setup_.run.source->format(), loop.session.settings()));
+  loop.session.keep_components(keeps_components);
 }
 
 void LiveChanges::apply(ScenePainter& painter, Scene& scene, LiveEvents& events) {

@@ -5,6 +5,7 @@
 #include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/kept_picture.h"
 #include "apps/palpable/live_changes.h"
+#include "apps/palpable/paint_option.h"
 #include "palpable/base/error.h"
 #include "palpable/base/text_numbers.h"
 #include "palpable/base/this_machine.h"
@@ -20,6 +21,7 @@
 #include "palpable/live_writer/live_summary.h"
 #include "palpable/sources/wall_clock.h"
 #include "palpable/view/figure_scores.h"
+#include "palpable/view/painted_stress.h"
 #include "palpable/view/scene_painter.h"
 #include "palpable/view/scene_picture.h"
 
@@ -108,11 +110,10 @@ std::function<std::optional<DepthImage>(int)> true_depths(const fs::path& images
 }
 
 SceneShow show_of(const PlayOptions& options) {
-  using Field = SceneShow::Field;
   SceneShow show;
-  show.field = options.paint == "stress"         ? Field::kVonMises
-               : options.paint == "displacement" ? Field::kDisplacement
-                                                 : Field::kNone;
+  const NamedPaint& paint = paint_named(options.paint);
+  show.field = paint.field;
+  show.component = paint.component;
   show.blended = !options.opaque;
   using Occlusion = SceneShow::Occlusion;
   show.occlusion = options.occlusion == "soft"   ? Occlusion::kSoft
@@ -208,6 +209,7 @@ Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePaint
       events.serve();
       continue;
     }
+    run.loop.session.keep_components(painter != nullptr && painter->wants_components());
     Scene* scene = loop.next_within(FrameSource::kLongestWait);
     if (tells_stats && stats.is_second_over(system_clock().now())) {
       bar.say(text_of(stats.end_stretch(moment_of(loop.counts(), output.get()))));
@@ -353,8 +355,16 @@ LivePlay::LivePlay(const PlayOptions& options, const std::vector<fs::path>& inpu
       events_(options_.events) {}
 
 void LivePlay::check(const LiveSetUp& setup) const {
+  const Session& session = setup.run.loop.session;
+  for (int k = 0; needs_components(paint_named(options_.paint).field) && k < session.body_count();
+       ++k) {
+    if (knows_stress(session, k)) continue;
+    throw Error(fmt::format("--paint {}: {} holds no stress; displacement or none can be painted",
+                            options_.paint,
+                            setup.bodies[static_cast<std::size_t>(k)].file.string()));
+  }
   if (options_.contact_rate == 0) return;
-  if (const auto trouble = BetweenFrames::trouble_of(setup.run.loop.session)) {
+  if (const auto trouble = BetweenFrames::trouble_of(session)) {
     throw Error("--contact-rate: " + trouble->message);
   }
 }
@@ -432,12 +442,7 @@ void add_play_options(Command command, PlayOptions& options) {
       .words(2, 7)
       .excludes("--view")
       .one_of({"camera", "depth", "moving", "surface", "map", "mask", "truth"});
-  command
-      .add_option("--paint", options.paint,
-                  "What is painted on bodies: stress (von Mises), displacement, or none: the "
-                  "material alone")
-      .one_of({"stress", "displacement", "none"})
-      .show_default();
+  add_paint_option(command, options.paint);
   command.add_flag("--opaque", options.opaque,
                    "Paint all of a body, also where it bears next to nothing");
   command

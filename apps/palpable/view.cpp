@@ -5,6 +5,7 @@
 #include "apps/palpable/commands.h"
 #include "apps/palpable/kept_picture.h"
 #include "apps/palpable/named_loads.h"
+#include "apps/palpable/paint_option.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
 #include "palpable/render/gl_context.h"
@@ -15,6 +16,7 @@
 #include "palpable/view/body_pictures.h"
 #include "palpable/view/body_window.h"
 #include "palpable/view/mode_shapes.h"
+#include "palpable/view/painted_stress.h"
 
 #include <fmt/core.h>
 
@@ -38,6 +40,7 @@ struct ViewOptions {
   std::string load;  // X,Y,Z=F instead of site and level
   int modes = 0;     // drawn instead of presses, if above 0
   std::string modes_of = "displacement";
+  std::string paint = "stress";
   std::vector<std::string> set;  // NAME=VALUE
   std::string size = "1280x720";
   double close_after = 0;  // s; 0: when the user wants
@@ -69,7 +72,7 @@ void write_pictures(const ReducedBody& body, const ViewOptions& options, Picture
                     const fs::path& folder) {
   make_folder(folder);
   const GlContext context = value_or_throw(GlContext::offscreen());
-  draw_presses(body, options.site, options.level, size,
+  draw_presses(body, options.site, options.level, paint_named(options.paint), size,
                [&](const std::string& name, const ColorImage& picture) {
                  write_picture(options.body, folder, name, picture);
                });
@@ -93,6 +96,7 @@ void show_window(Window& window, const std::shared_ptr<const TouchableBody>& bod
             {.size = size,
              .site = options.site,
              .level = options.level,
+             .paint = paint_named(options.paint),
              .close_after = options.close_after},
             [&](const ColorImage& picture) { return keep_picture(options.body, "view", picture); });
 }
@@ -120,6 +124,11 @@ void run_view(ViewOptions options) {
   if (options.site >= site_count) {
     throw Error(fmt::format("--site {}: {} has the sites 0 to {}", options.site,
                             options.body.string(), site_count - 1));
+  }
+  if (needs_components(paint_named(options.paint).field) && !knows_stress(body) &&
+      !touchable->touch) {
+    throw Error(fmt::format("--paint {}: {} holds no stress; displacement or none can be painted",
+                            options.paint, options.body.string()));
   }
   if (options.modes > 0) {
     write_modes(
@@ -172,6 +181,7 @@ void add_view(Command app) {
   view.add_option("--modes-of", options->modes_of, "Whose modes --modes draws")
       .one_of({"displacement", "stress"})
       .show_default();
+  add_paint_option(view, options->paint);
   add_set_option(view, options->set);
   view.add_option("--size", options->size, "Pixels of window and pictures")
       .type_name("WIDTHxHEIGHT")

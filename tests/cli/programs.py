@@ -253,6 +253,15 @@ def write_stereo(folder, frames=4, width=WIDTH, shift=25):
     return folder
 
 
+def write_nearing_wall(folder, frames):
+    """The same wall, which comes nearer by 1.5 cm every three frames, into what stands before it."""
+    write_stereo(folder, frames=1)
+    for n in range(1, frames):
+        for eye, shift in (("left", 0), ("right", 25 + n // 3)):
+            (folder / eye / f"{n:06d}.png").write_bytes(png(WIDTH, HEIGHT, texture(shift)))
+    return folder
+
+
 def live(programs, folder, *more, source="clip"):
     return ("live", programs.small_body(), "--source", folder / source, "--place", "0 0.04 0.42 0 0 0",
             "--out", folder / "out", *more)
@@ -1821,6 +1830,40 @@ def _(programs, folder):
         assert len(list((folder / "out/visible").iterdir())) == 24
     programs.refuses(*live(programs, folder, "--view", "below"), says=["--view", "below"])
     programs.refuses(*live(programs, folder, "--view", "map", "--pictures", "--overwrite"), says=["--pictures", "--view map"])
+
+
+@case("live and view paint pressure and components of the stress, and refuse what they do not know")
+def _(programs, folder):
+    write_nearing_wall(folder / "clip", frames=12)
+    words = live(programs, folder, "--press-static", "--overwrite", "--frame-pictures", "11")
+    pictures, touches = {}, set()
+    for paint in ("none", "stress", "pressure", "szz", "sxy"):
+        programs.succeeds(*words, "--paint", paint)
+        pictures[paint] = png_rows(folder / "out/pictures/000011.png")
+        touches.add((folder / "out/touches.jsonl").read_bytes())
+    assert len(touches) == 1, "what is painted changes what is answered"
+    assert len(set(map(str, pictures.values()))) == 5, "two fields look the same"
+    programs.refuses(*words, "--paint", "sxz", says=["--paint", "sxz"])
+    programs.refuses(*words, "--paint", "Pressure", says=["--paint"])
+
+    result = programs.run("view", programs.small_body(), "--paint", "pressure", "--site", "0", "--out", folder / "pictures")
+    if result.returncode != 0 and "EGL" in result.stderr:
+        return
+    assert result.returncode == 0, result.stderr
+    programs.succeeds("view", programs.small_body(), "--site", "0", "--out", folder / "stress")
+    last = sorted(path.name for path in (folder / "stress").glob("*level_100.png"))[-1]
+    assert (folder / "pictures" / last).read_bytes() != (folder / "stress" / last).read_bytes()
+    programs.refuses("view", programs.small_body(), "--paint", "szx2", "--out", folder / "x", says=["--paint", "szx2"])
+
+    # Modes of another program may come without stress: that is said, and no pressure of 0 is shown.
+    programs.succeeds("export", programs.small_body(), "--to", "numpy", "-o", folder / "modes")
+    for file in (folder / "modes").glob("stress*"):
+        file.unlink()
+    programs.succeeds("import-modes", folder / "modes", "-o", folder / "silent.palpable")
+    programs.refuses("view", folder / "silent.palpable", "--paint", "szz", "--out", folder / "x",
+                     says=["silent.palpable", "holds no stress", "displacement"])
+    silent = [word if at != 1 else folder / "silent.palpable" for at, word in enumerate(words)]
+    programs.refuses(*silent, "--paint", "pressure", says=["silent.palpable", "holds no stress"])
 
 
 @case("a body is shown in a window that closes when asked")

@@ -162,9 +162,37 @@ def _(programs, folder):
     assert anew == first
 
 
+@case("a run that begins anew puts the body where its start has put it: on a free place, or at the pixel")
+def _(programs, folder):
+    base.write_desk(folder / "desk", frames=6)
+    for at in ((), ("--at", "90,130")):
+        words = ("live", programs.small_body(), "--source", folder / "desk", "--anchor", "plane", *at, "--window", "--paused",
+                 "--out", folder / "out", "--overwrite")
+        with shown(programs, folder, *words) as given:
+            if given is None:
+                return
+            screen, window, program = given
+            enlarge(screen, window)
+            changed_by(screen, window, "no panel", lambda: screen.type(window, "t"))
+            settled(screen, window)
+            changed_by(screen, window, "a frame", lambda: screen.type(window, "s"))  # the caption says the time
+            settled(screen, window)
+            changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
+            settled(screen, window)
+            screen.type(window, ESCAPE)
+            assert program.wait(timeout=60) == 0
+        first, *_, anew = places(folder)
+        assert len(places(folder)) == 3
+        # The start takes the median of all frames' planes, the new beginning the plane of one.
+        assert all(abs(a - b) < 0.02 for a, b in zip(first, anew)), (at, first, anew)
+        if at:
+            x, y, z = (anew[k] for k in (3, 7, 11))
+            assert abs(175 * x / z + 159.5 - 90) < 2 and abs(175 * y / z + 89.5 - 130) < 2, anew
+
+
 # What the panel looked like when somebody looked at it, without the line that says how fast the run is.
 PANEL = Path(__file__).parent.parent / "data/live_panel.png"
-PANEL_SIZE = (224, 560)
+PANEL_SIZE = (224, 586)
 PANEL_FROM = 30  # px from above
 
 
@@ -188,6 +216,43 @@ def _(programs, folder):
     # changes the edges of all letters, 4 % of the panel.
     apart = [max(abs(a - b) for a, b in zip(one, other)) > 48 for one, other in zip(sum(now, []), sum(then, []))]
     assert sum(apart) / len(apart) < 0.005, f"{sum(apart)} px of the panel are others: {folder / 'panel.png'}"
+
+
+@case("the panel of live chooses which component is painted, while one is")
+def _(programs, folder):
+    base.write_nearing_wall(folder / "clip", frames=14)
+    with shown(programs, folder, *base.live(programs, folder, "--window", "--paused", "--press-static")) as given:
+        if given is None:
+            return
+        screen, window, program = given
+        enlarge(screen, window)
+        for _ in range(10):
+            # The caption says the time.
+            changed_by(screen, window, "the next frame", lambda: screen.type(window, "s"))
+        settled(screen, window)
+
+        def picture():
+            """The window without its panel."""
+            screen.type(window, "t")
+            seen = settled(screen, window)
+            changed_by(screen, window, "the panel", lambda: screen.type(window, "t"))
+            settled(screen, window)
+            return seen
+        seen = [picture()]
+        for place in ((19, 347), (19, 451)):  # "component", and the first one below "Component"
+            changed_by(screen, window, "a switch", lambda: click(screen, window, *place))
+            settled(screen, window)
+            seen.append(picture())
+        assert len(set(seen)) == 3, "stress, zz and xx"
+        # A session that begins anew keeps what is painted of its first frame, too.
+        changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
+        settled(screen, window)
+        anew = picture()
+        changed_by(screen, window, "the start", lambda: screen.type(window, "r"))
+        settled(screen, window)
+        assert picture() != anew
+        screen.type(window, ESCAPE)
+        assert program.wait(timeout=60) == 0
 
 
 @case("a recording begins and ends while live runs, by a key and by the panel, and replays to the same states")
@@ -292,8 +357,8 @@ def _(programs, folder):
             screen.mouse(window, (MOTION, *place), (BUTTON_PRESS, *place, LEFT), (MOTION, *far))
             wait_for("a press", lambda: screen.pixels(window) != rest)
             stress = settled(screen, window)
-            changed_by(screen, window, "displacement", lambda: screen.type(window, "f"))
-            changed_by(screen, window, "the material", lambda: screen.type(window, "f"))
+            for field in ("pressure", "a component", "displacement", "the material"):
+                changed_by(screen, window, field, lambda: screen.type(window, "f"))
             assert share_apart(settled(screen, window), stress) > 0.05
             changed_by(screen, window, "stress", lambda: screen.type(window, "f"))
             # A finger that is held is answered anew for each picture, and settles by less than is seen.
@@ -318,7 +383,7 @@ def _(programs, folder):
         screen, window, program = given
         enlarge(screen, window)
         settled(screen, window)
-        left, right = (80, 587), (260, 587)  # below its name, beyond the slider's end
+        left, right = (80, 613), (260, 613)  # below its name, beyond the slider's end
         screen.mouse(window, (MOTION, *left), (BUTTON_PRESS, *left, LEFT))
         changed_by(screen, window, "a dragged slider", lambda: screen.mouse(window, (MOTION, *right)))
         changed_by(screen, window, "the next frame", lambda: screen.mouse(window, (BUTTON_RELEASE, *right, LEFT)))

@@ -55,9 +55,11 @@ class SkinContact {
   /// Which answers; to be asked for the load of a state and told its exact answer.
   [[nodiscard]] TouchSolver& solver() { return solver_; }
 
-  /// Von Mises stress on the skin in a state, Pa, as TouchSolver::stress(). @param von_mises  (F)
-  void stress(const TouchState& state, std::span<float> von_mises) const {
-    solver_.stress(state, von_mises);
+  /// The stress on the skin in a state, Pa, as TouchSolver::stress().
+  /// @param von_mises  (F)  @param cauchy  (6F), empty: not wanted
+  void stress(const TouchState& state, std::span<float> von_mises,
+              std::span<float> cauchy = {}) const {
+    solver_.stress(state, von_mises, cauchy);
   }
   /// Where the skin is in a state, (3 x F) m, as TouchSolver::place().
   void place(const TouchState& state, Eigen::Matrix3Xf& skin) const { solver_.place(state, skin); }

@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/clip_files/place.h"
+#include "palpable/live/live_run.h"
 #include "tests/support/board_picture.h"
 #include "tests/support/noise_room.h"
 #include "tests/support/seen_wall.h"
@@ -237,6 +238,42 @@ TEST_CASE("on a desk with a thing in the middle a body stands beside it, or wher
   CHECK_THAT(refused(hole, {body, wanted}), Contains("show no surface at pixel"));
   CHECK_THAT(refused(frame_of_crowded_desk(), {{0.5, 0.1}, std::nullopt}),
              Contains("no place of 1.00 m is free"));
+}
+
+TEST_CASE("a run that begins anew on a crowded desk puts bodies where its start does",
+          "[live][anchor]") {
+  const FrameFormat format = test::wall_format();
+  const DepthCamera camera = value_or_throw(DepthCamera::make(format, {}));
+  SeenFrame seen;
+  seen.depth_camera = seen.camera = format.depth_camera;
+  seen.depth = frame_of_crowded_desk().depth;
+  const SurfaceMesh skin = sphere_surface({0, 0, 0.03}, 0.03, 2);
+  LiveSettings settings;
+  settings.anchor = Anchor::kPlane;
+  const std::vector<BodyPlace> places(1);
+  const std::vector<const SurfaceMesh*> skins{&skin};
+  const Footprint room = footprint_of(places, skins, settings.anchor);
+  CHECK(room.radius == Approx(0.03).epsilon(0.02));
+  for (const auto& at_px : {std::optional<Vector2d>(), std::optional(Vector2d(40, 90))}) {
+    INFO((at_px ? "at a pixel" : "looked for"));
+    settings.at_px = at_px;
+    Pictures desk(format, {frame_of_crowded_desk()}, 4);
+    const Rigid3 start = pose_on_plane(desk, "the desk", {}, {room, at_px});
+    const std::vector<Rigid3> anew =
+        places_anew(places, skins, settings, "nowhere", seen, camera.noise());
+    REQUIRE(anew.size() == 1);
+    CHECK((anew[0].translation() - start.translation()).norm() <=
+          tolerance(2e-3, "m: the start's camera is followed"));
+    CHECK((anew[0].linear() - start.linear()).norm() <= tolerance(5e-3, "likewise"));
+  }
+  using Catch::Contains;
+  settings.at_px = Vector2d(-20, 40);
+  CHECK_THROWS_WITH(places_anew(places, skins, settings, "nowhere", seen, camera.noise()),
+                    Contains("no surface is seen at pixel -20, 40"));
+  settings.at_px.reset();
+  const SurfaceMesh large = sphere_surface({0, 0, 0.5}, 0.5, 2);
+  CHECK_THROWS_WITH(places_anew(places, {&large}, settings, "nowhere", seen, camera.noise()),
+                    Contains("free place"));
 }
 
 TEST_CASE("where no plane, no board or no picture is, the source is named and what is missing",

@@ -80,17 +80,17 @@ std::vector<Rigid3> world_from_bodies(const std::vector<BodyPlace>& places, Anch
   return all;
 }
 
-Footprint footprint_of(const std::vector<LiveBody>& bodies, Anchor of_run) {
-  std::vector<BodyPlace> places;
-  for (const LiveBody& body : bodies) places.push_back(body.place);
+Footprint footprint_of(const std::vector<BodyPlace>& places,
+                       const std::vector<const SurfaceMesh*>& skins, Anchor of_run) {
+  PALPABLE_EXPECT(places.size() == skins.size(), "each place is of a body");
   const std::vector<Rigid3> anchor_from_bodies =
       world_from_bodies(places, of_run, [](Anchor) { return Rigid3::Identity(); });
   Footprint room;
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
+  for (std::size_t k = 0; k < places.size(); ++k) {
     const BodyPlace* base = &places[k];
     while (base->beside >= 0) base = &places[static_cast<std::size_t>(base->beside)];
     if (base->place || base->anchor.value_or(of_run) != Anchor::kPlane) continue;
-    for (const auto& vertex : bodies[k].body.body.surface.vertices.colwise()) {
+    for (const auto& vertex : skins[k]->vertices.colwise()) {
       const Eigen::Vector3d at = anchor_from_bodies[k] * Eigen::Vector3d(vertex);
       room.radius = std::max(room.radius, std::hypot(at.x(), at.y()));
       room.height = std::max(room.height, at.z());

@@ -30,9 +30,11 @@ struct LiveBody {
     const std::vector<BodyPlace>& places, Anchor of_run,
     const std::function<Rigid3(Anchor)>& world_from_anchor);
 
-/// The room that all bodies take that stand on a plane, around its anchor (free_place.h); of bodies
-/// at rest. At most 1 m around.
-[[nodiscard]] Footprint footprint_of(const std::vector<LiveBody>& bodies, Anchor of_run);
+/// The room that all bodies take that stand on a plane, around its anchor (free_place.h). At most 1
+/// m around.
+/// @param skins  at rest, of each body that has a place, in the same order
+[[nodiscard]] Footprint footprint_of(const std::vector<BodyPlace>& places,
+                                     const std::vector<const SurfaceMesh*>& skins, Anchor of_run);
 
 /// The bodies where they stand, in the same order.
 /// @param world_from_anchor  asked only where a body needs it; what it throws is passed on

@@ -5,7 +5,6 @@
 #include "palpable/depth/image_threads.h"
 #include "palpable/live/anchoring.h"
 #include "palpable/live/thread_shares.h"
-#include "palpable/map/plane_fit.h"
 #include "palpable/sources/open_source.h"
 #include "palpable/sources/paced_source.h"
 
@@ -39,12 +38,19 @@ Rigid3 place_of(const LiveSettings& settings, const SceneFile& scene) {
 // The places that first frames show, of the kinds that some body asks for.
 std::map<Anchor, Rigid3> looked_for_places(const std::vector<LiveBody>& bodies,
                                            const LiveSettings& settings) {
+  std::vector<BodyPlace> stands;
+  std::vector<const SurfaceMesh*> skins;
+  for (const LiveBody& body : bodies) {
+    stands.push_back(body.place);
+    skins.push_back(&body.body.body.surface);
+  }
   std::map<Anchor, Rigid3> places;
   for (const LiveBody& body : bodies) {
     const Anchor anchor = body.place.anchor.value_or(settings.anchor);
     const bool looks = anchor != Anchor::kPlace && body.place.beside < 0 && !body.place.place;
     if (looks && !places.contains(anchor)) {
-      places[anchor] = anchored_pose(anchor, settings, footprint_of(bodies, settings.anchor));
+      places[anchor] =
+          anchored_pose(anchor, settings, footprint_of(stands, skins, settings.anchor));
     }
   }
   return places;
@@ -92,19 +98,26 @@ LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings,
   return run;
 }
 
-std::vector<Rigid3> places_anew(const std::vector<BodyPlace>& places, const LiveSettings& settings,
-                                const fs::path& images, const SeenFrame& seen,
-                                const DepthNoise& noise) {
+std::vector<Rigid3> places_anew(const std::vector<BodyPlace>& places,
+                                const std::vector<const SurfaceMesh*>& skins,
+                                const LiveSettings& settings, const fs::path& images,
+                                const SeenFrame& seen, const DepthNoise& noise) {
   const SceneFile scene = scene_file_beside(images);
   return world_from_bodies(places, settings.anchor, [&](Anchor anchor) {
     switch (anchor) {
       case Anchor::kPlace:
         break;
       case Anchor::kPlane:
-        if (const auto plane = fit_standing_plane(seen.depth, seen.depth_camera, noise)) {
-          return camera_from_body_on(*plane);
+        if (settings.at_px) {
+          if (const auto pose = pose_at_pixel(seen, noise, *settings.at_px)) return *pose;
+          throw NoPlaceError(fmt::format("no surface is seen at pixel {}, {}", settings.at_px->x(),
+                                         settings.at_px->y()));
         }
-        throw NoPlaceError("no desk or floor to stand on is seen");
+        if (const auto pose =
+                pose_on_desk(seen, noise, footprint_of(places, skins, settings.anchor))) {
+          return *pose;
+        }
+        throw NoPlaceError("no desk or floor with a free place to stand on is seen");
       case Anchor::kBoard:
         if (const auto pose = find_board_pose(seen.color, seen.camera, settings.board)) {
           return *pose;

@@ -65,9 +65,13 @@ struct LiveRun {
 
 /// Where bodies stand if a run begins anew with a frame: as open_live() puts them, but by this one
 /// frame, whose camera the world then is.
+/// @param skins   of the bodies at rest, in the order of their places
 /// @param images  LiveRun::images
-/// @throws NoPlaceError where the frame does not show what some body is to stand on
+/// @throws NoPlaceError where the frame does not show what some body is to stand on, or things
+/// stand
+///         all over it
 [[nodiscard]] std::vector<Rigid3> places_anew(const std::vector<BodyPlace>& places,
+                                              const std::vector<const SurfaceMesh*>& skins,
                                               const LiveSettings& settings,
                                               const std::filesystem::path& images,
                                               const SeenFrame& seen, const DepthNoise& noise);

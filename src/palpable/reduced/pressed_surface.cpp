@@ -10,10 +10,11 @@ namespace palpable {
 
 void press_surface(const ReducedBody& body, const Eigen::Matrix3Xf& rest,
                    std::span<const double> mu, Eigen::Matrix3Xf& vertices,
-                   Eigen::Matrix3Xf& normals, std::span<float> von_mises) {
+                   Eigen::Matrix3Xf& normals, std::span<float> von_mises, std::span<float> cauchy) {
   const Eigen::Index V = body.surface.vertices.cols();
   PALPABLE_EXPECT(rest.cols() == V && vertices.cols() == V && normals.cols() == V &&
-                      static_cast<Eigen::Index>(von_mises.size()) == V,
+                      static_cast<Eigen::Index>(von_mises.size()) == V &&
+                      (cauchy.empty() || static_cast<Eigen::Index>(cauchy.size()) == 6 * V),
                   "one place per vertex");
   const ModeKernels& kernels = mode_kernels().front();
   constexpr Eigen::Index kBlock = 512;  // vertices; 18 kB
@@ -24,7 +25,9 @@ void press_surface(const ReducedBody& body, const Eigen::Matrix3Xf& rest,
     const int row = static_cast<int>(first);
     body.displacement.evaluate_part(mu, 3 * row, std::span(vertices.data() + 3 * first, 3 * n));
     vertices.middleCols(first, count) += rest.middleCols(first, count);
-    const std::span<float> values = std::span(stress).first(6 * n);
+    const std::span<float> values =
+        cauchy.empty() ? std::span(stress).first(6 * n)
+                       : cauchy.subspan(6 * static_cast<std::size_t>(first), 6 * n);
     body.stress.evaluate_part(mu, 6 * row, values);
     kernels.von_mises(values.data(), von_mises.subspan(static_cast<std::size_t>(first), n));
   }

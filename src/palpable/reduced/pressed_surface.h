@@ -11,8 +11,8 @@
 namespace palpable {
 
 /// Positions, normals and stress of the surface at one parameter point, block of vertices by block,
-/// so that neither displacement nor the six components of stress ever leave the nearest cache.
-/// Allocates nothing. Normals differ from vertex_normals() by rounding.
+/// so that neither displacement nor, unless they are wanted, the six components of stress ever
+/// leave the nearest cache. Allocates nothing. Normals differ from vertex_normals() by rounding.
 ///
 /// @param rest       (3 x V) m: body.surface.vertices
 /// @param mu         as body.displacement.evaluate(): site, level
@@ -21,9 +21,11 @@ namespace palpable {
 /// with
 ///                   area meets the vertex
 /// @param von_mises  (V) Pa, overwritten
+/// @param cauchy     (6V) Pa, xx yy zz xy yz zx of each vertex, overwritten; empty: not wanted
 /// @throws ContractViolation on sizes other than these, or for mu as evaluate()
 void press_surface(const ReducedBody& body, const Eigen::Matrix3Xf& rest,
                    std::span<const double> mu, Eigen::Matrix3Xf& vertices,
-                   Eigen::Matrix3Xf& normals, std::span<float> von_mises);
+                   Eigen::Matrix3Xf& normals, std::span<float> von_mises,
+                   std::span<float> cauchy = {});
 
 }  // namespace palpable

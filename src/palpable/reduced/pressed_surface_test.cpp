@@ -33,6 +33,12 @@ TEST_CASE("a pressed surface is what its parts give one by one", "[reduced]") {
         tolerance(1e-6, "single precision of unit vectors"));
   CHECK((normals.colwise().norm().array() - 1).abs().maxCoeff() <= tolerance(2e-7, "likewise"));
 
+  // With the six components it is the same, and they are the field's.
+  std::vector<float> six(6 * count), again(count);
+  press_surface(body, rest, mu, vertices, normals, again, six);
+  CHECK(again == mises);
+  CHECK(six == stress);
+
   CHECK(test::allocations_during(
             [&] { press_surface(body, rest, mu, vertices, normals, mises); }) == 0);
 }
@@ -44,6 +50,10 @@ TEST_CASE("arrays of another length are refused", "[reduced][errors]") {
   Eigen::Matrix3Xf vertices(3, V), normals(3, V - 1);
   std::vector<float> mises(V);
   CHECK_THROWS_AS(press_surface(body, rest, std::array{0.0, 0.5}, vertices, normals, mises),
+                  ContractViolation);
+  Eigen::Matrix3Xf all(3, V);
+  std::vector<float> five(5 * static_cast<std::size_t>(V));
+  CHECK_THROWS_AS(press_surface(body, rest, std::array{0.0, 0.5}, vertices, all, mises, five),
                   ContractViolation);
 }
 

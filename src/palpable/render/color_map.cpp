@@ -18,14 +18,23 @@ Rgb bytes_of(glsl::vec3 c) {
   return {byte(c.x), byte(c.y), byte(c.z)};
 }
 
+glsl::vec3 floats_of(Rgb color) {
+  const auto unit = [](std::uint8_t byte) { return static_cast<float>(byte) / 255.0f; };
+  return {unit(color.r), unit(color.g), unit(color.b)};
+}
+
 }  // namespace
 
 Rgb color_of_share(float share) { return bytes_of(glsl::color_map(share)); }
 
 Rgb color_of_share(float share, Rgb material, float opaque) {
-  const auto unit = [](std::uint8_t byte) { return static_cast<float>(byte) / 255.0f; };
-  const glsl::vec3 below(unit(material.r), unit(material.g), unit(material.b));
-  return bytes_of(glsl::painted(below, share, opaque));
+  return bytes_of(glsl::painted(floats_of(material), share, opaque));
+}
+
+Rgb two_sided_color_of_share(float share) { return bytes_of(glsl::two_sided_color_map(share)); }
+
+Rgb two_sided_color_of_share(float share, Rgb material, float opaque) {
+  return bytes_of(glsl::two_sided_painted(floats_of(material), share, opaque));
 }
 
 }  // namespace palpable

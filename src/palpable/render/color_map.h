@@ -1,6 +1,6 @@
 /// @file
-/// The colour scale of stress, for pictures drawn on the CPU (legend). It compiles the same file as
-/// the shaders: shaders/color_map.glsl.
+/// The colour scales of what is painted on bodies, for pictures drawn on the CPU (legend). It
+/// compiles the same file as the shaders: shaders/color_map.glsl.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -19,5 +19,11 @@ inline constexpr float kNothingPainted = 1e9f;
 /// The same with a material below it, which shines through where little is painted.
 /// @param opaque  kOpaqueShare, or 0: the scale alone
 [[nodiscard]] Rgb color_of_share(float share, Rgb material, float opaque);
+
+/// Of what has two signs: -1 (the scale's length below 0) .. 1; clamped. Luminance falls strictly
+/// from 0 to both ends.
+[[nodiscard]] Rgb two_sided_color_of_share(float share);
+/// The same with a material below it, which shines through near 0. @param opaque  as above
+[[nodiscard]] Rgb two_sided_color_of_share(float share, Rgb material, float opaque);
 
 }  // namespace palpable

@@ -72,20 +72,62 @@ TEST_CASE("a share beyond the scale has the colour of its end", "[render][Fig16]
   CHECK_FALSE(color_of_share(0.0f) == color_of_share(1.0f));
 }
 
+TEST_CASE("what has two signs is darker the farther it is from 0, and as dark on both sides",
+          "[render]") {
+  const double light = luminance(two_sided_color_of_share(0.0f));
+  double below = light, above = light;
+  for (int i = 1; i <= 64; ++i) {
+    const float share = static_cast<float>(i) / 64.0f;
+    INFO("share " << share);
+    const Rgb minus = two_sided_color_of_share(-share), plus = two_sided_color_of_share(share);
+    CHECK(luminance(minus) < below);
+    CHECK(luminance(plus) < above);
+    below = luminance(minus);
+    above = luminance(plus);
+    CHECK(std::abs(below - above) < tolerance(0.05, "luminance, 1 is white"));
+    // Who sees no red or no green still sees which of the two is blue.
+    if (i >= 16) CHECK(minus.b > minus.r + 40);
+    if (i >= 16) CHECK(plus.r > plus.b + 40);
+  }
+  CHECK(two_sided_color_of_share(-3.0f) == two_sided_color_of_share(-1.0f));
+  CHECK(two_sided_color_of_share(1.5f) == two_sided_color_of_share(1.0f));
+}
+
+TEST_CASE("what is near 0 on either side lets the material through", "[render]") {
+  constexpr Rgb kOwn{30, 120, 40};
+  for (const float sign : {-1.0f, 1.0f}) {
+    CHECK(two_sided_color_of_share(0.02f * sign, kOwn, kOpaqueShare) == kOwn);
+    CHECK_FALSE(two_sided_color_of_share(0.1f * sign, kOwn, kOpaqueShare) == kOwn);
+    CHECK(two_sided_color_of_share(0.5f * sign, kOwn, kOpaqueShare) ==
+          two_sided_color_of_share(0.5f * sign));
+    CHECK(two_sided_color_of_share(0.02f * sign, kOwn, 0) ==
+          two_sided_color_of_share(0.02f * sign));
+    CHECK(two_sided_color_of_share(sign, kOwn, kNothingPainted) == kOwn);
+  }
+}
+
 TEST_CASE("the shader paints the colours of the C++ function", "[render][Fig16]") {
   const Result<GlContext> context = GlContext::offscreen();
   if (!context.ok()) PALPABLE_SKIP(context.problem().message);
   constexpr int kCount = 201;
   const std::vector<float> painted =
       on_gpu("color_map.glsl", "vec4(color_map(i / 160.0 - 0.1), 1.0)", kCount);
-  for (int i = 0; i < kCount; ++i) {
-    INFO("sample " << i);
-    const Rgb expected = color_of_share(static_cast<float>(i) / 160.0f - 0.1f);
+  const std::vector<float> two_sided =
+      on_gpu("color_map.glsl",
+             "vec4(two_sided_painted(vec3(0.2, 0.6, 0.4), i / 80.0 - 1.2, 0.2), 1.0)", kCount);
+  constexpr Rgb kBelow{51, 153, 102};
+  const auto check_same = [](const float* found, Rgb expected) {
     const std::array<std::uint8_t, 3> bytes{expected.r, expected.g, expected.b};
     for (std::size_t c = 0; c < 3; ++c) {
-      CHECK(std::abs(255.0f * painted[4 * i + c] - static_cast<float>(bytes[c])) <=
+      CHECK(std::abs(255.0f * found[c] - static_cast<float>(bytes[c])) <=
             tolerance(0.502, "rounding to a byte, and of terms up to 110 in single precision"));
     }
+  };
+  for (int i = 0; i < kCount; ++i) {
+    INFO("sample " << i);
+    const float at = static_cast<float>(i);
+    check_same(painted.data() + 4 * i, color_of_share(at / 160.0f - 0.1f));
+    check_same(two_sided.data() + 4 * i, two_sided_color_of_share(at / 80.0f - 1.2f, kBelow, 0.2f));
   }
   CHECK(context.value().errors().count() == 0);
 }

@@ -16,6 +16,8 @@ struct vec3 {
 constexpr vec3 operator+(vec3 a, vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 constexpr vec3 operator*(float s, vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
 
+inline float abs(float x) { return std::fabs(x); }
+inline float max(float a, float b) { return std::max(a, b); }
 inline float clamp(float x, float low, float high) { return std::min(std::max(x, low), high); }
 inline vec3 clamp(vec3 x, float low, float high) {
   return {clamp(x.x, low, high), clamp(x.y, low, high), clamp(x.z, low, high)};

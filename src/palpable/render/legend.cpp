@@ -34,33 +34,75 @@ std::string_view print_tick(double value, double step, std::array<char, 32>& tex
   return {text.data(), std::min(end.size, text.size())};
 }
 
-// What stands below the bar, in memory of its own: a legend is drawn for every frame.
+// A line of text, in memory of its own: a legend is drawn for every frame.
+class ShortText {
+ public:
+  template <class... Values>
+  void print(fmt::format_string<Values...> format, Values&&... values) {
+    const auto end =
+        fmt::format_to_n(text_.data(), text_.size(), format, std::forward<Values>(values)...);
+    size_ = std::min(end.size, text_.size());
+  }
+  [[nodiscard]] std::string_view view() const { return {text_.data(), size_}; }
+
+ private:
+  std::array<char, 32> text_{};
+  std::size_t size_ = 0;
+};
+
+// The lines below the bar.
 struct PresentText {
-  explicit PresentText(const Legend& legend) {
-    if (std::isnan(legend.present)) return;
-    told = true;
-    value_size = fmt::format_to_n(value_text.data(), value_text.size(), "max {:.{}f}",
-                                  legend.present, legend.present < 10 ? 1 : 0)
-                     .size;
+  explicit PresentText(const Legend& legend) : told(!std::isnan(legend.present)) {
+    if (!told) return;
+    print_value("max", legend.present, largest);
+    if (legend.two_sided) print_value("min", legend.present_least, least);
     if (!(legend.stated_error > 0)) return;
     // Of an error more than one digit says too much.
     const double percent = 100 * legend.stated_error;
-    error_size = fmt::format_to_n(error_text.data(), error_text.size(), "\u00b1 {:.{}f} %", percent,
-                                  percent < 1 ? 1 : 0)
-                     .size;
+    error.print("{}{}\u00b1 {:.{}f} %", legend.error_of, legend.error_of.empty() ? "" : " ",
+                percent, percent < 1 ? 1 : 0);
   }
-  [[nodiscard]] std::string_view value() const {
-    return {value_text.data(), std::min(value_size, value_text.size())};
-  }
-  [[nodiscard]] std::string_view error() const {
-    return {error_text.data(), std::min(error_size, error_text.size())};
-  }
-  bool told = false;
+
+  bool told;
+  ShortText largest, least, error;
 
  private:
-  std::array<char, 32> value_text{}, error_text{};
-  std::size_t value_size = 0, error_size = 0;
+  static void print_value(std::string_view name, double value, ShortText& text) {
+    const int digits = std::abs(value) < 10 ? 1 : 0;
+    // What rounds to nothing has no sign.
+    text.print("{} {:.{}f}", name, std::abs(value) < 0.05 ? 0.0 : value, digits);
+  }
 };
+
+// The numbers beside the bar: multiples of `step`, from the lower end to the upper one.
+struct Ticks {
+  Ticks(const Legend& legend, int wanted)
+      : step(step_of(legend, wanted)),
+        last(static_cast<int>(std::floor(legend.top * (1.0 + 1e-9) / step))),
+        first(legend.two_sided ? -last : 0) {}
+  double step;
+  int last, first;
+
+ private:
+  static double step_of(const Legend& legend, int wanted) {
+    if (!legend.two_sided) return tick_step(legend.top, wanted);
+    const double step = tick_step(2 * legend.top, wanted);
+    // 0 alone would say nothing. Steps are at most 2.5 times as large as the one before.
+    return step <= legend.top ? step : tick_step(legend.top / 2.5, 1);
+  }
+};
+
+// How far up the bar a number stands, 0 .. 1.
+float height_of(double value, const Legend& legend) {
+  const double share = value / legend.top;
+  return static_cast<float>(std::clamp(legend.two_sided ? 0.5 + 0.5 * share : share, 0.0, 1.0));
+}
+
+Rgb color_at_height(float height, const Legend& legend) {
+  return legend.two_sided
+             ? two_sided_color_of_share(2.0f * height - 1.0f, legend.material, legend.opaque)
+             : color_of_share(height, legend.material, legend.opaque);
+}
 
 // Lengths of a legend in px, and what it holds.
 struct LegendLayout {
@@ -127,7 +169,8 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   const float size = 15.0f * s, small = 13.0f * s;
   const LegendLayout layout(picture, s);
   const float pad = layout.pad, bar_width = layout.bar_width, bar_height = layout.bar_height;
-  const double step = tick_step(legend.top, layout.ticks);
+  const Ticks ticks(legend, layout.ticks);
+  const double step = ticks.step;
   std::array<char, 32> text;
 
   const PresentText present(legend);
@@ -135,17 +178,24 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   const TextSize title = layout.small ? TextSize{} : measure_text(legend.title, size);
   const TextSize unit = measure_text(legend.unit, small);
   float number_width = 0;
-  for (int i = 0; i * step <= legend.top * (1.0 + 1e-9); ++i) {
+  for (int i = ticks.first; i <= ticks.last; ++i) {
     number_width =
         std::max(number_width, measure_text(print_tick(i * step, step, text), small).width);
   }
   const float line_height = measure_text("0", small).height();
   float inner = std::max({title.width, unit.width, bar_width + 10.0f * s + number_width});
   // As wide as its widest numbers would be, so that it stands still while they change.
-  if (tells_present) inner = std::max(inner, measure_text("max 000.0", small).width);
+  if (tells_present) {
+    inner = std::max(inner, measure_text("max 000.0", small).width);
+    if (!legend.error_of.empty()) {
+      const float error = measure_text(" \u00b1 00 %", small).width;
+      inner = std::max(inner, measure_text(legend.error_of, small).width + error);
+    }
+  }
   const float width = inner + 2.0f * pad;
-  // Room for both lines: the panel stands still while the error comes and goes.
-  const float below = tells_present ? 8.0f * s + 2.0f * line_height : 0.0f;
+  // Room for all lines: the panel stands still while the error comes and goes.
+  const float lines = legend.two_sided ? 3.0f : 2.0f;
+  const float below = tells_present ? 8.0f * s + lines * line_height : 0.0f;
   const float height = 2.0f * pad + title.height() + unit.height() + layout.above_bar + bar_height +
                        layout.below_bar + below;
   const float x = static_cast<float>(picture.width()) - width - layout.edge;
@@ -159,11 +209,13 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   for (int row = 0; row < static_cast<int>(bar_height); ++row) {
     const float share = 1.0f - (static_cast<float>(row) + 0.5f) / bar_height;
     fill_panel(picture, bar_x, bar_y + static_cast<float>(row), bar_width, 1.0f, 0.0f,
-               color_of_share(share, legend.material, legend.opaque));
+               color_at_height(share, legend));
   }
-  for (int i = 0; i * step <= legend.top * (1.0 + 1e-9); ++i) {
-    const auto share = static_cast<float>(i * step / legend.top);
-    const float at = bar_y + bar_height * (1.0f - share);
+  const auto y_of = [&](double value) {
+    return bar_y + bar_height * (1.0f - height_of(value, legend));
+  };
+  for (int i = ticks.first; i <= ticks.last; ++i) {
+    const float at = y_of(i * step);
     fill_panel(picture, bar_x + bar_width, std::round(at - 0.5f), 5.0f * s,
                std::max(1.0f, std::round(s)), 0.0f, kInk);
     const std::string_view number = print_tick(i * step, step, text);
@@ -172,13 +224,21 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
               kInk);
   }
   if (!present.told) return;
-  const auto share = static_cast<float>(std::clamp(legend.present / legend.top, 0.0, 1.0));
-  fill_panel(picture, bar_x - 4.0f * s, std::round(bar_y + bar_height * (1.0f - share) - s),
-             bar_width + 8.0f * s, std::max(2.0f, std::round(2.0f * s)), 0.0f, kInk);
+  const auto mark = [&](double value) {
+    fill_panel(picture, bar_x - 4.0f * s, std::round(y_of(value) - s), bar_width + 8.0f * s,
+               std::max(2.0f, std::round(2.0f * s)), 0.0f, kInk);
+  };
+  mark(legend.present);
+  if (legend.two_sided) mark(legend.present_least);
   if (!tells_present) return;
-  const float text_y = bar_y + bar_height + 12.0f * s;
-  draw_text(picture, x + pad, text_y, present.value(), small, kInk);
-  draw_text(picture, x + pad, text_y + line_height, present.error(), small, kQuietInk);
+  float text_y = bar_y + bar_height + 12.0f * s;
+  const auto write = [&](const ShortText& line, Rgb ink) {
+    draw_text(picture, x + pad, text_y, line.view(), small, ink);
+    text_y += line_height;
+  };
+  write(present.largest, kInk);
+  if (legend.two_sided) write(present.least, kInk);
+  write(present.error, kQuietInk);
 }
 
 void draw_label(ColorImage& picture, float x, float y, std::string_view text, float size) {

@@ -1,5 +1,5 @@
 /// @file
-/// Explanations drawn on a picture: the colour bar of the stress, lines of text.
+/// Explanations drawn on a picture: the colour bar of what is painted, lines of text.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -16,14 +16,17 @@ namespace palpable {
 struct Legend {
   std::string_view title;  ///< what is painted, e.g. "von Mises stress"
   std::string_view unit;   ///< of the numbers, e.g. "kPa"
-  double top = 1;          ///< the number at the upper end, > 0; the lower end is 0
+  double top = 1;          ///< the number at the upper end, > 0; the lower end is 0,
+  bool two_sided = false;  ///< or -top, in the colours of what has two signs
   Rgb material = {};       ///< under the colours (color_map.h)
   float opaque = 0;        ///< share from which they cover it; 0: everywhere
   /// The largest number that is painted at present: marked at the bar and written below it; NaN: it
   /// is not told.
   double present = std::numeric_limits<double>::quiet_NaN();
-  double stated_error = 0;  ///< of `present`, as a share of it; 0: not known
-  float scale = 1;          ///< of all lengths; 1 suits a picture of 720 rows
+  double present_least = std::numeric_limits<double>::quiet_NaN();  ///< likewise, where two-sided
+  double stated_error = 0;                                          ///< as a share; 0: not known
+  std::string_view error_of = {};  ///< whose error it is; empty: that of `present`
+  float scale = 1;                 ///< of all lengths; 1 suits a picture of 720 rows
 };
 
 /// Draws the bar on a translucent panel at the right edge, centred in height. Letters have a least

@@ -176,6 +176,7 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
   while (bodies.size() < view.bodies.size()) bodies.emplace_back();
   for (std::size_t i = 0; i < view.bodies.size(); ++i) {
     const BodyLook& look = view.bodies[i];
+    PALPABLE_EXPECT(!look.two_sided, "a map paints what has one sign");
     BodyBuffers& to = bodies[i];
     const auto count = static_cast<std::size_t>(look.vertices->cols());
     to.vertices.stream(floats_in(*look.vertices));

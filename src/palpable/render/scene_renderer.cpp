@@ -126,14 +126,19 @@ Light light_on(const BodyLook& body, const SceneLight& light) {
   return {up, light.to_lamp.value_or(usual_lamp(up.cast<double>()).cast<float>())};
 }
 
-// NaN where nothing is painted.
-double largest_painted(const SceneView& view) {
-  double largest = std::numeric_limits<double>::quiet_NaN();
-  for (const BodyLook& body : view.bodies) {
-    for (const float value : body.scalar) largest = std::fmax(largest, value);
+// Least and largest value; NaN where nothing is painted.
+struct PaintedRange {
+  explicit PaintedRange(const SceneView& view) {
+    for (const BodyLook& body : view.bodies) {
+      for (const float value : body.scalar) {
+        least = std::fmin(least, value);
+        largest = std::fmax(largest, value);
+      }
+    }
   }
-  return largest;
-}
+  float least = std::numeric_limits<float>::quiet_NaN();
+  float largest = std::numeric_limits<float>::quiet_NaN();
+};
 
 void draw_on(ColorImage& picture, const Arrow& arrow, const PinholeCamera& camera, float scale) {
   if (arrow.tail.z() < kNear || arrow.tip.z() < kNear) return;
@@ -176,6 +181,7 @@ void check(const SceneView& view) {
 
 struct SceneRenderer::State {
   GlProgram body_program, dot_program, shadow_program, compose_program;
+  GlProgram two_sided_body_program;
   GlProgram compose_fine_program;  // where fine_depth reaches wherever a body may be
   GlProgram compose_hard_program;
   FullScreenTriangle triangle;
@@ -220,13 +226,14 @@ SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
 SceneRenderer::~SceneRenderer() = default;
 
 Result<SceneRenderer> SceneRenderer::make() {
-  constexpr std::array<ProgramSource, 6> kSources = {
+  constexpr std::array<ProgramSource, 7> kSources = {
       {{"body.vert", "body.frag"},
        {"dot.vert", "dot.frag"},
        {"full_screen.vert", "shadow.frag"},
        {"full_screen.vert", "compose.frag"},
        {"full_screen.vert", "compose.frag", "#define ALL_FINE\n"},
-       {"full_screen.vert", "compose.frag", "#define HARD\n"}}};
+       {"full_screen.vert", "compose.frag", "#define HARD\n"},
+       {"body.vert", "body.frag", "#define TWO_SIDED\n"}}};
   Result<std::vector<GlProgram>> made = make_programs(render_shader_files(), kSources);
   if (!made.ok()) return made.problem();
   std::vector<GlProgram> programs = std::move(made).value();
@@ -234,6 +241,7 @@ Result<SceneRenderer> SceneRenderer::make() {
                                                 .dot_program = std::move(programs[1]),
                                                 .shadow_program = std::move(programs[2]),
                                                 .compose_program = std::move(programs[3]),
+                                                .two_sided_body_program = std::move(programs[6]),
                                                 .compose_fine_program = std::move(programs[4]),
                                                 .compose_hard_program = std::move(programs[5]),
                                                 .triangle = {},
@@ -312,13 +320,17 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
   for (const Arrow& arrow : view.arrows) draw_on(picture, arrow, view.camera, scale);
   if (!view.legend_title.empty() && !view.bodies.empty()) {
     const BodyLook& first = view.bodies.front();
+    const PaintedRange painted(view);
     draw_legend(picture, {.title = view.legend_title,
                           .unit = view.legend_unit,
                           .top = first.scalar_max * view.legend_scale,
+                          .two_sided = first.two_sided,
                           .material = first.material,
                           .opaque = first.opaque_share(),
-                          .present = largest_painted(view) * view.legend_scale,
+                          .present = painted.largest * view.legend_scale,
+                          .present_least = painted.least * view.legend_scale,
                           .stated_error = view.stated_error,
+                          .error_of = view.stated_error_of,
                           .scale = scale});
   }
   if (!view.caption.empty()) draw_caption(picture, view.caption, scale);
@@ -511,11 +523,12 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
       program.set("light_color", view.light.color);
       program.use();
     };
-    set_common(body_program);
-    body_program.set("scalar_max", look.scalar_max);
-    body_program.set("material", floats_of(look.material));
-    body_program.set("opaque", look.opaque_share());
-    body_program.set("mark_color", floats_of(look.mark_color));
+    const GlProgram& program = look.two_sided ? two_sided_body_program : body_program;
+    set_common(program);
+    program.set("scalar_max", look.scalar_max);
+    program.set("material", floats_of(look.material));
+    program.set("opaque", look.opaque_share());
+    program.set("mark_color", floats_of(look.mark_color));
     buffers[i].inputs.bind();
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
                    nullptr);

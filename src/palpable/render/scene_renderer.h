@@ -63,6 +63,7 @@ struct BodyLook {
   Rgb material = kRubber;                       ///< its own colour
   std::span<const float> scalar;                ///< (V) what is painted on it; empty: nothing is
   float scalar_max = 1;                         ///< > 0: upper end of the colour scale, as `scalar`
+  bool two_sided = false;  ///< its lower end is -scalar_max, else 0 (color_map.h)
   /// Low values let the material's own colour through (color_map.h); false: the scale alone.
   bool blended = true;
   /// The share of the scale from which paint covers the material wholly.
@@ -99,10 +100,11 @@ struct SceneView {
   std::vector<BodyLook> bodies = {};
   std::vector<Arrow> arrows = {};  ///< those with an end behind the camera are left out
   SceneLight light = {};
-  std::string legend_title = {};    ///< above the colour bar, e.g. "von Mises"; empty: no bar
-  std::string legend_unit = "kPa";  ///< unit of the numbers at the colour bar
-  double legend_scale = 1e-3;       ///< number shown = scalar * legend_scale
-  double stated_error = 0;          ///< of the largest painted value, as a share; 0: not known
+  std::string legend_title = {};          ///< above the colour bar, e.g. "von Mises"; empty: no bar
+  std::string legend_unit = "kPa";        ///< unit of the numbers at the colour bar
+  double legend_scale = 1e-3;             ///< number shown = scalar * legend_scale
+  double stated_error = 0;                ///< as a share; 0: not known
+  std::string stated_error_of = {};       ///< what has it; empty: the largest painted value
   std::vector<std::string> caption = {};  ///< lines in a corner, UTF-8 (Latin)
   std::string warning = {};               ///< a red line at the top; empty: none
 };

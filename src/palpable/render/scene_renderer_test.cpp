@@ -400,6 +400,29 @@ TEST_CASE("stress is painted: more of it is lighter, marks cover it", "[render][
   CHECK(color_at(10e3f, 0) == high);
 }
 
+TEST_CASE("what has two signs is painted blue below 0 and red above, and not at all near it",
+          "[render]") {
+  PALPABLE_NEEDS_RENDERER(gl);
+  const Skin skin = plate();
+  const auto color_at = [&](float pressure) {
+    const std::vector<float> scalar(skin.vertices.cols(), pressure);
+    BodyLook look = skin.look();
+    look.scalar = scalar;
+    look.scalar_max = 20e3f;
+    look.two_sided = true;
+    return draw(*gl.renderer, {.camera = kCamera, .bodies = {look}}).picture(150, 100);
+  };
+  const Rgb plain =
+      draw(*gl.renderer, {.camera = kCamera, .bodies = {skin.look()}}).picture(150, 100);
+  CHECK(color_at(0.4e3f) == plain);
+  CHECK(color_at(-0.4e3f) == plain);
+  const Rgb below = color_at(-15e3f), above = color_at(15e3f);
+  CHECK(below.b > below.r + 40);
+  CHECK(above.r > above.b + 40);
+  CHECK(color_at(-50e3f) == color_at(-20e3f));
+  CHECK(color_at(50e3f) == color_at(20e3f));
+}
+
 TEST_CASE("light has a direction, a strength and a colour", "[render][light]") {
   PALPABLE_NEEDS_RENDERER(gl);
   const Skin ball(sphere_surface({0, 0, 0.5}, 0.08, 4));

@@ -117,6 +117,75 @@ TEST_CASE("the legend marks the present largest value and says how far it may be
   CHECK(mark_row(told) == mark_row(high));
 }
 
+TEST_CASE("a legend of two signs has 0 in the middle, both ends' colours and both present values",
+          "[render]") {
+  const auto drawn = [](double least, double present, double stated_error) {
+    ColorImage picture(1280, 720, {128, 128, 128});
+    draw_legend(picture, {.title = "pressure",
+                          .unit = "kPa",
+                          .top = 10,
+                          .two_sided = true,
+                          .present = present,
+                          .present_least = least,
+                          .stated_error = stated_error,
+                          .error_of = "stress"});
+    return picture;
+  };
+  const auto rows_of = [](const ColorImage& picture, Rgb wanted) {
+    std::vector<int> rows;
+    for (int y = 0; y < picture.height(); ++y) {
+      int run = 0, longest = 0;
+      for (int x = picture.width() / 2; x < picture.width(); ++x) {
+        const Rgb p = picture(x, y);
+        const int apart = std::abs(p.r - wanted.r) + std::abs(p.g - wanted.g) +
+                          std::abs(p.b - wanted.b);  // neighbouring rows are 3 apart
+        run = apart <= 3 ? run + 1 : 0;
+        longest = std::max(longest, run);
+      }
+      if (longest >= 12) rows.push_back(y);
+    }
+    return rows;
+  };
+  constexpr Rgb kInk{245, 246, 248};  // of the marks, wider than any letter's line
+  const ColorImage picture = drawn(-4, 8, 0);
+  const std::vector<int> marks = rows_of(picture, kInk);
+  REQUIRE(marks.size() == 4);  // two marks of two rows
+  // Half of the bar's 259 rows for 10 kPa.
+  CHECK(std::abs((marks[2] - marks[0]) - 0.5 * 259 * 12 / 10) <=
+        palpable::test::tolerance(1.5, "px, rounding"));
+  const std::vector<int> top = rows_of(picture, two_sided_color_of_share(0.99f));
+  const std::vector<int> bottom = rows_of(picture, two_sided_color_of_share(-0.99f));
+  REQUIRE_FALSE(top.empty());
+  REQUIRE_FALSE(bottom.empty());
+  CHECK(top.front() < marks.front());
+  CHECK(bottom.back() > marks.back());
+  // Values beyond the scale stand at its ends.
+  const std::vector<int> beyond = rows_of(drawn(-40, 80, 0), kInk);
+  REQUIRE(beyond.size() == 4);
+  CHECK(beyond[2] - beyond[0] == Approx(259).margin(2));
+  // The panel stands still while the error comes and goes, and says both values.
+  CHECK(rows_of(drawn(-4, 8, 0.14), kInk) == marks);
+  CHECK_FALSE(drawn(-4, 8, 0.14) == picture);
+  CHECK_FALSE(drawn(-4.2, 8, 0) == drawn(-4.1, 8, 0));  // the same row of the bar, another number
+}
+
+TEST_CASE("a small legend of two signs has other numbers than 0", "[render]") {
+  // Were 0 the only one, nothing would say where the scale ends.
+  const auto drawn = [](double top) {
+    ColorImage picture(320, 180, {128, 128, 128});
+    draw_legend(picture, {.title = "pressure",
+                          .unit = "kPa",
+                          .top = top,
+                          .two_sided = true,
+                          .scale = legend_scale(180)});
+    return picture;
+  };
+  for (const double top : {1.3, 4.1, 9.9, 16.3}) {
+    INFO("top " << top);
+    CHECK_FALSE(drawn(top) == drawn(0.95 * top));
+  }
+}
+
 TEST_CASE("the legend shows the colours from bottom to top and writes beside them", "[render]") {
   for (const int height : {360, 720, 1080}) {
     INFO("rows " << height);

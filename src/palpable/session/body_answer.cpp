@@ -30,13 +30,14 @@ BodyAnswer::BodyAnswer(TouchableBody body, const AnswerSettings& settings)
       rest_(body_.surface.vertices.cast<float>()),
       rest_normals_(3, rest_.cols()),
       at_rest_(static_cast<std::size_t>(rest_.cols()), 0.0f),
+      cauchy_at_rest_(6 * at_rest_.size(), 0.0f),
       region_(box_of(body_.surface)),
       surface_(settings.surface) {
   vertex_normals(rest_, body_.surface.triangles, rest_normals_);
   if (contact_ == ContactKind::kAnywhere && !tables_ && !modal_) contact_ = ContactKind::kSite;
   if (contact_ == ContactKind::kAnywhere && tables_) {
     anywhere_.emplace(body_.surface, body_.fixed, *tables_, settings.touch);
-    anywhere_->stress(touched_, at_rest_);
+    anywhere_->stress(touched_, at_rest_, cauchy_at_rest_);
   } else if (contact_ == ContactKind::kSite) {
     law_.emplace(body_, settings.press);
   } else if (contact_ == ContactKind::kPaper) {
@@ -118,12 +119,14 @@ PressingBodies::Body BodyAnswer::among_others(const Rigid3& world_from_body) {
   return body;
 }
 
-void BodyAnswer::reconstruct(const std::vector<Touch>& touches, SceneBody& shown) {
+void BodyAnswer::reconstruct(const std::vector<Touch>& touches, bool components, SceneBody& shown) {
   shown.stated_error = stated_;
+  shown.cauchy.resize(components ? cauchy_at_rest_.size() : 0);
   if (touches.empty() && !is_moved_) {
     shown.vertices = rest_;
     shown.normals = rest_normals_;
     shown.von_mises = at_rest_;
+    if (components) shown.cauchy = cauchy_at_rest_;
     return;
   }
   shown.vertices.resize(3, rest_.cols());
@@ -132,11 +135,11 @@ void BodyAnswer::reconstruct(const std::vector<Touch>& touches, SceneBody& shown
   if (anywhere_) {
     anywhere_->place(touched_, shown.vertices);
     vertex_normals(shown.vertices, body_.surface.triangles, shown.normals);
-    anywhere_->stress(touched_, shown.von_mises);
+    anywhere_->stress(touched_, shown.von_mises, shown.cauchy);
   } else {
     const Touch& touch = touches.front();
     const std::array mu{static_cast<double>(touch.site), touch.level};
-    press_surface(body_, rest_, mu, shown.vertices, shown.normals, shown.von_mises);
+    press_surface(body_, rest_, mu, shown.vertices, shown.normals, shown.von_mises, shown.cauchy);
   }
 }
 

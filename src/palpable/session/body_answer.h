@@ -78,8 +78,9 @@ class BodyAnswer {
   void find_touches(PressingBodies& together, int number, std::vector<Touch>& touches);
 
   /// Shape, normals, stress and stated error of the touches found last.
-  /// @param touches  as find_touches() gave them
-  void reconstruct(const std::vector<Touch>& touches, SceneBody& shown);
+  /// @param touches     as find_touches() gave them
+  /// @param components  whether SceneBody::cauchy is wanted, too; else it is emptied
+  void reconstruct(const std::vector<Touch>& touches, bool components, SceneBody& shown);
 
   /// Its body, with what it was given beside; only the destructor may be called after it.
   [[nodiscard]] TouchableBody take_body();
@@ -111,7 +112,8 @@ class BodyAnswer {
   ContactKind contact_;
   PaperSettings paper_settings_;
   Eigen::Matrix3Xf rest_, rest_normals_;  // (3 x V) m
-  std::vector<float> at_rest_;            // (V) Pa, von Mises stress where nothing touches
+  // Where nothing touches: von Mises stress, and Cauchy stress as SceneBody::cauchy.
+  std::vector<float> at_rest_, cauchy_at_rest_;  // (V), (6V) Pa
   Eigen::AlignedBox3d region_;
   ObjectSurface surface_;
   std::optional<SkinContact> anywhere_;

@@ -64,7 +64,8 @@ TouchReport CapsulePress::advance(std::span<const Capsule> capsules, SceneBody& 
   shown.von_mises.resize(static_cast<std::size_t>(skin.vertex_count()));
   contact_.place(state_, shown.vertices);
   vertex_normals(shown.vertices, skin.triangles, shown.normals);
-  contact_.stress(state_, shown.von_mises);
+  shown.cauchy.resize(keeps_components_ ? 6 * shown.von_mises.size() : 0);
+  contact_.stress(state_, shown.von_mises, shown.cauchy);
   shown.stated_error = report.stated;
   return report;
 }

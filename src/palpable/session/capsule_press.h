@@ -47,6 +47,9 @@ class CapsulePress {
   /// @param touches   overwritten, the strongest first
   TouchReport advance(std::span<const Capsule> capsules, SceneBody& shown,
                       std::vector<Touch>& touches);
+  /// Whether the shown body has all six components of stress from now on (SceneBody::cauchy); to
+  /// begin with it does not.
+  void keep_components(bool keep) { keeps_components_ = keep; }
   /// As if nothing had pressed yet.
   void forget() { state_ = TouchState(); }
 
@@ -56,6 +59,7 @@ class CapsulePress {
   TouchState state_;
   CapsuleGaps gaps_;
   ObjectSurface nothing_;  // no camera sees anything
+  bool keeps_components_ = false;
 };
 
 }  // namespace palpable

@@ -24,9 +24,10 @@ ModalBodies::ModalBodies(const std::vector<Member>& members)
     skins_.push_back(rest.vertices.cast<float>());
     rest_normals_.emplace_back(3, skins_.back().cols());
     rest_stress_.emplace_back(static_cast<std::size_t>(skins_.back().cols()));
+    rest_cauchy_.emplace_back(6 * rest_stress_.back().size());
     const int k = static_cast<int>(rest_stress_.size()) - 1;
     contact_.normals(k, {}, rest_normals_.back());
-    contact_.stress(k, {}, rest_stress_.back());
+    contact_.stress(k, {}, rest_stress_.back(), rest_cauchy_.back());
   }
 }
 
@@ -54,19 +55,21 @@ void ModalBodies::find_touches(int member, std::vector<Touch>& touches) {
   patches_.find(*members_[k].seen, touches);
 }
 
-void ModalBodies::reconstruct(int member, SceneBody& shown) {
+void ModalBodies::reconstruct(int member, bool components, SceneBody& shown) {
   const auto k = static_cast<std::size_t>(member);
   shown.stated_error.reset();
   shown.vertices = skins_[k];
+  shown.cauchy.resize(components ? rest_cauchy_[k].size() : 0);
   if (states_[k].q.isZero(0)) {  // what stands about costs a copy
     shown.normals = rest_normals_[k];
     shown.von_mises = rest_stress_[k];
+    if (components) shown.cauchy = rest_cauchy_[k];
     return;
   }
   shown.normals.resize(3, skins_[k].cols());
   shown.von_mises.resize(static_cast<std::size_t>(skins_[k].cols()));
   contact_.normals(member, states_[k], shown.normals);
-  contact_.stress(member, states_[k], shown.von_mises);
+  contact_.stress(member, states_[k], shown.von_mises, shown.cauchy);
 }
 
 }  // namespace palpable

@@ -29,8 +29,9 @@ class ModalBodies {
 
   /// Of a member, by its place in the list: its touches, the strongest first.
   void find_touches(int member, std::vector<Touch>& touches);
-  /// Shape, normals and stress.
-  void reconstruct(int member, SceneBody& shown);
+  /// Shape, normals and stress. @param components  whether SceneBody::cauchy is wanted, too; else
+  /// it is emptied
+  void reconstruct(int member, bool components, SceneBody& shown);
 
   [[nodiscard]] const ModalReport& report() const { return report_; }  ///< of the last frame
 
@@ -41,9 +42,9 @@ class ModalBodies {
   std::vector<GapQuery> gaps_;
   std::vector<NearQuery> near_;
   std::vector<Eigen::Matrix3Xf> skins_;  // where they are now, m
-  // Of each at rest: normals, and von Mises stress, Pa.
+  // Of each at rest: normals, von Mises stress and its components (SceneBody::cauchy), Pa.
   std::vector<Eigen::Matrix3Xf> rest_normals_;
-  std::vector<std::vector<float>> rest_stress_;
+  std::vector<std::vector<float>> rest_stress_, rest_cauchy_;
   TouchPatches patches_{2 * ModalContact::kMostPoints};
   ModalReport report_;
 };

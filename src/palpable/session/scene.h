@@ -25,6 +25,10 @@ struct SceneBody {
   Eigen::Matrix3Xf vertices;                     ///< (3 x V) m, body frame, deformed
   Eigen::Matrix3Xf normals;                      ///< (3 x V) unit, outwards
   std::vector<float> von_mises;                  ///< (V) Pa; at rest that of its preload
+  /// (6V) Pa, Cauchy stress xx yy zz xy yz zx of each vertex along the body frame's axes, of which
+  /// `von_mises` is made; at rest likewise. Empty unless the session keeps it
+  /// (Session::keep_components).
+  std::vector<float> cauchy;
   /// Of the answer, the obstacle taken as it is seen; nothing where nothing touches or where that
   /// is not known.
   std::optional<StatedError> stated_error;

@@ -145,7 +145,8 @@ struct Session::Parts {
   LookedAt looked_at = LookedAt::kNothing;  // with what the mask of this frame was compared
   const StaticPicture* picture = nullptr;   // that one
   PressingMask pressing;
-  const MaskImage* shows = nullptr;     // of the pressing mask
+  const MaskImage* shows = nullptr;  // of the pressing mask
+  bool keeps_components = false;
   std::vector<Eigen::Vector3f> others;  // of gather_others()
 };
 
@@ -338,9 +339,9 @@ void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const SessionBody& body = *bodies[k];
     if (body.modal >= 0) {
-      modal->reconstruct(body.modal, scene.bodies[k]);
+      modal->reconstruct(body.modal, keeps_components, scene.bodies[k]);
     } else {
-      bodies[k]->answer.reconstruct(body.touches, scene.bodies[k]);
+      bodies[k]->answer.reconstruct(body.touches, keeps_components, scene.bodies[k]);
     }
     if (settings.contact == ContactKind::kPaper && bodies.size() > 1) {
       bodies[k]->shape = scene.bodies[k].vertices;
@@ -359,6 +360,9 @@ void Session::respond(Scene& scene, const std::optional<Rigid3>& world_from_came
   PALPABLE_EXPECT(!parts_->settings.track, "a session that follows the camera finds its own poses");
   parts_->answer(scene, parts_->slam.advance(scene.seen, world_from_camera, scene.times));
 }
+
+void Session::keep_components(bool keep) { parts_->keeps_components = keep; }
+bool Session::keeps_components() const { return parts_->keeps_components; }
 
 void Session::refine_with(Refiner refiner) {
   parts_->bodies.front()->answer.refine_with(std::move(refiner));

@@ -12,6 +12,7 @@
 #include "tests/support/test.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -229,6 +230,97 @@ TEST_CASE("the stress of a scene is that of its touch", "[session]") {
         Approx(p).epsilon(tolerance(1e-3, "cubic between samples of a parabola, floats")));
 }
 
+// Von Mises stress of a vertex from its six components, Pa.
+double mises_of(const SceneBody& body, std::size_t v) {
+  std::array<double, 6> s{};
+  for (std::size_t c = 0; c < 6; ++c) s[c] = static_cast<double>(body.cauchy[6 * v + c]);
+  const double xy = s[0] - s[1], yz = s[1] - s[2], zx = s[2] - s[0];
+  return std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) +
+                   3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+}
+
+// That the six components are those of the von Mises stress. @return the largest of that, Pa
+double check_components(const SceneBody& body) {
+  REQUIRE(body.cauchy.size() == 6 * body.von_mises.size());
+  const double largest =
+      static_cast<double>(*std::max_element(body.von_mises.begin(), body.von_mises.end()));
+  double apart = 0;
+  for (std::size_t v = 0; v < body.von_mises.size(); ++v) {
+    apart = std::max(apart, std::abs(mises_of(body, v) - static_cast<double>(body.von_mises[v])));
+  }
+  CHECK(apart <= tolerance(1e-3 * largest + 1e-3, "Pa: floats, whose differences are small"));
+  return largest;
+}
+
+TEST_CASE(
+    "scenes have the components of their stress where they are wanted, and nothing else differs",
+    "[session]") {
+  ModalTables modal;
+  const ReducedBody ball = test::with_several(test::pressed_ball());
+  const int V = ball.surface.vertex_count();
+  modal.shell.stress_free = ball.surface.vertices;
+  modal.shell.preload = Eigen::Matrix3Xd::Zero(3, V);
+  modal.shell.first.assign(static_cast<std::size_t>(V) + 1, 0);
+  modal.inner_modes.resize(0, ball.several->mode_count());
+  modal.half_space = 1e-5;
+  modal.point_spacing = 0.004;
+  SessionSettings as_printed = kEverythingPresses;
+  as_printed.contact = ContactKind::kPaper;
+  const auto loops = [&]() {
+    std::vector<FrameLoop> made;
+    made.push_back(touchable_sphere_loop());
+    made.push_back(make_loop());
+    made.push_back(make_loop(as_printed));
+    std::vector<PlacedBody> bodies;
+    bodies.push_back({TouchableBody(ball, {}, modal), sphere_pose(), "ball"});
+    made.push_back(
+        value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), kEverythingPresses)));
+    return made;
+  };
+  std::vector<FrameLoop> without = loops(), with = loops();
+  for (std::size_t k = 0; k < with.size(); ++k) {
+    INFO("kind " << k);
+    CHECK_FALSE(with[k].session.keeps_components());
+    with[k].session.keep_components(true);
+    for (int n = 0; n < 6; ++n) {
+      const Frame frame = frame_with_finger(n, n < 3 ? -0.03 : 0.008);
+      const SceneBody& one = with[k].process(frame).bodies[0];
+      const SceneBody& other = without[k].process(frame).bodies[0];
+      CHECK(one.vertices == other.vertices);
+      CHECK(one.normals == other.normals);
+      CHECK(one.von_mises == other.von_mises);
+      CHECK(other.cauchy.empty());
+      (void)check_components(one);
+    }
+    REQUIRE_FALSE(with[k].scene.touches.empty());
+    if (k < 3) CHECK(check_components(with[k].scene.bodies[0]) > 100);  // the ball's shell is empty
+    with[k].session.keep_components(false);
+    CHECK(with[k].process(frame_with_finger(6, 0.008)).bodies[0].cauchy.empty());
+  }
+}
+
+TEST_CASE("at rest the components are those of the preload", "[session]") {
+  const ReducedBody body = test::DentedSphere{}.body();
+  TouchTables tables = test::yielding_tables(body.surface);
+  tables.shell.preload.setZero();
+  tables.shell.preload.row(2) = 0.01 * tables.shell.stress_free.row(2);  // pulled along z
+  FrameLoop loop = value_or_throw(FrameLoop::make(TouchableBody(body, tables), sphere_pose(),
+                                                  depth_format(), kEverythingPresses));
+  loop.session.keep_components(true);
+  const SceneBody& shown = loop.process(frame_with_finger(0, -0.03)).bodies[0];
+  CHECK(loop.scene.touches.empty());
+  CHECK(check_components(shown) > 100);
+  for (std::size_t v = 0; v < shown.von_mises.size(); ++v) {
+    const float* s = shown.cauchy.data() + 6 * v;
+    CHECK(s[2] > 300);  // Pa: E = 40 or 60 kPa, strained by a hundredth
+    CHECK(s[2] > s[0]);
+    CHECK(s[2] > s[1]);
+    for (int shear = 3; shear < 6; ++shear) {
+      CHECK(std::abs(s[shear]) < tolerance(1.0f, "Pa, single precision"));
+    }
+  }
+}
+
 TEST_CASE("replaying the same frames gives the same bytes", "[session]") {
   std::vector<Frame> frames;
   for (int n = 0; n < 12; ++n) frames.push_back(frame_with_finger(n, -0.01 + 0.002 * n));
@@ -410,6 +502,33 @@ TEST_CASE("contact and reconstruction allocate nothing after the first frames",
     // As printed, Algorithm 1 leaves a body pressed when nothing is near any more.
     CHECK(away.touches.empty() == (kind == ContactKind::kSite));
   }
+}
+
+TEST_CASE("a scene that keeps components takes memory for them once", "[session]") {
+  FrameLoop loop = touchable_sphere_loop();
+  loop.session.keep_components(true);
+  Scene away, pressing;
+  loop.camera.see(frame_with_finger(0, -0.3), away.seen);
+  loop.camera.see(frame_with_finger(9, 0.006), pressing.seen);
+  double time = 0;
+  const auto respond = [&](Scene& scene, int times) {
+    for (int k = 0; k < times; ++k) {
+      scene.seen.time = time += 1.0 / 30;
+      loop.session.respond(scene);
+    }
+  };
+  respond(away, kBefore);
+  respond(pressing, kUntilBelieved + 3);
+  respond(away, 1);
+  CHECK(test::allocations_during([&] {
+          respond(pressing, kUntilBelieved + 3);
+          respond(away, 1);
+          loop.session.keep_components(false);
+          respond(pressing, 1);
+          loop.session.keep_components(true);
+          respond(pressing, 1);
+        }) == 0);
+  CHECK_FALSE(pressing.touches.empty());
 }
 
 TEST_CASE("every stage of a frame is timed, those of seeing too, and those of earlier frames not",

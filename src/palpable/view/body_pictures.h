@@ -5,6 +5,7 @@
 #include "palpable/geometry/image.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/view/mode_shapes.h"
+#include "palpable/view/show_names.h"
 #include "palpable/view/studio_scene.h"
 
 #include <functional>
@@ -18,8 +19,10 @@ namespace palpable {
 /// @param site   pressed at a third, two thirds and all of `level`; -1: three sites that show the
 ///               body best, at `level`
 /// @param level  0 .. 1 of the site's full load
+/// @param paint  on the pressed body
 /// @param show   called for each picture, with a name such as "3_press_site_4_level_100"
-void draw_presses(const ReducedBody& body, int site, double level, PictureSize size,
+void draw_presses(const ReducedBody& body, int site, double level, const NamedPaint& paint,
+                  PictureSize size,
                   const std::function<void(const std::string& name, const ColorImage&)>& show);
 
 /// Modes side by side, those of displacement drawn so large that they can be seen, and below each

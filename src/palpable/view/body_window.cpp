@@ -14,6 +14,7 @@ namespace {
 // What is said under the picture: the press, and the keys.
 void write_caption(const ViewControls& controls, double level, StudioScene& scene) {
   scene.field = controls.field;
+  scene.component = controls.component;
   scene.sites_shown = controls.sites_shown;
   scene.legend_shown = controls.legend_shown && level > 0;
   scene.caption = {level > 0 ? scene.reading() : scene.title()};
@@ -29,6 +30,9 @@ bool lay_out(ViewControls& controls) {
   bool switched = false;
   begin_panel("view", {0, 0});
   switched |= choice("Painted", kFieldNames, controls.field);
+  if (controls.field == SceneShow::Field::kComponent) {
+    switched |= choice("Component", kComponentNames, controls.component);
+  }
   switched |= ImGui::Checkbox("sites", &controls.sites_shown);
   switched |= ImGui::Checkbox("legend", &controls.legend_shown);
   switched |= ImGui::Checkbox("help", &controls.help_shown);
@@ -91,7 +95,7 @@ void show_body(Window& window, const std::shared_ptr<const TouchableBody>& body,
                const BodyWindowSettings& settings,
                const std::function<std::string(const ColorImage&)>& keep_picture) {
   StudioScene scene(body->body, settings.size);
-  ViewControls controls(usual_camera(body->body, settings.size.aspect()));
+  ViewControls controls(usual_camera(body->body, settings.size.aspect()), settings.paint);
   MousePress mouse(body, settings.site >= 0, scene);
   if (settings.site >= 0) {
     controls.keep(settings.site, settings.level);

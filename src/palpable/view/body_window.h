@@ -4,6 +4,7 @@
 
 #include "palpable/render/window.h"
 #include "palpable/touch/touchable_body.h"
+#include "palpable/view/show_names.h"
 #include "palpable/view/studio_scene.h"
 
 #include <functional>
@@ -14,9 +15,10 @@ namespace palpable {
 
 struct BodyWindowSettings {
   PictureSize size{1280, 720};
-  int site = -1;           ///< held at `level` until another is pressed; -1: none is
-  double level = 1;        ///< 0 .. 1 of the site's full load
-  double close_after = 0;  ///< s; 0: when the user wants
+  int site = -1;                  ///< held at `level` until another is pressed; -1: none is
+  double level = 1;               ///< 0 .. 1 of the site's full load
+  NamedPaint paint = kPaints[0];  ///< to begin with, and after R
+  double close_after = 0;         ///< s; 0: when the user wants
 };
 
 /// Shows the body until the user closes the window (view_controls.h says what the user can do; a

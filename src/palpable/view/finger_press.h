@@ -46,6 +46,8 @@ class FingerPress {
   [[nodiscard]] double force() const;              ///< N, of all touches together
   [[nodiscard]] double push() const;               ///< m, of the finger beyond the place
   [[nodiscard]] double largest_von_mises() const;  ///< Pa
+  /// (6V) Pa, as SceneBody::cauchy.
+  [[nodiscard]] const std::vector<float>& cauchy() const { return shown_.cauchy; }
   [[nodiscard]] const std::optional<StatedError>& stated_error() const {
     return shown_.stated_error;
   }

@@ -48,6 +48,7 @@ TEST_CASE("a finger presses where it is put, deeper with its level, and leaves n
     force = finger.force();
     depth = moved;
   }
+  CHECK(finger.cauchy().size() == 6 * finger.look().scalar.size());
   // The same place of the skin, seen where it has gone.
   const FingerPress::Place again =
       finger.place_at(finger.look().vertices->col(vertex).cast<double>());

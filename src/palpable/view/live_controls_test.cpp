@@ -33,7 +33,7 @@ TEST_CASE("keys switch what is shown, and R takes all of it back", "[view][live_
     CHECK(controls.view == view);
   }
   type(controls, "1FOCNLB");
-  CHECK(controls.show.field == SceneShow::Field::kDisplacement);
+  CHECK(controls.show.field == SceneShow::Field::kPressure);
   CHECK(controls.show.occlusion != first.occlusion);
   CHECK(controls.show.contacts != first.contacts);
   CHECK(controls.show.forces != first.forces);

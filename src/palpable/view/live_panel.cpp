@@ -125,6 +125,9 @@ void LivePanel::lay_out_parameters(LiveControls& controls) const {
 void LivePanel::lay_out_look(LiveControls& controls) const {
   choice("View", kViewNames, controls.view);
   choice("Painted", kFieldNames, controls.show.field);
+  if (controls.show.field == SceneShow::Field::kComponent) {
+    choice("Component", kComponentNames, controls.show.component);
+  }
   choice("Occlusion", kOcclusionNames, controls.show.occlusion);
   ImGui::TextDisabled("Also shown");
   ImGui::Checkbox("contact points", &controls.show.contacts);

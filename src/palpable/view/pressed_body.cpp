@@ -16,6 +16,7 @@ PressedBody::PressedBody(const ReducedBody& body)
       vertices_(at_rest_),
       normals_(3, at_rest_.cols()),
       von_mises_(at_rest_.cols()),
+      cauchy_(6 * von_mises_.size()),
       patch_marks_(von_mises_.size()) {
   for (const Site& site : body.sites) {
     for (const int vertex : site.patch) patch_marks_[vertex] = 1.0f;
@@ -31,7 +32,7 @@ void PressedBody::press(int site, double level) {
     scale_ = stress_scale_of_site(body_, site_);
   }
   const std::array<double, 2> mu{static_cast<double>(site), level_};
-  press_surface(body_, at_rest_, mu, vertices_, normals_, von_mises_);
+  press_surface(body_, at_rest_, mu, vertices_, normals_, von_mises_, cauchy_);
 }
 
 double PressedBody::force() const { return level_ * body_.sites[site_].full_load; }

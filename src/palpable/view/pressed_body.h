@@ -26,6 +26,8 @@ class PressedBody {
   [[nodiscard]] double force() const;              ///< N
   [[nodiscard]] double press_depth() const;        ///< m, along the load
   [[nodiscard]] double largest_von_mises() const;  ///< Pa
+  /// (6V) Pa, as SceneBody::cauchy.
+  [[nodiscard]] const std::vector<float>& cauchy() const { return cauchy_; }
 
   /// Arrays of this object and of the body; nothing is marked. The colour scale ends at
   /// stress_scale_of_site().
@@ -45,7 +47,7 @@ class PressedBody {
   double level_ = 0;
   double scale_ = 1;  // Pa
   Eigen::Matrix3Xf at_rest_, vertices_, normals_;
-  std::vector<float> von_mises_, patch_marks_;
+  std::vector<float> von_mises_, cauchy_, patch_marks_;
 };
 
 /// Up to `count` different sites far from each other, the highest first and low ones last: what

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -31,6 +32,19 @@ TEST_CASE("a pressed body gives way at its site by the tabulated depth", "[view]
   }
   pressed.press(4, 0);
   CHECK(*pressed.look().vertices == before);
+}
+
+TEST_CASE("a pressed body has the six components of its stress", "[view][pressed_body]") {
+  const ReducedBody body = test::pressed_ball();
+  PressedBody pressed(body);
+  CHECK(std::all_of(pressed.cauchy().begin(), pressed.cauchy().end(),
+                    [](float s) { return s == 0; }));
+  pressed.press(4, 0.7);
+  std::vector<float> mises(pressed.cauchy().size() / 6);
+  von_mises(pressed.cauchy(), mises);
+  const auto painted = pressed.look().scalar;
+  CHECK(std::equal(painted.begin(), painted.end(), mises.begin(), mises.end()));
+  CHECK(pressed.largest_von_mises() > 0);
 }
 
 TEST_CASE("the colour scale belongs to the site, not to how hard it is pressed",

@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/stage_clock.h"
+#include "palpable/view/painted_stress.h"
 #include "palpable/view/sensed_picture.h"
 #include "palpable/view/stress_scale.h"
 
@@ -81,6 +82,10 @@ void ScenePainter::begin_anew() {
   light_ = LightEstimator();
   make_outside_views(controls_.view);
   gather_parameters();
+}
+
+bool ScenePainter::wants_components() const {
+  return controls_.paused || needs_components(controls_.show.field);
 }
 
 void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {

@@ -61,6 +61,32 @@ TEST_CASE("a scene that nothing touches is drawn again without taking memory", "
   CHECK(test::allocations_during(draw) == 0);
 }
 
+TEST_CASE("components are wanted where they are painted, and painting them takes no memory again",
+          "[view][pixels]") {
+  FrameLoop loop = loop_before_sphere();
+  SceneShow show;
+  show.field = SceneShow::Field::kPressure;
+  std::optional<ScenePainter> painter = painter_of({.show = show}, loop);
+  if (!painter) PALPABLE_SKIP("no OpenGL");
+  CHECK(painter->wants_components());
+  painter->controls().next_field();
+  CHECK(painter->wants_components());  // a component
+  painter->controls().next_field();
+  CHECK_FALSE(painter->wants_components());
+  painter->controls().paused = true;  // what is held may be looked at in all ways
+  CHECK(painter->wants_components());
+  painter->controls().paused = false;
+
+  painter->controls().reset();
+  loop.session.keep_components(painter->wants_components());
+  DrawnFrame drawn;
+  drawn.scene = loop.process(test::frame_of_wall(0, 0));
+  drawn.scene.touches.clear();
+  const auto draw = [&] { painter->draw(drawn, loop.session); };
+  draw();
+  CHECK(test::allocations_during(draw) == 0);
+}
+
 TEST_CASE("of a frame that is in no file and in no window nothing is drawn", "[view][pixels]") {
   FrameLoop loop = loop_before_sphere();
   std::optional<ScenePainter> painter = painter_of({}, loop);

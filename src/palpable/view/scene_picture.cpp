@@ -1,5 +1,8 @@
 #include "palpable/view/scene_picture.h"
 
+#include "palpable/base/contract.h"
+#include "palpable/view/painted_stress.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -32,6 +35,13 @@ std::optional<StatedError> worst_stated_error(const Scene& scene) {
     worst->von_mises = std::max(worst->von_mises, body.stated_error->von_mises);
   }
   return worst;
+}
+
+bool any_knows_stress(const Session& session) {
+  for (int k = 0; k < session.body_count(); ++k) {
+    if (knows_stress(session, k)) return true;
+  }
+  return false;
 }
 
 bool stands_on_first_ground(const Session& session, int number) {
@@ -125,27 +135,51 @@ SceneView& SceneViews::of(const Scene& scene, const Session& session, const Scen
   view_.camera = scene.seen.camera;
   view_.bodies.clear();
   const auto count = static_cast<std::size_t>(session.body_count());
-  displacement_.resize(count);
+  painted_.resize(count);
   dots_.resize(count);
   for (int k = 0; k < session.body_count(); ++k) {
     view_.bodies.push_back(look_of_body(scene, session, k, scale_));
     view_.bodies.back().blended = show.blended;
     if (show.field == Field::kDisplacement) show_displacement(scene, session, k);
+    if (needs_components(show.field)) show_components(scene, session, show, k);
     if (show.field == Field::kNone) view_.bodies.back().scalar = {};
   }
   show_touches(scene, show);
-  const bool stress = show.field == Field::kVonMises;
-  view_.legend_title = !show.legend || show.field == Field::kNone ? ""
-                       : stress                                   ? "von Mises"
-                                                                  : "displacement";
-  view_.legend_unit = stress ? "kPa" : "mm";
-  view_.legend_scale = stress ? 1e-3 : 1e3;
-  const std::optional<StatedError> error = worst_stated_error(scene);
-  view_.stated_error = !error ? 0 : stress ? error->von_mises : error->displacement;
+  show_legend(scene, session, show);
   view_.caption.resize(1);
   view_.caption.front() = caption_of(scene);
   view_.warning = warning_of(scene);
   return view_;
+}
+
+void SceneViews::show_legend(const Scene& scene, const Session& session, const SceneShow& show) {
+  using Field = SceneShow::Field;
+  const std::optional<StatedError> error = worst_stated_error(scene);
+  view_.legend_title.clear();
+  view_.legend_unit = "kPa";
+  view_.legend_scale = 1e-3;
+  view_.stated_error = error ? error->von_mises : 0;
+  view_.stated_error_of.clear();
+  switch (show.field) {
+    case Field::kVonMises:
+      view_.legend_title = "von Mises";
+      break;
+    case Field::kPressure:
+    case Field::kComponent:
+      name_painted_stress(show.field, show.component, view_.legend_title);
+      if (!any_knows_stress(session)) view_.legend_title = kNoStressKnown;
+      view_.stated_error_of = kErrorOfStress;
+      break;
+    case Field::kDisplacement:
+      view_.legend_title = "displacement";
+      view_.legend_unit = "mm";
+      view_.legend_scale = 1e3;
+      view_.stated_error = error ? error->displacement : 0;
+      break;
+    case Field::kNone:
+      break;
+  }
+  if (!show.legend) view_.legend_title.clear();
 }
 
 void displacement_of(const Eigen::Matrix3Xf& now, const SurfaceMesh& baked,
@@ -165,9 +199,20 @@ float displacement_scale(const SurfaceMesh& baked) {
 void SceneViews::show_displacement(const Scene& scene, const Session& session, int number) {
   const auto k = static_cast<std::size_t>(number);
   const SurfaceMesh& baked = session.body(number).surface;
-  displacement_of(scene.bodies[k].vertices, baked, displacement_[k]);
-  view_.bodies[k].scalar = displacement_[k];
+  displacement_of(scene.bodies[k].vertices, baked, painted_[k]);
+  view_.bodies[k].scalar = painted_[k];
   view_.bodies[k].scalar_max = displacement_scale(baked);
+}
+
+void SceneViews::show_components(const Scene& scene, const Session& session, const SceneShow& show,
+                                 int number) {
+  const auto k = static_cast<std::size_t>(number);
+  const std::vector<float>& cauchy = scene.bodies[k].cauchy;
+  PALPABLE_EXPECT(!cauchy.empty(), "the session keeps what is painted");
+  painted_stress(show.field, show.component, cauchy, painted_[k]);
+  view_.bodies[k].scalar = painted_[k];
+  if (!knows_stress(session, number)) view_.bodies[k].scalar = {};
+  view_.bodies[k].two_sided = true;
 }
 
 void SceneViews::show_touches(const Scene& scene, const SceneShow& show) {

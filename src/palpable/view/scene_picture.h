@@ -38,22 +38,26 @@ void displacement_of(const Eigen::Matrix3Xf& now, const SurfaceMesh& baked,
 /// Scenes in the terms of the renderer, one after the other; their memory is used again.
 class SceneViews {
  public:
-  /// @param scale  Pa, top of the stress's colours
+  /// @param scale  Pa, top of the stress's colours; of what has two signs both ends
   explicit SceneViews(double scale) : scale_(scale) {}
 
   /// @param session  that made the scene
-  /// @param show     what of it is shown
+  /// @param show     what of it is shown; what needs_components() (painted_stress.h) needs
+  ///                 SceneBody::cauchy
   /// @return pointers into both and into this object, valid until the next call; it may be changed
   SceneView& of(const Scene& scene, const Session& session, const SceneShow& show);
 
  private:
   void show_displacement(const Scene& scene, const Session& session, int number);
+  void show_components(const Scene& scene, const Session& session, const SceneShow& show,
+                       int number);
+  void show_legend(const Scene& scene, const Session& session, const SceneShow& show);
   void show_touches(const Scene& scene, const SceneShow& show);
 
   double scale_;
   SceneView view_;
   // Of each body.
-  std::vector<std::vector<float>> displacement_;  // m
+  std::vector<std::vector<float>> painted_;  // m or Pa, where it is no von Mises stress
   std::vector<std::vector<Dot>> dots_;
 };
 

@@ -1,11 +1,13 @@
 #include "palpable/view/scene_picture.h"
 
 #include "palpable/session/frame_loop.h"
+#include "palpable/view/painted_stress.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/seen_wall.h"
 #include "tests/support/test.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace palpable {
 namespace {
@@ -58,6 +60,58 @@ TEST_CASE("stress, displacement or the material alone is painted", "[view]") {
   pressed.views.of(pressed.scene, pressed.loop.session, show);
   CHECK(view.bodies.front().scalar.empty());
   CHECK(view.legend_title.empty());
+}
+
+TEST_CASE("pressure and components are painted on a scale of two sides, of von Mises' length",
+          "[view]") {
+  Pressed pressed;
+  SceneBody& body = pressed.scene.bodies.front();
+  body.cauchy.assign(6 * body.von_mises.size(), 0.0f);
+  for (int c = 0; c < 3; ++c) body.cauchy[6 * 7 + static_cast<std::size_t>(c)] = -2e3f;
+  SceneShow show;
+  show.field = SceneShow::Field::kPressure;
+  const SceneView& view = pressed.views.of(pressed.scene, pressed.loop.session, show);
+  const BodyLook& look = view.bodies.front();
+  CHECK(look.two_sided);
+  CHECK(look.scalar_max == 10e3f);
+  REQUIRE(look.scalar.size() == body.von_mises.size());
+  CHECK(look.scalar[7] == 2e3f);
+  CHECK(look.scalar[8] == 0);
+  CHECK(view.legend_title == "pressure");
+  CHECK(view.legend_unit == "kPa");
+  CHECK(view.stated_error == 0.12);
+  CHECK(view.stated_error_of == "stress");
+
+  show.field = SceneShow::Field::kComponent;
+  show.component = SceneShow::Component::kYy;
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(look.scalar[7] == -2e3f);
+  CHECK(view.legend_title == "stress yy");
+  show.legend = false;
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.legend_title.empty());
+
+  // What is painted next has one side again.
+  pressed.views.of(pressed.scene, pressed.loop.session, {});
+  CHECK_FALSE(look.two_sided);
+  CHECK(view.stated_error_of.empty());
+}
+
+TEST_CASE("a body whose file holds no stress says so instead of a pressure of 0", "[view]") {
+  ReducedBody silent = test::DentedSphere{}.body();
+  silent.largest_von_mises = 0;  // as modes of another program without stress
+  Rigid3 camera_from_body = Rigid3::Identity();
+  camera_from_body.translation() = Eigen::Vector3d(0, 0.05, 0.4);
+  FrameLoop loop =
+      value_or_throw(FrameLoop::make(std::move(silent), camera_from_body, test::wall_format(),
+                                     {.press_static = true, .map = false}));
+  loop.session.keep_components(true);
+  SceneShow show;
+  show.field = SceneShow::Field::kPressure;
+  SceneViews views{10e3};
+  const SceneView& view = views.of(loop.process(test::frame_of_wall(0, 0)), loop.session, show);
+  CHECK(view.bodies.front().scalar.empty());
+  CHECK(view.legend_title == kNoStressKnown);
 }
 
 TEST_CASE("occlusion is soft, hard or none, and gets what is known to move", "[view]") {

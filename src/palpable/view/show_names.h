@@ -1,14 +1,36 @@
 /// @file
-/// What the values of scene_show.h are called on panels, in their order.
+/// What the values of scene_show.h are called: on panels, in their order, and on command lines.
 #pragma once
+
+#include "palpable/view/scene_show.h"
 
 #include <array>
 #include <cstddef>
 
 namespace palpable {
 
-inline constexpr std::array<const char*, 3> kFieldNames{"stress", "displacement", "material"};
+inline constexpr std::array<const char*, 5> kFieldNames{"stress", "pressure", "component",
+                                                        "displacement", "material"};
+inline constexpr std::array<const char*, 6> kComponentNames{"xx", "yy", "zz", "xy", "yz", "zx"};
 inline constexpr std::array<const char*, 3> kOcclusionNames{"none", "hard", "soft"};
+
+/// What may be painted, as the option --paint says it.
+struct NamedPaint {
+  const char* name;
+  SceneShow::Field field;
+  SceneShow::Component component = SceneShow::Component::kZz;
+};
+inline constexpr std::array<NamedPaint, 10> kPaints{
+    {{"stress", SceneShow::Field::kVonMises},
+     {"pressure", SceneShow::Field::kPressure},
+     {"sxx", SceneShow::Field::kComponent, SceneShow::Component::kXx},
+     {"syy", SceneShow::Field::kComponent, SceneShow::Component::kYy},
+     {"szz", SceneShow::Field::kComponent, SceneShow::Component::kZz},
+     {"sxy", SceneShow::Field::kComponent, SceneShow::Component::kXy},
+     {"syz", SceneShow::Field::kComponent, SceneShow::Component::kYz},
+     {"szx", SceneShow::Field::kComponent, SceneShow::Component::kZx},
+     {"displacement", SceneShow::Field::kDisplacement},
+     {"none", SceneShow::Field::kNone}}};
 
 /// The value after `value` of those that `names` names; the first after the last one.
 template <class Value, std::size_t N>

@@ -1,6 +1,7 @@
 #include "palpable/view/studio_scene.h"
 
 #include "palpable/base/error.h"
+#include "palpable/view/painted_stress.h"
 #include "palpable/view/scene_picture.h"
 
 #include <fmt/core.h>
@@ -86,9 +87,20 @@ void StudioScene::paint(BodyLook& look) {
     case SceneShow::Field::kVonMises:
       if (legend_shown) view_.legend_title = "von Mises stress";
       break;
+    case SceneShow::Field::kPressure:
+    case SceneShow::Field::kComponent:
+      painted_stress(field, component, finger_ != nullptr ? finger_->cauchy() : pressed_.cauchy(),
+                     painted_);
+      look.scalar = painted_;
+      look.two_sided = true;
+      if (legend_shown) name_painted_stress(field, component, view_.legend_title);
+      if (finger_ != nullptr || knows_stress(body_)) break;
+      look.scalar = {};
+      if (legend_shown) view_.legend_title = kNoStressKnown;
+      break;
     case SceneShow::Field::kDisplacement:
-      displacement_of(*look.vertices, body_.surface, displacement_);
-      look.scalar = displacement_;
+      displacement_of(*look.vertices, body_.surface, painted_);
+      look.scalar = painted_;
       look.scalar_max = displacement_scale(body_.surface);
       if (legend_shown) view_.legend_title = "displacement";
       view_.legend_unit = "mm";

@@ -52,6 +52,7 @@ class StudioScene {
   /// From now on draws the same body as a finger presses it. @param finger  null: at its site
   void show_finger(const FingerPress* finger) { finger_ = finger; }
   SceneShow::Field field = SceneShow::Field::kVonMises;
+  SceneShow::Component component = SceneShow::Component::kZz;
   bool sites_shown = false;
   bool legend_shown = true;
   std::vector<std::string> caption;
@@ -79,7 +80,7 @@ class StudioScene {
   const ReducedBody& body_;
   PressedBody pressed_;
   const FingerPress* finger_ = nullptr;
-  std::vector<float> displacement_;  // m, if that is painted
+  std::vector<float> painted_;  // m or Pa, where it is no von Mises stress
   Studio studio_;
   SceneRenderer renderer_;
   float dot_radius_;  // m

@@ -1,7 +1,5 @@
 #include "palpable/view/view_controls.h"
 
-#include "palpable/view/show_names.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -105,7 +103,8 @@ void ViewControls::key(int key) {
 void ViewControls::reset() {
   camera = usual_;
   press_ = Press::kNone;
-  field = SceneShow::Field::kVonMises;
+  field = usual_paint_.field;
+  component = usual_paint_.component;
 }
 
 void ViewControls::keep(int site, double level) {

@@ -6,6 +6,7 @@
 #include "palpable/render/orbit_camera.h"
 #include "palpable/render/window_events.h"
 #include "palpable/view/scene_show.h"
+#include "palpable/view/show_names.h"
 
 #include <array>
 #include <functional>
@@ -23,8 +24,13 @@ class ViewControls {
   /// pressed anywhere any number; where it was pressed is then the caller's to remember.
   using SiteAt = std::function<std::optional<int>(double x_px, double y_px)>;
 
-  /// @param usual  where to begin, and to return to with R
-  explicit ViewControls(const OrbitCamera& usual) : camera(usual), usual_(usual) {}
+  /// @param usual, paint  with which to begin, and to return to with R
+  explicit ViewControls(const OrbitCamera& usual, const NamedPaint& paint = kPaints[0])
+      : camera(usual),
+        field(paint.field),
+        component(paint.component),
+        usual_(usual),
+        usual_paint_(paint) {}
 
   /// @param time  s, never before that of an earlier call
   void handle(const WindowEvent& event, double time, const SiteAt& site_at);
@@ -44,7 +50,8 @@ class ViewControls {
   [[nodiscard]] static const std::array<std::string, 2>& help();
 
   OrbitCamera camera;
-  SceneShow::Field field = SceneShow::Field::kVonMises;
+  SceneShow::Field field;
+  SceneShow::Component component;
   bool panel_shown = true;
   bool sites_shown = false;
   bool legend_shown = true;
@@ -61,6 +68,7 @@ class ViewControls {
   void key(int key);
 
   OrbitCamera usual_;
+  NamedPaint usual_paint_;
   Press press_ = Press::kNone;
   int site_ = 0;
   double since_ = 0;    // s: begin of holding, or of springing back

@@ -186,5 +186,17 @@ TEST_CASE("a kept press stays until another begins", "[view][view_controls]") {
   CHECK(controls.level(104) == 0);
 }
 
+TEST_CASE("R paints again what was painted at the start", "[view][view_controls]") {
+  ViewControls controls(kUsual, kPaints[4]);
+  CHECK(controls.field == SceneShow::Field::kComponent);
+  CHECK(controls.component == SceneShow::Component::kZz);
+  controls.handle(typed('F'), 1, site_at);
+  controls.component = SceneShow::Component::kXy;
+  CHECK(controls.field == SceneShow::Field::kDisplacement);
+  controls.handle(typed('R'), 2, site_at);
+  CHECK(controls.field == SceneShow::Field::kComponent);
+  CHECK(controls.component == SceneShow::Component::kZz);
+}
+
 }  // namespace
 }  // namespace palpable

@@ -21,7 +21,11 @@ layout(location = 0) out vec4 color;  // sRGB
 layout(location = 1) out float z;     // m
 
 void main() {
+#ifdef TWO_SIDED
+  vec3 albedo = two_sided_painted(material, share, opaque);
+#else
   vec3 albedo = painted(material, share, opaque);
+#endif
   float soft = max(fwidth(marked), 1e-4);
   albedo = mix(albedo, mark_color, smoothstep(0.5 - soft, 0.5 + soft, marked));
   color = vec4(lit(albedo, normalize(n_in_camera), key, up, normalize(-x_in_camera),

@@ -2,7 +2,7 @@
 // A streamed body: body frame in, camera frame and clip space out.
 layout(location = 0) in vec3 position;  // body frame, m
 layout(location = 1) in vec3 normal;    // body frame, unit
-layout(location = 2) in float scalar;   // Pa
+layout(location = 2) in float scalar;   // Pa, or m
 layout(location = 3) in float mark;     // 0 plain .. 1 marked
 layout(location = 4) in float shade;    // share of the lamp that real things keep away
 
@@ -10,11 +10,11 @@ layout(location = 4) in float shade;    // share of the lamp that real things ke
 #include "project.glsl"
 
 uniform mat4 camera_from_body;
-uniform float scalar_max;  // Pa, > 0: top of the colour scale
+uniform float scalar_max;  // likewise, > 0: top of the colour scale
 
 out vec3 x_in_camera;  // m
 out vec3 n_in_camera;
-out float share;       // of the colour scale
+out float share;       // of the colour scale; below 0 where it has two sides
 out float marked;
 out float shaded;
 

@@ -1,0 +1,30 @@
+#include "apps/palpable/paint_option.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace palpable::app {
+
+void add_paint_option(Command command, std::string& paint) {
+  std::vector<std::string> names;
+  for (const NamedPaint& known : kPaints) names.emplace_back(known.name);
+  command
+      .add_option("--paint", paint,
+                  "What is painted on bodies: stress (von Mises), pressure (above 0 where it is "
+                  "compressed), sxx ... szx: a component of the Cauchy stress along the body's own "
+                  "axes, z up (above 0 where it is pulled), displacement, or none: the material "
+                  "alone")
+      .one_of(names)
+      .show_default();
+}
+
+const NamedPaint& paint_named(const std::string& name) {
+  const auto found = std::find_if(kPaints.begin(), kPaints.end(),
+                                  [&](const NamedPaint& paint) { return paint.name == name; });
+  PALPABLE_EXPECT(found != kPaints.end(), "the option takes known names alone");
+  return *found;
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,43 @@
+/// @file
+/// The six components of stress in the terms of what is painted: pressure, or one of them.
+///
+///   V  vertices
+#pragma once
+
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/session/session.h"
+#include "palpable/view/scene_show.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+/// Whether a field is made of SceneBody::cauchy, and has two signs.
+[[nodiscard]] bool needs_components(SceneShow::Field field);
+
+/// Whether a body's file holds its stress; modes of other programs may come without (then all of it
+/// is 0).
+[[nodiscard]] bool knows_stress(const ReducedBody& body);
+/// The same of a session's body: tables of touch always know it.
+[[nodiscard]] bool knows_stress(const Session& session, int number);
+
+/// p = -(xx + yy + zz) / 3, or the component alone.
+/// @param field   one that needs_components()
+/// @param cauchy  (6V) Pa, as SceneBody::cauchy
+/// @param value   (V) Pa, overwritten; keeps its memory
+void painted_stress(SceneShow::Field field, SceneShow::Component component,
+                    std::span<const float> cauchy, std::vector<float>& value);
+
+/// Above the colour bar: "pressure" or "stress zz". Takes no memory of its own.
+void name_painted_stress(SceneShow::Field field, SceneShow::Component component, std::string& name);
+
+/// Above the bar instead, where no body knows its stress.
+inline constexpr const char* kNoStressKnown = "no stress known";
+
+/// What the stated error beside the bar of such a field is of: von Mises stress. Nothing states
+/// that of a component.
+inline constexpr const char* kErrorOfStress = "stress";
+
+}  // namespace palpable
