@@ -2,9 +2,11 @@
 
 #include "palpable/render/color_map.h"
 #include "palpable/render/legend.h"
+#include "palpable/render/picture_file.h"
 #include "tests/support/test.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <utility>
@@ -184,6 +186,58 @@ TEST_CASE("a small legend of two signs has other numbers than 0", "[render]") {
     INFO("top " << top);
     CHECK_FALSE(drawn(top) == drawn(0.95 * top));
   }
+}
+
+TEST_CASE("legends look as they did when somebody looked at them", "[render][pixels]") {
+  // Beside each other: stress over rubber with its error, a pressure of two signs, a small
+  // picture's.
+  const Rgb rubber{218, 205, 182};
+  const Legend stress{.title = "von Mises",
+                      .unit = "kPa",
+                      .top = 16.3,
+                      .material = rubber,
+                      .opaque = kOpaqueShare,
+                      .present = 12.3,
+                      .stated_error = 0.034};
+  const Legend pressure{.title = "pressure",
+                        .unit = "kPa",
+                        .top = 16.3,
+                        .two_sided = true,
+                        .material = rubber,
+                        .opaque = kOpaqueShare,
+                        .present = 9.5,
+                        .present_least = -3.8,
+                        .stated_error = 0.2,
+                        .error_of = "stress"};
+  Legend small = stress;
+  small.scale = legend_scale(180);
+  constexpr int kWide = 150, kHigh = 440;
+  ColorImage now(3 * kWide, kHigh, {128, 128, 128});
+  const auto put = [&](const Legend& legend, int rows, int place) {
+    ColorImage picture(rows * 16 / 9, rows, {128, 128, 128});
+    draw_legend(picture, legend);
+    const int high = std::min(rows, kHigh);
+    for (int y = 0; y < high; ++y) {
+      for (int x = 0; x < kWide; ++x) {
+        now(place * kWide + x, y) = picture(picture.width() - kWide + x, (rows - high) / 2 + y);
+      }
+    }
+  };
+  put(stress, 720, 0);
+  put(pressure, 720, 1);
+  put(small, 180, 2);
+  const ColorImage then = value_or_throw(read_png("tests/data/legend.png"));
+  REQUIRE((then.width() == now.width() && then.height() == now.height()));
+  int apart = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const Rgb a = now.data()[i], b = then.data()[i];
+    apart = std::max({apart, std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
+  }
+  if (apart > 2) write_png("/tmp/palpable_legend.png", now);
+  INFO("it is kept as /tmp/palpable_legend.png");
+  // The CPU draws it, with letters of its own: nothing but the last bits of single precision, which
+  // a compiler may round otherwise, can differ.
+  CHECK(apart <= palpable::test::tolerance(2, "levels: the colour's and the panel's rounding"));
 }
 
 TEST_CASE("the legend shows the colours from bottom to top and writes beside them", "[render]") {
