@@ -59,7 +59,8 @@ std::vector<int> near_by_all(const Ball& ball, float band, const GapQuery& gap) 
     if (!gap(ball.place(p), seen) || seen.distance > band) continue;
     const float bend = largest_curvature(seen.curvature);
     if (is_point_needed(ball.skin.levels()[static_cast<std::size_t>(p)], bend,
-                        static_cast<float>(kEntry), TouchSkin::kCoarsest, TouchSkin::kFinest)) {
+                        static_cast<float>(kEntry), static_cast<float>(TouchSkin::kCoarsest),
+                        static_cast<float>(TouchSkin::kFinest))) {
       points.push_back(p);
     }
   }
