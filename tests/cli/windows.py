@@ -35,14 +35,6 @@ def shown(programs, here, *words):
             program.wait()
 
 
-def changed_by(screen, window, what, do):
-    """The window's pixels after `do`, which changes them."""
-    before = screen.pixels(window)
-    do()
-    wait_for(what, lambda: screen.pixels(window) != before)
-    return screen.pixels(window)
-
-
 def settled(screen, window):
     """The window's pixels once they stay as they are for a while."""
     last = [screen.pixels(window), 0]
@@ -53,6 +45,14 @@ def settled(screen, window):
         return last[1] >= 15  # 0.3 s and more
     wait_for("a picture that stays", is_still)
     return last[0]
+
+
+def changed_by(screen, window, what, do):
+    """The window's pixels after `do`, which changes them, once they stay: a window is seen half drawn, too."""
+    before = screen.pixels(window)
+    do()
+    wait_for(what, lambda: screen.pixels(window) != before)
+    return settled(screen, window)
 
 
 def enlarge(screen, window):
