@@ -7,7 +7,7 @@ import os
 import shutil
 import subprocess
 import time
-from ctypes import POINTER, Structure, byref, c_char_p, c_int, c_long, c_uint, c_ulong, c_void_p
+from ctypes import CFUNCTYPE, POINTER, Structure, byref, c_char_p, c_int, c_long, c_ubyte, c_uint, c_ulong, c_void_p
 
 KEY_PRESS, KEY_RELEASE, BUTTON_PRESS, BUTTON_RELEASE, MOTION = 2, 3, 4, 5, 6
 LEFT, RIGHT = 1, 3
@@ -34,6 +34,24 @@ class Event(Structure):
                 ("root", c_ulong), ("below", c_ulong), ("time", c_ulong), ("x", c_int), ("y", c_int),
                 ("x_root", c_int), ("y_root", c_int), ("state", c_uint), ("detail", c_uint), ("same", c_int),
                 ("rest", c_long * 12)]
+
+
+class Error(Structure):
+    _fields_ = [("type", c_int), ("display", c_void_p), ("resource", c_ulong), ("serial", c_ulong),
+                ("code", c_ubyte), ("request", c_ubyte), ("minor", c_ubyte)]
+
+
+BAD_WINDOW, SEND_EVENT = 3, 25
+HANDLER = CFUNCTYPE(c_int, c_void_p, POINTER(Error))
+
+
+@HANDLER
+def forgive_a_closed_window(_display, error):
+    """A window may go at the press of a key, before the same key's release has been sent to it."""
+    if (error.contents.code, error.contents.request) == (BAD_WINDOW, SEND_EVENT):
+        return 0
+    print(f"X error {error.contents.code} of request {error.contents.request}", flush=True)
+    os._exit(1)
 
 
 def wait_for(what, seen):
@@ -82,6 +100,8 @@ class Screen:
         x.XCreateSimpleWindow.restype = c_ulong
         x.XCreateSimpleWindow.argtypes = [c_void_p, c_ulong, c_int, c_int, c_uint, c_uint, c_uint, c_ulong, c_ulong]
         x.XMapRaised.argtypes = x.XDestroyWindow.argtypes = [c_void_p, c_ulong]
+        x.XSetErrorHandler.argtypes = [HANDLER]
+        x.XSetErrorHandler(forgive_a_closed_window)
         self.display = x.XOpenDisplay(self.name.encode())
         assert self.display, f"cannot open the display {self.name}"
         self.root = x.XDefaultRootWindow(self.display)
