@@ -129,8 +129,8 @@ void add_reproduce(Command app) {
       .required()
       .type_name("DIR");
   command.add_flag("--touch", options->touch,
-                   "Bake the tables of touch, too, and show bodies that are touched anywhere; an "
-                   "hour more");
+                   "Bake the tables of touch, too, and show bodies that are touched anywhere; "
+                   "some 40 minutes more");
   command.add_flag("--json", options->json,
                    "One JSON object on stdout: figures, bake_s, page_s, and the numbers as rows");
   command.footer(
