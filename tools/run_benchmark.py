@@ -29,6 +29,7 @@ import random
 import re
 import resource
 import shutil
+import statistics
 import subprocess
 import sys
 import time
@@ -134,32 +135,6 @@ def write_film(options, name, folder):
     return written
 
 
-# The errors against the full answer that are pooled over sequences, as issue 26 asks: over those with a touch, but
-# not of a thin thing, without light, or before a desk that shows nothing.
-POOLED = ("press", "cup", "slide", "palm", "two-hands", "squeeze", "rest", "press-axial", "press-behind")
-ERRORS = ("displacement_error", "displacement_error_mm", "von_mises_error", "force_error")
-
-
-def quantile(values, q):
-    """By linear interpolation, as palpable score."""
-    values = sorted(values)
-    at = q * (len(values) - 1)
-    low = int(at)
-    return values[low] + (at - low) * (values[min(low + 1, len(values) - 1)] - values[low])
-
-
-def pooled(scored, names):
-    """(median, 90 of 100) of each error over all frames of the sequences, and how many frames; None without any."""
-    frames = [frame for name in names if name in scored
-              for frame in scored[name]["scores"].get("deformed_by_frame") or []]
-    frames = [frame for frame in frames if all(frame[key] is not None for key in ERRORS)]
-    if not frames:
-        return None
-    return {"frames": len(frames),
-            **{key: {"median": quantile([frame[key] for frame in frames], 0.5),
-                     "p90": quantile([frame[key] for frame in frames], 0.9)} for key in ERRORS}}
-
-
 def touches_truly(film):
     lines = (film / "truth/contact.jsonl").read_text().splitlines()
     return any(json.loads(line)["touching"] for line in lines)
@@ -230,6 +205,25 @@ def play_real(options, name, folder):
             return {"refused": f"score: {complaint(score)}"}
         entry["scores"] = json.loads(score.stdout)
     return entry
+
+
+# The errors against the full answer that are pooled over sequences, as issue 26 asks: over those with a touch, but
+# not of a thin thing, without light, or before a desk that shows nothing.
+POOLED = ("press", "cup", "slide", "palm", "two-hands", "squeeze", "rest", "press-axial", "press-behind")
+ERRORS = ("displacement_error", "displacement_error_mm", "von_mises_error", "force_error")
+
+
+def pooled(scored, names):
+    """Median and 90 of 100 of each error, as palpable score, over all frames of the sequences; None without any."""
+    frames = [frame for name in names if name in scored
+              for frame in scored[name]["scores"].get("deformed_by_frame") or []]
+    frames = [frame for frame in frames if all(frame[key] is not None for key in ERRORS)]
+    if len(frames) < 2:
+        return None
+    of = {key: [frame[key] for frame in frames] for key in ERRORS}
+    return {"frames": len(frames),
+            **{key: {"median": statistics.median(values),
+                     "p90": statistics.quantiles(values, n=10, method="inclusive")[-1]} for key, values in of.items()}}
 
 
 DISTANCES = ("0.2", "0.3", "0.5", "1", "2", "5", "10", "15")

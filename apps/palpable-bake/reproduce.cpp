@@ -135,8 +135,7 @@ void add_reproduce(Command app) {
                    "One JSON object on stdout: figures, bake_s, page_s, and the numbers as rows");
   command.footer(
       "All three take a quarter of an hour on two idle cores from nothing, and 3 GB of disk. What "
-      "is "
-      "done stays done: a call that was stopped goes on where it was.\n"
+      "is done stays done: a call that was stopped goes on where it was.\n"
       "Example: palpable reproduce all -o out/paper\n"
       "Example: palpable reproduce beams -o out/paper --json");
   command.callback([options] { reproduce(*options); });

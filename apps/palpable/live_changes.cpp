@@ -104,7 +104,7 @@ void LiveChanges::report() const {
 std::string LiveChanges::end_recording() {
   recording_->finish();
   recording_->report();
-  return fmt::format("{} is written", recording_->file().filename().string());
+  return fmt::format("{} is written", recording_name());
 }
 
 void LiveChanges::plan_place(const LiveControls& controls, const Scene* held, const Scene& scene,
@@ -158,10 +158,9 @@ LiveChanges::Plan LiveChanges::plan_of(const LiveControls& controls, const Scene
   if (!controls.wishes.anew) {
     if (controls.wishes.parameters) plan_values(controls, plan);
     if (controls.wishes.place) plan_place(controls, held, scene, plan);
-    plan_bodies(plan);
-    return plan;
   }
   plan_bodies(plan);
+  if (!controls.wishes.anew) return plan;
   std::vector<const SurfaceMesh*> skins;
   for (std::size_t k = 0; k < setup_.bodies.size(); ++k) {
     skins.push_back(plan.read[k] ? &plan.read[k]->body.surface
@@ -217,7 +216,7 @@ void LiveChanges::apply(ScenePainter& painter, Scene& scene, LiveEvents& events)
 void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& events) {
   LiveWishes& wishes = painter.controls().wishes;
   LivePanel& panel = painter.panel();
-  if (records()) panel.recording = recording_->file().filename().string();  // --record has begun it
+  if (records()) panel.recording = recording_name();  // --record has begun it
   if (!wishes.recording) return;
   wishes.recording = false;
   if (records()) {
@@ -232,7 +231,7 @@ void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& even
     loop.begin_anew([&](LiveRun& run) { begin_recorded_session(file, run); });
     panel.note.clear();
   } catch (const Error& error) { panel.note = error.what(); }
-  if (records()) panel.recording = recording_->file().filename().string();
+  if (records()) panel.recording = recording_name();
   painter.begin_anew();
   painter.refresh_panel();
   events.begin_anew(setup_.run.loop.session);

@@ -86,6 +86,10 @@ class LiveChanges {
   void begin_session(std::vector<PlacedBody> bodies);
   void begin_recorded_session(const std::filesystem::path& file, LiveRun& run);
   [[nodiscard]] bool records() const { return recording_ && !recording_->is_finished(); }
+  // For the panel: without its folder, so that a long one does not wrap.
+  [[nodiscard]] std::string recording_name() const {
+    return recording_->file().filename().string();
+  }
   // @return what became of it, in a line for the panel
   std::string end_recording();
 

@@ -356,12 +356,9 @@ LivePlay::LivePlay(const PlayOptions& options, const std::vector<fs::path>& inpu
 
 void LivePlay::check(const LiveSetUp& setup) const {
   const Session& session = setup.run.loop.session;
-  for (int k = 0; needs_components(paint_named(options_.paint).field) && k < session.body_count();
-       ++k) {
-    if (knows_stress(session, k)) continue;
-    throw Error(fmt::format("--paint {}: {} holds no stress; displacement or none can be painted",
-                            options_.paint,
-                            setup.bodies[static_cast<std::size_t>(k)].file.string()));
+  for (int k = 0; k < session.body_count(); ++k) {
+    expect_paintable(options_.paint, knows_stress(session, k),
+                     setup.bodies[static_cast<std::size_t>(k)].file);
   }
   if (options_.contact_rate == 0) return;
   if (const auto trouble = BetweenFrames::trouble_of(session)) {

@@ -1,6 +1,10 @@
 #include "apps/palpable/paint_option.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+#include "palpable/view/painted_stress.h"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <vector>
@@ -25,6 +29,13 @@ const NamedPaint& paint_named(const std::string& name) {
                                   [&](const NamedPaint& paint) { return paint.name == name; });
   PALPABLE_EXPECT(found != kPaints.end(), "the option takes known names alone");
   return *found;
+}
+
+void expect_paintable(const std::string& paint, bool knows_stress,
+                      const std::filesystem::path& body) {
+  if (knows_stress || !needs_components(paint_named(paint).field)) return;
+  throw Error(fmt::format("--paint {}: {} holds no stress; displacement or none can be painted",
+                          paint, body.string()));
 }
 
 }  // namespace palpable::app

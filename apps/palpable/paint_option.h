@@ -5,6 +5,7 @@
 #include "apps/common/command_line.h"
 #include "palpable/view/show_names.h"
 
+#include <filesystem>
 #include <string>
 
 namespace palpable::app {
@@ -14,5 +15,10 @@ void add_paint_option(Command command, std::string& paint);
 
 /// @param name  as the option has read it
 [[nodiscard]] const NamedPaint& paint_named(const std::string& name);
+
+/// @param knows_stress  of the body in this file (painted_stress.h)
+/// @throws Error where components of its stress are to be painted, and it has none
+void expect_paintable(const std::string& paint, bool knows_stress,
+                      const std::filesystem::path& body);
 
 }  // namespace palpable::app

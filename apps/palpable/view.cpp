@@ -125,11 +125,7 @@ void run_view(ViewOptions options) {
     throw Error(fmt::format("--site {}: {} has the sites 0 to {}", options.site,
                             options.body.string(), site_count - 1));
   }
-  if (needs_components(paint_named(options.paint).field) && !knows_stress(body) &&
-      !touchable->touch) {
-    throw Error(fmt::format("--paint {}: {} holds no stress; displacement or none can be painted",
-                            options.paint, options.body.string()));
-  }
+  expect_paintable(options.paint, knows_stress(body) || touchable->touch, options.body);
   if (options.modes > 0) {
     write_modes(
         body, options, size,

@@ -274,14 +274,14 @@ LiveFigures run_case(const LiveCase& one, const LiveBenchOptions& options, const
 }
 
 // The user's own pictures.
-LiveFigures run_source(const LiveCase& one, const LiveBenchOptions& options, ProgressBar& bar) {
+LiveFigures run_source(const LiveBenchOptions& options, ProgressBar& bar) {
   LiveOptions live;
   live.body = options.body;
   live.scene = options.scene;
   live.contact = options.contact;
   live.input.source = options.source.string();
   const MemoryFilm film = read_film(options.source, {.frames = options.film});
-  return play_case(one, live, film, options, bar);
+  return play_case(kSourceCase, live, film, options, bar);
 }
 
 Json stages_of(const LiveFigures& figures) {
@@ -359,6 +359,7 @@ void print_table(const AllFigures& all, const LeftOut& left_out) {
 }
 
 bool is_wanted(const LiveCase& one, const LiveBenchOptions& options) {
+  if (!options.source.empty()) return false;
   const auto& runs = options.runs;
   return runs.empty() || std::find(runs.begin(), runs.end(), one.name) != runs.end();
 }
@@ -396,20 +397,20 @@ void bench_live(LiveBenchOptions options) {
   AllFigures all;
   LeftOut left_out;
   Json modes = Json::object();
-  if (!options.source.empty()) {
-    all[kSourceCase.name] = run_source(kSourceCase, options, bar);
-    modes[kSourceCase.name] = mode_of(all[kSourceCase.name]);
-  }
+  const auto add = [&](std::string_view name, LiveFigures figures) {
+    modes[std::string(name)] = mode_of(figures);
+    all[name] = std::move(figures);
+  };
+  if (!options.source.empty()) add(kSourceCase.name, run_source(options, bar));
   for (const LiveCase& one : kCases) {
-    if (!options.source.empty() || !is_wanted(one, options)) continue;
+    if (!is_wanted(one, options)) continue;
     const fs::path& body = one.dragon ? options.dragon : options.body;
     if (body.empty()) {
       left_out[std::string(one.name)] =
           "no body file: bake bodies/dragon.toml, or name one with --dragon";
       continue;
     }
-    all[one.name] = run_case(one, options, body, films, bar);
-    modes[one.name] = mode_of(all[one.name]);
+    add(one.name, run_case(one, options, body, films, bar));
   }
   bar.finish();
   if (!options.json) return print_table(all, left_out);

@@ -141,14 +141,11 @@ def _(programs, folder):
         screen.type(window, "a")
         assert settled(screen, window) == before
         changed_by(screen, window, "the body elsewhere", lambda: click(screen, window, 900, 300))
-        settled(screen, window)
         # The matcher sees nothing at the left margin: there the next frame comes, and the body stays.
         screen.type(window, "a")
         changed_by(screen, window, "a frame", lambda: click(screen, window, 4, 300))
-        settled(screen, window)
         screen.type(window, ESCAPE)  # not the end: it ends the placing, which goes on until a click says a place
         changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
-        settled(screen, window)
         screen.type(window, ESCAPE)
         assert program.wait(timeout=60) == 0
     first, placed, still, anew = places(folder)
@@ -174,11 +171,8 @@ def _(programs, folder):
             screen, window, program = given
             enlarge(screen, window)
             changed_by(screen, window, "no panel", lambda: screen.type(window, "t"))
-            settled(screen, window)
             changed_by(screen, window, "a frame", lambda: screen.type(window, "s"))  # the caption says the time
-            settled(screen, window)
             changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
-            settled(screen, window)
             screen.type(window, ESCAPE)
             assert program.wait(timeout=60) == 0
         first, *_, anew = places(folder)
@@ -229,27 +223,22 @@ def _(programs, folder):
         for _ in range(10):
             # The caption says the time.
             changed_by(screen, window, "the next frame", lambda: screen.type(window, "s"))
-        settled(screen, window)
 
         def picture():
             """The window without its panel."""
             screen.type(window, "t")
             seen = settled(screen, window)
             changed_by(screen, window, "the panel", lambda: screen.type(window, "t"))
-            settled(screen, window)
             return seen
         seen = [picture()]
         for place in ((19, 347), (19, 451)):  # "component", and the first one below "Component"
             changed_by(screen, window, "a switch", lambda: click(screen, window, *place))
-            settled(screen, window)
             seen.append(picture())
         assert len(set(seen)) == 3, "stress, zz and xx"
         # A session that begins anew keeps what is painted of its first frame, too.
         changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
-        settled(screen, window)
         anew = picture()
         changed_by(screen, window, "the start", lambda: screen.type(window, "r"))
-        settled(screen, window)
         assert picture() != anew
         screen.type(window, ESCAPE)
         assert program.wait(timeout=60) == 0
@@ -269,7 +258,6 @@ def _(programs, folder):
         def step():
             # The caption says the time.
             changed_by(screen, window, "the next frame", lambda: screen.type(window, "s"))
-            settled(screen, window)
         step()
         step()
         changed_by(screen, window, "the end of the first", lambda: screen.type(window, "v"))
@@ -288,7 +276,6 @@ def _(programs, folder):
         step()
         step()
         changed_by(screen, window, "a new beginning", lambda: screen.type(window, "e"))
-        settled(screen, window)
         step()
         screen.type(window, ESCAPE)
         assert program.wait(timeout=60) == 0
@@ -387,10 +374,8 @@ def _(programs, folder):
         screen.mouse(window, (MOTION, *left), (BUTTON_PRESS, *left, LEFT))
         changed_by(screen, window, "a dragged slider", lambda: screen.mouse(window, (MOTION, *right)))
         changed_by(screen, window, "the next frame", lambda: screen.mouse(window, (BUTTON_RELEASE, *right, LEFT)))
-        settled(screen, window)
         screen.type(window, "v")
         changed_by(screen, window, "the next frame", lambda: screen.type(window, "s"))
-        settled(screen, window)
         screen.type(window, ESCAPE)
         assert program.wait(timeout=60) == 0
     recorded, = folder.glob("ball_*.palprec")

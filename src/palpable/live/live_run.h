@@ -67,9 +67,8 @@ struct LiveRun {
 /// frame, whose camera the world then is.
 /// @param skins   of the bodies at rest, in the order of their places
 /// @param images  LiveRun::images
-/// @throws NoPlaceError where the frame does not show what some body is to stand on, or things
-/// stand
-///         all over it
+/// @throws NoPlaceError where the frame does not show what some body is to stand on, or has no free
+///         place there
 [[nodiscard]] std::vector<Rigid3> places_anew(const std::vector<BodyPlace>& places,
                                               const std::vector<const SurfaceMesh*>& skins,
                                               const LiveSettings& settings,

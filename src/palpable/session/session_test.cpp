@@ -468,6 +468,23 @@ TEST_CASE("a frame without any depth holds the press; after a while it fades",
   CHECK(loop.scene.touches.empty());
 }
 
+// A finger away from a body and one that presses it, seen once and answered in turn.
+struct AwayAndPressing {
+  explicit AwayAndPressing(FrameLoop& the_loop) : loop(the_loop) {
+    loop.camera.see(frame_with_finger(0, -0.3), away.seen);
+    loop.camera.see(frame_with_finger(9, 0.006), pressing.seen);
+  }
+  void respond(Scene& scene, int times) {
+    for (int k = 0; k < times; ++k) {
+      scene.seen.time = time += 1.0 / 30;
+      loop.session.respond(scene);
+    }
+  }
+  FrameLoop& loop;
+  Scene away, pressing;
+  double time = 0;
+};
+
 TEST_CASE("contact and reconstruction allocate nothing after the first frames",
           "[session][frame loop]") {
   struct Case {
@@ -481,54 +498,36 @@ TEST_CASE("contact and reconstruction allocate nothing after the first frames",
     settings.contact = kind;
     settings.paper = paper;
     FrameLoop loop = make_loop(settings);
-    Scene away, pressing;
-    loop.camera.see(frame_with_finger(0, -0.3), away.seen);
-    loop.camera.see(frame_with_finger(9, 0.006), pressing.seen);
-    double time = 0;
-    const auto respond = [&](Scene& scene, int times) {
-      for (int k = 0; k < times; ++k) {
-        scene.seen.time = time += 1.0 / 30;
-        loop.session.respond(scene);
-      }
-    };
-    respond(away, kBefore);
-    respond(pressing, kUntilBelieved + 1);
-    respond(away, 1);
+    AwayAndPressing finger(loop);
+    finger.respond(finger.away, kBefore);
+    finger.respond(finger.pressing, kUntilBelieved + 1);
+    finger.respond(finger.away, 1);
     CHECK(test::allocations_during([&] {
-            respond(pressing, kUntilBelieved + 1);
-            respond(away, 1);
+            finger.respond(finger.pressing, kUntilBelieved + 1);
+            finger.respond(finger.away, 1);
           }) == 0);
-    CHECK(pressing.touches.size() == 1);
+    CHECK(finger.pressing.touches.size() == 1);
     // As printed, Algorithm 1 leaves a body pressed when nothing is near any more.
-    CHECK(away.touches.empty() == (kind == ContactKind::kSite));
+    CHECK(finger.away.touches.empty() == (kind == ContactKind::kSite));
   }
 }
 
 TEST_CASE("a scene that keeps components takes memory for them once", "[session]") {
   FrameLoop loop = touchable_sphere_loop();
   loop.session.keep_components(true);
-  Scene away, pressing;
-  loop.camera.see(frame_with_finger(0, -0.3), away.seen);
-  loop.camera.see(frame_with_finger(9, 0.006), pressing.seen);
-  double time = 0;
-  const auto respond = [&](Scene& scene, int times) {
-    for (int k = 0; k < times; ++k) {
-      scene.seen.time = time += 1.0 / 30;
-      loop.session.respond(scene);
-    }
-  };
-  respond(away, kBefore);
-  respond(pressing, kUntilBelieved + 3);
-  respond(away, 1);
+  AwayAndPressing finger(loop);
+  finger.respond(finger.away, kBefore);
+  finger.respond(finger.pressing, kUntilBelieved + 3);
+  finger.respond(finger.away, 1);
   CHECK(test::allocations_during([&] {
-          respond(pressing, kUntilBelieved + 3);
-          respond(away, 1);
+          finger.respond(finger.pressing, kUntilBelieved + 3);
+          finger.respond(finger.away, 1);
           loop.session.keep_components(false);
-          respond(pressing, 1);
+          finger.respond(finger.pressing, 1);
           loop.session.keep_components(true);
-          respond(pressing, 1);
+          finger.respond(finger.pressing, 1);
         }) == 0);
-  CHECK_FALSE(pressing.touches.empty());
+  CHECK_FALSE(finger.pressing.touches.empty());
 }
 
 TEST_CASE("every stage of a frame is timed, those of seeing too, and those of earlier frames not",

@@ -49,16 +49,21 @@ TEST_CASE("masks are filled in for who wants them, and the picture is the same w
   CHECK(without.picture == with.picture);
 }
 
+// What drawing a scene that nothing touches takes of memory when it is drawn again.
+int allocations_of_redrawing(ScenePainter& painter, FrameLoop& loop) {
+  DrawnFrame drawn;
+  drawn.scene = loop.process(test::frame_of_wall(0, 0));
+  drawn.scene.touches.clear();
+  const auto draw = [&] { painter.draw(drawn, loop.session); };
+  draw();
+  return test::allocations_during(draw);
+}
+
 TEST_CASE("a scene that nothing touches is drawn again without taking memory", "[view][pixels]") {
   FrameLoop loop = loop_before_sphere();
   std::optional<ScenePainter> painter = painter_of({}, loop);
   if (!painter) PALPABLE_SKIP("no OpenGL");
-  DrawnFrame drawn;
-  drawn.scene = loop.process(test::frame_of_wall(0, 0));
-  drawn.scene.touches.clear();
-  const auto draw = [&] { painter->draw(drawn, loop.session); };
-  draw();
-  CHECK(test::allocations_during(draw) == 0);
+  CHECK(allocations_of_redrawing(*painter, loop) == 0);
 }
 
 TEST_CASE("components are wanted where they are painted, and painting them takes no memory again",
@@ -79,12 +84,7 @@ TEST_CASE("components are wanted where they are painted, and painting them takes
 
   painter->controls().reset();
   loop.session.keep_components(painter->wants_components());
-  DrawnFrame drawn;
-  drawn.scene = loop.process(test::frame_of_wall(0, 0));
-  drawn.scene.touches.clear();
-  const auto draw = [&] { painter->draw(drawn, loop.session); };
-  draw();
-  CHECK(test::allocations_during(draw) == 0);
+  CHECK(allocations_of_redrawing(*painter, loop) == 0);
 }
 
 TEST_CASE("of a frame that is in no file and in no window nothing is drawn", "[view][pixels]") {
