@@ -55,7 +55,8 @@ class CloudGrid {
   };
   [[nodiscard]] Eigen::Array3i cell_of(const Eigen::Vector3f& x) const;
   [[nodiscard]] std::size_t number_of(int x, int y, int z) const {
-    return static_cast<std::size_t>((z * cells_.y() + y) * cells_.x() + x);
+    const int number = (z * cells_.y() + y) * cells_.x() + x;  // at most 32^3 cells
+    return static_cast<std::size_t>(number);
   }
 
   float usual_cell_;  // m
