@@ -11,7 +11,8 @@
 namespace palpable {
 namespace {
 
-// Of the patches' own size in the modes: what they do to each other is at most so much.
+// What patches do to each other is at most so much of their codes, one beside the other: the codes'
+// sum is nearly nothing where finger and thumb squeeze, and what one bends the other bends back.
 constexpr float kCrossEnd = 0.5f;
 // Loads that differ by less of their codes do the same to each other.
 constexpr float kSameLoads = 0.02f;
@@ -257,10 +258,8 @@ void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
   cross_cubic_.contract(pairs_, cross_q_);
   // What is of the second order is small, or the order says nothing.
   float first = 0, second = 0;
-  for (std::size_t i = 0; i < x; ++i) {
-    first += sum[i] * sum[i];
-    second += cross_q_[i] * cross_q_[i];
-  }
+  for (std::size_t i = 0; i < count; ++i) first += cross_codes_[i] * cross_codes_[i];
+  for (const float q : cross_q_) second += q * q;
   const float most = kCrossEnd * kCrossEnd * first;
   if (second > most) {
     for (float& q : cross_q_) q *= std::sqrt(most / second);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <random>
 #include <vector>
@@ -34,6 +35,15 @@ SymmetricForm some_form(int variables, int degree, unsigned seed) {
   const auto count = static_cast<Eigen::Index>(distinct_coefficients(variables, degree));
   const VectorXd values = some_numbers(count, 1, 0.1, seed);
   return rounded(variables, degree, {values.data(), static_cast<std::size_t>(count)});
+}
+
+// A_x(c, c).
+VectorXd contracted(const FormRows& cubic, const VectorXd& c) {
+  const Eigen::VectorXf code = c.cast<float>();
+  std::vector<float> P(cubic.width(), 0.0f), result(kModes);
+  add_pairs({code.data(), kModes}, 1.0f, P);
+  cubic.contract(P, result);
+  return Eigen::Map<Eigen::VectorXf>(result.data(), kModes).cast<double>();
 }
 
 // Two regions at opposite corners of a sheet, whose clusters are far from each other.
@@ -176,14 +186,7 @@ TEST_CASE("what two blobs do to each other is the cross terms' product, and of o
   const VectorXd c0 = X.middleRows(3 * 14, 3).transpose() * both[0].force.cast<double>();
   const VectorXd c1 = X.middleRows(3 * 154, 3).transpose() * both[1].force.cast<double>();
   const FormRows cubic(body.cross.cubic);
-  const auto contracted = [&](const VectorXd& c) {
-    const Eigen::VectorXf code = c.cast<float>();
-    std::vector<float> P(cubic.width(), 0.0f), result(kModes);
-    add_pairs({code.data(), kModes}, 1.0f, P);
-    cubic.contract(P, result);
-    return Eigen::Map<Eigen::VectorXf>(result.data(), kModes).cast<double>().eval();
-  };
-  const VectorXd q = -0.25 * (contracted(c0 + c1) - contracted(c0 - c1));
+  const VectorXd q = -0.25 * (contracted(cubic, c0 + c1) - contracted(cubic, c0 - c1));
   for (const int v : {3, 80, 160}) {
     const Eigen::Vector3d expected = X.middleRows(3 * v, 3) * q;
     const Eigen::Vector3d found =
@@ -221,6 +224,42 @@ TEST_CASE("of cross terms with many modes the leading ones are taken", "[touch]"
     answer->evaluate(both);
   }
   CHECK(one.displacement_at(80) == other.displacement_at(80));
+}
+
+TEST_CASE("where two loads cancel far away, so does what each of them does there", "[touch]") {
+  Regions body;
+  // The smooth modes tell the two places not apart, as those of a body that is squeezed there.
+  MatrixXd X = as_numbers(body.cross.modes);
+  X.middleRows(3 * 154, 3) = X.middleRows(3 * 14, 3);
+  body.cross.modes = rounded(RowsOfFloats(X.cast<float>()));
+  X = as_numbers(body.cross.modes);
+  const RegionMap map(body.vertices, body.regions, 0.010);
+  const CrossTable none;
+  NonlinearAnswer with(body.compliance, body.regions, map, body.cross);
+  NonlinearAnswer without(body.compliance, body.regions, map, none);
+  const FormRows cubic(body.cross.cubic);
+  const auto cross_at = [&](int vertex, float size) -> Eigen::Vector3d {
+    const Vector3f force = size * Vector3f(1, 0, 2);
+    for (NonlinearAnswer* answer : {&with, &without}) {
+      answer->choose_blobs(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+      answer->evaluate(std::array{VertexForce{14, force}, VertexForce{154, -force}});
+    }
+    return (with.displacement_at(vertex) - without.displacement_at(vertex)).cast<double>();
+  };
+  const VectorXd c = X.middleRows(3 * 14, 3).transpose() * Eigen::Vector3d(1, 0, 2);
+  // + 1/2 (A_x(c, c) + A_x(-c, -c)), against what each load does to itself.
+  const VectorXd q = contracted(cubic, c);
+  const double own = std::sqrt(2.0) * c.norm();
+  const double small = 0.25 * own / q.norm(), large = 8 * small;
+  for (const int v : {3, 80, 160}) {
+    const Eigen::Vector3d at = X.middleRows(3 * v, 3) * q, whole = small * small * at;
+    CHECK((cross_at(v, static_cast<float>(small)) - whole).norm() <=
+          tolerance(2e-3, "floats, 16 bits") * small * small * (X * q).norm());
+    // Half of both loads' codes is the most.
+    const Eigen::Vector3d most = 0.5 * large * own / q.norm() * at;
+    CHECK((cross_at(v, static_cast<float>(large)) - most).norm() <=
+          tolerance(2e-3, "floats, 16 bits") * 0.5 * large * own / q.norm() * (X * q).norm());
+  }
 }
 
 }  // namespace
