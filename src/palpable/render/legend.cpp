@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 namespace palpable {
 namespace {
@@ -59,8 +60,12 @@ struct PresentText {
     if (!(legend.stated_error > 0)) return;
     // Of an error more than one digit says too much.
     const double percent = 100 * legend.stated_error;
-    error.print("{}{}\u00b1 {:.{}f} %", legend.error_of, legend.error_of.empty() ? "" : " ",
-                percent, percent < 1 ? 1 : 0);
+    const std::string_view space = legend.error_of.empty() ? "" : " ";
+    if (percent > 100) {
+      error.print("{}{}> 100 %", legend.error_of, space);
+    } else {
+      error.print("{}{}\u00b1 {:.{}f} %", legend.error_of, space, percent, percent < 1 ? 1 : 0);
+    }
   }
 
   bool told;
@@ -188,7 +193,7 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   if (tells_present) {
     inner = std::max(inner, measure_text("max 000.0", small).width);
     if (!legend.error_of.empty()) {
-      const float error = measure_text(" \u00b1 00 %", small).width;
+      const float error = measure_text(" > 100 %", small).width;
       inner = std::max(inner, measure_text(legend.error_of, small).width + error);
     }
   }

@@ -117,6 +117,9 @@ TEST_CASE("the legend marks the present largest value and says how far it may be
   const ColorImage told = drawn(8, 0.14);
   CHECK_FALSE(told == high);
   CHECK(mark_row(told) == mark_row(high));
+  // More than the whole is no figure.
+  CHECK(drawn(8, 1.6) == drawn(8, 2.6));
+  CHECK_FALSE(drawn(8, 1.0) == drawn(8, 1.6));
 }
 
 TEST_CASE("a legend of two signs has 0 in the middle, both ends' colours and both present values",

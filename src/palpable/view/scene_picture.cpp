@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <string_view>
 
 namespace palpable {
 
@@ -78,10 +79,19 @@ std::string caption_of(const Scene& scene) {
   if (scene.touches.empty()) return text;
   text += "   " + caption_of(scene.touches);
   if (const std::optional<StatedError> error = worst_stated_error(scene)) {
-    text += fmt::format("   for what is seen off by some {:.2g} %, stress {:.2g} %",
-                        100 * error->displacement, 100 * error->von_mises);
+    text += "   for what is seen " + caption_of(*error);
   }
   return text;
+}
+
+std::string caption_of(const StatedError& error) {
+  // More than the whole is no figure: it says that the answer is not to be relied on.
+  const auto told = [](double share, std::string_view some) {
+    return share > 1 ? std::string("more than 100 %")
+                     : fmt::format("{}{:.2g} %", some, 100 * share);
+  };
+  return fmt::format("off by {}, stress {}", told(error.displacement, "some "),
+                     told(error.von_mises, ""));
 }
 
 std::string caption_of(std::span<const Touch> touches) {

@@ -5,6 +5,7 @@
 #include "palpable/render/scene_renderer.h"
 #include "palpable/session/scene.h"
 #include "palpable/session/session.h"
+#include "palpable/touch/stated_error.h"
 #include "palpable/view/scene_show.h"
 
 #include <span>
@@ -25,6 +26,8 @@ namespace palpable {
 [[nodiscard]] std::string caption_of(const Scene& scene);
 /// Depth of the deepest touch, and the force of all, or the site; "not touched".
 [[nodiscard]] std::string caption_of(std::span<const Touch> touches);
+/// "off by some 2.1 %, stress 7 %"; what is off by more than all of it says so.
+[[nodiscard]] std::string caption_of(const StatedError& error);
 /// That the camera is lost, and what to do; or that what presses is not seen. Else empty.
 [[nodiscard]] std::string warning_of(const Scene& scene);
 

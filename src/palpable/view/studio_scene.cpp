@@ -154,10 +154,7 @@ std::string StudioScene::reading() const {
     std::string text =
         fmt::format("finger pushed by {:.1f} mm   force {:.2f} N   largest stress {:.1f} kPa",
                     1e3 * finger_->push(), finger_->force(), 1e-3 * finger_->largest_von_mises());
-    if (const auto& stated = finger_->stated_error()) {
-      text += fmt::format("   off by some {:.2g} %, stress {:.2g} %", 100 * stated->displacement,
-                          100 * stated->von_mises);
-    }
+    if (const auto& stated = finger_->stated_error()) { text += "   " + caption_of(*stated); }
     return text;
   }
   return fmt::format(
