@@ -173,10 +173,10 @@ LiveChanges::Plan LiveChanges::plan_of(const LiveControls& controls, const Scene
 
 void LiveChanges::begin_session(std::vector<PlacedBody> bodies) {
   FrameLoop& loop = setup_.run.loop;
-  const bool keeps_components = loop.session.keeps_components();
+  const SceneExtras extras = loop.session.kept();
   loop.session = value_or_throw(Session::make(
       std::move(bodies), loop.camera, setup_.run.source->format(), loop.session.settings()));
-  loop.session.keep_components(keeps_components);
+  loop.session.keep(extras);
 }
 
 void LiveChanges::apply(ScenePainter& painter, Scene& scene, LiveEvents& events) {

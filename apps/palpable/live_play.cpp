@@ -209,7 +209,7 @@ Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePaint
       events.serve();
       continue;
     }
-    run.loop.session.keep_components(painter != nullptr && painter->wants_components());
+    run.loop.session.keep(painter != nullptr ? painter->wants() : SceneExtras{});
     Scene* scene = loop.next_within(FrameSource::kLongestWait);
     if (tells_stats && stats.is_second_over(system_clock().now())) {
       bar.say(text_of(stats.end_stretch(moment_of(loop.counts(), output.get()))));
@@ -358,6 +358,7 @@ void LivePlay::check(const LiveSetUp& setup) const {
   const Session& session = setup.run.loop.session;
   for (int k = 0; k < session.body_count(); ++k) {
     expect_paintable(options_.paint, knows_stress(session, k),
+                     session.contact(k) == ContactKind::kAnywhere,
                      setup.bodies[static_cast<std::size_t>(k)].file);
   }
   if (options_.contact_rate == 0) return;

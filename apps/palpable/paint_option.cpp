@@ -18,8 +18,8 @@ void add_paint_option(Command command, std::string& paint) {
       .add_option("--paint", paint,
                   "What is painted on bodies: stress (von Mises), pressure (above 0 where it is "
                   "compressed), sxx ... szx: a component of the Cauchy stress along the body's own "
-                  "axes, z up (above 0 where it is pulled), displacement, or none: the material "
-                  "alone")
+                  "axes, z up (above 0 where it is pulled), contact (how hard things press the "
+                  "skin), displacement, or none: the material alone")
       .one_of(names)
       .show_default();
 }
@@ -31,9 +31,16 @@ const NamedPaint& paint_named(const std::string& name) {
   return *found;
 }
 
-void expect_paintable(const std::string& paint, bool knows_stress,
+void expect_paintable(const std::string& paint, bool knows_stress, bool anywhere,
                       const std::filesystem::path& body) {
-  if (knows_stress || !needs_components(paint_named(paint).field)) return;
+  const SceneExtras needed = extras_for(paint_named(paint).field);
+  if (needed.contact_pressure && !anywhere) {
+    throw Error(
+        fmt::format("--paint {}: {} is pressed at its sites, of which the force alone is "
+                    "known; bodies with tables of touch know it (palpable inspect)",
+                    paint, body.string()));
+  }
+  if (knows_stress || !needed.components) return;
   throw Error(fmt::format("--paint {}: {} holds no stress; displacement or none can be painted",
                           paint, body.string()));
 }

@@ -125,7 +125,10 @@ void run_view(ViewOptions options) {
     throw Error(fmt::format("--site {}: {} has the sites 0 to {}", options.site,
                             options.body.string(), site_count - 1));
   }
-  expect_paintable(options.paint, knows_stress(body) || touchable->touch, options.body);
+  // Pictures show it pressed at its sites.
+  const bool anywhere = touchable->touch.has_value();
+  expect_paintable(options.paint, knows_stress(body) || anywhere, anywhere && options.out.empty(),
+                   options.body);
   if (options.modes > 0) {
     write_modes(
         body, options, size,

@@ -1854,6 +1854,9 @@ def _(programs, folder):
     last = sorted(path.name for path in (folder / "stress").glob("*level_100.png"))[-1]
     assert (folder / "pictures" / last).read_bytes() != (folder / "stress" / last).read_bytes()
     programs.refuses("view", programs.small_body(), "--paint", "szx2", "--out", folder / "x", says=["--paint", "szx2"])
+    # At its sites the force alone is known.
+    for sites in (words, ["view", programs.small_body(), "--out", folder / "x"]):
+        programs.refuses(*sites, "--paint", "contact", says=["--paint contact", "sites", "tables of touch"])
 
     # Modes of another program may come without stress: that is said, and no pressure of 0 is shown.
     programs.succeeds("export", programs.small_body(), "--to", "numpy", "-o", folder / "modes")

@@ -344,7 +344,7 @@ def _(programs, folder):
             screen.mouse(window, (MOTION, *place), (BUTTON_PRESS, *place, LEFT), (MOTION, *far))
             wait_for("a press", lambda: screen.pixels(window) != rest)
             stress = settled(screen, window)
-            for field in ("pressure", "a component", "displacement", "the material"):
+            for field in ("pressure", "a component", "contact", "displacement", "the material"):
                 changed_by(screen, window, field, lambda: screen.type(window, "f"))
             assert share_apart(settled(screen, window), stress) > 0.05
             changed_by(screen, window, "stress", lambda: screen.type(window, "f"))

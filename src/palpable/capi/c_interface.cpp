@@ -307,6 +307,7 @@ palpable_status palpable_get_skin(const palpable_session* session, int32_t body,
     told.normals = shown.normals.data();
     told.von_mises = shown.von_mises.data();
     told.triangles = triangles.data();
+    if (!shown.contact_pressure.empty()) told.contact_pressure = shown.contact_pressure.data();
     palpable::write_pose(open.bodies[k].world_from_body, told.world_from_body);
     palpable::write_pose(shown.camera_from_body, told.camera_from_body);
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();

@@ -217,6 +217,13 @@ TEST_CASE("a finger without any camera presses the skin down and lets it go agai
           Approx(depth).margin(tolerance(5e-4, "m: vertices 6 mm apart")));
     const palpable_skin skin = skin_of(session);
     CHECK(*std::max_element(skin.von_mises, skin.von_mises + skin.vertex_count) > 100.0f);
+    REQUIRE(skin.contact_pressure != nullptr);
+    const auto most =
+        std::max_element(skin.contact_pressure, skin.contact_pressure + skin.vertex_count);
+    CHECK(*most > 100.0f);
+    // There it presses: within a vertex's distance, 6 mm.
+    CHECK((now.col(most - skin.contact_pressure).cast<double>() - Vector3d(touch.point)).norm() <
+          0.006);
     CHECK(std::hypot(skin.normals[0], skin.normals[1], skin.normals[2]) == Approx(1));
   }
   CHECK(frame_of(session).time == 3);
@@ -299,6 +306,7 @@ TEST_CASE("frames fed through C give the bytes of the C++ loop", "[capi]") {
   const palpable_skin skin = skin_of(session);
   CHECK(std::memcmp(skin.von_mises, loop.scene.bodies[0].von_mises.data(),
                     sizeof(float) * static_cast<std::size_t>(skin.vertex_count)) == 0);
+  CHECK((skin.contact_pressure == nullptr) == (loop.session.contact(0) != ContactKind::kAnywhere));
   CHECK(skin.triangles[4] == loop.session.body().surface.triangles(1, 1));
   auto depth = sized<palpable_depth>();
   REQUIRE(palpable_get_depth(session, &depth) == PALPABLE_OK);

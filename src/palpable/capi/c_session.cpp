@@ -46,9 +46,11 @@ void palpable_session::reset() {
     auto loop = palpable::FrameLoop::make(std::move(placed), camera->format, camera->session);
     if (!loop.ok()) throw Failure(PALPABLE_WRONG_ARGUMENT, loop.problem().message);
     loop_.emplace(std::move(loop).value());
+    loop_->session.keep({.contact_pressure = true});
     show_rest(loop_->scene);
   } else {
     press_ = std::make_unique<palpable::CapsulePress>(bodies.front().body);
+    press_->keep({.contact_pressure = true});
     show_rest(pressed_);
   }
   frames = 0;

@@ -249,6 +249,9 @@ typedef struct palpable_skin {
    * against the largest stress). NaN: not known, or nothing touches. */
   double stated_displacement_error;
   double stated_stress_error;
+  /** V, Pa: how hard things press there; times the area around each vertex it adds up to their
+   * forces. NULL before the first frame, and of a body that is pressed at its sites alone. */
+  const float* contact_pressure;
 } palpable_skin;
 
 /** @param body  its number, from 0 on, as in palpable_open() */

@@ -52,6 +52,9 @@ class SkinContact {
   void find_touches(const TouchState& state, const ObjectSurface& seen,
                     std::span<const PressedPoint> others, std::vector<Touch>& touches);
 
+  /// The pressed points of the frame answered last.
+  [[nodiscard]] const TouchPatches& pressed() const { return patches_; }
+
   /// Which answers; to be asked for the load of a state and told its exact answer.
   [[nodiscard]] TouchSolver& solver() { return solver_; }
 

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
 #include <vector>
 
 namespace palpable {
@@ -33,10 +34,14 @@ class TouchPatches {
 
   /// To be filled before find().
   [[nodiscard]] std::vector<PressedPoint>& points() { return points_; }
+  [[nodiscard]] const std::vector<PressedPoint>& points() const { return points_; }
 
   /// @param seen     the surface of what presses; says which of it is assumed, or held
   /// @param touches  overwritten: the one with the largest force first
   void find(const ObjectSurface& seen, std::vector<Touch>& touches);
+  /// m, after find(): from this point to the next one that is pushed the same way, at least as far
+  /// as it stands for the skin itself.
+  [[nodiscard]] float spacing(std::size_t point) const { return places_[point].spacing; }
 
  private:
   // Of a union-find forest.

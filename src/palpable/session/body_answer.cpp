@@ -38,6 +38,7 @@ BodyAnswer::BodyAnswer(TouchableBody body, const AnswerSettings& settings)
   if (contact_ == ContactKind::kAnywhere && tables_) {
     anywhere_.emplace(body_.surface, body_.fixed, *tables_, settings.touch);
     anywhere_->stress(touched_, at_rest_, cauchy_at_rest_);
+    pressure_.emplace(body_.surface);
   } else if (contact_ == ContactKind::kSite) {
     law_.emplace(body_, settings.press);
   } else if (contact_ == ContactKind::kPaper) {
@@ -119,14 +120,16 @@ PressingBodies::Body BodyAnswer::among_others(const Rigid3& world_from_body) {
   return body;
 }
 
-void BodyAnswer::reconstruct(const std::vector<Touch>& touches, bool components, SceneBody& shown) {
+void BodyAnswer::reconstruct(const std::vector<Touch>& touches, const SceneExtras& extras,
+                             SceneBody& shown) {
   shown.stated_error = stated_;
-  shown.cauchy.resize(components ? cauchy_at_rest_.size() : 0);
+  shown.cauchy.resize(extras.components ? cauchy_at_rest_.size() : 0);
+  shown.contact_pressure.assign(extras.contact_pressure && pressure_ ? at_rest_.size() : 0, 0.0f);
   if (touches.empty() && !is_moved_) {
     shown.vertices = rest_;
     shown.normals = rest_normals_;
     shown.von_mises = at_rest_;
-    if (components) shown.cauchy = cauchy_at_rest_;
+    if (extras.components) shown.cauchy = cauchy_at_rest_;
     return;
   }
   shown.vertices.resize(3, rest_.cols());
@@ -136,6 +139,10 @@ void BodyAnswer::reconstruct(const std::vector<Touch>& touches, bool components,
     anywhere_->place(touched_, shown.vertices);
     vertex_normals(shown.vertices, body_.surface.triangles, shown.normals);
     anywhere_->stress(touched_, shown.von_mises, shown.cauchy);
+    if (extras.contact_pressure) {
+      pressure_->spread(anywhere_->pressed(), shown.vertices, shown.normals,
+                        shown.contact_pressure);
+    }
   } else {
     const Touch& touch = touches.front();
     const std::array mu{static_cast<double>(touch.site), touch.level};

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "palpable/contact/cloud_distance.h"
+#include "palpable/contact/contact_pressure.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/paper_contact.h"
 #include "palpable/contact/press_law.h"
@@ -78,9 +79,9 @@ class BodyAnswer {
   void find_touches(PressingBodies& together, int number, std::vector<Touch>& touches);
 
   /// Shape, normals, stress and stated error of the touches found last.
-  /// @param touches     as find_touches() gave them
-  /// @param components  whether SceneBody::cauchy is wanted, too; else it is emptied
-  void reconstruct(const std::vector<Touch>& touches, bool components, SceneBody& shown);
+  /// @param touches  as find_touches() gave them
+  /// @param extras   what is wanted, too; else it is emptied
+  void reconstruct(const std::vector<Touch>& touches, const SceneExtras& extras, SceneBody& shown);
 
   /// Its body, with what it was given beside; only the destructor may be called after it.
   [[nodiscard]] TouchableBody take_body();
@@ -117,6 +118,7 @@ class BodyAnswer {
   Eigen::AlignedBox3d region_;
   ObjectSurface surface_;
   std::optional<SkinContact> anywhere_;
+  std::optional<ContactPressure> pressure_;  // where it is touched anywhere
   std::optional<Refiner> refiner_;
   TouchState touched_;
   bool is_moved_ = false;  // though nothing may touch it: it is on its way back

@@ -47,7 +47,9 @@ bool CapsuleGaps::is_near(const Vector3f& place, float reach) const {
 }
 
 CapsulePress::CapsulePress(std::shared_ptr<const TouchableBody> body)
-    : body_(std::move(body)), contact_(body_->body.surface, body_->body.fixed, *body_->touch) {}
+    : body_(std::move(body)),
+      contact_(body_->body.surface, body_->body.fixed, *body_->touch),
+      pressure_(body_->body.surface) {}
 
 TouchReport CapsulePress::advance(std::span<const Capsule> capsules, SceneBody& shown,
                                   std::vector<Touch>& touches) {
@@ -64,8 +66,12 @@ TouchReport CapsulePress::advance(std::span<const Capsule> capsules, SceneBody& 
   shown.von_mises.resize(static_cast<std::size_t>(skin.vertex_count()));
   contact_.place(state_, shown.vertices);
   vertex_normals(shown.vertices, skin.triangles, shown.normals);
-  shown.cauchy.resize(keeps_components_ ? 6 * shown.von_mises.size() : 0);
+  shown.cauchy.resize(extras_.components ? 6 * shown.von_mises.size() : 0);
   contact_.stress(state_, shown.von_mises, shown.cauchy);
+  shown.contact_pressure.clear();
+  if (extras_.contact_pressure) {
+    pressure_.spread(contact_.pressed(), shown.vertices, shown.normals, shown.contact_pressure);
+  }
   shown.stated_error = report.stated;
   return report;
 }

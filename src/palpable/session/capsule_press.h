@@ -3,6 +3,7 @@
 /// has.
 #pragma once
 
+#include "palpable/contact/contact_pressure.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/skin_contact.h"
 #include "palpable/contact/touch.h"
@@ -47,9 +48,8 @@ class CapsulePress {
   /// @param touches   overwritten, the strongest first
   TouchReport advance(std::span<const Capsule> capsules, SceneBody& shown,
                       std::vector<Touch>& touches);
-  /// Whether the shown body has all six components of stress from now on (SceneBody::cauchy); to
-  /// begin with it does not.
-  void keep_components(bool keep) { keeps_components_ = keep; }
+  /// What the shown body has beside the rest from now on; to begin with none of it.
+  void keep(const SceneExtras& extras) { extras_ = extras; }
   /// As if nothing had pressed yet.
   void forget() { state_ = TouchState(); }
 
@@ -59,7 +59,8 @@ class CapsulePress {
   TouchState state_;
   CapsuleGaps gaps_;
   ObjectSurface nothing_;  // no camera sees anything
-  bool keeps_components_ = false;
+  ContactPressure pressure_;
+  SceneExtras extras_;
 };
 
 }  // namespace palpable

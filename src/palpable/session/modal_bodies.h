@@ -3,6 +3,7 @@
 /// they press each other (touch/modal_contact.h).
 #pragma once
 
+#include "palpable/contact/contact_pressure.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/touch.h"
 #include "palpable/contact/touch_patches.h"
@@ -29,9 +30,8 @@ class ModalBodies {
 
   /// Of a member, by its place in the list: its touches, the strongest first.
   void find_touches(int member, std::vector<Touch>& touches);
-  /// Shape, normals and stress. @param components  whether SceneBody::cauchy is wanted, too; else
-  /// it is emptied
-  void reconstruct(int member, bool components, SceneBody& shown);
+  /// Shape, normals and stress. @param extras  what is wanted, too; else it is emptied
+  void reconstruct(int member, const SceneExtras& extras, SceneBody& shown);
 
   [[nodiscard]] const ModalReport& report() const { return report_; }  ///< of the last frame
 
@@ -45,7 +45,8 @@ class ModalBodies {
   // Of each at rest: normals, von Mises stress and its components (SceneBody::cauchy), Pa.
   std::vector<Eigen::Matrix3Xf> rest_normals_;
   std::vector<std::vector<float>> rest_stress_, rest_cauchy_;
-  TouchPatches patches_{2 * ModalContact::kMostPoints};
+  std::vector<TouchPatches> patches_;  // of the frame answered last
+  std::vector<ContactPressure> pressures_;
   ModalReport report_;
 };
 

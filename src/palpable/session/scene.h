@@ -19,6 +19,15 @@
 
 namespace palpable {
 
+/// What a body of a scene has only if it is asked for (Session::keep). Nothing else of an answer
+/// depends on it.
+struct SceneExtras {
+  bool components = false;        ///< SceneBody::cauchy
+  bool contact_pressure = false;  ///< SceneBody::contact_pressure
+
+  friend bool operator==(const SceneExtras&, const SceneExtras&) = default;
+};
+
 /// One of a scene's bodies.
 struct SceneBody {
   Rigid3 camera_from_body = Rigid3::Identity();  ///< where it is drawn and touched
@@ -26,9 +35,11 @@ struct SceneBody {
   Eigen::Matrix3Xf normals;                      ///< (3 x V) unit, outwards
   std::vector<float> von_mises;                  ///< (V) Pa; at rest that of its preload
   /// (6V) Pa, Cauchy stress xx yy zz xy yz zx of each vertex along the body frame's axes, of which
-  /// `von_mises` is made; at rest likewise. Empty unless the session keeps it
-  /// (Session::keep_components).
+  /// `von_mises` is made; at rest likewise. Empty unless SceneExtras::components are kept.
   std::vector<float> cauchy;
+  /// (V) Pa, how hard things press there (contact_pressure.h); 0 where nothing does. Empty unless
+  /// SceneExtras::contact_pressure is kept, and of a body that is pressed at its sites alone.
+  std::vector<float> contact_pressure;
   /// Of the answer, the obstacle taken as it is seen; nothing where nothing touches or where that
   /// is not known.
   std::optional<StatedError> stated_error;

@@ -146,7 +146,7 @@ struct Session::Parts {
   const StaticPicture* picture = nullptr;   // that one
   PressingMask pressing;
   const MaskImage* shows = nullptr;  // of the pressing mask
-  bool keeps_components = false;
+  SceneExtras extras;
   std::vector<Eigen::Vector3f> others;  // of gather_others()
 };
 
@@ -339,9 +339,9 @@ void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const SessionBody& body = *bodies[k];
     if (body.modal >= 0) {
-      modal->reconstruct(body.modal, keeps_components, scene.bodies[k]);
+      modal->reconstruct(body.modal, extras, scene.bodies[k]);
     } else {
-      bodies[k]->answer.reconstruct(body.touches, keeps_components, scene.bodies[k]);
+      bodies[k]->answer.reconstruct(body.touches, extras, scene.bodies[k]);
     }
     if (settings.contact == ContactKind::kPaper && bodies.size() > 1) {
       bodies[k]->shape = scene.bodies[k].vertices;
@@ -361,8 +361,8 @@ void Session::respond(Scene& scene, const std::optional<Rigid3>& world_from_came
   parts_->answer(scene, parts_->slam.advance(scene.seen, world_from_camera, scene.times));
 }
 
-void Session::keep_components(bool keep) { parts_->keeps_components = keep; }
-bool Session::keeps_components() const { return parts_->keeps_components; }
+void Session::keep(const SceneExtras& extras) { parts_->extras = extras; }
+const SceneExtras& Session::kept() const { return parts_->extras; }
 
 void Session::refine_with(Refiner refiner) {
   parts_->bodies.front()->answer.refine_with(std::move(refiner));

@@ -90,11 +90,10 @@ class Session {
   /// @param world_from_camera  nothing: it is not known in this frame, so that nothing presses
   void respond(Scene& scene, const std::optional<Rigid3>& world_from_camera);
 
-  /// Whether scenes from now on have all six components of stress (SceneBody::cauchy); to begin
-  /// with they do not. Nothing else of an answer depends on it. A scene allocates room for them
-  /// once.
-  void keep_components(bool keep);
-  [[nodiscard]] bool keeps_components() const;
+  /// What scenes from now on have beside the rest; to begin with none of it. A scene allocates room
+  /// for it once.
+  void keep(const SceneExtras& extras);
+  [[nodiscard]] const SceneExtras& kept() const;
 
   /// From now on exact answers are taken up where the first body is touched anywhere.
   void refine_with(Refiner refiner);

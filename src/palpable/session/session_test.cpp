@@ -252,9 +252,31 @@ double check_components(const SceneBody& body) {
   return largest;
 }
 
-TEST_CASE(
-    "scenes have the components of their stress where they are wanted, and nothing else differs",
-    "[session]") {
+constexpr SceneExtras kAllExtras{.components = true, .contact_pressure = true};
+
+// That it adds up to the forces of the scene's touches; of a body with sites alone none is known.
+void check_contact_pressure(const FrameLoop& loop) {
+  const SceneBody& body = loop.scene.bodies[0];
+  if (loop.session.contact(0) != ContactKind::kAnywhere) {
+    CHECK(body.contact_pressure.empty());
+    return;
+  }
+  REQUIRE(body.contact_pressure.size() == body.von_mises.size());
+  SurfaceMesh now = loop.session.body(0).surface;
+  now.vertices = body.vertices.cast<double>();
+  const Eigen::VectorXd areas = vertex_areas(now);
+  double sum = 0, force = 0;
+  for (std::size_t v = 0; v < body.contact_pressure.size(); ++v) {
+    sum += static_cast<double>(body.contact_pressure[v]) * areas[static_cast<Eigen::Index>(v)];
+  }
+  for (const Touch& touch : loop.scene.touches) force += touch.force;
+  // A touch tells the sum of forces as vectors; those round a fingertip spread, by 45 degrees of a
+  // ball in modes that it has sunk into.
+  CHECK(sum >= force * (1 - 1e-3));
+  CHECK(sum <= force * 1.42);
+}
+
+TEST_CASE("scenes have what is wanted of them, and nothing else differs", "[session]") {
   ModalTables modal;
   const ReducedBody ball = test::with_several(test::pressed_ball());
   const int V = ball.surface.vertex_count();
@@ -280,8 +302,8 @@ TEST_CASE(
   std::vector<FrameLoop> without = loops(), with = loops();
   for (std::size_t k = 0; k < with.size(); ++k) {
     INFO("kind " << k);
-    CHECK_FALSE(with[k].session.keeps_components());
-    with[k].session.keep_components(true);
+    CHECK(with[k].session.kept() == SceneExtras{});
+    with[k].session.keep(kAllExtras);
     for (int n = 0; n < 6; ++n) {
       const Frame frame = frame_with_finger(n, n < 3 ? -0.03 : 0.008);
       const SceneBody& one = with[k].process(frame).bodies[0];
@@ -290,12 +312,15 @@ TEST_CASE(
       CHECK(one.normals == other.normals);
       CHECK(one.von_mises == other.von_mises);
       CHECK(other.cauchy.empty());
+      CHECK(other.contact_pressure.empty());
       (void)check_components(one);
+      check_contact_pressure(with[k]);
     }
     REQUIRE_FALSE(with[k].scene.touches.empty());
     if (k < 3) CHECK(check_components(with[k].scene.bodies[0]) > 100);  // the ball's shell is empty
-    with[k].session.keep_components(false);
+    with[k].session.keep({});
     CHECK(with[k].process(frame_with_finger(6, 0.008)).bodies[0].cauchy.empty());
+    CHECK(with[k].scene.bodies[0].contact_pressure.empty());
   }
 }
 
@@ -306,7 +331,7 @@ TEST_CASE("at rest the components are those of the preload", "[session]") {
   tables.shell.preload.row(2) = 0.01 * tables.shell.stress_free.row(2);  // pulled along z
   FrameLoop loop = value_or_throw(FrameLoop::make(TouchableBody(body, tables), sphere_pose(),
                                                   depth_format(), kEverythingPresses));
-  loop.session.keep_components(true);
+  loop.session.keep(kAllExtras);
   const SceneBody& shown = loop.process(frame_with_finger(0, -0.03)).bodies[0];
   CHECK(loop.scene.touches.empty());
   CHECK(check_components(shown) > 100);
@@ -512,9 +537,9 @@ TEST_CASE("contact and reconstruction allocate nothing after the first frames",
   }
 }
 
-TEST_CASE("a scene that keeps components takes memory for them once", "[session]") {
+TEST_CASE("a scene that keeps extras takes memory for them once", "[session]") {
   FrameLoop loop = touchable_sphere_loop();
-  loop.session.keep_components(true);
+  loop.session.keep(kAllExtras);
   AwayAndPressing finger(loop);
   finger.respond(finger.away, kBefore);
   finger.respond(finger.pressing, kUntilBelieved + 3);
@@ -522,9 +547,9 @@ TEST_CASE("a scene that keeps components takes memory for them once", "[session]
   CHECK(test::allocations_during([&] {
           finger.respond(finger.pressing, kUntilBelieved + 3);
           finger.respond(finger.away, 1);
-          loop.session.keep_components(false);
+          loop.session.keep({});
           finger.respond(finger.pressing, 1);
-          loop.session.keep_components(true);
+          loop.session.keep(kAllExtras);
           finger.respond(finger.pressing, 1);
         }) == 0);
   CHECK_FALSE(finger.pressing.touches.empty());

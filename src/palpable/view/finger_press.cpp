@@ -30,7 +30,7 @@ FingerPress::FingerPress(const std::shared_ptr<const TouchableBody>& body)
       normals_at_rest_(3, body->body.surface.vertex_count()) {
   const SurfaceMesh& skin = body_->body.surface;
   vertex_normals(skin.vertices.cast<float>().eval(), skin.triangles, normals_at_rest_);
-  solver_.keep_components(true);
+  solver_.keep({.components = true, .contact_pressure = true});
   rest();
 }
 

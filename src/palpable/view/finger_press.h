@@ -48,6 +48,9 @@ class FingerPress {
   [[nodiscard]] double largest_von_mises() const;  ///< Pa
   /// (6V) Pa, as SceneBody::cauchy.
   [[nodiscard]] const std::vector<float>& cauchy() const { return shown_.cauchy; }
+  [[nodiscard]] const std::vector<float>& contact_pressure() const {
+    return shown_.contact_pressure;
+  }
   [[nodiscard]] const std::optional<StatedError>& stated_error() const {
     return shown_.stated_error;
   }

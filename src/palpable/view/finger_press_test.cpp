@@ -6,6 +6,7 @@
 #include "tests/support/test.h"
 
 #include <cmath>
+#include <cstddef>
 #include <memory>
 
 namespace palpable {
@@ -49,6 +50,8 @@ TEST_CASE("a finger presses where it is put, deeper with its level, and leaves n
     depth = moved;
   }
   CHECK(finger.cauchy().size() == 6 * finger.look().scalar.size());
+  CHECK(finger.contact_pressure().size() == finger.look().scalar.size());
+  CHECK(finger.contact_pressure()[static_cast<std::size_t>(vertex)] > 0);
   // The same place of the skin, seen where it has gone.
   const FingerPress::Place again =
       finger.place_at(finger.look().vertices->col(vertex).cast<double>());

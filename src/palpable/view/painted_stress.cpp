@@ -11,6 +11,11 @@ bool needs_components(SceneShow::Field field) {
   return field == SceneShow::Field::kPressure || field == SceneShow::Field::kComponent;
 }
 
+SceneExtras extras_for(SceneShow::Field field) {
+  return {.components = needs_components(field),
+          .contact_pressure = field == SceneShow::Field::kContact};
+}
+
 bool knows_stress(const ReducedBody& body) { return body.largest_von_mises > 0; }
 
 bool knows_stress(const Session& session, int number) {

@@ -1,5 +1,6 @@
 /// @file
-/// The six components of stress in the terms of what is painted: pressure, or one of them.
+/// What may be painted beside von Mises stress: pressure in the material or one of the six
+/// components, and how hard things press the skin.
 ///
 ///   V  vertices
 #pragma once
@@ -16,6 +17,16 @@ namespace palpable {
 
 /// Whether a field is made of SceneBody::cauchy, and has two signs.
 [[nodiscard]] bool needs_components(SceneShow::Field field);
+
+/// What a scene needs to have for a field to be painted.
+[[nodiscard]] SceneExtras extras_for(SceneShow::Field field);
+
+/// Top of the colours of contact pressure, against that of von Mises stress: what hardly gives way
+/// in volume bears two to three times its largest von Mises stress below a fingertip.
+inline constexpr double kContactOfStress = 3;
+inline constexpr const char* kContactPressure = "contact pressure";
+/// Above the bar instead: sites know forces alone.
+inline constexpr const char* kNoContactKnown = "no contact known";
 
 /// Whether a body's file holds its stress; modes of other programs may come without (then all of it
 /// is 0).

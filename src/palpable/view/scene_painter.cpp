@@ -84,8 +84,9 @@ void ScenePainter::begin_anew() {
   gather_parameters();
 }
 
-bool ScenePainter::wants_components() const {
-  return controls_.paused || needs_components(controls_.show.field);
+SceneExtras ScenePainter::wants() const {
+  if (controls_.paused) return {.components = true, .contact_pressure = true};
+  return extras_for(controls_.show.field);
 }
 
 void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {

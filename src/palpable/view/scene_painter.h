@@ -76,9 +76,9 @@ class ScenePainter {
   /// Whether the user has closed the window or pressed Escape or Q.
   [[nodiscard]] bool ended() const { return ended_; }
 
-  /// Whether the scenes to come should have their components (Session::keep_components): they are
-  /// painted, or may be while the window holds one of them.
-  [[nodiscard]] bool wants_components() const;
+  /// What the scenes to come should have (Session::keep): it is painted, or may be while the window
+  /// holds one of them.
+  [[nodiscard]] SceneExtras wants() const;
 
   /// What the user wants changed of the run; with run_may_change alone there is something. Who has
   /// done it resets it.

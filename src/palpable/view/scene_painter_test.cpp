@@ -73,17 +73,19 @@ TEST_CASE("components are wanted where they are painted, and painting them takes
   show.field = SceneShow::Field::kPressure;
   std::optional<ScenePainter> painter = painter_of({.show = show}, loop);
   if (!painter) PALPABLE_SKIP("no OpenGL");
-  CHECK(painter->wants_components());
+  CHECK(painter->wants() == SceneExtras{.components = true});
   painter->controls().next_field();
-  CHECK(painter->wants_components());  // a component
+  CHECK(painter->wants() == SceneExtras{.components = true});  // a component
   painter->controls().next_field();
-  CHECK_FALSE(painter->wants_components());
+  CHECK(painter->wants() == SceneExtras{.contact_pressure = true});
+  painter->controls().next_field();
+  CHECK(painter->wants() == SceneExtras{});
   painter->controls().paused = true;  // what is held may be looked at in all ways
-  CHECK(painter->wants_components());
+  CHECK(painter->wants() == SceneExtras{.components = true, .contact_pressure = true});
   painter->controls().paused = false;
 
   painter->controls().reset();
-  loop.session.keep_components(painter->wants_components());
+  loop.session.keep(painter->wants());
   CHECK(allocations_of_redrawing(*painter, loop) == 0);
 }
 

@@ -45,6 +45,13 @@ bool any_knows_stress(const Session& session) {
   return false;
 }
 
+bool any_is_touched_anywhere(const Session& session) {
+  for (int k = 0; k < session.body_count(); ++k) {
+    if (session.contact(k) == ContactKind::kAnywhere) return true;
+  }
+  return false;
+}
+
 bool stands_on_first_ground(const Session& session, int number) {
   const Rigid3 first_from_body =
       session.world_from_body().inverse() * session.world_from_body(number);
@@ -152,6 +159,10 @@ SceneView& SceneViews::of(const Scene& scene, const Session& session, const Scen
     view_.bodies.back().blended = show.blended;
     if (show.field == Field::kDisplacement) show_displacement(scene, session, k);
     if (needs_components(show.field)) show_components(scene, session, show, k);
+    if (show.field == Field::kContact) {
+      view_.bodies.back().scalar = scene.bodies[static_cast<std::size_t>(k)].contact_pressure;
+      view_.bodies.back().scalar_max *= static_cast<float>(kContactOfStress);
+    }
     if (show.field == Field::kNone) view_.bodies.back().scalar = {};
   }
   show_touches(scene, show);
@@ -179,6 +190,10 @@ void SceneViews::show_legend(const Scene& scene, const Session& session, const S
       name_painted_stress(show.field, show.component, view_.legend_title);
       if (!any_knows_stress(session)) view_.legend_title = kNoStressKnown;
       view_.stated_error_of = kErrorOfStress;
+      break;
+    case Field::kContact:
+      view_.legend_title = any_is_touched_anywhere(session) ? kContactPressure : kNoContactKnown;
+      view_.stated_error = 0;  // that of the stress says nothing of it
       break;
     case Field::kDisplacement:
       view_.legend_title = "displacement";

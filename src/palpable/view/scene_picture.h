@@ -45,8 +45,7 @@ class SceneViews {
   explicit SceneViews(double scale) : scale_(scale) {}
 
   /// @param session  that made the scene
-  /// @param show     what of it is shown; what needs_components() (painted_stress.h) needs
-  ///                 SceneBody::cauchy
+  /// @param show     what of it is shown; the scene has its extras_for() (painted_stress.h)
   /// @return pointers into both and into this object, valid until the next call; it may be changed
   SceneView& of(const Scene& scene, const Session& session, const SceneShow& show);
 

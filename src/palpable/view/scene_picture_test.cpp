@@ -56,6 +56,15 @@ TEST_CASE("stress, displacement or the material alone is painted", "[view]") {
   CHECK(view.legend_unit == "mm");
   CHECK(view.stated_error == 0.03);
 
+  show.field = SceneShow::Field::kContact;
+  body.contact_pressure.assign(static_cast<std::size_t>(body.vertices.cols()), 5e3f);
+  pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.bodies.front().scalar.data() == body.contact_pressure.data());
+  CHECK(view.bodies.front().scalar_max == Approx(kContactOfStress * 10e3));
+  CHECK(view.legend_unit == "kPa");
+  CHECK(view.legend_title == kNoContactKnown);  // this body has sites alone
+  CHECK(view.stated_error == 0);
+
   show.field = SceneShow::Field::kNone;
   pressed.views.of(pressed.scene, pressed.loop.session, show);
   CHECK(view.bodies.front().scalar.empty());
@@ -105,7 +114,7 @@ TEST_CASE("a body whose file holds no stress says so instead of a pressure of 0"
   FrameLoop loop =
       value_or_throw(FrameLoop::make(std::move(silent), camera_from_body, test::wall_format(),
                                      {.press_static = true, .map = false}));
-  loop.session.keep_components(true);
+  loop.session.keep({.components = true});
   SceneShow show;
   show.field = SceneShow::Field::kPressure;
   SceneViews views{10e3};

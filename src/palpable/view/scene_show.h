@@ -10,6 +10,7 @@ struct SceneShow {
     kVonMises,      ///< Pa
     kPressure,      ///< Pa, minus a third of the stress's trace: above 0 where it is compressed
     kComponent,     ///< Pa, one of the six: `component`
+    kContact,       ///< Pa, how hard things press there: SceneBody::contact_pressure
     kDisplacement,  ///< m, length of the displacement from the shape that was baked
     kNone           ///< the material alone
   };

@@ -9,8 +9,8 @@
 
 namespace palpable {
 
-inline constexpr std::array<const char*, 5> kFieldNames{"stress", "pressure", "component",
-                                                        "displacement", "material"};
+inline constexpr std::array<const char*, 6> kFieldNames{"stress",  "pressure",     "component",
+                                                        "contact", "displacement", "material"};
 inline constexpr std::array<const char*, 6> kComponentNames{"xx", "yy", "zz", "xy", "yz", "zx"};
 inline constexpr std::array<const char*, 3> kOcclusionNames{"none", "hard", "soft"};
 
@@ -20,7 +20,7 @@ struct NamedPaint {
   SceneShow::Field field;
   SceneShow::Component component = SceneShow::Component::kZz;
 };
-inline constexpr std::array<NamedPaint, 10> kPaints{
+inline constexpr std::array<NamedPaint, 11> kPaints{
     {{"stress", SceneShow::Field::kVonMises},
      {"pressure", SceneShow::Field::kPressure},
      {"sxx", SceneShow::Field::kComponent, SceneShow::Component::kXx},
@@ -29,6 +29,7 @@ inline constexpr std::array<NamedPaint, 10> kPaints{
      {"sxy", SceneShow::Field::kComponent, SceneShow::Component::kXy},
      {"syz", SceneShow::Field::kComponent, SceneShow::Component::kYz},
      {"szx", SceneShow::Field::kComponent, SceneShow::Component::kZx},
+     {"contact", SceneShow::Field::kContact},
      {"displacement", SceneShow::Field::kDisplacement},
      {"none", SceneShow::Field::kNone}}};
 

@@ -98,6 +98,14 @@ void StudioScene::paint(BodyLook& look) {
       look.scalar = {};
       if (legend_shown) view_.legend_title = kNoStressKnown;
       break;
+    case SceneShow::Field::kContact:
+      look.scalar = {};
+      if (finger_ != nullptr) look.scalar = finger_->contact_pressure();
+      look.scalar_max *= static_cast<float>(kContactOfStress);
+      if (legend_shown) {
+        view_.legend_title = finger_ != nullptr ? kContactPressure : kNoContactKnown;
+      }
+      break;
     case SceneShow::Field::kDisplacement:
       displacement_of(*look.vertices, body_.surface, painted_);
       look.scalar = painted_;

@@ -192,7 +192,7 @@ TEST_CASE("R paints again what was painted at the start", "[view][view_controls]
   CHECK(controls.component == SceneShow::Component::kZz);
   controls.handle(typed('F'), 1, site_at);
   controls.component = SceneShow::Component::kXy;
-  CHECK(controls.field == SceneShow::Field::kDisplacement);
+  CHECK(controls.field == SceneShow::Field::kContact);
   controls.handle(typed('R'), 2, site_at);
   CHECK(controls.field == SceneShow::Field::kComponent);
   CHECK(controls.component == SceneShow::Component::kZz);
