@@ -186,7 +186,7 @@ def _(programs, folder):
 
 # What the panel looked like when somebody looked at it, without the line that says how fast the run is.
 PANEL = Path(__file__).parent.parent / "data/live_panel.png"
-PANEL_SIZE = (224, 586)
+PANEL_SIZE = (224, 612)
 PANEL_FROM = 30  # px from above
 
 
@@ -231,7 +231,7 @@ def _(programs, folder):
             changed_by(screen, window, "the panel", lambda: screen.type(window, "t"))
             return seen
         seen = [picture()]
-        for place in ((19, 347), (19, 451)):  # "component", and the first one below "Component"
+        for place in ((19, 347), (19, 477)):  # "component", and the first one below "Component"
             changed_by(screen, window, "a switch", lambda: click(screen, window, *place))
             seen.append(picture())
         assert len(set(seen)) == 3, "stress, zz and xx"
@@ -370,7 +370,7 @@ def _(programs, folder):
         screen, window, program = given
         enlarge(screen, window)
         settled(screen, window)
-        left, right = (80, 613), (260, 613)  # below its name, beyond the slider's end
+        left, right = (80, 639), (260, 639)  # below its name, beyond the slider's end
         screen.mouse(window, (MOTION, *left), (BUTTON_PRESS, *left, LEFT))
         changed_by(screen, window, "a dragged slider", lambda: screen.mouse(window, (MOTION, *right)))
         changed_by(screen, window, "the next frame", lambda: screen.mouse(window, (BUTTON_RELEASE, *right, LEFT)))
