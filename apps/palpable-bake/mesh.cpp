@@ -7,6 +7,7 @@
 #include "palpable/base/output_file.h"
 #include "palpable/describe/body_mesh.h"
 #include "palpable/describe/body_size.h"
+#include "palpable/geometry/mean_edge.h"
 #include "palpable/geometry/mesh_file.h"
 #include "palpable/geometry/size_text.h"
 #include "palpable/mesh/mesh_limits.h"

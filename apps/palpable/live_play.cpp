@@ -357,8 +357,7 @@ LivePlay::LivePlay(const PlayOptions& options, const std::vector<fs::path>& inpu
 void LivePlay::check(const LiveSetUp& setup) const {
   const Session& session = setup.run.loop.session;
   for (int k = 0; k < session.body_count(); ++k) {
-    expect_paintable(options_.paint, knows_stress(session, k),
-                     session.contact(k) == ContactKind::kAnywhere,
+    expect_paintable(options_.paint, knows_stress(session, k), knows_contact(session, k),
                      setup.bodies[static_cast<std::size_t>(k)].file);
   }
   if (options_.contact_rate == 0) return;

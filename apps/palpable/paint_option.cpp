@@ -31,13 +31,13 @@ const NamedPaint& paint_named(const std::string& name) {
   return *found;
 }
 
-void expect_paintable(const std::string& paint, bool knows_stress, bool anywhere,
+void expect_paintable(const std::string& paint, bool knows_stress, bool knows_contact,
                       const std::filesystem::path& body) {
   const SceneExtras needed = extras_for(paint_named(paint).field);
-  if (needed.contact_pressure && !anywhere) {
+  if (needed.contact_pressure && !knows_contact) {
     throw Error(
-        fmt::format("--paint {}: {} is pressed at its sites, of which the force alone is "
-                    "known; bodies with tables of touch know it (palpable inspect)",
+        fmt::format("--paint {}: {} is pressed at its sites here, of which the force alone is "
+                    "known; it is known where a body with tables of touch is pressed anywhere",
                     paint, body.string()));
   }
   if (knows_stress || !needed.components) return;

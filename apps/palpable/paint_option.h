@@ -17,9 +17,9 @@ void add_paint_option(Command command, std::string& paint);
 [[nodiscard]] const NamedPaint& paint_named(const std::string& name);
 
 /// @param knows_stress  of the body in this file (painted_stress.h)
-/// @param anywhere      whether it is touched anywhere, not at its sites
+/// @param knows_contact  whether it is pressed anywhere, not at its sites
 /// @throws Error where what is to be painted is not known of it
-void expect_paintable(const std::string& paint, bool knows_stress, bool anywhere,
+void expect_paintable(const std::string& paint, bool knows_stress, bool knows_contact,
                       const std::filesystem::path& body);
 
 }  // namespace palpable::app

@@ -4,7 +4,7 @@
 #include "palpable/campaign/crew.h"
 #include "palpable/campaign/fill_store.h"
 #include "palpable/describe/touch_mesh.h"
-#include "palpable/mesh/remesh.h"
+#include "palpable/geometry/mean_edge.h"
 #include "palpable/touch/touch_file.h"
 #include "tests/support/egg_body.h"
 #include "tests/support/scratch_folder.h"

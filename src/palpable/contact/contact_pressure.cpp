@@ -1,6 +1,7 @@
 #include "palpable/contact/contact_pressure.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/geometry/mean_edge.h"
 
 #include <Eigen/Geometry>
 
@@ -21,22 +22,10 @@ constexpr float kFaces = 0.2f;
 
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
-float usual_edge(const SurfaceMesh& skin) {
-  double sum = 0;
-  for (Eigen::Index t = 0; t < skin.triangles.cols(); ++t) {
-    for (int c = 0; c < 3; ++c) {
-      const int a = skin.triangles(c, t), b = skin.triangles((c + 1) % 3, t);
-      sum += (skin.vertices.col(a) - skin.vertices.col(b)).norm();
-    }
-  }
-  return static_cast<float>(sum / static_cast<double>(3 * skin.triangles.cols()));
-}
-
 }  // namespace
 
-ContactPressure::ContactPressure(const SurfaceMesh& skin) : triangles_(skin.triangles) {
-  PALPABLE_EXPECT(triangles_.cols() > 0, "a skin has triangles");
-  usual_edge_ = usual_edge(skin);
+ContactPressure::ContactPressure(const SurfaceMesh& skin)
+    : triangles_(skin.triangles), usual_edge_(static_cast<float>(mean_edge_length(skin))) {
   const auto V = index(skin.vertices.cols());
   near_.reserve(V);
   is_near_.resize(V);

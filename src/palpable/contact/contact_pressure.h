@@ -42,7 +42,7 @@ class ContactPressure {
   [[nodiscard]] float reach(float spacing) const;
 
   Eigen::Matrix3Xi triangles_;
-  float usual_edge_ = 0;        // m, h
+  float usual_edge_;            // m, h
   std::vector<int> near_;       // vertices that some point may reach
   std::vector<char> is_near_;   // (V)
   std::vector<float> areas_;    // (V) m^2, of those

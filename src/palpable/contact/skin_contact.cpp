@@ -37,7 +37,9 @@ NearQuery near_to(const ObjectSurface& seen) {
 
 SkinContact::SkinContact(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
                          const TouchTables& tables, const TouchSettings& settings)
-    : solver_(skin, fixed, tables, settings), patches_(4 * TouchSolver::kMostPoints) {
+    : solver_(skin, fixed, tables, settings),
+      patches_(4 * TouchSolver::kMostPoints),
+      pressure_(skin) {
   moved_.reserve(2 * TouchSolver::kMostPoints);
 }
 

@@ -10,6 +10,7 @@
 ///   F  vertices of the skin
 #pragma once
 
+#include "palpable/contact/contact_pressure.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/touch.h"
 #include "palpable/contact/touch_patches.h"
@@ -52,8 +53,12 @@ class SkinContact {
   void find_touches(const TouchState& state, const ObjectSurface& seen,
                     std::span<const PressedPoint> others, std::vector<Touch>& touches);
 
-  /// The pressed points of the frame answered last.
-  [[nodiscard]] const TouchPatches& pressed() const { return patches_; }
+  /// How hard things press the skin in the frame answered last (contact_pressure.h).
+  /// @param vertices, normals  (3 x F) of its state  @param pressure  (F) Pa, overwritten
+  void find_pressure(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xf& normals,
+                     std::vector<float>& pressure) {
+    pressure_.spread(patches_, vertices, normals, pressure);
+  }
 
   /// Which answers; to be asked for the load of a state and told its exact answer.
   [[nodiscard]] TouchSolver& solver() { return solver_; }
@@ -73,6 +78,7 @@ class SkinContact {
   TouchSolver solver_;
   std::vector<Eigen::Vector3f> moved_;  // of the pressed points
   TouchPatches patches_;
+  ContactPressure pressure_;
 };
 
 }  // namespace palpable

@@ -1,7 +1,7 @@
 #include "palpable/describe/touch_mesh.h"
 
 #include "palpable/base/error.h"
-#include "palpable/mesh/remesh.h"
+#include "palpable/geometry/mean_edge.h"
 
 #include <fmt/format.h>
 

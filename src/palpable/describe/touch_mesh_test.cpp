@@ -1,6 +1,6 @@
 #include "palpable/describe/touch_mesh.h"
 
-#include "palpable/mesh/remesh.h"
+#include "palpable/geometry/mean_edge.h"
 #include "tests/support/test.h"
 
 namespace palpable {

@@ -252,15 +252,4 @@ SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size, const std::str
   return from_cgal(wrapped);
 }
 
-double mean_edge_length(const SurfaceMesh& surface) {
-  PALPABLE_EXPECT(surface.triangle_count() > 0, "a surface has triangles");
-  double sum = 0.0;  // each edge of a closed surface is met twice
-  for (const auto& t : surface.triangles.colwise()) {
-    for (int k = 0; k < 3; ++k) {
-      sum += (surface.vertices.col(t[k]) - surface.vertices.col(t[(k + 1) % 3])).norm();
-    }
-  }
-  return sum / (3.0 * surface.triangle_count());
-}
-
 }  // namespace palpable

@@ -36,7 +36,4 @@ void require_solid_surface(const SurfaceMesh& surface, const std::string& name);
 [[nodiscard]] SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size,
                                        const std::string& name);
 
-/// Mean length of the edges, m. @throws ContractViolation for a surface without triangles
-[[nodiscard]] double mean_edge_length(const SurfaceMesh& surface);
-
 }  // namespace palpable

@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/geometry/mean_edge.h"
 #include "palpable/geometry/shells.h"
 #include "palpable/mesh/mesh_limits.h"
 #include "palpable/mesh/remesh.h"

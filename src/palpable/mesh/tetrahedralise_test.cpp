@@ -1,6 +1,7 @@
 #include "palpable/mesh/tetrahedralise.h"
 
 #include "palpable/base/error.h"
+#include "palpable/geometry/mean_edge.h"
 #include "palpable/geometry/mesh_file.h"
 #include "palpable/mesh/remesh.h"
 #include "tests/support/meshes.h"

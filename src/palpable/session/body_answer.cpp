@@ -38,7 +38,6 @@ BodyAnswer::BodyAnswer(TouchableBody body, const AnswerSettings& settings)
   if (contact_ == ContactKind::kAnywhere && tables_) {
     anywhere_.emplace(body_.surface, body_.fixed, *tables_, settings.touch);
     anywhere_->stress(touched_, at_rest_, cauchy_at_rest_);
-    pressure_.emplace(body_.surface);
   } else if (contact_ == ContactKind::kSite) {
     law_.emplace(body_, settings.press);
   } else if (contact_ == ContactKind::kPaper) {
@@ -124,12 +123,13 @@ void BodyAnswer::reconstruct(const std::vector<Touch>& touches, const SceneExtra
                              SceneBody& shown) {
   shown.stated_error = stated_;
   shown.cauchy.resize(extras.components ? cauchy_at_rest_.size() : 0);
-  shown.contact_pressure.assign(extras.contact_pressure && pressure_ ? at_rest_.size() : 0, 0.0f);
+  shown.contact_pressure.clear();
   if (touches.empty() && !is_moved_) {
     shown.vertices = rest_;
     shown.normals = rest_normals_;
     shown.von_mises = at_rest_;
     if (extras.components) shown.cauchy = cauchy_at_rest_;
+    if (extras.contact_pressure && anywhere_) shown.contact_pressure.resize(at_rest_.size(), 0.0f);
     return;
   }
   shown.vertices.resize(3, rest_.cols());
@@ -140,8 +140,7 @@ void BodyAnswer::reconstruct(const std::vector<Touch>& touches, const SceneExtra
     vertex_normals(shown.vertices, body_.surface.triangles, shown.normals);
     anywhere_->stress(touched_, shown.von_mises, shown.cauchy);
     if (extras.contact_pressure) {
-      pressure_->spread(anywhere_->pressed(), shown.vertices, shown.normals,
-                        shown.contact_pressure);
+      anywhere_->find_pressure(shown.vertices, shown.normals, shown.contact_pressure);
     }
   } else {
     const Touch& touch = touches.front();

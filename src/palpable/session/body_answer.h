@@ -5,7 +5,6 @@
 #pragma once
 
 #include "palpable/contact/cloud_distance.h"
-#include "palpable/contact/contact_pressure.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/paper_contact.h"
 #include "palpable/contact/press_law.h"
@@ -118,7 +117,6 @@ class BodyAnswer {
   Eigen::AlignedBox3d region_;
   ObjectSurface surface_;
   std::optional<SkinContact> anywhere_;
-  std::optional<ContactPressure> pressure_;  // where it is touched anywhere
   std::optional<Refiner> refiner_;
   TouchState touched_;
   bool is_moved_ = false;  // though nothing may touch it: it is on its way back

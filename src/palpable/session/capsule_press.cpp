@@ -47,9 +47,7 @@ bool CapsuleGaps::is_near(const Vector3f& place, float reach) const {
 }
 
 CapsulePress::CapsulePress(std::shared_ptr<const TouchableBody> body)
-    : body_(std::move(body)),
-      contact_(body_->body.surface, body_->body.fixed, *body_->touch),
-      pressure_(body_->body.surface) {}
+    : body_(std::move(body)), contact_(body_->body.surface, body_->body.fixed, *body_->touch) {}
 
 TouchReport CapsulePress::advance(std::span<const Capsule> capsules, SceneBody& shown,
                                   std::vector<Touch>& touches) {
@@ -70,7 +68,7 @@ TouchReport CapsulePress::advance(std::span<const Capsule> capsules, SceneBody& 
   contact_.stress(state_, shown.von_mises, shown.cauchy);
   shown.contact_pressure.clear();
   if (extras_.contact_pressure) {
-    pressure_.spread(contact_.pressed(), shown.vertices, shown.normals, shown.contact_pressure);
+    contact_.find_pressure(shown.vertices, shown.normals, shown.contact_pressure);
   }
   shown.stated_error = report.stated;
   return report;

@@ -3,7 +3,6 @@
 /// has.
 #pragma once
 
-#include "palpable/contact/contact_pressure.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/skin_contact.h"
 #include "palpable/contact/touch.h"
@@ -59,7 +58,6 @@ class CapsulePress {
   TouchState state_;
   CapsuleGaps gaps_;
   ObjectSurface nothing_;  // no camera sees anything
-  ContactPressure pressure_;
   SceneExtras extras_;
 };
 

@@ -63,11 +63,12 @@ void ModalBodies::reconstruct(int member, const SceneExtras& extras, SceneBody& 
   shown.stated_error.reset();
   shown.vertices = skins_[k];
   shown.cauchy.resize(extras.components ? rest_cauchy_[k].size() : 0);
-  shown.contact_pressure.assign(extras.contact_pressure ? rest_stress_[k].size() : 0, 0.0f);
+  shown.contact_pressure.clear();
   if (states_[k].q.isZero(0)) {  // what stands about costs a copy
     shown.normals = rest_normals_[k];
     shown.von_mises = rest_stress_[k];
     if (extras.components) shown.cauchy = rest_cauchy_[k];
+    if (extras.contact_pressure) shown.contact_pressure.resize(rest_stress_[k].size(), 0.0f);
     return;
   }
   shown.normals.resize(3, skins_[k].cols());

@@ -1,6 +1,7 @@
 #include "palpable/solid/contact.h"
 
 #include "palpable/base/error.h"
+#include "palpable/geometry/mean_edge.h"
 #include "palpable/geometry/surface_distance.h"
 #include "palpable/solid/conjugate_gradients.h"
 #include "palpable/solid/contact_pairs.h"
@@ -35,18 +36,6 @@ constexpr double kFinerGrid = 0.25;
 constexpr double kMostPoints = 2e6;  // of contact: some 1 GB
 // MutualPairs::Look::shift: below, what the bodies do to each other lies where their skins are.
 constexpr double kSettled = 1e-4;
-
-double mean_edge(const SurfaceMesh& skin) {
-  double sum = 0.0;
-  for (int t = 0; t < skin.triangle_count(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      sum += (skin.vertices.col(skin.triangles(k, t)) -
-              skin.vertices.col(skin.triangles((k + 1) % 3, t)))
-                 .norm();
-    }
-  }
-  return sum / (3.0 * skin.triangle_count());
-}
 
 double chosen_spacing(const ContactSettings& settings, double edge, const Obstacle& obstacle) {
   if (settings.spacing > 0.0) return settings.spacing;
@@ -168,7 +157,7 @@ struct ContactWalk::Work {
         preloaded(the_preload),
         motion(std::move(the_motion)),
         boundary(boundary_of(core.model.mesh)),
-        edge(mean_edge(boundary.surface)),
+        edge(mean_edge_length(boundary.surface)),
         size((core.model.mesh.nodes.rowwise().maxCoeff() -
               core.model.mesh.nodes.rowwise().minCoeff())
                  .norm()),

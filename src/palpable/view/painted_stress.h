@@ -33,6 +33,8 @@ inline constexpr const char* kNoContactKnown = "no contact known";
 [[nodiscard]] bool knows_stress(const ReducedBody& body);
 /// The same of a session's body: tables of touch always know it.
 [[nodiscard]] bool knows_stress(const Session& session, int number);
+/// Whether it is known how hard things press a session's body at each vertex: not at its sites.
+[[nodiscard]] bool knows_contact(const Session& session, int number);
 
 /// p = -(xx + yy + zz) / 3, or the component alone.
 /// @param field   one that needs_components()

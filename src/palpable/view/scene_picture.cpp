@@ -38,18 +38,21 @@ std::optional<StatedError> worst_stated_error(const Scene& scene) {
   return worst;
 }
 
-bool any_knows_stress(const Session& session) {
+// Whether something holds for one of a session's bodies, by their numbers.
+template <class Holds>
+bool for_any_body(const Session& session, const Holds& holds) {
   for (int k = 0; k < session.body_count(); ++k) {
-    if (knows_stress(session, k)) return true;
+    if (holds(k)) return true;
   }
   return false;
 }
 
-bool any_is_touched_anywhere(const Session& session) {
-  for (int k = 0; k < session.body_count(); ++k) {
-    if (session.contact(k) == ContactKind::kAnywhere) return true;
-  }
-  return false;
+bool any_knows_stress(const Session& session) {
+  return for_any_body(session, [&](int k) { return knows_stress(session, k); });
+}
+
+bool any_knows_contact(const Session& session) {
+  return for_any_body(session, [&](int k) { return knows_contact(session, k); });
 }
 
 bool stands_on_first_ground(const Session& session, int number) {
@@ -192,7 +195,7 @@ void SceneViews::show_legend(const Scene& scene, const Session& session, const S
       view_.stated_error_of = kErrorOfStress;
       break;
     case Field::kContact:
-      view_.legend_title = any_is_touched_anywhere(session) ? kContactPressure : kNoContactKnown;
+      view_.legend_title = any_knows_contact(session) ? kContactPressure : kNoContactKnown;
       view_.stated_error = 0;  // that of the stress says nothing of it
       break;
     case Field::kDisplacement:
