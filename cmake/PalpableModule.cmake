@@ -3,6 +3,38 @@
 set(PALPABLE_MODULES_OF_LIBRARY base geometry material reduced touch calibrate sources stereo depth track map slam
                                 contact session capi)
 
+# A module as one file: headers, of which half of a compilation consists, are read once for all of its files. On for
+# whoever builds to use (preset release), off for whoever develops (preset dev): there, a change compiles one file.
+# Names in anonymous namespaces must differ within a module (tools/check_names.py).
+option(PALPABLE_UNITY "Compile each module as one file" OFF)
+
+# By PALPABLE_UNITY, the target's files as one. Files with options of their own stay single (CMake sees to those), and
+# those that Highway includes once for each instruction set.
+function(palpable_unity target)
+  if(NOT PALPABLE_UNITY)
+    return()
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "^/.*\\.cpp$")
+  palpable_files_with("foreach_target\\.h" "${sources}" kernels)
+  set_source_files_properties(${kernels} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  # To GCC, what the one file includes is a header, whose types should have no members of anonymous namespaces.
+  target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+endfunction()
+
+# Those of `files` that hold a line like `regex`.
+function(palpable_files_with regex files result)
+  set(found)
+  foreach(file IN LISTS files)
+    file(STRINGS ${file} lines REGEX "${regex}")
+    if(lines)
+      list(APPEND found ${file})
+    endif()
+  endforeach()
+  set(${result} ${found} PARENT_SCOPE)
+endfunction()
+
 # palpable_module(NAME reduced USES base geometry LIBRARIES Eigen3::Eigen)
 #
 # One module = one folder = one static library palpable::<name> + one test program of its
@@ -24,6 +56,7 @@ function(palpable_module)
     else()
       palpable_precompile(palpable_${arg_NAME} library)
     endif()
+    palpable_unity(palpable_${arg_NAME})
     set(scope PUBLIC)
   else()
     add_library(palpable_${arg_NAME} INTERFACE)
@@ -41,18 +74,6 @@ function(palpable_module)
   endif()
 endfunction()
 
-# The lists of sources that have a test case of this tag.
-function(palpable_files_tagged tag files result)
-  set(found)
-  foreach(file IN LISTS files)
-    file(STRINGS ${file} cases REGEX "\\[${tag}\\]")
-    if(cases)
-      list(APPEND found ${file})
-    endif()
-  endforeach()
-  set(${result} ${found} PARENT_SCOPE)
-endfunction()
-
 # palpable_tests(NAME solid SOURCES ... LIBRARIES ...)
 #
 # Each TEST_CASE becomes a ctest "<name>/<sentence>" with the label unit.<name> or long.<name>. What
@@ -68,7 +89,7 @@ function(palpable_tests)
   list(FILTER others EXCLUDE REGEX "_test\\.cpp$")
   list(FILTER arg_SOURCES INCLUDE REGEX "_test\\.cpp$")
   if(PALPABLE_TESTS_TAGGED)
-    palpable_files_tagged(${PALPABLE_TESTS_TAGGED} "${arg_SOURCES}" arg_SOURCES)
+    palpable_files_with("\\[${PALPABLE_TESTS_TAGGED}\\]" "${arg_SOURCES}" arg_SOURCES)
   endif()
   if(NOT arg_SOURCES)
     return()

@@ -86,6 +86,15 @@ int success_if_printed() {
 
 }  // namespace
 
+BenchCall::BenchCall(int count, char** words) : name("palpable bench"), argc(count), argv(words) {
+  if (count > 1 && std::string_view(words[1]) == "bench") {
+    --argc;
+    ++argv;
+  } else if (count > 0) {
+    name = std::filesystem::path(words[0]).filename().string();
+  }
+}
+
 void print_error(std::string_view message) {
   std::string line;
   for (const char c : message) {

@@ -118,6 +118,15 @@ class CommandLine : public Command {
   std::unique_ptr<CLI::App> owned_;
 };
 
+/// The arguments of a program of benches, which is started as `palpable bench NAME ...` by
+/// `palpable` or by itself, as `palpable-bench NAME ...`: its --help says what can be typed again.
+struct BenchCall {
+  BenchCall(int argc, char** argv);
+  std::string name;  ///< "palpable bench", or that of the program
+  int argc;          ///< without the word bench
+  char** argv;
+};
+
 /// Prints "palpable: <message>" on stderr, line breaks replaced by "; ".
 void print_error(std::string_view message);
 

@@ -34,7 +34,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct BakeOptions {
   std::string description;
   std::string output;
   std::string store;
@@ -45,6 +45,7 @@ struct Options {
   int threads = 0;
   bool held_out = false;
   bool no_touch = false;
+  std::string until;
   FileOptions file;
 };
 
@@ -64,19 +65,20 @@ void read_shard(const std::string& text, FillSettings& settings) {
   settings.shards = static_cast<int>(*count);
 }
 
-std::filesystem::path store_of(const Options& options) {
+std::filesystem::path store_of(const BakeOptions& options) {
   if (!options.store.empty()) return options.store;
   return std::filesystem::path(options.output).replace_extension(".snapshots");
 }
 
 // No campaign: the PGD solves.
-void bake_without_campaign(const Options& options, const BodyDescription& description,
+void bake_without_campaign(const BakeOptions& options, const BodyDescription& description,
                            const std::string& command_line) {
   for (const auto& [option, given] : {std::pair{"--snapshots", !options.store.empty()},
                                       {"--shard", !options.shard.empty()},
                                       {"--held-out", options.held_out},
                                       {"--at", !options.at.empty()},
                                       {"--volume", options.file.volume},
+                                      {"--until", !options.until.empty()},
                                       {"--solver", options.solver != "own"}}) {
     if (given)
       throw Error(
@@ -146,8 +148,20 @@ void print_parameters(const StoreContent& content, const ReducedBody& body,
   }
 }
 
+// The description as far as --until wants it baked. What is made is kept with the snapshots, so
+// that the whole bake goes on from there.
+void shorten(const std::string& until, BodyDescription& description) {
+  if (until.empty()) return;
+  using Tables = BodyDescription::Touch::Tables;
+  if (description.touch.tables == Tables::kNone) {
+    throw Error("--until linear: this body has no tables of touch, so it is done without");
+  }
+  description.touch.tables = Tables::kLinear;
+  description.touch.held_out = 0;
+}
+
 // Reduces a campaign that is complete, checks and writes the body.
-BakedBody reduce_and_write(const Options& options, const ReduceSettings& reduction,
+BakedBody reduce_and_write(const BakeOptions& options, const ReduceSettings& reduction,
                            const BodyDescription& description, const FillSettings& settings,
                            const SnapshotStore& store, const Progress& progress) {
   BakedBody baked = reduce_store(store, reduction, progress);
@@ -162,7 +176,7 @@ BakedBody reduce_and_write(const Options& options, const ReduceSettings& reducti
 
 // Makes the tables that the description wants and writes the body file anew after each stage.
 // Returns what they can do, or why there are none.
-std::string add_touch(const Options& options, const BodyDescription& description,
+std::string add_touch(const BakeOptions& options, const BodyDescription& description,
                       const FilledStore& filled, int threads, ReducedBody& body,
                       const Progress& progress) {
   std::string text = touch_text(std::nullopt);
@@ -177,12 +191,13 @@ std::string add_touch(const Options& options, const BodyDescription& description
   return why.empty() ? text : text + ": " + why;
 }
 
-void bake(const Options& options, const std::string& command_line, Crew& crew) {
+void bake(const BakeOptions& options, const std::string& command_line, Crew& crew) {
   const auto begin = std::chrono::steady_clock::now();
   BodyDescription description = read_description(options.description);
   if (options.no_touch) {
     description.touch = {.tables = BodyDescription::Touch::Tables::kNone, .by_default = false};
   }
+  shorten(options.until, description);
   const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
   guard_output_file(options.output, inputs);
   const bool has_campaign = options.method != "intrusive-pgd";
@@ -225,13 +240,16 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
   print_body_report(baked, options.output, taken.count());
   fmt::print("touch: {}\n", touch);
   print_campaign(filled);
+  if (!options.until.empty()) {
+    fmt::print("stopped after the linear tables: the same command without --until goes on\n");
+  }
   print_parameters(filled.store.content(), baked.body, folder, options.output);
 }
 
 }  // namespace
 
 void add_bake(Command app, const std::string& command_line, Crew& crew) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BakeOptions>();
   Command command =
       app.add_subcommand("bake", "Mesh, solve and reduce: a body file from a description");
   command.add_option("body", options->description, "What to bake (docs/body.md)")
@@ -265,6 +283,11 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
                    "Leave out the tables of touch, whatever the description says: the body is "
                    "touched at its sites, and done much sooner (the paper's bunny in a minute, "
                    "not twenty)");
+  command
+      .add_option("--until", options->until,
+                  "linear: stop as soon as the body can be touched anywhere with small loads; the "
+                  "same command without it goes on from there. Default: the whole body")
+      .one_of({"linear"});
   command.add_option("--solver", options->solver, "own: this project's; calculix: runs ccx")
       .one_of({"own", "calculix"})
       .show_default();

@@ -28,7 +28,6 @@ void add_truth(Command app);
 void add_refine(Command app);
 void add_export(Command app);
 void add_import_modes(Command app, const std::string& command_line);
-void add_bench(Command app);
 void add_reproduce(Command app);
 
 }  // namespace palpable::app

@@ -22,14 +22,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct CompareOptions {
   std::vector<std::string> inputs, at;
   std::string output = "compare.html";
   CompareSettings settings;
 };
 
 // Bodies first, as the chart lists them.
-void add_inputs(const Options& options, MethodPage& page) {
+void add_inputs(const CompareOptions& options, MethodPage& page) {
   CompareSettings settings = options.settings;
   settings.at = parse_values(options.at);
   std::vector<SnapshotStore> stores;
@@ -56,7 +56,7 @@ void add_inputs(const Options& options, MethodPage& page) {
                                    settings.tolerance));
 }
 
-void compare(const Options& options, const std::string& command_line) {
+void compare(const CompareOptions& options, const std::string& command_line) {
   const fs::path table = table_beside(options.output);
   const std::vector<fs::path> inputs(options.inputs.begin(), options.inputs.end());
   for (const fs::path& output : {fs::path(options.output), table}) {
@@ -81,7 +81,7 @@ void compare(const Options& options, const std::string& command_line) {
 }  // namespace
 
 void add_compare(Command app, const std::string& command_line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CompareOptions>();
   Command command = app.add_subcommand(
       "compare",
       "Put all methods of reduction, and body files, on one chart of errors: an HTML page");

@@ -24,18 +24,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ExportOptions {
   std::string input, to, output;
   int site = -1;  // all
   std::vector<std::string> set;
 };
 
 // All sites unless one is named.
-std::optional<int> one_site(const Options& options) {
+std::optional<int> one_site(const ExportOptions& options) {
   return options.site < 0 ? std::nullopt : std::optional(options.site);
 }
 
-void export_body(const Options& options) {
+void export_body(const ExportOptions& options) {
   if (options.to == "numpy" || options.to == "pxdmf") {  // all parameters, nothing settled
     const ForeignModes modes = modes_of_body(value_or_throw(read_body_file(options.input)));
     options.to == "numpy" ? write_numpy_modes(options.output, modes)
@@ -48,7 +48,7 @@ void export_body(const Options& options) {
                       : write_xdmf_series(options.output, body, one_site(options));
 }
 
-void export_snapshots(const Options& options) {
+void export_snapshots(const ExportOptions& options) {
   const SnapshotStore store = SnapshotStore::open(options.input);
   if (options.to == "pxdmf") {
     throw Error(
@@ -66,7 +66,7 @@ void export_snapshots(const Options& options) {
   if (written == 0) throw Error(fmt::format("--site {}: there is no such site", options.site));
 }
 
-void run(const Options& options) {
+void export_as_asked(const ExportOptions& options) {
   if (options.to == "vtu" || options.to == "numpy") {
     guard_output_folder(options.output, {options.input});
   } else {  // the arrays go to a file beside it
@@ -80,7 +80,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_export(Command app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExportOptions>();
   Command command =
       app.add_subcommand("export", "Write a body or its snapshots for other programs");
   command.add_option("input", options->input, "A body file, or a folder of snapshots")
@@ -100,7 +100,7 @@ void add_export(Command app) {
   command.footer(
       "docs/exchange.md describes the files.\n"
       "Example: palpable export bunny.palpable --to vtu --site 4 -o bunny_site_4");
-  command.callback([options] { run(*options); });
+  command.callback([options] { export_as_asked(*options); });
 }
 
 }  // namespace palpable::app

@@ -15,12 +15,12 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct ImportModesOptions {
   std::string input, output;
   ImportSettings settings;
 };
 
-void import(Options options, const std::string& command_line) {
+void import_modes(ImportModesOptions options, const std::string& command_line) {
   guard_output_file(options.output, {options.input});
   const bool folder = std::filesystem::is_directory(options.input);
   const ForeignModes modes = folder ? read_numpy_modes(options.input) : read_pxdmf(options.input);
@@ -43,7 +43,7 @@ void import(Options options, const std::string& command_line) {
 }  // namespace
 
 void add_import_modes(Command app, const std::string& command_line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ImportModesOptions>();
   Command command = app.add_subcommand(
       "import-modes", "Make a body file from another program's separated representation");
   command.add_option("input", options->input, "A .pxdmf file, or a folder of NumPy arrays")
@@ -61,7 +61,7 @@ void add_import_modes(Command app, const std::string& command_line) {
   command.footer(
       "docs/exchange.md says what is read, and how what a file does not say is found.\n"
       "Example: palpable import-modes theirs.pxdmf --level force -o theirs.palpable");
-  command.callback([options, command_line] { import(*options, command_line); });
+  command.callback([options, command_line] { import_modes(*options, command_line); });
 }
 
 }  // namespace palpable::app

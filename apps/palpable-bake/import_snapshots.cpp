@@ -15,13 +15,13 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct ImportSnapshotsOptions {
   std::string folder;
   std::string manifest;
   std::string output;
 };
 
-void import(const Options& options) {
+void take_over_snapshots(const ImportSnapshotsOptions& options) {
   guard_output_folder(options.output, {options.folder, options.manifest});
   const ImportManifest manifest = read_import_manifest(options.manifest);
   ProgressBar bar;
@@ -39,7 +39,7 @@ void import(const Options& options) {
 }  // namespace
 
 void add_import_snapshots(Command app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ImportSnapshotsOptions>();
   Command command = app.add_subcommand(
       "import-snapshots", "Take over what another solver has computed (docs/snapshots.md)");
   command.add_option("folder", options->folder, "Folder with the files of the other solver")
@@ -55,7 +55,7 @@ void add_import_snapshots(Command app) {
       .required()
       .type_name("FOLDER");
   command.footer("Example: palpable import-snapshots runs --manifest runs.toml -o bunny.snapshots");
-  command.callback([options] { import(*options); });
+  command.callback([options] { take_over_snapshots(*options); });
 }
 
 }  // namespace palpable::app

@@ -2,28 +2,16 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
+#include "apps/palpable-bake/processor_kernels.h"
 #include "palpable/campaign/crew.h"
 #include "palpable/ranks/mpi_crew.h"
-#include "palpable/separate/blas_kernels.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <unistd.h>
 
 namespace palpable::app {
 namespace {
-
-// Starts this program again where OpenBLAS took kernels that are too old; a choice that the user
-// has made stays.
-void use_kernels_of_this_processor(char** argv) {
-  if (std::getenv("OPENBLAS_CORETYPE") != nullptr) return;
-  const char* kernels = better_blas_kernels();
-  if (kernels == nullptr) return;
-  ::setenv("OPENBLAS_CORETYPE", kernels, 1);
-  ::execv("/proc/self/exe", argv);  // does not return, unless it cannot: then it is only slow
-}
 
 int run(int argc, char** argv) {
   std::optional<MpiCrew> ranks;
@@ -61,7 +49,6 @@ int run(int argc, char** argv) {
   add_export(app);
   add_import_modes(app, command_line);
   add_reproduce(app);
-  add_bench(app);
   const int code = app.run(argc, argv);
   if (ranks) ranks->end(code != 0);
   return code;

@@ -15,12 +15,12 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct MergeOptions {
   std::vector<std::string> parts;
   std::string output;
 };
 
-void merge(const Options& options) {
+void merge(const MergeOptions& options) {
   guard_output_folder(options.output, {});  // it may be one of the parts
   ProgressBar bar;
   const auto [merged, aside] =
@@ -35,7 +35,7 @@ void merge(const Options& options) {
 }  // namespace
 
 void add_merge(Command app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MergeOptions>();
   Command command =
       app.add_subcommand("merge", "Collect snapshots of one campaign that were solved apart");
   command.add_option("parts", options->parts, "Folders that palpable bake --shard filled")

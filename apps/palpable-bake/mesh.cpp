@@ -25,7 +25,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct MeshCommandOptions {
   std::string surface;
   std::string output;
   std::optional<double> edge, height;
@@ -34,7 +34,7 @@ struct Options {
 };
 
 // Said first; a forgotten unit costs minutes and gigabytes.
-void print_size(const Options& options, const SurfaceMesh& surface, double unit) {
+void print_mesh_size(const MeshCommandOptions& options, const SurfaceMesh& surface, double unit) {
   const Eigen::Vector3d size =
       surface.vertices.rowwise().maxCoeff() - surface.vertices.rowwise().minCoeff();
   fmt::print("{}: {}\n", options.surface, size_text(size));
@@ -47,7 +47,7 @@ void print_size(const Options& options, const SurfaceMesh& surface, double unit)
 }
 
 // As the file has it, unless a wish about unit or placing moves it.
-SurfaceMesh placed_surface(const Options& options) {
+SurfaceMesh placed_surface(const MeshCommandOptions& options) {
   SurfaceMesh surface = value_or_throw(read_surface_file(options.surface));
   require_no_stray(surface.vertices, options.surface);
   require_solid_surface(surface, options.surface);
@@ -57,11 +57,11 @@ SurfaceMesh placed_surface(const Options& options) {
     const UpAxis up = options.up == "x" ? UpAxis::kX : options.up == "y" ? UpAxis::kY : UpAxis::kZ;
     place_in_body_frame(surface.vertices, up, options.height);
   }
-  print_size(options, surface, unit);
+  print_mesh_size(options, surface, unit);
   return surface;
 }
 
-void mesh(const Options& options) {
+void mesh(const MeshCommandOptions& options) {
   guard_output_file(options.output, {options.surface});
   if (options.height && !options.unit.empty()) {
     throw Error(
@@ -94,7 +94,7 @@ void mesh(const Options& options) {
 }  // namespace
 
 void add_mesh(Command app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MeshCommandOptions>();
   Command command = app.add_subcommand("mesh", "Fill a watertight surface with tetrahedra");
   command.add_option("surface", options->surface, "Surface: .stl .ply .obj .3ds .off")
       .required()

@@ -25,7 +25,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct ReduceOptions {
   std::string store;
   std::string output;
   std::string method, norm;
@@ -38,7 +38,7 @@ struct Options {
 };
 
 // The words of the user, as a method of the whole table or as sparse PGD.
-void set_method(const Options& options, ReduceSettings& settings) {
+void set_method(const ReduceOptions& options, ReduceSettings& settings) {
   const bool sparse = options.method == kSparsePgdName;
   if (!sparse && (options.part || options.seed > 0)) {
     throw Error(fmt::format("{}: only --method {} learns from a part of the snapshots",
@@ -59,7 +59,7 @@ void set_method(const Options& options, ReduceSettings& settings) {
   if (!options.method.empty()) settings.method = method_named(options.method);
 }
 
-void reduce(const Options& options, const std::string& command_line) {
+void reduce(const ReduceOptions& options, const std::string& command_line) {
   guard_output_file(options.output, {options.store});
   const auto begin = std::chrono::steady_clock::now();
   ReduceSettings settings{.at = parse_values(options.at),
@@ -90,7 +90,7 @@ void reduce(const Options& options, const std::string& command_line) {
 }  // namespace
 
 void add_reduce(Command app, const std::string& command_line) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReduceOptions>();
   std::vector<std::string> methods = method_names();
   methods.emplace_back(kSparsePgdName);
   Command command = app.add_subcommand("reduce", "Make a body file from snapshots");

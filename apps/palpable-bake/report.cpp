@@ -23,11 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ReportOptions {
   std::string body, output;
 };
 
-void report(const Options& options) {
+void report(const ReportOptions& options) {
   const fs::path page = options.output.empty()
                             ? fs::path(options.body).filename().replace_extension(".html")
                             : fs::path(options.output);
@@ -60,7 +60,7 @@ void report(const Options& options) {
 }  // namespace
 
 void add_report(Command app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReportOptions>();
   Command command = app.add_subcommand(
       "report",
       "Write errors, costs and modes of a body file as one HTML page, and a CSV file beside it");

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ReproduceOptions {
   std::string what;
   fs::path out;
   bool touch = false;
@@ -76,7 +76,7 @@ Json result_of(const std::string& what, const std::vector<PaperFigure>& figures,
   return result;
 }
 
-void reproduce(const Options& options) {
+void reproduce(const ReproduceOptions& options) {
   expect_gnuplot();
   const fs::path root = project_root();
   make_folder(options.out);
@@ -117,7 +117,7 @@ void reproduce(const Options& options) {
 }  // namespace
 
 void add_reproduce(Command app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReproduceOptions>();
   Command command = app.add_subcommand(
       "reproduce", "The paper's examples and figures beside its own numbers, as a page");
   command.add_option("what", options->what, "Which of the paper's examples")

@@ -25,7 +25,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct SolveOptions {
   std::string description;
   std::string output;
   int site = 0;
@@ -45,7 +45,7 @@ std::vector<double> levels_to(double level, int count) {
   return levels;
 }
 
-BodyProblem posed(const Options& options, BodyDescription& description) {
+BodyProblem posed(const SolveOptions& options, BodyDescription& description) {
   if (options.order > 0) {
     description.shape.order = options.order;
     description.shape.order_place = "--order";
@@ -75,7 +75,7 @@ void print_problem(const BodyDescription& description, const BodyProblem& proble
 }
 
 // N; the description's force, or what presses as deep as it asks.
-double find_full_load(const Options& options, const BodyProblem& problem,
+double find_full_load(const SolveOptions& options, const BodyProblem& problem,
                       const PressSolver& presses, const Eigen::Matrix3Xd& unit) {
   if (problem.force > 0.0) {
     fmt::print("level 1 is {:.4g} N\n\n", problem.force);
@@ -92,7 +92,7 @@ double find_full_load(const Options& options, const BodyProblem& problem,
 }
 
 // @throws Error when not even the first level was reached
-void print_path(const Options& options, const BodyProblem& problem, const PathResult& path,
+void print_path(const SolveOptions& options, const BodyProblem& problem, const PathResult& path,
                 const Eigen::Matrix3Xd& unit, const PressSolver& presses) {
   fmt::print("{}\n", path_table(path, unit, presses.rest()));
   if (path.steps.empty()) {
@@ -103,7 +103,7 @@ void print_path(const Options& options, const BodyProblem& problem, const PathRe
 }
 
 // The body under what acts before anybody presses it.
-PressSolver preloaded(const Options& options, const EquilibriumSolver& solver,
+PressSolver preloaded(const SolveOptions& options, const EquilibriumSolver& solver,
                       const BodyProblem& problem) {
   try {
     return PressSolver(solver, problem.preload);
@@ -113,7 +113,7 @@ PressSolver preloaded(const Options& options, const EquilibriumSolver& solver,
 }
 
 // What a solve reads. Obstacles that are forms are no files, and destroyed by nothing.
-std::vector<std::filesystem::path> inputs_of(const Options& options,
+std::vector<std::filesystem::path> inputs_of(const SolveOptions& options,
                                              const BodyDescription& description) {
   std::vector<std::filesystem::path> inputs{options.description, description.shape.file,
                                             options.obstacle.pose_file};
@@ -121,7 +121,7 @@ std::vector<std::filesystem::path> inputs_of(const Options& options,
   return inputs;
 }
 
-void solve(const Options& options) {
+void solve(const SolveOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   BodyDescription description = read_description(options.description);
   guard_output_file(options.output, inputs_of(options, description));
@@ -160,7 +160,7 @@ void solve(const Options& options) {
 }  // namespace
 
 void add_solve(Command app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SolveOptions>();
   Command command =
       app.add_subcommand("solve", "Press a body at one site and write it for ParaView");
   command.add_option("body", options->description, "What to press (docs/body.md)")

@@ -22,7 +22,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct TruthOptions {
   std::string clip;
   std::string body;
   std::string scene;
@@ -42,7 +42,7 @@ void print_frame(const TrueFrame& frame) {
              line.scored ? "" : "  not scored: ", line.why);
 }
 
-void find_truth_of_scene(const Options& options) {
+void find_truth_of_scene(const TruthOptions& options) {
   if (!options.body.empty() || !options.settings.baked.empty()) {
     throw Error("--scene says which bodies there are: leave out --body and --baked");
   }
@@ -84,7 +84,7 @@ void find_truth_of_scene(const Options& options) {
              duration_text(taken.count()));
 }
 
-void find_truth(const Options& options) {
+void find_truth(const TruthOptions& options) {
   if (!options.scene.empty()) {
     find_truth_of_scene(options);
     return;
@@ -109,7 +109,7 @@ void find_truth(const Options& options) {
 }  // namespace
 
 void add_truth(Command app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TruthOptions>();
   options->settings.threads =
       static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 16U));
   Command command = app.add_subcommand(

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct CalibrateOptions {
   SourceOptions source;
   BoardOptions board;
   int views = 20;
@@ -44,7 +44,7 @@ std::function<void(const BoardSearchStep&)> shown_by(ProgressBar& bar) {
   };
 }
 
-void check(const Options& options, const BoardOrder& order) {
+void check(const CalibrateOptions& options, const BoardOrder& order) {
   ProgressBar bar;
   const CheckedCalibration checked =
       check_calibration(order, options.check, linux_video(), shown_by(bar));
@@ -64,7 +64,7 @@ void check(const Options& options, const BoardOrder& order) {
   }
 }
 
-void calibrate(const Options& options) {
+void calibrate(const CalibrateOptions& options) {
   const BoardOrder order{request_of(options.source), pattern_of(options.board), options.views,
                          options.limits};
   if (!options.check.empty()) {
@@ -91,7 +91,7 @@ void calibrate(const Options& options) {
 }  // namespace
 
 void add_calibrate(Command app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CalibrateOptions>();
   Command command = app.add_subcommand(
       "calibrate",
       "Make a calibration file from pictures of a chessboard, or with a live stereo camera");

@@ -16,7 +16,6 @@ void add_inspect(Command app);
 void add_press(Command app);
 void add_synth(Command app);
 void add_score(Command app);
-void add_bench(Command app);
 void add_cameras(Command app);
 void add_calibrate(Command app);
 

@@ -16,7 +16,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct InspectOptions {
   std::filesystem::path body;
   bool json = false;
 };
@@ -33,7 +33,7 @@ void print_text(const ReducedBody& body, const std::string& touch,
   for (const auto& [key, value] : body.provenance) fmt::print("  {:<18}{}\n", key, value);
 }
 
-void inspect(const Options& options) {
+void inspect(const InspectOptions& options) {
   const auto [body, touch, modal] = value_or_throw(read_body_and_touch(options.body));
   if (options.json) {
     Json result = json_of(body);
@@ -51,7 +51,7 @@ void inspect(const Options& options) {
 }  // namespace
 
 void add_inspect(Command app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InspectOptions>();
   Command command = app.add_subcommand("inspect", "Show what is in a body file");
   command.add_option("body", options->body, "Body file").required();
   command.add_flag("--json", options->json, "One JSON object on stdout");

@@ -2,7 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable/bake_program.h"
+#include "apps/palpable/sibling_program.h"
 #include "palpable/base/error.h"
 #include "palpable/base/text_numbers.h"
 #include "palpable/clip_files/place.h"
@@ -103,7 +103,7 @@ std::optional<RefinerSettings> refinement(const LiveOptions& options, bool has_t
     throw Error("--refine knows the body in its own size: leave out --scale");
   }
   RefinerSettings settings;
-  settings.program = bake_program();
+  settings.program = sibling_program(kBakeProgram);
   settings.description = options.refine;
   settings.latency = options.refine_latency;
   return settings;

@@ -1,9 +1,10 @@
 // palpable: one command for the user. What bakes lives in a second program, palpable-bake, which
-// is started from here, so that nothing of a mesher or a sparse factor is linked into this one.
+// is started from here, so that nothing of a mesher or a sparse factor is linked into this one. The
+// benches are programs of their own, too: who only uses palpable need not compile them.
 
 #include "apps/common/command_line.h"
-#include "apps/palpable/bake_program.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/sibling_program.h"
 #include "palpable/base/error.h"
 
 #include <fmt/core.h>
@@ -41,20 +42,30 @@ constexpr std::array kBakeCommands{
     BakeCommand{"reproduce", "The paper's examples and figures beside its own numbers, as a page"},
 };
 
-// Of `palpable bench`, those that palpable-bake has.
+// Of `palpable bench`, those of the offline half.
 constexpr std::array<std::string_view, 11> kBakeBenches{
     "bake",     "beam",     "bodies", "campaign", "clip", "elements",
     "friction", "obstacle", "reduce", "solid",    "touch"};
 
-/// Becomes palpable-bake with the same arguments; returns only when that cannot be.
-int become_bake(char** argv) {
+/// Becomes another of the project's programs with the same arguments; returns only when that cannot
+/// be.
+int become(const char* name, char** argv) {
   try {
-    const std::filesystem::path program = bake_program();
+    const std::filesystem::path program = sibling_program(name);
     ::execv(program.c_str(), argv);
-    print_error(fmt::format("'{}' needs the program {}: {}; build it, or copy it there", argv[1],
-                            program.string(), std::strerror(errno)));
+    print_error(
+        fmt::format("'{}' needs the program {}: {}; build it (cmake --build --preset release "
+                    "--target {}), or copy it there",
+                    argv[1], program.string(), std::strerror(errno), name));
   } catch (const Error& error) { print_error(error.what()); }
   return 1;
+}
+
+// Which program has the bench that is asked for; without one, that which lists them all.
+const char* program_of_bench(int argc, char** argv) {
+  const bool bakes = argc > 2 && std::find(kBakeBenches.begin(), kBakeBenches.end(), argv[2]) !=
+                                     kBakeBenches.end();
+  return bakes ? kBakeBenchProgram : kBenchProgram;
 }
 
 int run(int argc, char** argv) {
@@ -70,13 +81,11 @@ int run(int argc, char** argv) {
       "Example: palpable view bunny.palpable");
 
   for (const BakeCommand& command : kBakeCommands) {
-    if (argc > 1 && std::string(argv[1]) == command.name) return become_bake(argv);
+    if (argc > 1 && std::string(argv[1]) == command.name) return become(kBakeProgram, argv);
     app.add_subcommand(command.name, command.what);
   }
-  if (argc > 2 && std::string(argv[1]) == "bench" &&
-      std::find(kBakeBenches.begin(), kBakeBenches.end(), argv[2]) != kBakeBenches.end()) {
-    return become_bake(argv);
-  }
+  if (argc > 1 && std::string(argv[1]) == "bench")
+    return become(program_of_bench(argc, argv), argv);
   add_view(app);
   add_live(app);
   add_replay(app);
@@ -87,7 +96,7 @@ int run(int argc, char** argv) {
   add_score(app);
   add_cameras(app);
   add_calibrate(app);
-  add_bench(app);
+  app.add_subcommand("bench", "Time the stages of the live half, or of a bake");
   return app.run(argc, argv);
 }
 

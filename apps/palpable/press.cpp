@@ -18,13 +18,13 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct PressOptions {
   std::filesystem::path body;
   std::vector<std::string> loads;
   bool json = false;
 };
 
-void press(const Options& options) {
+void press(const PressOptions& options) {
   const ReducedBody body = value_or_throw(read_pressable_body(options.body));
   const std::vector<PlacedLoad> loads = parse_loads(body, options.loads);
   const auto S = static_cast<int>(body.sites.size());
@@ -76,7 +76,7 @@ void press(const Options& options) {
 }  // namespace
 
 void add_press(Command app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PressOptions>();
   Command command =
       app.add_subcommand("press", "Say what a body does under one load or several, in numbers");
   command.add_option("body", options->body, "Body file").required();

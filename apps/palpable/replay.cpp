@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ReplayOptions {
   fs::path file;
   std::vector<std::string> bodies;  // where their files are now
   int threads = 0;                  // 0: as many as usual
@@ -32,7 +32,7 @@ struct Options {
   PlayOptions play;
 };
 
-RecordedRun run_of_recording(const Options& options, const RecordingContents& contents) {
+RecordedRun run_of_recording(const ReplayOptions& options, const RecordingContents& contents) {
   try {
     RecordedRun run = recorded_run_of(contents.run);
     find_body_files(run, options.bodies);
@@ -55,7 +55,7 @@ Refiner recorded_refiner(const fs::path& file) {
   });
 }
 
-LiveSetUp set_up_replay(const Options& options, const RecordedRun& run) {
+LiveSetUp set_up_replay(const ReplayOptions& options, const RecordedRun& run) {
   std::vector<PlacedBody> standing;
   std::vector<DescribedBody> bodies;
   for (const RecordedRun::Body& recorded : run.bodies) {
@@ -78,7 +78,7 @@ LiveSetUp set_up_replay(const Options& options, const RecordedRun& run) {
 }
 
 // @throws Error at a difference
-void report(const Options& options, const RecordingContents& contents,
+void report(const ReplayOptions& options, const RecordingContents& contents,
             const StateComparison& comparison, const RecordedRun& run, bool user_ended) {
   const std::string file = options.file.string();
   if (const auto frame = comparison.first_different()) {
@@ -99,7 +99,7 @@ void report(const Options& options, const RecordingContents& contents,
   if (!contents.ending.empty()) fmt::print("{} {}\n", file, contents.ending);
 }
 
-void replay(const Options& options) {
+void replay(const ReplayOptions& options) {
   RecordingContents contents = value_or_throw(read_recording(options.file));
   const RecordedRun run = run_of_recording(options, contents);
   share_drawing_threads(options.threads);
@@ -129,7 +129,7 @@ void replay(const Options& options) {
 }  // namespace
 
 void add_replay(Command app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayOptions>();
   Command command = app.add_subcommand(
       "replay", "Answer a recorded run again, and say whether it gives the same states");
   command.add_option("recording", options->file, "What palpable live --record has written")

@@ -42,7 +42,7 @@ struct ScanOptions {
   int frames = -1;
 };
 
-void write_picture(const fs::path& file, const RoomScan& scanned) {
+void write_room_picture(const fs::path& file, const RoomScan& scanned) {
   CameraPath path;
   for (const TrackedPose& frame : scanned.frames) path.add(frame);
   const GlContext context = value_or_throw(GlContext::offscreen());
@@ -58,7 +58,7 @@ void expect_output(const fs::path& file, const ScanOptions& options) {
   guard_output_file(file, inputs);
 }
 
-void check(const ScanOptions& options) {
+void check_outputs(const ScanOptions& options) {
   if (options.out.extension() != ".ply") {
     throw Error(fmt::format("-o {}: should end in .ply", options.out.string()));
   }
@@ -131,7 +131,7 @@ void print(const RoomScan& scanned) {
 
 void scan(const ScanOptions& options) {
   const std::vector<StampedPose> given = given_poses(options.trajectory);
-  check(options);
+  check_outputs(options);
   const RoomScan scanned = scan_source(options, given);
   const std::size_t frames = scanned.frames.size();
   if (frames == 0) {
@@ -151,7 +151,7 @@ void scan(const ScanOptions& options) {
       options.out, mesh.surface, mesh.colors,
       fmt::format("palpable scan: metres, {}",
                   given.empty() ? "the first frame's camera" : "the world of the given poses"));
-  if (!options.picture.empty()) write_picture(options.picture, scanned);
+  if (!options.picture.empty()) write_room_picture(options.picture, scanned);
   print(scanned);
   fmt::print("{}: {} vertices, {} triangles\n", options.out.string(), mesh.surface.vertex_count(),
              mesh.surface.triangle_count());

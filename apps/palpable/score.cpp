@@ -19,7 +19,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct ScoreOptions {
   std::filesystem::path truth;
   std::filesystem::path result;
   std::filesystem::path body;
@@ -29,7 +29,7 @@ struct Options {
 };
 
 // A camera's path alone, against poses that somebody has published.
-void score_path_of(const Options& options) {
+void score_path_of(const ScoreOptions& options) {
   if (!options.result.empty() || !options.body.empty()) {
     throw Error("--poses takes the place of the truth: give the result's folder or file alone");
   }
@@ -39,7 +39,7 @@ void score_path_of(const Options& options) {
   fmt::print("{}", options.json ? json_of(scores) + "\n" : text_of(scores));
 }
 
-void score(const Options& options) {
+void score(const ScoreOptions& options) {
   if (!options.poses.empty()) return score_path_of(options);
   if (options.poses_per_second > 0) throw Error("--fps is of the poses that --poses names");
   if (options.result.empty()) throw Error("give the folder of the result, too");
@@ -59,7 +59,7 @@ void score(const Options& options) {
 }  // namespace
 
 void add_score(Command app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ScoreOptions>();
   Command command = app.add_subcommand("score", "Compare a run with the truth of what it saw");
   command
       .add_option(

@@ -1,9 +1,7 @@
-// palpable-bake bench: what the parts of the offline half cost, and how true they are.
+// What several benches of the offline half share.
 
 #include "bench/bake/bench.h"
 
-#include "apps/common/command_line.h"
-#include "apps/palpable-bake/commands.h"
 #include "palpable/base/json.h"
 #include "palpable/base/this_machine.h"
 
@@ -12,6 +10,10 @@
 #include <thread>
 
 namespace palpable::app {
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
 
 void print_figures(Json figures, bool json) {
   figures["peak_memory_mb"] = peak_memory() / 1e6;
@@ -23,23 +25,6 @@ void print_figures(Json figures, bool json) {
     return;
   }
   for (const auto& [key, value] : figures.items()) fmt::print("{:<36} {}\n", key, value.dump());
-}
-
-void add_bench(Command app) {
-  Command bench = app.add_subcommand("bench", "Time the parts of a bake");
-  bench.require_subcommand();
-  bench.footer("Example: palpable bench bake --json");
-  add_bench_bake(bench);
-  add_bench_beam(bench);
-  add_bench_bodies(bench);
-  add_bench_campaign(bench);
-  add_bench_clip(bench);
-  add_bench_solid(bench);
-  add_bench_elements(bench);
-  add_bench_friction(bench);
-  add_bench_obstacle(bench);
-  add_bench_reduce(bench);
-  add_bench_touch(bench);
 }
 
 }  // namespace palpable::app

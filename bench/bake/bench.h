@@ -4,9 +4,14 @@
 
 #include "palpable/base/json.h"
 
+#include <chrono>
+
 namespace palpable::app {
 
 class Command;
+
+/// Seconds of wall time.
+[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point begin);
 
 /// Prints what a bench found, and on which machine and when: one JSON object, or a line for each.
 void print_figures(Json figures, bool json);

@@ -20,13 +20,13 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct BenchBakeOptions {
   std::string description = "bodies/bunny-demo.toml";
   int threads = 0;
   bool json = false;
 };
 
-void bench_bake(const Options& options) {
+void bench_bake(const BenchBakeOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   const BodyDescription description = read_body_description(options.description);
   ProgressBar bar;
@@ -83,7 +83,7 @@ void bench_bake(const Options& options) {
 }  // namespace
 
 void add_bench_bake(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchBakeOptions>();
   Command command =
       bench.add_subcommand("bake", "Bake a body from nothing and say how long each stage took");
   command.add_option("body", options->description, "What to bake")

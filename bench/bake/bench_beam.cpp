@@ -24,7 +24,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct BenchBeamOptions {
   std::string description = "bodies/beam.toml";
   std::string output = "build/bench-beam.palpable";
   std::string against;
@@ -125,7 +125,8 @@ void add_two_loads(const IntrusiveBake& made, Json& result) {
   result["two_load_ms_median"] = upper_median(ms);
 }
 
-Json newton_figures(const IntrusiveBake& made, const Options& options, const Progress& progress) {
+Json newton_figures(const IntrusiveBake& made, const BenchBeamOptions& options,
+                    const Progress& progress) {
   std::vector<double> u, sigma, deflection;
   for (const NewtonCheck& check : newton_checks(made, options.checks, options.seed, progress)) {
     u.push_back(check.displacement);
@@ -159,7 +160,7 @@ Json difference_figures(const ReducedBody& body, const std::string& against) {
             {"stress_worst", other.error.stress_worst}}}};
 }
 
-void bench_beam(const Options& options) {
+void bench_beam(const BenchBeamOptions& options) {
   const BodyDescription description = read_body_description(options.description);
   guard_output_file(options.output, {options.description, description.shape.file, options.against});
   ProgressBar bar;
@@ -208,7 +209,7 @@ void bench_beam(const Options& options) {
 }  // namespace
 
 void add_bench_beam(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchBeamOptions>();
   Command command = bench.add_subcommand(
       "beam", "The beam by intrusive PGD: modes, positions left out, fresh Newton solves");
   command.add_option("body", options->description, "A body with a section [intrusive]")

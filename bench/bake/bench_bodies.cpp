@@ -17,7 +17,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct BenchBodiesOptions {
   std::filesystem::path scene;
   std::string clip;
   bool json = false;
@@ -27,7 +27,7 @@ Json at(const std::vector<double>& values, double share, double factor = 1) {
   return values.empty() ? Json(nullptr) : Json(factor * percentile(values, share));
 }
 
-void run(const Options& options) {
+void bench_bodies(const BenchBodiesOptions& options) {
   const std::vector<DescribedBody> described = read_scene_description(options.scene);
   const std::vector<Rigid3> poses = scene_from_bodies(described);
   std::vector<StudiedBody> bodies;
@@ -64,7 +64,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_bench_bodies(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchBodiesOptions>();
   Command command = bench.add_subcommand(
       "bodies", "Bodies that press each other under a filmed hand, against full finite elements");
   command.add_option("scene", options->scene, "The scene that was filmed (docs/scenes.md)")
@@ -78,7 +78,7 @@ void add_bench_bodies(Command bench) {
       "No camera: the hand's own capsules press, in every frame. ms are of one thread: contact of\n"
       "all bodies, shape, normals and stress of those that moved.\n"
       "Example: palpable bench bodies scenes/beams.toml out/beams --json");
-  command.callback([options] { run(*options); });
+  command.callback([options] { bench_bodies(*options); });
 }
 
 }  // namespace palpable::app

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct BenchCampaignOptions {
   std::string description = "bodies/bunny.toml";
   std::string dense = "bodies/bunny-dense.toml";
   std::string dragon = "bodies/dragon.toml";
@@ -65,7 +65,7 @@ struct Outcome {
 
 // What the iterations of conjugate gradients cannot do without, on all cores: each reads the
 // elements once, and the factor twice in a pass that 16 of them share.
-double floor_of(const SolverSetup& setup, long cg_iterations, int threads) {
+double campaign_floor(const SolverSetup& setup, long cg_iterations, int threads) {
   const MachineRates machine = measure_machine(std::size_t{64} << 20U);
   const double bytes =
       setup.element_bytes + 2.0 * setup.factor_bytes / CholeskyFactor::kMostTogether;
@@ -101,14 +101,15 @@ Outcome solve_campaign(const std::string& file, int threads) {
     outcome.newton_steps += site.newton_steps;
     outcome.cg_iterations += site.cg_iterations;
   }
-  outcome.floor_s = floor_of(filled.campaign.setup, outcome.cg_iterations, crew.threads(threads));
+  outcome.floor_s =
+      campaign_floor(filled.campaign.setup, outcome.cg_iterations, crew.threads(threads));
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder.path())) {
     if (entry.is_regular_file()) outcome.stored_mb += static_cast<double>(entry.file_size()) / 1e6;
   }
   return outcome;
 }
 
-void print(const std::string& file, const Outcome& o) {
+void print_campaign(const std::string& file, const Outcome& o) {
   const int states = o.sites * o.levels * o.points;
   fmt::print("{}\n", file);
   fmt::print("  {} nodes, {} tetrahedra, {} vertices on the skin\n", o.nodes, o.tets, o.skin);
@@ -127,7 +128,7 @@ void print(const std::string& file, const Outcome& o) {
   fmt::print("  floor, from what the iterations read of memory: {:.1f} s\n", o.floor_s);
 }
 
-void bench_campaign(const Options& options) {
+void bench_campaign(const BenchCampaignOptions& options) {
   const Outcome bunny = solve_campaign(options.description, options.threads);
   const double peak_mb = peak_memory() / 1e6;
   Json result;
@@ -149,7 +150,7 @@ void bench_campaign(const Options& options) {
   }
   result["dense_wall_s"] = nullptr;
   result["dragon_wall_s"] = nullptr;
-  if (!options.json) print(options.description, bunny);
+  if (!options.json) print_campaign(options.description, bunny);
   const auto more = [&](const std::string& file, const char* name) {
     const Outcome outcome = solve_campaign(file, options.threads);
     result[fmt::format("{}_wall_s", name)] = outcome.wall_s;
@@ -158,7 +159,7 @@ void bench_campaign(const Options& options) {
     result[fmt::format("{}_nodes", name)] = outcome.nodes;
     result[fmt::format("{}_skin_vertices", name)] = outcome.skin;
     result[fmt::format("{}_sites_reaching_press", name)] = outcome.reaching;
-    if (!options.json) print(file, outcome);
+    if (!options.json) print_campaign(file, outcome);
   };
   if (options.all) {
     more(options.dense, "dense");
@@ -177,7 +178,7 @@ void bench_campaign(const Options& options) {
 }  // namespace
 
 void add_bench_campaign(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchCampaignOptions>();
   Command command = bench.add_subcommand(
       "campaign", "Solve a campaign into an empty folder: mesh, loads, states, stress, files");
   command.add_option("body", options->description, "What to solve")

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kDeep = 0.004;  // m, as `palpable score`: in shallower touches errors are noise
 
-struct Options {
+struct BenchClipOptions {
   std::filesystem::path body;
   std::vector<std::string> clips;
   bool true_depth = false;
@@ -44,7 +44,7 @@ Json frames_of(const ClipAnswer& answer) {
   return frames;
 }
 
-Json figures_of(const ClipAnswer& answer) {
+Json clip_figures(const ClipAnswer& answer) {
   Json figures{{"frames", answer.frames.size()}, {"frames_unseen", answer.unseen}};
   for (const auto& [name, error] : kErrors) {
     std::vector<double> values;
@@ -68,18 +68,18 @@ void add(ClipAnswer& all, const ClipAnswer& one) {
   all.largest_jump_mm = std::max(all.largest_jump_mm, one.largest_jump_mm);
 }
 
-void run(const Options& options) {
+void bench_clip(const BenchClipOptions& options) {
   const TouchableBody body = value_or_throw(read_pressable_touchable_body(options.body));
   const TrueHand hand = options.true_depth ? TrueHand::kDepth : TrueHand::kCapsules;
   ClipAnswer all;
   Json each = Json::object();
   for (const std::string& clip : options.clips) {
     const ClipAnswer answer = answer_to_true_hand(body, clip, hand, kDeep);
-    each[clip] = figures_of(answer);
+    each[clip] = clip_figures(answer);
     each[clip]["by_frame"] = frames_of(answer);
     add(all, answer);
   }
-  Json figures = figures_of(all);
+  Json figures = clip_figures(all);
   if (options.json) figures["clips"] = each;
   print_figures(figures, options.json);
 }
@@ -87,7 +87,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_bench_clip(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchClipOptions>();
   Command command = bench.add_subcommand(
       "clip", "The answer of a body's tables to the true hand of filmed clips, against the truth");
   command
@@ -110,7 +110,7 @@ void add_bench_clip(Command bench) {
       "camera's share.\n"
       "Frames at least 4 mm deep, pooled over the clips.\n"
       "Example: palpable bench clip out/demo/bunny.palpable out/demo/clip --json");
-  command.callback([options] { run(*options); });
+  command.callback([options] { bench_clip(*options); });
 }
 
 }  // namespace palpable::app

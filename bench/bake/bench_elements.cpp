@@ -22,7 +22,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct BenchElementsOptions {
   std::string description = "bodies/bunny.toml";
   int sites = 12;
   int pressed = 6;
@@ -34,7 +34,7 @@ struct Options {
 // NaN has no form in JSON.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json json_of(const ElementStudy& study, double height) {
+Json study_json(const ElementStudy& study, double height) {
   Json result;
   for (std::size_t s = 0; s < study.sites.size(); ++s) {
     const Eigen::Vector3d& at = study.places[s];
@@ -68,7 +68,7 @@ Json json_of(const ElementStudy& study, double height) {
   return result;
 }
 
-void print(const char* heading, const ElementStudy& study) {
+void print_elements(const char* heading, const ElementStudy& study) {
   fmt::print("{}\n", heading);
   for (const ElementMemberReport& member : study.members) {
     double paths = 0;
@@ -104,7 +104,8 @@ void print(const char* heading, const ElementStudy& study) {
   }
 }
 
-ElementStudySettings settings_of(const Options& options, const BodyDescription& description) {
+ElementStudySettings settings_of(const BenchElementsOptions& options,
+                                 const BodyDescription& description) {
   ElementStudySettings settings;
   settings.sites = options.sites;
   settings.pressed = std::min(options.pressed, options.sites);
@@ -121,8 +122,8 @@ struct Studied {
 };
 
 // One mesh of this edge and finer ones within it, or the mesh alone.
-Studied study_body(const Options& options, BodyDescription description, double edge, bool nested,
-                   ProgressBar& bar) {
+Studied study_body(const BenchElementsOptions& options, BodyDescription description, double edge,
+                   bool nested, ProgressBar& bar) {
   ElementStudySettings settings = settings_of(options, description);
   description.shape.edge = edge;
   description.shape.order = 1;
@@ -145,8 +146,8 @@ Studied study_body(const Options& options, BodyDescription description, double e
           body.height, settings.press};
 }
 
-Json figures_of(const Options& options, const BodyDescription& description, const Studied& nested,
-                const Studied& direct) {
+Json element_figures(const BenchElementsOptions& options, const BodyDescription& description,
+                     const Studied& nested, const Studied& direct) {
   Json result;
   result["date"] = date_today();
   result["machine"] = processor_name();
@@ -165,12 +166,12 @@ Json figures_of(const Options& options, const BodyDescription& description, cons
   result["edge_m"] = *description.shape.edge;
   result["height_m"] = direct.height;
   result["full_press_m"] = direct.full_press;
-  result["nested"] = json_of(nested.study, nested.height);
-  result["direct"] = json_of(direct.study, direct.height);
+  result["nested"] = study_json(nested.study, nested.height);
+  result["direct"] = study_json(direct.study, direct.height);
   return result;
 }
 
-void bench_elements(const Options& options) {
+void bench_elements(const BenchElementsOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   BodyDescription description = read_body_description(options.description);
   if (options.edge > 0.0) description.shape.edge = options.edge;
@@ -187,11 +188,11 @@ void bench_elements(const Options& options) {
   const Studied direct = study_body(options, description, edge, false, bar);
   bar.finish();
   if (!options.json) {
-    print("One body on nested meshes:", nested.study);
-    print("The body's own mesh:", direct.study);
+    print_elements("One body on nested meshes:", nested.study);
+    print_elements("The body's own mesh:", direct.study);
     return;
   }
-  Json result = figures_of(options, description, nested, direct);
+  Json result = element_figures(options, description, nested, direct);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   result["wall_s"] = wall.count();
   fmt::print("{}\n", result.dump(1));
@@ -200,7 +201,7 @@ void bench_elements(const Options& options) {
 }  // namespace
 
 void add_bench_elements(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchElementsOptions>();
   Command command = bench.add_subcommand(
       "elements", "How true 4-node and 10-node tetrahedra are on a body's presses");
   command.add_option("body", options->description, "The body, with an edge in [shape]")

@@ -25,7 +25,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct BenchFrictionOptions {
   std::string body = "bodies/bunny-demo.toml";
   int each = 2;
   double coefficient = 0.3;
@@ -72,7 +72,7 @@ Json medians_of(const std::vector<FrictionDifference>& all) {
   return figures;
 }
 
-void run(const Options& options) {
+void bench_friction(const BenchFrictionOptions& options) {
   ProgressBar bar;
   const BodyProblem problem = pose_body(read_body_description(options.body));
   const FullBody body(problem.model, problem.mesh.boundary, problem.preload);
@@ -101,7 +101,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_bench_friction(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchFrictionOptions>();
   Command command = bench.add_subcommand(
       "friction", "What friction changes, by full finite elements with and without it (minutes)");
   command.add_option("body", options->body, "The body that is touched")
@@ -120,7 +120,7 @@ void add_bench_friction(Command bench) {
       "leaves\n"
       "friction out: this says how far off that is.\n"
       "Example: palpable bench friction bodies/bunny-demo.toml --coefficient 0.5");
-  command.callback([options] { run(*options); });
+  command.callback([options] { bench_friction(*options); });
 }
 
 }  // namespace palpable::app

@@ -21,13 +21,13 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct BenchObstacleOptions {
   std::string body = "bodies/bunny-demo.toml";
   std::vector<int> hertz{12, 17, 24, 28};  // cells
   bool json = false;
 };
 
-Json hertz_figures(const Options& options, ProgressBar& bar) {
+Json hertz_figures(const BenchObstacleOptions& options, ProgressBar& bar) {
   std::vector<HertzResult> results;
   Json list = Json::array();
   const auto total = static_cast<double>(options.hertz.size());
@@ -66,7 +66,7 @@ Json calculix_figures(ProgressBar& bar) {
 }
 
 // A finger's tip that comes down on the highest place of the body, a tenth of its height deep.
-Json body_figures(const Options& options, ProgressBar& bar) {
+Json body_figures(const BenchObstacleOptions& options, ProgressBar& bar) {
   constexpr int kSteps = 10;
   constexpr double kRadius = 8e-3;
   const BodyDescription description = read_body_description(options.body);
@@ -99,7 +99,7 @@ Json body_figures(const Options& options, ProgressBar& bar) {
           {"s_per_solve", (thread_cpu_seconds() - begin) / kSteps}};
 }
 
-void run(const Options& options) {
+void bench_obstacle(const BenchObstacleOptions& options) {
   ProgressBar bar;
   Json figures = hertz_figures(options, bar);
   figures.update(calculix_figures(bar));
@@ -111,7 +111,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_bench_obstacle(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchObstacleOptions>();
   Command command = bench.add_subcommand(
       "obstacle", "Contact: against Hertz, against CalculiX, and on a body (minutes)");
   command.add_option("body", options->body, "The body that a finger presses")
@@ -122,7 +122,7 @@ void add_bench_obstacle(Command bench) {
       .show_default();
   command.add_flag("--json", options->json, "One JSON object");
   command.footer("Example: palpable bench obstacle bodies/bunny-demo.toml --json");
-  command.callback([options] { run(*options); });
+  command.callback([options] { bench_obstacle(*options); });
 }
 
 }  // namespace palpable::app

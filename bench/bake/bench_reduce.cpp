@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-struct Options {
+struct BenchReduceOptions {
   std::string description = "bodies/bunny.toml";
   std::string beam = "bodies/beam.toml";
   std::string folder = "build/bench-reduce";
@@ -37,11 +37,8 @@ struct Options {
   bool json = false;
 };
 
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-SnapshotStore solved(const std::string& file, const fs::path& folder, const Options& options,
+SnapshotStore solved(const std::string& file, const fs::path& folder,
+                     const BenchReduceOptions& options,
                      const SnapshotStore* held_out_of = nullptr) {
   ProgressBar bar;
   LocalCrew crew;
@@ -111,7 +108,7 @@ void compare(const SnapshotStore& store, Json& result) {
 }
 
 // What touches between sites cost, with the description's sites, four and sixteen times as many.
-void compare_sites(const Options& options, Json& result) {
+void compare_sites(const BenchReduceOptions& options, Json& result) {
   BodyDescription description = read_body_description(options.description);
   const int usual = description.sites.count;
   if (usual < 2 || !description.parameters.empty()) return;  // one body, whose sites are chosen
@@ -158,7 +155,7 @@ Json field_figures(const ReductionReport& report) {
           {"worst_snapshot", report.worst}, {"reached", report.reached}};
 }
 
-void bench_reduce(const Options& options) {
+void bench_reduce(const BenchReduceOptions& options) {
   const fs::path folder = options.folder;
   fs::create_directories(folder);
   Json result;
@@ -220,7 +217,7 @@ void bench_reduce(const Options& options) {
 }  // namespace
 
 void add_bench_reduce(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchReduceOptions>();
   Command command = bench.add_subcommand(
       "reduce",
       "All reductions of a campaign, the default body on levels between, sparse PGD on the beam");

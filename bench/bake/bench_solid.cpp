@@ -35,7 +35,7 @@ namespace {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-struct Options {
+struct BenchSolidOptions {
   std::string description = "bodies/bunny.toml";
   std::string law = "neo-hooke-abaqus";
   std::vector<int> sites{0, 3, 1};  // of the bunny: an ear, the back, low at the base
@@ -112,7 +112,7 @@ Json stages_of(const OurPath& ours) {
           {"rest", ours.cpu_s - before - tangent - factor - solve - times.force_s}};
 }
 
-Json json_of(const OurPath& ours) {
+Json path_json(const OurPath& ours) {
   const Counts counts = counts_of(ours.path);
   return {{"cpu_s", ours.cpu_s},
           {"setup_s", ours.setup_s},
@@ -155,8 +155,8 @@ struct Pair {
   double share = 1;  // of the load that was asked for
 };
 Pair solve_both(const SolidModel& model, const Matrix3Xd& full_load,
-                const std::vector<double>& levels, const Options& options, double share_of_runs,
-                const std::string& what, Runs& runs) {
+                const std::vector<double>& levels, const BenchSolidOptions& options,
+                double share_of_runs, const std::string& what, Runs& runs) {
   Pair pair;
   Matrix3Xd load = full_load;
   // A second time where one of the two does not get to the end.
@@ -185,8 +185,8 @@ Pair solve_both(const SolidModel& model, const Matrix3Xd& full_load,
   return pair;
 }
 
-Json json_of(const Pair& pair, const Options& options) {
-  Json row = json_of(pair.ours);
+Json path_json(const Pair& pair, const BenchSolidOptions& options) {
+  Json row = path_json(pair.ours);
   row["load_share"] = pair.share;
   if (options.ours_only) return row;
   row["ccx_cpu_s"] = pair.theirs.cpu_seconds;
@@ -205,7 +205,7 @@ Json json_of(const Pair& pair, const Options& options) {
 // forces once, a product with the tangent once and the factor once, and makes one factor: bytes at
 // the rate of a copy between arrays as large as the factor, operations at the rate of multiply-adds
 // in registers, in single precision, nothing overlapping and nothing kept in a cache.
-Json floor_of(const TetMesh& mesh, const SolverSetup& setup, int levels) {
+Json path_floor(const TetMesh& mesh, const SolverSetup& setup, int levels) {
   const MachineRates rates = measure_machine(static_cast<std::size_t>(setup.factor_bytes));
   // Displacements read, forces written and read, 3 doubles a node each.
   const double element_bytes = setup.element_bytes + 72.0 * mesh.node_count();
@@ -257,7 +257,7 @@ Json ten_node_figures(const BodyProblem& problem, const std::vector<double>& lev
     Json row = {{"at_m", at_json(problem.mesh.boundary.surface.vertices.col(site.vertex))},
                 {"press_fraction", unit.cwiseProduct(ours.path.steps.back().displacement).sum() /
                                        problem.mesh.height}};
-    row.update(json_of(ours));
+    row.update(path_json(ours));
     cpu.push_back(ours.cpu_s);
     rows.push_back(std::move(row));
   }
@@ -292,7 +292,7 @@ Beam full_size_beam() {
 }
 
 // The body as the bench needs it: one material that CalculiX has, an edge that can be doubled.
-BodyDescription described(const Options& options) {
+BodyDescription described(const BenchSolidOptions& options) {
   BodyDescription description = read_body_description(options.description);
   if (!description.shape.edge || !description.material.constants.empty()) {
     throw Error(
@@ -305,7 +305,7 @@ BodyDescription described(const Options& options) {
   return description;
 }
 
-BodyProblem posed(const BodyDescription& description, const Options& options) {
+BodyProblem posed(const BodyDescription& description, const BenchSolidOptions& options) {
   BodyProblem problem = pose_body(description);
   if (problem.preload.cols() > 0 || problem.force > 0.0 || !problem.model.groups.empty()) {
     throw Error(
@@ -343,7 +343,7 @@ struct SitePaths {
 };
 
 SitePaths press_sites(const BodyProblem& problem, const std::vector<double>& levels,
-                      const Options& options, Runs& runs, Bars& bars) {
+                      const BenchSolidOptions& options, Runs& runs, Bars& bars) {
   const TetMesh& mesh = problem.model.mesh;
   const EquilibriumSolver search_solver(problem.model, {.tolerance = kTolerance});
   SitePaths paths;
@@ -362,10 +362,10 @@ SitePaths press_sites(const BodyProblem& problem, const std::vector<double>& lev
     paths.places.emplace_back(problem.mesh.boundary.surface.vertices.col(site.vertex));
     Json row = {
         {"site", number}, {"at_m", at_json(paths.places.back())}, {"press_fraction", press}};
-    row.update(json_of(pair, options));
+    row.update(path_json(pair, options));
     paths.sites.push_back(std::move(row));
     paths.cpu.push_back(pair.ours.cpu_s);
-    if (paths.floor.is_null()) paths.floor = floor_of(mesh, pair.ours.setup, options.levels);
+    if (paths.floor.is_null()) paths.floor = path_floor(mesh, pair.ours.setup, options.levels);
     paths.ccx_cpu.push_back(pair.theirs.cpu_seconds);
     paths.ratios.push_back(pair.theirs.cpu_seconds / pair.ours.cpu_s);
     paths.fractions.push_back(press);
@@ -375,11 +375,12 @@ SitePaths press_sites(const BodyProblem& problem, const std::vector<double>& lev
 }
 
 // Both programs on the paper's beam and on 10-node tetrahedra.
-Json verify_others(const BodyProblem& ten, const Options& options, Runs& runs, Bars& bars) {
+Json verify_others(const BodyProblem& ten, const BenchSolidOptions& options, Runs& runs,
+                   Bars& bars) {
   Json verified = Json::array();
   const auto verify = [&](const std::string& what, const SolidModel& model, const Matrix3Xd& load,
                           int count, double share) {
-    Options once = options;
+    BenchSolidOptions once = options;
     once.repeats = 1;
     const Pair pair = solve_both(model, load, even_levels(count), once, share, what, runs);
     bars.hold(what, pair.difference);
@@ -389,7 +390,7 @@ Json verify_others(const BodyProblem& ten, const Options& options, Runs& runs, B
                 {"tets", model.mesh.tet_count()},
                 {"element", model.mesh.is_quadratic() ? "C3D10" : "C3D4"},
                 {"levels", count}};
-    row.update(json_of(pair, once));
+    row.update(path_json(pair, once));
     verified.push_back(std::move(row));
   };
   const Beam beam = full_size_beam();
@@ -403,8 +404,8 @@ Json verify_others(const BodyProblem& ten, const Options& options, Runs& runs, B
   return verified;
 }
 
-Json figures_of(const BodyDescription& description, const BodyProblem& problem,
-                const Options& options, SitePaths paths, const Bars& bars) {
+Json solid_figures(const BodyDescription& description, const BodyProblem& problem,
+                   const BenchSolidOptions& options, SitePaths paths, const Bars& bars) {
   Json result;
   result["title"] = "An equilibrium path against CalculiX";
   result["order"] = 40;
@@ -437,7 +438,7 @@ Json figures_of(const BodyDescription& description, const BodyProblem& problem,
   return result;
 }
 
-void bench_solid(const Options& options) {
+void bench_solid(const BenchSolidOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   if (!options.ours_only && !find_calculix(options.program)) {
     throw Error(
@@ -452,7 +453,7 @@ void bench_solid(const Options& options) {
   Bars bars;
   SitePaths paths = press_sites(problem, levels, options, runs, bars);
   const std::vector<Vector3d> places = paths.places;
-  Json result = figures_of(description, problem, options, std::move(paths), bars);
+  Json result = solid_figures(description, problem, options, std::move(paths), bars);
   const BodyProblem ten = pose_body(of_ten_nodes(description, places));
   result["ten_node"] = ten_node_figures(ten, levels, options.repeats);
   if (options.verify && !options.ours_only) {
@@ -479,7 +480,7 @@ void bench_solid(const Options& options) {
 }  // namespace
 
 void add_bench_solid(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchSolidOptions>();
   Command command = bench.add_subcommand(
       "solid", "One equilibrium path against CalculiX' in CPU time, and digit by digit");
   command.add_option("body", options->description, "The body, with an edge in [shape]")

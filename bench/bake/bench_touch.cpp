@@ -39,7 +39,7 @@
 namespace palpable::app {
 namespace {
 
-struct Options {
+struct BenchTouchOptions {
   std::string body = "bodies/bunny-demo.toml";
   int each = 4;
   std::uint64_t seed = 0;  // 0: drawn
@@ -52,10 +52,6 @@ struct Options {
 
 constexpr std::array kDepths{0.0025, 0.005, 0.010};  // m
 constexpr int kLinearLoads = 100;                    // against which the compliance is held
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 // Median and p90 of each thing at each depth, after so many exact answers.
 Json differences_of(const std::vector<TouchDifference>& all, int refined) {
@@ -180,7 +176,7 @@ TouchTables tables_in(const std::filesystem::path& file, const SkinResponse& ski
   return tables;
 }
 
-void run(const Options& options) {
+void bench_touch(const BenchTouchOptions& options) {
   ProgressBar bar;
   const auto report = [&bar](const ProgressReport& now) { bar.show(now); };
   const BodyDescription description = read_body_description(options.body);
@@ -265,7 +261,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_bench_touch(Command bench) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchTouchOptions>();
   Command command = bench.add_subcommand(
       "touch", "Touch by anything, anywhere, against full finite elements (minutes to an hour)");
   command.add_option("body", options->body, "The body that is touched")
@@ -294,7 +290,7 @@ void add_bench_touch(Command bench) {
       .type_name("FOLDER");
   command.add_flag("--json", options->json, "One JSON object");
   command.footer("Example: palpable bench touch bodies/bunny-demo.toml --each 2 --json");
-  command.callback([options] { run(*options); });
+  command.callback([options] { bench_touch(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,7 +1,5 @@
 // palpable bench depth: time and truth of the stereo matcher, OpenCV's SGBM beside it.
 
-#include "bench/live/bench_depth.h"
-
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
@@ -20,6 +18,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/live/bench.h"
 #include "bench/live/middlebury_pairs.h"
 #include "bench/live/near_frames.h"
 #include <algorithm>
@@ -305,7 +304,7 @@ Json median_or_null(const std::vector<double>& values) {
   return percentile(values, 0.5);
 }
 
-void print_table(const Json& r) {
+void print_depth_table(const Json& r) {
   fmt::print("{:<44}{:>12}{:>14}\n", "", "this", "OpenCV SGBM");
   const auto line = [](const char* name, const char* format, const Json& a, const Json& b,
                        double scale = 1) {
@@ -440,7 +439,7 @@ void bench_depth(const DepthBenchOptions& options) {
   if (options.json) {
     fmt::print("{}\n", result.dump(2));
   } else {
-    print_table(result);
+    print_depth_table(result);
   }
 }
 

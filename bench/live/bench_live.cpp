@@ -1,7 +1,5 @@
 // palpable bench live: frames a second, CPU and age of the whole loop, run by run.
 
-#include "bench/live/bench_live.h"
-
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/live_setup.h"
@@ -21,6 +19,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/live/bench.h"
 #include "bench/live/bench_clips.h"
 #include "bench/live/memory_film.h"
 #include <algorithm>
@@ -43,8 +42,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWarmUp = 30;   // first frames of a run: memory is taken, shaders are compiled
-constexpr double kRate = 30;  // frames a second of a paced run
+constexpr int kWarmUpFrames = 30;  // first frames of a run: memory is taken, shaders are compiled
+constexpr double kRate = 30;       // frames a second of a paced run
 
 struct LiveBenchOptions {
   fs::path body;
@@ -145,7 +144,7 @@ class LiveCasePlayer {
   }
 
   LiveFigures play(std::string_view name) {
-    while (done_ < kWarmUp && advance(nullptr)) {}
+    while (done_ < kWarmUpFrames && advance(nullptr)) {}
     bar_.show({std::string(name), 0, 1, ""});
     RunStats stats(moment_of(loop_.counts()));
     LiveFigures figures;
@@ -243,7 +242,7 @@ LiveFigures play_case(const LiveCase& one, LiveOptions live, const MemoryFilm& f
   if (one.paced) source = paced(std::move(source));
   LiveSetUp setup = set_up_live(live, std::move(source));
   const int count =
-      kWarmUp + (one.paced ? static_cast<int>(kRate * options.seconds) : options.frames);
+      kWarmUpFrames + (one.paced ? static_cast<int>(kRate * options.seconds) : options.frames);
   std::unique_ptr<ScenePainter> painter;
   if (one.picture) {
     painter =
@@ -346,7 +345,7 @@ std::vector<std::pair<std::string_view, LiveFigures>> in_order(const AllFigures&
   return figures;
 }
 
-void print_table(const AllFigures& all, const LeftOut& left_out) {
+void print_live_table(const AllFigures& all, const LeftOut& left_out) {
   fmt::print("{:<14}{:>8}{:>10}{:>12}{:>12}{:>9}{:>9}{:>13}\n", "run", "fps", "CPU ms",
              "sum p50 ms", "sum p99 ms", "copy ms", "dropped", "allocations");
   for (const auto& [name, f] : in_order(all)) {
@@ -413,7 +412,7 @@ void bench_live(LiveBenchOptions options) {
     add(one.name, run_case(one, options, body, films, bar));
   }
   bar.finish();
-  if (!options.json) return print_table(all, left_out);
+  if (!options.json) return print_live_table(all, left_out);
   Json result;
   result["bench"] = "live";
   result["machine"] = processor_name();

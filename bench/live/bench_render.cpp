@@ -1,7 +1,5 @@
 // palpable bench render: processor time of drawing alone, of scenes that were answered before.
 
-#include "bench/live/bench_render.h"
-
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/live_setup.h"
@@ -15,6 +13,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/live/bench.h"
 #include "bench/live/bench_clips.h"
 #include "bench/live/memory_film.h"
 #include <algorithm>
@@ -29,10 +28,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFilm = 300;  // frames; the hand comes in the 60th
-constexpr int kFirst = 70;  // frame that is drawn first
-constexpr int kStep = 6;    // from one that is drawn to the next
-constexpr int kWarmUp = 2;  // times that all of them are drawn before the clock starts
+constexpr int kFilm = 300;       // frames; the hand comes in the 60th
+constexpr int kFirst = 70;       // frame that is drawn first
+constexpr int kStep = 6;         // from one that is drawn to the next
+constexpr int kWarmUpDraws = 2;  // times that all of them are drawn before the clock starts
 
 struct RenderBenchOptions {
   fs::path body;
@@ -65,11 +64,11 @@ std::vector<DrawnFrame> answered_scenes(FrameLoop& loop, const MemoryFilm& film)
 RenderFigures draw_all(std::vector<DrawnFrame>& scenes, const FrameLoop& loop, int repeats) {
   ScenePainter painter({.masks = false}, loop);
   std::vector<double> ms;
-  for (int pass = 0; pass < kWarmUp + repeats; ++pass) {
+  for (int pass = 0; pass < kWarmUpDraws + repeats; ++pass) {
     for (DrawnFrame& drawn : scenes) {
       const double before = process_cpu();
       painter.draw(drawn, loop.session);
-      if (pass >= kWarmUp) ms.push_back(1e3 * (process_cpu() - before));
+      if (pass >= kWarmUpDraws) ms.push_back(1e3 * (process_cpu() - before));
     }
   }
   painter.throw_gl_errors();

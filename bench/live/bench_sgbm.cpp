@@ -2,8 +2,6 @@
 // scenes it got three quarters of a near hand's pixels to within 1 %; a scene on which it gets many
 // more is too easy to say anything about hands (docs/benchmark.md).
 
-#include "bench/live/bench_sgbm.h"
-
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
@@ -16,6 +14,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/live/bench.h"
 #include "bench/live/near_frames.h"
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,5 @@
 // palpable bench surface: the seen surface against the true things that a film shows.
 
-#include "bench/live/bench_surface.h"
-
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
@@ -23,6 +21,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/live/bench.h"
 #include "bench/live/unseen_points.h"
 #include <algorithm>
 #include <array>
@@ -156,13 +155,13 @@ double least_phi(const ObjectSurface& surface, const Eigen::Matrix3Xf& points) {
 }
 
 // One film, as far as one thing may be asked of one frame after the other.
-struct Film {
+struct SurfaceFilm {
   fs::path folder;
   TruthCamera camera;
   std::vector<HandLine> hands;
   std::vector<ContactLine> contacts;
 
-  explicit Film(const fs::path& path)
+  explicit SurfaceFilm(const fs::path& path)
       : folder(path),
         camera(read_truth_camera(path / "truth/camera.toml")),
         hands(read_hands(path / "truth/hand.jsonl")),
@@ -171,11 +170,11 @@ struct Film {
   }
 };
 
-bool is_near(const ContactLine& contact) {
+bool is_near_body(const ContactLine& contact) {
   return contact.touching || (contact.gap && *contact.gap < kNearBody);
 }
 
-void look_at_unseen_side(const Judge& judge, const Film& film, int frame,
+void look_at_unseen_side(const Judge& judge, const SurfaceFilm& film, int frame,
                          const ObjectSurface& measured, const Rigid3& body_from_camera,
                          Counts& counts) {
   const UnseenPoints unseen =
@@ -212,7 +211,7 @@ void time_surface(const Judge& judge, const Scene& scene, const Session& session
 }
 
 // The middle of a held touch moves with nothing: what phi says there trembles with the measurement.
-void look_at_held_touch(const Film& film, int frame, const ObjectSurface& surface,
+void look_at_held_touch(const SurfaceFilm& film, int frame, const ObjectSurface& surface,
                         const Rigid3& body_from_camera, std::optional<Vector3d>& held,
                         Counts& counts) {
   const ContactLine& contact = film.contacts[frame];
@@ -225,8 +224,8 @@ void look_at_held_touch(const Film& film, int frame, const ObjectSurface& surfac
   counts.plane.push_back(static_cast<double>(found->distance) - truth);
 }
 
-Counts play(const SurfaceBenchOptions& options, const std::string& name, const Film& film,
-            const Judge& judge, ProgressBar& bar) {
+Counts play_film(const SurfaceBenchOptions& options, const std::string& name,
+                 const SurfaceFilm& film, const Judge& judge, ProgressBar& bar) {
   Counts counts;
   LiveSettings settings;
   settings.images.device = (film.folder / "frames").string();
@@ -251,7 +250,7 @@ Counts play(const SurfaceBenchOptions& options, const std::string& name, const F
       counts.missed += least > 0;
     }
     if (name == "rest") look_at_held_touch(film, n, surface, body_from_camera, held, counts);
-    if (is_near(contact) && n % options.every == 0) {
+    if (is_near_body(contact) && n % options.every == 0) {
       look_at_unseen_side(judge, film, n, surface, body_from_camera, counts);
       time_surface(judge, scene, run.loop.session, timed, counts);
     }
@@ -368,7 +367,7 @@ constexpr std::array<std::array<const char*, 2>, 17> kColumns{{
     {"ms 23k", "ms_22982"},
 }};
 
-void print_table(const Json& sequences) {
+void print_surface_table(const Json& sequences) {
   fmt::print("{:<12} {:>6}", "sequence", "frames");
   for (const auto& [title, key] : kColumns) fmt::print(" {:>7}", title);
   fmt::print("\n");
@@ -406,8 +405,8 @@ void bench_surface(SurfaceBenchOptions options) {
   for (const std::string& name : options.only) {
     // Seeds from 1000 on are held out: nobody tunes to them.
     const std::uint64_t seed = options.seed > 0 ? options.seed : 1000 + random() % 999'000;
-    const Film film(filmed(options, name, seed, body, body_file.stem().string(), bar));
-    counts[name] = play(options, name, film, judge, bar);
+    const SurfaceFilm film(filmed(options, name, seed, body, body_file.stem().string(), bar));
+    counts[name] = play_film(options, name, film, judge, bar);
     sequences[name] = entry_of(counts[name], seed);
   }
   bar.finish();
@@ -418,7 +417,7 @@ void bench_surface(SurfaceBenchOptions options) {
   if (options.json) {
     fmt::print("{}\n", result.dump(2));
   } else {
-    print_table(sequences);
+    print_surface_table(sequences);
   }
 }
 

@@ -1,7 +1,5 @@
 // palpable bench ticks: what is answered between frames, against the true hand at that moment.
 
-#include "bench/live/bench_ticks.h"
-
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/live_setup.h"
@@ -16,6 +14,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/live/bench.h"
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -1,7 +1,5 @@
 // palpable bench track: CPU time of following the camera and of the map, and errors against truth.
 
-#include "bench/live/bench_track.h"
-
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
@@ -21,6 +19,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/live/bench.h"
 #include "bench/live/bench_map.h"
 #include "bench/live/opencv_odometry.h"
 #include <algorithm>
@@ -304,7 +303,7 @@ void bench_long_street(const fs::path& folder, Json& result) {
   result["identity_poses_of_moving"] = identities;
 }
 
-void print_table(const Json& r) {
+void print_track_table(const Json& r) {
   const auto line = [&](const char* what, const char* key, double scale, const char* bar) {
     fmt::print(
         "{:<52}{:>10}{:>12}\n", what,
@@ -359,7 +358,7 @@ void bench_track(const TrackBenchOptions& options) {
   if (options.json) {
     fmt::print("{}\n", result.dump(2));
   } else {
-    print_table(result);
+    print_track_table(result);
   }
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kFrames = 600;
 
-bool is_near(const DeskTruth& truth) {
+bool shows_near_hand(const DeskTruth& truth) {
   std::vector<double> depths;
   for (int y = 0; y < truth.depth.height(); ++y)
     for (int x = 0; x < truth.depth.width(); ++x)
@@ -51,7 +51,7 @@ NearFrames::NearFrames(const ReducedBody& body, std::uint64_t seed, const Progre
   DeskTruth truth;
   for (int frame = kFramesWithoutHand; frame < kFrames; frame += kStep) {
     draw_truth(frame, 4, truth);
-    if (is_near(truth)) near_.push_back(frame);
+    if (shows_near_hand(truth)) near_.push_back(frame);
     if (has_too_close(truth)) too_close_.push_back(frame);
     report(progress, {"looking for near frames", frame + 1.0, static_cast<double>(kFrames), ""});
   }

@@ -268,9 +268,9 @@ const char* method_line(ReductionMethod method) {
 }
 
 // What the line "reduction" of the provenance says.
-std::string method_text(const ReductionSettings& wanted,
-                        const std::optional<SparseCampaignSettings>& sparse,
-                        const ReductionReport& displacement) {
+std::string reduction_text(const ReductionSettings& wanted,
+                           const std::optional<SparseCampaignSettings>& sparse,
+                           const ReductionReport& displacement) {
   if (!sparse) {
     return fmt::format("{} ({})", method_name(wanted.method), method_line(wanted.method));
   }
@@ -451,7 +451,7 @@ void add_provenance(const StoreContent& content, const ReductionSettings& wanted
   }
   body.provenance.emplace_back("reduction",
                                fmt::format("{}, space weighted by nodal volume",
-                                           method_text(wanted, sparse, made.displacement)));
+                                           reduction_text(wanted, sparse, made.displacement)));
   body.provenance.emplace_back("displacement",
                                reduction_line("displacement", made.displacement, wanted));
   body.provenance.emplace_back(

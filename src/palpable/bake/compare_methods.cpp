@@ -21,7 +21,7 @@ namespace {
 
 using Eigen::Index;
 
-std::string method_text(ReductionMethod method, std::size_t parameters) {
+std::string compared_method_text(ReductionMethod method, std::size_t parameters) {
   switch (method) {
     case ReductionMethod::kPgd:
       return fmt::format("pgd, {} factors", parameters + 1);
@@ -69,7 +69,7 @@ std::vector<MethodLine> lines_of(const SnapshotStore& store, const StoredField& 
                                               .max_modes = settings.max_modes,
                                               .weight_snapshots = false});
     lines.push_back(line_of(figures, field.components * static_cast<Index>(content.fixed.size()),
-                            prefix + method_text(method, rows.sizes.size())));
+                            prefix + compared_method_text(method, rows.sizes.size())));
   }
   return lines;
 }

@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-std::string errors_text(const HeldOutErrors& errors) {
+std::string held_out_errors_text(const HeldOutErrors& errors) {
   return fmt::format(
       "displacement {:.3g} pooled, {:.3g} at the median snapshot, {:.3g} at the worst, in their "
       "own "
@@ -50,7 +50,7 @@ void check_between_levels(const BodyDescription& description, FillSettings setti
   const HeldOutErrors errors =
       held_out_errors(value_or_throw(settled(baked.body)), between.store, point);
   baked.report.held_out = fmt::format("against {} levels between, solved afresh, on the skin: {}",
-                                      errors.displacement.size(), errors_text(errors));
+                                      errors.displacement.size(), held_out_errors_text(errors));
   baked.body.provenance.emplace_back("held out", baked.report.held_out);
   baked.body.error.held_out = errors.record();
 }
@@ -72,7 +72,7 @@ void check_between_values(const BodyDescription& description, FillSettings setti
           held_out_errors(there, solved.store, static_cast<int>(i), HeldOutAt::kDepth);
       const std::string line = fmt::format(
           "against {} presses at {} = {:g}, solved afresh, at equal depth, on the skin: {}",
-          errors.displacement.size(), name, values[i], errors_text(errors));
+          errors.displacement.size(), name, values[i], held_out_errors_text(errors));
       baked.body.provenance.emplace_back(fmt::format("held out, {} = {:g}", name, values[i]), line);
       baked.report.held_out += "\n" + line;
     }

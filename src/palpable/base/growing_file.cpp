@@ -14,7 +14,7 @@
 namespace palpable {
 namespace {
 
-[[noreturn]] void give_up(const std::filesystem::path& path, int reason) {
+[[noreturn]] void report_unwritable(const std::filesystem::path& path, int reason) {
   throw Error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(reason)));
 }
 
@@ -37,7 +37,7 @@ GrowingFile::GrowingFile(const std::filesystem::path& path, std::filesystem::pat
     : called_(std::move(called)) {
   constexpr mode_t kAllMayReadAndWrite = 0666;  // less the user's umask
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAllMayReadAndWrite);
-  if (descriptor_ < 0) give_up(called_, errno);
+  if (descriptor_ < 0) report_unwritable(called_, errno);
 }
 
 GrowingFile::~GrowingFile() {
@@ -55,13 +55,14 @@ void GrowingFile::append(std::string_view piece) {
   const bool cut =
       ::ftruncate(descriptor_, size_) == 0 && ::lseek(descriptor_, size_, SEEK_SET) == size_;
   static_cast<void>(cut);
-  give_up(called_, reason);
+  report_unwritable(called_, reason);
 }
 
 void GrowingFile::close() {
   if (descriptor_ < 0) return;
   // Some file systems (NFS, quotas) say only now that there was no room.
-  if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) give_up(called_, errno);
+  if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR)
+    report_unwritable(called_, errno);
 }
 
 }  // namespace palpable

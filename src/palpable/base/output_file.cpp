@@ -22,7 +22,7 @@ constexpr int kMostLinks = 40;
 
 constexpr mode_t kAllMayReadAndWrite = 0666;  // less the user's umask
 
-[[noreturn]] void give_up(const fs::path& file, int reason) {
+[[noreturn]] void refuse_unwritable(const fs::path& file, int reason) {
   throw Error(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(reason)));
 }
 
@@ -59,15 +59,15 @@ void expect_folder_above(const fs::path& output, const fs::path& at) {
 void expect_writable(const fs::path& file) {
   const fs::path at = behind_links(file);
   std::error_code error;
-  if (fs::is_symlink(at, error)) give_up(file, ELOOP);  // in a circle
+  if (fs::is_symlink(at, error)) refuse_unwritable(file, ELOOP);  // in a circle
   if (fs::exists(at, error)) {
-    if (fs::is_directory(at, error)) give_up(file, EISDIR);
-    if (::access(at.c_str(), W_OK) != 0) give_up(file, errno);
+    if (fs::is_directory(at, error)) refuse_unwritable(file, EISDIR);
+    if (::access(at.c_str(), W_OK) != 0) refuse_unwritable(file, errno);
   }
   const fs::path aside = part_of(at);
   const bool was_there = fs::exists(aside, error);
   const int descriptor = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kAllMayReadAndWrite);
-  if (descriptor < 0) give_up(file, errno);
+  if (descriptor < 0) refuse_unwritable(file, errno);
   ::close(descriptor);
   if (!was_there) ::unlink(aside.c_str());
 }
@@ -155,14 +155,14 @@ void write_whole_file(const fs::path& file, std::initializer_list<std::string_vi
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    if (fs::is_directory(status)) give_up(file, EISDIR);
+    if (fs::is_directory(status)) refuse_unwritable(file, EISDIR);
     GrowingFile device(file);
     append_all(device, pieces);
     return;
   }
   const fs::path at = behind_links(file);
-  if (fs::is_symlink(at, error)) give_up(file, ELOOP);  // in a circle
-  if (fs::exists(status) && ::access(at.c_str(), W_OK) != 0) give_up(file, errno);
+  if (fs::is_symlink(at, error)) refuse_unwritable(file, ELOOP);  // in a circle
+  if (fs::exists(status) && ::access(at.c_str(), W_OK) != 0) refuse_unwritable(file, errno);
   const fs::path aside = part_of(at);
   int reason = 0;
   try {
@@ -175,7 +175,7 @@ void write_whole_file(const fs::path& file, std::initializer_list<std::string_vi
   }
   if (reason == 0) return;
   ::unlink(aside.c_str());
-  give_up(file, reason);
+  refuse_unwritable(file, reason);
 }
 
 }  // namespace palpable

@@ -43,13 +43,13 @@ std::optional<Points2> corners_of(const ColorImage& image, const BoardPattern& p
   return corners;
 }
 
-std::vector<Eigen::Vector2d> to_eigen(const Points2& points) {
+std::vector<Eigen::Vector2d> to_eigen_points(const Points2& points) {
   std::vector<Eigen::Vector2d> result;
   for (const cv::Point2f& p : points) result.emplace_back(p.x, p.y);
   return result;
 }
 
-Points2 to_cv(const std::vector<Eigen::Vector2d>& points) {
+Points2 to_cv_points(const std::vector<Eigen::Vector2d>& points) {
   Points2 result;
   for (const Eigen::Vector2d& p : points) {
     result.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
@@ -141,7 +141,7 @@ std::vector<double> rows_of(const std::vector<Eigen::Vector2d>& points, const Di
     for (int j = 0; j < 3; ++j) R(i, j) = rectified_from_eye(i, j);
   }
   Points2 straight;
-  cv::undistortPoints(to_cv(points), straight, K, D, R, P);
+  cv::undistortPoints(to_cv_points(points), straight, K, D, R, P);
   std::vector<double> rows;
   for (const cv::Point2f& p : straight) rows.push_back(p.y);
   return rows;
@@ -168,8 +168,8 @@ Corners corners_of(std::span<const BoardView> views, const BoardPattern& pattern
   Corners corners;
   corners.boards.assign(views.size(), board_points(pattern));
   for (const BoardView& seen : views) {
-    corners.left.push_back(to_cv(seen.left));
-    corners.right.push_back(to_cv(seen.right));
+    corners.left.push_back(to_cv_points(seen.left));
+    corners.right.push_back(to_cv_points(seen.right));
   }
   return corners;
 }
@@ -294,7 +294,7 @@ std::optional<BoardView> find_board(const ColorImage& left, const ColorImage& ri
     if ((in_left->back() - in_left->front()).dot(in_right->back() - in_right->front()) < 0) {
       std::reverse(in_right->begin(), in_right->end());
     }
-    return BoardView{0, to_eigen(*in_left), to_eigen(*in_right)};
+    return BoardView{0, to_eigen_points(*in_left), to_eigen_points(*in_right)};
   } catch (const cv::Exception&) { return std::nullopt; }  // an image too small, say
 }
 

@@ -37,8 +37,8 @@ cv::FileStorage open_yaml(const std::string& text) {
       text, cv::FileStorage::READ | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
 }
 
-double number(const cv::FileStorage& file, const char* name,
-              std::optional<double> fallback = std::nullopt) {
+double read_number(const cv::FileStorage& file, const char* name,
+                   std::optional<double> fallback = std::nullopt) {
   const cv::FileNode node = file[name];
   if (node.empty() && fallback) return *fallback;
   if (!node.isInt() && !node.isReal()) { throw Unusable{fmt::format("has no number '{}'", name)}; }
@@ -46,7 +46,7 @@ double number(const cv::FileStorage& file, const char* name,
 }
 
 int size_px(const cv::FileStorage& file, const char* name) {
-  const double value = number(file, name);
+  const double value = read_number(file, name);
   if (!(value >= 1 && value <= kLargestSide) || value != std::floor(value)) {
     throw Unusable{fmt::format("has {} = {}; it should be a whole number of pixels up to {}", name,
                                value, kLargestSide)};
@@ -86,7 +86,7 @@ std::vector<double> matrix(const cv::FileStorage& file, const char* name, std::s
   return values;
 }
 
-DistortedCamera lens(const cv::FileStorage& file, char eye, int width, int height) {
+DistortedCamera read_lens(const cv::FileStorage& file, char eye, int width, int height) {
   const std::string k_name = {'K', eye};
   const std::string d_name = {'D', eye};
   const std::vector<double> K = matrix(file, k_name.c_str(), 9);
@@ -114,7 +114,7 @@ DistortedCamera lens(const cv::FileStorage& file, char eye, int width, int heigh
 }
 
 double frame_rate(const cv::FileStorage& file) {
-  const double fps = number(file, "fps", 30.0);
+  const double fps = read_number(file, "fps", 30.0);
   if (!(fps > 0 && fps <= 10000)) throw Unusable{fmt::format("has fps = {}", fps)};
   return fps;
 }
@@ -123,8 +123,8 @@ StereoCalibration stereo_from(const cv::FileStorage& file) {
   const int width = size_px(file, "image_width");
   const int height = size_px(file, "image_height");
   StereoCalibration calibration;
-  calibration.rig.left = lens(file, '1', width, height);
-  calibration.rig.right = lens(file, '2', width, height);
+  calibration.rig.left = read_lens(file, '1', width, height);
+  calibration.rig.right = read_lens(file, '2', width, height);
   const std::vector<double> R = matrix(file, "R", 9);
   const std::vector<double> T = matrix(file, "T", 3);
   calibration.rig.right_from_left.linear() =
@@ -146,11 +146,12 @@ StereoCalibration stereo_from(const cv::FileStorage& file) {
 
 RectifiedCalibration rectified_from(const cv::FileStorage& file) {
   RectifiedCalibration calibration;
-  calibration.stereo.camera = {size_px(file, "width"), size_px(file, "height"), number(file, "fx"),
-                               number(file, "fy"),     number(file, "cx"),      number(file, "cy")};
-  calibration.stereo.baseline = number(file, "baseline_m");
+  calibration.stereo.camera = {size_px(file, "width"),  size_px(file, "height"),
+                               read_number(file, "fx"), read_number(file, "fy"),
+                               read_number(file, "cx"), read_number(file, "cy")};
+  calibration.stereo.baseline = read_number(file, "baseline_m");
   // d = x_L - x_R = f T / Z + (cx_L - cx_R), and Middlebury's doffs is cx_R - cx_L.
-  calibration.stereo.disparity_at_infinity_px = -number(file, "doffs_px", 0.0);
+  calibration.stereo.disparity_at_infinity_px = -read_number(file, "doffs_px", 0.0);
   calibration.frames_per_second = frame_rate(file);
   const std::string wrong = what_is_wrong_with(calibration.stereo);
   if (!wrong.empty()) throw Unusable{"cannot be used: " + wrong};
@@ -188,7 +189,7 @@ std::string yaml_matrix(std::string_view name, int rows, int columns, const Numb
                      name, rows, columns, fmt::join(texts, ", "));
 }
 
-std::vector<double> camera_matrix(const PinholeCamera& c) {
+std::vector<double> camera_matrix_rows(const PinholeCamera& c) {
   return {c.fx_px, 0, c.cx_px, 0, c.fy_px, c.cy_px, 0, 0, 1};
 }
 
@@ -220,11 +221,11 @@ std::string wrong_with(const PinholeCamera& camera, std::string_view name) {
 // Whether no ray reaches the middle of the image's left and right border, because the radial part
 // r (1 + k1 r^2 + k2 r^4 + k3 r^6) has its maximum before it. (In the corners many usable
 // calibrations fold; that does no harm.)
-bool folds_over(const DistortedCamera& lens) {
-  const double border = 0.5 * lens.pinhole.width / lens.pinhole.fx_px;
-  const double k1 = lens.distortion[0];
-  const double k2 = lens.distortion[1];
-  const double k3 = lens.distortion[4];
+bool folds_over(const DistortedCamera& read_lens) {
+  const double border = 0.5 * read_lens.pinhole.width / read_lens.pinhole.fx_px;
+  const double k1 = read_lens.distortion[0];
+  const double k2 = read_lens.distortion[1];
+  const double k3 = read_lens.distortion[4];
   constexpr double kStep = 0.01;
   for (double r = 0; r < 100; r += kStep) {
     const double q = r * r;
@@ -341,9 +342,9 @@ void write_stereo_calibration(const std::filesystem::path& path,
   std::string text = "%YAML:1.0\n---\n";
   text += fmt::format("image_width: {}\nimage_height: {}\nfps: {}\n", rig.left.pinhole.width,
                       rig.left.pinhole.height, real(calibration.frames_per_second));
-  text += yaml_matrix("K1", 3, 3, camera_matrix(rig.left.pinhole));
+  text += yaml_matrix("K1", 3, 3, camera_matrix_rows(rig.left.pinhole));
   text += yaml_matrix("D1", 1, 5, rig.left.distortion);
-  text += yaml_matrix("K2", 3, 3, camera_matrix(rig.right.pinhole));
+  text += yaml_matrix("K2", 3, 3, camera_matrix_rows(rig.right.pinhole));
   text += yaml_matrix("D2", 1, 5, rig.right.distortion);
   text += yaml_matrix("R", 3, 3, std::vector<double>(R.data(), R.data() + 9));
   text += yaml_matrix("T", 3, 1, std::vector<double>(T.data(), T.data() + 3));

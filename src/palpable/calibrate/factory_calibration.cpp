@@ -54,7 +54,7 @@ struct Missing {
   std::string key;
 };
 
-double number(const Entries& entries, const std::string& key) {
+double number_at(const Entries& entries, const std::string& key) {
   const auto entry = entries.find(key);
   const auto value = entry == entries.end() ? std::nullopt : to_number(entry->second);
   if (!value) throw Missing{key};
@@ -63,7 +63,7 @@ double number(const Entries& entries, const std::string& key) {
 
 // The same for an entry that may be absent.
 double number_or_0(const Entries& entries, const std::string& key) {
-  return entries.contains(key) ? number(entries, key) : 0.0;
+  return entries.contains(key) ? number_at(entries, key) : 0.0;
 }
 
 // The section for eyes of this size.
@@ -88,20 +88,21 @@ Result<Section> section_for(const Entries& entries, const std::filesystem::path&
                              sizes, width, height)};
 }
 
-DistortedCamera lens(const Entries& entries, std::string_view eye, const Section& section) {
+DistortedCamera factory_lens(const Entries& entries, std::string_view eye, const Section& section) {
   const std::string s = fmt::format("{}_CAM_{}.", eye, section.name);
-  return {{section.width, section.height, number(entries, s + "fx"), number(entries, s + "fy"),
-           number(entries, s + "cx"), number(entries, s + "cy")},
-          {number(entries, s + "k1"), number(entries, s + "k2"), number_or_0(entries, s + "p1"),
-           number_or_0(entries, s + "p2"), number_or_0(entries, s + "k3")}};
+  return {
+      {section.width, section.height, number_at(entries, s + "fx"), number_at(entries, s + "fy"),
+       number_at(entries, s + "cx"), number_at(entries, s + "cy")},
+      {number_at(entries, s + "k1"), number_at(entries, s + "k2"), number_or_0(entries, s + "p1"),
+       number_or_0(entries, s + "p2"), number_or_0(entries, s + "k3")}};
 }
 
 StereoRig rig_of(const Entries& entries, const Section& section) {
   StereoRig rig;
-  rig.left = lens(entries, "LEFT", section);
-  rig.right = lens(entries, "RIGHT", section);
+  rig.left = factory_lens(entries, "LEFT", section);
+  rig.right = factory_lens(entries, "RIGHT", section);
   const auto turn_of = [&](const char* name) {
-    return number(entries, fmt::format("STEREO.{}_{}", name, section.name));
+    return number_at(entries, fmt::format("STEREO.{}_{}", name, section.name));
   };
   const Eigen::Vector3d turn(turn_of("RX"), turn_of("CV"), turn_of("RZ"));
   const double angle = turn.norm();
@@ -110,7 +111,7 @@ StereoRig rig_of(const Entries& entries, const Section& section) {
   }
   constexpr double kMillimetre = 1e-3;
   rig.right_from_left.translation() =
-      kMillimetre * Eigen::Vector3d(-std::abs(number(entries, "STEREO.Baseline")),
+      kMillimetre * Eigen::Vector3d(-std::abs(number_at(entries, "STEREO.Baseline")),
                                     number_or_0(entries, "STEREO.TY"),
                                     number_or_0(entries, "STEREO.TZ"));
   return rig;

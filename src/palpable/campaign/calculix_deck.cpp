@@ -68,7 +68,7 @@ std::string material_section(const Material& material, const std::string& name, 
 }
 
 // Nodes and elements, numbered from 1.
-void write_mesh(const TetMesh& mesh, const CalculixUnits& units, std::string& deck) {
+void append_mesh(const TetMesh& mesh, const CalculixUnits& units, std::string& deck) {
   const auto out = std::back_inserter(deck);
   deck += "*NODE, NSET=NALL\n";
   for (int n = 0; n < mesh.node_count(); ++n) {
@@ -88,7 +88,7 @@ void write_mesh(const TetMesh& mesh, const CalculixUnits& units, std::string& de
 }
 
 // What is in no group is BODY, the groups are GROUP1 and so on.
-void write_materials(const SolidModel& model, const CalculixUnits& units, std::string& deck) {
+void append_materials(const SolidModel& model, const CalculixUnits& units, std::string& deck) {
   const auto out = std::back_inserter(deck);
   const std::vector<int> group_of = material_groups(model);
   for (int g = -1; g < static_cast<int>(model.groups.size()); ++g) {
@@ -213,8 +213,8 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
                  "** Written by Palpable. Lengths in {:g} m, stresses in {:g} Pa.\n", units.length,
                  units.stress);
   deck += "** Time is the load level.\n";
-  write_mesh(model.mesh, units, deck);
-  write_materials(model, units, deck);
+  append_mesh(model.mesh, units, deck);
+  append_materials(model, units, deck);
   if (lid != nullptr) write_lid(model, *lid, units, deck);
   const std::vector<HeldComponent> held = held_components(model);
   deck += "*BOUNDARY\n";

@@ -239,7 +239,7 @@ MatrixXd values_of(const NodalFile& file, const ImportManifest::Field& field,
 }
 
 // Into the body frame: `up` turns to Z, x to y to z cyclically (place_in_body_frame()).
-void turn(MatrixXd& values, const std::string& field, UpAxis up) {
+void turn_up(MatrixXd& values, const std::string& field, UpAxis up) {
   const int first = up == UpAxis::kX ? 1 : up == UpAxis::kY ? 2 : 0;
   const MatrixXd given = values;
   if (field == "displacement") {
@@ -270,7 +270,7 @@ struct Reader {
       const MatrixXd values = values_of(file, field, (folder / path).string());
       const std::vector<Index> rows = match.rows(file, values.cols(), (folder / path).string());
       MatrixXd mine = values(Eigen::all, rows);
-      turn(mine, field.name, up);
+      turn_up(mine, field.name, up);
       all.push_back(std::move(mine));
     }
     return all;

@@ -9,7 +9,7 @@
 namespace palpable {
 namespace {
 
-constexpr double kFarthest = 1e3;  // m: what is farther away is a slip
+constexpr double kLargestContactDistance = 1e3;  // m: what is farther away is a slip
 
 // A number from 0 to `largest`; nothing where the line has none.
 std::optional<double> within(const JsonObject& line, const char* key, double largest) {
@@ -43,8 +43,8 @@ std::vector<ContactLine> read_contacts(const std::filesystem::path& path) {
     contact.frame = line.frame_after(contacts.empty() ? -1 : contacts.back().frame);
     contact.touching = line.flag("touching");
     contact.site = line.whole_or("site", -1);
-    contact.depth = within(line, "depth_m", kFarthest).value_or(0);
-    contact.gap = within(line, "gap_m", kFarthest);
+    contact.depth = within(line, "depth_m", kLargestContactDistance).value_or(0);
+    contact.gap = within(line, "gap_m", kLargestContactDistance);
     contact.seen_share = within(line, "seen_share", 1);
     if (const auto p = line.numbers_if_any("point", 3)) {
       contact.point = Eigen::Vector3d((*p)[0], (*p)[1], (*p)[2]);

@@ -18,8 +18,6 @@ std::string three(const Eigen::Vector3d& v, int digits) {
   return fmt::format("[{:.{}f},{:.{}f},{:.{}f}]", v.x(), digits, v.y(), digits, v.z(), digits);
 }
 
-Eigen::Vector3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
-
 }  // namespace
 
 std::string deformed_line(const DeformedLine& line) {

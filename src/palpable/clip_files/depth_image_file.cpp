@@ -17,7 +17,7 @@ constexpr double kLargestCount = 65534;  // of a depth: the one above it is kToo
 static_assert(static_cast<float>(kDepthUnit) == 0.25e-3f);
 static_assert(static_cast<float>(kBodyDepthUnit) == 1e-4f);
 
-cv::Mat matrix_of(const DepthCounts& counts) {
+cv::Mat depth_matrix(const DepthCounts& counts) {
   // For reading only; OpenCV has no matrix of constants.
   return {counts.height(), counts.width(), CV_16UC1, const_cast<std::uint16_t*>(counts.data())};
 }
@@ -78,17 +78,17 @@ DepthCounts body_counts(const DepthImage& full_size) {
 void write_measured_depth(const std::filesystem::path& path, const DepthImage& depth,
                           const MaskImage& too_close) {
   const DepthCounts counts = measured_counts(depth, too_close);
-  write_image(path, matrix_of(counts), png_of_runs());
+  write_image(path, depth_matrix(counts), png_of_runs());
 }
 
 void write_true_depth(const std::filesystem::path& path, const DepthImage& depth) {
   const DepthCounts counts = true_counts(depth);
-  write_image(path, matrix_of(counts), png_of_repetitions());
+  write_image(path, depth_matrix(counts), png_of_repetitions());
 }
 
 void write_body_depth(const std::filesystem::path& path, const DepthImage& full_size) {
   const DepthCounts counts = body_counts(full_size);
-  write_image(path, matrix_of(counts), png_of_runs());
+  write_image(path, depth_matrix(counts), png_of_runs());
 }
 
 std::optional<DepthCounts> read_depth_counts(const std::filesystem::path& path) {

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostFrames = 10'000'000;  // beyond it a number is a slip
+constexpr double kLargestFrameNumber = 10'000'000;  // beyond it a number is a slip
 
 bool is_of_digits(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -31,8 +31,8 @@ int frames_in(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string stem = entry.path().stem().string();
     if (!is_of_digits(stem)) continue;
-    const double number = to_number(stem).value_or(kMostFrames);
-    if (number < kMostFrames) frames = std::max(frames, static_cast<int>(number) + 1);
+    const double number = to_number(stem).value_or(kLargestFrameNumber);
+    if (number < kLargestFrameNumber) frames = std::max(frames, static_cast<int>(number) + 1);
   }
   return frames;
 }

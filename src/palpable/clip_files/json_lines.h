@@ -54,6 +54,11 @@ class JsonObject {
   const nlohmann::json& object_;
 };
 
+/// The first three numbers, which must be there.
+[[nodiscard]] inline Eigen::Vector3d vector_of(const std::vector<double>& v) {
+  return {v[0], v[1], v[2]};
+}
+
 /// Hands over the objects of a file, line by line.
 /// @throws Error that names file and line
 void for_each_object(const std::filesystem::path& path,

@@ -53,7 +53,7 @@ ordered_json map_of(const std::optional<LiveSummary::Map>& map) {
           {"free_space_refused", map->free_space_refused}};
 }
 
-ordered_json depth_of(const LiveSummary::Depth& depth) {
+ordered_json depth_json(const LiveSummary::Depth& depth) {
   return {{"median_density", depth.median_density},
           {"frames_few_depths", depth.frames_few_depths},
           {"frames_rows_off", depth.frames_rows_off},
@@ -127,7 +127,7 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
       summary.color_from_depth ? rows_of(*summary.color_from_depth) : ordered_json(nullptr);
   live["tracking"] = tracking_of(summary.tracking);
   live["map"] = map_of(summary.map);
-  live["depth"] = depth_of(summary.depth);
+  live["depth"] = depth_json(summary.depth);
   live["frames"] = summary.processed.size();
   live["unreadable"] = summary.unreadable;
   live["source_troubles"] = troubles_of(summary.source_troubles);

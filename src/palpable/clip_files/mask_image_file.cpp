@@ -10,7 +10,7 @@
 namespace palpable {
 namespace {
 
-cv::Mat matrix_of(const GrayImage& image) {
+cv::Mat mask_matrix(const GrayImage& image) {
   // For reading only; OpenCV has no matrix of constants.
   return {image.height(), image.width(), CV_8UC1, const_cast<std::uint8_t*>(image.data())};
 }
@@ -18,7 +18,7 @@ cv::Mat matrix_of(const GrayImage& image) {
 }  // namespace
 
 void write_mask(const std::filesystem::path& path, const MaskImage& mask) {
-  write_image(path, matrix_of(mask), png_of_runs());
+  write_image(path, mask_matrix(mask), png_of_runs());
 }
 
 std::optional<MaskImage> read_mask(const std::filesystem::path& path) {
@@ -29,7 +29,7 @@ std::optional<MaskImage> read_mask(const std::filesystem::path& path) {
 }
 
 void write_labels(const std::filesystem::path& path, const GrayImage& labels) {
-  write_image(path, matrix_of(labels), png_of_repetitions());
+  write_image(path, mask_matrix(labels), png_of_repetitions());
 }
 
 std::optional<GrayImage> read_labels(const std::filesystem::path& path) {

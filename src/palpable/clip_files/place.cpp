@@ -18,9 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFarthest = 100;  // m; a larger number is more likely in mm
+constexpr double kLargestPosition = 100;  // m; a larger number is more likely in mm
 
-Rigid3 pose_of(const std::vector<double>& n, const std::string& where) {
+Rigid3 pose_of_numbers(const std::vector<double>& n, const std::string& where) {
   for (const double value : n) {
     if (!std::isfinite(value)) throw Error(fmt::format("{}: {} is no place", where, value));
   }
@@ -54,14 +54,14 @@ Rigid3 pose_of(const std::vector<double>& n, const std::string& where) {
     throw Error(fmt::format("{}: the body would stand behind the camera (z = {} m)", where,
                             pose.translation().z()));
   }
-  if (pose.translation().norm() > kFarthest) {
+  if (pose.translation().norm() > kLargestPosition) {
     throw Error(fmt::format("{}: the body would stand {:.3g} m away; places are in metres", where,
                             pose.translation().norm()));
   }
   return pose;
 }
 
-toml::table parse_toml(const fs::path& path) {
+toml::table parse_place_file(const fs::path& path) {
   const std::string text = value_or_throw(read_bounded_text(path, Notation::kToml));
   try {
     return toml::parse(text, path.string());
@@ -82,7 +82,7 @@ std::optional<Rigid3> pose_in(const toml::table& table, const std::string& where
     if (!value) throw Error(fmt::format("{}: camera_from_body holds what is no number", where));
     numbers.push_back(*value);
   }
-  return pose_of(numbers, where + ": camera_from_body");
+  return pose_of_numbers(numbers, where + ": camera_from_body");
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ Rigid3 upright_pose(double x, double y, double z, double roll, double pitch, dou
 
 Rigid3 read_pose(const std::string& text, const std::string& option) {
   if (const auto numbers = to_numbers(text); numbers && !numbers->empty()) {
-    return pose_of(*numbers, option);
+    return pose_of_numbers(*numbers, option);
   }
   std::error_code ignored;
   if (!fs::is_regular_file(text, ignored)) {
@@ -113,21 +113,21 @@ Rigid3 read_pose(const std::string& text, const std::string& option) {
                             option, text));
   }
   if (fs::path(text).extension() == ".toml") {
-    if (const auto pose = pose_in(parse_toml(text), text)) return *pose;
+    if (const auto pose = pose_in(parse_place_file(text), text)) return *pose;
     throw Error(fmt::format("{}: has no camera_from_body", text));
   }
   const auto lines = read_lines(text);
   if (!lines) throw Error(fmt::format("{}: cannot be read", text));
   const auto numbers = to_numbers(fmt::format("{}", fmt::join(*lines, " ")));
   if (!numbers) throw Error(fmt::format("{}: holds what is no finite number", text));
-  return pose_of(*numbers, text);
+  return pose_of_numbers(*numbers, text);
 }
 
 SceneFile read_scene_file(const fs::path& path) {
   SceneFile scene;
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return scene;
-  const toml::table table = parse_toml(path);
+  const toml::table table = parse_place_file(path);
   scene.camera_from_body = pose_in(table, path.string());
   if (const toml::node* node = table.get("press_static")) {
     const auto press_static = node->value_exact<bool>();

@@ -13,8 +13,6 @@
 namespace palpable {
 namespace {
 
-Eigen::Vector3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
-
 std::string text_of(const Eigen::Vector3d& v) {
   return fmt::format("[{:.6f},{:.6f},{:.6f}]", v.x(), v.y(), v.z());
 }

@@ -12,7 +12,7 @@
 namespace palpable {
 namespace {
 
-StampedPose pose_of(const std::string& line) {
+StampedPose stamped_pose_of(const std::string& line) {
   const std::optional<std::vector<double>> n = to_numbers(line);
   // to_numbers() would read numbers in brackets, too.
   if (!n || n->size() != 8 || line.find_first_of("[];") != std::string::npos) {
@@ -42,7 +42,7 @@ std::vector<StampedPose> read_trajectory(const std::filesystem::path& path) {
   std::vector<StampedPose> poses;
   for_each_line(path, [&](const std::string& line) {
     if (line.front() == '#') return;
-    const StampedPose pose = pose_of(line);
+    const StampedPose pose = stamped_pose_of(line);
     if (!poses.empty() && !(pose.time > poses.back().time)) {
       throw Error(
           fmt::format("times must rise: {} s comes after {} s", pose.time, poses.back().time));

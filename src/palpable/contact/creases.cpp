@@ -20,7 +20,7 @@ constexpr int kLeastHalfChord = 2;  // px
 constexpr float kRoot = 1.41421356f;
 
 // The slanted ones last.
-constexpr std::array<std::pair<int, int>, 4> kDirections{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+constexpr std::array<std::pair<int, int>, 4> kPixelDirections{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
 
 // Places nearer to the box's rim are never hollow, so that all that are have eight neighbours.
 constexpr int kRim = 2;
@@ -36,10 +36,10 @@ constexpr float kSmeared = 1.5f;
 // Of a thing of which only the far half of its section is seen, nothing can be said.
 constexpr double kLeastSine = -0.4;
 
-constexpr double kLeastPixels = 8;  // of which a slope is taken
-constexpr std::size_t kRoom = 8;    // for one of so many pixels
+constexpr double kLeastSlopePixels = 8;  // of which a slope is taken
+constexpr std::size_t kSlopeRoom = 8;    // for one of so many pixels
 
-constexpr double kLeastSpread = 0.1;  // px^4, else the pixels are one line
+constexpr double kLeastSlopeSpread = 0.1;  // px^4, else the pixels are one line
 
 }  // namespace
 
@@ -54,8 +54,8 @@ void Creases::smooth(const DepthImage& depth, const Silhouette& silhouette) {
   for (std::vector<float>* values : {&inverse_, &mean_}) values->reserve(depth.size());
   places_.reserve(depth.size());
   hollow_.reserve(depth.size());
-  group_.reserve(depth.size() / kRoom);
-  pixels_.reserve(depth.size() / kRoom);
+  group_.reserve(depth.size() / kSlopeRoom);
+  pixels_.reserve(depth.size() / kSlopeRoom);
   for (std::vector<float>* values : {&inverse_, &mean_}) values->assign(count, 0.0f);
   if (places_.size() < count) places_.resize(count);
   for (int y = 0; y < box_.height; ++y) {
@@ -94,7 +94,7 @@ void Creases::ask(int x, int y) {
     const float across = 2 * static_cast<float>(n) * step * z / fx_px_;
     const float shallow = z - across * across / (8 * radius_);
     for (std::size_t d = slanted ? 2 : 0; d < (slanted ? 4 : 2); ++d) {
-      const auto [dx, dy] = kDirections[d];
+      const auto [dx, dy] = kPixelDirections[d];
       const auto away = static_cast<std::ptrdiff_t>(n) * (dx + dy * width);
       const float* middle = &mean_[at];
       const float w1 = *(middle - away), w2 = *(middle + away);
@@ -138,7 +138,7 @@ void Creases::gather(std::size_t first) {
     return;
   }
   for (const std::size_t at : group_) {
-    const auto [dx, dy] = kDirections[places_[at].direction];
+    const auto [dx, dy] = kPixelDirections[places_[at].direction];
     const int x = static_cast<int>(at % width), y = static_cast<int>(at / width);
     const float before = places_[index(x - dx, y - dy)].sag;
     const float after = places_[index(x + dx, y + dy)].sag;
@@ -209,12 +209,12 @@ std::optional<Creases::Side> Creases::side_of(const Silhouette& silhouette, int 
     }
   }
   Side side{*width};
-  if (s < kLeastPixels) return side;
+  if (s < kLeastSlopePixels) return side;
   const double mp = sp / s, mq = sq / s, mw = sw / s;
   const double cpp = spp / s - mp * mp, cpq = spq / s - mp * mq, cqq = sqq / s - mq * mq;
   const double cpw = spw / s - mp * mw, cqw = sqw / s - mq * mw;
   const double determinant = cpp * cqq - cpq * cpq;
-  if (!(determinant > kLeastSpread)) return side;
+  if (!(determinant > kLeastSlopeSpread)) return side;
   // dZ = -Z^2 dw, and a pixel is Z / f wide.
   const double slope_of = static_cast<double>(fx_px_) / mw / determinant;
   side.slope = (cqq * cpw - cpq * cqw) * slope_of;

@@ -34,14 +34,14 @@ constexpr float kMostBeside = 0.75f;
 // Towards the end of a thing distances fall, and behind they do not; px per px.
 constexpr float kFalls = 0.3f, kFlat = 0.3f;
 
-constexpr int kChunk = 64;  // px of a row that are asked at once
+constexpr int kRowChunk = 64;  // px of a row that are asked at once
 
 constexpr float kThinnest = 1.0f / 3;  // px, a disc
 
 // The direction of a front must be known to about a tenth: a window that is one pixel wide says
 // nothing across.
-constexpr double kLeastSpread = 0.4;  // px^2, variance of the pixels in the window
-constexpr int kLeastPixels = 5;
+constexpr double kLeastWindowSpread = 0.4;  // px^2, variance of the pixels in the window
+constexpr int kLeastWindowPixels = 5;
 
 // A front that is seen flatter than this says little about how deep its thing is.
 constexpr double kLeastFacing = 0.4;
@@ -142,19 +142,19 @@ struct Finder {
                                                   double nearer = 0) const {
     const auto fattening = static_cast<float>(settings.fattening);
     const Sums s = sum_window(x, y, fattening + std::min(kOutlinePx, kOutlineShare * disc), radius);
-    if (s.n < kLeastPixels) return std::nullopt;
+    if (s.n < kLeastWindowPixels) return std::nullopt;
     const double mu = s.u / s.n, mv = s.v / s.n, me = s.e / s.n;
     const double cuu = s.uu / s.n - mu * mu, cuv = s.uv / s.n - mu * mv;
     const double cvv = s.vv / s.n - mv * mv;
     const double cuw = s.ue / s.n - mu * me, cvw = s.ve / s.n - mv * me;
     const double determinant = cuu * cvv - cuv * cuv;
     double b = 0, c = 0;
-    if (determinant >= kLeastSpread * std::max(cuu, cvv)) {
+    if (determinant >= kLeastWindowSpread * std::max(cuu, cvv)) {
       b = (cvv * cuw - cuv * cvw) / determinant;
       c = (cuu * cvw - cuv * cuw) / determinant;
     } else {  // a line of pixels: the slope along it alone
       const double trace = cuu + cvv;
-      if (!(trace > kLeastSpread)) return std::nullopt;
+      if (!(trace > kLeastWindowSpread)) return std::nullopt;
       const double along = (cuw * cuu + cvw * cuv) / (trace * trace);
       const double other = (cuw * cuv + cvw * cvv) / (trace * trace);
       b = along, c = other;
@@ -272,14 +272,14 @@ void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
   test.fattening = fattening;
   test.r = static_cast<float>(settings.most_radius);
   test.f_r = static_cast<float>(camera.fx_px) * test.r;
-  std::array<float, kChunk> distances;
+  std::array<float, kRowChunk> distances;
   for (int y = box.y; y < box.y + box.height; ++y) {
     const auto [begin, end] = silhouette.things_of_row(y);
-    for (int x = begin, chunk = kChunk; x < end; ++x, ++chunk) {
-      if (chunk == kChunk) {
+    for (int x = begin, chunk = kRowChunk; x < end; ++x, ++chunk) {
+      if (chunk == kRowChunk) {
         chunk = 0;
         find.kernels.find_middles(silhouette.distances(x, y - 1), silhouette.distances(x, y),
-                                  silhouette.distances(x, y + 1), std::min(kChunk, end - x),
+                                  silhouette.distances(x, y + 1), std::min(kRowChunk, end - x),
                                   silhouette.jump(), test, distances.data());
       }
       const float distance = distances[static_cast<std::size_t>(chunk)];

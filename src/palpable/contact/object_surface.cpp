@@ -22,15 +22,13 @@ constexpr float kShapeStep = 0.5f;
 
 // Balls, and points of them, for which there is room from the start: a flat hand near the camera
 // makes 2,500, and no two frames of it as many. More are possible.
-constexpr std::size_t kRoom = 8192;
+constexpr std::size_t kBallRoom = 8192;
 
 // Of the sum of two builds' ways: between a whole thing's (1/2) and that of one cut off (1).
 constexpr double kSeenMove = 2.0 / 3;
 
 constexpr float kAmid = 1e-6f;  // m: nearer to a ball's middle no direction leads out
 constexpr float kHalfRoot = 0.70710678f;
-
-bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
 }  // namespace
 
@@ -47,12 +45,12 @@ ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
   PALPABLE_EXPECT(settings.noise_constant >= 0 && settings.noise_linear >= 0 &&
                       settings.noise_quadratic >= 0 && settings.pixels_alike > 0,
                   "noise is not negative");
-  cloud_.reserve(kRoom);
-  found_.reserve(kRoom);
-  balls_.reserve(kRoom);
-  bare_.reserve(kRoom);
-  tree_.reserve(kRoom);
-  held_.reserve(kRoom);
+  cloud_.reserve(kBallRoom);
+  found_.reserve(kBallRoom);
+  balls_.reserve(kBallRoom);
+  bare_.reserve(kBallRoom);
+  tree_.reserve(kBallRoom);
+  held_.reserve(kBallRoom);
 }
 
 double ObjectSurface::noise_at(double Z) const {

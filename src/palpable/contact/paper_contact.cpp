@@ -14,7 +14,7 @@ namespace {
 // Of a squared length, so that rounding leaves out nothing that is just within it.
 constexpr double kSomewhatMore = 1 + 1e-6;
 
-int nearest_site(const ReducedBody& body, int vertex) {
+int site_nearest_to_vertex(const ReducedBody& body, int vertex) {
   const Eigen::Matrix3Xd& X = body.surface.vertices;
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
@@ -33,7 +33,7 @@ PaperNodes::PaperNodes(const ReducedBody& body, QueriedNodes which) : which_(whi
     for (int k = 0; k < V; ++k) {
       if (body.fixed[static_cast<std::size_t>(k)] == 0) vertices_.push_back(k);
     }
-    for (const int k : vertices_) sites_.push_back(nearest_site(body, k));
+    for (const int k : vertices_) sites_.push_back(site_nearest_to_vertex(body, k));
     displacement_.resize(3, V);
   } else {
     for (const Site& site : body.sites) {

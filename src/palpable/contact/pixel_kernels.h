@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,6 +13,9 @@ namespace palpable {
 
 /// Vectorised loops read, but never change, so many pixels of a row more than they are told to.
 inline constexpr int kReadBeyond = 12;
+
+/// Whether a pixel's depth was measured.
+[[nodiscard]] inline bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
 /// From a pixel to the nearest pixel beyond the outline.
 struct ToOutline {

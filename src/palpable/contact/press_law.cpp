@@ -33,7 +33,7 @@ double distance_to_site(const ReducedBody& body, int site, const Vector3f& x) {
   return (body.surface.vertices.col(body.sites[site].vertex) - x.cast<double>()).norm();
 }
 
-int nearest_site(const ReducedBody& body, const Vector3f& x) {
+int site_nearest_to_point(const ReducedBody& body, const Vector3f& x) {
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (int s = 0; s < static_cast<int>(body.sites.size()); ++s) {
@@ -232,7 +232,7 @@ PressState PressLaw::advance(const PressState& previous, const ObjectSurface& se
   const bool held = previous.touch.has_value();
   const double share = held ? 1 - settings_.hysteresis : 1.0;
   const std::optional<TouchedRegion> region = touched_region(seen, share);
-  const int candidate = region ? nearest_site(*body_, region->middle) : -1;
+  const int candidate = region ? site_nearest_to_point(*body_, region->middle) : -1;
   const auto need = [&](int site) {
     return need_of(site, seen, site == candidate ? region : std::nullopt, share);
   };

@@ -20,7 +20,7 @@ constexpr int kRounds = 3;
 // m: a round that moves no vertex by more is the last one; as TouchSettings::tolerance.
 constexpr double kTolerance = 2e-5;
 // m between two skins' boxes, beyond which nothing of the one is asked of the other.
-constexpr float kBeside = 0.004f;
+constexpr float kBesideBody = 0.004f;
 
 constexpr float kFastest = 0.02f;  // m that a body may come nearer in a frame
 // m by which bodies at rest stand off each other at least: what is told of their places is rounded,
@@ -51,7 +51,7 @@ struct PressingBodies::Part {
   [[nodiscard]] bool is_near_real() const {
     if (body.seen != nullptr) return !body.seen->balls().empty();
     const AlignedBox3f box = skin.surface().bounds();
-    return !seen_near || seen_near(box.center(), 0.5f * box.diagonal().norm() + kBeside);
+    return !seen_near || seen_near(box.center(), 0.5f * box.diagonal().norm() + kBesideBody);
   }
   // By itself: something presses it, or did in the frame before.
   [[nodiscard]] bool is_awake() const {
@@ -200,7 +200,7 @@ void PressingBodies::find_near_pairs() {
       Part &a = part(pair.points), &b = part(pair.skin);
       if (pair.is_near || (!a.takes_part && !b.takes_part)) continue;
       AlignedBox3f box = a.skin.surface().bounds().transformed(pair.to_skin);
-      const float beside = kBeside + std::min(kFastest, static_cast<float>(move_));
+      const float beside = kBesideBody + std::min(kFastest, static_cast<float>(move_));
       box.min().array() -= beside;
       box.max().array() += beside;
       if (!box.intersects(b.skin.surface().bounds())) continue;

@@ -13,7 +13,7 @@ namespace {
 constexpr float kPresent = 0.5f;
 
 // px: whoever looks for an outline looks so far beyond the box at most.
-constexpr int kBeside = 16;
+constexpr int kBesidePixels = 16;
 
 // A cell of fewer pixels does as the cells around it.
 constexpr float kFewest = 12;
@@ -54,10 +54,10 @@ void RestFilter::start(const DepthImage& depth, const MaskImage& shows, const Pi
   depth_.resize(depth.width(), depth.height());
   shows_.resize(depth.width(), depth.height());
   box_ = united(remembered_, box);
-  const int first = std::max(box_.y - kBeside, 0);
-  const int last = std::min(box_.y + box_.height + kBeside, depth.height());
-  const int left = std::max(box_.x - kBeside, 0);
-  const int right = std::min(box_.x + box_.width + kBeside, depth.width());
+  const int first = std::max(box_.y - kBesidePixels, 0);
+  const int last = std::min(box_.y + box_.height + kBesidePixels, depth.height());
+  const int left = std::max(box_.x - kBesidePixels, 0);
+  const int right = std::min(box_.x + box_.width + kBesidePixels, depth.width());
   for (int y = first; y < last; ++y) {
     std::copy(depth.row(y) + left, depth.row(y) + right, depth_.row(y) + left);
     std::copy(shows.row(y) + left, shows.row(y) + right, shows_.row(y) + left);

@@ -10,12 +10,10 @@
 namespace palpable {
 namespace {
 
-constexpr float kInfinite = std::numeric_limits<float>::infinity();
+constexpr float kNoDistance = std::numeric_limits<float>::infinity();
 
 constexpr float kLeast = 0.01f;  // px: 0 would say that there is no thing
 constexpr int kBarred = 3;       // px: no crease is wider
-
-bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
 // The outline runs before the middle of the first pixel beyond it: half a pixel, where it runs
 // along rows or columns. A slanted one passes nearer to the nearest of the many pixels beside it;
@@ -118,7 +116,7 @@ void Silhouette::begin_row(int y) {
                         static_cast<int>(!(std::abs(depth[x + width] - z) < least));
       const int shown = shows[x - 1] & shows[x + 1] & shows[x - width] & shows[x + width];
       if (apart == 0 && shown == kShowsPresser) {
-        distance_[at(x, y)] = kInfinite;
+        distance_[at(x, y)] = kNoDistance;
         continue;
       }
     }
@@ -137,7 +135,7 @@ float Silhouette::known_better(int x, int y) const {
 // The outlines that pass right beside a pixel of a thing.
 void Silhouette::begin_at(int x, int y) {
   float& distance = distance_[at(x, y)];
-  distance = kInfinite;
+  distance = kNoDistance;
   const float z = (*depth_)(x, y), least = static_cast<float>(settings_.least_jump);
   for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
     const int u = x + dx, v = y + dy;
@@ -187,7 +185,7 @@ void Silhouette::bar(int x, int y) {
   if (!(distance_[at(x, y)] > 0)) return;
   distance_[at(x, y)] = kLeast;
   nearest_[at(x, y)] = {};
-  beyond_[at(x, y)] = kInfinite;
+  beyond_[at(x, y)] = kNoDistance;
 }
 
 // The first pixel beside a crease that is not barred.
@@ -199,7 +197,7 @@ void Silhouette::begin_beside(const CreasePixel& crease, const Eigen::Vector2f& 
     const int x = crease.x + dx, y = crease.y + dy;
     if (x < box_.x || y < box_.y || x >= box_.x + box_.width || y >= box_.y + box_.height) return;
     const std::size_t n = at(x, y);
-    if (distance_[n] > 0 && beyond_[n] == kInfinite) continue;  // barred
+    if (distance_[n] > 0 && beyond_[n] == kNoDistance) continue;  // barred
     const float length =
         static_cast<float>(dx) * away.x() + static_cast<float>(dy) * away.y() + hidden;
     if (!(distance_[n] > length)) return;

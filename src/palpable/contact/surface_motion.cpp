@@ -15,7 +15,7 @@ namespace {
 using Eigen::Matrix3f;
 using Eigen::Vector3f;
 
-constexpr std::size_t kRoom = 8192;  // balls, as ObjectSurface
+constexpr std::size_t kMovingBallRoom = 8192;  // balls, as ObjectSurface
 
 // Balls that are asked at most: all of a finger's 100, of a palm's 1,500 every sixth.
 constexpr std::size_t kMostAsked = 256;
@@ -36,7 +36,7 @@ constexpr float kOff = 0.001f;
 constexpr float kAtOnce = 0.5f;
 
 // Six directions along axes, eight between them.
-const std::array<Vector3f, 14> kDirections = [] {
+const std::array<Vector3f, 14> kBallDirections = [] {
   std::array<Vector3f, 14> directions;
   std::size_t count = 0;
   for (int k = 0; k < 3; ++k) {
@@ -68,13 +68,13 @@ SurfaceMotion::SurfaceMotion(const SurfaceMotionSettings& settings) : settings_(
   PALPABLE_EXPECT(
       settings.around > 0 && settings.noise > 0 && settings.reach > 0 && settings.fades > 0,
       "lengths and times are above 0");
-  for (auto* balls : {&now_, &before_}) balls->reserve(kRoom);
-  for (auto* vectors : {&velocities_, &seen_before_}) vectors->reserve(kRoom);
-  balls_.reserve(kRoom);
-  bare_.reserve(kRoom);
+  for (auto* balls : {&now_, &before_}) balls->reserve(kMovingBallRoom);
+  for (auto* vectors : {&velocities_, &seen_before_}) vectors->reserve(kMovingBallRoom);
+  balls_.reserve(kMovingBallRoom);
+  bare_.reserve(kMovingBallRoom);
   ways_.reserve(kMostAsked);
   told_.reserve(kMostAsked);
-  places_.reserve(kMostAsked * kDirections.size());
+  places_.reserve(kMostAsked * kBallDirections.size());
 }
 
 void SurfaceMotion::add(std::span<const ObjectBall> balls, const Vector3f& camera, double time) {
@@ -114,7 +114,7 @@ void SurfaceMotion::find_places(const Vector3f& camera) {
     const Vector3f to_camera = (camera - ball.centre).normalized();
     const int of = static_cast<int>(told_.size());
     told_.push_back({ball.centre});
-    for (const Vector3f& n : kDirections) {
+    for (const Vector3f& n : kBallDirections) {
       if (n.dot(to_camera) < kAway) continue;
       const Vector3f at = ball.centre + ball.radius * n;
       const auto nearest = now_.nearest(at, kInside);

@@ -533,7 +533,6 @@ ColorImage gray_color(const GrayImage& gray) {
 TEST_CASE("a camera whose eyes are turned is right again within a second", "[depth][rows]") {
   const FrameFormat format = format_of(test::tilted_stereo());
   auto camera = value_or_throw(DepthCamera::make(format));
-  constexpr double kDegree = M_PI / 180;
   const auto pair = test::tilted_pair({0.15 * kDegree, 0.05 * kDegree}, 4);  // 0.9 px
   Frame frame;
   frame.left = gray_color(pair.left);

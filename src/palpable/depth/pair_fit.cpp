@@ -26,7 +26,7 @@ constexpr int kLeastTexture = 2;
 constexpr int kLargestDifference = 10;
 constexpr double kAgreeing = 0.6;  // of the places
 // Of images at half the size; the row watch corrects 2.5 px of the full ones.
-constexpr double kLeastRows = 1.5;
+constexpr double kLeastRowsOff = 1.5;
 
 struct Place {
   int x = 0, y = 0;
@@ -171,7 +171,7 @@ std::optional<PairMisfit> misfit_of(const GrayImage& left, const GrayImage& righ
   const std::optional<Agreement> agreed = agreement_of(left, right, infinity, reach);
   if (!agreed) return std::nullopt;
   const PairMisfit misfit{agreed->behind_infinity, agreed->rows_px};
-  if (!misfit.swapped && std::abs(misfit.rows_px) < kLeastRows) return std::nullopt;
+  if (!misfit.swapped && std::abs(misfit.rows_px) < kLeastRowsOff) return std::nullopt;
   return misfit;
 }
 

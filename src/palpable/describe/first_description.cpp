@@ -18,13 +18,14 @@
 namespace palpable {
 namespace {
 
-struct Unit {
+struct GuessedUnit {
   const char* name;
   double size;     // m
   double largest;  // a body with this longest side, in the unit, is still one for a desk
 };
 // Largest first: a file of numbers up to 2 is in m more often than of a thing of 2 mm.
-constexpr std::array kUnits{Unit{"m", 1.0, 2.0}, Unit{"cm", 1e-2, 20.0}, Unit{"mm", 1e-3, 0.0}};
+constexpr std::array kUnits{GuessedUnit{"m", 1.0, 2.0}, GuessedUnit{"cm", 1e-2, 20.0},
+                            GuessedUnit{"mm", 1e-3, 0.0}};
 
 std::string lower_ending(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
@@ -76,7 +77,7 @@ std::string first_description(const std::filesystem::path& shape) {
                                    ? size_of(value_or_throw(read_surface_file(shape)).vertices)
                                    : size_of(value_or_throw(read_volume_file(shape)).mesh.nodes);
   const double longest = size.maxCoeff();
-  const Unit& unit = *std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) {
+  const GuessedUnit& unit = *std::find_if(kUnits.begin(), kUnits.end(), [&](const GuessedUnit& u) {
     return longest <= u.largest || u.largest == 0.0;
   });
   const Eigen::Vector3d in_metres = unit.size * size;

@@ -17,7 +17,7 @@
 namespace palpable {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 // Runs `choose`; whatever it has to say begins with the place.
 template <class Choose>
@@ -98,13 +98,12 @@ struct NodesAt {
 
   // There always are some: the lowest and the highest node.
   std::vector<int> operator()(const Where::Below& below) const {
-    return nodes_in_box(volume.mesh, Eigen::Vector3d::Constant(-kInfinity),
-                        {kInfinity, kInfinity, level_of(volume.mesh, below.fraction)});
+    return nodes_in_box(volume.mesh, Eigen::Vector3d::Constant(-kNoLimit),
+                        {kNoLimit, kNoLimit, level_of(volume.mesh, below.fraction)});
   }
   std::vector<int> operator()(const Where::Above& above) const {
-    return nodes_in_box(volume.mesh,
-                        {-kInfinity, -kInfinity, level_of(volume.mesh, above.fraction)},
-                        Eigen::Vector3d::Constant(kInfinity));
+    return nodes_in_box(volume.mesh, {-kNoLimit, -kNoLimit, level_of(volume.mesh, above.fraction)},
+                        Eigen::Vector3d::Constant(kNoLimit));
   }
   std::vector<int> operator()(const Where::Plane& plane) const {
     const Eigen::Vector3d size =

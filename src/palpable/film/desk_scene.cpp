@@ -2,6 +2,7 @@
 
 #include "palpable/film/painted_shapes.h"
 #include "palpable/film/texture_images.h"
+#include "palpable/geometry/rigid.h"
 #include "palpable/script/random.h"
 
 #include <Eigen/Geometry>
@@ -18,8 +19,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// A book with its spine to the front. The image is one of book_image().
 PaintedMesh book(const Vector3d& centre, const Vector3d& size, double yaw, int image) {

@@ -4,6 +4,7 @@
 #include "palpable/film/capsule_mesh.h"
 #include "palpable/film/painted_shapes.h"
 #include "palpable/film/texture_images.h"
+#include "palpable/geometry/rigid.h"
 #include "palpable/script/things.h"
 
 #include <Eigen/Geometry>
@@ -21,7 +22,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kChordError = 0.00009;  // m, of a mover's triangles
 constexpr double kShadeReach = 0.014;    // m, how far the hand itself blocks the room's light
 

@@ -1,16 +1,14 @@
 #include "palpable/film/texture_images.h"
 
+#include "palpable/geometry/rigid.h"
 #include "palpable/script/random.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace palpable {
 
 namespace {
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 std::uint32_t hash(std::uint32_t x, std::uint32_t y, std::uint32_t seed) {
   std::uint32_t h = x * 0x8da6b343U ^ y * 0xd8163841U ^ seed * 0xcb1ab31fU;

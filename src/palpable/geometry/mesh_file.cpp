@@ -18,7 +18,7 @@ namespace palpable {
 
 namespace {
 
-Result<SurfaceMesh> surface_of(const surface_files::Soup& soup, std::string_view name) {
+Result<SurfaceMesh> surface_of_soup(const surface_files::Soup& soup, std::string_view name) {
   if (soup.triangles.empty()) return Problem{fmt::format("{}: holds no triangles", name)};
   SurfaceMesh surface;
   surface.vertices.resize(3, static_cast<Eigen::Index>(soup.vertices.size()));
@@ -77,7 +77,7 @@ Result<SurfaceMesh> parse_surface(std::string_view bytes, std::string_view exten
       return Problem{fmt::format(
           "{}: surfaces are read from .stl, .ply, .obj, .3ds or .off, not '{}'", name, extension)};
     }
-    const Result<SurfaceMesh> surface = surface_of(soup, name);
+    const Result<SurfaceMesh> surface = surface_of_soup(soup, name);
     if (!surface) return surface;
     return merge_equal_vertices(surface.value());
   } catch (const surface_files::Bad& bad) {
@@ -100,7 +100,7 @@ Result<ValuedSurface> read_valued_ply(const std::filesystem::path& path,
   const std::string name = path.string();
   try {
     const surface_files::Soup soup = surface_files::parse_ply(bytes.value(), property);
-    Result<SurfaceMesh> surface = surface_of(soup, name);
+    Result<SurfaceMesh> surface = surface_of_soup(soup, name);
     if (!surface) return Problem{surface.problem()};
     ValuedSurface valued{std::move(surface).value(), {}};
     if (!soup.values.empty() && soup.values.size() != soup.vertices.size()) {

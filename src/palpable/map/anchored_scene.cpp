@@ -10,14 +10,14 @@
 namespace palpable {
 namespace {
 
-constexpr float kLargest = 127;  // value of a distance that stands for the map's truncation
+constexpr float kTruncatedValue = 127;  // value of a distance that stands for the map's truncation
 
 }  // namespace
 
 AnchoredScene::AnchoredScene(const SurfaceMap& map, const AnchoredSceneSettings& settings)
     : settings_(settings),
       voxel_(map.settings().voxel),
-      per_m_(static_cast<float>(kLargest / map.settings().truncation)),
+      per_m_(static_cast<float>(kTruncatedValue / map.settings().truncation)),
       step_(static_cast<std::int8_t>(
           std::clamp(std::lround(settings.step * static_cast<double>(per_m_)), 1L, 127L))),
       units_(map.units()),
@@ -61,8 +61,8 @@ void AnchoredScene::copy_new_distances(const SurfaceMap::BlockView& from, Block&
   for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
     if (!was_seen(from.voxels[i])) continue;
     if (to.distance[i] == kUnknown && to.has_come(i)) continue;
-    const auto now = static_cast<std::int8_t>(
-        std::lround(std::clamp(per_m_ * units_.distance_of(from.voxels[i]), -kLargest, kLargest)));
+    const auto now = static_cast<std::int8_t>(std::lround(std::clamp(
+        per_m_ * units_.distance_of(from.voxels[i]), -kTruncatedValue, kTruncatedValue)));
     if (to.distance[i] == kUnknown || now - to.distance[i] > step_) to.distance[i] = now;
   }
 }

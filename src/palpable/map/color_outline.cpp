@@ -8,10 +8,10 @@
 namespace palpable {
 namespace {
 
-constexpr int kCell = 8;  // px
+constexpr int kColorCell = 8;  // px
 
 // A thing's shade at its outline, over that behind the band.
-constexpr float kDarkest = 0.5F, kLightest = 1.2F;
+constexpr float kDarkestShade = 0.5F, kLightestShade = 1.2F;
 // Squares of the least spread, over three channels: what is farther from all shades of a thing has
 // another hue.
 constexpr float kOtherHue = 12;
@@ -77,10 +77,10 @@ const ColorOutline::Cell& ColorOutline::summed(const SeenFrame& seen, const Mask
   asked_.push_back(index(i, j));
   cell.is_summed = true;
   cell.thing = cell.room = {};
-  const int right = std::min(kCell * (i + 1), box_.x + box_.width);
-  const int bottom = std::min(kCell * (j + 1), box_.y + box_.height);
-  for (int y = std::max(kCell * j, box_.y); y < bottom; ++y) {
-    for (int x = std::max(kCell * i, box_.x) + y % 2; x < right; x += 2) {
+  const int right = std::min(kColorCell * (i + 1), box_.x + box_.width);
+  const int bottom = std::min(kColorCell * (j + 1), box_.y + box_.height);
+  for (int y = std::max(kColorCell * j, box_.y); y < bottom; ++y) {
+    for (int x = std::max(kColorCell * i, box_.x) + y % 2; x < right; x += 2) {
       // What is given to the room while this goes on lies in the band.
       if (in_band_(x, y) != 0 || shows(x, y) == kShowsUnknown) continue;
       Side& side = shows(x, y) == kShowsPresser ? cell.thing : cell.room;
@@ -130,7 +130,7 @@ const ColorOutline::Cell& ColorOutline::compared(const SeenFrame& seen, const Ma
 
 // Whether a pixel looks as the room beside it does, and not as the thing.
 bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x, int y) {
-  const Cell& cell = compared(seen, shows, x / kCell, y / kCell);
+  const Cell& cell = compared(seen, shows, x / kColorCell, y / kColorCell);
   if (!cell.tells) return false;
   const Color color = color_at(seen, x, y);
   float from_thing = 0, from_room = 0;
@@ -146,7 +146,7 @@ bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x,
     along += color[c] * cell.thing_mean[c];
     square += cell.thing_mean[c] * cell.thing_mean[c];
   }
-  const float shade = std::clamp(square > 0 ? along / square : 1, kDarkest, kLightest);
+  const float shade = std::clamp(square > 0 ? along / square : 1, kDarkestShade, kLightestShade);
   for (std::size_t c = 0; c < 3; ++c) {
     const float from_shade = color[c] - shade * cell.thing_mean[c];
     off += from_shade * from_shade;
@@ -159,7 +159,7 @@ bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x,
 void ColorOutline::mark_told(const SeenFrame& seen, const PixelBox& box, MaskImage& shows) {
   for (const Place& at : band_) {
     if (shows(at.x, at.y) != kShowsPresser ||
-        !compared(seen, shows, at.x / kCell, at.y / kCell).tells) {
+        !compared(seen, shows, at.x / kColorCell, at.y / kColorCell).tells) {
       continue;
     }
     for (const auto& d : kBesides) {
@@ -180,7 +180,7 @@ void ColorOutline::trim(const SeenFrame& seen, const PixelBox& box, MaskImage& s
   if (settings_.band == 0 || factor_ < 1 || seen.color.height() < factor_ * height) return;
   if (in_band_.width() != width || in_band_.height() != height) {
     in_band_ = GrayImage(width, height);
-    across_ = (width + kCell - 1) / kCell, down_ = (height + kCell - 1) / kCell;
+    across_ = (width + kColorCell - 1) / kColorCell, down_ = (height + kColorCell - 1) / kColorCell;
     cells_.assign(static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_), {});
     band_.reserve(shows.size());
     asked_.reserve(cells_.size());

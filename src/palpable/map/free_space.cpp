@@ -10,7 +10,7 @@
 namespace palpable {
 namespace {
 
-constexpr double kLargest = 30000;  // cells from the world's origin; beyond, nothing is kept
+constexpr double kLargestCell = 30000;  // cells from the world's origin; beyond, nothing is kept
 
 }  // namespace
 
@@ -18,7 +18,7 @@ FreeSpace::FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings)
     : noise_(noise), settings_(settings), table_(settings.blocks) {
   PALPABLE_EXPECT(settings.cell > 0 && settings.farthest > settings.cell,
                   "cells have a size and rays a length");
-  PALPABLE_EXPECT(settings.farthest < kLargest / 4 * settings.cell, "rays end in the grid");
+  PALPABLE_EXPECT(settings.farthest < kLargestCell / 4 * settings.cell, "rays end in the grid");
   PALPABLE_EXPECT(settings.margin >= 0 && settings.sigmas >= 0, "a margin is not negative");
   PALPABLE_EXPECT(settings.frames_to_free >= 1 && settings.frames_to_free <= 255,
                   "a cell is free after 1 to 255 frames");
@@ -68,7 +68,8 @@ class FreeSpace::Rays {
 
   // False where the camera's pose is not finite or far beyond all that is kept.
   [[nodiscard]] bool are_in_grid(const Rigid3& world_from_camera) const {
-    return world_from_camera.linear().allFinite() && origin_.cwiseAbs().maxCoeff() < kLargest / 2;
+    return world_from_camera.linear().allFinite() &&
+           origin_.cwiseAbs().maxCoeff() < kLargestCell / 2;
   }
   [[nodiscard]] Place origin() const { return place(origin_); }
   // From one cell of depth to the next along the ray of pixel (x, y).
@@ -173,12 +174,12 @@ void FreeSpace::count_ends(const Rays& rays, const DepthImage& surface,
 }
 
 bool FreeSpace::is_free(const Eigen::Vector3d& point) const {
-  if (!(point.cwiseAbs().maxCoeff() < kLargest * settings_.cell)) return false;
+  if (!(point.cwiseAbs().maxCoeff() < kLargestCell * settings_.cell)) return false;
   return Reader(*this).is_free(point.cast<float>());
 }
 
 bool FreeSpace::was_free(const Eigen::Vector3d& point) const {
-  if (!(point.cwiseAbs().maxCoeff() < kLargest * settings_.cell)) return false;
+  if (!(point.cwiseAbs().maxCoeff() < kLargestCell * settings_.cell)) return false;
   return Reader(*this).was_free(point.cast<float>());
 }
 

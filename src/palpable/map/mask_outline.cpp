@@ -14,8 +14,6 @@
 namespace palpable {
 namespace {
 
-constexpr int kTile = StaticPicture::kTile;
-
 // Values of a mask's pixels while it is being made; kOpen is not decided yet.
 constexpr std::uint8_t kOff = 0, kOpen = 128, kOn = 255;
 

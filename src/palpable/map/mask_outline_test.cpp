@@ -9,7 +9,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kTile = StaticPicture::kTile, kGrow = 3;
+constexpr int kGrow = 3;
 const float kNaN = std::nanf("");
 
 // A wall at 1 m; tiles are sampled in their middle.

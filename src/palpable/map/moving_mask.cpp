@@ -17,7 +17,6 @@ namespace {
 
 using enum TileGroups::Label;
 
-constexpr int kTile = StaticPicture::kTile;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 // The depths of 2 x 2 tiles that differ by less than this share, or by less than this many sigma,

@@ -11,8 +11,6 @@
 namespace palpable {
 namespace {
 
-constexpr int kTile = StaticPicture::kTile;
-
 // Of a tile's samples that have a depth most must say the same.
 constexpr int kMost = 3;
 

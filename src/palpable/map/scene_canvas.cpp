@@ -16,12 +16,11 @@
 namespace palpable {
 namespace {
 
-constexpr int kTile = StaticPicture::kTile;
 constexpr float kMiddle = 1.5F;  // px from a tile's first pixel to its middle
 constexpr int kTurns = 4;        // frames in which each tile is looked at once
 // m; tiles that come to lie nearer or farther are not drawn, nor are those of infinite depth.
-constexpr float kNearest = 0.05F, kFarthest = 1e3F;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNearestDepth = 0.05F, kFarthestDepth = 1e3F;
+constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 
 // px; no picture reaches so far. It is added before numbers are cut to whole ones, so that positive
 // ones are cut: calling floor() for each tile would cost more than all else.
@@ -75,7 +74,7 @@ void transfer_row(const Transfer& t, const float* HWY_RESTRICT depth, int count,
     const float v = w * (depth[i] * (across.y() * u0 + down.y() + ahead.y()) + m.y());
     // Without a branch, so that the compiler takes many tiles at a time. NaN is not within.
     const std::int32_t within =
-        (z > kNearest ? -1 : 0) & (z < kFarthest ? -1 : 0) & near_mask(u) & near_mask(v);
+        (z > kNearestDepth ? -1 : 0) & (z < kFarthestDepth ? -1 : 0) & near_mask(u) & near_mask(v);
     const float near_u = inside_or_far(within, u), near_v = inside_or_far(within, v);
     Z[i] = z;
     a[i] = tile_of(near_u);
@@ -98,7 +97,7 @@ void SceneCanvas::resize(const PinholeCamera& camera) {
   const int wide = tiles + 2 * settings_.margin, high = rows + 2 * settings_.margin;
   luma_ = GrayImage(kTile * wide, kTile * high);
   colors_ = Image<TileColor>(wide, high);
-  depth_ = DepthImage(wide, high, kNaN);
+  depth_ = DepthImage(wide, high, kNoDepth);
   sources_ = Image<Source>(tiles, rows);
   nearest_ = DepthImage(tiles, rows);
   const std::vector<std::int32_t> row(wide);
@@ -124,7 +123,7 @@ void SceneCanvas::follow(const PinholeCamera& depth_camera, const Rigid3& world_
   }
   world_from_key_ = world_from_camera;
   stayed_ = 1;
-  std::fill(depth_.begin(), depth_.end(), kNaN);
+  std::fill(depth_.begin(), depth_.end(), kNoDepth);
 }
 
 // Whether all of the 4 x 4 pixels from (x, y) of the canvas on are known.
@@ -227,7 +226,7 @@ void SceneCanvas::learn(const Rigid3& world_from_camera, const StaticPicture& pi
       const float u = static_cast<float>(kTile * i) + kMiddle;
       const float v = static_cast<float>(kTile * j) + kMiddle;
       const Eigen::Vector3f p = transfer(u, v, tile_depth(i, j));
-      if (!(p.z() > kNearest && p.z() < kFarthest)) continue;
+      if (!(p.z() > kNearestDepth && p.z() < kFarthestDepth)) continue;
       const float x = p.x() / p.z(), y = p.y() / p.z();
       if (!is_near(x, y)) continue;
       const int a = tile_of(x) + margin, b = tile_of(y) + margin;

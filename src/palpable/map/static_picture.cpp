@@ -10,14 +10,13 @@
 namespace palpable {
 namespace {
 
-constexpr int kTile = StaticPicture::kTile;
 constexpr int kPixels = 16;   // of a tile
 constexpr int kSteps = 4096;  // of the histograms
 // Sums over tiles that are nearly black or clipped: their Y / P says nothing about the gain.
 constexpr int kDarkest = 4 * kPixels, kBrightest = 240 * kPixels;
 constexpr int kGainEvery = 2;  // of tiles and rows of them: a quarter is enough for a median
 // With fewer static tiles gain and noise of the frame before stay.
-constexpr int kFewest = 50;
+constexpr int kFewestFrames = 50;
 // A frame in which the mask calls a tile resting counts as five: a hand at rest, which the mask may
 // call moving, must look the same for five times as long until it is taken for the scene.
 constexpr int kQuietCounts = 5;
@@ -265,7 +264,7 @@ void StaticPicture::find_gain(const Image<std::uint8_t>& is_static) {
       ++count;
     }
   }
-  if (count >= kFewest) gain_ = std::max(median_of(histogram_, count), 1);
+  if (count >= kFewestFrames) gain_ = std::max(median_of(histogram_, count), 1);
   if (std::abs(gain_ - kUnit) <= 2) gain_ = kUnit;  // 0.4 % are taken for no change
 }
 
@@ -299,7 +298,7 @@ void StaticPicture::find_noise(const Image<std::uint8_t>& is_static) {
       ++count;
     }
   }
-  if (count >= kFewest) noise_ = static_cast<double>(median_of(histogram_, count)) / kPixels;
+  if (count >= kFewestFrames) noise_ = static_cast<double>(median_of(histogram_, count)) / kPixels;
 }
 
 void StaticPicture::find_looks(const ColorImage& color, const Image<std::uint8_t>& is_static,

@@ -33,6 +33,8 @@ struct PictureView {
   Image<std::uint8_t> asks;   ///< per tile: not 0 where the canvas wants the frame's colour
 };
 
+inline constexpr int kTile = 4;  ///< px of the depth image, a tile's side
+
 struct StaticPictureSettings {
   /// Frames in which a tile must look the same before it is known, 1 .. 50. Fewer, and what a hand
   /// uncovers for a moment would be the scene's look.
@@ -101,7 +103,6 @@ struct StaticPictureSettings {
 /// long run (Manzanera and Richefeu 2007).
 class StaticPicture {
  public:
-  static constexpr int kTile = 4;  ///< px of the depth image, a tile's side
   /// kNothing: it cannot be said.
   enum Look : std::uint8_t { kNothing, kSame, kShadow, kChanged };
 

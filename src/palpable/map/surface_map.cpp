@@ -13,7 +13,7 @@
 namespace palpable {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr float kLeftOut = std::numeric_limits<float>::quiet_NaN();
 constexpr int kSide = kVoxelsAcross;
 constexpr double kNearest = 0.05;  // m; nearer to the camera nothing is fused
 
@@ -37,7 +37,7 @@ constexpr float kNothingNear = 0.95F;
 constexpr double kSmallestWeight = 1e-6;  // frames; a voxel that was never seen has 0
 
 // Blocks from the world's origin; beyond, nothing is kept (BlockTable's numbers have 21 bits).
-constexpr double kLargest = 1 << 19;
+constexpr double kLargestBlock = 1 << 19;
 
 void prefetch(const std::array<Voxel, kVoxelsOfBlock>& voxels) {
   constexpr std::size_t kLine = 64 / sizeof(Voxel);
@@ -46,7 +46,7 @@ void prefetch(const std::array<Voxel, kVoxelsOfBlock>& voxels) {
 
 // Makes the depths of what moves unknown.
 void leave_out(const std::uint8_t* moving, float* depth, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) depth[i] = moving[i] != 0 ? kUnknown : depth[i];
+  for (std::size_t i = 0; i < count; ++i) depth[i] = moving[i] != 0 ? kLeftOut : depth[i];
 }
 
 }  // namespace
@@ -104,7 +104,7 @@ void SurfaceMap::allocate(const PinholeCamera& camera, const Rigid3& world_from_
 void SurfaceMap::allocate_along(const Eigen::Vector3d& first, const Eigen::Vector3d& step,
                                 int steps, BlocksOfLastRay& last) {
   Eigen::Vector3d p = first;
-  if (!((p.cwiseAbs() + steps * step.cwiseAbs()).maxCoeff() < kLargest)) return;
+  if (!((p.cwiseAbs() + steps * step.cwiseAbs()).maxCoeff() < kLargestBlock)) return;
   for (int i = 0; i <= steps; ++i, p += step) {
     const std::uint64_t key =
         BlockTable::key_of(floor_to_int(p.x()), floor_to_int(p.y()), floor_to_int(p.z()));
@@ -312,7 +312,7 @@ void SurfaceMap::find_blocks_in_view(const PinholeCamera& camera, const Rigid3& 
 
 std::optional<double> SurfaceMap::distance(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d p = point / settings_.voxel;
-  if (!(p.cwiseAbs().maxCoeff() < kLargest)) return std::nullopt;
+  if (!(p.cwiseAbs().maxCoeff() < kLargestBlock)) return std::nullopt;
   Reader reader(*this);
   float d = 0;
   if (!reader.read(floor_to_int(p.x()), floor_to_int(p.y()), floor_to_int(p.z()),

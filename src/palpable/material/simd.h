@@ -44,5 +44,27 @@ auto run_at(SimdLevel level, Arguments&... arguments) {
 #endif
   return run_plain<Pass>(arguments...);
 }
+/// The same without the plain version, which is then not compiled. @param level  above kPlain
+template <class Pass, class... Arguments>
+auto run_with_avx(SimdLevel level, Arguments&... arguments) {
+#ifdef __x86_64__
+  if (level == SimdLevel::kAvx512) return run_avx512<Pass>(arguments...);
+  return run_avx2<Pass>(arguments...);
+#else
+  return run_at<Pass>(level, arguments...);
+#endif
+}
+
+/// The function that run_at() calls for `level`, for passes that are called from another one: they
+/// are compiled once for each level, and not again inside each of their callers.
+/// @tparam Arguments  of Pass::run, without the references
+template <class Pass, class... Arguments>
+auto function_at(SimdLevel level) -> decltype(&run_plain<Pass, Arguments...>) {
+#ifdef __x86_64__
+  if (level == SimdLevel::kAvx512) return &run_avx512<Pass, Arguments...>;
+  if (level == SimdLevel::kAvx2) return &run_avx2<Pass, Arguments...>;
+#endif
+  return &run_plain<Pass, Arguments...>;
+}
 
 }  // namespace palpable

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "palpable/base/error.h"
+#include "palpable/geometry/image.h"
 
 #include <Eigen/Core>
 #include <epoxy/gl.h>
@@ -24,6 +25,11 @@ struct ShaderFile {
   std::string_view name;  ///< e.g. "body.frag"
   std::string_view text;
 };
+
+/// A colour as shaders take it: 0 to 1 for each component.
+[[nodiscard]] inline Eigen::Vector3f shader_color(Rgb color) {
+  return Eigen::Vector3f(color.r, color.g, color.b) / 255.0f;
+}
 
 namespace detail {
 /// An OpenGL name and the function that deletes it.

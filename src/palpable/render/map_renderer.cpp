@@ -12,11 +12,9 @@
 namespace palpable {
 namespace {
 
-constexpr float kNear = 0.02f;           // m
+constexpr float kMapNear = 0.02f;        // m
 constexpr float kThroughSurface = 0.3f;  // opacity of a line behind a surface
 constexpr std::array<float, 4> kBackground{0.925f, 0.930f, 0.940f, 1.0f};
-
-Eigen::Vector3f floats_of(Rgb color) { return Eigen::Vector3f(color.r, color.g, color.b) / 255.0f; }
 
 // The same view, `factor` times as large: the inverse of PinholeCamera::scaled_down().
 PinholeCamera scaled_up(const PinholeCamera& c, int factor) {
@@ -25,12 +23,12 @@ PinholeCamera scaled_up(const PinholeCamera& c, int factor) {
           c.fy_px * f,      (c.cx_px + 0.5) * f - 0.5, (c.cy_px + 0.5) * f - 0.5};
 }
 
-void set_camera(const GlProgram& program, const PinholeCamera& camera) {
+void set_map_camera(const GlProgram& program, const PinholeCamera& camera) {
   program.set(
       "pinhole",
       Eigen::Vector4d(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px).cast<float>().eval());
   program.set("size", Eigen::Vector2i(camera.width, camera.height).cast<float>().eval());
-  program.set("near", kNear);
+  program.set("near", kMapNear);
 }
 
 struct Target {
@@ -42,8 +40,8 @@ struct Target {
   GlFramebuffer framebuffer;
 };
 
-struct BodyBuffers {
-  BodyBuffers() {
+struct MapBodyBuffers {
+  MapBodyBuffers() {
     inputs.floats(0, vertices, 3);
     inputs.floats(1, normals, 3);
     inputs.floats(2, scalar, 1);
@@ -90,7 +88,7 @@ struct MapRenderer::State {
   GlBuffer room_vertices, room_triangles, line_values, point_values;
   GlVertexArray room, lines, points;
   GLsizei room_indices = 0;
-  std::vector<BodyBuffers> bodies;
+  std::vector<MapBodyBuffers> bodies;
   std::unique_ptr<Target> target;
   // Kept between frames so that nothing is allocated.
   std::vector<float> values;
@@ -125,7 +123,7 @@ void MapRenderer::set_surface(const MapSurface& surface) {
   for (std::size_t i = 0; i < colors.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
     Eigen::Map<Eigen::Matrix<float, 9, 1>> vertex(&s.values[9 * i]);
-    vertex << vertices->col(column), normals->col(column), floats_of(colors[i]);
+    vertex << vertices->col(column), normals->col(column), shader_color(colors[i]);
   }
   s.room_vertices.stream(std::span<const float>(s.values));
   s.room_triangles.stream(
@@ -164,7 +162,7 @@ void MapRenderer::draw(const MapView& view, ColorImage& picture) {
 
 void MapRenderer::State::draw_room(const PinholeCamera& camera, const MapView& view) {
   if (room_indices == 0) return;
-  set_camera(surface, camera);
+  set_map_camera(surface, camera);
   surface.set("camera_from_world", view.camera_from_world.matrix().cast<float>().eval());
   surface.set("up", view.up.cast<float>().eval());
   surface.use();
@@ -177,7 +175,7 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
   for (std::size_t i = 0; i < view.bodies.size(); ++i) {
     const BodyLook& look = view.bodies[i];
     PALPABLE_EXPECT(!look.two_sided, "a map paints what has one sign");
-    BodyBuffers& to = bodies[i];
+    MapBodyBuffers& to = bodies[i];
     const auto count = static_cast<std::size_t>(look.vertices->cols());
     to.vertices.stream(floats_in(*look.vertices));
     to.normals.stream(floats_in(*look.normals));
@@ -187,12 +185,12 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
     to.triangles.stream(std::span<const int>(look.triangles->data(),
                                              static_cast<std::size_t>(look.triangles->size())));
     const Eigen::Vector3f up = look.camera_from_body.linear().col(2).cast<float>();
-    set_camera(body, camera);
+    set_map_camera(body, camera);
     body.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
     body.set("scalar_max", look.scalar_max);
-    body.set("material", floats_of(look.material));
+    body.set("material", shader_color(look.material));
     body.set("opaque", look.opaque_share());
-    body.set("mark_color", floats_of(look.mark_color));
+    body.set("mark_color", shader_color(look.mark_color));
     body.set("up", up);
     body.set("key", usual_lamp(up.cast<double>()).cast<float>().eval());
     body.set("lamp", 1.0f);
@@ -208,13 +206,13 @@ void MapRenderer::State::draw_points(const PinholeCamera& camera, const MapView&
   if (view.points.empty()) return;
   values.clear();
   for (const MapPoint& p : view.points) {
-    const Eigen::Vector3f tint = floats_of(p.color);
+    const Eigen::Vector3f tint = shader_color(p.color);
     values.insert(values.end(),
                   {p.at.x(), p.at.y(), p.at.z(), p.radius, tint.x(), tint.y(), tint.z()});
   }
   point_values.stream(std::span<const float>(values));
   const Eigen::Vector3f up = (view.camera_from_world.linear() * view.up).cast<float>();
-  set_camera(point, camera);
+  set_map_camera(point, camera);
   point.set("camera_from_body", view.camera_from_world.matrix().cast<float>().eval());
   point.set("up", up);
   point.set("key", usual_lamp(up.cast<double>()).cast<float>().eval());
@@ -229,12 +227,12 @@ void MapRenderer::State::draw_lines(const PinholeCamera& camera, const MapView& 
   if (view.lines.empty()) return;
   values.clear();
   for (const MapLine& l : view.lines) {
-    const Eigen::Vector3f tint = floats_of(l.color);
+    const Eigen::Vector3f tint = shader_color(l.color);
     values.insert(values.end(), {l.from.x(), l.from.y(), l.from.z(), l.to.x(), l.to.y(), l.to.z(),
                                  tint.x(), tint.y(), tint.z(), 0.5f * l.width_px});
   }
   line_values.stream(std::span<const float>(values));
-  set_camera(line, camera);
+  set_map_camera(line, camera);
   line.set("camera_from_world", view.camera_from_world.matrix().cast<float>().eval());
   line.set("width_scale", static_cast<float>(view.supersampling));
   line.use();

@@ -1,18 +1,12 @@
 #include "palpable/render/outlines.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/render/glsl_as_cpp.h"
+#include "palpable/render/occlusion_bias.h"
 #include "palpable/render/outline_kernels.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-namespace palpable::glsl {
-namespace {
-#include "palpable/render/shaders/occlusion_bias.glsl"
-}  // namespace
-}  // namespace palpable::glsl
 
 namespace palpable {
 namespace {

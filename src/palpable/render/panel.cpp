@@ -75,10 +75,10 @@ void set_style(int em) {
   ImGui::GetStyle() = style;
 }
 
-std::size_t bytes_of(const ImVector<ImDrawVert>& v) {
+std::size_t byte_size(const ImVector<ImDrawVert>& v) {
   return static_cast<std::size_t>(v.Size) * sizeof(ImDrawVert);
 }
-std::size_t bytes_of(const ImVector<ImDrawIdx>& v) {
+std::size_t byte_size(const ImVector<ImDrawIdx>& v) {
   return static_cast<std::size_t>(v.Size) * sizeof(ImDrawIdx);
 }
 
@@ -237,8 +237,8 @@ void Panel::State::gather() {
        std::span(data->CmdLists, static_cast<std::size_t>(data->CmdListsCount))) {
     const auto* v = reinterpret_cast<const std::byte*>(list->VtxBuffer.Data);
     const auto* i = reinterpret_cast<const std::byte*>(list->IdxBuffer.Data);
-    new_vertices.insert(new_vertices.end(), v, v + bytes_of(list->VtxBuffer));
-    new_indices.insert(new_indices.end(), i, i + bytes_of(list->IdxBuffer));
+    new_vertices.insert(new_vertices.end(), v, v + byte_size(list->VtxBuffer));
+    new_indices.insert(new_indices.end(), i, i + byte_size(list->IdxBuffer));
   }
 }
 

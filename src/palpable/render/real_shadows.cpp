@@ -1,6 +1,6 @@
 #include "palpable/render/real_shadows.h"
 
-#include "palpable/render/glsl_as_cpp.h"
+#include "palpable/render/occlusion_bias.h"
 
 #include <algorithm>
 #include <array>
@@ -8,12 +8,6 @@
 #include <limits>
 
 namespace palpable {
-namespace glsl {
-namespace {
-#include "palpable/render/shaders/occlusion_bias.glsl"
-}  // namespace
-}  // namespace glsl
-
 namespace {
 
 constexpr float kPlane = 0.008f;      // m: what is so near to the plane is taken to be on it

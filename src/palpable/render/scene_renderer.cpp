@@ -20,12 +20,10 @@
 namespace palpable {
 namespace {
 
-constexpr float kNear = 0.01f;     // m
-constexpr int kHoleRadius = 6;     // texels of the depth image; radius for fill_unknown()
-constexpr int kOutlineRadius = 2;  // px by which the soft outline may exceed the body
+constexpr float kSceneNear = 0.01f;  // m
+constexpr int kHoleRadius = 6;       // texels of the depth image; radius for fill_unknown()
+constexpr int kOutlineRadius = 2;    // px by which the soft outline may exceed the body
 constexpr Rgb kPlainGrey{118, 118, 118};
-
-Eigen::Vector3f floats_of(Rgb color) { return Eigen::Vector3f(color.r, color.g, color.b) / 255.0f; }
 
 Eigen::Vector4f floats_of(const PixelRange& box) {
   return Eigen::Vector4i(box.x0, box.y0, box.x1, box.y1).cast<float>();
@@ -81,7 +79,7 @@ struct Bounds {
 
   void add(const Eigen::Vector3f& x_in_camera, const PinholeCamera& camera, float radius) {
     const float z = x_in_camera.z() - radius;
-    if (z < kNear) {
+    if (z < kSceneNear) {
       everything = true;
       return;
     }
@@ -113,7 +111,7 @@ Eigen::Vector4f pinhole_of(const PinholeCamera& camera) {
 void set_camera(const GlProgram& program, const PinholeCamera& camera) {
   program.set("pinhole", pinhole_of(camera));
   program.set("size", Eigen::Vector2i(camera.width, camera.height).cast<float>().eval());
-  program.set("near", kNear);
+  program.set("near", kSceneNear);
 }
 
 /// Directions in the camera frame: the body's up, and towards the lamp.
@@ -141,7 +139,7 @@ struct PaintedRange {
 };
 
 void draw_on(ColorImage& picture, const Arrow& arrow, const PinholeCamera& camera, float scale) {
-  if (arrow.tail.z() < kNear || arrow.tip.z() < kNear) return;
+  if (arrow.tail.z() < kSceneNear || arrow.tip.z() < kSceneNear) return;
   const Eigen::Vector2f tail = camera.project(arrow.tail).cast<float>();
   const Eigen::Vector2f tip = camera.project(arrow.tip).cast<float>();
   draw_arrow(picture, tail, tip, 5.0f * scale, arrow.color);
@@ -473,7 +471,7 @@ void SceneRenderer::State::stream(const BodyLook& look, const SceneLight& scene_
   }
   dot_values.clear();
   for (const Dot& dot : look.dots) {
-    const Eigen::Vector3f tint = floats_of(dot.color);
+    const Eigen::Vector3f tint = shader_color(dot.color);
     dot_values.insert(dot_values.end(), {dot.at_in_body.x(), dot.at_in_body.y(), dot.at_in_body.z(),
                                          dot.radius, tint.x(), tint.y(), tint.z()});
   }
@@ -526,9 +524,9 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
     const GlProgram& program = look.two_sided ? two_sided_body_program : body_program;
     set_common(program);
     program.set("scalar_max", look.scalar_max);
-    program.set("material", floats_of(look.material));
+    program.set("material", shader_color(look.material));
     program.set("opaque", look.opaque_share());
-    program.set("mark_color", floats_of(look.mark_color));
+    program.set("mark_color", shader_color(look.mark_color));
     buffers[i].inputs.bind();
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
                    nullptr);

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Json json_of(const fs::path& file) {
+Json read_json_file(const fs::path& file) {
   const Result<std::string> text = read_whole_file(file);
   if (!text.ok()) throw Error(fmt::format("{}: {}", file.string(), text.problem().message));
   return value_or_throw(Json::parse(text.value()));
@@ -45,7 +45,7 @@ std::string mesh_of(const ReducedBody& body) {
 
 // Frames a second and what took the longest, of a run whose film was written, too.
 std::string speed_of(const PaperPlan& plan, const std::string& run) {
-  const Json stats = json_of(plan.settings().out / "runs" / run / "live.json")["stats"];
+  const Json stats = read_json_file(plan.settings().out / "runs" / run / "live.json")["stats"];
   std::string stages;
   for (const auto& [stage, ms] : stats["stage_p50_ms"].items()) {
     const double value = ms.get<double>();
@@ -60,7 +60,7 @@ std::string speed_of(const PaperPlan& plan, const std::string& run) {
 // The loop as `palpable bench live` counts it.
 PaperNumber loop_of(const PaperPlan& plan, const std::string& name, const std::string& remark) {
   const fs::path file = plan.settings().out / "runs" / (name + "-bench.json");
-  const Json run = json_of(file)["modes"]["source"];
+  const Json run = read_json_file(file)["modes"]["source"];
   return {name + ": the loop", "30 frames/s",
           fmt::format("{:.0f} frames/s, {:.0f} ms of CPU a frame", run["fps"].get<double>(),
                       run["cpu_ms_per_frame"].get<double>()),

@@ -14,7 +14,7 @@ Json texts_of(const std::vector<std::filesystem::path>& files) {
   return all;
 }
 
-Json json_of(const PaperFigure& figure) {
+Json figure_json(const PaperFigure& figure) {
   Json pictures = Json::array();
   for (const FigurePicture& picture : figure.pictures) {
     pictures.push_back({{"file", picture.file.generic_string()}, {"caption", picture.caption}});
@@ -38,7 +38,7 @@ std::string paper_page(const PaperPage& page) {
   for (const PaperNumber& number : page.numbers) {
     data["numbers"].push_back(Json::array({number.what, number.paper, number.here, number.remark}));
   }
-  for (const PaperFigure& figure : page.figures) data["figures"].push_back(json_of(figure));
+  for (const PaperFigure& figure : page.figures) data["figures"].push_back(figure_json(figure));
   for (const auto& [key, value] : page.provenance) {
     data["provenance"].push_back(Json::array({key, value}));
   }

@@ -23,7 +23,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kSpacing = 0.003;   // m between points of the beams' surfaces
+constexpr double kBeamSpacing = 0.003;  // m between points of the beams' surfaces
 constexpr double kAround = 0.040;    // m round the pressed place in which the upper beam gives way
 constexpr double kApproach = 0.050;  // m above the beam at which a press begins
 constexpr double kInner = 0.70, kOuter = 0.93;  // of the length, from the support: pressed places
@@ -94,7 +94,7 @@ Stack stack_of(std::span<const PlacedDeskBody> bodies) {
     throw Error("the sequence 'beams' finds no site on top of the upper beam's outer third");
   }
   const auto points_of = [&](std::size_t k) {
-    return transformed(sample_surface(bodies[k].body.surface, kSpacing),
+    return transformed(sample_surface(bodies[k].body.surface, kBeamSpacing),
                        stack.desk_from_scene * bodies[k].scene_from_body)
         .points;
   };

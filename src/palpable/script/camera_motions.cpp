@@ -1,11 +1,11 @@
 #include "palpable/script/camera_motions.h"
 
+#include "palpable/geometry/rigid.h"
 #include "palpable/script/random.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -17,8 +17,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kSeconds = 1.0 / 30.0;  // a frame
 constexpr double kRest = 60.0;           // frames before the camera begins to move
 

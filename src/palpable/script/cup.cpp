@@ -1,6 +1,7 @@
 #include "palpable/script/cup.h"
 
 #include "palpable/base/error.h"
+#include "palpable/geometry/rigid.h"
 #include "palpable/script/camera_motions.h"
 #include "palpable/script/contact_truth.h"
 #include "palpable/script/press_targets.h"
@@ -23,7 +24,6 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kStands = 0.0005;  // m between the desk and a cup that stands on it
 constexpr double kRunUp = 0.10;     // m the cup is pushed over the desk before it touches
 constexpr double kPushFrame = 44;   // of the hand's way, when the push begins

@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/fnv1a.h"
+#include "palpable/geometry/rigid.h"
 #include "palpable/script/contact_truth.h"
 #include "palpable/script/seen_share.h"
 #include "tests/support/test.h"
@@ -13,7 +14,6 @@
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -21,8 +21,6 @@ using namespace palpable;
 using palpable::test::tolerance;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// An egg on the desk, 0.13 m high, with sites all over it that are pressed towards its middle.
 /// @param half_width  m

@@ -1,5 +1,6 @@
 #include "palpable/script/press_search.h"
 
+#include "palpable/geometry/rigid.h"
 #include "palpable/script/contact_truth.h"
 
 #include <Eigen/Geometry>
@@ -8,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace palpable {
 
@@ -18,7 +18,6 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kDeskGap = 0.003;  // m between hand and desk
 constexpr double kFree = 0.012;     // m of clearance, beyond which more is not better
 constexpr double kFreeWeight = 60.0;
@@ -31,13 +30,13 @@ Eigen::Matrix3Xd every_nth(const Eigen::Matrix3Xd& points, Eigen::Index wanted) 
 }
 
 /// A way to hold the hand. `liking` is higher the more natural the hold is.
-struct Hold {
+struct HandHold {
   Vector3d pointing, back;
   double liking;
 };
 
-std::vector<Hold> holds_of_finger(const Vector3d& d) {
-  std::vector<Hold> holds;
+std::vector<HandHold> holds_of_finger(const Vector3d& d) {
+  std::vector<HandHold> holds;
   const Vector3d flat = Vector3d(d.x(), d.y(), 0.0).normalized();
   for (const double yaw : {0.0, -20.0, 20.0, -40.0, 40.0})
     for (const double down : {5.0, 20.0, 35.0, 50.0, 65.0})
@@ -54,8 +53,8 @@ std::vector<Hold> holds_of_finger(const Vector3d& d) {
 }
 
 /// The palm is pushed along d. The fingers lie across d and point in any of 24 directions.
-std::vector<Hold> holds_of_palm(const Vector3d& d) {
-  std::vector<Hold> holds;
+std::vector<HandHold> holds_of_palm(const Vector3d& d) {
+  std::vector<HandHold> holds;
   const Vector3d across = d.unitOrthogonal();
   for (int turn = 0; turn < 24; ++turn)
     for (const double tilt : {0.0, 12.0, -12.0}) {
@@ -139,7 +138,7 @@ std::optional<PressPosture> PressSearch::posture(const PressTarget& target, doub
   const Vector3d tip = x + (depth - tool.radius) * d;
   std::optional<Quaterniond> best;
   double most = 0;
-  for (const Hold& hold : palm ? holds_of_palm(d) : holds_of_finger(d)) {
+  for (const HandHold& hold : palm ? holds_of_palm(d) : holds_of_finger(d)) {
     if (best && kFreeWeight * kFree + hold.liking <= most) continue;  // whatever its clearance
     const Quaterniond turn = turn_for(tool, hold.pointing, hold.back);
     const auto hand_at = [&](const Vector3d& place) {

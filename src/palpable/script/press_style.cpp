@@ -1,18 +1,14 @@
 #include "palpable/script/press_style.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/geometry/rigid.h"
 #include "palpable/script/things.h"
 
 #include <cmath>
-#include <numbers>
 
 namespace palpable {
 
-namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-
-}  // namespace
+namespace {}  // namespace
 
 PressRules rules_where_seen() {
   PressRules rules;

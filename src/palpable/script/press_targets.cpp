@@ -1,19 +1,17 @@
 #include "palpable/script/press_targets.h"
 
+#include "palpable/geometry/rigid.h"
 #include "palpable/script/camera_motions.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <numbers>
 
 namespace palpable {
 
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 Eigen::Matrix3Xf normals_of(const SurfaceMesh& surface) {
   Eigen::Matrix3Xf normals(3, surface.vertex_count());

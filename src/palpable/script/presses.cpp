@@ -39,7 +39,7 @@ Desk desk_with(const DeskBody& body, const SurfacePoints& surface, const Rigid3&
           between_targets(body, desk_from_body)};
 }
 
-Desk mirror_image(const Desk& desk) {
+Desk mirror_desk(const Desk& desk) {
   return {mirror_image(desk.surface), mirror_image(desk.search), mirror_image(desk.sites),
           mirror_image(desk.between)};
 }
@@ -194,8 +194,8 @@ struct Attempt {
   std::string why_not;
 };
 
-Attempt attempt(std::string_view name, const PressStyle& style, const DeskBody& body,
-                const SurfacePoints& surface, double yaw, int frames, std::uint64_t seed) {
+Attempt attempt_presses(std::string_view name, const PressStyle& style, const DeskBody& body,
+                        const SurfacePoints& surface, double yaw, int frames, std::uint64_t seed) {
   Sequence sequence;
   sequence.name = name;
   sequence.seed = seed;
@@ -214,7 +214,7 @@ Attempt attempt(std::string_view name, const PressStyle& style, const DeskBody& 
 
   std::optional<HandPath> mirrored_left;
   if (style.two_hands) {
-    const Desk mirrored_desk = mirror_image(desk);
+    const Desk mirrored_desk = mirror_desk(desk);
     HandScript left(mirrored_desk.search, mirrored_desk.surface, style, seed + 1);
     if (!PressChoice(left, mirrored_desk, style, random).fill(frames)) return {{}, left.why_not()};
     for (PlannedTouch touch : left.touches()) {
@@ -245,7 +245,7 @@ Sequence plan_presses(std::string_view name, const DeskBody& body, int frames, s
 
   std::string why = "no site is where this sequence can press it";
   for (const double yaw : yaws) {
-    Attempt tried = attempt(name, style, body, surface, yaw, frames, seed);
+    Attempt tried = attempt_presses(name, style, body, surface, yaw, frames, seed);
     if (tried.sequence) return *std::move(tried.sequence);
     why = tried.why_not;
   }

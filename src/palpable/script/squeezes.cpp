@@ -1,6 +1,7 @@
 #include "palpable/script/squeezes.h"
 
 #include "palpable/base/error.h"
+#include "palpable/geometry/rigid.h"
 #include "palpable/script/camera_motions.h"
 #include "palpable/script/contact_truth.h"
 #include "palpable/script/hand_script.h"
@@ -23,21 +24,20 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kSpacing = 0.002;      // m between points of the body's surface
-constexpr double kLeastWidth = 0.030;   // m of what is squeezed
-constexpr double kMostWidth = 0.070;    // m: the hand opens to 112 mm between the tips' middles
-constexpr double kLowest = 0.030;       // m above the desk
-constexpr double kNear = 0.024;         // m round the two points in which the hand may touch
-constexpr double kClearance = 0.003;    // m between the hand and the rest of the body, and the desk
-constexpr double kFree = 0.010;         // m of clearance, beyond which more is not better
-constexpr double kEyeClearance = 0.10;  // m between the hand and the camera
-constexpr double kOpening = 0.014;      // m by which each tip goes away from the body
-constexpr double kBack = 0.090;         // m that the open hand goes back
-constexpr double kApart = 0.015;        // m between two squeezes
-constexpr double kLeastSeen = 0.55;     // of what touches; docs/benchmark.md promises half
-constexpr std::size_t kDifferent = 4;   // squeezes; then they are done again
-constexpr double kLeastDepth = 0.004;   // m on each side
+constexpr double kSqueezeSpacing = 0.002;  // m between points of the body's surface
+constexpr double kLeastWidth = 0.030;      // m of what is squeezed
+constexpr double kMostWidth = 0.070;       // m: the hand opens to 112 mm between the tips' middles
+constexpr double kLowest = 0.030;          // m above the desk
+constexpr double kNear = 0.024;            // m round the two points in which the hand may touch
+constexpr double kClearance = 0.003;  // m between the hand and the rest of the body, and the desk
+constexpr double kFreeOfSqueeze = 0.010;  // m of clearance, beyond which more is not better
+constexpr double kEyeClearance = 0.10;    // m between the hand and the camera
+constexpr double kOpening = 0.014;        // m by which each tip goes away from the body
+constexpr double kBack = 0.090;           // m that the open hand goes back
+constexpr double kApart = 0.015;          // m between two squeezes
+constexpr double kLeastSeen = 0.55;       // of what touches; docs/benchmark.md promises half
+constexpr std::size_t kDifferent = 4;     // squeezes; then they are done again
+constexpr double kLeastDepth = 0.004;     // m on each side
 constexpr double kMostDepth = 0.006;
 constexpr double kDeeper = 0.002;  // m beyond it: there a tip reaches round a thin part
 
@@ -51,7 +51,7 @@ struct TwoSides {
 };
 
 /// How the hand is held for a squeeze.
-struct Hold {
+struct SqueezeHold {
   TwoSides sides;
   Vector3d middle = Vector3d::Zero();  ///< between the tips, at the full depth
   Quaterniond turn = Quaterniond::Identity();
@@ -120,13 +120,13 @@ class SqueezeSearch {
   [[nodiscard]] const ArmSide& arm() const { return arm_; }
 
   /// The best way to hold the hand; none when every one breaks a rule.
-  [[nodiscard]] std::optional<Hold> hold(const TwoSides& sides, double depth) const {
+  [[nodiscard]] std::optional<SqueezeHold> hold(const TwoSides& sides, double depth) const {
     const double radii = index_tip_radius() + thumb_tip_radius();
     const double gap = sides.width() + radii - 2.0 * depth;
     const double opened_gap = sides.width() + radii + 2.0 * kOpening;
     if (gap < gap_between_tips(tool_, 0.0) || opened_gap > gap_between_tips(tool_, 1.0))
       return std::nullopt;
-    Hold hold;
+    SqueezeHold hold;
     hold.sides = sides;
     hold.closed = open_for(tool_, gap);
     hold.opened = open_for(tool_, opened_gap);
@@ -138,7 +138,7 @@ class SqueezeSearch {
     const Eigen::Matrix3d in_wrist = frame_of(finger - thumb, to_palm);
 
     const Eigen::Matrix3Xd rest = far_from(sides);
-    std::optional<Hold> best;
+    std::optional<SqueezeHold> best;
     for (int turn = 0; turn < 24; ++turn) {
       const Vector3d back = Eigen::AngleAxisd(15.0 * turn * kDegree, sides.axis()) *
                             Vector3d(sides.axis().unitOrthogonal());
@@ -148,7 +148,7 @@ class SqueezeSearch {
       const auto liking = [&](double clearance) {
         return back.x() + 0.7 * back.z() - 0.3 * back.y() + 20.0 * clearance;
       };
-      if (best && liking(kFree) <= best->liking) continue;
+      if (best && liking(kFreeOfSqueeze) <= best->liking) continue;
       const double clearance = clearance_of(hold, rest);
       if (clearance < kClearance) continue;
       hold.liking = liking(clearance);
@@ -159,7 +159,7 @@ class SqueezeSearch {
     return best;
   }
 
-  [[nodiscard]] std::vector<Capsule> hand_at(const Hold& hold, const Vector3d& middle,
+  [[nodiscard]] std::vector<Capsule> hand_at(const SqueezeHold& hold, const Vector3d& middle,
                                              double open) const {
     const HandGesture gesture = blend(tool_.working, tool_.passing, open);
     return shapes_of(capsules_of(tool_, pose_at_tip(tool_, middle, hold.turn, gesture, arm_)));
@@ -177,9 +177,9 @@ class SqueezeSearch {
     return rest.leftCols(count);
   }
 
-  /// m to the rest of the body when closed, kFree at most; negative when a rule is broken on the
-  /// way.
-  [[nodiscard]] double clearance_of(const Hold& hold, const Eigen::Matrix3Xd& rest) const {
+  /// m to the rest of the body when closed, kFreeOfSqueeze at most; negative when a rule is broken
+  /// on the way.
+  [[nodiscard]] double clearance_of(const SqueezeHold& hold, const Eigen::Matrix3Xd& rest) const {
     const std::vector<Capsule> closed = hand_at(hold, hold.middle, hold.closed);
     if (lowest_point(closed) < kClearance || signed_distance(closed, first_eye()) < kEyeClearance)
       return -1.0;
@@ -190,15 +190,15 @@ class SqueezeSearch {
           touches(open, surface_.points))
         return -1.0;
     }
-    const ContactTruth truth = contact_truth(closed, rest, kFree);
+    const ContactTruth truth = contact_truth(closed, rest, kFreeOfSqueeze);
     return truth.touching ? -1.0 : truth.clearance;
   }
 
-  [[nodiscard]] double share_seen(const Hold& hold) const {
+  [[nodiscard]] double share_seen(const SqueezeHold& hold) const {
     std::vector<Capsule> hand = hand_at(hold, hold.middle, hold.closed);
     move(hand, desk_from_body_.inverse());
     const Rigid3 camera_from_body = first_camera_from_desk() * desk_from_body_;
-    const Eigen::Matrix3Xd part = touching_part(hand, body_, kSpacing, 200);
+    const Eigen::Matrix3Xd part = touching_part(hand, body_, kSqueezeSpacing, 200);
     move(hand, camera_from_body);
     return seen_share(camera_from_body * part, hand, eyes_);
   }
@@ -243,7 +243,8 @@ class SqueezeScript {
 
   /// The frames outside of which nothing touches; none, and nothing is added, when the hand would
   /// meet the desk, touch elsewhere, or not touch with both.
-  std::optional<FrameSpan> squeeze(const Hold& hold, double depth, double in, double hold_frames) {
+  std::optional<FrameSpan> squeeze(const SqueezeHold& hold, double depth, double in,
+                                   double hold_frames) {
     const std::size_t keys_before = path_.keys.size();
     const double start = now(), first = start + 28 * pace_;
     const Vector3d before = hold.middle + kBack * hold.back;
@@ -266,8 +267,8 @@ class SqueezeScript {
     path_.keys.push_back({at, middle, turn, open});
   }
 
-  [[nodiscard]] bool squeezes_only(const Hold& hold, double depth, FrameSpan frames, double start,
-                                   double deepest) const {
+  [[nodiscard]] bool squeezes_only(const SqueezeHold& hold, double depth, FrameSpan frames,
+                                   double start, double deepest) const {
     const SurfacePoints& surface = search_.surface();
     for (int frame = static_cast<int>(std::ceil(start)); frame <= std::floor(now()); ++frame) {
       const std::vector<Capsule> hand = shapes_of(path_.capsules(frame));
@@ -292,8 +293,9 @@ class SqueezeScript {
 };
 
 /// What finger and thumb do in one squeeze.
-std::array<PlannedTouch, 2> touches_of(const Hold& hold, double depth, FrameSpan frames, double in,
-                                       const DeskBody& body, const Rigid3& desk_from_body) {
+std::array<PlannedTouch, 2> touches_of(const SqueezeHold& hold, double depth, FrameSpan frames,
+                                       double in, const DeskBody& body,
+                                       const Rigid3& desk_from_body) {
   std::array<PlannedTouch, 2> both;
   for (const bool is_thumb : {false, true}) {
     PlannedTouch& touch = both[is_thumb ? 1 : 0];
@@ -312,9 +314,9 @@ std::array<PlannedTouch, 2> touches_of(const Hold& hold, double depth, FrameSpan
 }
 
 /// A sequence with the body turned so; none when no squeeze is possible.
-std::optional<Sequence> attempt(const DeskBody& body, const SurfaceDistance& distance,
-                                const SurfacePoints& surface, double yaw, int frames,
-                                std::uint64_t seed) {
+std::optional<Sequence> attempt_squeezes(const DeskBody& body, const SurfaceDistance& distance,
+                                         const SurfacePoints& surface, double yaw, int frames,
+                                         std::uint64_t seed) {
   Sequence sequence;
   sequence.name = "squeeze";
   sequence.seed = seed;
@@ -329,12 +331,12 @@ std::optional<Sequence> attempt(const DeskBody& body, const SurfaceDistance& dis
   Random random(seed, "squeeze");
 
   struct Done {
-    Hold hold;
+    SqueezeHold hold;
     double depth;
   };
   std::vector<Done> done;
   const auto add = [&](const TwoSides& sides, double depth) {
-    const std::optional<Hold> hold = search.hold(sides, depth);
+    const std::optional<SqueezeHold> hold = search.hold(sides, depth);
     if (!hold) return false;
     const double in = random.between(10, 24), stay = random.between(10, 24);
     const std::optional<FrameSpan> span = script.squeeze(*hold, depth, in, stay);
@@ -377,15 +379,15 @@ std::optional<OneSqueeze> plan_one_squeeze(const DeskBody& body, const Rigid3& d
   constexpr int kTried = 60;
   constexpr double kDepth = 0.5 * (kLeastDepth + kMostDepth);
   const SurfaceDistance distance(body.surface);
-  const SqueezeSearch search(transformed(sample_surface(body.surface, kSpacing), desk_from_body),
-                             distance, desk_from_body,
-                             RectifiedStereo{zed_mini_rig().left.pinhole, 0.063});
+  const SqueezeSearch search(
+      transformed(sample_surface(body.surface, kSqueezeSpacing), desk_from_body), distance,
+      desk_from_body, RectifiedStereo{zed_mini_rig().left.pinhole, 0.063});
   SqueezeScript script(search, seed, first, pace);
   const double in = 14 * pace, stay = 14 * pace;
   int tried = 0;
   for (const TwoSides& sides : two_sides(search.surface(), first_eye())) {
     if (++tried > kTried) break;
-    const std::optional<Hold> hold = search.hold(sides, kDepth);
+    const std::optional<SqueezeHold> hold = search.hold(sides, kDepth);
     if (!hold) continue;
     const std::optional<FrameSpan> span = script.squeeze(*hold, kDepth, in, stay);
     if (!span) continue;
@@ -397,12 +399,12 @@ std::optional<OneSqueeze> plan_one_squeeze(const DeskBody& body, const Rigid3& d
 
 Sequence plan_squeezes(const DeskBody& body, int frames, std::uint64_t seed) {
   const SurfaceDistance distance(body.surface);
-  const SurfacePoints surface = sample_surface(body.surface, kSpacing);
+  const SurfacePoints surface = sample_surface(body.surface, kSqueezeSpacing);
   Random random(seed, "squeeze-yaw");
   const double first = random.between(0.0, 2.0 * std::numbers::pi);
   for (int turn = 0; turn < 12; ++turn) {
     const double yaw = first + 150.0 * turn * kDegree;  // far from the last one, each of 12 once
-    if (auto sequence = attempt(body, distance, surface, yaw, frames, seed))
+    if (auto sequence = attempt_squeezes(body, distance, surface, yaw, frames, seed))
       return *std::move(sequence);
   }
   throw Error(

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-auto key(const ContactPair& pair) { return std::tuple(pair.point, pair.part); }
+auto contact_key(const ContactPair& pair) { return std::tuple(pair.point, pair.part); }
 
 std::vector<int> parts_near(const ObstacleGaps& gaps, const Matrix3Xd& positions, double margin) {
   const Eigen::AlignedBox3d box(positions.rowwise().minCoeff() - Vector3d::Constant(margin),
@@ -31,7 +31,9 @@ bool acts(const ContactPair& pair) {
   return pair.force != 0.0 || pair.friction != Vector3d::Zero();
 }
 
-bool comes_before(const ContactPair& a, const ContactPair& b) { return key(a) < key(b); }
+bool comes_before(const ContactPair& a, const ContactPair& b) {
+  return contact_key(a) < contact_key(b);
+}
 
 }  // namespace
 
@@ -78,7 +80,9 @@ int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, dou
   }
   // A point on an edge belongs to several triangles.
   std::sort(fresh.begin(), fresh.end(), comes_before);
-  const auto same = [](const ContactPair& a, const ContactPair& b) { return key(a) == key(b); };
+  const auto same = [](const ContactPair& a, const ContactPair& b) {
+    return contact_key(a) == contact_key(b);
+  };
   fresh.erase(std::unique(fresh.begin(), fresh.end(), same), fresh.end());
   const auto touches = [](const ContactPair& pair) { return pair.gap.distance < 0.0; };
   const auto touching = std::count_if(fresh.begin(), fresh.end(), touches);
@@ -109,7 +113,9 @@ void ContactPairs::take_up(const ObstacleGaps& gaps, const Matrix3Xd& positions)
   }
   std::sort(pairs_.begin(), pairs_.end(), comes_before);
   // Two parts that pressed one point may have become the same.
-  const auto same = [](const ContactPair& a, const ContactPair& b) { return key(a) == key(b); };
+  const auto same = [](const ContactPair& a, const ContactPair& b) {
+    return contact_key(a) == contact_key(b);
+  };
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end(), same), pairs_.end());
 }
 

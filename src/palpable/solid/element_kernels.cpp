@@ -8,6 +8,73 @@
 namespace palpable {
 namespace {
 
+// A law whose part of a pass is a function of its own, compiled once for both shapes of elements
+// and not again inside each of their passes. Tangents take it, whose loops over the nodes are not
+// worth unrolling, and processors without AVX2, for which that code would be twice as much as for
+// all others.
+struct CalledLaw {
+  const Material& material;
+  int (*density)(const Material&, const Deformation<Pack>&, Pack&);
+  int (*piola)(const Material&, const Deformation<Pack>&, Tensor<Pack>&);
+  int (*piola_along)(const Material&, const Deformation<Pack>&, const Tensor<Pack>&, Tensor<Pack>&);
+};
+
+template <class Law>
+struct LawDensity {
+  PALPABLE_ALWAYS_INLINE static int run(const Material& material, const Deformation<Pack>& d,
+                                        Pack& density) {
+    density = energy_density(*std::get_if<Law>(&material), d);
+    return 0;
+  }
+};
+template <class Law>
+struct LawPiola {
+  PALPABLE_ALWAYS_INLINE static int run(const Material& material, const Deformation<Pack>& d,
+                                        Tensor<Pack>& P) {
+    P = first_piola(*std::get_if<Law>(&material), d);
+    return 0;
+  }
+};
+template <class Law>
+struct LawPiolaAlong {
+  PALPABLE_ALWAYS_INLINE static int run(const Material& material, const Deformation<Pack>& d,
+                                        const Tensor<Pack>& dF, Tensor<Pack>& dP) {
+    dP = first_piola_along(*std::get_if<Law>(&material), d, dF);
+    return 0;
+  }
+};
+
+CalledLaw called_law(SimdLevel level, const Material& material) {
+  using At = const Deformation<Pack>;
+  return std::visit(
+      [&]<class Law>(const Law&) {
+        return CalledLaw{
+            material, function_at<LawDensity<Law>, const Material, At, Pack>(SimdLevel::kPlain),
+            function_at<LawPiola<Law>, const Material, At, Tensor<Pack>>(SimdLevel::kPlain),
+            function_at<LawPiolaAlong<Law>, const Material, At, const Tensor<Pack>, Tensor<Pack>>(
+                level)};
+      },
+      material);
+}
+
+PALPABLE_ALWAYS_INLINE Pack energy_density(const CalledLaw& law, const Deformation<Pack>& d) {
+  Pack density;
+  law.density(law.material, d, density);
+  return density;
+}
+PALPABLE_ALWAYS_INLINE Tensor<Pack> first_piola(const CalledLaw& law, const Deformation<Pack>& d) {
+  Tensor<Pack> P;
+  law.piola(law.material, d, P);
+  return P;
+}
+PALPABLE_ALWAYS_INLINE Tensor<Pack> first_piola_along(const CalledLaw& law,
+                                                      const Deformation<Pack>& d,
+                                                      const Tensor<Pack>& dF) {
+  Tensor<Pack> dP;
+  law.piola_along(law.material, d, dF, dP);
+  return dP;
+}
+
 // The three passes; run() is compiled once for each level.
 
 struct Forces {
@@ -67,8 +134,8 @@ struct ForceChanges {
 };
 
 struct Tangents {
-  template <class Law, int A, int Q>
-  PALPABLE_ALWAYS_INLINE static int run(const Law& law, const ElementBlock<A, Q>& block,
+  template <int A, int Q>
+  PALPABLE_ALWAYS_INLINE static int run(const CalledLaw& law, const ElementBlock<A, Q>& block,
                                         const NodeRow* rows, ElementTangents<A>& tangents) {
     NodeValues<A> u_here;
     gather_differences<&NodeRow::u>(rows, block, u_here);
@@ -103,7 +170,11 @@ struct Tangents {
 
 template <class Pass, class... Arguments>
 auto run(SimdLevel level, const Material& material, Arguments&... arguments) {
-  return std::visit([&](const auto& law) { return run_at<Pass>(level, law, arguments...); },
+  if (level == SimdLevel::kPlain) {
+    const CalledLaw law = called_law(level, material);
+    return run_plain<Pass>(law, arguments...);
+  }
+  return std::visit([&](const auto& law) { return run_with_avx<Pass>(level, law, arguments...); },
                     material);
 }
 
@@ -126,7 +197,8 @@ void add_force_changes(SimdLevel level, const Material& material,
 template <int A, int Q>
 void element_tangents(SimdLevel level, const Material& material, const ElementBlock<A, Q>& block,
                       const NodeRow* rows, ElementTangents<A>& tangents) {
-  run<Tangents>(level, material, block, rows, tangents);
+  const CalledLaw law = called_law(level, material);
+  run_at<Tangents>(level, law, block, rows, tangents);
 }
 
 #define PALPABLE_INSTANTIATE(A, Q)                                                                \

@@ -43,7 +43,7 @@ struct alignas(kPackAlignment) Symmetric {
 
 constexpr int kOfEntry[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
-PALPABLE_ALWAYS_INLINE Tensor<Pack> gradient(const SeriesElement& e, const Lanes* u) {
+PALPABLE_ALWAYS_INLINE Tensor<Pack> series_gradient(const SeriesElement& e, const Lanes* u) {
   Tensor<Pack> H;
   for (int i = 0; i < 3; ++i) {
     Pack at[4];
@@ -76,7 +76,7 @@ struct NextOrder {
     Tensor<Pack> H[kMostOrders];
     for (std::size_t number = 0; number < elements.size(); ++number) {
       const SeriesElement& e = elements[number];
-      for (int r = 1; r < p; ++r) H[r] = gradient(e, u[r].data());
+      for (int r = 1; r < p; ++r) H[r] = series_gradient(e, u[r].data());
 
       Symmetric& last = stress[p - 2][number];
       const Tensor<Pack>& h = H[p - 1];

@@ -63,9 +63,9 @@ class Items {
 // Decides which lane runs. A lane is ready, running, or waiting for a factor to be applied. To
 // apply it, one of the waiting lanes is woken and solves for a batch of them. That happens when no
 // other lane can join the batch, or when a thread has nothing else to do.
-class Lanes {
+class LaneGroup {
  public:
-  Lanes(int lanes, int threads) : lanes_(lanes), threads_(threads) {}
+  LaneGroup(int lanes, int threads) : lanes_(lanes), threads_(threads) {}
 
   // The first `count` lanes have threads that call run().
   void begin(std::size_t count) {
@@ -114,7 +114,7 @@ class Lanes {
 
   class OfSeat final : public Lane {
    public:
-    OfSeat(Lanes& lanes, Seat& seat) : lanes_(lanes), seat_(seat) {}
+    OfSeat(LaneGroup& lanes, Seat& seat) : lanes_(lanes), seat_(seat) {}
     void solve(const CholeskyFactor& factor, const Eigen::VectorXd& b,
                Eigen::VectorXd& x) override {
       lanes_.solve(seat_, factor, b, x);
@@ -125,7 +125,7 @@ class Lanes {
     }
 
    private:
-    Lanes& lanes_;
+    LaneGroup& lanes_;
     Seat& seat_;
   };
 
@@ -257,7 +257,7 @@ void run_in_lockstep(const std::function<std::optional<int>()>& next,
                      const LockstepSettings& settings) {
   PALPABLE_EXPECT(settings.threads >= 1 && settings.lanes >= 1, "at least one lane that runs");
   Items items(next);
-  Lanes lanes(settings.lanes, settings.threads);
+  LaneGroup lanes(settings.lanes, settings.threads);
   std::vector<std::thread> threads;
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(settings.lanes); ++lane) {
     try {

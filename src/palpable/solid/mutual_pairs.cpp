@@ -29,8 +29,10 @@ constexpr double kFacing = 0.1;
 constexpr double kAside = 0.6, kOverhang = 1e-3, kKept = 4.0;
 constexpr double kDeepest = 1.0 / 3.0;  // of the smallest side of a component's box
 
-auto key(const MutualPair& pair) { return std::tuple(pair.point, pair.component); }
-bool comes_before(const MutualPair& a, const MutualPair& b) { return key(a) < key(b); }
+auto mutual_key(const MutualPair& pair) { return std::tuple(pair.point, pair.component); }
+bool mutual_comes_before(const MutualPair& a, const MutualPair& b) {
+  return mutual_key(a) < mutual_key(b);
+}
 
 Vector3d sum_of(const MutualPair& pair, const Matrix3Xd& positions, int first, int last) {
   Vector3d sum = Vector3d::Zero();
@@ -188,8 +190,8 @@ void MutualPairs::find_smooth_neighbours() {
 
 const MutualPair* MutualPairs::pair_of(int point, int component) const {
   const MutualPair wanted{.point = point, .component = component};
-  const auto found = std::lower_bound(pairs_.begin(), pairs_.end(), wanted, comes_before);
-  return found != pairs_.end() && key(*found) == key(wanted) ? &*found : nullptr;
+  const auto found = std::lower_bound(pairs_.begin(), pairs_.end(), wanted, mutual_comes_before);
+  return found != pairs_.end() && mutual_key(*found) == mutual_key(wanted) ? &*found : nullptr;
 }
 
 // Adds the pair of a point and another component, if there is one.
@@ -285,15 +287,16 @@ MutualPairs::Look MutualPairs::look(const Matrix3Xd& positions) const {
   for (const MutualPair& pair : look.pairs) {
     look.smallest_gap = std::min(look.smallest_gap, pair.gap);
   }
-  std::sort(look.pairs.begin(), look.pairs.end(), comes_before);
+  std::sort(look.pairs.begin(), look.pairs.end(), mutual_comes_before);
 
   double squares = 0.0, shifts = 0.0;
   for (const MutualPair& before : pairs_) {
     if (before.force == 0.0) continue;
     const double square = before.force * before.force;
     squares += square;
-    const auto now = std::lower_bound(look.pairs.begin(), look.pairs.end(), before, comes_before);
-    if (now == look.pairs.end() || key(*now) != key(before)) {
+    const auto now =
+        std::lower_bound(look.pairs.begin(), look.pairs.end(), before, mutual_comes_before);
+    if (now == look.pairs.end() || mutual_key(*now) != mutual_key(before)) {
       shifts += square;
       continue;
     }

@@ -17,13 +17,13 @@ constexpr double kLargest = 32767.0;
 using Floats = float __attribute__((vector_size(kWidth * sizeof(float))));
 using Integers = std::int16_t __attribute__((vector_size(kWidth * sizeof(std::int16_t))));
 
-PALPABLE_ALWAYS_INLINE Floats widened(const std::int16_t* from) {
+PALPABLE_ALWAYS_INLINE Floats widened_floats(const std::int16_t* from) {
   Integers integers;
   std::memcpy(&integers, from, sizeof integers);
   return __builtin_convertvector(integers, Floats);
 }
 
-PALPABLE_ALWAYS_INLINE float sum_of(const Floats (&sums)[kSums]) {
+PALPABLE_ALWAYS_INLINE float sum_of_lanes(const Floats (&sums)[kSums]) {
   const Floats all = (sums[0] + sums[1]) + (sums[2] + sums[3]);
   float sum = 0.0F;
   for (int lane = 0; lane < kWidth; ++lane) sum += all[lane];
@@ -37,10 +37,10 @@ struct Dot {
       for (int s = 0; s < kSums; ++s) {
         Floats here;
         std::memcpy(&here, q + i + s * kWidth, sizeof here);
-        sums[s] += widened(v + i + s * kWidth) * here;
+        sums[s] += widened_floats(v + i + s * kWidth) * here;
       }
     }
-    return sum_of(sums);
+    return sum_of_lanes(sums);
   }
 };
 
@@ -52,12 +52,12 @@ struct AddThenDot {
       for (int s = 0; s < kSums; ++s) {
         Floats here;
         std::memcpy(&here, q + i + s * kWidth, sizeof here);
-        here += share * widened(v + i + s * kWidth);
+        here += share * widened_floats(v + i + s * kWidth);
         std::memcpy(q + i + s * kWidth, &here, sizeof here);
-        sums[s] += widened(w + i + s * kWidth) * here;
+        sums[s] += widened_floats(w + i + s * kWidth) * here;
       }
     }
-    return sum_of(sums);
+    return sum_of_lanes(sums);
   }
 };
 

@@ -9,12 +9,36 @@
 namespace palpable {
 namespace {
 
-// Both orders come from one pass, so that it is compiled once: the third costs a third more time.
-struct ForceTerm {
-  using Series = Jet<Pack, 3>;
+using Series = Jet<Pack, 3>;
 
-  template <class Law, int A, int Q>
-  PALPABLE_ALWAYS_INLINE static int run(const Law& law, std::span<const ElementBlock<A, Q>> blocks,
+// The law's part: P of order 2 or 3 along F. It is most of the code, so it is a function of its
+// own, which elements of both shapes call. Both orders come from one pass, so that it is compiled
+// once: the third costs a third more time.
+template <class Law>
+struct LawTerm {
+  PALPABLE_ALWAYS_INLINE static int run(const Material& material, const Tensor<Series>& F,
+                                        const int& order, Tensor<Pack>& term) {
+    const Tensor<Series> P = first_piola(*std::get_if<Law>(&material), deformation(F));
+    for (int k = 0; k < 9; ++k) term.m[k] = order == 2 ? P.m[k].c[2] : P.m[k].c[3];
+    return 0;
+  }
+};
+using LawTermFunction = int (*)(const Material&, const Tensor<Series>&, const int&, Tensor<Pack>&);
+
+LawTermFunction law_term(SimdLevel level, const Material& material) {
+  return std::visit(
+      [level]<class Law>(const Law&) -> LawTermFunction {
+        return function_at<LawTerm<Law>, const Material, const Tensor<Series>, const int,
+                           Tensor<Pack>>(level);
+      },
+      material);
+}
+
+struct ForceTerm {
+  template <int A, int Q>
+  PALPABLE_ALWAYS_INLINE static int run(const Material& material,
+                                        const LawTermFunction& term_of_law,
+                                        std::span<const ElementBlock<A, Q>> blocks,
                                         const int& order, const SeriesRow* rows, NodeSum* sums) {
     for (const ElementBlock<A, Q>& block : blocks) {
       NodeValues<A> base, first, second, f_here{};
@@ -31,12 +55,9 @@ struct ForceTerm {
           if (order > 2) F.m[k].c[2] = H2.m[k];
         }
         for (int i = 0; i < 3; ++i) F(i, i) += 1.0;
-        const Tensor<Series> P = first_piola(law, deformation(F));
         Tensor<Pack> term;
-        for (int k = 0; k < 9; ++k) {
-          term.m[k] = point.weight * (order == 2 ? P.m[k].c[2] : P.m[k].c[3]);
-        }
-        add_divergence(term, point, f_here);
+        term_of_law(material, F, order, term);
+        add_divergence(point.weight * term, point, f_here);
       }
       add_scattered(f_here, block, sums);
     }
@@ -51,8 +72,8 @@ void add_force_term(SimdLevel level, const Material& material,
                     std::span<const ElementBlock<A, Q>> blocks, int order, const SeriesRow* rows,
                     NodeSum* sums) {
   PALPABLE_EXPECT(order == 2 || order == 3, "terms of order 2 and 3 are written");
-  std::visit([&](const auto& law) { run_at<ForceTerm>(level, law, blocks, order, rows, sums); },
-             material);
+  const LawTermFunction term_of_law = law_term(level, material);
+  run_at<ForceTerm>(level, material, term_of_law, blocks, order, rows, sums);
 }
 
 template void add_force_term<4, 1>(SimdLevel, const Material&, std::span<const ElementBlock<4, 1>>,

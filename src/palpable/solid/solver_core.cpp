@@ -70,7 +70,7 @@ auto timed(double& seconds, const Make& make) {
   return make();
 }
 
-SolidModel checked(SolidModel model) {
+SolidModel checked_model(SolidModel model) {
   check_model(model);
   if (static_cast<Eigen::Index>(held_components(model).size()) == model.mesh.nodes.size()) {
     throw Error("every node of the body is fixed: nothing is left to solve; fix fewer nodes");
@@ -81,7 +81,7 @@ SolidModel checked(SolidModel model) {
 }  // namespace
 
 EquilibriumSolver::Core::Core(SolidModel the_model, EquilibriumSettings the_settings)
-    : model(checked(std::move(the_model))),
+    : model(checked_model(std::move(the_model))),
       settings(the_settings),
       held(held_components(model)),
       assembly(timed(setup.pattern_s, [&] { return TetAssembly(model); })),

@@ -9,12 +9,12 @@
 namespace palpable {
 namespace {
 
-constexpr int kWidth = 16;
+constexpr int kPanelWidth = 16;
 constexpr int kGroup = 4;  // columns that share one pass over the rows
 
-using Floats = float __attribute__((vector_size(kWidth * sizeof(float))));
-using Words = std::uint32_t __attribute__((vector_size(kWidth * sizeof(std::uint32_t))));
-using HalfWords = BFloat16 __attribute__((vector_size(kWidth * sizeof(BFloat16))));
+using PanelFloats = float __attribute__((vector_size(kPanelWidth * sizeof(float))));
+using Words = std::uint32_t __attribute__((vector_size(kPanelWidth * sizeof(std::uint32_t))));
+using HalfWords = BFloat16 __attribute__((vector_size(kPanelWidth * sizeof(BFloat16))));
 
 void round_to(float x, float& stored) { stored = x; }
 void round_to(float x, BFloat16& stored) {
@@ -27,13 +27,13 @@ PALPABLE_ALWAYS_INLINE float widened(BFloat16 x) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(x) << 16U);
 }
 
-PALPABLE_ALWAYS_INLINE void load(const float* from, Floats& to) {
+PALPABLE_ALWAYS_INLINE void load(const float* from, PanelFloats& to) {
   std::memcpy(&to, from, sizeof to);
 }
-PALPABLE_ALWAYS_INLINE void load(const BFloat16* from, Floats& to) {
+PALPABLE_ALWAYS_INLINE void load(const BFloat16* from, PanelFloats& to) {
   HalfWords half;
   std::memcpy(&half, from, sizeof half);
-  to = (Floats)(__builtin_convertvector(half, Words) << 16U);
+  to = (PanelFloats)(__builtin_convertvector(half, Words) << 16U);
 }
 
 }  // namespace
@@ -51,11 +51,11 @@ struct TriangularPanels<Stored>::Solve {
       for (int b = 0; b < c; ++b) value -= widened(panel[b * stride + j + c]) * solved[b];
       solved[c] = value * inverse[c];
     }
-    for (int i = j / kWidth * kWidth; i < stride; i += kWidth) {
-      Floats sum;
+    for (int i = j / kPanelWidth * kPanelWidth; i < stride; i += kPanelWidth) {
+      PanelFloats sum;
       std::memcpy(&sum, z + i, sizeof sum);
       for (int c = 0; c < kColumns; ++c) {
-        Floats column;
+        PanelFloats column;
         load(panel + c * stride + i, column);
         sum -= column * solved[c];
       }
@@ -73,19 +73,19 @@ struct TriangularPanels<Stored>::Solve {
       own[c] = z[j + c];
       z[j + c] = 0.0F;  // the pass is about the rows below the group
     }
-    Floats sums[kColumns] = {};
-    for (int i = j / kWidth * kWidth; i < stride; i += kWidth) {
-      Floats below;
+    PanelFloats sums[kColumns] = {};
+    for (int i = j / kPanelWidth * kPanelWidth; i < stride; i += kPanelWidth) {
+      PanelFloats below;
       std::memcpy(&below, z + i, sizeof below);
       for (int c = 0; c < kColumns; ++c) {
-        Floats column;
+        PanelFloats column;
         load(panel + c * stride + i, column);
         sums[c] += column * below;
       }
     }
     for (int c = kColumns; c-- > 0;) {
       float value = own[c];
-      for (int lane = 0; lane < kWidth; ++lane) value -= sums[c][lane];
+      for (int lane = 0; lane < kPanelWidth; ++lane) value -= sums[c][lane];
       for (int b = c + 1; b < kColumns; ++b) value -= widened(panel[c * stride + j + b]) * z[j + b];
       z[j + c] = value * inverse[c];
     }
@@ -137,13 +137,13 @@ struct TriangularPanels<Stored>::Solve {
 };
 
 // The same for several vectors: `z` holds kSystems numbers for each entry. The panel's numbers are
-// converted to floats in tiles of kWidth rows; each is then broadcast to all lanes.
+// converted to floats in tiles of kPanelWidth rows; each is then broadcast to all lanes.
 template <class Stored>
 struct TriangularPanels<Stored>::SolveTogether {
   using Row = float __attribute__((vector_size(kSystems * sizeof(float)), may_alias));
   template <int kColumns>
-  struct alignas(kWidth * sizeof(float)) Tile {
-    float of[kColumns][kWidth];
+  struct alignas(kPanelWidth * sizeof(float)) Tile {
+    float of[kColumns][kPanelWidth];
   };
 
   // Returned by reference: the plain ABI has no registers that could hold so wide a vector.
@@ -155,7 +155,7 @@ struct TriangularPanels<Stored>::SolveTogether {
   PALPABLE_ALWAYS_INLINE static void widen(const Stored* panel, std::ptrdiff_t stride, int i,
                                            Tile<kColumns>& tile) {
     for (int c = 0; c < kColumns; ++c) {
-      Floats column;
+      PanelFloats column;
       load(panel + c * stride + i, column);
       std::memcpy(tile.of[c], &column, sizeof column);
     }
@@ -172,9 +172,9 @@ struct TriangularPanels<Stored>::SolveTogether {
       row(z, j + c) = solved[c];
     }
     Tile<kColumns> tile;
-    for (int i = j / kWidth * kWidth; i < rows; i += kWidth) {
+    for (int i = j / kPanelWidth * kPanelWidth; i < rows; i += kPanelWidth) {
       widen<kColumns>(panel, stride, i, tile);
-      const int begin = std::max(j + kColumns - i, 0), end = std::min(rows - i, kWidth);
+      const int begin = std::max(j + kColumns - i, 0), end = std::min(rows - i, kPanelWidth);
       for (int k = begin; k < end; ++k) {
         Row sum = row(z, i + k);
         for (int c = 0; c < kColumns; ++c) sum -= tile.of[c][k] * solved[c];
@@ -188,9 +188,9 @@ struct TriangularPanels<Stored>::SolveTogether {
                                               const float* inverse, float* z) {
     Row sums[kColumns] = {};
     Tile<kColumns> tile;
-    for (int i = j / kWidth * kWidth; i < rows; i += kWidth) {
+    for (int i = j / kPanelWidth * kPanelWidth; i < rows; i += kPanelWidth) {
       widen<kColumns>(panel, stride, i, tile);
-      const int begin = std::max(j + kColumns - i, 0), end = std::min(rows - i, kWidth);
+      const int begin = std::max(j + kColumns - i, 0), end = std::min(rows - i, kPanelWidth);
       for (int k = begin; k < end; ++k) {
         const Row below = row(z, i + k);
         for (int c = 0; c < kColumns; ++c) sums[c] += tile.of[c][k] * below;
@@ -265,7 +265,7 @@ TriangularPanels<Stored>::TriangularPanels(const Supernodes& supernodes) : super
     const int columns = supernodes.first_column[k + 1] - supernodes.first_column[k];
     const int stride = padded(supernodes.first_row[k + 1] - supernodes.first_row[k]);
     start_.push_back(size);
-    size += static_cast<std::size_t>(columns) * static_cast<std::size_t>(stride / kWidth);
+    size += static_cast<std::size_t>(columns) * static_cast<std::size_t>(stride / kPanelWidth);
     scratch_size_ = std::max(scratch_size_, static_cast<std::size_t>(stride));
   }
   values_.assign(size, Sixteen{});

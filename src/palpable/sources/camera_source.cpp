@@ -23,7 +23,7 @@ constexpr double kLockAfter = 1.0;     // s, until an automatic exposure has set
 constexpr int kPreferredWidth = 2560;  // px, both eyes
 constexpr int kPreferredHeight = 720;  // px
 
-struct Size {
+struct EyeSize {
   int width = 0;
   int height = 0;
 };
@@ -199,13 +199,13 @@ class CameraSource final : public FrameSource {
 };
 
 // The largest size of these modes that is not higher than 720 px, or else the smallest.
-Size comfortable_size(const CameraInfo& info, bool depth, const CameraInfo* also) {
+EyeSize comfortable_size(const CameraInfo& info, bool depth, const CameraInfo* also) {
   const auto has = [](const CameraInfo& other, const CameraMode& mode) {
     return std::any_of(other.modes.begin(), other.modes.end(), [&](const CameraMode& m) {
       return m.width == mode.width && m.height == mode.height;
     });
   };
-  Size best;
+  EyeSize best;
   for (const CameraMode& mode : info.modes) {
     if (is_depth_format(mode.format) != depth || (also != nullptr && !has(*also, mode))) continue;
     const bool fits = mode.height <= kPreferredHeight;
@@ -224,28 +224,29 @@ const std::string& other_device(const CameraRequest& request) {
 }
 
 // The size at which both devices give pictures.
-Result<Size> common_size(const CameraRequest& request, const CameraInfo& first,
-                         VideoSystem& system) {
+Result<EyeSize> common_size(const CameraRequest& request, const CameraInfo& first,
+                            VideoSystem& system) {
   const bool has_depth = !request.depth.empty();
   const Result<CameraInfo> second = ask_camera(system, other_device(request));
   if (!second.ok()) return second.problem();
-  const Size size = comfortable_size(second.value(), has_depth, &first);
+  const EyeSize size = comfortable_size(second.value(), has_depth, &first);
   if (size.width > 0) return size;
   return Problem{fmt::format("{} and {} have no {}picture size in common", request.device,
                              other_device(request), has_depth ? "depth and " : "")};
 }
 
 // The size of one eye: asked for, or the calibration's, or what the camera does best.
-Result<Size> eye_size(const CameraRequest& request, const CameraInfo& info, VideoSystem& system) {
+Result<EyeSize> eye_size(const CameraRequest& request, const CameraInfo& info,
+                         VideoSystem& system) {
   const bool two = !other_device(request).empty();
-  const Size asked{two ? request.width : request.width / 2, request.height};
+  const EyeSize asked{two ? request.width : request.width / 2, request.height};
   if (asked.width > 0) return asked;
   if (!request.calibration.empty() && request.calibration.extension() != ".conf") {
     const Result<SourceCalibration> calibration =
         read_source_calibration(request.calibration, 0, 0);
     if (!calibration.ok()) return calibration.problem();
     const FrameFormat& format = calibration.value().format;
-    if (format.width > 0) return Size{format.width, format.height};
+    if (format.width > 0) return EyeSize{format.width, format.height};
   }
   if (two) return common_size(request, info, system);
   const CameraMode* mode = side_by_side_mode(info);
@@ -255,12 +256,12 @@ Result<Size> eye_size(const CameraRequest& request, const CameraInfo& info, Vide
         "depth of the same view with --depth",
         request.device, info.name)};
   }
-  return Size{mode->width / 2, mode->height};
+  return EyeSize{mode->width / 2, mode->height};
 }
 
 // The calibration that the request names, or the one that is known of a camera of this name.
-Result<SourceCalibration> calibration_of(const CameraRequest& request, const std::string& camera,
-                                         const Size& eye) {
+Result<SourceCalibration> calibration_of_camera(const CameraRequest& request,
+                                                const std::string& camera, const EyeSize& eye) {
   const bool has_depth = !request.depth.empty();
   if (request.without_calibration && !has_depth) {
     SourceCalibration none;
@@ -293,7 +294,7 @@ Result<SourceCalibration> calibration_of(const CameraRequest& request, const std
   return read;
 }
 
-CameraSettings first_settings(const CameraRequest& request, const Size& eye) {
+CameraSettings first_settings(const CameraRequest& request, const EyeSize& eye) {
   CameraSettings settings;
   settings.width = other_device(request).empty() ? 2 * eye.width : eye.width;
   settings.height = eye.height;
@@ -304,7 +305,7 @@ CameraSettings first_settings(const CameraRequest& request, const Size& eye) {
 }
 
 // Exposure and gain are the colour's; a depth device has none that could be set with them.
-CameraSettings second_settings(const CameraRequest& request, const Size& eye) {
+CameraSettings second_settings(const CameraRequest& request, const EyeSize& eye) {
   CameraSettings settings = first_settings(request, eye);
   settings.depth = !request.depth.empty();
   if (settings.depth) settings.exposure_ms = settings.gain = std::nullopt;
@@ -371,10 +372,10 @@ Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
     return Problem{
         fmt::format("{} has neither exposure nor gain that can be locked", request.device)};
   }
-  const Result<Size> eye = eye_size(request, info.value(), system);
+  const Result<EyeSize> eye = eye_size(request, info.value(), system);
   if (!eye.ok()) return eye.problem();
   const Result<SourceCalibration> calibration =
-      calibration_of(request, info.value().name, eye.value());
+      calibration_of_camera(request, info.value().name, eye.value());
   if (!calibration.ok()) return calibration.problem();
 
   Result<V4l2Camera> first =

@@ -39,9 +39,9 @@ std::optional<ImageSize> first_readable_size(const Recording& recording) {
 }
 
 // The calibration that the settings name, or the layout's, or the folder's.
-Result<SourceCalibration> calibration_of(const fs::path& folder, const Recording& recording,
-                                         const FolderSettings& settings,
-                                         const std::optional<ImageSize>& image) {
+Result<SourceCalibration> calibration_of_folder(const fs::path& folder, const Recording& recording,
+                                                const FolderSettings& settings,
+                                                const std::optional<ImageSize>& image) {
   int width = image ? image->width : 0;
   const int height = image ? image->height : 0;
   const bool side_by_side = recording.pair == ImagePair::kSideBySide;
@@ -212,15 +212,14 @@ class ImageReader final : public FrameReader {
   Image<std::uint16_t> steps_;
 };
 
-Result<std::unique_ptr<FrameSource>> open_recording(const fs::path& name,
-                                                    Result<Recording> recognised,
-                                                    const FolderSettings& settings) {
+Result<std::unique_ptr<FrameSource>> open_images(const fs::path& name, Result<Recording> recognised,
+                                                 const FolderSettings& settings) {
   if (!recognised.ok()) return recognised.problem();
   Recording recording = std::move(recognised).value();
   const std::optional<ImageSize> found = first_readable_size(recording);
   const bool maybe_one_eye = recording.pair == ImagePair::kSideBySide && found &&
                              !looks_side_by_side(found->width, found->height);
-  Result<SourceCalibration> calibration = calibration_of(name, recording, settings, found);
+  Result<SourceCalibration> calibration = calibration_of_folder(name, recording, settings, found);
   // Pairs side by side are known by their calibration, whose eyes are half as wide, or their
   // aspect.
   if (maybe_one_eye && (!calibration.ok() || settings.without_calibration ||
@@ -242,13 +241,13 @@ Result<std::unique_ptr<FrameSource>> open_recording(const fs::path& name,
 
 Result<std::unique_ptr<FrameSource>> open_folder(const fs::path& folder,
                                                  const FolderSettings& settings) {
-  return open_recording(folder, recognise_folder(folder), settings);
+  return open_images(folder, recognise_folder(folder), settings);
 }
 
 Result<std::unique_ptr<FrameSource>> open_patterns(const fs::path& first, const fs::path& second,
                                                    bool second_is_depth,
                                                    const FolderSettings& settings) {
-  return open_recording(first, recognise_patterns(first, second, second_is_depth), settings);
+  return open_images(first, recognise_patterns(first, second, second_is_depth), settings);
 }
 
 }  // namespace palpable

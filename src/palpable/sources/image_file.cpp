@@ -22,7 +22,7 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr std::uint64_t kLargestImage = 64u << 20;  // px
 constexpr std::uint64_t kLargestFile = 512u << 20;  // bytes
 
-struct Size {
+struct SizeInHeader {
   std::uint64_t width = 0;
   std::uint64_t height = 0;
 };
@@ -58,9 +58,9 @@ std::uint64_t big_endian(const Bytes& bytes, std::size_t at, int count) {
 }
 
 // What its first and last bytes show to be wrong with a file, before it is decoded; empty: nothing.
-std::string what_is_wrong_with(const Bytes& bytes) {
+std::string why_no_image(const Bytes& bytes) {
   if (!is_known_format(bytes)) return "is no image";
-  std::optional<Size> size;
+  std::optional<SizeInHeader> size;
   if (starts_with(bytes, "\x89PNG\r\n\x1a\n")) {
     if (bytes.size() < 33 || !ends_with_mark(bytes, "IEND")) return "is cut off";
     size = {big_endian(bytes, 16, 4), big_endian(bytes, 20, 4)};
@@ -94,7 +94,7 @@ struct ImageFileReader::Buffers {
     std::ifstream in(path, std::ios::binary);
     in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
     if (!in) return "cannot be read";
-    const std::string wrong = what_is_wrong_with(bytes);
+    const std::string wrong = why_no_image(bytes);
     if (!wrong.empty()) return wrong;
     // Emptied first: of bytes that are no image at all, imdecode leaves the last picture in place.
     decoded.release();

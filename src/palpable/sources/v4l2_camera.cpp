@@ -17,7 +17,7 @@ constexpr std::uint32_t kCapture = V4L2_BUF_TYPE_VIDEO_CAPTURE;
 constexpr std::uint32_t kBuffers = 4;
 constexpr std::uint32_t kMostEntries = 1000;  // of any list, for a device whose list has no end
 
-std::string text_of(const __u8* text, std::size_t size) {
+std::string text_from(const __u8* text, std::size_t size) {
   const auto* begin = reinterpret_cast<const char*>(text);
   return {begin, std::find(begin, begin + size, '\0')};
 }
@@ -121,8 +121,8 @@ Result<CameraInfo> ask(VideoSystem& system, int device, const std::string& path)
   }
   CameraInfo info;
   info.path = path;
-  info.name = text_of(capability.card, sizeof capability.card);
-  info.bus = text_of(capability.bus_info, sizeof capability.bus_info);
+  info.name = text_from(capability.card, sizeof capability.card);
+  info.bus = text_from(capability.bus_info, sizeof capability.bus_info);
   info.modes = modes_of(system, device);
   info.has_exposure = has_control(system, device, V4L2_CID_EXPOSURE_ABSOLUTE);
   info.has_gain = has_control(system, device, V4L2_CID_GAIN);

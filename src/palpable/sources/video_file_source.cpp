@@ -126,8 +126,8 @@ class VideoReader final : public FrameReader {
 };
 
 // The calibration that the settings name, or one beside the video.
-Result<SourceCalibration> calibration_of(const fs::path& video, const VideoSettings& settings,
-                                         int width, int height) {
+Result<SourceCalibration> calibration_of_video(const fs::path& video, const VideoSettings& settings,
+                                               int width, int height) {
   if (!settings.calibration.empty()) {
     return read_source_calibration(settings.calibration, width, height);
   }
@@ -174,7 +174,7 @@ Result<SourceCalibration> fitting_calibration(const fs::path& video, const Video
     none.format.height = height;
     return none;
   }
-  Result<SourceCalibration> read = calibration_of(video, settings, eye_width, height);
+  Result<SourceCalibration> read = calibration_of_video(video, settings, eye_width, height);
   if (!read.ok()) return read;
   const FrameFormat& format = read.value().format;
   if (format.kind != FrameFormat::Kind::kStereo) {

@@ -14,7 +14,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kReach = 5;  // of a point's window, px
+constexpr int kWindowReach = 5;  // of a point's window, px
 constexpr int kSteps = 6;
 constexpr int kTries = 4;          // places in a cell, across and down, until one has texture
 constexpr double kFarthest = 2.5;  // px; a point that moves farther is lost
@@ -56,20 +56,20 @@ RowWatch::RowWatch(const PinholeCamera& camera, const RowWatchSettings& settings
 std::optional<RowWatch::Point> RowWatch::follow(const GrayImage& left, const GrayImage& right,
                                                 int u, int v, double disparity) const {
   const double start = u - disparity;
-  const int margin = kReach + 4;  // kFarthest, and a pixel to interpolate
+  const int margin = kWindowReach + 4;  // kFarthest, and a pixel to interpolate
   if (u < margin || v < margin || u >= left.width() - margin || v >= left.height() - margin ||
       start < margin + 1 || start >= left.width() - margin - 2) {
     return std::nullopt;
   }
-  constexpr int n = (2 * kReach + 1) * (2 * kReach + 1);
+  constexpr int n = (2 * kWindowReach + 1) * (2 * kWindowReach + 1);
   Eigen::Vector2d mean_g(0, 0);
   Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
   const auto gradient = [&](int x, int y) {
     return Eigen::Vector2d((left(x + 1, y) - left(x - 1, y)) / 2.0,
                            (left(x, y + 1) - left(x, y - 1)) / 2.0);
   };
-  for (int y = v - kReach; y <= v + kReach; ++y) {
-    for (int x = u - kReach; x <= u + kReach; ++x) {
+  for (int y = v - kWindowReach; y <= v + kWindowReach; ++y) {
+    for (int x = u - kWindowReach; x <= u + kWindowReach; ++x) {
       const Eigen::Vector2d g = gradient(x, y);
       mean_g += g;
       H += g * g.transpose();
@@ -86,8 +86,8 @@ std::optional<RowWatch::Point> RowWatch::follow(const GrayImage& left, const Gra
     double sum = 0;
     double squares = 0;
     Eigen::Vector2d gr(0, 0);
-    for (int y = -kReach; y <= kReach; ++y) {
-      for (int x = -kReach; x <= kReach; ++x) {
+    for (int y = -kWindowReach; y <= kWindowReach; ++y) {
+      for (int x = -kWindowReach; x <= kWindowReach; ++x) {
         const double r = left(u + x, v + y) - sample(right, start + x + at.x(), v + y + at.y());
         sum += r;
         squares += r * r;

@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kReach = 2;  // of the census window
+constexpr int kCensusReach = 2;  // of the census window
 
 void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* /*workspace*/) {
   const int width = image.width();
@@ -21,8 +21,8 @@ void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* /*workspac
       const int centre = image(x, y);
       std::uint32_t code = 0;
       int bit = 0;
-      for (int dy = -kReach; dy <= kReach; ++dy) {
-        for (int dx = -kReach; dx <= kReach; ++dx) {
+      for (int dy = -kCensusReach; dy <= kCensusReach; ++dy) {
+        for (int dx = -kCensusReach; dx <= kCensusReach; ++dx) {
           if (dx == 0 && dy == 0) continue;
           const int neighbour =
               image(std::clamp(x + dx, 0, width - 1), std::clamp(y + dy, 0, height - 1));

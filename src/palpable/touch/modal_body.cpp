@@ -33,7 +33,7 @@ constexpr Index kLoads = 200, kLoadStates = 4;
 // Heaps of a block.
 constexpr std::size_t kHeapsOfBlock = 16;
 // Vertices that tell how far a step moves the skin.
-constexpr std::size_t kProbes = 128;
+constexpr std::size_t kProbeVertices = 128;
 
 // (V) m, of each vertex from the nearest one on an edge, 1 where there is none.
 std::vector<float> distances_from_edges(const Matrix3Xf& vertices, const std::vector<int>& edges) {
@@ -145,7 +145,7 @@ ModalBody::ModalBody(const ModalMember& member, const ModalBody* twin)
     }
   }
   const std::span<const SkinCluster> heaps = clusters_.clusters();
-  const std::size_t every = std::max<std::size_t>(1, heaps.size() / kProbes);
+  const std::size_t every = std::max<std::size_t>(1, heaps.size() / kProbeVertices);
   const auto count = static_cast<Index>((heaps.size() + every - 1) / every);
   probes_.resize(3 * count, n_);
   for (Index k = 0; k < count; ++k) {

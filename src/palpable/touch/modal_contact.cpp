@@ -38,12 +38,12 @@ constexpr float kFacing = 0.7f;
 constexpr int kCoarser = 8;
 // Of the band: points that are farther, and do not press, take no part in an iteration. One that is
 // entered all the same does in the next.
-constexpr double kTakesPart = 0.4;
+constexpr double kTakesPartOfBand = 0.4;
 // m that a point may be entered by without pressing: nothing.
-constexpr double kEntered = 1e-9;
+constexpr double kEnteredFree = 1e-9;
 // m: so far from where it was asked last the gap of a point that is farther, and does not press, is
 // told by its normal and curvature (near_points.cpp).
-constexpr float kSameGap = 0.0003f;
+constexpr float kSameModalGap = 0.0003f;
 
 // A contact point near something.
 struct Candidate {
@@ -74,8 +74,8 @@ struct Known {
 };
 
 // How the modes move a candidate's point along d. @param result  (n)
-void along(const Eigen::MatrixXf& rows, std::size_t candidate, Index modes, const Vector3d& d,
-           Eigen::Ref<VectorXd> result) {
+void rows_along(const Eigen::MatrixXf& rows, std::size_t candidate, Index modes, const Vector3d& d,
+                Eigen::Ref<VectorXd> result) {
   const auto first = 3 * static_cast<Index>(candidate);
   result = d[0] * rows.col(first).head(modes).cast<double>() +
            d[1] * rows.col(first + 1).head(modes).cast<double>() +
@@ -226,7 +226,7 @@ void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery&
   double wanted = settings.band;
   SurfaceGap seen;
   for (const HeapBlock& block : b.blocks()) {
-    if (candidates.size() > kMostPoints) wanted = kTakesPart * settings.band;
+    if (candidates.size() > kMostPoints) wanted = kTakesPartOfBand * settings.band;
     const auto band = static_cast<float>(wanted - shift);
     const float around = 0.5f * block.middles.diagonal().norm() + kHeapStretch * block.radius;
     if (near && !near(block.middles.center(), band + around)) continue;
@@ -311,8 +311,8 @@ void ModalContact::Work::find_between(int k, int other) {
 // Whether what was seen last tells the gap of a point that has moved.
 bool ModalContact::Work::is_gap_told(const Candidate& c, double shift) {
   const float moved = (c.place - c.seen_from).norm();
-  return !(c.force > 0) && moved < kSameGap &&
-         c.seen_gap + shift - static_cast<double>(moved) > static_cast<double>(kSameGap);
+  return !(c.force > 0) && moved < kSameModalGap &&
+         c.seen_gap + shift - static_cast<double>(moved) > static_cast<double>(kSameModalGap);
 }
 
 // What is seen from where the point is. False: nothing, or no number.
@@ -384,7 +384,7 @@ void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const Ne
 void ModalContact::Work::keep_most(ModalReport& report) {
   if (candidates.size() > kMostPoints) {
     std::erase_if(candidates,
-                  [&](const Candidate& c) { return !(c.gap < kTakesPart * settings.band); });
+                  [&](const Candidate& c) { return !(c.gap < kTakesPartOfBand * settings.band); });
   }
   double entry = settings.entry;
   for (int coarser = 0; coarser < kCoarser && candidates.size() > kMostPoints; ++coarser) {
@@ -458,7 +458,7 @@ bool ModalContact::Work::factorise_all() {
       for (const Vector3d& t : {t1, t2}) {
         const double bend = c.force * t.dot(K * t);
         if (!(bend > 0)) continue;
-        along(own_rows, p, b.modes(), t, b.pull);
+        rows_along(own_rows, p, b.modes(), t, b.pull);
         for (Index j = 0; j < b.modes(); ++j) b.factor.col(j) -= (bend * b.pull[j]) * b.pull;
       }
     }
@@ -480,10 +480,10 @@ void ModalContact::Work::find_B(std::size_t candidate) {
   const Candidate& c = candidates[candidate];
   const auto P = static_cast<Index>(candidate);
   const Body& b = *bodies[static_cast<std::size_t>(c.member)];
-  along(own_rows, candidate, b.modes(), c.normal, own_B.col(P).head(b.modes()));
+  rows_along(own_rows, candidate, b.modes(), c.normal, own_B.col(P).head(b.modes()));
   if (c.by < 0) return;
   const Body& o = *bodies[static_cast<std::size_t>(c.by)];
-  along(others_rows, candidate, o.modes(), -c.other_normal, others_B.col(P).head(o.modes()));
+  rows_along(others_rows, candidate, o.modes(), -c.other_normal, others_B.col(P).head(o.modes()));
 }
 
 // m, of one that takes part.
@@ -590,7 +590,7 @@ double ModalContact::Work::iterate(ModalReport& report) {
   pressed.clear();
   for (std::size_t p = 0; p < candidates.size(); ++p) {
     const Candidate& c = candidates[p];
-    if (!(c.gap < kTakesPart * settings.band || c.force > 0)) continue;
+    if (!(c.gap < kTakesPartOfBand * settings.band || c.force > 0)) continue;
     find_B(p);
     if (c.force > 0) {
       pressed.push_back(p);
@@ -604,7 +604,7 @@ double ModalContact::Work::iterate(ModalReport& report) {
     if (!solve_pressed()) return 0;
     const std::size_t before = pressed.size();
     std::erase_if(near_ones, [&](std::size_t p) {
-      if (!(gap_after_step(p) < -kEntered)) return false;
+      if (!(gap_after_step(p) < -kEnteredFree)) return false;
       pressed.push_back(p);
       return true;
     });

@@ -23,9 +23,9 @@ using Eigen::Matrix3f;
 using Eigen::MatrixXf;
 using Eigen::VectorXf;
 
-constexpr float kMostSteps = 32767;  // 16 bits
-constexpr float kUpper = 65536;      // one step of a word's upper half
-constexpr float kSmallest = 1e-30f;  // 1/m: the largest gradient of a mode that does nothing
+constexpr float kMostWordSteps = 32767;  // 16 bits
+constexpr float kUpper = 65536;          // one step of a word's upper half
+constexpr float kSmallest = 1e-30f;      // 1/m: the largest gradient of a mode that does nothing
 // Largest gradient of a state in which squares are found.
 constexpr float kTried = 0.1f;
 // By which the weights of a vertex may miss 1.
@@ -39,7 +39,7 @@ struct alignas(32) GradientRow {
   IntPack m[9];
 };
 // Of two products of loads' states likewise: what they add to the second Piola stress.
-struct alignas(32) StressRow {
+struct alignas(32) ProductStressRow {
   IntPack m[6];
 };
 
@@ -49,8 +49,8 @@ struct Gradients {
   const float* q;           // (2 pairs)
   float* weights;           // likewise, scratch
   int pairs, vertices;
-  const StressRow* added;      // of all pairs of products, likewise
-  const float* added_weights;  // (2 added_pairs)
+  const ProductStressRow* added;  // of all pairs of products, likewise
+  const float* added_weights;     // (2 added_pairs)
   int added_pairs;
 };
 
@@ -67,7 +67,7 @@ struct StressAtVertices {
                                         float*& von_mises, float*& cauchy) {
     const GradientRow* row = gradients.rows;
     const float* scale = gradients.scales;
-    const StressRow* added_row = gradients.added;
+    const ProductStressRow* added_row = gradients.added;
     for (int first = 0; first < gradients.vertices; first += kPackSize) {
       for (int i = 0; i < 2 * gradients.pairs; ++i) {
         gradients.weights[i] = gradients.q[i] * scale[i];
@@ -171,7 +171,7 @@ struct ModalStress::Work {
   Eigen::MatrixXf duals;                           // (m x n)
   Eigen::VectorXf states;                          // (m)
   std::vector<float> added_scales, added_weights;  // of products of states
-  std::vector<StressRow> added;
+  std::vector<ProductStressRow> added;
 
   void set_gradients(std::size_t mode, const std::vector<Matrix3f>& found);
   void set_added(const std::vector<Eigen::VectorXf>& products);
@@ -185,12 +185,12 @@ void ModalStress::Work::set_gradients(std::size_t mode, const std::vector<Matrix
     for (std::size_t v = first; v < last; ++v) {
       largest = std::max(largest, found[v].cwiseAbs().maxCoeff());
     }
-    scales[pack * 2 * pairs + mode] = largest / (kMostSteps * kUpper);
+    scales[pack * 2 * pairs + mode] = largest / (kMostWordSteps * kUpper);
     GradientRow& row = rows[pack * pairs + mode / 2];
     for (std::size_t v = first; v < last; ++v) {
       for (int c = 0; c < 9; ++c) {
         row.m[c][v - first] = with_half(row.m[c][v - first], mode % 2 == 1,
-                                        found[v].data()[c] / largest * kMostSteps);
+                                        found[v].data()[c] / largest * kMostWordSteps);
       }
     }
   }
@@ -198,18 +198,18 @@ void ModalStress::Work::set_gradients(std::size_t mode, const std::vector<Matrix
 
 void ModalStress::Work::set_added(const std::vector<Eigen::VectorXf>& products) {
   const std::size_t count = products.size(), half_count = (count + 1) / 2;
-  added.assign(rows.size() / pairs * half_count, StressRow{});
+  added.assign(rows.size() / pairs * half_count, ProductStressRow{});
   added_scales.assign(2 * half_count, 0);
   added_weights.assign(2 * half_count, 0);
   for (const std::size_t half : {1, 0}) {
     for (std::size_t p = half; p < count; p += 2) {
       const float largest = std::max(kSmallest, products[p].cwiseAbs().maxCoeff());
-      added_scales[p] = largest / (kMostSteps * kUpper);
+      added_scales[p] = largest / (kMostWordSteps * kUpper);
       for (int v = 0; v < vertices; ++v) {
-        StressRow& row = added[static_cast<std::size_t>(v / kPackSize) * half_count + p / 2];
+        ProductStressRow& row = added[static_cast<std::size_t>(v / kPackSize) * half_count + p / 2];
         for (int c = 0; c < 6; ++c) {
           row.m[c][v % kPackSize] = with_half(row.m[c][v % kPackSize], half == 1,
-                                              products[p][6 * v + c] / largest * kMostSteps);
+                                              products[p][6 * v + c] / largest * kMostWordSteps);
         }
       }
     }

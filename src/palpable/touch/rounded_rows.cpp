@@ -9,7 +9,7 @@
 namespace palpable {
 namespace {
 
-constexpr float kLargest = 32767.0f;
+constexpr float kLargestRounded = 32767.0f;
 constexpr std::size_t kAtOnce = 8;  // rows that are read side by side
 
 }  // namespace
@@ -21,7 +21,8 @@ RoundedRows rounded(const RowsOfFloats& rows) {
   result.width = padded(static_cast<std::size_t>(rows.cols()));
   result.values.assign(result.width * static_cast<std::size_t>(rows.rows()), 0);
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const float scale = (rows.cols() > 0 ? rows.row(i).cwiseAbs().maxCoeff() : 0.0f) / kLargest;
+    const float scale =
+        (rows.cols() > 0 ? rows.row(i).cwiseAbs().maxCoeff() : 0.0f) / kLargestRounded;
     result.scale.push_back(scale);
     if (!(scale > 0)) continue;
     std::int16_t* to = result.values.data() + static_cast<std::size_t>(i) * result.width;

@@ -78,7 +78,7 @@ PALPABLE_ALWAYS_INLINE Tensor<Lanes> gradient(const Differences<A>& u,
 }
 
 // Rows of eight elements from components of eight elements: an 8 x 8 matrix turned round.
-PALPABLE_ALWAYS_INLINE void store_rows(const FloatPack (&s)[6], StressRow* to) {
+PALPABLE_ALWAYS_INLINE void store_stress_rows(const FloatPack (&s)[6], StressRow* to) {
   const FloatPack none{};
   const auto mixed = [](const FloatPack& a, const FloatPack& b, bool high) {
     return high ? __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15)
@@ -110,7 +110,7 @@ struct Stresses {
       for (int q = 0; q < Q; ++q, to += kPackSize) {
         FloatPack s[6];
         cauchy_stress(law, gradient<A>(u, block.g[q]), s);
-        store_rows(s, to);
+        store_stress_rows(s, to);
       }
     }
     return 0;

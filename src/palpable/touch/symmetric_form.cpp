@@ -8,7 +8,7 @@
 namespace palpable {
 namespace {
 
-constexpr float kLargest = 32767.0f;
+constexpr float kLargestWord = 32767.0f;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ SymmetricForm rounded(int variables, int degree, std::span<const double> coeffic
         coefficients.subspan(form.values.size(), static_cast<std::size_t>(variables - first));
     double largest = 0;
     for (const double c : run) largest = std::max(largest, std::abs(c));
-    const auto scale = static_cast<float>(largest / static_cast<double>(kLargest));
+    const auto scale = static_cast<float>(largest / static_cast<double>(kLargestWord));
     form.scale.push_back(scale);
     for (const double c : run) {
       form.values.push_back(

@@ -40,7 +40,7 @@ struct Plan {
 
 // The numbers of a part of `fields`: of these nodes, of which `first` is the field's first.
 template <class Fields>
-Fields rows_of(const Fields& fields, const std::vector<int>& nodes, int first = 0) {
+Fields rows_of_fields(const Fields& fields, const std::vector<int>& nodes, int first = 0) {
   Fields rows(3 * static_cast<Index>(nodes.size()), fields.cols());
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     rows.middleRows(3 * static_cast<Index>(k), 3) =
@@ -213,7 +213,7 @@ void clear_near(const Samples& samples, int cluster, const Plan& plan, Fields& h
 MatrixXd skin_bases(const Samples& samples, Index fields, int rank, const Plan& plan) {
   MatrixXd P = MatrixXd::Zero(samples.skin.rows(), rank);
   for (int c = 0; c < plan.table.clusters; ++c) {
-    MatrixXd here = rows_of(samples.skin, plan.members[c]).leftCols(fields);
+    MatrixXd here = rows_of_fields(samples.skin, plan.members[c]).leftCols(fields);
     clear_near(samples, c, plan, here);
     const SymmetricEigen eigen = symmetric_eigen(times(here, here.transpose()));  // increasing
     const Index kept = std::min<Index>(rank, here.rows());
@@ -232,15 +232,16 @@ MatrixXd inner_bases(const Samples& samples, Index fields, const MatrixXd& P, co
   MatrixXd R = MatrixXd::Zero(samples.inner.rows(), P.cols());
   for (int c = 0; c < plan.table.clusters; ++c) {
     if (plan.inner[c].empty()) continue;
-    MatrixXd here = rows_of(samples.skin, plan.members[c]).leftCols(fields);
+    MatrixXd here = rows_of_fields(samples.skin, plan.members[c]).leftCols(fields);
     clear_near(samples, c, plan, here);
-    const MatrixXd targets = transposed_times(rows_of(P, plan.members[c]), here);
+    const MatrixXd targets = transposed_times(rows_of_fields(P, plan.members[c]), here);
     MatrixXd gram = times(targets, targets.transpose());
     gram.diagonal().array() += kInnerRidge * gram.trace() / static_cast<double>(gram.rows()) +
                                std::numeric_limits<double>::min();
     // What is near has no targets, and is left out by that.
-    const MatrixXd inside =
-        rows_of(samples.inner, plan.inner[c], plan.table.vertices).leftCols(fields).cast<double>();
+    const MatrixXd inside = rows_of_fields(samples.inner, plan.inner[c], plan.table.vertices)
+                                .leftCols(fields)
+                                .cast<double>();
     const MatrixXd basis = gram.llt().solve(times(targets, inside.transpose())).transpose();
     for (std::size_t k = 0; k < plan.inner[c].size(); ++k) {
       R.middleRows(3 * Index{plan.inner[c][k] - plan.table.vertices}, 3) =
@@ -263,12 +264,13 @@ RoundedRows bases(const Samples& samples, Index fields, int rank, const Plan& pl
 // S_cd for all d > c that are far. @param u  (3W x 3 n_c) what unit loads at c's vertices do
 void keep_couplings(const MatrixXd& u, const MatrixXd& P, int c, Plan& plan) {
   ComplianceTable& table = plan.table;
-  const MatrixXd mine = rows_of(P, plan.members[c]);
+  const MatrixXd mine = rows_of_fields(P, plan.members[c]);
   const auto [begin, end] = std::equal_range(table.far_first.begin(), table.far_first.end(), c);
   for (auto at = begin; at != end; ++at) {
     const auto pair = static_cast<std::size_t>(at - table.far_first.begin());
     const std::vector<int>& there = plan.members[table.far_second[pair]];
-    const MatrixXd target = transposed_times(rows_of(P, there), rows_of(u, there));  // (k x 3 n_c)
+    const MatrixXd target =
+        transposed_times(rows_of_fields(P, there), rows_of_fields(u, there));  // (k x 3 n_c)
     const RoundedRows rows = rounded(times(target, mine).transpose().cast<float>());
     const std::size_t first = pair * table.couplings.width;
     std::copy(rows.scale.begin(), rows.scale.end(),

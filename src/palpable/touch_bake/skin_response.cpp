@@ -18,8 +18,8 @@ using Eigen::Vector3d;
 namespace {
 
 // What is added to the distance of vertices on two sides of a thin part.
-constexpr double kOtherSide = 0.03;  // m
-constexpr double kApart = -0.2;      // cosine of the angle between their normals
+constexpr double kOtherSideWithin = 0.03;  // m
+constexpr double kApart = -0.2;            // cosine of the angle between their normals
 
 // Those whose stress the recovery at the skin's vertices reads.
 std::vector<int> elements_of(const StressRecovery& recovery, const TetMesh& mesh,
@@ -93,7 +93,7 @@ MatrixXd SkinResponse::in_shell(const MatrixXd& fields) const {
 
 double SkinResponse::distance(int a, int b) const {
   const bool apart = normals_.col(a).dot(normals_.col(b)) < kApart;
-  return (skin_.vertices.col(a) - skin_.vertices.col(b)).norm() + (apart ? kOtherSide : 0.0);
+  return (skin_.vertices.col(a) - skin_.vertices.col(b)).norm() + (apart ? kOtherSideWithin : 0.0);
 }
 
 Vector3d SkinResponse::mean_normal(int vertex, double radius) const {

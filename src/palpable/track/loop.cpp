@@ -20,7 +20,7 @@ constexpr int kTied = 15;           // shared landmarks that make a tie of a gra
 constexpr double kMostDrift = 0.1;  // share of the way
 constexpr double kLoopPx = 20;      // from which drift on a loop is closed
 
-double angle_of(const Rigid3& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
+double turn_of(const Rigid3& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
 
 // Index of the keyframe with a frame number, or -1.
 int index_of(const std::vector<Keyframe>& keyframes, int number) {
@@ -87,7 +87,7 @@ std::optional<Rigid3> pose_by(const Loop& loop, const std::vector<Keyframe>& key
     const Rigid3 motion =
         keyframes[k + 1].camera_from_world * keyframes[k].camera_from_world.inverse();
     way += motion.translation().norm();
-    turn += angle_of(motion);
+    turn += turn_of(motion);
   }
   const Rigid3 by_loop = loop.new_from_old.camera_from_old * keyframes[a].camera_from_world;
   const Rigid3& now = keyframes[b].camera_from_world;
@@ -96,7 +96,7 @@ std::optional<Rigid3> pose_by(const Loop& loop, const std::vector<Keyframe>& key
   const double depth = keyframes[b].median_depth;
   const double farthest = kMostDrift * (way + turn * depth);
   if ((by_loop.inverse().translation() - now.inverse().translation()).norm() > farthest ||
-      angle_of(by_loop * now.inverse()) * depth > farthest) {
+      turn_of(by_loop * now.inverse()) * depth > farthest) {
     return std::nullopt;
   }
   return by_loop;

@@ -16,7 +16,7 @@ constexpr int kBlock = 5;  // px of the half image
 // OpenCV's smaller eigenvalue of a block with a gradient of g grey levels per px is 4 g^2 / 255^2:
 // this is one level per px.
 constexpr float kLeastStrength = 6e-5F;
-constexpr int kBorder = 6;      // px of the half image
+constexpr int kCornerBorder = 6;  // px of the half image
 constexpr int kParts = 8;       // of the image across and down, so that corners are spread over it
 constexpr int kLeastKnown = 6;  // depths known of a pixel and its eight neighbours
 constexpr double kJump = 0.06;  // largest spread of these depths, as a share of the least
@@ -85,9 +85,9 @@ std::vector<Strong> strongest_of_cells(const cv::Mat& strength, const DepthImage
   std::vector<char> full(cells_across * down, 0);
   for (const Eigen::Vector2d& uv : taken) full[cell_of(uv.x() / 2, uv.y() / 2)] = 1;
   std::vector<Strong> best(full.size());
-  for (int y = kBorder; y < height - kBorder; ++y) {
+  for (int y = kCornerBorder; y < height - kCornerBorder; ++y) {
     const auto* row = strength.ptr<float>(y);
-    for (int x = kBorder; x < width - kBorder; ++x) {
+    for (int x = kCornerBorder; x < width - kCornerBorder; ++x) {
       if (row[x] < kLeastStrength) continue;
       const int c = cell_of(x, y);
       if (full[c] != 0 || row[x] <= best[c].strength) continue;
@@ -106,7 +106,8 @@ std::vector<Corner> new_corners(const GrayImage& half, const DepthImage& depth,
                                 const MaskImage* moving, std::span<const Eigen::Vector2d> taken,
                                 int cells_across, int most) {
   std::vector<Corner> corners;
-  if (most <= 0 || half.width() <= 2 * kBorder || half.height() <= 2 * kBorder) return corners;
+  if (most <= 0 || half.width() <= 2 * kCornerBorder || half.height() <= 2 * kCornerBorder)
+    return corners;
   cv::Mat strength;
   try {
     const cv::Mat image(half.height(), half.width(), CV_8UC1,

@@ -7,7 +7,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kBorder = 9;  // px: the patch of a corner must lie in the picture
+constexpr int kPatchBorder = 9;  // px: the patch of a corner must lie in the picture
 // px; nearer to 0 than this a depth says next to nothing. More than LandmarkSearch asks: a landmark
 // that is seen again has its depth already, a new one must get it here.
 constexpr double kLeastNewDisparity = 0.5;
@@ -42,8 +42,9 @@ void NewLandmarks::add(const LandmarkSearch& search, const TrackerFrame& frame,
   for (const Corner& corner : corners) {
     if (map.room_for_landmarks(settings.limits.landmarks) <= 0) break;
     const Eigen::Vector2d& uv = corner.uv;
-    if (!(uv.x() > kBorder && uv.y() > kBorder && uv.x() < camera.camera.width - kBorder - 1 &&
-          uv.y() < camera.camera.height - kBorder - 1)) {
+    if (!(uv.x() > kPatchBorder && uv.y() > kPatchBorder &&
+          uv.x() < camera.camera.width - kPatchBorder - 1 &&
+          uv.y() < camera.camera.height - kPatchBorder - 1)) {
       continue;
     }
     const double expected = camera.camera.fx_px * camera.baseline / corner.depth;

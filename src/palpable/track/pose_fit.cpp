@@ -10,9 +10,9 @@ namespace palpable {
 namespace {
 
 constexpr int kLeastPoints = 4;
-constexpr double kNearest = 1e-3;      // m; points nearer, or behind, are not seen
-constexpr double kLargestStep = 1e-7;  // m and rad: converged
-constexpr double kLeastPivot = 1e-9;   // share of the largest; below, nothing fixes a direction
+constexpr double kNearestInFit = 1e-3;  // m; points nearer, or behind, are not seen
+constexpr double kLargestStep = 1e-7;   // m and rad: converged
+constexpr double kLeastPivot = 1e-9;    // share of the largest; below, nothing fixes a direction
 
 double tukey_weight(double squared_in_limits) {
   if (squared_in_limits >= 1) return 0;
@@ -32,7 +32,7 @@ Normal normal_equations(const TrackCamera& camera, std::span<const PosePoint> po
   Normal normal;
   for (const PosePoint& point : points) {
     const Eigen::Vector3d x = pose * point.x_in_world;
-    if (x.z() < kNearest) continue;
+    if (x.z() < kNearestInFit) continue;
     const Eigen::Vector3d r = camera.see(x) - point.seen.uvd;
     const double s = limit * point.seen.sigma;
     const double w_uv = tukey_weight(r.head<2>().squaredNorm() / (s * s));
@@ -82,7 +82,7 @@ void fit_pose(const TrackCamera& camera, std::span<const PosePoint> points, cons
   double sum = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d x = fit.camera_from_world * points[i].x_in_world;
-    if (x.z() < kNearest) continue;
+    if (x.z() < kNearestInFit) continue;
     const Sighting& seen = points[i].seen;
     const double squared =
         (camera.see(x) - seen.uvd).head<2>().squaredNorm() / (seen.sigma * seen.sigma);

@@ -15,8 +15,8 @@ namespace palpable {
 namespace {
 
 constexpr int kMostSteps = 20;
-constexpr int kMostTrials = 8;       // of a step, each with more damping than the one before
-constexpr double kConverged = 1e-6;  // relative decrease of the cost that ends it
+constexpr int kMostTrials = 8;           // of a step, each with more damping than the one before
+constexpr double kConvergedCost = 1e-6;  // relative decrease of the cost that ends it
 
 // d log(exp(w) exp(phi)) / dw at w = 0 (Sola et al., "A micro Lie theory", 2018, Eq. 146).
 Eigen::Matrix3d log_derivative(const Eigen::Vector3d& phi) {
@@ -178,7 +178,7 @@ PoseGraphResult adjust_pose_graph(PoseGraph& graph) {
     if (!lowered) return result;
     result.solved = true;
     ++result.steps;
-    const bool converged = result.last_cost - cost < kConverged * result.last_cost;
+    const bool converged = result.last_cost - cost < kConvergedCost * result.last_cost;
     result.last_cost = cost;
     if (converged) break;
   }

@@ -21,7 +21,8 @@ constexpr double kCoarseSigma = 0.2;  // px at level 0; doubles with each level
 // Normalised cross correlation from which on a patch counts as found.
 constexpr double kCoarseLikeness = 0.6;
 
-constexpr double kLeastAgreeing = 0.4;  // share of the landmarks found that must agree with a pose
+constexpr double kLeastShareAgreeing =
+    0.4;                                // share of the landmarks found that must agree with a pose
 constexpr double kSmearPerLevel = 3.0;  // px: a level of the pyramid that is smeared more is left
                                         // out, since a template that is smeared as much is flat
 constexpr double kFullyTrusted = 15;    // frames in which a landmark agreed
@@ -52,7 +53,7 @@ std::optional<Rigid3> PoseSearch::find(const LandmarkSearch& search, const Track
   if (static_cast<int>(points_.size()) < query.least_inliers) return std::nullopt;
   fit_pose(camera_, points_, pose, {.tukey = 5, .first_width = 4, .steps = 12}, fit_);
   if (!fit_.solved || fit_.inliers < query.least_inliers ||
-      fit_.inliers < kLeastAgreeing * static_cast<double>(points_.size())) {
+      fit_.inliers < kLeastShareAgreeing * static_cast<double>(points_.size())) {
     return std::nullopt;
   }
   return fit_.camera_from_world;

@@ -18,7 +18,7 @@ constexpr int kThumbnailWidth = 40, kThumbnailHeight = 22;  // px
 constexpr int kFarthestMatch = 64;  // bits in which two descriptors of 256 may differ
 // Lowe's ratio: the second best match must differ by that much more, or the best is a coincidence.
 constexpr double kRatio = 0.85;
-constexpr int kLeastAgreeing = 12;  // features
+constexpr int kLeastFeaturesAgreeing = 12;  // features
 constexpr int kRansacTrials = 200;
 constexpr float kRansacPx = 2.5F;  // by which a feature that agrees may be off
 
@@ -93,7 +93,8 @@ Features find_features(const GrayImage& image, const PinholeCamera& camera,
 
 std::optional<Recognised> recognise(const Features& now, const Features& known,
                                     const PinholeCamera& camera) {
-  if (now.uv.size() < kLeastAgreeing || known.uv.size() < kLeastAgreeing) return std::nullopt;
+  if (now.uv.size() < kLeastFeaturesAgreeing || known.uv.size() < kLeastFeaturesAgreeing)
+    return std::nullopt;
   try {
     std::vector<std::vector<cv::DMatch>> matches;
     cv::BFMatcher(cv::NORM_HAMMING)
@@ -111,13 +112,13 @@ std::optional<Recognised> recognise(const Features& now, const Features& known,
       objects.emplace_back(x.x(), x.y(), x.z());
       pixels.emplace_back(p.x(), p.y());
     }
-    if (static_cast<int>(objects.size()) < kLeastAgreeing) return std::nullopt;
+    if (static_cast<int>(objects.size()) < kLeastFeaturesAgreeing) return std::nullopt;
     const cv::Matx33d K(camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1);
     cv::Mat rvec, tvec, R;
     std::vector<int> agreeing;
     if (!cv::solvePnPRansac(objects, pixels, K, cv::noArray(), rvec, tvec, false, kRansacTrials,
                             kRansacPx, 0.999, agreeing, cv::SOLVEPNP_AP3P) ||
-        static_cast<int>(agreeing.size()) < kLeastAgreeing) {
+        static_cast<int>(agreeing.size()) < kLeastFeaturesAgreeing) {
       return std::nullopt;
     }
     cv::Rodrigues(rvec, R);

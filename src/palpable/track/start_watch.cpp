@@ -6,7 +6,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kLeast = 50;  // depths known in both views; fewer say nothing
+constexpr int kLeastDepths = 50;  // depths known in both views; fewer say nothing
 // Two measurements of one depth differ by more sigmas of their difference once in 80 times.
 constexpr float kSigmas = 2.5F;
 constexpr float kOfTwo = 1.41421356F;  // sigma of a difference over sigma of one measurement
@@ -35,7 +35,7 @@ Stillness StartWatch::compare(const Samples& now) const {
     const float scatter = kOfTwo * noise_.sigma_in_float(std::max(now[s], first_[s]));
     same += std::abs(now[s] - first_[s]) < kSigmas * scatter ? 1 : 0;
   }
-  if (known < kLeast) return Stillness::kUnclear;
+  if (known < kLeastDepths) return Stillness::kUnclear;
   return same >= kSame * known ? Stillness::kStill : Stillness::kMoved;
 }
 

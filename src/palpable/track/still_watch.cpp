@@ -14,8 +14,8 @@ namespace {
 constexpr int kAcross = 8;
 constexpr int kDown = 6;
 constexpr std::size_t kPatches = kAcross * kDown;
-constexpr int kTries = 4;           // places that are tried per cell, across and down
-constexpr std::size_t kLeast = 10;  // patches that can be compared; fewer say nothing
+constexpr int kTries = 4;                  // places that are tried per cell, across and down
+constexpr std::size_t kLeastPatches = 10;  // patches that can be compared; fewer say nothing
 // px from which on a patch has moved. Noise alone moves a patch by 0.05 px (at 0.65 grey levels);
 // in the dark by more, but the median over all patches stays below.
 constexpr double kMoved = 0.3;
@@ -29,7 +29,7 @@ constexpr double kNoise = 2;  // n, grey levels
 constexpr float kFadedShare = 0.4F;
 constexpr float kNearerShare = 0.7F;
 
-float depth_at(const DepthImage& depth, const GrayImage& image, const Eigen::Vector2d& at) {
+float depth_of_pixel(const DepthImage& depth, const GrayImage& image, const Eigen::Vector2d& at) {
   return depth(static_cast<int>(at.x()) * depth.width() / image.width(),
                static_cast<int>(at.y()) * depth.height() / image.height());
 }
@@ -77,7 +77,7 @@ std::optional<StillWatch::Patch> StillWatch::patch_at(const Pyramid& pyramid,
 // by what is too near knows no depth there.
 bool StillWatch::is_hidden(const Patch& patch, const GrayImage& image, const DepthImage& depth) {
   if (contrast_at(image, patch.at) < kFadedShare * patch.look.contrast) return true;
-  const float now = depth_at(depth, image, patch.at);
+  const float now = depth_of_pixel(depth, image, patch.at);
   return !std::isnan(patch.depth) && !(now >= kNearerShare * patch.depth);
 }
 
@@ -101,7 +101,7 @@ void StillWatch::begin(const GrayImage& image, const DepthImage& depth) {
     }
   }
   if (patches_.size() < kPatches) fill_up(pyramid, image);
-  for (Patch& patch : patches_) patch.depth = depth_at(depth, image, patch.at);
+  for (Patch& patch : patches_) patch.depth = depth_of_pixel(depth, image, patch.at);
 }
 
 // A bare room has texture in few cells, and not at the places that were tried: adds the best places
@@ -147,8 +147,8 @@ Stillness StillWatch::look(const GrayImage& image, const DepthImage& depth,
     ++compared;
     resting += moved.cwiseAbs().maxCoeff() < kMoved ? 1 : 0;
   }
-  const Stillness unclear = others >= kLeast ? Stillness::kOtherView : Stillness::kUnclear;
-  if (compared < kLeast) return unclear;
+  const Stillness unclear = others >= kLeastPatches ? Stillness::kOtherView : Stillness::kUnclear;
+  if (compared < kLeastPatches) return unclear;
   const double share = static_cast<double>(resting) / static_cast<double>(compared);
   const auto middle_of = [&](std::array<double, kPatches>& values) {
     return std::abs(upper_median(std::span(values).first(compared)));

@@ -28,12 +28,13 @@ namespace palpable {
 namespace {
 
 // --- following ---------------------------------------------------------------------------------
-constexpr int kLeastInliers = 12;     // landmarks that must agree with a pose near the last one
-constexpr int kLeastRecognised = 20;  // and with a pose of a camera that was lost, or at the start
-constexpr double kSurePx = 2.0;       // after a prediction that was better no coarse search is made
-constexpr double kMaskedPx = 4.0;     // after a prediction that was worse no mask is believed
-constexpr double kFastPx = 14.0;      // px per frame: faster, the coarse search is always made and
-                                      // the exposure is measured
+constexpr int kLeastInliers = 12;  // landmarks that must agree with a pose near the last one
+constexpr int kLeastRecognisedLost =
+    20;                            // and with a pose of a camera that was lost, or at the start
+constexpr double kSurePx = 2.0;    // after a prediction that was better no coarse search is made
+constexpr double kMaskedPx = 4.0;  // after a prediction that was worse no mask is believed
+constexpr double kFastPx = 14.0;   // px per frame: faster, the coarse search is always made and
+                                   // the exposure is measured
 constexpr double kLongestPrediction = 3;  // last motions: after a longer gap a camera has hardly
                                           // gone on as before
 // Of prediction and truth, when nothing is known about them.
@@ -226,7 +227,7 @@ bool Tracker::Parts::begin_world(const TrackerFrame& frame) {
   pose_search.clear();
   loops.clear();
   keep(frame);
-  if (map.keyframes.back().tracked < kLeastRecognised) {
+  if (map.keyframes.back().tracked < kLeastRecognisedLost) {
     map.clear();
     worker.abandon();
     --counts.keyframes;
@@ -320,7 +321,7 @@ bool Tracker::Parts::recognise_place(const TrackerFrame& frame) {
   const Rigid3 held = camera_from_world;
   const auto try_near = [&](const Rigid3& pose) {
     camera_from_world = pose;  // no motion, no smear
-    if (locate(frame, pose, true, kLeastRecognised)) {
+    if (locate(frame, pose, true, kLeastRecognisedLost)) {
       if (state == TrackState::kLost) ++counts.recognised;
       return true;
     }

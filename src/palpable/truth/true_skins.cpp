@@ -37,7 +37,7 @@ constexpr double kSurelyTouches = 2e-3;
 
 // Of the height: what a skin may be off by that is the same one. A preloaded skin at rest is solved
 // to that; all else is equal to the last bit.
-constexpr double kSameSkin = 1e-6;
+constexpr double kSameTrueSkin = 1e-6;
 
 std::string content_of(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -92,7 +92,7 @@ class TrueSkins {
         there.triangles == triangles) {
       off = (there.vertices - here).colwise().norm().maxCoeff();
     }
-    if (off <= kSameSkin * problem_.mesh.height) return;
+    if (off <= kSameTrueSkin * problem_.mesh.height) return;
     const std::string how =
         std::isfinite(off)
             ? fmt::format("its vertices lie up to {:.3g} mm elsewhere", 1e3 * off)

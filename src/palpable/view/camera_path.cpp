@@ -5,7 +5,7 @@ namespace {
 
 constexpr std::size_t kMost = 4096;  // points
 constexpr Rgb kColor{28, 84, 222};
-constexpr float kWidth = 3.5f;  // px
+constexpr float kPathWidth = 3.5f;  // px
 
 }  // namespace
 
@@ -45,11 +45,11 @@ void CameraPath::draw(std::vector<MapLine>& lines) const {
   for (std::size_t i = 1; i < poses_.size(); ++i) {
     if (!continues_[i]) continue;
     lines.push_back({poses_[i - 1].translation().cast<float>(),
-                     poses_[i].translation().cast<float>(), kColor, kWidth});
+                     poses_[i].translation().cast<float>(), kColor, kPathWidth});
   }
   if (now_) {
     lines.push_back({poses_.back().translation().cast<float>(), now_->translation().cast<float>(),
-                     kColor, kWidth});
+                     kColor, kPathWidth});
   }
 }
 

@@ -4,6 +4,7 @@
 #include "palpable/view/inset.h"
 #include "palpable/view/room_overview.h"
 #include "palpable/view/scene_picture.h"
+#include "palpable/view/sensed_picture.h"
 
 #include <fmt/core.h>
 
@@ -23,7 +24,6 @@ constexpr int kMovingStep = 4;        // px of the depth between two points of w
 constexpr Rgb kKeyframe{92, 110, 140};
 constexpr Rgb kCamera{245, 140, 20};
 constexpr Rgb kLost{220, 30, 30};
-constexpr Rgb kMoving{255, 120, 0};
 
 void add_keyframes(std::vector<MapLine>& lines, const std::vector<KeyframePose>& keyframes,
                    const PinholeCamera& camera) {
@@ -60,7 +60,8 @@ void MapPicture::add_moving(const Scene& scene) {
           {(scene.camera.world_from_camera * scene.seen.depth_camera.unproject(x, y, Z))
                .cast<float>(),
            static_cast<float>(radius),
-           {mixed(seen.r, kMoving.r), mixed(seen.g, kMoving.g), mixed(seen.b, kMoving.b)}});
+           {mixed(seen.r, kMovingColor.r), mixed(seen.g, kMovingColor.g),
+            mixed(seen.b, kMovingColor.b)}});
     }
   }
 }

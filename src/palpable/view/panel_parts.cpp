@@ -3,11 +3,11 @@
 namespace palpable {
 namespace {
 
-constexpr float kWidth = 14;  // lines of text
+constexpr float kPanelWidth = 14;  // lines of text
 
 }  // namespace
 
-float panel_width() { return kWidth * ImGui::GetFontSize(); }
+float panel_width() { return kPanelWidth * ImGui::GetFontSize(); }
 
 void begin_panel(const char* name, ImVec2 at) {
   constexpr int kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove |

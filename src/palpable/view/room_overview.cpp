@@ -14,10 +14,10 @@
 namespace palpable {
 namespace {
 
-constexpr double kFilled = 0.95;    // share of the picture that the room fills
-constexpr double kElevation = 0.6;  // rad above the floor
-constexpr double kFarthest = 100;   // m from the eye to the middle of the room
-constexpr double kNearest = 0.1;    // m from the eye to anything
+constexpr double kFilled = 0.95;            // share of the picture that the room fills
+constexpr double kOverviewElevation = 0.6;  // rad above the floor
+constexpr double kFarthestEye = 100;        // m from the eye to the middle of the room
+constexpr double kNearest = 0.1;            // m from the eye to anything
 
 // Where a room lies in the picture: relative to the picture's middle, in shares of its half.
 struct Extent {
@@ -40,7 +40,7 @@ class Onlooker {
       heading += Eigen::Vector2d(std::cos(a), std::sin(a));
     }
     orbit_.azimuth = std::atan2(heading.y(), heading.x()) + kOverTheShoulder;
-    orbit_.elevation = kElevation;
+    orbit_.elevation = kOverviewElevation;
     orbit_.target = to_room_ * points.rowwise().mean().cast<double>();
   }
 
@@ -48,7 +48,7 @@ class Onlooker {
 
   // As near as everything stays in the picture.
   void step_back() {
-    double near = 0, far = kFarthest;
+    double near = 0, far = kFarthestEye;
     for (int i = 0; i < 30; ++i) {
       orbit_.distance = 0.5 * (near + far);
       const auto seen = extent();

@@ -17,7 +17,7 @@ constexpr std::uint8_t kBrightest = 247;
 constexpr int kHueSteps = 16;  // across each of the two directions of the hue
 constexpr int kCellsX = 8;     // of the picture, in which one hue has one albedo
 constexpr int kCellsY = 5;
-constexpr int kPaints = kHueSteps * kHueSteps * kCellsX * kCellsY;
+constexpr int kColorCells = kHueSteps * kHueSteps * kCellsX * kCellsY;
 constexpr int kFewest = 12;            // samples of one paint
 constexpr float kLeastTurn = 0.02f;    // 1 - |mean normal| of a paint: 0.2 rad about the mean
 constexpr int kFirstRounds = 40;       // of the first fit
@@ -152,7 +152,7 @@ void LightEstimator::sample_surfaces(const SeenFrame& seen) {
     }
   }
   // Samples of one paint beside each other.
-  first_of_paint_.assign(kPaints + 1, 0);
+  first_of_paint_.assign(kColorCells + 1, 0);
   for (const Sample& s : samples_) ++first_of_paint_[static_cast<std::size_t>(s.paint) + 1];
   for (std::size_t k = 1; k < first_of_paint_.size(); ++k)
     first_of_paint_[k] += first_of_paint_[k - 1];
@@ -160,7 +160,7 @@ void LightEstimator::sample_surfaces(const SeenFrame& seen) {
             [](const Sample& a, const Sample& b) { return a.paint < b.paint; });
   // A paint that is flat says nothing of the light, but the noise of its normals would say that
   // there is none.
-  flat_.resize(kPaints);
+  flat_.resize(kColorCells);
   for (std::size_t k = 0; k < flat_.size(); ++k) {
     Eigen::Vector3f mean = Eigen::Vector3f::Zero();
     const auto first = static_cast<std::size_t>(first_of_paint_[k]);
@@ -170,7 +170,7 @@ void LightEstimator::sample_surfaces(const SeenFrame& seen) {
                1.0f - mean.norm() / static_cast<float>(last - first) < kLeastTurn;
   }
   by_paint_.resize(samples_.size());
-  albedo_.resize(kPaints);
+  albedo_.resize(kColorCells);
 }
 
 void LightEstimator::fit_albedos(const Eigen::Vector3d& b) {

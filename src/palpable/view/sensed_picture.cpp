@@ -14,7 +14,6 @@ namespace {
 
 constexpr Rgb kUnknown{70, 70, 74};
 constexpr Rgb kTooClose{220, 30, 30};
-constexpr Rgb kMoving{255, 120, 0};
 
 // As color_of_share(), which is asked for every pixel.
 const std::array<Rgb, 256>& colors() {
@@ -70,7 +69,8 @@ void draw_moving(const Scene& scene, ColorImage& picture) {
       const bool moves = !scene.moving.empty() &&
                          scene.moving(std::min(x / factor, scene.moving.width() - 1),
                                       std::min(y / factor, scene.moving.height() - 1)) != 0;
-      row[x] = moves ? Rgb{mixed(at.r, kMoving.r), mixed(at.g, kMoving.g), mixed(at.b, kMoving.b)}
+      row[x] = moves ? Rgb{mixed(at.r, kMovingColor.r), mixed(at.g, kMovingColor.g),
+                           mixed(at.b, kMovingColor.b)}
                      : Rgb{dark(at.r), dark(at.g), dark(at.b)};
     }
   }

@@ -17,6 +17,8 @@ void draw_depth(const Scene& scene, ColorImage& picture);
 /// The frame, dark where nothing moves and orange where something does.
 void draw_moving(const Scene& scene, ColorImage& picture);
 
+inline constexpr Rgb kMovingColor{255, 120, 0};  ///< of what moves, in the map's picture too
+
 inline constexpr double kNearestShown = 0.15, kFarthestShown = 2;  ///< m
 
 }  // namespace palpable

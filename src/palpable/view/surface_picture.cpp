@@ -14,10 +14,10 @@
 namespace palpable {
 namespace {
 
-constexpr double kFieldOfView = 0.7;  // rad, vertical
-constexpr double kElevation = 0.5;    // rad above the floor
-constexpr double kAround = 0.06;      // m round the body: what is seen there is drawn
-constexpr int kPointStep = 2;         // px of the depth between two points
+constexpr double kSurfaceFieldOfView = 0.7;  // rad, vertical
+constexpr double kSurfaceElevation = 0.5;    // rad above the floor
+constexpr double kAround = 0.06;             // m round the body: what is seen there is drawn
+constexpr int kPointStep = 2;                // px of the depth between two points
 
 constexpr Rgb kMeasured{60, 160, 110};
 constexpr Rgb kAssumed{240, 150, 50};
@@ -61,7 +61,7 @@ SurfacePicture::SurfacePicture(MapRenderer renderer, const Session& session)
   const Eigen::Vector3d around = Eigen::Vector3d::Constant(kAround);
   near_ = {box.min() - around, box.max() + around};
   usual_.target = box.center();
-  usual_.elevation = kElevation;
+  usual_.elevation = kSurfaceElevation;
   usual_.distance = 2.2 * box.diagonal().norm();
   orbit_ = usual_;
 }
@@ -116,7 +116,7 @@ void SurfacePicture::draw(const Scene& scene, const Session& session, double sca
   renderer_.set_surface({&mesh_.vertices, &mesh_.normals, &mesh_.triangles, mesh_.colors});
   add_points(scene);
   MapView view;
-  view.camera = camera_of_view(inside.width(), inside.height(), kFieldOfView);
+  view.camera = camera_of_view(inside.width(), inside.height(), kSurfaceFieldOfView);
   view.camera_from_world = orbit_.camera_from_body();
   view.up = Eigen::Vector3d::UnitZ();
   view.points = points_;

@@ -1,4 +1,4 @@
-// Also compiled as C++ (real_shadows.cpp, color_map_test.cpp).
+// Also compiled as C++ (occlusion_bias.h, color_map_test.cpp).
 
 /// How much nearer than the body a real surface must be before it hides it, m. The constant is the
 /// thickness of a touch (a finger that presses lies on the body, not before it); the other part is

@@ -1,7 +1,6 @@
-// palpable bench: ms per stage of the live half, median and 99th percentile.
+// palpable bench evaluate, palpable bench contact: what one body costs, without a camera.
 
 #include "apps/common/command_line.h"
-#include "apps/palpable/commands.h"
 #include "palpable/base/error.h"
 #include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
@@ -16,13 +15,7 @@
 
 #include <fmt/core.h>
 
-#include "bench/live/bench_depth.h"
-#include "bench/live/bench_live.h"
-#include "bench/live/bench_render.h"
-#include "bench/live/bench_sgbm.h"
-#include "bench/live/bench_surface.h"
-#include "bench/live/bench_ticks.h"
-#include "bench/live/bench_track.h"
+#include "bench/live/bench.h"
 #include <array>
 #include <chrono>
 #include <cstdlib>
@@ -231,23 +224,7 @@ void bench_contact(const BodyOptions& options) {
 
 }  // namespace
 
-void add_bench(Command app) {
-  Command bench = app.add_subcommand("bench", "Time the stages of the live half, or of a bake");
-  bench.require_subcommand();
-  bench.footer(
-      "Also, in the program palpable-bake, which palpable starts:\n"
-      "  bench bake      the parts of a bake\n"
-      "  bench beam      the beam by intrusive PGD\n"
-      "  bench bodies    bodies that press each other, against full finite elements\n"
-      "  bench campaign  all sites and levels of a body, into an empty folder\n"
-      "  bench solid     one equilibrium path against CalculiX\n"
-      "  bench elements  how true 4-node and 10-node tetrahedra are\n"
-      "  bench reduce    all reductions beside each other\n"
-      "  bench obstacle  contact against Hertz and CalculiX, and its cost on a body\n"
-      "  bench touch     touch anywhere by a body's tables, against full finite elements\n"
-      "  bench clip      the same under the true hand of a filmed clip\n"
-      "  bench friction  what friction, which touch leaves out, would change\n"
-      "Example: palpable bench evaluate bunny.palpable --json");
+void add_bench_body(Command bench) {
   const auto add_body_bench = [&](const char* name, const char* what,
                                   void (*run)(const BodyOptions&)) {
     auto options = std::make_shared<BodyOptions>();
@@ -273,14 +250,6 @@ void add_bench(Command app) {
                  bench_evaluate);
   add_body_bench("contact", "Contact: a finger on the body's first site, seen with 640 x 360 px",
                  bench_contact);
-
-  add_bench_depth(bench);
-  add_bench_sgbm(bench);
-  add_bench_surface(bench);
-  add_bench_ticks(bench);
-  add_bench_track(bench);
-  add_bench_live(bench);
-  add_bench_render(bench);
 }
 
 }  // namespace palpable::app
