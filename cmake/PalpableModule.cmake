@@ -1,8 +1,3 @@
-# Modules that libpalpable.so holds (src/palpable/capi): position-independent, and their names are hidden,
-# so that they call each other as directly as in a program.
-set(PALPABLE_MODULES_OF_LIBRARY base geometry material reduced touch calibrate sources stereo depth track map slam
-                                contact session capi)
-
 # A module as one file: headers, of which half of a compilation consists, are read once for all of its files. On for
 # whoever builds to use (preset release), off for whoever develops (preset dev): there, a change compiles one file.
 # Names in anonymous namespaces must differ within a module (tools/check_names.py).
@@ -50,12 +45,7 @@ function(palpable_module)
 
   if(sources)
     add_library(palpable_${arg_NAME} STATIC ${sources})
-    if(arg_NAME IN_LIST PALPABLE_MODULES_OF_LIBRARY)
-      palpable_make_shareable(palpable_${arg_NAME})
-      palpable_precompile(palpable_${arg_NAME} shared)
-    else()
-      palpable_precompile(palpable_${arg_NAME} library)
-    endif()
+    palpable_precompile(palpable_${arg_NAME} library)
     palpable_unity(palpable_${arg_NAME})
     set(scope PUBLIC)
   else()

@@ -1,7 +1,6 @@
 # Headers that most files include, parsed once instead of 700 times: half of a compilation was their text.
 #
 #   palpable_precompile(palpable_bake library)
-#   palpable_precompile(palpable_reduced shared)    of a shareable target
 #   palpable_precompile(reduced_tests tests)        also Catch2
 #
 # What is written in the files stays as it was: each includes what it uses (clang-tidy reads them without
@@ -12,19 +11,12 @@ option(PALPABLE_PRECOMPILE "Parse common headers once for all files" ON)
 set(headers <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <limits> <map> <memory> <optional>
             <span> <string> <string_view> <utility> <vector> <Eigen/Core> <Eigen/Geometry> <fmt/format.h>)
 set(palpable_headers_library ${headers})
-set(palpable_headers_shared ${headers})
 set(palpable_headers_tests ${headers} <random> <catch2/catch.hpp>)
-
-# What is compiled may become part of libpalpable.so.
-function(palpable_make_shareable target)
-  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
-                                             VISIBILITY_INLINES_HIDDEN ON)
-endfunction()
 
 if(PALPABLE_PRECOMPILE)
   # ccache needs it to look into what follows a precompiled header.
   add_compile_options(-fpch-preprocess)
-  foreach(kind library shared tests)
+  foreach(kind library tests)
     if(kind STREQUAL tests AND NOT BUILD_TESTING)
       continue()
     endif()
@@ -36,9 +28,6 @@ if(PALPABLE_PRECOMPILE)
     target_link_libraries(palpable_precompiled_${kind} PRIVATE palpable_options Eigen3::Eigen fmt::fmt)
     if(kind STREQUAL tests)
       target_link_libraries(palpable_precompiled_${kind} PRIVATE Catch2::Catch2)
-    endif()
-    if(kind STREQUAL shared)
-      palpable_make_shareable(palpable_precompiled_shared)
     endif()
     target_precompile_headers(palpable_precompiled_${kind} PRIVATE ${palpable_headers_${kind}})
   endforeach()

@@ -19,6 +19,8 @@ find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d featu
 pkg_check_modules(ffmpeg REQUIRED IMPORTED_TARGET libavformat libavcodec libswscale libavutil)
 # Apache-2.0 or BSD: vector instructions chosen at run time, matcher, map, evaluation of modes.
 pkg_check_modules(hwy REQUIRED IMPORTED_TARGET libhwy)
+# The oldest set of vector instructions, which no processor since 2008 has as its best: a fifth of the kernels' compiling.
+target_compile_definitions(PkgConfig::hwy INTERFACE HWY_DISABLED_TARGETS=HWY_SSSE3)
 # BSD or GPL-2 (the BSD is taken): images of recordings, packed without loss; OpenCV's image files bring it anyway.
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)  # MIT: GL entry points
