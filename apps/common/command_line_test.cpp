@@ -29,6 +29,22 @@ int run(std::vector<const char*> words) {
   return app.run(static_cast<int>(words.size()), words.data());
 }
 
+TEST_CASE("benches are called through palpable or by themselves, and their help says how",
+          "[apps][bench]") {
+  const auto call = [](std::vector<std::string> words) {
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    const BenchCall bench(static_cast<int>(argv.size()), argv.data());
+    std::string rest;
+    for (int i = 1; i < bench.argc; ++i) rest += std::string(" ") + bench.argv[i];
+    return bench.name + ":" + rest;
+  };
+  CHECK(call({"palpable", "bench", "live", "--json"}) == "palpable bench: live --json");
+  CHECK(call({"palpable", "bench"}) == "palpable bench:");
+  CHECK(call({"bin/palpable-bench", "live", "bench"}) == "palpable-bench: live bench");
+  CHECK(call({"palpable-bench"}) == "palpable-bench:");
+}
+
 TEST_CASE("every error ends with exit code 1, whatever CLI11 calls it", "[apps][errors]") {
   CHECK(run({"halve", "--number", "4"}) == 0);
   CHECK(run({"--help"}) == 0);

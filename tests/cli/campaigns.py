@@ -160,6 +160,27 @@ def _(programs, folder):
     assert files_of(folder / "whole/ball.snapshots/touch") == more
 
 
+@case("a bake until its linear tables can be touched, and goes on to the bytes of one that was never stopped")
+def _(programs, folder):
+    words = ("bake", "ball.toml", "-o", "ball.palpable")
+    coarse = base.BALL.replace('edge = "12 mm"', 'edge = "20 mm"')
+    for name in ("whole", "staged"):
+        base.write_ball(folder / name, coarse.replace('"none"', '"full"\nregions = 3\nheld_out = 1'))
+    programs.succeeds(*words, cwd=folder / "whole")
+    body = folder / "staged/ball.palpable"
+    said = programs.succeeds(*words, "--until", "linear", cwd=folder / "staged").stdout
+    assert "without --until goes on" in said, said
+    touch = json.loads(programs.succeeds("inspect", body, "--json").stdout)["touch"]
+    assert touch["order"] == 1 and "held_out" not in touch, touch
+    linear = (folder / "staged/ball.snapshots/touch/tables.h5").read_bytes()
+    programs.succeeds(*words, cwd=folder / "staged")
+    assert linear == (folder / "staged/ball.snapshots/touch/tables.h5").read_bytes(), "the linear tables were made again"
+    assert body.read_bytes() == (folder / "whole/ball.palpable").read_bytes()
+    base.write_ball(folder / "none", coarse)
+    programs.refuses(*words, "--until", "linear", cwd=folder / "none", says=["--until", "no tables of touch"])
+    programs.refuses(*words, "--until", "regions", cwd=folder / "none", says=["--until", "regions", "linear"])
+
+
 @case("a description that does not speak of touch gets tables and their errors")
 def _(programs, folder):
     text = base.BALL.replace('[touch]\ntables = "none"\n', "").replace('edge = "12 mm"', 'edge = "20 mm"')
