@@ -17,6 +17,27 @@ struct CalledLaw {
   int (*density)(const Material&, const Deformation<Pack>&, Pack&);
   int (*piola)(const Material&, const Deformation<Pack>&, Tensor<Pack>&);
   int (*piola_along)(const Material&, const Deformation<Pack>&, const Tensor<Pack>&, Tensor<Pack>&);
+
+  // As law.h has them of each law.
+  PALPABLE_ALWAYS_INLINE friend Pack energy_density(const CalledLaw& law,
+                                                    const Deformation<Pack>& d) {
+    Pack density;
+    law.density(law.material, d, density);
+    return density;
+  }
+  PALPABLE_ALWAYS_INLINE friend Tensor<Pack> first_piola(const CalledLaw& law,
+                                                         const Deformation<Pack>& d) {
+    Tensor<Pack> P;
+    law.piola(law.material, d, P);
+    return P;
+  }
+  PALPABLE_ALWAYS_INLINE friend Tensor<Pack> first_piola_along(const CalledLaw& law,
+                                                               const Deformation<Pack>& d,
+                                                               const Tensor<Pack>& dF) {
+    Tensor<Pack> dP;
+    law.piola_along(law.material, d, dF, dP);
+    return dP;
+  }
 };
 
 template <class Law>
@@ -55,24 +76,6 @@ CalledLaw called_law(SimdLevel level, const Material& material) {
                 level)};
       },
       material);
-}
-
-PALPABLE_ALWAYS_INLINE Pack energy_density(const CalledLaw& law, const Deformation<Pack>& d) {
-  Pack density;
-  law.density(law.material, d, density);
-  return density;
-}
-PALPABLE_ALWAYS_INLINE Tensor<Pack> first_piola(const CalledLaw& law, const Deformation<Pack>& d) {
-  Tensor<Pack> P;
-  law.piola(law.material, d, P);
-  return P;
-}
-PALPABLE_ALWAYS_INLINE Tensor<Pack> first_piola_along(const CalledLaw& law,
-                                                      const Deformation<Pack>& d,
-                                                      const Tensor<Pack>& dF) {
-  Tensor<Pack> dP;
-  law.piola_along(law.material, d, dF, dP);
-  return dP;
 }
 
 // The three passes; run() is compiled once for each level.

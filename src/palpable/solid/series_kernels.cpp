@@ -9,26 +9,27 @@
 namespace palpable {
 namespace {
 
-using Series = Jet<Pack, 3>;
+using SeriesPack = Jet<Pack, 3>;
 
 // The law's part: P of order 2 or 3 along F. It is most of the code, so it is a function of its
 // own, which elements of both shapes call. Both orders come from one pass, so that it is compiled
 // once: the third costs a third more time.
 template <class Law>
 struct LawTerm {
-  PALPABLE_ALWAYS_INLINE static int run(const Material& material, const Tensor<Series>& F,
+  PALPABLE_ALWAYS_INLINE static int run(const Material& material, const Tensor<SeriesPack>& F,
                                         const int& order, Tensor<Pack>& term) {
-    const Tensor<Series> P = first_piola(*std::get_if<Law>(&material), deformation(F));
+    const Tensor<SeriesPack> P = first_piola(*std::get_if<Law>(&material), deformation(F));
     for (int k = 0; k < 9; ++k) term.m[k] = order == 2 ? P.m[k].c[2] : P.m[k].c[3];
     return 0;
   }
 };
-using LawTermFunction = int (*)(const Material&, const Tensor<Series>&, const int&, Tensor<Pack>&);
+using LawTermFunction = int (*)(const Material&, const Tensor<SeriesPack>&, const int&,
+                                Tensor<Pack>&);
 
 LawTermFunction law_term(SimdLevel level, const Material& material) {
   return std::visit(
       [level]<class Law>(const Law&) -> LawTermFunction {
-        return function_at<LawTerm<Law>, const Material, const Tensor<Series>, const int,
+        return function_at<LawTerm<Law>, const Material, const Tensor<SeriesPack>, const int,
                            Tensor<Pack>>(level);
       },
       material);
@@ -48,7 +49,7 @@ struct ForceTerm {
       for (const auto& point : block.points) {
         const Tensor<Pack> H0 = gradient(base, point), H1 = gradient(first, point);
         const Tensor<Pack> H2 = gradient(second, point);
-        Tensor<Series> F{};
+        Tensor<SeriesPack> F{};
         for (int k = 0; k < 9; ++k) {
           F.m[k].c[0] = H0.m[k];
           F.m[k].c[1] = H1.m[k];
