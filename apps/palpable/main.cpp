@@ -51,8 +51,9 @@ int become_bake(char** argv) {
   try {
     const std::filesystem::path program = bake_program();
     ::execv(program.c_str(), argv);
-    print_error(fmt::format("'{}' needs the program {}: {}; build it, or copy it there", argv[1],
-                            program.string(), std::strerror(errno)));
+    print_error(
+        fmt::format("'{}' needs the program {}: {}; install the package palpable-bake, or build it",
+                    argv[1], program.string(), std::strerror(errno)));
   } catch (const Error& error) { print_error(error.what()); }
   return 1;
 }
