@@ -1,5 +1,6 @@
 # What `cmake --install` puts where: libpalpable.so with its header, how CMake and pkg-config find it,
-# the licence; apps/ adds the programs. docs/c_interface.md is for those who use it.
+# the licence; apps/ adds the programs. docs/c_interface.md is for those who use it. Components are named
+# after the Debian package that holds them (cmake/Packages.cmake); without --component all are installed.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -15,19 +16,24 @@ set_target_properties(palpable_library PROPERTIES
   OUTPUT_NAME palpable EXPORT_NAME palpable LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/exported_names.map)
 
-install(TARGETS palpable_library EXPORT palpable LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+install(TARGETS palpable_library EXPORT palpable
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libpalpable0 NAMELINK_COMPONENT libpalpable-dev
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES src/palpable/capi/palpable.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpable)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES src/palpable/capi/palpable.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpable COMPONENT libpalpable-dev)
+# In no package: each of these has a file `copyright` instead.
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT licence)
 
 set(packages ${CMAKE_INSTALL_LIBDIR}/cmake/palpable)
 configure_package_config_file(cmake/palpableConfig.cmake.in generated/palpableConfig.cmake INSTALL_DESTINATION ${packages})
 write_basic_package_version_file(generated/palpableConfigVersion.cmake COMPATIBILITY SameMajorVersion)
-install(EXPORT palpable NAMESPACE palpable:: FILE palpableTargets.cmake DESTINATION ${packages})
+install(EXPORT palpable NAMESPACE palpable:: FILE palpableTargets.cmake DESTINATION ${packages}
+        COMPONENT libpalpable-dev)
 install(FILES ${PROJECT_BINARY_DIR}/generated/palpableConfig.cmake
-              ${PROJECT_BINARY_DIR}/generated/palpableConfigVersion.cmake DESTINATION ${packages})
+              ${PROJECT_BINARY_DIR}/generated/palpableConfigVersion.cmake DESTINATION ${packages}
+        COMPONENT libpalpable-dev)
 
 # An installed folder may be moved: its own place is looked up from where the .pc file lies.
 file(RELATIVE_PATH PREFIX_FROM_PC /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 configure_file(cmake/palpable.pc.in generated/palpable.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/generated/palpable.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/generated/palpable.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+        COMPONENT libpalpable-dev)

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what ./demo (or, with the word check, ./check) needs: Debian packages, the chart library of
 # the pages, and the bunny. With
-# check or bodies it also gets what the larger bodies of bodies/ are made of.
+# check or bodies it also gets what the larger bodies of bodies/ are made of; with package or check what
+# tools/package.sh needs.
 # Idempotent; silent and quick when all is there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -14,7 +15,10 @@ fail() { echo "palpable: $*" >&2; exit 1; }
   fail "the set-up knows Debian 12 only, this is ${PRETTY_NAME:-another system}; docs/install.md lists what to install by hand (then run with PALPABLE_SETUP=skip)"
 
 lists=(tools/packages.txt)
-[ "${1:-}" = check ] && lists+=(tools/packages-check.txt)
+case "${1:-}" in
+  check) lists+=(tools/packages-check.txt tools/packages-package.txt) ;;
+  package) lists+=(tools/packages-package.txt) ;;
+esac
 missing=()
 while read -r package; do
   dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")

@@ -1,20 +1,41 @@
 #include "apps/palpable/default_body.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/this_machine.h"
 
 #include <fmt/core.h>
 
 #include <array>
+#include <system_error>
 
 namespace palpable::app {
 
-std::filesystem::path default_body() {
-  constexpr std::array kBodies = {"build/bodies/bunny-dense.palpable", "out/demo/bunny.palpable"};
-  for (const char* body : kBodies) {
-    if (std::filesystem::exists(body)) return body;
-  }
-  throw Error(fmt::format("neither {} nor {} is there; bake one, or give --body FILE", kBodies[0],
-                          kBodies[1]));
+namespace fs = std::filesystem;
+
+fs::path shipped_bodies() {
+  return folder_of_program().parent_path() / "share" / "palpable" / "bodies";
 }
+
+fs::path default_body() {
+  const std::array bodies = {fs::path("build/bodies/bunny-dense.palpable"),
+                             fs::path("out/demo/bunny.palpable"),
+                             shipped_bodies() / "post.palpable"};
+  for (const fs::path& body : bodies) {
+    if (fs::exists(body)) return body;
+  }
+  throw Error(fmt::format("none of {}, {} and {} is there; bake one, or give --body FILE",
+                          bodies[0].string(), bodies[1].string(), bodies[2].string()));
+}
+
+fs::path find_body(const fs::path& name, const fs::path& shipped) {
+  std::error_code ignored;
+  if (name.empty() || name.has_parent_path() || name.has_extension()) return name;
+  if (fs::exists(name, ignored)) return name;
+  fs::path body = shipped / name;
+  body += ".palpable";
+  return fs::exists(body, ignored) ? body : name;
+}
+
+fs::path find_body(const fs::path& name) { return find_body(name, shipped_bodies()); }
 
 }  // namespace palpable::app

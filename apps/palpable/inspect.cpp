@@ -2,6 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_facts.h"
 #include "palpable/touch/touch_file.h"
@@ -53,10 +54,14 @@ void inspect(const InspectOptions& options) {
 void add_inspect(Command app) {
   auto options = std::make_shared<InspectOptions>();
   Command command = app.add_subcommand("inspect", "Show what is in a body file");
-  command.add_option("body", options->body, "Body file").required();
+  command.add_option("body", options->body, "Body file, or the name of an installed one (post)")
+      .required();
   command.add_flag("--json", options->json, "One JSON object on stdout");
   command.footer("Example: palpable inspect bunny.palpable");
-  command.callback([options] { inspect(*options); });
+  command.callback([options] {
+    options->body = find_body(options->body);
+    inspect(*options);
+  });
 }
 
 }  // namespace palpable::app

@@ -2,6 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/default_body.h"
 #include "apps/palpable/live_changes.h"
 #include "apps/palpable/live_play.h"
 #include "apps/palpable/live_setup.h"
@@ -77,6 +78,7 @@ void add_live(Command app) {
       "A recording waits for the loop unless --paced. A camera that stalls or goes away does not "
       "end the run: the last state is held until pictures come again; Ctrl-C ends it.\n"
       "Example: palpable live bunny.palpable --source synthetic --out out\n"
+      "Example: palpable live post --source synthetic --out out\n"
       "Example: palpable live --scene scenes/beams.toml --source clip/frames --out out\n"
       "Example: palpable live bunny.palpable --source desk --place \"0 0.1 0.6 0 40 0\" "
       "--out out\n"
@@ -86,7 +88,10 @@ void add_live(Command app) {
       "out\n"
       "Example: palpable live bunny.palpable --source /dev/video0 --anchor plane --window "
       "--record touch.palprec");
-  command.callback([options] { live(*options); });
+  command.callback([options] {
+    options->live.body = find_body(options->live.body);
+    live(*options);
+  });
 }
 
 }  // namespace palpable::app

@@ -322,7 +322,8 @@ TouchableBody read_live_body(const DescribedBody& wanted, const std::string& con
 }
 
 void add_live_options(Command command, LiveOptions& options) {
-  command.add_option("body", options.body, "Body file; or --scene");
+  command.add_option("body", options.body,
+                     "Body file, or the name of an installed one (post); or --scene");
   command
       .add_option("--scene", options.scene,
                   "Several bodies on one desk: a text that says which and where "

@@ -53,10 +53,11 @@ int become(const char* name, char** argv) {
   try {
     const std::filesystem::path program = sibling_program(name);
     ::execv(program.c_str(), argv);
-    print_error(
-        fmt::format("'{}' needs the program {}: {}; build it (cmake --build --preset release "
-                    "--target {}), or copy it there",
-                    argv[1], program.string(), std::strerror(errno), name));
+    print_error(fmt::format(
+        "'{}' needs the program {}: {}; {}build it (cmake --build --preset release "
+        "--target {}), or copy it there",
+        argv[1], program.string(), std::strerror(errno),
+        std::string_view(name) == kBakeProgram ? "install the package palpable-bake, " : "", name));
   } catch (const Error& error) { print_error(error.what()); }
   return 1;
 }

@@ -2,6 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/default_body.h"
 #include "apps/palpable/named_loads.h"
 #include "palpable/base/error.h"
 #include "palpable/base/json.h"
@@ -79,7 +80,8 @@ void add_press(Command app) {
   auto options = std::make_shared<PressOptions>();
   Command command =
       app.add_subcommand("press", "Say what a body does under one load or several, in numbers");
-  command.add_option("body", options->body, "Body file").required();
+  command.add_option("body", options->body, "Body file, or the name of an installed one (post)")
+      .required();
   command
       .add_option("--load", options->loads,
                   "Where on the skin at rest (m, body frame) and how hard (N), along the "
@@ -90,7 +92,10 @@ void add_press(Command app) {
   command.add_flag("--json", options->json, "One JSON object on stdout");
   command.footer(
       "Example: palpable press beam.palpable --load 0.15,0,0.05=1.5 --load 0.18,0,0=0.6");
-  command.callback([options] { press(*options); });
+  command.callback([options] {
+    options->body = find_body(options->body);
+    press(*options);
+  });
 }
 
 }  // namespace palpable::app

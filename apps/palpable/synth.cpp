@@ -115,7 +115,7 @@ void synth(const SynthOptions& options) {
   if (options.name == kBeams.name) {
     throw Error("beams is of two bodies: give --scene (scenes/beams.toml is one)");
   }
-  const fs::path file = options.body.empty() ? default_body() : options.body;
+  const fs::path file = options.body.empty() ? default_body() : find_body(options.body);
   const ReducedBody body = value_or_throw(read_pressable_body(file));
   ProgressBar bar;
   write_sequence(body, {options.name, frames, options.seed, file.filename().string()}, options.out,
@@ -131,7 +131,8 @@ void add_synth(Command app) {
   command.add_option("name", options->name, "One of the sequences listed below").required();
   command.add_option("--body", options->body,
                      "Body file: what is pressed, and where. Default: "
-                     "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
+                     "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable, else the "
+                     "installed post");
   command
       .add_option("--scene", options->scene,
                   "Several bodies on one desk (docs/scenes.md); hands press the first of them, of "

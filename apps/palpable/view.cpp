@@ -3,6 +3,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/default_body.h"
 #include "apps/palpable/kept_picture.h"
 #include "apps/palpable/named_loads.h"
 #include "apps/palpable/paint_option.h"
@@ -155,7 +156,9 @@ void run_view(ViewOptions options) {
 void add_view(Command app) {
   auto options = std::make_shared<ViewOptions>();
   Command view = app.add_subcommand("view", "Turn a body and press it with the mouse");
-  view.add_option("body", options->body, "Body file (.palpable)").required();
+  view.add_option("body", options->body,
+                  "Body file (.palpable), or the name of an installed one (post)")
+      .required();
   view.add_option("--out", options->out,
                   "Write pictures into this folder instead of opening a window");
   const Option site = view.add_option("--site", options->site, "Press this site").not_negative();
@@ -200,7 +203,10 @@ void add_view(Command app) {
       "Example: palpable view bunny.palpable\n"
       "Example: palpable view bunny.palpable --out pictures --site 4 --level 0.8\n"
       "Example: palpable view beam.palpable --out pictures --modes 4");
-  view.callback([options] { run_view(*options); });
+  view.callback([options] {
+    options->body = find_body(options->body);
+    run_view(*options);
+  });
 }
 
 }  // namespace palpable::app

@@ -94,6 +94,29 @@ def _(programs, folder):
     assert "touch" in run(copy.prefix / "bin/palpable", "inspect", copy.body)
 
 
+@case("an installed copy presses its own bodies by their names, and the post where none is named")
+def _(programs, folder):
+    copy = Installed(programs)
+    place = folder / "usr"
+    shutil.copytree(copy.prefix / "bin", place / "bin")
+    shipped = place / "share/palpable/bodies"
+    shipped.mkdir(parents=True)
+    shutil.copy(copy.body, shipped / "post.palpable")
+    program = place / "bin/palpable"
+    assert run(program, "inspect", "post", cwd=folder) == run(program, "inspect", shipped / "post.palpable", cwd=folder)
+    refused = subprocess.run([program, "inspect", "pest"], cwd=folder, capture_output=True, text=True)
+    assert refused.returncode == 1 and "pest" in refused.stderr, refused.stderr
+    # The repository's own bodies go first; here there are none.
+    filmed = subprocess.run([program, "synth", "still", "--frames", "1", "-o", "clip"], cwd=folder, capture_output=True, text=True)
+    if filmed.returncode != 0 and "EGL" in filmed.stderr:
+        print("SKIPPED: no OpenGL here: " + filmed.stderr.strip())
+        return
+    assert filmed.returncode == 0 and (folder / "clip/frames").is_dir(), filmed.stderr
+    (shipped / "post.palpable").unlink()
+    refused = subprocess.run([program, "synth", "still", "--frames", "1", "-o", "other"], cwd=folder, capture_output=True, text=True)
+    assert refused.returncode == 1 and str(shipped / "post.palpable") in refused.stderr, refused.stderr
+
+
 def assert_rubber(told):
     """Hertz: 4/3 E* sqrt(R) d^1.5 with E* = E / (1 - nu^2), 1/R = 1/8 mm + 1/50 mm, d = 4 mm."""
     hertz = 4 / 3 * 60e3 / (1 - 0.4**2) * sqrt(1 / (1 / 0.008 + 1 / 0.05)) * 0.004**1.5
@@ -154,7 +177,7 @@ def _(programs, folder):
             "add_executable(p p.cpp)\ntarget_link_libraries(p palpable::palpable)\n")
     (folder / "p.cpp").write_text("#include <palpable/palpable.h>\n#include <cstdio>\n"
                                   "int main() { std::puts(palpable_version()); }\n")
-    for version, fits in (("0.1", True), ("0.0", True), ("0.2", False), ("1.0", False)):
+    for version, fits in (("0.2", True), ("0.1", True), ("0.0", True), ("0.3", False), ("1.0", False)):
         (folder / "CMakeLists.txt").write_text(text.format(version))
         shutil.rmtree(folder / "b", ignore_errors=True)
         result = subprocess.run(["cmake", "-S", folder, "-B", folder / "b", f"-DCMAKE_PREFIX_PATH={copy.prefix}",

@@ -90,6 +90,7 @@ std::string bake_touch(const BodyDescription& description, const CampaignPlan& p
   TouchBakeSettings settings;
   settings.threads = threads;
   if (wanted.regions) settings.regions.most = *wanted.regions;
+  if (wanted.cross_modes) settings.cross.modes = *wanted.cross_modes;
   TouchBakeSettings linear = settings;
   linear.regions.most = linear.cross.modes = 0;
   Stages stages(body, coarse.has_value(), store, use, progress);

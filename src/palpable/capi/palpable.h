@@ -42,7 +42,7 @@
 #include <stdint.h>
 
 #define PALPABLE_VERSION_MAJOR 0
-#define PALPABLE_VERSION_MINOR 1
+#define PALPABLE_VERSION_MINOR 2
 #define PALPABLE_VERSION_PATCH 0
 
 #if defined(__GNUC__)
@@ -64,7 +64,7 @@ typedef enum palpable_status {
   PALPABLE_BROKEN = 5 /**< a bug of the library: a session can then only be reset or closed */
 } palpable_status;
 
-/** Of the library that is running, as "0.1.0". */
+/** Of the library that is running, as "0.2.0". */
 PALPABLE_API const char* palpable_version(void);
 
 /** Why the last call on this thread that failed did so; empty before. Holds until the next one. */

@@ -377,6 +377,11 @@ void read_touch(TomlSection section, BodyDescription& body) {
     if (touch.tables != Tables::kFull) { section.bad("regions", "is for tables = \"full\""); }
     touch.regions = section.integer("regions", 1, 2000);
   }
+  if (section.has("cross_modes")) {
+    if (touch.tables != Tables::kFull) section.bad("cross_modes", "is for tables = \"full\"");
+    touch.cross_modes = section.integer("cross_modes", 16, 192);
+    if (*touch.cross_modes % 16 != 0) section.bad("cross_modes", "should be a multiple of 16");
+  }
   if (section.has("edge")) {
     if (touch.tables == Tables::kNone) {
       section.bad("edge", "is of the mesh that tables are made on, and there are none");

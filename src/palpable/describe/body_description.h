@@ -159,7 +159,8 @@ struct BodyDescription {
     };
     Tables tables = Tables::kFull;
     bool by_default = true;  ///< nobody asked for them: left out where they would be too much
-    std::optional<int> regions = {};  ///< at most; none: as many as the skin asks for
+    std::optional<int> regions = {};      ///< at most; none: as many as the skin asks for
+    std::optional<int> cross_modes = {};  ///< a multiple of 16; none: as touch_bake has it
     /// m, of a coarser mesh that tables are made on and that carries the skin; none: of a fine skin
     /// as touch_edge() has it, of others the body's own mesh.
     std::optional<double> edge = {};

@@ -364,6 +364,12 @@ TEST_CASE("tables of touch are none, linear or full, with regions in full ones a
   CHECK(full.touch.tables == Tables::kFull);
   CHECK(full.touch.regions == 12);
   CHECK_FALSE(parsed("[touch]\ntables = 'full'\n").touch.regions.has_value());
+  CHECK_FALSE(full.touch.cross_modes.has_value());
+  CHECK(parsed("[touch]\ncross_modes = 96\n").touch.cross_modes == 96);
+  CHECK_THAT(refused("[touch]\ncross_modes = 90\n"), Contains("multiple of 16"));
+  CHECK_THAT(refused("[touch]\ncross_modes = 208\n"), Contains("at most 192"));
+  CHECK_THAT(refused("[touch]\ntables = 'linear'\ncross_modes = 96\n"),
+             Contains(":11: 'cross_modes' in [touch] is for tables = \"full\""));
 
   CHECK_THAT(refused("[touch]\ntables = 'ful'\n"),
              Contains(":10: 'tables' in [touch]") && Contains("did you mean 'full'?"));

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# Builds the four Debian packages: build/packages/*.deb. The programs are compiled as the preset release
+# does, without tests, in build/package; the post that ships is baked; cpack does the rest
+# (cmake/Packages.cmake). Idempotent: what is up to date is not made again.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+fail() { echo "palpable: $*" >&2; exit 1; }
+step() { printf '\n== %s\n' "$*"; }
+
+case "${1:-}" in
+  "") ;;
+  --help|-h)
+    cat <<'TEXT'
+usage: tools/package.sh
+
+Builds the Debian packages palpable, palpable-bake, libpalpable0 and libpalpable-dev into build/packages,
+for the architecture of this machine, on Debian 12. Installs what it needs to build them (the lists
+tools/packages.txt and tools/packages-package.txt), unless PALPABLE_SETUP=skip.
+
+Then, on any Debian 12:
+  apt install ./build/packages/*.deb
+  palpable live post --source synthetic --out out
+TEXT
+    exit 0 ;;
+  *) fail "unknown option '$1'; tools/package.sh --help says what there is" ;;
+esac
+
+[ "${PALPABLE_SETUP:-}" = skip ] || tools/setup.sh package
+for tool in cmake ninja dpkg-shlibdeps file help2man; do
+  command -v "$tool" >/dev/null ||
+    fail "$tool is missing: run tools/package.sh without PALPABLE_SETUP=skip, or install what tools/packages-package.txt lists"
+done
+[ -s build/meshes/post.off ] || python3 tools/make_post.py build/meshes/post.off
+
+# Files in the packages and manual pages bear the date of the last change in packaging/changelog.
+if [ -z "${SOURCE_DATE_EPOCH:-}" ]; then
+  SOURCE_DATE_EPOCH=$(dpkg-parsechangelog -l packaging/changelog -S Timestamp)
+  export SOURCE_DATE_EPOCH
+fi
+umask 022
+
+step "build"
+mkdir -p build/packages
+cmake --preset package >build/configure-package.log 2>&1 || { cat build/configure-package.log >&2; fail "CMake stopped, see above"; }
+cmake --build --preset package --target package_contents
+
+step "package"
+rm -rf build/package/cpack
+(cd build/package && cpack --config CPackConfig.cmake -G DEB -B cpack) >build/package/cpack.log 2>&1 ||
+  { cat build/package/cpack.log >&2; fail "cpack stopped, see above"; }
+rm -f build/packages/*.deb
+mv build/package/cpack/*.deb build/packages/
+rm -rf build/package/cpack
+ls -l --block-size=K build/packages/*.deb | awk '{ print $5, $9 }'
+cat <<'TEXT'
+
+Install    apt install ./build/packages/*.deb    (as root)
+Try        palpable live post --source synthetic --out out
+TEXT
