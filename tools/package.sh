@@ -42,10 +42,20 @@ umask 022
 
 step "build"
 mkdir -p build/packages
-cmake --preset package >build/configure-package.log 2>&1 || { cat build/configure-package.log >&2; fail "CMake stopped, see above"; }
+# Ninja configures again by itself where the CMake files have changed.
+[ -f build/package/build.ninja ] && [ build/package/build.ninja -nt CMakePresets.json ] ||
+  cmake --preset package >build/configure-package.log 2>&1 ||
+  { rm -f build/package/build.ninja; cat build/configure-package.log >&2; fail "CMake stopped, see above"; }
 cmake --build --preset package --target package_contents
 
 step "package"
+oldest=$(find build/packages -name '*.deb' -printf '%T@ %p\n' | sort -n | head -1 | cut -d' ' -f2)
+made_of=(build/package/{bin,lib,man,generated,CPackConfig.cmake,bodies/post.palpable} packaging cmake)
+if [ "$(find build/packages -name '*.deb' | wc -l)" = 4 ] && [ -z "$(find "${made_of[@]}" -newer "$oldest" -print -quit)" ]; then
+  echo "up to date"
+  ls build/packages/*.deb
+  exit 0
+fi
 rm -rf build/package/cpack
 (cd build/package && cpack --config CPackConfig.cmake -G DEB -B cpack) >build/package/cpack.log 2>&1 ||
   { cat build/package/cpack.log >&2; fail "cpack stopped, see above"; }
