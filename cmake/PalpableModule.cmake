@@ -2,6 +2,9 @@
 # whoever builds to use (preset release), off for whoever develops (preset dev): there, a change compiles one file.
 # Names in anonymous namespaces must differ within a module (tools/check_names.py).
 option(PALPABLE_UNITY "Compile each module as one file" OFF)
+# Modules of which libpalpable.so takes a part: as one file they would bring it OpenCV's films and picture files
+# (tools/check_links.py).
+set(PALPABLE_LINKED_IN_PART sources)
 
 # By PALPABLE_UNITY, the target's files as one. Files with options of their own stay single (CMake sees to those), and
 # those that Highway includes once for each instruction set.
@@ -46,7 +49,9 @@ function(palpable_module)
   if(sources)
     add_library(palpable_${arg_NAME} STATIC ${sources})
     palpable_precompile(palpable_${arg_NAME} library)
-    palpable_unity(palpable_${arg_NAME})
+    if(NOT arg_NAME IN_LIST PALPABLE_LINKED_IN_PART)
+      palpable_unity(palpable_${arg_NAME})
+    endif()
     set(scope PUBLIC)
   else()
     add_library(palpable_${arg_NAME} INTERFACE)
