@@ -6,7 +6,7 @@ option(PALPABLE_UNITY "Compile each module as one file" OFF)
 # (tools/check_links.py).
 set(PALPABLE_LINKED_IN_PART sources)
 
-# By PALPABLE_UNITY, the target's files as one. Files with options of their own stay single (CMake sees to those), and
+# By PALPABLE_UNITY, the target's files as one, those of a large module as two: solid as one file took 2.4 GB. Files with options of their own stay single (CMake sees to those), and
 # those that Highway includes once for each instruction set.
 function(palpable_unity target)
   if(NOT PALPABLE_UNITY)
@@ -16,7 +16,12 @@ function(palpable_unity target)
   list(FILTER sources INCLUDE REGEX "^/.*\\.cpp$")
   palpable_files_with("foreach_target\\.h" "${sources}" kernels)
   set_source_files_properties(${kernels} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  list(LENGTH sources count)
+  set(batch 0)
+  if(count GREATER 24)
+    math(EXPR batch "(${count} + 1) / 2")
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
   # To GCC, what the one file includes is a header, whose types should have no members of anonymous namespaces.
   target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
 endfunction()
