@@ -1,8 +1,8 @@
 # Compiles files into a module, each as {name, content}, so that a program needs nothing beside it.
 #
-#   palpable_embed_shaders(render)    every file of src/palpable/render/shaders, as
+#   palpable_embed_shaders(live/render)    every file of src/palpable/live/render/shaders, as
 #       std::span<const ShaderFile> palpable::render_shader_files();   (declare it where you use it)
-#   palpable_embed_pages(exchange FILE...)   of src/palpable/exchange/pages, and the given files, as
+#   palpable_embed_pages(bake/exchange FILE...)   of src/palpable/bake/exchange/pages, and the given files, as
 #       std::span<const PageFile> palpable::exchange_page_files();
 #
 # Run as a script (-P) it writes the one .cpp; a file that changes is embedded again by the build.
@@ -39,12 +39,14 @@ function(palpable_embed module what type header files)
   target_sources(palpable_${module} PRIVATE ${output})
 endfunction()
 
-function(palpable_embed_shaders module)
-  file(GLOB files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/palpable/${module}/shaders/*)
-  palpable_embed(${module} shader ShaderFile palpable/render/gl_objects.h "${files}")
+function(palpable_embed_shaders folder)
+  get_filename_component(module ${folder} NAME)
+  file(GLOB files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/palpable/${folder}/shaders/*)
+  palpable_embed(${module} shader ShaderFile palpable/live/render/gl_objects.h "${files}")
 endfunction()
 
-function(palpable_embed_pages module)
-  file(GLOB files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/palpable/${module}/pages/*)
-  palpable_embed(${module} page PageFile palpable/${module}/web_page.h "${files};${ARGN}")
+function(palpable_embed_pages folder)
+  get_filename_component(module ${folder} NAME)
+  file(GLOB files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/palpable/${folder}/pages/*)
+  palpable_embed(${module} page PageFile palpable/${folder}/web_page.h "${files};${ARGN}")
 endfunction()

@@ -38,13 +38,14 @@ function(palpable_files_with regex files result)
   set(${result} ${found} PARENT_SCOPE)
 endfunction()
 
-# palpable_module(NAME reduced USES base geometry LIBRARIES Eigen3::Eigen)
+# palpable_module(common/reduced USES base geometry LIBRARIES Eigen3::Eigen)
 #
-# One module = one folder = one static library palpable::<name> + one test program of its
-# *_test.cpp files. Sources are found by name: adding a file needs no edit here.
-function(palpable_module)
-  cmake_parse_arguments(arg "" "NAME" "USES;LIBRARIES;TEST_LIBRARIES" ${ARGN})
-  set(folder ${PROJECT_SOURCE_DIR}/src/palpable/${arg_NAME})
+# One module = one folder of src/palpable = one static library palpable::<name> + one test program of its
+# *_test.cpp files; its name is the last part of the folder. Sources are found by name: adding a file needs no edit here.
+function(palpable_module folder)
+  cmake_parse_arguments(arg "" "" "USES;LIBRARIES;TEST_LIBRARIES" ${ARGN})
+  get_filename_component(arg_NAME ${folder} NAME)
+  set(folder ${PROJECT_SOURCE_DIR}/src/palpable/${folder})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${folder}/*.cpp)
   set(tests ${sources})
   list(FILTER tests INCLUDE REGEX "_test\\.cpp$")

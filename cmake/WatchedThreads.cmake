@@ -7,7 +7,7 @@
 # hands frames to FFmpeg's encoder), clip_writer (two threads that film, in an OpenGL driver that is not
 # built for it) and ranks (MPI).
 option(PALPABLE_WATCH_THREADS "Offer the tests of threads under ThreadSanitizer, targets *_threads_tests" OFF)
-set(PALPABLE_MODULES_WITH_THREADS bake campaign depth live map session slam solid sources stereo track)
+set(PALPABLE_MODULES_WITH_THREADS campaign depth map pipeline player session slam solid sources stereo track)
 
 function(palpable_watch target)
   # -O1: half the compiling, and these tests take seconds. GCC's manual: the sanitizers hide from the

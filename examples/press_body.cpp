@@ -3,9 +3,9 @@
 //
 //     press_body out/demo/bunny.palpable 3
 
-#include "palpable/base/error.h"
-#include "palpable/reduced/body_file.h"
-#include "palpable/reduced/pressed_surface.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/reduced/pressed_surface.h"
 
 #include <array>
 #include <cstdio>

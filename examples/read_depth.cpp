@@ -3,10 +3,10 @@
 //
 //     read_depth out/demo/clip/frames 0.6       # checks it, too: within 4 % of 0.6 m
 
-#include "palpable/base/error.h"
-#include "palpable/base/order_statistics.h"
-#include "palpable/depth/depth_camera.h"
-#include "palpable/sources/folder_source.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/live/depth/depth_camera.h"
+#include "palpable/live/sources/folder_source.h"
 
 #include <cmath>
 #include <cstdio>

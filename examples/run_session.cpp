@@ -3,10 +3,10 @@
 //
 //     run_session out/demo/bunny.palpable out/demo/clip/frames
 
-#include "palpable/base/error.h"
-#include "palpable/live/live_loop.h"
-#include "palpable/live/live_run.h"
-#include "palpable/reduced/body_file.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/reduced/body_file.h"
+#include "palpable/live/player/live_loop.h"
+#include "palpable/live/player/live_run.h"
 
 #include <cstdio>
 #include <exception>

@@ -3,9 +3,9 @@
 docs/architecture.md.
 
 Exit code 0 when they agree; otherwise one line per include that the tables do not allow. Also
-compares the table of modules with the USES of CMakeLists.txt, refuses rows without a folder,
-programs of the live half that reach a module of the bake half, and two types of one name in one
-namespace, which a program may mix up without a word from the linker.
+compares the table of modules with the USES of CMakeLists.txt and with the folders of src/palpable, refuses
+modules of common that use another folder's, programs of the live half that reach a module of the bake
+half, and two types of one name in one namespace, which a program may mix up without a word from the linker.
 """
 import re
 import sys
@@ -25,14 +25,15 @@ SYSTEM = re.compile(r"^(unistd|fcntl|spawn|sys/\w+|netinet/\w+|poll|signal|pthre
 STANDARD = re.compile(r"^[a-z_0-9]+$")  # <vector>, <cmath>; of C's <stdio.h> only what palpable.h needs
 
 
+FOLDERS = ("common", "live", "desk", "bake")  # of src/palpable, each with the modules of one column
 PROGRAMS = re.compile(r"(apps|bench)/[a-z-]+|examples")
 LIVE_PROGRAMS = ("apps/palpable", "bench/live", "examples")
 
 
 def read_tables():
-    """{module or folder of a program: (what of ours it may use, third parties it may use)}, and the modules of
-    the bake half: those whose table stands below a title that begins with Bake."""
-    rows, bake, title = {}, set(), ""
+    """{module or folder of a program: (what of ours it may use, third parties it may use)}, and {module: its folder
+    of src/palpable}, which the title above its table begins with."""
+    rows, folders, title = {}, {}, ""
     for line in (ROOT / "docs/architecture.md").read_text().splitlines():
         title = line if line.startswith("**") else title
         cells = [cell.strip() for cell in line.split("|")[1:-1]]
@@ -40,16 +41,16 @@ def read_tables():
                 re.fullmatch(r"[a-z_]+", cells[0]) or PROGRAMS.fullmatch(cells[0])):
             continue
         rows[cells[0]] = (set(cells[1].split()) - {"-"}, set(cells[2].split()) - {"-"})
-        if title.startswith("**Bake"):
-            bake.add(cells[0])
-    return rows, bake
+        if not PROGRAMS.fullmatch(cells[0]):
+            folders[cells[0]] = title.strip("*").split(":")[0].split(",")[0]
+    return rows, folders
 
 
 def folder_of(path):
     """The row to which a path of ours, of a file or in an #include, belongs."""
     parts = path.split("/")
     if parts[0] == "palpable":
-        return parts[1]
+        return parts[2]
     return parts[0] if parts[0] == "examples" else "/".join(parts[:2])
 
 
@@ -104,7 +105,20 @@ def reached(allowed, folder):
     return found
 
 
-def wrong_halves(allowed, bake):
+def wrong_folders(folders):
+    there = {path.name: path.parent.name for folder in FOLDERS for path in (ROOT / "src/palpable" / folder).iterdir()}
+    for module in sorted({*folders, *there}):
+        if folders.get(module) != there.get(module):
+            yield (f"docs/architecture.md: {module} stands below '{folders.get(module)}', its folder is in "
+                   f"src/palpable/{there.get(module)}")
+
+
+def wrong_halves(allowed, folders):
+    bake = {module for module in folders if folders[module] == "bake"}
+    for module in (module for module in folders if folders[module] == "common"):
+        for used in sorted(allowed[module][0]):
+            if folders.get(used) != "common":
+                yield f"docs/architecture.md: {module} of common may not use {used} of {folders.get(used)}"
     for program in LIVE_PROGRAMS:
         if program not in allowed:
             yield f"docs/architecture.md: {program} has no line"
@@ -114,7 +128,7 @@ def wrong_halves(allowed, bake):
 
 def wrong_targets(allowed):
     text = (ROOT / "CMakeLists.txt").read_text()
-    for match in re.finditer(r"palpable_module\(NAME (\w+)(?: USES ([\w ]+?))?(?:\s+LIBRARIES|\s*\))", text):
+    for match in re.finditer(r"palpable_module\(\w+/(\w+)(?: USES ([\w ]+?))?(?:\s+LIBRARIES|\s*\))", text):
         module, uses = match.group(1), set((match.group(2) or "").split())
         if module in allowed and uses != allowed[module][0]:
             yield (f"CMakeLists.txt: {module} uses {sorted(uses)}, docs/architecture.md says "
@@ -140,12 +154,13 @@ def same_names():
 
 
 def main():
-    allowed, bake = read_tables()
-    if not bake:
-        sys.exit("check_layers: docs/architecture.md has no table of modules below a title **Bake ...")
-    wrong = [*wrong_includes(allowed), *wrong_targets(allowed), *wrong_halves(allowed, bake), *same_names()]
+    allowed, folders = read_tables()
+    if set(folders.values()) != set(FOLDERS):
+        sys.exit(f"check_layers: the titles of docs/architecture.md's tables of modules begin with {FOLDERS}")
+    wrong = [*wrong_includes(allowed), *wrong_targets(allowed), *wrong_folders(folders),
+             *wrong_halves(allowed, folders), *same_names()]
     for row in allowed:
-        if not (ROOT / row if PROGRAMS.fullmatch(row) else ROOT / "src/palpable" / row).is_dir():
+        if PROGRAMS.fullmatch(row) and not (ROOT / row).is_dir():
             wrong.append(f"docs/architecture.md: '{row}' has no folder")
     print("\n".join(wrong))
     return 1 if wrong else 0

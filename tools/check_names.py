@@ -122,7 +122,7 @@ def names_of(text, is_header=False):
 
 def units():
     """Lists of files that are compiled as one."""
-    for folder in sorted([*(ROOT / "src/palpable").iterdir(), *(ROOT / "apps").iterdir(), *(ROOT / "bench").iterdir()]):
+    for folder in sorted([*(ROOT / "src/palpable").glob("*/*"), *(ROOT / "apps").iterdir(), *(ROOT / "bench").iterdir()]):
         if folder.is_dir():
             files = [file for file in sorted(folder.rglob("*.cpp")) if not file.stem.endswith("_test")]
             yield {file: file.read_text() for file in files if "foreach_target.h" not in file.read_text()}

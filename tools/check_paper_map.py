@@ -2,7 +2,7 @@
 """Does docs/paper_map.md name code and tests that exist?
 
 Rows look like  | Eq. (7) | `material/neo_hookean.h` `first_piola` | "a body at rest ..." | ... |
-Each `path` in backticks must exist (under src/palpable, or from the root), each `name` in backticks
+Each `path` in backticks must exist (in a folder of src/palpable, or from the root), each `name` in backticks
 must stand in the files named in that cell, each "sentence" in the test column must be a TEST_CASE.
 """
 import re
@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def find(path):
-    for base in (ROOT / "src/palpable", ROOT):
+    for base in (*(ROOT / "src/palpable").iterdir(), ROOT):
         if (base / path).exists():
             return base / path
     return None

@@ -1,5 +1,5 @@
 // make_font FONT.ttf OUT.cpp: draws the letters of a TrueType font at the sizes that pictures need
-// and writes them as a C++ table (src/palpable/render/text.h). Runs during the build, so that the
+// and writes them as a C++ table (src/palpable/live/render/text.h). Runs during the build, so that the
 // program needs no font file and no font library.
 
 #define STB_TRUETYPE_IMPLEMENTATION
@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
     first += static_cast<int>(letters().size());
   }
   std::ofstream out(argv[2]);
-  out << "// Written by tools/make_font.cpp.\n#include \"palpable/render/font_table.h\"\n"
+  out << "// Written by tools/make_font.cpp.\n#include \"palpable/live/render/font_table.h\"\n"
       << "namespace palpable::detail {\nnamespace {\n"
       << "constexpr Glyph kGlyphs[] = {\n"
       << glyphs << "};\n"

@@ -1,10 +1,10 @@
 #include "apps/common/command_line.h"
 
 #include "apps/common/help_format.h"
-#include "palpable/base/error.h"
-#include "palpable/base/nearest_word.h"
-#include "palpable/base/standard_streams.h"
-#include "palpable/base/text_numbers.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/nearest_word.h"
+#include "palpable/common/base/standard_streams.h"
+#include "palpable/common/base/text_numbers.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

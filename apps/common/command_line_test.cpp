@@ -1,6 +1,6 @@
 #include "apps/common/command_line.h"
 
-#include "palpable/base/nearest_word.h"
+#include "palpable/common/base/nearest_word.h"
 #include "tests/support/test.h"
 
 #include <array>

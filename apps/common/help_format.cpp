@@ -1,6 +1,6 @@
 #include "apps/common/help_format.h"
 
-#include "palpable/base/wrapped_text.h"
+#include "palpable/common/base/wrapped_text.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

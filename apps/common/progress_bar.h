@@ -3,7 +3,7 @@
 /// where stderr is no terminal (a log file, CI).
 #pragma once
 
-#include "palpable/base/progress.h"
+#include "palpable/common/base/progress.h"
 
 #include <chrono>
 #include <cstdio>

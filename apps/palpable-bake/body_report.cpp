@@ -1,12 +1,12 @@
 #include "apps/palpable-bake/body_report.h"
 
 #include "apps/common/command_line.h"
-#include "palpable/bake/baked_text.h"
-#include "palpable/base/progress_text.h"
-#include "palpable/base/this_machine.h"
-#include "palpable/describe/body_mesh.h"
-#include "palpable/describe/body_size.h"
-#include "palpable/geometry/size_text.h"
+#include "palpable/bake/describe/body_mesh.h"
+#include "palpable/bake/describe/body_size.h"
+#include "palpable/bake/pipeline/baked_text.h"
+#include "palpable/common/base/progress_text.h"
+#include "palpable/common/base/this_machine.h"
+#include "palpable/common/geometry/size_text.h"
 
 #include <fmt/core.h>
 

@@ -2,9 +2,9 @@
 /// What bake and reduce say about the body that they made, and the options that they share.
 #pragma once
 
-#include "palpable/bake/bake_body.h"
-#include "palpable/describe/body_description.h"
-#include "palpable/reduced/body_file.h"
+#include "palpable/bake/describe/body_description.h"
+#include "palpable/bake/pipeline/bake_body.h"
+#include "palpable/common/reduced/body_file.h"
 
 #include <filesystem>
 #include <map>

@@ -4,11 +4,11 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/bake/compare_methods.h"
-#include "palpable/base/output_file.h"
-#include "palpable/base/this_machine.h"
-#include "palpable/exchange/web_page.h"
-#include "palpable/separate/reduction.h"
+#include "palpable/bake/exchange/web_page.h"
+#include "palpable/bake/pipeline/compare_methods.h"
+#include "palpable/bake/separate/reduction.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/base/this_machine.h"
 
 #include <fmt/format.h>
 

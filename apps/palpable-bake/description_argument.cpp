@@ -1,7 +1,7 @@
 #include "apps/palpable-bake/description_argument.h"
 
-#include "palpable/base/error.h"
-#include "palpable/describe/first_description.h"
+#include "palpable/bake/describe/first_description.h"
+#include "palpable/common/base/error.h"
 
 #include <fmt/core.h>
 

@@ -2,7 +2,7 @@
 /// The argument BODY.toml of commands that mesh and solve.
 #pragma once
 
-#include "palpable/describe/body_description.h"
+#include "palpable/bake/describe/body_description.h"
 
 #include <string>
 

@@ -2,14 +2,14 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/bake/export_store.h"
-#include "palpable/base/error.h"
-#include "palpable/base/npy_file.h"
-#include "palpable/base/output_file.h"
-#include "palpable/campaign/snapshot_store.h"
-#include "palpable/exchange/modes_files.h"
-#include "palpable/exchange/press_series.h"
-#include "palpable/reduced/body_file.h"
+#include "palpable/bake/campaign/snapshot_store.h"
+#include "palpable/bake/exchange/modes_files.h"
+#include "palpable/bake/exchange/press_series.h"
+#include "palpable/bake/pipeline/export_store.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/npy_file.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/reduced/body_file.h"
 
 #include <fmt/format.h>
 

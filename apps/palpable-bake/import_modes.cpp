@@ -2,9 +2,9 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/base/output_file.h"
-#include "palpable/exchange/modes_files.h"
-#include "palpable/reduced/body_file.h"
+#include "palpable/bake/exchange/modes_files.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/reduced/body_file.h"
 
 #include <fmt/format.h>
 

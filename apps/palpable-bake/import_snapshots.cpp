@@ -1,11 +1,11 @@
 // palpable import-snapshots FOLDER --manifest runs.toml -o bunny.snapshots
 
-#include "palpable/campaign/import_snapshots.h"
+#include "palpable/bake/campaign/import_snapshots.h"
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/base/output_file.h"
+#include "palpable/common/base/output_file.h"
 
 #include <fmt/format.h>
 

@@ -3,8 +3,8 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/processor_kernels.h"
-#include "palpable/campaign/crew.h"
-#include "palpable/ranks/mpi_crew.h"
+#include "palpable/bake/campaign/crew.h"
+#include "palpable/bake/ranks/mpi_crew.h"
 
 #include <filesystem>
 #include <optional>

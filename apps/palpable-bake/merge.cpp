@@ -3,8 +3,8 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/base/output_file.h"
-#include "palpable/campaign/merge_stores.h"
+#include "palpable/bake/campaign/merge_stores.h"
+#include "palpable/common/base/output_file.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "apps/palpable-bake/processor_kernels.h"
 
-#include "palpable/separate/blas_kernels.h"
+#include "palpable/bake/separate/blas_kernels.h"
 
 #include <cstdlib>
 #include <unistd.h>

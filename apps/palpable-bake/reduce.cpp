@@ -4,13 +4,13 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/bake/bake_body.h"
-#include "palpable/bake/bake_touch.h"
-#include "palpable/base/error.h"
-#include "palpable/base/output_file.h"
-#include "palpable/separate/sparse_pgd.h"
-#include "palpable/touch/touch_file.h"
-#include "palpable/touch/touch_text.h"
+#include "palpable/bake/pipeline/bake_body.h"
+#include "palpable/bake/pipeline/bake_touch.h"
+#include "palpable/bake/separate/sparse_pgd.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/touch/touch_file.h"
+#include "palpable/common/touch/touch_text.h"
 
 #include <fmt/core.h>
 

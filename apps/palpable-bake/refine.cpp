@@ -3,8 +3,8 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
-#include "palpable/bake/exact_service.h"
-#include "palpable/base/error.h"
+#include "palpable/bake/pipeline/exact_service.h"
+#include "palpable/common/base/error.h"
 
 #include <csignal>
 #include <memory>
@@ -41,7 +41,7 @@ void add_refine(Command app) {
       .type_name("BODY.toml");
   command.footer(
       "Loads come on standard input, answers go to standard output, in binary\n"
-      "(src/palpable/touch/exact_messages.h).\n"
+      "(src/palpable/common/touch/exact_messages.h).\n"
       "Example: palpable live bunny.palpable --refine bodies/bunny-demo.toml --source synthetic "
       "--out out");
   command.callback([description] { refine(*description); });

@@ -3,14 +3,14 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/bake/evaluation_times.h"
-#include "palpable/base/error.h"
-#include "palpable/base/output_file.h"
-#include "palpable/base/this_machine.h"
-#include "palpable/exchange/body_page.h"
-#include "palpable/exchange/web_page.h"
-#include "palpable/touch/touch_file.h"
-#include "palpable/touch/touch_text.h"
+#include "palpable/bake/exchange/body_page.h"
+#include "palpable/bake/exchange/web_page.h"
+#include "palpable/bake/pipeline/evaluation_times.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/base/this_machine.h"
+#include "palpable/common/touch/touch_file.h"
+#include "palpable/common/touch/touch_text.h"
 
 #include <fmt/format.h>
 

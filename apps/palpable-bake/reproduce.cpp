@@ -2,17 +2,17 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/base/error.h"
-#include "palpable/base/folder_lock.h"
-#include "palpable/base/json.h"
-#include "palpable/base/output_file.h"
-#include "palpable/base/progress_text.h"
-#include "palpable/base/this_machine.h"
-#include "palpable/reproduce/chart.h"
-#include "palpable/reproduce/paper_figures.h"
-#include "palpable/reproduce/paper_numbers.h"
-#include "palpable/reproduce/paper_page.h"
-#include "palpable/reproduce/paper_plan.h"
+#include "palpable/bake/reproduce/chart.h"
+#include "palpable/bake/reproduce/paper_figures.h"
+#include "palpable/bake/reproduce/paper_numbers.h"
+#include "palpable/bake/reproduce/paper_page.h"
+#include "palpable/bake/reproduce/paper_plan.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/folder_lock.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/base/progress_text.h"
+#include "palpable/common/base/this_machine.h"
 
 #include <fmt/format.h>
 

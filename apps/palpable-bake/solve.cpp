@@ -5,14 +5,14 @@
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
 #include "apps/palpable-bake/solve_obstacle.h"
-#include "palpable/bake/state_file.h"
-#include "palpable/base/error.h"
-#include "palpable/base/output_file.h"
-#include "palpable/base/progress_text.h"
-#include "palpable/campaign/press_solver.h"
-#include "palpable/describe/body_problem.h"
-#include "palpable/solid/equilibrium.h"
-#include "palpable/solid/solve_tables.h"
+#include "palpable/bake/campaign/press_solver.h"
+#include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/pipeline/state_file.h"
+#include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/solve_tables.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/base/progress_text.h"
 
 #include <fmt/core.h>
 

@@ -1,10 +1,10 @@
 #include "apps/palpable-bake/solve_obstacle.h"
 
-#include "palpable/bake/state_file.h"
-#include "palpable/base/error.h"
-#include "palpable/solid/contact.h"
-#include "palpable/solid/solve_tables.h"
-#include "palpable/truth/obstacle_way.h"
+#include "palpable/bake/pipeline/state_file.h"
+#include "palpable/bake/solid/contact.h"
+#include "palpable/bake/solid/solve_tables.h"
+#include "palpable/bake/truth/obstacle_way.h"
+#include "palpable/common/base/error.h"
 
 #include <fmt/format.h>
 

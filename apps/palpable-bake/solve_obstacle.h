@@ -2,8 +2,8 @@
 /// palpable solve BODY.toml --obstacle "sphere 8mm at ... to ...": contact instead of a load.
 #pragma once
 
-#include "palpable/campaign/press_solver.h"
-#include "palpable/describe/body_problem.h"
+#include "palpable/bake/campaign/press_solver.h"
+#include "palpable/bake/describe/body_problem.h"
 
 #include <string>
 #include <vector>

@@ -4,11 +4,11 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
-#include "palpable/base/error.h"
-#include "palpable/base/progress_text.h"
-#include "palpable/clip_files/scene_description.h"
-#include "palpable/truth/scene_skins.h"
-#include "palpable/truth/true_skins.h"
+#include "palpable/bake/truth/scene_skins.h"
+#include "palpable/bake/truth/true_skins.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/progress_text.h"
+#include "palpable/desk/clip_files/scene_description.h"
 
 #include <fmt/core.h>
 

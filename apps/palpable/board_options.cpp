@@ -1,7 +1,7 @@
 #include "apps/palpable/board_options.h"
 
 #include "apps/common/command_line.h"
-#include "palpable/base/error.h"
+#include "palpable/common/base/error.h"
 
 #include <fmt/core.h>
 

@@ -2,7 +2,7 @@
 /// Which chessboard, as users say it: what `calibrate` and `live --anchor board` share.
 #pragma once
 
-#include "palpable/calibrate/board_calibration.h"
+#include "palpable/live/calibrate/board_calibration.h"
 
 #include <string>
 

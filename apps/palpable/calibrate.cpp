@@ -5,11 +5,11 @@
 #include "apps/palpable/board_options.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/source_options.h"
-#include "palpable/base/error.h"
-#include "palpable/base/json.h"
-#include "palpable/base/output_file.h"
-#include "palpable/sources/calibrate_source.h"
-#include "palpable/sources/calibration_text.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/live/sources/calibrate_source.h"
+#include "palpable/live/sources/calibration_text.h"
 
 #include <fmt/core.h>
 

@@ -2,7 +2,7 @@
 /// How a camera that is plugged in is used with this program.
 #pragma once
 
-#include "palpable/sources/camera_list.h"
+#include "palpable/live/sources/camera_list.h"
 
 #include <string>
 

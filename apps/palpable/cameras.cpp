@@ -3,8 +3,8 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable/camera_use.h"
 #include "apps/palpable/commands.h"
-#include "palpable/sources/camera_list.h"
-#include "palpable/sources/camera_source.h"
+#include "palpable/live/sources/camera_list.h"
+#include "palpable/live/sources/camera_source.h"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,7 @@
 #include "apps/palpable/default_body.h"
 
-#include "palpable/base/error.h"
-#include "palpable/base/this_machine.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/this_machine.h"
 
 #include <fmt/core.h>
 

@@ -3,10 +3,10 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/default_body.h"
-#include "palpable/base/error.h"
-#include "palpable/reduced/body_facts.h"
-#include "palpable/touch/touch_file.h"
-#include "palpable/touch/touch_text.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/reduced/body_facts.h"
+#include "palpable/common/touch/touch_file.h"
+#include "palpable/common/touch/touch_text.h"
 
 #include <fmt/core.h>
 

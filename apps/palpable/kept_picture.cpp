@@ -1,9 +1,9 @@
 #include "apps/palpable/kept_picture.h"
 
 #include "apps/common/command_line.h"
-#include "palpable/base/error.h"
-#include "palpable/base/output_file.h"
-#include "palpable/render/picture_file.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/live/render/picture_file.h"
 
 #include <fmt/core.h>
 

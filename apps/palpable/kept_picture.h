@@ -2,7 +2,7 @@
 /// Pictures that the user of a window asks to keep.
 #pragma once
 
-#include "palpable/geometry/image.h"
+#include "palpable/common/geometry/image.h"
 
 #include <filesystem>
 #include <string>

@@ -6,9 +6,9 @@
 #include "apps/palpable/live_changes.h"
 #include "apps/palpable/live_play.h"
 #include "apps/palpable/live_setup.h"
-#include "palpable/base/error.h"
-#include "palpable/base/output_file.h"
-#include "palpable/sources/recording_file.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/live/sources/recording_file.h"
 
 #include <fmt/core.h>
 

@@ -1,12 +1,12 @@
 #include "apps/palpable/live_changes.h"
 
 #include "apps/palpable/recorded_run.h"
-#include "palpable/base/error.h"
-#include "palpable/base/output_file.h"
-#include "palpable/live/anchoring.h"
-#include "palpable/live/body_place.h"
-#include "palpable/live/live_run.h"
-#include "palpable/live/state_hash.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/live/player/anchoring.h"
+#include "palpable/live/player/body_place.h"
+#include "palpable/live/player/live_run.h"
+#include "palpable/live/player/state_hash.h"
 
 #include <fmt/chrono.h>
 #include <fmt/core.h>

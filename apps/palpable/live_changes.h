@@ -9,10 +9,10 @@
 #include "apps/palpable/live_events.h"
 #include "apps/palpable/live_play.h"
 #include "apps/palpable/live_setup.h"
-#include "palpable/events/event_lines.h"
-#include "palpable/live/live_loop.h"
-#include "palpable/live/recorder.h"
-#include "palpable/view/scene_painter.h"
+#include "palpable/live/events/event_lines.h"
+#include "palpable/live/player/live_loop.h"
+#include "palpable/live/player/recorder.h"
+#include "palpable/live/view/scene_painter.h"
 
 #include <filesystem>
 #include <optional>

@@ -1,7 +1,7 @@
 #include "apps/palpable/live_events.h"
 
 #include "apps/common/command_line.h"
-#include "palpable/base/error.h"
+#include "palpable/common/base/error.h"
 
 #include <fmt/core.h>
 

@@ -2,9 +2,9 @@
 /// `palpable live --events`: whoever connects is told of touches while the run goes on.
 #pragma once
 
-#include "palpable/events/event_lines.h"
-#include "palpable/events/event_server.h"
-#include "palpable/live/contact_ticks.h"
+#include "palpable/live/events/event_lines.h"
+#include "palpable/live/events/event_server.h"
+#include "palpable/live/player/contact_ticks.h"
 
 #include <mutex>
 #include <optional>

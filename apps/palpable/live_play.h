@@ -4,9 +4,9 @@
 
 #include "apps/palpable/live_events.h"
 #include "apps/palpable/live_setup.h"
-#include "palpable/base/folder_lock.h"
-#include "palpable/clip_files/live_file.h"
-#include "palpable/live/live_run.h"
+#include "palpable/common/base/folder_lock.h"
+#include "palpable/desk/clip_files/live_file.h"
+#include "palpable/live/player/live_run.h"
 
 #include <filesystem>
 #include <functional>

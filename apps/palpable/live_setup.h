@@ -1,13 +1,13 @@
 /// @file
 /// What `live` and `bench live` share: the options of a live run, and what they mean to the library
-/// (palpable/live/live_run.h).
+/// (palpable/live/player/live_run.h).
 #pragma once
 
 #include "apps/palpable/board_options.h"
 #include "apps/palpable/source_options.h"
-#include "palpable/clip_files/scene_description.h"
-#include "palpable/live/live_run.h"
-#include "palpable/touch/touchable_body.h"
+#include "palpable/common/touch/touchable_body.h"
+#include "palpable/desk/clip_files/scene_description.h"
+#include "palpable/live/player/live_run.h"
 
 #include <filesystem>
 #include <memory>

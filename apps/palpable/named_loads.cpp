@@ -1,7 +1,7 @@
 #include "apps/palpable/named_loads.h"
 
-#include "palpable/base/error.h"
-#include "palpable/base/text_numbers.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/text_numbers.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 /// Loads as a user names them: a point of the body and a force.
 #pragma once
 
-#include "palpable/reduced/loaded_body.h"
+#include "palpable/common/reduced/loaded_body.h"
 
 #include <string>
 #include <vector>

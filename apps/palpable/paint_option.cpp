@@ -1,8 +1,8 @@
 #include "apps/palpable/paint_option.h"
 
-#include "palpable/base/contract.h"
-#include "palpable/base/error.h"
-#include "palpable/view/painted_stress.h"
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/error.h"
+#include "palpable/live/view/painted_stress.h"
 
 #include <fmt/core.h>
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "apps/common/command_line.h"
-#include "palpable/view/show_names.h"
+#include "palpable/live/view/show_names.h"
 
 #include <filesystem>
 #include <string>

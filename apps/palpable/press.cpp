@@ -4,10 +4,10 @@
 #include "apps/palpable/commands.h"
 #include "apps/palpable/default_body.h"
 #include "apps/palpable/named_loads.h"
-#include "palpable/base/error.h"
-#include "palpable/base/json.h"
-#include "palpable/reduced/body_file.h"
-#include "palpable/reduced/press_answer.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/reduced/press_answer.h"
 
 #include <fmt/core.h>
 

@@ -1,8 +1,8 @@
 #include "apps/palpable/recorded_run.h"
 
-#include "palpable/base/error.h"
-#include "palpable/base/file_checksum.h"
-#include "palpable/sources/frame_format_json.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/file_checksum.h"
+#include "palpable/live/sources/frame_format_json.h"
 
 #include <fmt/core.h>
 

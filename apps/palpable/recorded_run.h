@@ -4,7 +4,7 @@
 #pragma once
 
 #include "apps/palpable/live_setup.h"
-#include "palpable/base/json.h"
+#include "palpable/common/base/json.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -4,11 +4,11 @@
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_play.h"
 #include "apps/palpable/recorded_run.h"
-#include "palpable/base/error.h"
-#include "palpable/live/live_run.h"
-#include "palpable/live/state_hash.h"
-#include "palpable/sources/paced_source.h"
-#include "palpable/sources/recording_file.h"
+#include "palpable/common/base/error.h"
+#include "palpable/live/player/live_run.h"
+#include "palpable/live/player/state_hash.h"
+#include "palpable/live/sources/paced_source.h"
+#include "palpable/live/sources/recording_file.h"
 
 #include <fmt/core.h>
 

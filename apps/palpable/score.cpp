@@ -4,11 +4,11 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
-#include "palpable/base/error.h"
-#include "palpable/base/json.h"
-#include "palpable/reduced/body_file.h"
-#include "palpable/scorecard/pose_scores.h"
-#include "palpable/scorecard/scorecard.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/reduced/body_file.h"
+#include "palpable/desk/scorecard/pose_scores.h"
+#include "palpable/desk/scorecard/scorecard.h"
 
 #include <fmt/core.h>
 

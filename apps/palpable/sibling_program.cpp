@@ -1,6 +1,6 @@
 #include "apps/palpable/sibling_program.h"
 
-#include "palpable/base/this_machine.h"
+#include "palpable/common/base/this_machine.h"
 
 namespace palpable::app {
 

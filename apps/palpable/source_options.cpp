@@ -1,8 +1,8 @@
 #include "apps/palpable/source_options.h"
 
 #include "apps/common/command_line.h"
-#include "palpable/base/error.h"
-#include "palpable/sources/folder_layouts.h"
+#include "palpable/common/base/error.h"
+#include "palpable/live/sources/folder_layouts.h"
 
 #include <fmt/core.h>
 

@@ -2,8 +2,8 @@
 /// What commands that look at images share: the options that name a source, and the source itself.
 #pragma once
 
-#include "palpable/sources/camera_source.h"
-#include "palpable/sources/frame_source.h"
+#include "palpable/live/sources/camera_source.h"
+#include "palpable/live/sources/frame_source.h"
 
 #include <array>
 #include <filesystem>

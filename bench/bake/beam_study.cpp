@@ -1,9 +1,9 @@
 #include "bench/bake/beam_study.h"
 
-#include "palpable/base/error.h"
-#include "palpable/reduced/spline.h"
-#include "palpable/solid/equilibrium.h"
-#include "palpable/solid/stress.h"
+#include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/stress.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/reduced/spline.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 /// What a beam baked by intrusive PGD is worth: the checks of `bench beam`.
 #pragma once
 
-#include "palpable/intrusive/intrusive_bake.h"
+#include "palpable/bake/intrusive/intrusive_bake.h"
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #include "bench/bake/beam_study.h"
 
-#include "palpable/base/error.h"
+#include "palpable/common/base/error.h"
 #include "tests/support/baked_beam.h"
 #include "tests/support/test.h"
 

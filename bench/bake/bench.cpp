@@ -2,8 +2,8 @@
 
 #include "bench/bake/bench.h"
 
-#include "palpable/base/json.h"
-#include "palpable/base/this_machine.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/this_machine.h"
 
 #include <fmt/core.h>
 

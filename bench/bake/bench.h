@@ -2,7 +2,7 @@
 /// The benches of the offline half: one file each, named after the bench.
 #pragma once
 
-#include "palpable/base/json.h"
+#include "palpable/common/base/json.h"
 
 #include <chrono>
 

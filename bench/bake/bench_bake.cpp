@@ -2,9 +2,9 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "palpable/bake/bake_body.h"
-#include "palpable/base/json.h"
-#include "palpable/reduced/body_file.h"
+#include "palpable/bake/pipeline/bake_body.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/reduced/body_file.h"
 
 #include <fmt/core.h>
 

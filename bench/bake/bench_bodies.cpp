@@ -1,10 +1,10 @@
 // palpable-bake bench bodies: bodies that press each other, against full finite elements.
 
 #include "apps/common/command_line.h"
-#include "palpable/base/error.h"
-#include "palpable/base/order_statistics.h"
-#include "palpable/clip_files/scene_description.h"
-#include "palpable/touch/touch_file.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/common/touch/touch_file.h"
+#include "palpable/desk/clip_files/scene_description.h"
 
 #include "bench/bake/bench.h"
 #include "bench/bake/bodies_study.h"

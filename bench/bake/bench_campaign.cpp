@@ -2,10 +2,10 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "palpable/bake/bake_body.h"
-#include "palpable/base/json.h"
-#include "palpable/base/this_machine.h"
-#include "palpable/solid/sparse_cholesky.h"
+#include "palpable/bake/pipeline/bake_body.h"
+#include "palpable/bake/solid/sparse_cholesky.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/this_machine.h"
 
 #include <fmt/core.h>
 

@@ -1,9 +1,9 @@
 // palpable-bake bench clip: the answer of a body's tables to the true hand of a filmed clip.
 
 #include "apps/common/command_line.h"
-#include "palpable/base/error.h"
-#include "palpable/base/order_statistics.h"
-#include "palpable/touch/touch_file.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/common/touch/touch_file.h"
 
 #include "bench/bake/bench.h"
 #include "bench/bake/clip_study.h"

@@ -2,9 +2,9 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "palpable/base/error.h"
-#include "palpable/base/json.h"
-#include "palpable/base/this_machine.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/this_machine.h"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>

@@ -2,11 +2,11 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "palpable/bake/full_body.h"
-#include "palpable/base/order_statistics.h"
-#include "palpable/describe/body_problem.h"
-#include "palpable/touch_bake/touch_maker.h"
-#include "palpable/touch_bake/touch_scenes.h"
+#include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/pipeline/full_body.h"
+#include "palpable/bake/touch_bake/touch_maker.h"
+#include "palpable/bake/touch_bake/touch_scenes.h"
+#include "palpable/common/base/order_statistics.h"
 
 #include <fmt/format.h>
 

@@ -2,11 +2,11 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "palpable/base/cpu_time.h"
-#include "palpable/base/error.h"
-#include "palpable/campaign/press_solver.h"
-#include "palpable/describe/body_problem.h"
-#include "palpable/solid/hertz_block.h"
+#include "palpable/bake/campaign/press_solver.h"
+#include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/solid/hertz_block.h"
+#include "palpable/common/base/cpu_time.h"
+#include "palpable/common/base/error.h"
 
 #include <fmt/core.h>
 

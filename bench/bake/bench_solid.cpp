@@ -3,14 +3,14 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "palpable/base/cpu_time.h"
-#include "palpable/base/error.h"
-#include "palpable/base/json.h"
-#include "palpable/base/order_statistics.h"
-#include "palpable/base/this_machine.h"
-#include "palpable/describe/body_problem.h"
-#include "palpable/describe/contact_sites.h"
-#include "palpable/solid/patch_load.h"
+#include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/describe/contact_sites.h"
+#include "palpable/bake/solid/patch_load.h"
+#include "palpable/common/base/cpu_time.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/common/base/this_machine.h"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>

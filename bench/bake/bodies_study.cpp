@@ -1,16 +1,16 @@
 #include "bench/bake/bodies_study.h"
 
-#include "palpable/base/cpu_time.h"
-#include "palpable/base/error.h"
-#include "palpable/clip_files/deformed_file.h"
-#include "palpable/contact/pressing_bodies.h"
-#include "palpable/contact/skin_contact.h"
-#include "palpable/geometry/mesh_file.h"
-#include "palpable/score/displacement_error.h"
-#include "palpable/solid/obstacle.h"
-#include "palpable/touch/modal_contact.h"
-#include "palpable/touch_bake/touch_difference.h"
-#include "palpable/truth/clip_hands.h"
+#include "palpable/bake/solid/obstacle.h"
+#include "palpable/bake/touch_bake/touch_difference.h"
+#include "palpable/bake/truth/clip_hands.h"
+#include "palpable/common/base/cpu_time.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/geometry/mesh_file.h"
+#include "palpable/common/touch/modal_contact.h"
+#include "palpable/desk/clip_files/deformed_file.h"
+#include "palpable/desk/score/displacement_error.h"
+#include "palpable/live/contact/pressing_bodies.h"
+#include "palpable/live/contact/skin_contact.h"
 
 #include <fmt/format.h>
 

@@ -3,8 +3,8 @@
 /// all of them together (palpable truth --scene).
 #pragma once
 
-#include "palpable/geometry/rigid.h"
-#include "palpable/touch/touchable_body.h"
+#include "palpable/common/geometry/rigid.h"
+#include "palpable/common/touch/touchable_body.h"
 
 #include <filesystem>
 #include <string>

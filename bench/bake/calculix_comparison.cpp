@@ -1,7 +1,7 @@
 #include "bench/bake/calculix_comparison.h"
 
-#include "palpable/base/contract.h"
-#include "palpable/solid/stress.h"
+#include "palpable/bake/solid/stress.h"
+#include "palpable/common/base/contract.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 /// Our path and CalculiX' on the same mesh under the same loads, state by state.
 #pragma once
 
-#include "palpable/campaign/calculix.h"
-#include "palpable/solid/equilibrium.h"
+#include "palpable/bake/campaign/calculix.h"
+#include "palpable/bake/solid/equilibrium.h"
 
 namespace palpable {
 

@@ -1,8 +1,8 @@
 #include "bench/bake/calculix_comparison.h"
 
-#include "palpable/base/contract.h"
-#include "palpable/solid/patch_load.h"
-#include "palpable/solid/stress.h"
+#include "palpable/bake/solid/patch_load.h"
+#include "palpable/bake/solid/stress.h"
+#include "palpable/common/base/contract.h"
 #include "tests/support/test.h"
 
 #include <array>

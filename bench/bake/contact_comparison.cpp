@@ -1,9 +1,9 @@
 #include "bench/bake/contact_comparison.h"
 
-#include "palpable/base/error.h"
-#include "palpable/campaign/calculix.h"
-#include "palpable/solid/contact.h"
-#include "palpable/solid/selection.h"
+#include "palpable/bake/campaign/calculix.h"
+#include "palpable/bake/solid/contact.h"
+#include "palpable/bake/solid/selection.h"
+#include "palpable/common/base/error.h"
 
 #include <fmt/core.h>
 

@@ -1,15 +1,15 @@
 #include "bench/bake/element_study.h"
 
-#include "palpable/base/contract.h"
-#include "palpable/base/cpu_time.h"
-#include "palpable/base/error.h"
-#include "palpable/describe/body_problem.h"
-#include "palpable/describe/contact_sites.h"
-#include "palpable/geometry/shape_gradients.h"
-#include "palpable/solid/equilibrium.h"
-#include "palpable/solid/loads.h"
-#include "palpable/solid/selection.h"
-#include "palpable/solid/stress.h"
+#include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/describe/contact_sites.h"
+#include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/loads.h"
+#include "palpable/bake/solid/selection.h"
+#include "palpable/bake/solid/stress.h"
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/cpu_time.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/geometry/shape_gradients.h"
 
 #include <fmt/format.h>
 

@@ -10,8 +10,8 @@
 /// by which they exceed it.
 #pragma once
 
-#include "palpable/base/progress.h"
-#include "palpable/describe/body_problem.h"
+#include "palpable/bake/describe/body_problem.h"
+#include "palpable/common/base/progress.h"
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>

@@ -1,6 +1,6 @@
 #include "bench/bake/element_study.h"
 
-#include "palpable/base/contract.h"
+#include "palpable/common/base/contract.h"
 #include "tests/support/test.h"
 
 namespace palpable {

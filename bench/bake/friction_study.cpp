@@ -1,6 +1,6 @@
 #include "bench/bake/friction_study.h"
 
-#include "palpable/touch_bake/touch_difference.h"
+#include "palpable/bake/touch_bake/touch_difference.h"
 
 #include <Eigen/Geometry>
 

@@ -2,10 +2,10 @@
 /// What friction changes: things press and drag a body, by the full solver with and without it.
 #pragma once
 
-#include "palpable/solid/contact.h"
-#include "palpable/touch/held_out_touch.h"
-#include "palpable/touch_bake/skin_response.h"
-#include "palpable/touch_bake/touch_scenes.h"
+#include "palpable/bake/solid/contact.h"
+#include "palpable/bake/touch_bake/skin_response.h"
+#include "palpable/bake/touch_bake/touch_scenes.h"
+#include "palpable/common/touch/held_out_touch.h"
 
 #include <functional>
 #include <string>

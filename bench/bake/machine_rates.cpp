@@ -1,7 +1,7 @@
 #include "bench/bake/machine_rates.h"
 
-#include "palpable/base/contract.h"
-#include "palpable/base/cpu_time.h"
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/cpu_time.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,10 +1,10 @@
 #include "bench/bake/recomputed_stress.h"
 
-#include "palpable/base/order_statistics.h"
-#include "palpable/campaign/held_out.h"
-#include "palpable/campaign/store_rows.h"
-#include "palpable/describe/body_problem.h"
-#include "palpable/solid/stress.h"
+#include "palpable/bake/campaign/held_out.h"
+#include "palpable/bake/campaign/store_rows.h"
+#include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/solid/stress.h"
+#include "palpable/common/base/order_statistics.h"
 
 #include <fmt/format.h>
 

@@ -3,10 +3,10 @@
 /// that is a field of its own.
 #pragma once
 
-#include "palpable/base/json.h"
-#include "palpable/campaign/snapshot_store.h"
-#include "palpable/describe/body_description.h"
-#include "palpable/reduced/reduced_body.h"
+#include "palpable/bake/campaign/snapshot_store.h"
+#include "palpable/bake/describe/body_description.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/reduced/reduced_body.h"
 
 namespace palpable::app {
 

@@ -2,7 +2,7 @@
 /// What `bench solid` found, as a section of docs/results.md (tools/write_results.py).
 #pragma once
 
-#include "palpable/base/json.h"
+#include "palpable/common/base/json.h"
 
 #include <string>
 

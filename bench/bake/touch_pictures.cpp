@@ -1,8 +1,8 @@
 #include "bench/bake/touch_pictures.h"
 
-#include "palpable/base/error.h"
-#include "palpable/render/orbit_camera.h"
-#include "palpable/render/picture_sheet.h"
+#include "palpable/common/base/error.h"
+#include "palpable/live/render/orbit_camera.h"
+#include "palpable/live/render/picture_sheet.h"
 
 #include <fmt/format.h>
 

@@ -3,12 +3,12 @@
 /// the same colours, and how far apart the two are.
 #pragma once
 
-#include "palpable/geometry/image.h"
-#include "palpable/geometry/surface_mesh.h"
-#include "palpable/render/scene_renderer.h"
-#include "palpable/render/studio.h"
-#include "palpable/touch_bake/touch_difference.h"
-#include "palpable/touch_bake/touch_scenes.h"
+#include "palpable/bake/touch_bake/touch_difference.h"
+#include "palpable/bake/touch_bake/touch_scenes.h"
+#include "palpable/common/geometry/image.h"
+#include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/live/render/scene_renderer.h"
+#include "palpable/live/render/studio.h"
 
 #include <Eigen/Core>
 

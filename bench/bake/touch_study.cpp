@@ -1,7 +1,7 @@
 #include "bench/bake/touch_study.h"
 
-#include "palpable/touch_bake/touch_difference.h"
-#include "palpable/touch_bake/touch_scenes.h"
+#include "palpable/bake/touch_bake/touch_difference.h"
+#include "palpable/bake/touch_bake/touch_scenes.h"
 
 #include <algorithm>
 #include <random>

@@ -3,9 +3,9 @@
 /// (touch_bake/touch_difference.h).
 #pragma once
 
-#include "palpable/touch/compliance.h"
-#include "palpable/touch/touch_solver.h"
-#include "palpable/touch_bake/skin_response.h"
+#include "palpable/bake/touch_bake/skin_response.h"
+#include "palpable/common/touch/compliance.h"
+#include "palpable/common/touch/touch_solver.h"
 
 #include <cstdint>
 #include <vector>

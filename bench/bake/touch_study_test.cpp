@@ -1,6 +1,6 @@
 #include "bench/bake/touch_study.h"
 
-#include "palpable/touch_bake/compliance_maker.h"
+#include "palpable/bake/touch_bake/compliance_maker.h"
 #include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 

@@ -1,17 +1,17 @@
 // palpable bench evaluate, palpable bench contact: what one body costs, without a camera.
 
 #include "apps/common/command_line.h"
-#include "palpable/base/error.h"
-#include "palpable/base/json.h"
-#include "palpable/base/order_statistics.h"
-#include "palpable/base/stage_clock.h"
-#include "palpable/clip_files/place.h"
-#include "palpable/contact/object_surface.h"
-#include "palpable/contact/press_law.h"
-#include "palpable/reduced/body_file.h"
-#include "palpable/reduced/mode_kernels.h"
-#include "palpable/reduced/pressed_surface.h"
-#include "palpable/score/deepest_sample.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/common/base/stage_clock.h"
+#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/reduced/mode_kernels.h"
+#include "palpable/common/reduced/pressed_surface.h"
+#include "palpable/desk/clip_files/place.h"
+#include "palpable/desk/score/deepest_sample.h"
+#include "palpable/live/contact/object_surface.h"
+#include "palpable/live/contact/press_law.h"
 
 #include <fmt/core.h>
 

@@ -1,8 +1,8 @@
 #include "bench/live/bench_clips.h"
 
-#include "palpable/base/error.h"
-#include "palpable/clip_writer/kept_clip.h"
-#include "palpable/reduced/body_file.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/reduced/body_file.h"
+#include "palpable/desk/clip_writer/kept_clip.h"
 
 #include <fmt/core.h>
 

@@ -2,7 +2,7 @@
 /// What benches of the loop share: the usual body files, and films of them that are kept.
 #pragma once
 
-#include "palpable/base/progress.h"
+#include "palpable/common/base/progress.h"
 
 #include <filesystem>
 #include <initializer_list>

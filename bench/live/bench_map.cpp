@@ -1,11 +1,11 @@
 #include "bench/live/bench_map.h"
 
 #include "apps/common/progress_bar.h"
-#include "palpable/base/contract.h"
-#include "palpable/base/error.h"
-#include "palpable/clip_writer/desk_film.h"
-#include "palpable/depth/depth_camera.h"
-#include "palpable/slam/slam.h"
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/error.h"
+#include "palpable/desk/clip_writer/desk_film.h"
+#include "palpable/live/depth/depth_camera.h"
+#include "palpable/live/slam/slam.h"
 
 #include <Eigen/Geometry>
 

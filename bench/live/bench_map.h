@@ -2,9 +2,9 @@
 /// The part of `bench track` that measures the map and the moving mask.
 #pragma once
 
-#include "palpable/base/json.h"
-#include "palpable/reduced/reduced_body.h"
-#include "palpable/script/plan_sequence.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/reduced/reduced_body.h"
+#include "palpable/desk/script/plan_sequence.h"
 
 #include <cstdint>
 

@@ -3,13 +3,13 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/live_setup.h"
-#include "palpable/base/error.h"
-#include "palpable/base/json.h"
-#include "palpable/base/order_statistics.h"
-#include "palpable/base/this_machine.h"
-#include "palpable/render/gl_context.h"
-#include "palpable/sources/frame_source.h"
-#include "palpable/view/scene_painter.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/common/base/this_machine.h"
+#include "palpable/live/render/gl_context.h"
+#include "palpable/live/sources/frame_source.h"
+#include "palpable/live/view/scene_painter.h"
 
 #include <fmt/core.h>
 

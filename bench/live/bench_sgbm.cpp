@@ -5,9 +5,9 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
-#include "palpable/base/error.h"
-#include "palpable/base/json.h"
-#include "palpable/base/order_statistics.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/order_statistics.h"
 
 #include <fmt/core.h>
 #include <opencv2/calib3d.hpp>

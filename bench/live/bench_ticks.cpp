@@ -3,14 +3,14 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/live_setup.h"
-#include "palpable/base/cpu_time.h"
-#include "palpable/base/error.h"
-#include "palpable/base/json.h"
-#include "palpable/base/order_statistics.h"
-#include "palpable/clip_files/hand_file.h"
-#include "palpable/contact/skin_contact.h"
-#include "palpable/live/live_loop.h"
-#include "palpable/session/between_frames.h"
+#include "palpable/common/base/cpu_time.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/desk/clip_files/hand_file.h"
+#include "palpable/live/contact/skin_contact.h"
+#include "palpable/live/player/live_loop.h"
+#include "palpable/live/session/between_frames.h"
 
 #include <fmt/core.h>
 

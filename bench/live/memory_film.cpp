@@ -1,9 +1,9 @@
 #include "bench/live/memory_film.h"
 
-#include "palpable/base/error.h"
-#include "palpable/sources/folder_source.h"
-#include "palpable/sources/raw_picture.h"
-#include "palpable/sources/side_by_side.h"
+#include "palpable/common/base/error.h"
+#include "palpable/live/sources/folder_source.h"
+#include "palpable/live/sources/raw_picture.h"
+#include "palpable/live/sources/side_by_side.h"
 
 #include <fmt/core.h>
 #include <opencv2/imgproc.hpp>

@@ -3,8 +3,8 @@
 /// the loop's work.
 #pragma once
 
-#include "palpable/geometry/frame.h"
-#include "palpable/sources/frame_source.h"
+#include "palpable/common/geometry/frame.h"
+#include "palpable/live/sources/frame_source.h"
 
 #include <cstdint>
 #include <filesystem>

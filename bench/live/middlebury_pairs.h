@@ -2,7 +2,7 @@
 /// Middlebury's stereo pairs with their true disparities, as published.
 #pragma once
 
-#include "palpable/geometry/image.h"
+#include "palpable/common/geometry/image.h"
 
 #include <filesystem>
 #include <optional>

@@ -1,9 +1,9 @@
 #include "bench/live/near_frames.h"
 
-#include "palpable/base/error.h"
-#include "palpable/base/order_statistics.h"
-#include "palpable/clip_files/jpeg_file.h"
-#include "palpable/reduced/body_file.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/common/reduced/body_file.h"
+#include "palpable/desk/clip_files/jpeg_file.h"
 
 #include <algorithm>
 

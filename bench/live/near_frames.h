@@ -3,10 +3,10 @@
 /// of depth are measured on these (docs/benchmark.md).
 #pragma once
 
-#include "palpable/base/progress.h"
-#include "palpable/clip_writer/desk_film.h"
-#include "palpable/film/desk_renderer.h"
-#include "palpable/script/plan_sequence.h"
+#include "palpable/common/base/progress.h"
+#include "palpable/desk/clip_writer/desk_film.h"
+#include "palpable/desk/film/desk_renderer.h"
+#include "palpable/desk/script/plan_sequence.h"
 
 #include <cstddef>
 #include <cstdint>

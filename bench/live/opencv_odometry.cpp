@@ -1,6 +1,6 @@
 #include "bench/live/opencv_odometry.h"
 
-#include "palpable/track/sighting.h"
+#include "palpable/live/track/sighting.h"
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>

@@ -4,8 +4,8 @@
 /// What our tracker has to be better than.
 #pragma once
 
-#include "palpable/depth/depth_camera.h"
-#include "palpable/geometry/rigid.h"
+#include "palpable/common/geometry/rigid.h"
+#include "palpable/live/depth/depth_camera.h"
 
 #include <memory>
 

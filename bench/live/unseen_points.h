@@ -2,10 +2,10 @@
 /// The side of true things that a camera does not see, as points: what a guess of it is judged by.
 #pragma once
 
-#include "palpable/geometry/camera.h"
-#include "palpable/geometry/capsule.h"
-#include "palpable/geometry/rigid.h"
-#include "palpable/geometry/surface_distance.h"
+#include "palpable/common/geometry/camera.h"
+#include "palpable/common/geometry/capsule.h"
+#include "palpable/common/geometry/rigid.h"
+#include "palpable/common/geometry/surface_distance.h"
 
 #include <Eigen/Core>
 

@@ -59,7 +59,7 @@ class Installed:
         self.prefix, self.body, self.examples = place / "usr", place / "ball.palpable", place / "examples"
         stamp = place / "done"
         made_of = [programs.palpable, programs.palpable + "-bake", build / "lib/libpalpable.so",
-                   base.ROOT / "src/palpable/capi/palpable.h", *(base.ROOT / "examples/installed").iterdir(),
+                   base.ROOT / "src/palpable/live/capi/palpable.h", *(base.ROOT / "examples/installed").iterdir(),
                    *(base.ROOT / "cmake").iterdir(), __file__]
         assert (build / "lib/libpalpable.so").exists(), "the target palpable_library was not built"
         with open(programs.work / "installed.lock", "w") as lock:

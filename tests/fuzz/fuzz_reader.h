@@ -2,7 +2,7 @@
 /// Every reader of files that others may have written, by name: files that it reads, and how.
 #pragma once
 
-#include "palpable/base/error.h"
+#include "palpable/common/base/error.h"
 #include "tests/fuzz/mutations.h"
 
 #include <filesystem>

@@ -6,8 +6,8 @@
 //                                                    something without the name of the file
 //   fuzz_readers surface.stl --first 17 --count 1    one damage again; the file is kept
 
-#include "palpable/base/contract.h"
-#include "palpable/base/fnv1a.h"
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/fnv1a.h"
 #include "tests/fuzz/fuzz_reader.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "palpable/geometry/mesh_file.h"
+#include "palpable/common/geometry/mesh_file.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/surface_bytes.h"

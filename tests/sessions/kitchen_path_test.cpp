@@ -1,8 +1,8 @@
-#include "palpable/clip_files/published_poses.h"
-#include "palpable/depth/depth_camera.h"
-#include "palpable/score/warped_depth.h"
-#include "palpable/sources/folder_source.h"
-#include "palpable/track/tracker.h"
+#include "palpable/desk/clip_files/published_poses.h"
+#include "palpable/desk/score/warped_depth.h"
+#include "palpable/live/depth/depth_camera.h"
+#include "palpable/live/sources/folder_source.h"
+#include "palpable/live/track/tracker.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Geometry>

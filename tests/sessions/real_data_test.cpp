@@ -2,14 +2,14 @@
 // is not. The body is the dented sphere, whose inside has a closed form: the truth of touching is
 // then a matter of counting true points in a ball.
 
-#include "palpable/base/error.h"
-#include "palpable/reduced/scaled_body.h"
-#include "palpable/render/gl_context.h"
-#include "palpable/render/scene_renderer.h"
-#include "palpable/score/occlusion.h"
-#include "palpable/session/frame_loop.h"
-#include "palpable/sources/folder_source.h"
-#include "palpable/sources/image_file.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/reduced/scaled_body.h"
+#include "palpable/desk/score/occlusion.h"
+#include "palpable/live/render/gl_context.h"
+#include "palpable/live/render/scene_renderer.h"
+#include "palpable/live/session/frame_loop.h"
+#include "palpable/live/sources/folder_source.h"
+#include "palpable/live/sources/image_file.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"

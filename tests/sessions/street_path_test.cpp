@@ -1,7 +1,7 @@
-#include "palpable/clip_files/published_poses.h"
-#include "palpable/depth/depth_camera.h"
-#include "palpable/slam/slam.h"
-#include "palpable/sources/folder_source.h"
+#include "palpable/desk/clip_files/published_poses.h"
+#include "palpable/live/depth/depth_camera.h"
+#include "palpable/live/slam/slam.h"
+#include "palpable/live/sources/folder_source.h"
 #include "tests/support/test.h"
 
 #include <filesystem>

@@ -2,7 +2,7 @@
 /// The small beam after an intrusive bake for several loads.
 #pragma once
 
-#include "palpable/intrusive/intrusive_bake.h"
+#include "palpable/bake/intrusive/intrusive_bake.h"
 #include "tests/support/beam_description.h"
 #include "tests/support/scratch_folder.h"
 

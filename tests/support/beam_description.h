@@ -2,7 +2,7 @@
 /// The small beam as a file and its description, for intrusive bakes.
 #pragma once
 
-#include "palpable/describe/body_description.h"
+#include "palpable/bake/describe/body_description.h"
 #include "tests/support/small_beam.h"
 
 #include <fmt/format.h>

@@ -2,9 +2,9 @@
 /// The picture of a chessboard as an eye with a lens sees it.
 #pragma once
 
-#include "palpable/calibrate/board_calibration.h"
-#include "palpable/geometry/image.h"
-#include "palpable/geometry/rigid.h"
+#include "palpable/common/geometry/image.h"
+#include "palpable/common/geometry/rigid.h"
+#include "palpable/live/calibrate/board_calibration.h"
 
 #include <Eigen/Core>
 

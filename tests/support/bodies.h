@@ -2,7 +2,7 @@
 /// A small body whose behaviour is known in closed form, shared by the tests of the live half.
 #pragma once
 
-#include "palpable/reduced/reduced_body.h"
+#include "palpable/common/reduced/reduced_body.h"
 
 #include <Eigen/Geometry>
 

@@ -3,8 +3,8 @@
 /// and gets a Gaussian dent where it is pressed.
 #pragma once
 
-#include "palpable/geometry/surface_mesh.h"
-#include "palpable/reduced/reduced_body.h"
+#include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/reduced/reduced_body.h"
 
 #include <Eigen/Core>
 

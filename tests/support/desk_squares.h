@@ -2,7 +2,7 @@
 /// Squares before the synthetic desk's camera: scenes whose pictures can be computed by hand.
 #pragma once
 
-#include "palpable/film/desk_renderer.h"
+#include "palpable/desk/film/desk_renderer.h"
 
 #include <Eigen/Geometry>
 

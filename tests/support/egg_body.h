@@ -2,11 +2,11 @@
 /// A small egg with two sites, and its campaign.
 #pragma once
 
-#include "palpable/campaign/crew.h"
-#include "palpable/campaign/fill_store.h"
-#include "palpable/describe/body_description.h"
-#include "palpable/geometry/mesh_file.h"
-#include "palpable/geometry/surface_mesh.h"
+#include "palpable/bake/campaign/crew.h"
+#include "palpable/bake/campaign/fill_store.h"
+#include "palpable/bake/describe/body_description.h"
+#include "palpable/common/geometry/mesh_file.h"
+#include "palpable/common/geometry/surface_mesh.h"
 
 #include <filesystem>
 

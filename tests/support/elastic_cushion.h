@@ -7,8 +7,8 @@
 /// as elastic_sheet.h has it.
 #pragma once
 
-#include "palpable/geometry/surface_mesh.h"
-#include "palpable/touch/touch_tables.h"
+#include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/touch/touch_tables.h"
 
 #include <Eigen/Core>
 

@@ -6,8 +6,8 @@
 /// is positive definite whatever the points (Matern's covariance of order 1/2).
 #pragma once
 
-#include "palpable/geometry/surface_mesh.h"
-#include "palpable/touch/touch_tables.h"
+#include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/touch/touch_tables.h"
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>

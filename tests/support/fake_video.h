@@ -3,8 +3,8 @@
 /// when someone waits. They stall, vanish, come back, drop and tear pictures as they are told.
 #pragma once
 
-#include "palpable/sources/raw_picture.h"
-#include "palpable/sources/video_system.h"
+#include "palpable/live/sources/raw_picture.h"
+#include "palpable/live/sources/video_system.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -2,7 +2,7 @@
 /// Surfaces made of surfaces.
 #pragma once
 
-#include "palpable/geometry/surface_mesh.h"
+#include "palpable/common/geometry/surface_mesh.h"
 
 namespace palpable::test {
 

@@ -4,7 +4,7 @@
 /// camera goes to the right meanwhile.
 #pragma once
 
-#include "palpable/sources/frame_source.h"
+#include "palpable/live/sources/frame_source.h"
 #include "tests/support/seen_capsules.h"
 #include "tests/support/seen_wall.h"
 

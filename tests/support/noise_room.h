@@ -3,10 +3,10 @@
 /// tests of closed loops.
 #pragma once
 
-#include "palpable/geometry/camera.h"
-#include "palpable/geometry/frame.h"
-#include "palpable/geometry/image.h"
-#include "palpable/geometry/rigid.h"
+#include "palpable/common/geometry/camera.h"
+#include "palpable/common/geometry/frame.h"
+#include "palpable/common/geometry/image.h"
+#include "palpable/common/geometry/rigid.h"
 
 #include <Eigen/Geometry>
 

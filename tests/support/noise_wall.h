@@ -4,9 +4,9 @@
 /// World: X right, Y down, Z forward, m. The wall is the plane Z = kNoiseWallZ.
 #pragma once
 
-#include "palpable/depth/depth_noise.h"
-#include "palpable/track/landmark_map.h"
-#include "palpable/track/tracker.h"
+#include "palpable/live/depth/depth_noise.h"
+#include "palpable/live/track/landmark_map.h"
+#include "palpable/live/track/tracker.h"
 #include "tests/support/noise_room.h"
 
 #include <Eigen/Geometry>

@@ -2,7 +2,7 @@
 /// A pair of images for tests that hold two stereo matchers equal.
 #pragma once
 
-#include "palpable/geometry/image.h"
+#include "palpable/common/geometry/image.h"
 #include "tests/support/test.h"
 
 #include <cstdint>

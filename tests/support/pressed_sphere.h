@@ -3,7 +3,7 @@
 /// camera sees it.
 #pragma once
 
-#include "palpable/session/frame_loop.h"
+#include "palpable/live/session/frame_loop.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/seen_capsules.h"
 #include "tests/support/seen_wall.h"

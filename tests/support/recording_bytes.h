@@ -2,7 +2,7 @@
 /// The chunks of a recording (docs/recording_file.md), for tests that cut and spoil them.
 #pragma once
 
-#include "palpable/base/word_hash.h"
+#include "palpable/common/base/word_hash.h"
 
 #include <cstdint>
 #include <cstring>

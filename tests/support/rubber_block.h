@@ -2,9 +2,9 @@
 /// A block of rubber that stands on the ground, for whatever presses sites of a body.
 #pragma once
 
-#include "palpable/describe/contact_sites.h"
-#include "palpable/geometry/tet_mesh.h"
-#include "palpable/solid/solid_model.h"
+#include "palpable/bake/describe/contact_sites.h"
+#include "palpable/bake/solid/solid_model.h"
+#include "palpable/common/geometry/tet_mesh.h"
 
 #include <cstdint>
 #include <string_view>

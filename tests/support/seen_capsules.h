@@ -2,8 +2,8 @@
 /// What an ideal depth camera sees of capsules: images with an analytic truth, for tests.
 #pragma once
 
-#include "palpable/geometry/camera.h"
-#include "palpable/geometry/image.h"
+#include "palpable/common/geometry/camera.h"
+#include "palpable/common/geometry/image.h"
 
 #include <Eigen/Core>
 

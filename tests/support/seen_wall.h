@@ -2,7 +2,7 @@
 /// What a colour + depth camera sees of a wall with a pattern of noise, for tests.
 #pragma once
 
-#include "palpable/geometry/frame.h"
+#include "palpable/common/geometry/frame.h"
 
 #include <Eigen/Core>
 

@@ -2,9 +2,9 @@
 /// A box of 20 x 30 x 40 mm as a shell whose stress is recovered.
 #pragma once
 
-#include "palpable/geometry/tet_mesh.h"
-#include "palpable/material/material.h"
-#include "palpable/touch/shell_stress.h"
+#include "palpable/common/geometry/tet_mesh.h"
+#include "palpable/common/material/material.h"
+#include "palpable/common/touch/shell_stress.h"
 
 #include <cstddef>
 #include <vector>

@@ -2,7 +2,7 @@
 /// All sites of a body solved into memory, for tests that look at the numbers.
 #pragma once
 
-#include "palpable/campaign/site_run.h"
+#include "palpable/bake/campaign/site_run.h"
 
 #include <Eigen/Core>
 

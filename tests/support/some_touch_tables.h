@@ -3,8 +3,8 @@
 /// but all fit together: for files.
 #pragma once
 
-#include "palpable/geometry/surface_mesh.h"
-#include "palpable/touch/touch_tables.h"
+#include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/touch/touch_tables.h"
 
 #include <Eigen/Core>
 

@@ -2,8 +2,8 @@
 /// A body of rubber that stands on its lowest nodes, of whatever mesh.
 #pragma once
 
-#include "palpable/geometry/tet_mesh.h"
-#include "palpable/solid/solid_model.h"
+#include "palpable/bake/solid/solid_model.h"
+#include "palpable/common/geometry/tet_mesh.h"
 
 #include <utility>
 

@@ -2,7 +2,7 @@
 /// Tables of snapshots whose reduction is known, or is like a body's.
 #pragma once
 
-#include "palpable/separate/snapshot_tensor.h"
+#include "palpable/bake/separate/snapshot_tensor.h"
 
 #include <Eigen/Core>
 

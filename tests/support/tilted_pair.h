@@ -2,9 +2,9 @@
 /// A textured wall seen by two rectified eyes of which the right one is turned a little.
 #pragma once
 
-#include "palpable/geometry/camera.h"
-#include "palpable/geometry/image.h"
-#include "palpable/stereo/row_watch.h"
+#include "palpable/common/geometry/camera.h"
+#include "palpable/common/geometry/image.h"
+#include "palpable/live/stereo/row_watch.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>

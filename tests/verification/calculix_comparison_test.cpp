@@ -1,11 +1,11 @@
 // Our solver and CalculiX on the same meshes, laws and loads, each solved to 1e-8.
 #include "bench/bake/calculix_comparison.h"
 
-#include "palpable/describe/body_mesh.h"
-#include "palpable/describe/contact_sites.h"
-#include "palpable/mesh/tetrahedralise.h"
-#include "palpable/solid/equilibrium.h"
-#include "palpable/solid/patch_load.h"
+#include "palpable/bake/describe/body_mesh.h"
+#include "palpable/bake/describe/contact_sites.h"
+#include "palpable/bake/mesh/tetrahedralise.h"
+#include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/patch_load.h"
 #include "tests/support/test.h"
 #include "tests/verification/record.h"
 #include "tests/verification/shapes.h"

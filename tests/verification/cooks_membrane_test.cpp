@@ -1,8 +1,8 @@
 // Cook's membrane: a tapered panel in plane strain, clamped on its left edge and sheared on its
 // right one, bending and shearing at once.
-#include "palpable/solid/equilibrium.h"
-#include "palpable/solid/loads.h"
-#include "palpable/solid/selection.h"
+#include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/loads.h"
+#include "palpable/bake/solid/selection.h"
 #include "tests/support/test.h"
 #include "tests/verification/record.h"
 

@@ -1,7 +1,7 @@
 // The elastica: a slender cantilever that bends far under a dead load at its tip.
-#include "palpable/solid/equilibrium.h"
-#include "palpable/solid/loads.h"
-#include "palpable/solid/selection.h"
+#include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/loads.h"
+#include "palpable/bake/solid/selection.h"
 #include "tests/support/test.h"
 #include "tests/verification/record.h"
 

@@ -1,6 +1,6 @@
 // 4-node and 10-node tetrahedra on the same nodes, against a finer mesh: the cheap relative of
 // `palpable bench elements`, which does the same for the paper's bunny.
-#include "palpable/mesh/tetrahedralise.h"
+#include "palpable/bake/mesh/tetrahedralise.h"
 #include "tests/support/test.h"
 #include "tests/verification/record.h"
 #include "tests/verification/shapes.h"

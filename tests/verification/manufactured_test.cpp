@@ -2,11 +2,11 @@
 // displacement that it needs are computed from it, and the solver must find it again, with an error
 // that falls as theory says: L2 norm by h^2, H1 norm by h for linear tetrahedra; h^3 and h^2 for
 // 10-node ones.
-#include "palpable/geometry/quadrature.h"
-#include "palpable/geometry/shape_gradients.h"
-#include "palpable/solid/equilibrium.h"
-#include "palpable/solid/loads.h"
-#include "palpable/solid/selection.h"
+#include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/loads.h"
+#include "palpable/bake/solid/selection.h"
+#include "palpable/common/geometry/quadrature.h"
+#include "palpable/common/geometry/shape_gradients.h"
 #include "tests/support/test.h"
 #include "tests/verification/record.h"
 

@@ -2,7 +2,7 @@
 /// Bodies that several verification tests press.
 #pragma once
 
-#include "palpable/geometry/surface_mesh.h"
+#include "palpable/common/geometry/surface_mesh.h"
 
 #include <Eigen/Core>
 

@@ -1,6 +1,6 @@
 // Chessboard pictures that nobody here took. The case is skipped, and says so, where they are not.
-#include "palpable/calibrate/board_calibration.h"
-#include "palpable/sources/folder_source.h"
+#include "palpable/live/calibrate/board_calibration.h"
+#include "palpable/live/sources/folder_source.h"
 #include "tests/support/test.h"
 
 #include <filesystem>

@@ -1,12 +1,12 @@
 // What nobody here made: recordings with the truth that came with them. Each case is skipped, and
 // says so, where its data is not.
-#include "palpable/base/order_statistics.h"
-#include "palpable/calibrate/calibration_file.h"
-#include "palpable/calibrate/factory_calibration.h"
-#include "palpable/calibrate/opencv_views.h"
-#include "palpable/calibrate/rectification.h"
-#include "palpable/depth/depth_camera.h"
-#include "palpable/sources/folder_source.h"
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/live/calibrate/calibration_file.h"
+#include "palpable/live/calibrate/factory_calibration.h"
+#include "palpable/live/calibrate/opencv_views.h"
+#include "palpable/live/calibrate/rectification.h"
+#include "palpable/live/depth/depth_camera.h"
+#include "palpable/live/sources/folder_source.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 

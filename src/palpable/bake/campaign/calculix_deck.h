@@ -1,0 +1,55 @@
+/// @file
+/// A model and its load as an input deck of CalculiX.
+///
+///   N  nodes
+///   level  factor of the full load, as in solid/equilibrium.h
+///
+/// One deck, one *STEP with NLGEOM, results printed at the levels only. CalculiX' laws under
+/// NLGEOM: *ELASTIC is St. Venant-Kirchhoff, *HYPERELASTIC, NEO HOOKE is NeoHookeanAbaqus (compared
+/// with the closed forms in tests/verification). It has no law like eq. (7).
+///
+/// Two traps of ccx 2.20, both about units. A residual below 1e-6 counts as zero, whatever the
+/// deck's unit: a soft body of 0.1 m has nodal forces of 1e-3 N, so "1e-8" would mean 1e-3. And a
+/// D1 below 1e-10 counts as not given and is replaced by 0.1 / (2 C10): in 1/Pa that is any
+/// solid as stiff as glass. So decks are written in units in which an element's shear modulus and
+/// edge are of order 1e3 each, so its stiffness 1e9; results are converted back on reading.
+#pragma once
+
+#include "palpable/bake/solid/solid_model.h"
+
+#include <Eigen/Core>
+
+#include <span>
+#include <string>
+
+namespace palpable {
+
+/// The units of a model's deck in SI, powers of ten.
+struct CalculixUnits {
+  double length = 1;  ///< m
+  double stress = 1;  ///< Pa
+  [[nodiscard]] double force() const { return stress * length * length; }
+};
+[[nodiscard]] CalculixUnits calculix_units(const SolidModel& model);
+
+/// A rigid box that presses the body with one of its faces: CalculiX' own contact (node to surface,
+/// linear pressure over overclosure, no friction), to compare ours with.
+struct CalculixLid {
+  Eigen::Vector3d middle;  ///< m, of the pressing face at level 0
+  Eigen::Vector3d normal;  ///< unit, out of the box at that face
+  double side = 0;         ///< m, of the box; the face is larger than what it presses
+  Eigen::Vector3d way;     ///< m, where the box is at level 1 from there
+  double stiffness = 0;    ///< Pa/m, pressure over overclosure
+};
+
+/// The deck. Numbers have as many digits as CalculiX reads, which is 20 characters, so at least 13
+/// significant digits. Nodes and elements are numbered from 1 in the model's order.
+/// @param full_load  (3 x N) N at level 1; may be zero if there are fixed displacements
+/// @param levels     > 0, increasing, at least one
+/// @param lid        presses the body's skin too; nullptr: nothing does
+/// @throws Error as check_model(); for a law that CalculiX does not have; a load of the wrong size
+[[nodiscard]] std::string calculix_deck(const SolidModel& model, const Eigen::Matrix3Xd& full_load,
+                                        std::span<const double> levels, double tolerance = 1e-8,
+                                        const CalculixLid* lid = nullptr);
+
+}  // namespace palpable

@@ -1,0 +1,95 @@
+/// @file
+/// All sites at all load levels and all parameter values, solved into a store (paper Sec. 5.2).
+///
+///   N  nodes     S  sites     L  solved levels     P  points (snapshot_store.h)
+#pragma once
+
+#include "palpable/bake/campaign/crew.h"
+#include "palpable/bake/campaign/site_run.h"
+#include "palpable/bake/campaign/snapshot_store.h"
+#include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/solid_model.h"
+#include "palpable/common/base/progress.h"
+#include "palpable/common/base/stage_clock.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpable {
+
+/// What a body is made of at one point of the parameters.
+struct PointMaterials {
+  Material material;
+  std::vector<Material> groups;  ///< one for each of model.groups
+};
+
+/// Who solves for the equilibrium of a press.
+enum class FeSolver {
+  kOwn,      ///< press_solver.h
+  kCalculix  ///< calculix_sites.h
+};
+
+/// "own" or "calculix": what a user types, and what the keys of units are mixed from.
+[[nodiscard]] std::string_view fe_solver_name(FeSolver solver);
+
+/// What is to be solved.
+struct CampaignPlan {
+  SolidModel model;         ///< at the first point
+  Boundary boundary;        ///< of model.mesh; sites refer to its vertices
+  std::vector<Site> sites;  ///< (S) full loads not known yet
+  /// Whose linear responses are stored, too; may be none. Only with one point.
+  std::vector<Site> linear;
+  SiteRunSettings run;
+  /// (3 x N) N: what acts on the body all the while; no columns: nothing. Supports that move have
+  /// moved all the way before the first press.
+  Eigen::Matrix3Xd preload = Eigen::Matrix3Xd(3, 0);
+  std::vector<PointMaterials> points;  ///< (P) at least one
+  FeSolver solver = FeSolver::kOwn;
+  /// (P S) with run.at: the load of each unit at level 1, N; run.full_loads is then not read.
+  std::vector<double> full_loads = {};
+};
+
+/// (P S) for each unit what it is computed from: layout and revision of this program's work, mesh,
+/// materials, supports, loads, levels, and its site.
+[[nodiscard]] std::vector<std::uint64_t> unit_keys(const CampaignPlan& plan);
+
+/// The same of the linear responses.
+[[nodiscard]] std::uint64_t linear_key(const CampaignPlan& plan);
+
+struct CampaignSettings {
+  int threads = 0;  ///< 0: one per core. Results do not depend on it
+  /// Only every `shards`-th unit from number `shard` on is solved here.
+  int shard = 0;
+  int shards = 1;
+  std::string calculix = "ccx";  ///< the program, for FeSolver::kCalculix
+};
+
+struct CampaignReport {
+  int reused = 0;  ///< units that were there already
+  int solved = 0;
+  int missing = 0;        ///< of other shards
+  int linear_solved = 0;  ///< files of linear responses
+  StageTimes times;       ///< solve, stress, write: milliseconds, summed over sites
+  SolverSetup setup;      ///< of the last point that was solved
+};
+
+/// Solves what the store does not hold yet. A site's file is written as it ends; nothing that is
+/// finished is lost, whatever ends the program. The store's bytes depend on nothing but the plan.
+///
+/// Memory: the solver (equilibrium.h), 24 N L + 1,500 N bytes for each site in progress, of which
+/// there are 20 a thread or as many as 2 GB hold (lockstep.h), and 60 N L for the snapshots of one
+/// that is being written and their file.
+/// @param store  of unit_keys(plan)
+/// @throws Error if no site of a point reaches the press, one site cannot be pressed at all, the
+///         body cannot bear the preload, or the store cannot be written
+[[nodiscard]] CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store,
+                                          Crew& crew, const CampaignSettings& settings,
+                                          const Progress& progress = {});
+
+}  // namespace palpable

@@ -1,0 +1,334 @@
+#include "palpable/bake/describe/body_problem.h"
+
+#include "palpable/bake/describe/contact_sites.h"
+#include "palpable/bake/describe/places.h"
+#include "palpable/bake/describe/touches_between.h"
+#include "palpable/bake/solid/loads.h"
+#include "palpable/bake/solid/patch_load.h"
+#include "palpable/bake/solid/selection.h"
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/error.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <numeric>
+#include <utility>
+#include <variant>
+
+namespace palpable {
+
+using Eigen::Matrix3Xd;
+
+namespace {
+
+// (V) of the values at all nodes, those of the skin.
+std::vector<std::uint8_t> at_skin(const std::vector<std::uint8_t>& nodes, const Boundary& skin) {
+  std::vector<std::uint8_t> vertices;
+  for (const int n : skin.node_of_vertex) vertices.push_back(nodes[n]);
+  return vertices;
+}
+
+// (V) areas that belong to the nodes: int N_a dA. At the corners of 10-node elements that is 0, and
+// a third of a face at the middle of each of its edges.
+Eigen::VectorXd nodal_areas(const BodyMesh& body) {
+  const Matrix3Xd unit =
+      traction_load(body.mesh, skin_triangles(body.mesh),
+                    [](const Eigen::Vector3d&, const Eigen::Vector3d&) -> Eigen::Vector3d {
+                      return Eigen::Vector3d::UnitX();
+                    });
+  const Eigen::VectorXd areas = unit.row(0).transpose()(body.boundary.node_of_vertex);
+  // Rounding leaves corners near 0, curved faces a little below.
+  return (areas.array() > 1e-9 * areas.maxCoeff()).select(areas, 0.0);
+}
+
+SiteSettings site_settings(const BodyDescription& description, const BodyMesh& body) {
+  const BodyDescription::Sites& wanted = description.sites;
+  SiteSettings settings{.choice = wanted.salient ? SiteChoice::kSalient : SiteChoice::kSpread,
+                        .count = wanted.count,
+                        .lowest = wanted.above * body.height,
+                        .patch_distance = wanted.patch};
+  if (std::holds_alternative<BodyDescription::Sites::AlongNormal>(wanted.direction)) {
+    settings.direction = SiteDirection::kAlongNormal;
+  } else if (const auto* given = std::get_if<Eigen::Vector3d>(&wanted.direction)) {
+    settings.direction = SiteDirection::kGiven;
+    settings.given = *given;
+  }
+  if (body.mesh.is_quadratic()) settings.areas = nodal_areas(body);
+  return settings;
+}
+
+// Every vertex that is not held.
+// (V) 1 where a support holds the vertex in any direction.
+std::vector<std::uint8_t> supported_vertices(const BodyMesh& body) {
+  std::vector<std::uint8_t> held = held_nodes(body);
+  for (const Support& support : body.supports) held[support.node] = 1;
+  return at_skin(held, body.boundary);
+}
+
+// Every vertex of the skin that is not held; or the sites and some touches between them, which say
+// what it costs that sites are a choice.
+std::vector<Site> linear_sites(const BodyDescription& description, const BodyMesh& body,
+                               const std::vector<Site>& sites) {
+  if (!description.parameters.empty()) return {};
+  const SurfaceMesh& skin = body.boundary.surface;
+  const std::vector<std::uint8_t> fixed =
+      description.sites.linear ? fixed_vertices(body) : supported_vertices(body);
+  std::vector<int> vertices;
+  for (std::size_t v = 0; v < fixed.size(); ++v) {
+    if (fixed[v] == 0) vertices.push_back(static_cast<int>(v));
+  }
+  const SiteSettings settings = site_settings(description, body);
+  if (description.sites.linear) return sites_at(skin, fixed, vertices, settings);
+  std::vector<int> places;
+  for (const Site& site : sites) places.push_back(site.vertex);
+  const std::vector<int> touches = touches_between(skin, places, vertices, kTouchesBetween);
+  if (touches.empty()) return {};
+  std::vector<Site> all = sites;
+  for (Site& touch : sites_at(skin, fixed, touches, settings)) all.push_back(std::move(touch));
+  return all;
+}
+
+std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh& body) {
+  const BodyDescription::Sites& wanted = description.sites;
+  const SiteSettings settings = site_settings(description, body);
+  const SurfaceMesh& skin = body.boundary.surface;
+  if (wanted.at.empty()) {
+    // A patch that slides on a support would carry less than its load: none of those is chosen.
+    try {
+      return choose_sites(skin, supported_vertices(body), settings);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: {}", description.source.string(), error.what()));
+    }
+  }
+
+  std::vector<int> vertex_of_node(body.mesh.node_count(), -1);
+  for (int v = 0; v < skin.vertex_count(); ++v) {
+    vertex_of_node[body.boundary.node_of_vertex[v]] = v;
+  }
+  const std::vector<std::uint8_t> fixed = fixed_vertices(body);
+  std::vector<Site> sites;
+  for (const Where& where : wanted.at) {
+    std::vector<int> vertices;
+    if (const auto* nearest = std::get_if<Where::Nearest>(&where.what)) {
+      for (const Eigen::Vector3d& point : nearest->points) {
+        Eigen::Index vertex = 0;
+        (skin.vertices.colwise() - point).colwise().squaredNorm().minCoeff(&vertex);
+        vertices.push_back(static_cast<int>(vertex));
+      }
+    } else {
+      for (const int n : nodes_at({body.mesh, body.sets}, where)) {
+        const int v = vertex_of_node[n];
+        if (v >= 0) vertices.push_back(v);
+      }
+      if (vertices.empty()) {
+        throw Error(fmt::format("{}: none of its nodes lies on the skin of the body", where.place));
+      }
+    }
+    try {
+      for (Site& site : sites_at(skin, fixed, vertices, settings)) sites.push_back(std::move(site));
+    } catch (const Error& error) { throw Error(fmt::format("{}: {}", where.place, error.what())); }
+  }
+  for (std::size_t a = 0; a < sites.size(); ++a) {
+    for (std::size_t b = a + 1; b < sites.size(); ++b) {
+      if (sites[a].vertex != sites[b].vertex) continue;
+      throw Error(
+          fmt::format("{}: sites {} and {} are the same vertex of the skin; leave one out, "
+                      "or mesh finer",
+                      wanted.at.back().place, a, b));
+    }
+  }
+  return sites;
+}
+
+void add_groups(const BodyDescription& description, const VolumeMesh& volume, SolidModel& model) {
+  std::vector<int> group_of(volume.mesh.tet_count(), -1);
+  for (std::size_t g = 0; g < description.groups.size(); ++g) {
+    const BodyDescription::MaterialPart& part = description.groups[g];
+    model.groups.push_back({material_of(part.material), tets_at(volume, part.where)});
+    int shared = 0, other = -1;
+    for (const int e : model.groups.back().elements) {
+      int& group = group_of[e];
+      if (group >= 0) {
+        ++shared;
+        other = group;
+      }
+      group = static_cast<int>(g);
+    }
+    if (shared == 0) continue;
+    throw Error(fmt::format(
+        "{}: {} elements of this group are in another one already ({}); an element is in one group "
+        "at most: let the places not overlap",
+        part.where.place, shared, description.groups[other].where.place));
+  }
+}
+
+Matrix3Xd preload_of(const BodyDescription& description, const VolumeMesh& volume) {
+  if (!description.gravity && description.pressures.empty()) return Matrix3Xd(3, 0);
+  Matrix3Xd load = Matrix3Xd::Zero(3, volume.mesh.node_count());
+  if (const auto& gravity = description.gravity) {
+    load += gravity_load(volume.mesh, gravity->density, gravity->acceleration);
+  }
+  for (const BodyDescription::Pressure& pressure : description.pressures) {
+    load += pressure_load(volume.mesh, faces_at(volume, pressure.where), pressure.pressure);
+  }
+  return load;
+}
+
+// The solver would refuse the same things, but knows neither files nor keys.
+void refuse_unsolvable(const BodyDescription& description, const SolidModel& model) {
+  SolidModel held = model;
+  held.supports.clear();
+  held.fixed_displacement.resize(3, 0);
+  held.fixed_nodes.resize(model.mesh.node_count());
+  std::iota(held.fixed_nodes.begin(), held.fixed_nodes.end(), 0);
+  try {
+    check_model(held);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", description.shape.file.string(), error.what()));
+  }
+  try {
+    check_model(model);
+  } catch (const Error& error) {
+    throw Error(
+        fmt::format("{} does not hold the body: {}", description.supports_place, error.what()));
+  }
+  if (static_cast<Eigen::Index>(held_components(model).size()) == model.mesh.nodes.size()) {
+    throw Error(fmt::format("{} holds every node of the body: nothing could move",
+                            description.supports_place));
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> fixed_vertices(const BodyMesh& mesh) {
+  return at_skin(held_nodes(mesh), mesh.boundary);
+}
+
+Material material_of(const BodyDescription::MaterialLaw& law) {
+  return law.constants.empty() ? material_from_young(law.law, law.young, law.poisson)
+                               : material_from_constants(law.law, law.constants);
+}
+
+std::string material_line(const BodyDescription::MaterialLaw& law) {
+  const auto [young, poisson] = young_poisson(material_of(law));
+  std::string constants;
+  for (std::size_t k = 0; k < law.constants.size(); ++k) {
+    const LawConstant& constant = law_constants(law.law)[k];
+    constants += fmt::format("{} = {:.4g} {}, ", constant.name, law.constants[k],
+                             constant.per_pressure ? "1/Pa" : "Pa");
+  }
+  return fmt::format("{}, {}Young's modulus {:.4g} Pa, Poisson's ratio {:.3g}", law.law, constants,
+                     young, poisson);
+}
+
+std::string problem_text(const BodyDescription& description, const BodyProblem& problem) {
+  const TetMesh& mesh = problem.model.mesh;
+  std::string text = fmt::format("{}: {} nodes, {} tetrahedra of {} nodes; {}\n", description.name,
+                                 mesh.node_count(), mesh.tet_count(), mesh.is_quadratic() ? 10 : 4,
+                                 material_line(description.material));
+  text += fmt::format("held: {} nodes in all directions", problem.model.fixed_nodes.size());
+  if (const std::size_t some = problem.model.supports.size(); some > 0) {
+    text += fmt::format(", {} in some or moved", some);
+  }
+  text += "\n";
+  for (const BodyDescription::MaterialPart& part : description.groups) {
+    text += fmt::format("a part of it: {}\n", material_line(part.material));
+  }
+  return text;
+}
+
+std::string site_text(const BodyProblem& problem, int number) {
+  const Site& site = problem.sites[number];
+  const Eigen::Vector3d X = problem.mesh.boundary.surface.vertices.col(site.vertex);
+  return fmt::format(
+      "site {} at ({:.4g}, {:.4g}, {:.4g}) m, pressed along ({:.3f}, {:.3f}, {:.3f})", number, X[0],
+      X[1], X[2], site.direction[0], site.direction[1], site.direction[2]);
+}
+
+void refuse_press_through(const BodyDescription& description, const BodyProblem& problem) {
+  if (!std::holds_alternative<BodyDescription::Sites::ToCentre>(description.sites.direction))
+    return;
+  const SurfaceMesh& skin = problem.mesh.boundary.surface;
+  const Eigen::Vector3d centre = enclosed_centroid(skin);
+  double nearest = std::numeric_limits<double>::infinity();
+  int which = 0;
+  for (std::size_t s = 0; s < problem.sites.size(); ++s) {
+    const double distance = (centre - skin.vertices.col(problem.sites[s].vertex)).norm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    which = static_cast<int>(s);
+  }
+  if (problem.press < nearest) return;
+  const double height = problem.mesh.height;
+  throw Error(fmt::format(
+      "{}: a press of {:.3g} m ({:.3g} of the height, 'depth' in [press]) would push {}, past the "
+      "centre of mass, {:.3g} m away: no load reaches that; ask for a depth below {:.2g}",
+      description.source.string(), problem.press, problem.press / height, site_text(problem, which),
+      nearest, nearest / height));
+}
+
+BodyProblem pose_body(const BodyDescription& description) {
+  return pose_body(description, make_body_mesh(description));
+}
+
+BodyProblem pose_body(const BodyDescription& description, BodyMesh mesh) {
+  BodyProblem problem;
+  problem.mesh = std::move(mesh);
+  const BodyMesh& body = problem.mesh;
+  const VolumeMesh volume{body.mesh, body.sets};
+  problem.model.mesh = body.mesh;
+  problem.model.material = material_of(description.material);
+  add_groups(description, volume, problem.model);
+  problem.model.fixed_nodes = body.fixed_nodes;
+  problem.model.supports = body.supports;
+  refuse_unsolvable(description, problem.model);
+  problem.preload = preload_of(description, volume);
+  problem.sites = place_sites(description, body);
+  problem.linear_sites = linear_sites(description, body, problem.sites);
+  problem.force = description.press.force.value_or(0.0);
+  if (problem.force == 0.0) {
+    problem.press = description.press.length.value_or(description.press.depth * body.height);
+  }
+  return problem;
+}
+
+Matrix3Xd unit_load(const Site& site, const Boundary& boundary, int node_count) {
+  std::vector<int> nodes;
+  std::vector<double> weights;
+  for (std::size_t k = 0; k < site.patch.size(); ++k) {
+    nodes.push_back(boundary.node_of_vertex[site.patch[k]]);
+    weights.push_back(static_cast<double>(site.weights[k]));
+  }
+  return patch_force(node_count, nodes, weights, site.direction);
+}
+
+SolidModel with_edge_nodes(const SolidModel& model) {
+  PALPABLE_EXPECT(model.fixed_displacement.cols() == 0 && model.supports.empty(),
+                  "a body that is held as descriptions have it");
+  SolidModel fine = model;
+  fine.mesh = with_edge_nodes(model.mesh);
+  fine.fixed_nodes = with_edge_middles(fine.mesh, model.fixed_nodes);
+  return fine;
+}
+
+Matrix3Xd patch_traction(const Site& site, const Boundary& boundary, int node_count) {
+  const Eigen::VectorXd areas = vertex_areas(boundary.surface);
+  Matrix3Xd traction = Matrix3Xd::Zero(3, node_count);
+  double sum = 0.0;
+  for (const float w : site.weights) sum += static_cast<double>(w);
+  for (std::size_t k = 0; k < site.patch.size(); ++k) {
+    const int v = site.patch[k];
+    traction.col(boundary.node_of_vertex[v]) =
+        static_cast<double>(site.weights[k]) / (sum * areas[v]) * site.direction.normalized();
+  }
+  return traction;
+}
+
+Matrix3Xd unit_traction(const Site& site, const Boundary& boundary, const TetMesh& mesh) {
+  Eigen::Matrix3Xi triangles = boundary.surface.triangles;
+  for (int& n : triangles.reshaped()) n = boundary.node_of_vertex[n];
+  return traction_load(mesh, triangles, patch_traction(site, boundary, mesh.node_count()));
+}
+
+}  // namespace palpable

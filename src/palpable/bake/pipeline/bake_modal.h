@@ -1,0 +1,14 @@
+/// @file
+/// What a body of an intrusive bake needs to be touched anywhere, by its energy in modes
+/// (touch/modal_contact.h).
+#pragma once
+
+#include "palpable/bake/intrusive/intrusive_bake.h"
+#include "palpable/common/touch/modal_tables.h"
+
+namespace palpable {
+
+/// @pre made.body.several  @throws Error as SkinResponse
+[[nodiscard]] ModalTables modal_tables(const IntrusiveBake& made);
+
+}  // namespace palpable

@@ -1,0 +1,323 @@
+#include "palpable/bake/pipeline/bake_modal.h"
+
+#include "palpable/bake/solid/contact.h"
+#include "palpable/bake/solid/stress.h"
+#include "palpable/common/touch/modal_contact.h"
+#include "palpable/common/touch/touch_file.h"
+#include "tests/support/allocations.h"
+#include "tests/support/baked_beam.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Matrix3Xf;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using test::baked_beam;
+using test::tolerance;
+
+const ModalTables& tables() {
+  static const ModalTables one = modal_tables(baked_beam());
+  return one;
+}
+
+// A finger across the beam, above it: `x` from the support, its lowest line `depth` below the top.
+Capsule finger(double x, double depth, double radius = 0.010) {
+  const Eigen::AlignedBox3d box = box_of(baked_beam().body.surface);
+  const Vector3d at(box.min().x() + x, box.center().y(), box.max().z() + radius - depth);
+  return {at - 0.03 * Vector3d::UnitY(), at + 0.03 * Vector3d::UnitY(), radius, radius};
+}
+
+GapQuery gap_to(const Capsule& capsule) {
+  return [field = CapsuleField(capsule)](const Vector3f& at, SurfaceGap& gap) {
+    const Vector3d x = at.cast<double>();
+    gap.distance = static_cast<float>(field.distance(x));
+    gap.normal = field.normal(x).cast<float>();
+    gap.curvature = field.curvature(x).cast<float>();
+    gap.softness = 0;
+    return gap.distance < 0.012f;
+  };
+}
+
+GapQuery nothing() {
+  return [](const Vector3f&, SurfaceGap&) { return false; };
+}
+
+ModalMember beam_at(const Vector3d& place) {
+  ModalMember member{&baked_beam().body, &tables(), Rigid3::Identity()};
+  member.world_from_body.translation() = place;
+  return member;
+}
+
+Vector3d sum_of(const ModalState& state, int by) {
+  Vector3d sum = Vector3d::Zero();
+  for (const SkinForce& force : state.forces) {
+    if (force.by == by) sum += force.force.cast<double>();
+  }
+  return sum;
+}
+
+// dz/dx of the beam's top or underside, between 30 mm before and 30 mm behind a place, m from the
+// free end.
+double slope_of(ModalContact& contact, int member, const ModalState& state, bool top,
+                double from_end) {
+  const Matrix3Xf& skin = contact.place(member, state);
+  const Eigen::AlignedBox3d box = box_of(baked_beam().body.surface);
+  const double z = top ? box.max().z() : box.min().z();
+  Eigen::Matrix2Xd places(2, 0);
+  for (Eigen::Index v = 0; v < skin.cols(); ++v) {
+    const Vector3d rest = baked_beam().body.surface.vertices.col(v);
+    if (std::abs(rest.z() - z) > 1e-6) continue;
+    if (std::abs(box.max().x() - rest.x() - from_end) > 0.03) continue;
+    places.conservativeResize(2, places.cols() + 1);
+    places.rightCols(1) = Eigen::Vector2d(skin(0, v), skin(2, v));
+  }
+  const Eigen::Vector2d mean = places.rowwise().mean();
+  const Eigen::Matrix2Xd off = places.colwise() - mean;
+  return off.row(0).dot(off.row(1)) / off.row(0).squaredNorm();
+}
+
+// The beam under a finger that goes on by 2 mm a frame.
+ModalState pressed(ModalContact& contact, double x, double depth) {
+  std::vector<ModalState> states(1);
+  for (double now = 0; now < depth + 1e-9; now += 0.002) {
+    const GapQuery gap = gap_to(finger(x, now));
+    (void)contact.advance(states, {&gap, 1}, {});
+  }
+  return states.front();
+}
+
+TEST_CASE("a beam under a finger bends as full finite elements say, far and near",
+          "[bake][modal][long]") {
+  const IntrusiveBake& made = baked_beam();
+  const EquilibriumSolver solver(made.series.model());
+  ModalContact contact({beam_at(Vector3d::Zero())});
+  for (const double x : {0.20, 0.36}) {
+    for (const double depth : {0.006, 0.020}) {
+      const ModalState state = pressed(contact, x, depth);
+      const auto way = [x](double t) {
+        Obstacle obstacle;
+        obstacle.capsules = {finger(x, t)};
+        return obstacle;
+      };
+      ContactWalk walk(solver, way, 0.0);
+      REQUIRE(walk.advance(depth));
+      const Matrix3Xd& u = walk.now().displacement;
+      const Matrix3Xf skin = contact.place(0, state);
+      const Boundary boundary = boundary_of(made.series.model().mesh);
+      const Matrix3Xd true_u = u(Eigen::all, boundary.node_of_vertex);
+      const Matrix3Xd off = skin.cast<double>() - made.body.surface.vertices - true_u;
+      INFO("at " << x << " m, " << depth << " m deep");
+      INFO(sum_of(state, -1).transpose() << " N, truly " << walk.now().force.transpose());
+      INFO(state.forces.size() << " points, truly " << walk.now().touching);
+      CHECK(off.norm() / true_u.norm() <= tolerance(0.04, "34 modes, no dimple under the finger"));
+      // Its direction is that of the few contact points that so coarse a mesh has there.
+      CHECK(std::abs(sum_of(state, -1).norm() / walk.now().force.norm() - 1) <=
+            tolerance(0.06, "likewise"));
+    }
+  }
+}
+
+TEST_CASE("two beams press each other as hard, enter nothing, and come back", "[bake][modal]") {
+  ModalContact contact({beam_at({0, 0, 0}), beam_at({0, 0, 0.06})});  // 10 mm between them
+  std::vector<ModalState> states(2);
+  std::vector<GapQuery> gaps{nothing(), nothing()};
+  ModalReport report;
+  bool lay = false;
+  double last = 0;
+  for (double depth = 0; depth < 0.0301; depth += 0.002) {
+    gaps[1] = gap_to(finger(0.34, depth));
+    report = contact.advance(states, gaps, {});
+    const Vector3d on_lower = sum_of(states[0], 1), on_upper = sum_of(states[1], 0);
+    CHECK((on_lower + on_upper).norm() <= tolerance(1e-6, "N: floats of what is equal"));
+    CHECK(report.imbalance <= tolerance(1e-6, "N, likewise"));
+    CHECK(report.between <= tolerance(5e-4, "m: the half space under a point"));
+    if (on_lower.z() < 0) {
+      lay = true;
+      CHECK(-on_lower.z() >= last * (1 - tolerance(0.02, "it only grows as the finger goes on")));
+      last = -on_lower.z();
+    }
+  }
+  CHECK(lay);
+  CHECK(last > 0.05);
+  // What is held still stays still.
+  const Eigen::VectorXd q = states[0].q;
+  for (int n = 0; n < 5; ++n) report = contact.advance(states, gaps, {});
+  CHECK((states[0].q - q).norm() <= tolerance(1e-3, "Newton's method had ended") * q.norm());
+  CHECK(report.last_change < 2e-5);
+  // The same bytes from the same states, and no memory.
+  std::vector<ModalState> copy = states, again = states;
+  (void)contact.advance(copy, gaps, {});
+  CHECK(test::allocations_during([&] { (void)contact.advance(again, gaps, {}); }) == 0);
+  CHECK(copy[0].q == again[0].q);
+  CHECK(copy[1].q == again[1].q);
+  // The finger vanishes.
+  gaps[1] = nothing();
+  for (int n = 0; n < 3; ++n) report = contact.advance(states, gaps, {});
+  for (const ModalState& state : states) {
+    CHECK(state.forces.empty());
+    CHECK(state.q.norm() < 1e-6 * q.norm());
+  }
+}
+
+TEST_CASE("an end that lies on a face is pressed along the face's normal", "[bake][modal]") {
+  // The upper one is held farther back.
+  ModalContact contact({beam_at({0, 0, 0}), beam_at({-0.08, 0, 0.085})});
+  std::vector<ModalState> states(2);
+  std::vector<GapQuery> gaps{nothing(), nothing()};
+  for (double depth = 0; depth < 0.0361; depth += 0.003) {
+    gaps[1] = gap_to(finger(0.34, depth));
+    (void)contact.advance(states, gaps, {});
+  }
+  const Vector3d on_lower = sum_of(states[0], 1);
+  REQUIRE(on_lower.z() < -0.05);
+  const double face = slope_of(contact, 0, states[0], true, 0.08),
+               end = slope_of(contact, 1, states[1], false, 0.01);
+  REQUIRE(end < face - 0.05);
+  CHECK(std::abs(-on_lower.x() / on_lower.z() - face) <=
+        tolerance(0.01, "of the slope: the face is bent between the places that tell it"));
+}
+
+TEST_CASE("what is no number presses nothing, and a finger that is there at once is survived",
+          "[bake][modal]") {
+  ModalContact contact({beam_at(Vector3d::Zero())});
+  std::vector<ModalState> states(1);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const GapQuery bad = [nan](const Vector3f&, SurfaceGap& gap) {
+    gap.distance = nan;
+    gap.normal.setConstant(nan);
+    return true;
+  };
+  (void)contact.advance(states, {&bad, 1}, {});
+  CHECK(states[0].forces.empty());
+  const GapQuery deep = gap_to(finger(0.36, 0.009));
+  ModalReport report;
+  for (int n = 0; n < 3; ++n) report = contact.advance(states, {&deep, 1}, {});
+  CHECK(states[0].q.allFinite());
+  CHECK(report.penetration < 1e-3);
+  CHECK(sum_of(states[0], -1).z() < 0);
+}
+
+TEST_CASE("the stress of a bent beam is the full solver's for its shape", "[bake][modal]") {
+  const IntrusiveBake& made = baked_beam();
+  ModalContact contact({beam_at(Vector3d::Zero())});
+  const ModalState state = pressed(contact, 0.36, 0.016);
+  std::vector<float> mises(static_cast<std::size_t>(made.body.surface.vertex_count()));
+  contact.stress(0, state, mises);
+  const Eigen::VectorXd u = made.energy_modes * state.q;
+  const SolidModel& model = made.series.model();
+  const Boundary boundary = boundary_of(model.mesh);
+  const StressField cauchy = nodal_cauchy_stress(model, u.reshaped(3, u.size() / 3));
+  double largest = 0, off = 0;
+  for (std::size_t v = 0; v < mises.size(); ++v) {
+    const StressField s = cauchy.col(boundary.node_of_vertex[v]);
+    const double wanted = von_mises(s)[0];
+    largest = std::max(largest, wanted);
+    off = std::max(off, std::abs(static_cast<double>(mises[v]) - wanted));
+  }
+  CHECK(off <= tolerance(1e-3, "floats, strains of 1e-2") * largest);
+}
+
+TEST_CASE("what is asked first whether anything is near changes no byte of the answer",
+          "[bake][modal]") {
+  ModalContact contact({beam_at(Vector3d::Zero())});
+  std::vector<ModalState> asked(1), all(1);
+  int questions = 0;
+  for (double depth = -0.002; depth < 0.0141; depth += 0.002) {
+    const GapQuery gap = gap_to(finger(0.30, depth));
+    const NearQuery near = [&questions, field = CapsuleField(finger(0.30, depth))](
+                               const Vector3f& at, float reach) {
+      ++questions;
+      return field.distance(at.cast<double>()) < static_cast<double>(reach);
+    };
+    const ModalReport with = contact.advance(asked, {&gap, 1}, {&near, 1}),
+                      without = contact.advance(all, {&gap, 1}, {});
+    CHECK(with.candidates == without.candidates);
+    CHECK(asked[0].q == all[0].q);
+  }
+  CHECK_FALSE(asked[0].forces.empty());
+  CHECK(questions > 0);
+}
+
+TEST_CASE("beams of one make share what they read, and are answered as any two are",
+          "[bake][modal]") {
+  ReducedBody another = baked_beam().body;
+  another.several->energy.K[0] = std::nextafter(another.several->energy.K[0], 1e9);
+  const ModalMember lower = beam_at({0, 0, 0}), twin = beam_at({0, 0, 0.06});
+  const ModalMember stranger{&another, &tables(), twin.world_from_body};
+  REQUIRE(are_twins(lower, twin));
+  REQUIRE_FALSE(are_twins(lower, stranger));
+  ModalContact alike({lower, twin}), unlike({lower, stranger});
+  std::vector<ModalState> states(2), others(2);
+  std::vector<GapQuery> gaps{nothing(), nothing()};
+  for (double depth = 0; depth < 0.0201; depth += 0.002) {
+    gaps[1] = gap_to(finger(0.34, depth));
+    (void)alike.advance(states, gaps, {});
+    (void)unlike.advance(others, gaps, {});
+  }
+  REQUIRE(sum_of(states[0], 1).norm() > 0.01);
+  std::vector<float> mises(static_cast<std::size_t>(another.surface.vertex_count())), other(mises);
+  for (const int k : {0, 1}) {
+    const auto at = static_cast<std::size_t>(k);
+    CHECK((states[at].q - others[at].q).norm() <=
+          tolerance(1e-9, "the last digit of an energy") * states[at].q.norm());
+    alike.stress(k, states[at], mises);
+    unlike.stress(k, others[at], other);
+    const Eigen::Map<const Eigen::VectorXf> one(mises.data(), std::ssize(mises)),
+        two(other.data(), std::ssize(other));
+    CHECK((one - two).norm() <= static_cast<float>(tolerance(1e-5, "floats")) * one.norm());
+  }
+}
+
+TEST_CASE("a body file keeps what a beam needs to be touched", "[bake][modal]") {
+  const test::ScratchFolder folder("modal_file");
+  const IntrusiveBake& made = baked_beam();
+  write_touchable_body(folder / "beam.palpable", made.body, tables());
+  const TouchableBody read = value_or_throw(read_touchable_body(folder / "beam.palpable"));
+  REQUIRE(read.modal.has_value());
+  CHECK_FALSE(read.touch.has_value());
+  CHECK(read.modal->inner_modes == tables().inner_modes);
+  CHECK(read.modal->half_space == tables().half_space);
+  CHECK(read.modal->shell.elements == tables().shell.elements);
+  ModalTables wrong = tables();
+  wrong.inner_modes(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  CHECK_THROWS_WITH(write_touchable_body(folder / "wrong.palpable", made.body, wrong),
+                    Catch::Contains("no number"));
+}
+
+TEST_CASE("a beam ten times as large gives way likewise", "[bake][modal]") {
+  const TouchableBody one(baked_beam().body, {}, tables());
+  const TouchableBody large = scaled(one, 10);
+  ModalContact small({{&one.body, &*one.modal, Rigid3::Identity()}});
+  ModalSettings settings;
+  settings.band *= 10;
+  settings.largest_step *= 10;
+  settings.tolerance *= 10;
+  settings.entry *= 10;
+  settings.largest_move *= 10;
+  ModalContact big({{&large.body, &*large.modal, Rigid3::Identity()}}, settings);
+  const ModalState state = pressed(small, 0.36, 0.010);
+  std::vector<ModalState> states(1);
+  for (double now = 0; now < 0.0101; now += 0.002) {
+    Capsule c = finger(0.36, now);
+    c.a *= 10;
+    c.b *= 10;
+    c.ra *= 10;
+    c.rb *= 10;
+    const GapQuery gap = gap_to(c);
+    (void)big.advance(states, {&gap, 1}, {});
+  }
+  const double f = sum_of(state, -1).norm(), F = sum_of(states[0], -1).norm();
+  CHECK(std::abs(F / (100 * f) - 1) <=
+        tolerance(0.05, "contact points of both lie where their meshes have them"));
+}
+
+}  // namespace
+}  // namespace palpable

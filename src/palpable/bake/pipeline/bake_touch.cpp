@@ -1,0 +1,118 @@
+#include "palpable/bake/pipeline/bake_touch.h"
+
+#include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/describe/touch_mesh.h"
+#include "palpable/bake/pipeline/full_body.h"
+#include "palpable/bake/touch_bake/held_out_maker.h"
+#include "palpable/bake/touch_bake/touch_maker.h"
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/touch/touch_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+using Tables = BodyDescription::Touch::Tables;
+
+// Makes one stage after the other, and states which tables are complete.
+class Stages {
+ public:
+  // @param carries  the body's mesh is a coarser one
+  Stages(const FullBody& body, bool carries, const SnapshotStore& store,
+         const std::function<void(const TouchTables&)>& use, const Progress& progress)
+      : body_(body),
+        carries_(carries),
+        store_(store.touch_folder()),
+        campaign_(campaign_key(store.content())),
+        use_(use),
+        progress_(progress) {}
+  TouchTables make(const TouchBakeSettings& settings) {
+    TouchTables tables = make_touch_tables(body_.skin, settings, progress_, &store_);
+    keys_ = touch_keys(body_.skin, settings);
+    hand_over(tables);
+    return tables;
+  }
+
+  void hold_out(TouchTables tables, const HeldOutSettings& settings) {
+    keys_.held_out = held_out_key(keys_, tables, settings);
+    tables.held_out = make_held_out(body_.solver, body_.skin, body_.presses.preloaded(), tables,
+                                    settings, progress_, keys_, &store_);
+    hand_over(tables);
+  }
+
+  void end() { store_.remove_leftovers(); }
+
+ private:
+  const FullBody& body_;
+  bool carries_;
+  TouchStore store_;
+  std::uint64_t campaign_;
+  const std::function<void(const TouchTables&)>& use_;
+  const Progress& progress_;
+  TouchKeys keys_;
+
+  void hand_over(TouchTables tables) {
+    if (carries_) tables.coarse = {body_.skin.skin(), body_.skin.fixed()};
+    store_.keep_list(campaign_, keys_, tables);
+    use_(tables);
+  }
+};
+
+}  // namespace
+
+std::string bake_touch(const BodyDescription& description, const CampaignPlan& plan,
+                       const SnapshotStore& store, int threads,
+                       const std::function<void(const TouchTables&)>& use,
+                       const Progress& progress) {
+  const BodyDescription::Touch& wanted = description.touch;
+  if (wanted.tables == Tables::kNone) return {};
+  PALPABLE_EXPECT(plan.points.size() == 1, "tables of touch are of one body");
+  std::optional<BodyProblem> coarse;
+  try {
+    const SurfaceMesh& skin = plan.boundary.surface;
+    if (const auto edge = touch_edge(description, skin)) {
+      coarse = pose_coarser(description, skin, *edge);
+    }
+  } catch (const Error& error) {
+    if (!wanted.by_default || wanted.edge) throw;
+    return error.what();
+  }
+  const FullBody body =
+      coarse ? FullBody(coarse->model, coarse->mesh.boundary, coarse->preload,
+                        {.tolerance = kSnapshotTolerance})
+             : FullBody(plan.model, plan.boundary, plan.preload, {.tolerance = kSnapshotTolerance});
+  TouchBakeSettings settings;
+  settings.threads = threads;
+  if (wanted.regions) settings.regions.most = *wanted.regions;
+  if (wanted.cross_modes) settings.cross.modes = *wanted.cross_modes;
+  TouchBakeSettings linear = settings;
+  linear.regions.most = linear.cross.modes = 0;
+  Stages stages(body, coarse.has_value(), store, use, progress);
+  TouchTables tables = stages.make(linear);
+  if (wanted.tables == Tables::kFull) tables = stages.make(settings);
+  if (wanted.held_out > 0) {
+    stages.hold_out(std::move(tables), {.count = wanted.held_out, .threads = threads});
+  }
+  stages.end();
+  return {};
+}
+
+std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store) {
+  return TouchStore(store.touch_folder()).find_listed(campaign_key(store.content()));
+}
+
+void state_touch(const TouchTables& tables, ReducedBody& body) {
+  auto& lines = body.provenance;
+  std::erase_if(lines, [](const auto& line) { return line.first == "touch"; });
+  const auto program = std::find_if(lines.begin(), lines.end(),
+                                    [](const auto& line) { return line.first == "program"; });
+  lines.insert(program, {"touch", touch_line(tables)});
+}
+
+}  // namespace palpable

@@ -1,0 +1,104 @@
+#include "palpable/bake/separate/greedy_pgd.h"
+
+#include "palpable/bake/separate/alternating_least_squares.h"
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpable {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+GreedyPgd::GreedyPgd(const SnapshotTensor& snapshots, const GreedySettings& settings)
+    : snapshots_(snapshots),
+      settings_(settings),
+      left_(snapshots.values),
+      norm_(snapshots.values.norm()) {
+  PALPABLE_EXPECT(!snapshots.sizes.empty(), "a tensor has at least one parameter");
+  PALPABLE_EXPECT(snapshots.values.cols() == snapshot_count(snapshots.sizes),
+                  "one column per snapshot");
+  PALPABLE_EXPECT(settings.max_passes >= 1, "at least one pass");
+  if (!(norm_ > 0.0)) throw Error("all snapshots are zero: there is nothing to reduce");
+  separated_.F.resize(snapshots.values.rows(), 0);
+  for (const int n : snapshots.sizes) separated_.G.emplace_back(n, 0);
+}
+
+void GreedyPgd::add_mode() {
+  const SeparatedTensor mode = best_rank_one();
+  const Index m = separated_.F.cols();
+  left_.noalias() -= mode.F * parameter_products(mode.G, snapshots_.sizes).transpose();
+  separated_.F.conservativeResize(Eigen::NoChange, m + 1);
+  separated_.F.col(m) = mode.F;
+  for (std::size_t j = 0; j < mode.G.size(); ++j) {
+    separated_.G[j].conservativeResize(Eigen::NoChange, m + 1);
+    separated_.G[j].col(m) = mode.G[j];
+  }
+  if (settings_.update_all && m > 0) improve();
+}
+
+bool GreedyPgd::improve() { return improve_all_functions(snapshots_, separated_, left_); }
+
+SeparatedTensor GreedyPgd::best_rank_one() const {
+  const std::vector<int>& sizes = snapshots_.sizes;
+  Index largest = 0;
+  left_.colwise().squaredNorm().maxCoeff(&largest);
+  SeparatedTensor mode{left_.col(largest).normalized(), std::vector<MatrixXd>(sizes.size())};
+  auto& [f, g] = mode;
+  for (std::size_t j = sizes.size(); j-- > 0;) {
+    g[j] = VectorXd::Unit(sizes[j], largest % sizes[j]);
+    largest /= sizes[j];
+  }
+  double size = 0;
+  for (int pass = 0; pass < settings_.max_passes; ++pass) {
+    const VectorXd t = left_.transpose() * f;
+    for (std::size_t j = 0; j < g.size(); ++j) {
+      const MatrixXd others = parameter_products(g, sizes, static_cast<Index>(j));
+      g[j] = sums_over_others(t.cwiseProduct(others.col(0)), sizes, j);
+      const double length = g[j].norm();
+      if (length == 0.0) break;  // nothing is left to find
+      g[j] /= length;
+    }
+    f = left_ * parameter_products(g, sizes);
+    const double new_size = f.norm();
+    const bool settled = std::abs(new_size - size) <= settings_.pass_tolerance * new_size;
+    size = new_size;
+    if (settled || size == 0.0) break;
+    f /= size;
+  }
+  f *= size / std::max(f.norm(), 1e-300);
+  for (MatrixXd& function : g) normalise(f, function);
+  return mode;
+}
+
+Separation greedy_pgd(const SnapshotTensor& snapshots, const ReductionGoal& goal,
+                      const GreedySettings& settings, const Progress& progress) {
+  PALPABLE_EXPECT(goal.max_modes >= 1 && goal.tolerance > 0.0, "a goal that ends");
+  GreedyPgd greedy(snapshots, settings);
+  Separation result;
+  std::vector<double> errors;
+  std::vector<VectorXd> left;
+  // Done as the error falls from 1 to the tolerance, on a logarithmic scale.
+  const double total = -std::log10(goal.tolerance);
+  while (static_cast<int>(errors.size()) < goal.max_modes && !result.reached) {
+    greedy.add_mode();
+    errors.push_back(greedy.error());
+    left.push_back(greedy.left());
+    result.reached = errors.back() <= goal.tolerance;
+    const double done = std::min(total, -std::log10(std::max(errors.back(), goal.tolerance)));
+    report(progress, {"separating", std::max(0.0, done), std::max(total, 1e-9),
+                      fmt::format("{} modes, error {:.2g}", errors.size(), errors.back())});
+  }
+  result.errors = Eigen::Map<const VectorXd>(errors.data(), static_cast<Index>(errors.size()));
+  result.left.resize(result.errors.size(), snapshots.values.cols());
+  for (Index i = 0; i < result.left.rows(); ++i) { result.left.row(i) = left[i].transpose(); }
+  result.separated = greedy.separated();
+  return result;
+}
+
+}  // namespace palpable

@@ -1,0 +1,57 @@
+#include "palpable/bake/separate/method_comparison.h"
+
+#include "palpable/bake/separate/pod_coordinates.h"
+#include "tests/support/tensors.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+
+namespace palpable {
+namespace {
+
+using Eigen::Index;
+using test::dents;
+using test::random_case;
+using test::random_weights;
+using test::tolerance;
+
+TEST_CASE("what a method would do, told from the Gram matrix, is what it does",
+          "[separate][reduction]") {
+  const SnapshotTensor snapshots = dents(60, 9, 6);
+  auto random = random_case(1);
+  const Eigen::VectorXd w = random_weights(60, random);
+  const Eigen::MatrixXd gram = gram_of(rows_of(snapshots), w);
+  for (const std::string& name : method_names()) {
+    for (const bool own : {false, true}) {
+      INFO(name << " own " << own);
+      const ReductionSettings settings{
+          .method = *method_named(name), .tolerance = 1e-3, .weight_snapshots = own};
+      const Reduction done = reduce(rows_of(snapshots), w, settings);
+      const MethodFigures told = try_method(gram, snapshots.sizes, settings);
+      CHECK(told.modes == done.most_modes());
+      CHECK(told.columns == done.total_modes());
+      CHECK(told.ranks == done.ranks);
+      CHECK(told.reached);
+      CHECK(std::abs(told.pooled - done.error) <= tolerance(1e-7, "what the Gram matrix drops"));
+      CHECK(std::abs(told.worst - done.snapshot_errors.maxCoeff()) <=
+            tolerance(1e-6, "what the Gram matrix drops, of the smallest snapshot"));
+      CHECK(told.median <= told.worst);
+      CHECK(told.bytes(180) == 4.0 * (180.0 * told.columns + told.parameter_values));
+      CHECK(told.parameter_values > 0.0);
+      REQUIRE(static_cast<int>(told.steps.size()) == told.modes);
+      for (Index i = 0; i < done.pooled_course.size(); ++i) {
+        const MethodStep& step = told.steps[i];
+        CHECK(step.modes == i + 1);
+        CHECK(std::abs(step.pooled - done.pooled_course[i]) <=
+              tolerance(1e-7, "what the Gram matrix drops"));
+        CHECK(std::abs(step.worst - done.course.row(i).maxCoeff()) <=
+              tolerance(1e-6, "what the Gram matrix drops, of the smallest snapshot"));
+      }
+      CHECK(told.steps.back().columns == told.columns);
+      CHECK(told.steps.back().parameter_values == told.parameter_values);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpable

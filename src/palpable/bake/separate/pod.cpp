@@ -1,0 +1,99 @@
+#include "palpable/bake/separate/pod.h"
+
+#include "palpable/bake/separate/dense_algebra.h"
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+MatrixXd random_matrix(Index rows, Index columns, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  MatrixXd A(rows, columns);
+  for (double& x : A.reshaped()) x = normal(random);
+  return A;
+}
+
+}  // namespace
+
+Separation pod(const SnapshotTensor& snapshots, const ReductionGoal& goal) {
+  PALPABLE_EXPECT(goal.max_modes >= 1 && goal.tolerance > 0.0, "a goal that ends");
+  const ThinSvd svd = thin_svd(snapshots.values);
+  const double whole = svd.s.norm();
+  if (!(whole > 0.0)) throw Error("all snapshots are zero: there is nothing to reduce");
+  // From the smallest up: small parts are not lost in the sum.
+  VectorXd errors(svd.s.size());
+  double tail = 0;
+  for (Index m = svd.s.size(); m-- > 0;) {
+    errors[m] = std::sqrt(tail) / whole;
+    tail += svd.s[m] * svd.s[m];
+  }
+  Index m = 1;
+  while (m < errors.size() && m < goal.max_modes && errors[m - 1] > goal.tolerance) ++m;
+  Separation result{{svd.U.leftCols(m) * svd.s.head(m).asDiagonal(), {svd.V.leftCols(m)}},
+                    errors.head(m),
+                    errors[m - 1] <= goal.tolerance};
+  normalise(result.separated.F, result.separated.G[0]);
+  return result;
+}
+
+RandomisedPod randomised_pod(const SnapshotRows& snapshots, const VectorXd& weights,
+                             const RandomisedPodSettings& settings) {
+  PALPABLE_EXPECT(settings.rank >= 1 && settings.oversampling >= 0, "directions to look along");
+  PALPABLE_EXPECT(settings.passes == 1 || settings.passes == 2, "one pass or two");
+  PALPABLE_EXPECT(weights.size() == snapshots.values && weights.minCoeff() > 0.0,
+                  "a positive weight for each value");
+  const Index N = snapshots.values, K = snapshot_count(snapshots.sizes);
+  const Index l = std::min({Index{settings.rank} + settings.oversampling, N, K});
+  const Index rank = std::min<Index>(settings.rank, l);
+  const VectorXd root = weights.cwiseSqrt();
+  // Made anew where it is needed: it is as large as twice the basis. (2 l x count)
+  const Index tests = std::min(2 * l, N);
+  const auto Psi = [&](Index first, Index count) {
+    return random_matrix(tests, count, settings.seed + 1 + static_cast<std::uint64_t>(first));
+  };
+  const MatrixXd Omega = random_matrix(K, l, settings.seed);
+  MatrixXd Y(N, l), W = MatrixXd::Zero(settings.passes == 1 ? tests : 0, K);
+  std::vector<std::pair<Index, Index>> blocks;
+  for_blocks(snapshots, [&](Index first, const MatrixXd& A) {
+    if (!A.allFinite()) throw Error("a snapshot holds values that are not numbers");
+    const MatrixXd weighted = root.segment(first, A.rows()).asDiagonal() * A;
+    Y.middleRows(first, A.rows()) = times(weighted, Omega);
+    if (settings.passes == 1) W += times(Psi(first, A.rows()), weighted);
+    blocks.emplace_back(first, A.rows());
+  });
+  const MatrixXd Q = orthonormal_basis(Y);
+  MatrixXd B = MatrixXd::Zero(l, K);
+  if (settings.passes == 2) {
+    for_blocks(snapshots, [&](Index first, const MatrixXd& A) {
+      const MatrixXd weighted = root.segment(first, A.rows()).asDiagonal() * A;
+      B += transposed_times(Q.middleRows(first, A.rows()), weighted);
+    });
+  } else {
+    MatrixXd Psi_Q = MatrixXd::Zero(tests, l);
+    for (const auto& [first, count] : blocks) {
+      Psi_Q += times(Psi(first, count), Q.middleRows(first, count));
+    }
+    // Its pseudo-inverse: well conditioned, having twice as many rows as columns.
+    const ThinSvd tested = thin_svd(Psi_Q);
+    const VectorXd inverse = (tested.s.array() > 1e-12 * tested.s[0])
+                                 .select(tested.s.cwiseInverse(), VectorXd::Zero(tested.s.size()));
+    B = tested.V * (inverse.asDiagonal() * transposed_times(tested.U, W));
+  }
+  const ThinSvd svd = thin_svd(B);
+  return {root.cwiseInverse().asDiagonal() * times(Q, svd.U.leftCols(rank)),
+          svd.s.head(rank).asDiagonal() * svd.V.leftCols(rank).transpose()};
+}
+
+}  // namespace palpable

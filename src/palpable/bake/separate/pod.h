@@ -1,0 +1,49 @@
+/// @file
+/// Proper orthogonal decomposition: the best sum of m modes there is (Eckart and Young 1936), all
+/// parameters taken together. Shapes: snapshot_tensor.h.
+#pragma once
+
+#include "palpable/bake/separate/snapshot_tensor.h"
+
+#include <cstdint>
+
+namespace palpable {
+
+/// A = U S V^T by LAPACK, cut where the tail of the singular values is below the tolerance:
+///
+///     | A - A_m |^2 = s_{m+1}^2 + s_{m+2}^2 + ...
+///
+/// F = U S and one table of functions, V, over all parameters together (sizes {K}).
+/// @throws Error if the snapshots are all zero or not finite
+[[nodiscard]] Separation pod(const SnapshotTensor& snapshots, const ReductionGoal& goal);
+
+struct RandomisedPodSettings {
+  int rank = 100;          ///< modes that are looked for
+  int oversampling = 20;   ///< random directions beyond them
+  int passes = 2;          ///< over the store: 1 or 2
+  std::uint64_t seed = 1;  ///< the same seed gives the same modes
+};
+
+/// A randomised POD in one or two passes over a table that need not fit into memory, in the norm
+/// |a|_w^2 = sum_n w_n a_n^2.
+///
+///     pass 1   Y = A Omega     (N x l), Omega random (K x l), l = rank + oversampling; Q R = Y
+///     pass 2   B = Q^T A       (l x K), and the SVD of B     (Halko, Martinsson, Tropp
+///     2011, 4.1, 5.1) or       W = Psi A       (2 l x K) in the same pass 1, and B = (Psi Q)^+ W
+///     instead
+///                                                          (Tropp, Yurtsever, Udell, Cevher 2017)
+///
+/// Memory: N l and 3 l K doubles and a block of rows. Two passes: error within a few per cent of
+/// the best at that rank where singular values fall fast; one pass: within a factor of about three.
+struct RandomisedPod {
+  Eigen::MatrixXd Q;  ///< (N x rank) orthonormal in the weighted norm
+  Eigen::MatrixXd C;  ///< (rank x K) coordinates: A ~= Q C; rows are orthogonal, by size
+};
+
+/// @throws Error if values are not finite
+/// @throws ContractViolation unless rank >= 1, oversampling >= 0, passes is 1 or 2, weights > 0
+[[nodiscard]] RandomisedPod randomised_pod(const SnapshotRows& snapshots,
+                                           const Eigen::VectorXd& weights,
+                                           const RandomisedPodSettings& settings);
+
+}  // namespace palpable

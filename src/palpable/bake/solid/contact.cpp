@@ -1,0 +1,576 @@
+#include "palpable/bake/solid/contact.h"
+
+#include "palpable/bake/solid/conjugate_gradients.h"
+#include "palpable/bake/solid/contact_pairs.h"
+#include "palpable/bake/solid/mutual_pairs.h"
+#include "palpable/bake/solid/quasi_newton.h"
+#include "palpable/bake/solid/solver_core.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/geometry/mean_edge.h"
+#include "palpable/common/geometry/surface_distance.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+
+using Eigen::Matrix3d;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+namespace {
+
+// Of the residual, while the multipliers are still far from the end.
+constexpr double kFirstTolerance = 1e-2;
+constexpr double kTighter = 0.05;  // from one update of the multipliers to the next
+// A grid so much finer finds what enters between the contact points.
+constexpr double kFinerGrid = 0.25;
+constexpr double kMostPoints = 2e6;  // of contact: some 1 GB
+// MutualPairs::Look::shift: below, what the bodies do to each other lies where their skins are.
+constexpr double kSettled = 1e-4;
+
+double chosen_spacing(const ContactSettings& settings, double edge, const Obstacle& obstacle) {
+  if (settings.spacing > 0.0) return settings.spacing;
+  return std::min(0.5 * smallest_radius(obstacle), edge / 3.0);
+}
+
+// Refuses a grid that no memory holds. @returns the spacing
+double refuse_too_many(const SurfaceMesh& skin, double spacing) {
+  double area = 0.0;
+  for (int t = 0; t < skin.triangle_count(); ++t) {
+    const Vector3d a = skin.vertices.col(skin.triangles(0, t));
+    const Vector3d b = skin.vertices.col(skin.triangles(1, t));
+    const Vector3d c = skin.vertices.col(skin.triangles(2, t));
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  const double count = area / (spacing * spacing);
+  if (count > kMostPoints) {
+    throw Error(fmt::format(
+        "contact points every {:.3g} mm would be {:.2g} million on this skin; at most {:.0f} "
+        "million are possible: ask for a larger spacing, {:.2g} mm or more",
+        1e3 * spacing, 1e-6 * count, 1e-6 * kMostPoints, 1e3 * std::sqrt(area / kMostPoints)));
+  }
+  return spacing;
+}
+
+// (N) N/m of each node.
+VectorXd node_stiffness(const TetAssembly& assembly) {
+  BlockMatrix K(assembly.pattern());
+  PassFields fields;
+  const int N = assembly.node_count();
+  assembly.set_state(Matrix3Xd::Zero(3, N), fields);
+  assembly.tangent(fields, K);
+  VectorXd stiffness = VectorXd::Zero(N);
+  for (int m = 0; m < static_cast<int>(assembly.free_nodes().size()); ++m) {
+    stiffness[assembly.free_nodes()[m]] = K.block(K.pattern().find(m, m)).trace() / 3.0;
+  }
+  // Nodes that are held do not move, whatever the penalty.
+  const double mean = stiffness.sum() / static_cast<double>(assembly.free_nodes().size());
+  return (stiffness.array() == 0.0).select(mean, stiffness);
+}
+
+// (C) the mean of the nodes round each contact point.
+VectorXd means_at(const ContactPoints& points, const VectorXd& of_nodes) {
+  VectorXd means(static_cast<Eigen::Index>(points.points.size()));
+  for (Eigen::Index i = 0; i < means.size(); ++i) {
+    const ContactPoint& point = points.points[i];
+    double weighted = 0.0, weights = 0.0;
+    for (int k = 0; k < point.count; ++k) {
+      weighted += std::abs(point.shape[k]) * of_nodes[point.nodes[k]];
+      weights += std::abs(point.shape[k]);
+    }
+    means[i] = weighted / weights;
+  }
+  return means;
+}
+
+// The tangent with blocks between nodes of different components, which the body's own lacks, and
+// what its factors need.
+struct WideTangent {
+  BlockPattern pattern;
+  BlockMatrix K{pattern};
+  CholeskyAnalysis analysis;
+
+  WideTangent(BlockPattern the_pattern, FactorWorkspace& workspace)
+      : pattern(std::move(the_pattern)), analysis(pattern, workspace) {}
+
+  // The body's own blocks, and zeros.
+  void set(const BlockMatrix& own) {
+    K.set_zero();
+    for (int row = 0; row < own.pattern().rows(); ++row) {
+      for (int p = own.pattern().row_start[row]; p < own.pattern().row_start[row + 1]; ++p) {
+        K.block(pattern.find(row, own.pattern().column[p])) = own.block(p);
+      }
+    }
+  }
+};
+
+}  // namespace
+
+struct ContactWalk::Work {
+  const EquilibriumSolver::Core& core;
+  const TetAssembly& assembly;
+  ContactSettings settings;
+  const Preloaded* preloaded;
+  ObstacleMotion motion;
+  Boundary boundary;
+  double edge, size, spacing, checked_spacing;
+  ContactPoints points;
+  VectorXd of_nodes;  // (N) N/m
+  VectorXd penalties;
+  ContactPairs pairs;
+  std::optional<MutualPairs> mutual;
+
+  FactorWorkspace workspace;
+  std::optional<BlockMatrix> K;
+  std::unique_ptr<WideTangent> wide;  // K points to its pattern, so it stays where it is
+  std::optional<CholeskyFactor> own_factor;
+  const CholeskyFactor* factor;
+  bool factor_is_slow = false;
+  QuasiNewton corrections;
+  CgScratch scratch;
+  PassFields fields;
+  Matrix3Xd force, total, positions;
+  VectorXd r, d, free_preload;
+  double scale = 0.0;
+  double held_norm = 0.0;
+
+  bool checked_begin = false;
+  ContactState now, before;  // before: one step earlier, for the extrapolation
+  Stop stop = Stop::kNone;
+  std::string why;
+  int factors = 0, updates = 0, newton_steps = 0, cg_iterations = 0;
+
+  Work(const EquilibriumSolver& solver, ObstacleMotion the_motion, double begin,
+       const ContactSettings& the_settings, const Preloaded* the_preload)
+      : core(solver.core()),
+        assembly(core.assembly),
+        settings(the_settings),
+        preloaded(the_preload),
+        motion(std::move(the_motion)),
+        boundary(boundary_of(core.model.mesh)),
+        edge(mean_edge_length(boundary.surface)),
+        size((core.model.mesh.nodes.rowwise().maxCoeff() -
+              core.model.mesh.nodes.rowwise().minCoeff())
+                 .norm()),
+        spacing(chosen_spacing(settings, edge, motion(begin))),
+        checked_spacing(refuse_too_many(boundary.surface, spacing)),
+        points(contact_points(core.model.mesh, boundary, checked_spacing)),
+        of_nodes(node_stiffness(assembly)),
+        penalties(settings.penalty * means_at(points, of_nodes)),
+        pairs(assembly, boundary, points, penalties, {settings.friction, settings.sticking * size}),
+        factor(&core.at_rest.factor),
+        force(3, assembly.node_count()) {
+    now.t = begin;
+    now.displacement = preloaded != nullptr ? preloaded->rest
+                                            : Matrix3Xd(Matrix3Xd::Zero(3, assembly.node_count()));
+    if (preloaded != nullptr) {
+      assembly.gather(preloaded->force, free_preload);
+    } else {
+      free_preload = VectorXd::Zero(3 * static_cast<Eigen::Index>(assembly.free_nodes().size()));
+    }
+    if (settings.mutual) {
+      mutual.emplace(assembly, core.model.mesh, boundary, points,
+                     settings.mutual_penalty * of_nodes, edge);
+      now.mutual_force.setZero(3, mutual->component_count());
+    }
+    before = now;
+  }
+
+  // The Lagrangian at u, J; the residual goes to r. Infinite if an element is inverted.
+  double evaluate(const ObstacleGaps& gaps, const Matrix3Xd& u, BodyState& state,
+                  bool glued = false) {
+    assembly.set_state(u, fields);
+    state = assembly.force(fields, force);
+    if (!std::isfinite(state.energy)) return state.energy;
+    positions = core.model.mesh.nodes + u;
+    double contact = pairs.evaluate(gaps, positions, glued);
+    if (mutual) contact += mutual->evaluate(positions, glued);
+    total = -force;
+    pairs.add_forces(total);
+    if (mutual) mutual->add_forces(total);
+    assembly.gather(total, r);
+    VectorXd inside;
+    assembly.gather(force, inside);
+    const double held = std::max(0.0, force.squaredNorm() - inside.squaredNorm());
+    r += free_preload;
+    double sum = free_preload.squaredNorm() + held;
+    for (const ContactPair& pair : pairs.pairs()) sum += pair.whole_force().squaredNorm();
+    if (mutual) {
+      for (const MutualPair& pair : mutual->pairs()) sum += 2.0 * pair.force * pair.force;
+    }
+    scale = std::sqrt(sum);
+    const double preload =
+        preloaded != nullptr ? preloaded->force.cwiseProduct(u - preloaded->rest).sum() : 0.0;
+    return state.energy + contact - preload;
+  }
+
+  [[nodiscard]] const BlockPattern& pattern_of_factor() const {
+    return wide ? wide->pattern : assembly.pattern();
+  }
+
+  bool renew_factor(const Matrix3Xd& u) {
+    if (!K) K.emplace(assembly.pattern());
+    assembly.set_state(u, fields);
+    assembly.tangent(fields, *K);
+    pairs.add_tangent(*K);
+    std::optional<CholeskyFactor> fresh;
+    if (mutual && !mutual->fits(pattern_of_factor())) {
+      wide = std::make_unique<WideTangent>(mutual->widened(assembly.pattern()), workspace);
+    }
+    if (wide) {
+      wide->set(*K);
+      mutual->add_tangent(wide->K);
+      fresh = CholeskyFactor::make(wide->analysis, wide->K, FactorPrecision::k32Bits, workspace);
+    } else {
+      fresh = CholeskyFactor::make(core.analysis, *K, FactorPrecision::k32Bits, workspace);
+    }
+    if (!fresh) return false;
+    own_factor = std::move(fresh);
+    factor = &*own_factor;
+    corrections = QuasiNewton();
+    factor_is_slow = false;
+    ++factors;
+    return true;
+  }
+
+  CgResult solve_tangent(const Matrix3Xd& u, bool bent, double relative) {
+    assembly.set_state(u, fields);
+    const auto apply_factor = [&](const VectorXd& b, VectorXd& x) {
+      factor->solve_roughly(b, x, workspace);
+    };
+    const CgSystem system{
+        .K =
+            [&](const VectorXd& x, VectorXd& y) {
+              assembly.tangent_product(fields, x, y);
+              pairs.add_product(x, bent, y);
+              if (mutual) mutual->add_product(x, y);
+            },
+        .preconditioner = [&](const VectorXd& b,
+                              VectorXd& x) { corrections.solve(b, x, apply_factor); },
+        .visit = [&](const VectorXd& s, const VectorXd& Ks) { corrections.record(s, Ks); }};
+    const CgResult cg =
+        conjugate_gradients(system, r, relative, settings.max_cg_iterations, d, scratch);
+    cg_iterations += cg.iterations;
+    corrections.use_recorded();
+    return cg;
+  }
+
+  // d: the Newton step for the residual r.
+  Stop newton_step(const Matrix3Xd& u, double tolerance) {
+    if (factor_is_slow && !renew_factor(u)) return Stop::kNegativeCurvature;
+    const double relative = r.norm() / scale;
+    const double forcing =
+        std::max(std::min(0.02, relative), std::min(0.5, 0.3 * tolerance / relative));
+    bool bent = true;
+    for (int attempt = 0; attempt < 3; ++attempt) {
+      const CgResult cg = solve_tangent(u, bent, forcing);
+      if (cg.end == CgEnd::kConverged) {
+        factor_is_slow = cg.iterations > settings.refresh_iterations;
+        return Stop::kNone;
+      }
+      if (cg.end == CgEnd::kNegativeCurvature) {
+        // The obstacle's curvature lets a point slide off; without it the step still descends.
+        if (!bent) return Stop::kNegativeCurvature;
+        bent = false;
+      } else if (!renew_factor(u)) {
+        return Stop::kNegativeCurvature;
+      }
+    }
+    return Stop::kLinearSolver;
+  }
+
+  // Minimises the Lagrangian with the multipliers as they are, from u.
+  Stop minimise(const ObstacleGaps& gaps, double tolerance, Matrix3Xd& u, BodyState& state) {
+    double value = evaluate(gaps, u, state);
+    if (!std::isfinite(value)) return Stop::kInversion;
+    Matrix3Xd trial;
+    for (int step = 0;; ++step) {
+      const double norm = r.norm();
+      if (norm <= std::max(tolerance * scale, assembly.force_noise())) return Stop::kNone;
+      if (step == settings.max_newton_steps) return Stop::kNoConvergence;
+      if (const Stop failed = newton_step(u, tolerance); failed != Stop::kNone) return failed;
+      ++newton_steps;
+      const double slope = -r.dot(d);
+      const double rounding = assembly.energy_noise() + 1e-13 * std::abs(value);
+      BodyState trial_state;
+      double trial_value = 0.0;
+      for (double share = 1.0;; share *= 0.5) {
+        if (share < 1e-6) {
+          return std::isfinite(trial_value) ? Stop::kNoConvergence : Stop::kInversion;
+        }
+        trial = u;
+        assembly.add_scattered(d, share, trial);
+        trial_value = evaluate(gaps, trial, trial_state);
+        if (!std::isfinite(trial_value)) continue;
+        if (trial_value <= value + 1e-4 * share * slope + rounding) break;
+        if (r.norm() <= 0.5 * norm) break;
+      }
+      std::swap(u, trial);
+      state = trial_state;
+      value = trial_value;
+    }
+  }
+
+  // Equilibrium against the obstacle at time t; on success it becomes now.
+  Stop solve(double t) {
+    const ObstacleGaps gaps(motion(t));
+    if (!checked_begin) {
+      positions = core.model.mesh.nodes + now.displacement;
+      if (swallows(ObstacleGaps(motion(now.t)))) return Stop::kSwallowed;
+      if (mutual && mutual->look(positions).buried > 0) return Stop::kSwallowed;
+      checked_begin = true;
+    }
+    const Matrix3Xd positions_before = core.model.mesh.nodes + now.displacement;
+    if (mutual) mutual->take(mutual->look(positions_before));
+    pairs.take_up(gaps, positions_before);
+    if (settings.friction > 0.0) pairs.begin_step(gaps, motion(now.t), positions_before);
+    Matrix3Xd u = start(gaps, t);
+    positions = core.model.mesh.nodes + u;
+    pairs.find(gaps, positions, edge);
+    if (mutual) mutual->take(mutual->look(positions));
+    BodyState state;
+    double tolerance = std::max(kFirstTolerance, settings.tolerance);
+    for (int update = 0; update < settings.max_updates; ++update) {
+      const Stop failed = minimise(gaps, tolerance, u, state);
+      if (failed != Stop::kNone) return failed;
+      double change = pairs.update_multipliers();
+      if (mutual) change = std::max(change, mutual->update_multipliers());
+      ++updates;
+      positions = core.model.mesh.nodes + u;
+      bool all_there = pairs.find(gaps, positions, edge) == 0;
+      MutualPairs::Look look;
+      if (mutual) {
+        look = mutual->look(positions);
+        if (look.buried > 0) return Stop::kSwallowed;
+        all_there = all_there && look.shift <= kSettled &&
+                    look.smallest_gap >= -settings.largest_entry * size;
+      }
+      if (all_there && change <= settings.largest_entry * size && tolerance <= settings.tolerance) {
+        if (swallows(gaps)) return Stop::kSwallowed;
+        now.smallest_mutual_gap = look.smallest_gap;
+        keep(gaps, t, std::move(u), state);
+        return Stop::kNone;
+      }
+      if (mutual) mutual->take(std::move(look));
+      tolerance = std::max(kTighter * tolerance, settings.tolerance);
+    }
+    return Stop::kNoConvergence;
+  }
+
+  // Whether the body at `positions` holds a part of the obstacle. Contact pushes the skin out of an
+  // obstacle, not an obstacle out of the body: inside, all of the skin is off it and all forces are
+  // 0. So a long step could end there.
+  [[nodiscard]] bool swallows(const ObstacleGaps& gaps) const {
+    const SurfaceMesh skin{positions(Eigen::all, boundary.node_of_vertex),
+                           boundary.surface.triangles};
+    const Eigen::AlignedBox3d box(skin.vertices.rowwise().minCoeff(),
+                                  skin.vertices.rowwise().maxCoeff());
+    std::optional<SurfaceDistance> distance;
+    for (int part = 0; part < gaps.part_count(); ++part) {
+      if (!gaps.may_reach(part, box)) continue;
+      for (const Vector3d& x : gaps.core(part)) {
+        if (!box.contains(x)) continue;
+        if (!distance) distance.emplace(skin);
+        const double inside = -distance->nearest(x).distance;
+        // The middle of a capsule is never inside; a surface's corner enters between contact
+        // points.
+        const double allowed = gaps.distance(part, x) < -1e-9 ? 0.0 : spacing;
+        if (inside > allowed) return true;
+      }
+    }
+    return false;
+  }
+
+  // The start with the smallest residual: the last state, the line through the last two, and each
+  // of them after a step in which what touched stays on the obstacle. Without that step an obstacle
+  // that draws back would let the body go at once, out of states that only it keeps stable.
+  Matrix3Xd start(const ObstacleGaps& gaps, double t) {
+    Matrix3Xd best = now.displacement;
+    double smallest = residual_at(gaps, best);
+    const auto try_start = [&](Matrix3Xd u) {
+      const double residual = residual_at(gaps, u);
+      if (residual >= smallest) return;
+      smallest = residual;
+      best = std::move(u);
+    };
+    const double ratio = before.t == now.t ? 0.0 : (t - now.t) / (now.t - before.t);
+    if (ratio > 0.0 && ratio <= 2.0) {
+      try_start(now.displacement + ratio * (now.displacement - before.displacement));
+    }
+    if (now.touching > 0 || now.mutual_touching > 0) {
+      BodyState state;
+      evaluate(gaps, best, state, true);
+      if (newton_step(best, kFirstTolerance) == Stop::kNone) {
+        Matrix3Xd u = best;
+        assembly.add_scattered(d, 1.0, u);
+        try_start(std::move(u));
+      }
+    }
+    return best;
+  }
+
+  double residual_at(const ObstacleGaps& gaps, const Matrix3Xd& u) {
+    BodyState state;
+    const double value = evaluate(gaps, u, state);
+    return std::isfinite(value) ? r.norm() : std::numeric_limits<double>::infinity();
+  }
+
+  // @pre u and the pairs are in equilibrium
+  void keep(const ObstacleGaps& gaps, double t, Matrix3Xd u, const BodyState& state) {
+    before.displacement = std::move(now.displacement);
+    before.t = now.t;
+    now.displacement = std::move(u);
+    now.t = t;
+    now.energy = state.energy;
+    now.smallest_volume_ratio = state.smallest_volume_ratio;
+    now.residual = scale > 0.0 ? r.norm() / scale : 0.0;
+    now.force.setZero();
+    now.touching = 0;
+    now.smallest_gap = now.smallest_force = std::numeric_limits<double>::infinity();
+    Vector3d moment = Vector3d::Zero();
+    double sum = 0.0, largest_product = 0.0;
+    for (const ContactPair& pair : pairs.pairs()) {
+      now.smallest_gap = std::min(now.smallest_gap, pair.gap.distance);
+      now.smallest_force = std::min(now.smallest_force, pair.force);
+      if (pair.force == 0.0) continue;
+      ++now.touching;
+      sum += pair.force;
+      now.force += pair.whole_force();
+      moment += pair.force * place(points.points[pair.point], positions);
+      largest_product = std::max(largest_product, std::abs(pair.gap.distance) * pair.force);
+    }
+    now.centre = moment / sum;  // NaN without force
+    now.complementarity = sum > 0.0 ? largest_product / (sum * size) : 0.0;
+    now.entry_between = entry_between(gaps);
+    if (!mutual) return;
+    now.mutual_force = mutual->force_on_components();
+    now.mutual_touching =
+        static_cast<int>(std::count_if(mutual->pairs().begin(), mutual->pairs().end(),
+                                       [](const MutualPair& pair) { return pair.force > 0.0; }));
+  }
+
+  [[nodiscard]] double entry_between(const ObstacleGaps& gaps) const {
+    if (now.touching == 0) return 0.0;
+    Boundary near = boundary;
+    std::vector<int> triangles;
+    for (int t = 0; t < boundary.surface.triangle_count(); ++t) {
+      const Matrix3d corners = corners_of(t);
+      const Vector3d centre = corners.rowwise().mean();
+      const double radius = (corners.colwise() - centre).colwise().norm().maxCoeff();
+      if (gaps.distance(centre) <= radius) triangles.push_back(t);
+    }
+    near.surface.triangles = boundary.surface.triangles(Eigen::all, triangles);
+    double deepest = 0.0;
+    for (const ContactPoint& point :
+         contact_points(core.model.mesh, near, kFinerGrid * spacing).points) {
+      const Vector3d x = place(point, positions);
+      deepest = std::max(deepest, -gaps.distance(x));
+    }
+    return deepest;
+  }
+
+  [[nodiscard]] Matrix3d corners_of(int triangle) const {
+    Matrix3d corners;
+    for (int k = 0; k < 3; ++k) {
+      corners.col(k) =
+          positions.col(boundary.node_of_vertex[boundary.surface.triangles(k, triangle)]);
+    }
+    return corners;
+  }
+
+  bool advance(double t) {
+    updates = newton_steps = cg_iterations = factors = 0;
+    now.steps = 0;
+    double step = t - now.t;
+    int halvings = 0;
+    while (now.t != t) {
+      const double left = t - now.t;
+      const double next = std::abs(step) >= std::abs(left) ? t : now.t + step;
+      const ContactPairs::Saved multipliers = pairs.save();
+      const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
+      stop = solve(next);
+      if (stop == Stop::kNone) {
+        ++now.steps;
+        if (halvings > 0) --halvings;
+        step *= 2.0;
+        continue;
+      }
+      pairs.restore(multipliers);  // forces as they were in the last good state
+      if (mutual) mutual->restore(between);
+      if (halvings == settings.max_halvings) break;
+      ++halvings;
+      step = 0.5 * (next - now.t);
+    }
+    now.updates = updates;
+    now.newton_steps = newton_steps;
+    now.cg_iterations = cg_iterations;
+    now.factors = factors;
+    why = stop == Stop::kNone ? "" : describe(t);
+    return stop == Stop::kNone;
+  }
+
+  [[nodiscard]] std::string describe(double t) const {
+    const char* reason = "";
+    switch (stop) {
+      case Stop::kInversion:
+        reason = "an element would be turned inside out; mesh the body finer there";
+        break;
+      case Stop::kNegativeCurvature:
+        reason = "the body loses its stiffness there: it buckles or collapses";
+        break;
+      case Stop::kNoConvergence:
+        reason = "Newton's method did not converge";
+        break;
+      case Stop::kLinearSolver:
+        reason = "conjugate gradients did not converge";
+        break;
+      case Stop::kSwallowed:
+        if (!checked_begin && mutual) {
+          return "the obstacle lies inside the body where its way begins, or a body in another";
+        }
+        if (!checked_begin) return "the obstacle lies inside the body where its way begins";
+        reason = "it would get inside the body through its skin; go in smaller steps";
+        break;
+      case Stop::kNone:
+        break;
+    }
+    return fmt::format("the obstacle was followed to {:.6g} of {:.6g}: {}", now.t, t, reason);
+  }
+};
+
+ContactWalk::ContactWalk(const EquilibriumSolver& solver, ObstacleMotion motion, double begin,
+                         const ContactSettings& settings, const Preloaded* preloaded)
+    : work_(std::make_unique<Work>(solver, std::move(motion), begin, settings, preloaded)) {}
+ContactWalk::~ContactWalk() = default;
+ContactWalk::ContactWalk(ContactWalk&&) noexcept = default;
+ContactWalk& ContactWalk::operator=(ContactWalk&&) noexcept = default;
+
+bool ContactWalk::advance(double t) { return work_->advance(t); }
+const ContactState& ContactWalk::now() const { return work_->now; }
+Stop ContactWalk::stop() const { return work_->stop; }
+const std::string& ContactWalk::why_stopped() const { return work_->why; }
+double ContactWalk::spacing() const { return work_->spacing; }
+double ContactWalk::body_size() const { return work_->size; }
+
+Matrix3Xd ContactWalk::nodal_forces() const {
+  Matrix3Xd force = Matrix3Xd::Zero(3, work_->assembly.node_count());
+  work_->pairs.add_forces(force);
+  return force;
+}
+
+Matrix3Xd ContactWalk::mutual_nodal_forces() const {
+  Matrix3Xd force = Matrix3Xd::Zero(3, work_->assembly.node_count());
+  if (work_->mutual) work_->mutual->add_forces(force);
+  return force;
+}
+
+}  // namespace palpable

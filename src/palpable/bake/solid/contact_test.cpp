@@ -1,0 +1,288 @@
+// Contact with rigid obstacles: the flat punch, Hertz, energy, independence of the path.
+#include "palpable/bake/solid/contact.h"
+
+#include "palpable/bake/solid/hertz_block.h"
+#include "palpable/bake/solid/selection.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+using test::tolerance;
+
+// 0.1 m, 20 kPa, on its base.
+SolidModel block(int cells) {
+  SolidModel model;
+  model.mesh = box_tets({0, 0, 0}, {0.1, 0.1, 0.1}, cells, cells, cells);
+  model.material = material_from_young("neo-hookean", 20e3, 0.3);
+  model.fixed_nodes = nodes_on_plane(model.mesh, {0, 0, 0}, {0, 0, 1}, 1e-9);
+  return model;
+}
+
+// Touches the block's top at t = 0, and is t deep after that, m.
+Obstacle ball_at(double t) { return {.capsules = {ball({0.051, 0.048, 0.12 - t}, 0.02)}}; }
+
+void check_conditions(const ContactWalk& walk) {
+  const ContactState& state = walk.now();
+  CHECK(state.smallest_gap >= -1e-6 * walk.body_size());
+  CHECK(state.smallest_force >= 0.0);
+  CHECK(state.complementarity <= 1e-6);
+  CHECK(state.residual <= 1e-7);
+  CHECK((walk.nodal_forces().rowwise().sum() - state.force).norm() <=
+        1e-12 * (1.0 + state.force.norm()));
+}
+
+TEST_CASE("a lid presses a block that may slide into a uniform field", "[solid][contact]") {
+  SolidModel model = block(4);
+  model.fixed_nodes.clear();
+  for (int axis = 0; axis < 3; ++axis) {
+    Support slides{.node = 0, .held = {axis == 0, axis == 1, axis == 2}};
+    for (const int node : nodes_on_plane(model.mesh, {0, 0, 0}, Vector3d::Unit(axis), 1e-9)) {
+      slides.node = node;
+      model.supports.push_back(slides);
+    }
+  }
+  const EquilibriumSolver solver(model);
+  const auto lid = [](double t) {
+    return Obstacle{.half_spaces = {{{0, 0, 0.1 - t}, {0, 0, -1}}}};
+  };
+  // 1e-11 is reached on some processors, whose matrix products round otherwise, and not on others.
+  ContactWalk walk(solver, lid, -0.001, {.tolerance = 1e-10, .largest_entry = 1e-10});
+  const bool reached = walk.advance(0.02);
+  INFO(walk.why_stopped());
+  REQUIRE(reached);
+  check_conditions(walk);
+  const Matrix3Xd& u = walk.now().displacement;
+  const Vector3d stretch =
+      u.col(nearest_node(model.mesh, {0.1, 0.1, 0.1})) / 0.1 + Vector3d::Ones();
+  CHECK(stretch[2] == Approx(0.8).epsilon(tolerance(1e-9, "the lid's entry")));
+  CHECK((u - (stretch - Vector3d::Ones()).asDiagonal() * model.mesh.nodes).cwiseAbs().maxCoeff() <=
+        tolerance(1e-10, "m; the tolerance of the residual"));
+  // Uniaxial: no stress across, and the force is the stress along times the face.
+  const Eigen::Matrix3d P = first_piola(model.material, stretch.asDiagonal());
+  CHECK(std::abs(P(0, 0)) <= tolerance(1e-4, "Pa of 4000"));
+  CHECK(walk.now().force[2] == Approx(P(2, 2) * 0.01).epsilon(tolerance(1e-8, "as the stretch")));
+}
+
+TEST_CASE("a ball on a block has Hertz's force, radius and pressure, in second order of the mesh",
+          "[solid][contact][hertz]") {
+  const HertzResult coarse = press_hertz_block(8);
+  const HertzResult fine = press_hertz_block(12);
+  CHECK(std::abs(fine.force_error) < tolerance(0.12, "six cells across the contact radius"));
+  CHECK(std::abs(fine.radius_error) < tolerance(0.05, "the same"));
+  CHECK(std::abs(fine.pressure_error) < tolerance(0.15, "the same"));
+  const double order =
+      std::log(coarse.force_error / fine.force_error) / std::log(coarse.cell / fine.cell);
+  CHECK(order > tolerance(1.6, "linear elements: 2 as the mesh gets finer"));
+  CHECK(order < 2.5);
+}
+
+TEST_CASE("the obstacle's force is the slope of the body's energy along its way",
+          "[solid][contact]") {
+  const EquilibriumSolver solver(block(6));
+  ContactWalk walk(solver, ball_at, -0.001, {.tolerance = 1e-10});
+  REQUIRE(walk.advance(0.005));
+  check_conditions(walk);
+  const double force = walk.now().force[2];
+  const auto energy = [&](double t) {
+    ContactWalk other(solver, ball_at, -0.001, {.tolerance = 1e-10});
+    REQUIRE(other.advance(t));
+    return other.now().energy;
+  };
+  // t is the depth: the obstacle moves along -z and does the work -force.z dt.
+  const double slope = (energy(0.00501) - energy(0.00499)) / 2e-5;
+  CHECK(-force == Approx(slope).epsilon(tolerance(1e-4, "differences over 0.4 % of the depth")));
+}
+
+// Comes down on the block's top by 4 mm until t = 1, then goes aside by 1 m a unit of time.
+Obstacle lid_at(double t) {
+  const double down = 0.1 - 0.004 * std::min(t, 1.0), aside = std::max(0.0, t - 1.0);
+  return {.half_spaces = {{{aside, 0, down}, {0, 0, -1}}}};
+}
+
+TEST_CASE("a lid that goes aside drags a block along until it slides by Coulomb's law",
+          "[solid][contact]") {
+  const EquilibriumSolver solver(block(4));
+  const auto top = nodes_on_plane(block(4).mesh, {0, 0, 0.1}, {0, 0, 1}, 1e-9);
+  // Where it sticks, the top goes with the lid.
+  ContactWalk sticks(solver, lid_at, -0.1, {.friction = 5.0});
+  REQUIRE(sticks.advance(0.5));
+  REQUIRE(sticks.advance(1.0));
+  const Matrix3Xd pressed = sticks.now().displacement;
+  REQUIRE(sticks.advance(1.002));
+  check_conditions(sticks);
+  const double slip = 1e-4 * sticks.body_size();
+  for (const int node : top) {
+    const Vector3d moved = sticks.now().displacement.col(node) - pressed.col(node);
+    CHECK((moved - Vector3d(0.002, 0, 0)).norm() <= tolerance(slip, "the slide of full friction"));
+  }
+  // Where it slides, all of the force is mu times the pressure's.
+  ContactWalk slides(solver, lid_at, -0.1, {.friction = 0.3});
+  REQUIRE(slides.advance(1.0));
+  for (int i = 1; i <= 8; ++i) REQUIRE(slides.advance(1.0 + 0.004 * i));
+  check_conditions(slides);
+  const Vector3d force = slides.now().force;
+  CHECK(force[2] < 0);
+  CHECK(force[0] == Approx(-0.3 * force[2]).epsilon(tolerance(1e-3, "points slide aside by 1 %")));
+  CHECK(std::abs(force[1]) < tolerance(1e-3, "the block is symmetric") * force.norm());
+  // It would slide on without an end: nothing changes any more.
+  const Matrix3Xd before = slides.now().displacement;
+  REQUIRE(slides.advance(1.036));
+  CHECK((slides.now().displacement - before).norm() <=
+        tolerance(1e-3, "the last steps' way across") * before.norm());
+}
+
+TEST_CASE("many steps, few steps and the way back lead to the same state", "[solid][contact]") {
+  const EquilibriumSolver solver(block(6));
+  ContactWalk few(solver, ball_at, -0.001), many(solver, ball_at, -0.001);
+  REQUIRE(few.advance(0.012));
+  for (int i = 1; i <= 8; ++i) REQUIRE(many.advance(0.016 * i / 8));
+  for (int i = 7; i >= 6; --i) REQUIRE(many.advance(0.016 * i / 8));
+  check_conditions(few);
+  check_conditions(many);
+  const double size = few.now().displacement.norm();
+  CHECK((few.now().displacement - many.now().displacement).norm() <=
+        tolerance(1e-4, "of the norm; both are solved to 1e-6 of the size") * size);
+  REQUIRE(many.advance(-0.001));
+  CHECK(many.now().touching == 0);
+  CHECK(many.now().force.norm() == 0.0);
+  CHECK(many.now().displacement.norm() <= tolerance(1e-6, "let go, it is at rest") * size);
+}
+
+TEST_CASE("a closed surface presses as the half space or the ball that it stands for",
+          "[solid][contact]") {
+  const EquilibriumSolver solver(block(4));
+  const auto face =
+      std::make_shared<const SurfaceDistance>(box_surface({-0.05, -0.05, 0.1}, {0.15, 0.15, 0.2}));
+  const auto box = [&](double t) {
+    Rigid3 pose = Rigid3::Identity();
+    pose.translation().z() = -t;
+    return Obstacle{.surfaces = {{face, pose}}};
+  };
+  const auto lid = [](double t) {
+    return Obstacle{.half_spaces = {{{0, 0, 0.1 - t}, {0, 0, -1}}}};
+  };
+  ContactWalk a(solver, box, -0.001), b(solver, lid, -0.001);
+  REQUIRE(a.advance(0.01));
+  REQUIRE(b.advance(0.01));
+  check_conditions(a);
+  CHECK((a.now().displacement - b.now().displacement).norm() <=
+        tolerance(1e-5, "both are solved to 1e-6 of the size") * b.now().displacement.norm());
+  CHECK(a.now().force[2] == Approx(b.now().force[2]).epsilon(1e-5));
+}
+
+TEST_CASE("things that come and go elsewhere change nothing", "[solid][contact]") {
+  const EquilibriumSolver solver(block(4));
+  // No smaller than the ball: the smallest radius sets the distance between contact points.
+  const Capsule far = ball({0.05, 0.05, 0.5}, 0.05);
+  // The ball is the third of three, then alone, then the first of two.
+  const auto with_others = [&](double t) {
+    Obstacle obstacle = ball_at(t);
+    std::vector<Capsule>& all = obstacle.capsules;
+    if (t < 0.004) all.insert(all.begin(), 2, far);
+    if (t > 0.007) all.push_back(far);
+    return obstacle;
+  };
+  ContactWalk alone(solver, ball_at, -0.001), among(solver, with_others, -0.001);
+  for (const double t : {0.003, 0.005, 0.006, 0.008, 0.003, 0.006}) {
+    INFO(t);
+    REQUIRE(alone.advance(t));
+    REQUIRE(among.advance(t));
+    check_conditions(among);
+    const double size = alone.now().displacement.norm();
+    CHECK((alone.now().displacement - among.now().displacement).norm() <=
+          tolerance(1e-4, "of the norm; both are solved to 1e-6 of the size") * size);
+  }
+}
+
+TEST_CASE("a tip smaller than a triangle touches inside it, and spacing bounds what enters between",
+          "[solid][contact]") {
+  const EquilibriumSolver solver(block(4));  // edges of 25 mm
+  const auto pencil = [](double t) {
+    return Obstacle{.capsules = {{{0.045, 0.04, 0.1012 - t}, {0.045, 0.04, 0.2}, 1.2e-3, 4e-3}}};
+  };
+  double before = std::numeric_limits<double>::infinity();
+  for (const double spacing : {0.0, 1e-3, 0.5e-3}) {
+    ContactWalk walk(solver, pencil, -0.001, {.spacing = spacing});
+    REQUIRE(walk.advance(0.006));
+    check_conditions(walk);
+    if (spacing == 0.0) {
+      CHECK(walk.spacing() == Approx(0.6e-3));
+      CHECK(walk.now().entry_between <= 2e-4);
+      continue;
+    }
+    CHECK(walk.now().entry_between < before);
+    before = walk.now().entry_between;
+  }
+  CHECK(before < 1e-4);
+}
+
+TEST_CASE("what presses from two sides presses with opposite forces", "[solid][contact]") {
+  const EquilibriumSolver solver(block(5));
+  const auto squeeze = [](double t) {
+    return Obstacle{
+        .capsules = {ball({-0.02 + t, 0.05, 0.06}, 0.02), ball({0.12 - t, 0.05, 0.06}, 0.02)}};
+  };
+  ContactWalk walk(solver, squeeze, -0.001);
+  REQUIRE(walk.advance(0.01));
+  check_conditions(walk);
+  CHECK(std::abs(walk.now().force[0]) < 0.05 * walk.nodal_forces().colwise().norm().sum());
+  CHECK(walk.now().touching >= 2);
+}
+
+TEST_CASE("a ball never gets through the skin, however long its steps", "[solid][contact]") {
+  // On a slab much wider than the ball; at the end its middle would lie below the slab's top, so
+  // that one long step could leave it inside, where no skin is near.
+  const EquilibriumSolver solver(block(5));
+  const auto down = [](double t) {
+    return Obstacle{.capsules = {ball({0.05, 0.05, 0.11 - t}, 0.008)}};
+  };
+  ContactWalk one(solver, down, 0.0), many(solver, down, 0.0);
+  REQUIRE(one.advance(0.018));
+  for (int i = 1; i <= 9; ++i) REQUIRE(many.advance(0.002 * i));
+  check_conditions(one);
+  CHECK(one.now().touching > 0);
+  CHECK(one.now().force.z() < 0.0);
+  CHECK(one.now().force.z() == Approx(many.now().force.z()).epsilon(1e-4));
+
+  const auto inside = [](double) {
+    return Obstacle{.capsules = {ball({0.05, 0.05, 0.05}, 0.008)}};
+  };
+  ContactWalk lost(solver, inside, 0.0);
+  CHECK_FALSE(lost.advance(1.0));
+  CHECK(lost.stop() == Stop::kSwallowed);
+  CHECK(lost.why_stopped() == "the obstacle lies inside the body where its way begins");
+}
+
+TEST_CASE("a grid that no memory holds is refused", "[solid][contact][errors]") {
+  const EquilibriumSolver solver(block(2));
+  CHECK_THROWS_WITH(ContactWalk(solver, ball_at, 0.0, {.spacing = 1e-6}),
+                    Catch::Matchers::Contains("ask for a larger spacing"));
+}
+
+TEST_CASE("an obstacle that would crush the body ends the way with the reason",
+          "[solid][contact]") {
+  const EquilibriumSolver solver(block(4));
+  const auto lid = [](double t) {
+    return Obstacle{.half_spaces = {{{0, 0, 0.1 - t}, {0, 0, -1}}}};
+  };
+  ContactWalk walk(solver, lid, -0.001);
+  CHECK_FALSE(walk.advance(0.12));
+  CHECK(walk.now().t < 0.1);
+  CHECK_FALSE(walk.why_stopped().empty());
+  // It goes on from the last good state.
+  const double good = walk.now().t;
+  INFO("from " << good);
+  CHECK(walk.advance(good - 0.002));
+  CHECK(walk.why_stopped().empty());
+  check_conditions(walk);
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,50 @@
+/// @file
+/// Consistent nodal forces of loads on the undeformed body: f_a = int N_a b dV + int N_a t dA.
+///
+///   N  nodes     T  triangles of the skin (skin_triangles(), triangles_between())
+///
+/// All are dead loads: densities, areas and normals are those of the undeformed body, and a force
+/// keeps its size and direction while the body moves (a gas pressure, by contrast, follows the
+/// surface). Meshes of 4-node and of 10-node tetrahedra.
+#pragma once
+
+#include "palpable/common/geometry/tet_mesh.h"
+
+#include <Eigen/Core>
+
+#include <functional>
+
+namespace palpable {
+
+/// Force in N per m^3 of undeformed volume, at the undeformed place X (m).
+using BodyForceField = std::function<Eigen::Vector3d(const Eigen::Vector3d& X)>;
+/// Force in N per m^2 of undeformed area, at the undeformed place X (m) with outward unit normal n.
+using TractionField =
+    std::function<Eigen::Vector3d(const Eigen::Vector3d& X, const Eigen::Vector3d& n)>;
+
+/// (3 x N) N. Integrated by tetrahedron_rule().
+[[nodiscard]] Eigen::Matrix3Xd body_force_load(const TetMesh& mesh, const BodyForceField& force);
+
+/// (3 x N) N: weight.
+/// @param density   kg/m^3, > 0
+/// @param gravity   m/s^2, for instance (0, 0, -9.81)
+/// @throws Error if the density is not above 0 or something is not finite
+[[nodiscard]] Eigen::Matrix3Xd gravity_load(const TetMesh& mesh, double density,
+                                            const Eigen::Vector3d& gravity);
+
+/// (3 x N) N. Integrated by triangle_rule().
+/// @param triangles  (3 x T) corner nodes, anticlockwise from outside
+[[nodiscard]] Eigen::Matrix3Xd traction_load(const TetMesh& mesh, const Eigen::Matrix3Xi& triangles,
+                                             const TractionField& traction);
+
+/// (3 x N) N. @param pressure  Pa, > 0 pushes into the body
+[[nodiscard]] Eigen::Matrix3Xd pressure_load(const TetMesh& mesh, const Eigen::Matrix3Xi& triangles,
+                                             double pressure);
+
+/// (3 x N) N of a traction that is linear over each triangle. Nodal forces of one mesh stand for
+/// such a traction; with it they are carried over to another mesh of the same skin.
+/// @param traction  (3 x N') Pa at the corner nodes, N' <= N their number
+[[nodiscard]] Eigen::Matrix3Xd traction_load(const TetMesh& mesh, const Eigen::Matrix3Xi& triangles,
+                                             const Eigen::Matrix3Xd& traction);
+
+}  // namespace palpable

@@ -1,0 +1,64 @@
+/// @file
+/// The stored energy of a body beyond its stiffness, in some modes, as symmetric forms: what a
+/// reduced model needs for the second and third order of its answer to a load.
+///
+///   N  nodes     r  modes     s  leading modes, s <= r
+///
+///     A_ijk  = D^3 W (U_i, U_j, U_k)             i, j, k < r
+///     B_ijkl = D^4 W (U_i, U_j, U_k, U_l)        i, j, k, l < s
+///     E_ijkl = B_ijkl - sum_(m < s) ( A_ijm A_klm + A_ikm A_jlm + A_ilm A_jkm )
+///
+/// at the body's state u_0. With modes that are orthonormal in the stiffness, a load of code a is
+/// answered by q = a - 1/2 A(a, a) - 1/6 E(a, a, a) + ... in them.
+#pragma once
+
+#include "palpable/bake/solid/solid_model.h"
+
+#include <Eigen/Core>
+
+#include <memory>
+#include <vector>
+
+namespace palpable {
+
+/// Distinct coefficients, i <= j <= k (<= l), ordered by i, then j, then k, then l.
+struct ModalForms {
+  int modes = 0;                ///< r
+  int leading = 0;              ///< s
+  std::vector<double> cubic;    ///< A, J
+  std::vector<double> quartic;  ///< E, J
+};
+
+/// Which integration points are summed. The forms come from where modes are steep: under a finger a
+/// few per cent of the body carry nine tenths; but where a thin part bends, large terms cancel, and
+/// the tenth that is left counts. A point carries weight |G|^3 with the gradients G of
+/// all modes.
+struct FormSampling {
+  double exact = 0.98;    ///< the points that carry this share of the whole are all summed
+  double neglect = 3e-4;  ///< those that carry least, this share together, are left out
+  /// Of the others, along a curve through the body, each every-th stands for its neighbours.
+  int every = 8;
+};
+
+/// Makes the forms of many sets of modes of one body; gradients and the law's derivatives are
+/// computed once. Const members may be called from several threads at once.
+class ModalFormMaker {
+ public:
+  /// @param rest  (3 x N) m, u_0
+  /// @throws Error as check_model(); ContractViolation if an element is inverted at rest
+  ModalFormMaker(const SolidModel& model, const Eigen::Matrix3Xd& rest);
+  ~ModalFormMaker();
+  ModalFormMaker(ModalFormMaker&&) noexcept;
+
+  /// In single precision.
+  /// @param modes    (3N x r)
+  /// @param leading  s, 0 <= s <= r
+  [[nodiscard]] ModalForms make(const Eigen::MatrixXd& modes, int leading,
+                                const FormSampling& sampling = {}) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
+
+}  // namespace palpable

@@ -1,0 +1,129 @@
+#include "palpable/bake/solid/obstacle.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace palpable {
+
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kMostPieces = 100;  // of a capsule's axis
+
+}  // namespace
+
+Capsule ball(const Vector3d& centre, double radius) { return {centre, centre, radius, radius}; }
+
+Obstacle moved(Obstacle obstacle, const Rigid3& target_from_source) {
+  for (Capsule& capsule : obstacle.capsules) {
+    capsule.a = target_from_source * capsule.a;
+    capsule.b = target_from_source * capsule.b;
+  }
+  for (HalfSpace& half : obstacle.half_spaces) {
+    half.point = target_from_source * half.point;
+    half.normal = target_from_source.linear() * half.normal;
+  }
+  for (PlacedSurface& surface : obstacle.surfaces) {
+    surface.body_from_shape = target_from_source * surface.body_from_shape;
+  }
+  return obstacle;
+}
+
+Vector3d carried(const Obstacle& from, const Obstacle& to, int part, const Vector3d& x) {
+  const auto turned = [&x](const Vector3d& old_place, const Vector3d& old_direction,
+                           const Vector3d& place, const Vector3d& direction) -> Vector3d {
+    const bool has_direction = old_direction.norm() > 0.0 && direction.norm() > 0.0;
+    if (!has_direction) return place + (x - old_place);
+    return place + Eigen::Quaterniond::FromTwoVectors(old_direction, direction) * (x - old_place);
+  };
+  const auto capsules = static_cast<int>(from.capsules.size());
+  if (part < capsules) {
+    const Capsule &old = from.capsules[part], &now = to.capsules[part];
+    return turned(old.a, old.b - old.a, now.a, now.b - now.a);
+  }
+  const auto halves = static_cast<int>(from.half_spaces.size());
+  if (part < capsules + halves) {
+    const HalfSpace &old = from.half_spaces[part - capsules],
+                    &now = to.half_spaces[part - capsules];
+    return turned(old.point, old.normal, now.point, now.normal);
+  }
+  const auto surface = static_cast<std::size_t>(part - capsules - halves);
+  return to.surfaces[surface].body_from_shape *
+         (from.surfaces[surface].body_from_shape.inverse() * x);
+}
+
+double smallest_radius(const Obstacle& obstacle) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Capsule& capsule : obstacle.capsules) {
+    smallest = std::min({smallest, capsule.ra, capsule.rb});
+  }
+  return smallest;
+}
+
+ObstacleGaps::ObstacleGaps(Obstacle obstacle) : obstacle_(std::move(obstacle)) {
+  capsules_.reserve(obstacle_.capsules.size());
+  for (const Capsule& capsule : obstacle_.capsules) capsules_.emplace_back(capsule);
+}
+
+double ObstacleGaps::distance(int part, const Vector3d& x) const {
+  if (part < static_cast<int>(capsules_.size())) return capsules_[part].distance(x);
+  return gap(part, x).distance;
+}
+
+double ObstacleGaps::distance(const Vector3d& x) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int part = 0; part < part_count(); ++part) nearest = std::min(nearest, distance(part, x));
+  return nearest;
+}
+
+std::vector<Vector3d> ObstacleGaps::core(int part) const {
+  std::vector<Vector3d> points;
+  const int capsules = static_cast<int>(capsules_.size());
+  if (part < capsules) {
+    const Capsule& capsule = obstacle_.capsules[part];
+    const double length = (capsule.b - capsule.a).norm();
+    const double smallest = std::min(capsule.ra, capsule.rb);
+    const int pieces = static_cast<int>(std::min(kMostPieces, std::ceil(length / smallest)));
+    for (int k = 0; k <= pieces; ++k) {
+      const double t = pieces > 0 ? static_cast<double>(k) / pieces : 0.0;
+      points.emplace_back(capsule.a + t * (capsule.b - capsule.a));
+    }
+    return points;
+  }
+  const int halves = static_cast<int>(obstacle_.half_spaces.size());
+  if (part < capsules + halves) return points;
+  const PlacedSurface& surface = obstacle_.surfaces[part - capsules - halves];
+  const Eigen::Matrix3Xd& vertices = surface.shape->surface().vertices;
+  for (const auto& x : vertices.colwise()) points.emplace_back(surface.body_from_shape * x);
+  return points;
+}
+
+bool ObstacleGaps::may_reach(int part, const Eigen::AlignedBox3d& box) const {
+  if (part >= static_cast<int>(capsules_.size())) return true;
+  return box_of(obstacle_.capsules[part]).intersects(box);
+}
+
+Gap ObstacleGaps::gap(int part, const Vector3d& x) const {
+  const int capsules = static_cast<int>(capsules_.size());
+  if (part < capsules) {
+    const CapsuleField& field = capsules_[part];
+    return {field.distance(x), field.normal(x), field.curvature(x)};
+  }
+  const int halves = static_cast<int>(obstacle_.half_spaces.size());
+  if (part < capsules + halves) {
+    const HalfSpace& half = obstacle_.half_spaces[part - capsules];
+    return {half.normal.dot(x - half.point), half.normal, Eigen::Matrix3d::Zero()};
+  }
+  const PlacedSurface& surface = obstacle_.surfaces[part - capsules - halves];
+  const NearestOnSurface nearest =
+      surface.shape->nearest(surface.body_from_shape.inverse(Eigen::Isometry) * x);
+  return {nearest.distance, surface.body_from_shape.linear() * nearest.normal,
+          Eigen::Matrix3d::Zero()};
+}
+
+}  // namespace palpable

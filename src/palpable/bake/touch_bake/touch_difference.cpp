@@ -1,0 +1,176 @@
+#include "palpable/bake/touch_bake/touch_difference.h"
+
+#include "palpable/bake/solid/stress.h"
+#include "palpable/bake/touch_bake/exact_answer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+constexpr double kFrame = 1.25e-3;  // m that a thing goes on in a frame, at most
+
+double milliseconds_since(std::chrono::steady_clock::time_point begin) {
+  return 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// |F_a - F_b| / |F_b| of the resultants; of two things that press against each other, whose
+// resultants cancel, of the sums of norms.
+double force_difference(const TouchState& state, const Matrix3Xd& truth, bool squeeze) {
+  Vector3d sum = Vector3d::Zero();
+  double norms = 0;
+  for (const PointForce& force : state.forces) {
+    sum += force.force.cast<double>();
+    norms += static_cast<double>(force.force.norm());
+  }
+  const double true_norms = truth.colwise().norm().sum();
+  if (squeeze) return std::abs(norms - true_norms) / true_norms;
+  const Vector3d true_sum = truth.rowwise().sum();
+  return (sum - true_sum).norm() / true_sum.norm();
+}
+
+// Of the capsules; of other parts, which come after them, nothing is known.
+std::vector<Eigen::AlignedBox3f> boxes_of(const ObstacleGaps& gaps) {
+  std::vector<Eigen::AlignedBox3f> boxes;
+  for (const Capsule& capsule : gaps.obstacle().capsules) {
+    boxes.push_back(box_of(capsule).cast<float>());
+  }
+  return boxes;
+}
+
+// Whether a part's box is as far as that.
+bool is_farther(const std::vector<Eigen::AlignedBox3f>& boxes, int part,
+                const Eigen::Vector3f& place, float reach) {
+  const auto box = static_cast<std::size_t>(part);
+  return box < boxes.size() && reach > 0 &&
+         !(boxes[box].squaredExteriorDistance(place) < reach * reach);
+}
+
+// The present answers of both.
+TouchDifference difference_of(const SkinResponse& skin, const ContactWalk& walk, TouchSolver& touch,
+                              const TouchState& state, const TouchScene& scene, double depth) {
+  const Matrix3Xd u = true_displacement(skin, walk.now().displacement);
+  TouchDifference d;
+  d.displacement = state.u.leftCols(u.cols());
+  d.true_displacement = u.cast<float>();
+  d.von_mises.resize(u.cols());
+  const auto begin = std::chrono::steady_clock::now();
+  touch.stress(state, std::span(d.von_mises.data(), static_cast<std::size_t>(u.cols())));
+  d.stress_milliseconds = milliseconds_since(begin);
+  const Eigen::VectorXd stress = true_von_mises(skin, walk.now().displacement);
+  d.true_von_mises = stress.cast<float>();
+  const Matrix3Xd difference = d.displacement.cast<double>() - u;
+  d.worst_vertex = difference.colwise().norm().maxCoeff();
+  d.touch = {
+      .thing = scene.thing,
+      .depth = depth,
+      .displacement = difference.norm() / u.norm(),
+      .force = force_difference(state, walk.nodal_forces(), scene.thing == PressingThing::kSqueeze),
+      .von_mises = (d.von_mises.cast<double>() - stress).cwiseAbs().maxCoeff() / stress.maxCoeff()};
+  return d;
+}
+
+}  // namespace
+
+Matrix3Xd true_displacement(const SkinResponse& skin, const Matrix3Xd& displacement) {
+  const Matrix3Xd moved = displacement - skin.body().rest();
+  return skin.on_skin(moved.reshaped()).reshaped(3, skin.vertex_count());
+}
+
+Eigen::VectorXd true_von_mises(const SkinResponse& skin, const Matrix3Xd& displacement) {
+  const Eigen::VectorXd nodal =
+      von_mises(nodal_cauchy_stress(skin.body().model(), displacement, skin.recovery()));
+  return nodal(std::span(skin.shell_nodes()).first(static_cast<std::size_t>(skin.vertex_count())));
+}
+
+GapQuery gaps_to(const ObstacleGaps& gaps) {
+  return [&gaps, boxes = boxes_of(gaps)](const Eigen::Vector3f& place, SurfaceGap& gap) {
+    const Vector3d x = place.cast<double>();
+    double nearest = static_cast<double>(kGapReach);
+    int part = -1;
+    for (int p = 0; p < gaps.part_count(); ++p) {
+      if (is_farther(boxes, p, place, static_cast<float>(nearest))) continue;
+      const double distance = gaps.distance(p, x);
+      if (distance >= nearest) continue;
+      nearest = distance;
+      part = p;
+    }
+    if (part < 0) return false;
+    const Gap found = gaps.gap(part, x);
+    gap.distance = static_cast<float>(found.distance);
+    gap.normal = found.normal.cast<float>();
+    gap.curvature = found.curvature.cast<float>();
+    return true;
+  };
+}
+
+NearQuery near_to(const ObstacleGaps& gaps) {
+  const std::vector<Eigen::AlignedBox3f> boxes = boxes_of(gaps);
+  Eigen::AlignedBox3f all;
+  for (const Eigen::AlignedBox3f& box : boxes) all.extend(box);
+  const bool is_known = gaps.part_count() == std::ssize(boxes);
+  return [&gaps, boxes, all, is_known](const Eigen::Vector3f& place, float reach) {
+    if (is_known && !(all.squaredExteriorDistance(place) < reach * reach)) return false;
+    for (int p = 0; p < gaps.part_count(); ++p) {
+      if (is_farther(boxes, p, place, reach)) continue;
+      if (gaps.distance(p, place.cast<double>()) < static_cast<double>(reach)) return true;
+    }
+    return false;
+  };
+}
+
+std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
+                          const Preloaded* preloaded, TouchSolver& touch, double point_spacing,
+                          const TouchScene& scene, std::span<const double> depths,
+                          const std::function<void(const TouchDifference&)>& found,
+                          int refinements) {
+  ContactSettings settings;
+  settings.spacing = point_spacing;
+  ContactWalk walk(
+      solver, [&scene](double depth) { return obstacle_at(scene, depth); }, -1e-4, settings,
+      preloaded);
+  TouchState state;
+  double depth = 0;
+  for (const double last : depths) {
+    TouchReport report;
+    double took = 0;
+    while (depth < last) {
+      // The last frame ends where it is looked at; none is a sliver of one.
+      depth = last - depth < 1.1 * kFrame ? last : depth + kFrame;
+      if (!walk.advance(depth)) return walk.why_stopped();
+      const ObstacleGaps gaps(obstacle_at(scene, depth));
+      const auto begin = std::chrono::steady_clock::now();
+      report = touch.advance(state, gaps_to(gaps));
+      took = milliseconds_since(begin);
+    }
+    const auto tell = [&](const TouchState& now, int refined) {
+      TouchDifference d = difference_of(skin, walk, touch, now, scene, depth);
+      d.refined = refined;
+      d.report = report;
+      d.touch.unscaled_error = unscaled_error(report.signs);
+      d.milliseconds = took;
+      found(d);
+    };
+    tell(state, 0);
+    TouchState rests = refinements > 0 ? state : TouchState();
+    const ObstacleGaps gaps(obstacle_at(scene, depth));
+    for (int k = 1; k <= refinements; ++k) {
+      AskedLoad asked;
+      if (touch.ask(rests, asked)) {
+        const auto exact = exact_answer(solver, skin, preloaded, asked.forces);
+        if (exact) (void)touch.refine(rests, asked, *exact);
+      }
+      do report = touch.advance(rests, gaps_to(gaps));
+      while (rests.refinement.blended < 1);
+      tell(rests, k);
+    }
+  }
+  return {};
+}
+
+}  // namespace palpable

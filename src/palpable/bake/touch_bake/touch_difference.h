@@ -1,0 +1,61 @@
+/// @file
+/// How far the answer to touch by a body's tables (touch/touch_solver.h) is from full finite
+/// elements with contact (solid/contact.h) on the same mesh, with the same contact points.
+#pragma once
+
+#include "palpable/bake/solid/contact.h"
+#include "palpable/bake/touch_bake/skin_response.h"
+#include "palpable/bake/touch_bake/touch_scenes.h"
+#include "palpable/common/touch/held_out_touch.h"
+#include "palpable/common/touch/touch_solver.h"
+
+#include <Eigen/Core>
+
+#include <functional>
+#include <span>
+#include <string>
+
+namespace palpable {
+
+/// One scene at one depth: both answers, and how they differ.
+struct TouchDifference {
+  HeldOutTouch touch;
+  int refined = 0;          ///< how many exact answers it has taken up
+  double worst_vertex = 0;  ///< m, of the displacement
+  TouchReport report;       ///< of the last frame
+  double milliseconds = 0;  ///< of that frame
+  double stress_milliseconds = 0;
+  /// (3 x V) m of the skin's vertices, (V) Pa von Mises there.
+  Eigen::Matrix3Xf displacement, true_displacement;
+  Eigen::VectorXf von_mises, true_von_mises;
+};
+
+/// Of a state of the full solver: how far the skin's vertices moved since nothing but the preload
+/// acted, (3 x V) m, and the von Mises stress there as the full solver recovers it, (V) Pa.
+/// @param displacement  (3 x N) m, from the unloaded body
+[[nodiscard]] Eigen::Matrix3Xd true_displacement(const SkinResponse& skin,
+                                                 const Eigen::Matrix3Xd& displacement);
+[[nodiscard]] Eigen::VectorXd true_von_mises(const SkinResponse& skin,
+                                             const Eigen::Matrix3Xd& displacement);
+
+/// The gaps to an obstacle, as a query of touch, and whether it is near. @param gaps  outlives them
+[[nodiscard]] GapQuery gaps_to(const ObstacleGaps& gaps);
+[[nodiscard]] NearQuery near_to(const ObstacleGaps& gaps);
+
+/// Presses a scene in frames of at most 1.25 mm, by the full solver and by the tables, and compares
+/// the two at the depths.
+/// @param solver  of the model that `skin` belongs to
+/// @param depths  m, rising
+/// @param found   is called at each depth
+/// @param refinements  so often the thing then rests there until an exact answer is taken up
+///                     (touch/refinement.h); `found` is called after each. The way on is the
+///                     unrefined one
+/// @returns why the full solver stopped before the last of them; empty if it did not
+[[nodiscard]] std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
+                                        const Preloaded* preloaded, TouchSolver& touch,
+                                        double point_spacing, const TouchScene& scene,
+                                        std::span<const double> depths,
+                                        const std::function<void(const TouchDifference&)>& found,
+                                        int refinements = 0);
+
+}  // namespace palpable

@@ -1,0 +1,78 @@
+#include "palpable/bake/truth/hand_walks.h"
+
+#include "palpable/common/base/parallel_work.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace palpable {
+
+using Eigen::Matrix3Xd;
+
+void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
+                 const std::vector<Episode>& episodes, const HandWalkSettings& settings,
+                 const Progress& progress,
+                 const std::function<void(const Episode&, const Walked& by_half_frames,
+                                          const Walked& by_frames)>& keep) {
+  double to_do = 0, done = 0;
+  for (const Episode& episode : episodes) {
+    to_do += 2.0 * (episode.wanted.back() - episode.first + 1);
+  }
+  std::mutex mutex;
+  const auto walk_of = [&](const Episode& episode, int steps_per_frame) {
+    const auto way = [&](double t) { return Obstacle{.capsules = capsules_at(hands, t)}; };
+    ContactWalk walk(solver, way, std::max(0, episode.first - 1), settings.contact,
+                     settings.preloaded);
+    Walked walked;
+    for (int frame = episode.first; frame <= episode.wanted.back(); ++frame) {
+      for (int step = 1; step <= steps_per_frame; ++step) {
+        const double t = frame - 1 + static_cast<double>(step) / steps_per_frame;
+        if (walk.advance(t)) continue;
+        walked.why_stopped = walk.why_stopped();
+        return walked;
+      }
+      {
+        const std::lock_guard lock(mutex);
+        report(progress, {"following the hand", ++done, std::max(1.0, to_do), ""});
+      }
+      if (std::find(episode.wanted.begin(), episode.wanted.end(), frame) == episode.wanted.end()) {
+        continue;
+      }
+      const ContactState& now = walk.now();
+      WalkedFrame& answer = walked.answers[frame];
+      answer = {now.displacement, now.force, now.centre, now.entry_between, {}, {}};
+      if (!settings.contact.mutual) continue;
+      answer.hand_forces = walk.nodal_forces();
+      answer.other_forces = walk.mutual_nodal_forces();
+    }
+    return walked;
+  };
+  // Two walks an episode, handed out one by one.
+  std::vector<std::optional<Walked>> results(2 * episodes.size());
+  work_in_parallel(static_cast<int>(results.size()), settings.threads, "", {}, [&](int job) {
+    const auto at = static_cast<std::size_t>(job), first = at - at % 2;
+    const Episode& episode = episodes[first / 2];
+    Walked walked = walk_of(episode, at == first ? 2 : 1);
+    const std::lock_guard lock(mutex);
+    results[at] = std::move(walked);
+    if (!results[first] || !results[first + 1]) return;
+    keep(episode, *results[first], *results[first + 1]);
+    results[first] = results[first + 1] = Walked{};  // written
+  });
+}
+
+double relative_change(const Matrix3Xd& a, const Matrix3Xd& b, const std::vector<int>& nodes,
+                       const Matrix3Xd& rest) {
+  const auto from_rest = [&](const Matrix3Xd& u) -> Matrix3Xd {
+    if (rest.cols() == 0) return u(Eigen::all, nodes);
+    return u(Eigen::all, nodes) - rest(Eigen::all, nodes);
+  };
+  const Matrix3Xd one = from_rest(a), other = from_rest(b);
+  const double whole = std::max(one.norm(), other.norm());
+  return whole > 0 ? (one - other).norm() / whole : 0;
+}
+
+}  // namespace palpable

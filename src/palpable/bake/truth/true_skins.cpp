@@ -1,0 +1,305 @@
+#include "palpable/bake/truth/true_skins.h"
+
+#include "palpable/bake/campaign/fill_store.h"
+#include "palpable/bake/campaign/press_solver.h"
+#include "palpable/bake/campaign/solid_file.h"
+#include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/solid/stress.h"
+#include "palpable/bake/truth/clip_hands.h"
+#include "palpable/bake/truth/hand_walks.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/fnv1a.h"
+#include "palpable/common/base/folder_lock.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/reduced/body_file.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix3Xd;
+
+constexpr double kDeepest = 0.1;  // of the height; deeper, a hand passes through
+// A touch this deep that does not reach the body's skin is one of another body, m.
+constexpr double kSurelyTouches = 2e-3;
+
+// Of the height: what a skin may be off by that is the same one. A preloaded skin at rest is solved
+// to that; all else is equal to the last bit.
+constexpr double kSameTrueSkin = 1e-6;
+
+std::string content_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+class TrueSkins {
+ public:
+  TrueSkins(const fs::path& clip, const BodyDescription& description,
+            const TrueSkinSettings& settings, const Progress& progress)
+      : folder_(clip / "truth" / "deformed"),
+        settings_(settings),
+        progress_(progress),
+        problem_(pose_body(description)),
+        solver_(problem_.model),
+        presses_(solver_, problem_.preload) {
+    for (const int node : problem_.mesh.boundary.node_of_vertex) skin_.push_back(node);
+    if (!settings.baked.empty()) check_baked(settings.baked, description);
+  }
+
+  std::vector<TrueFrame> write(const fs::path& clip) {
+    hands_ = read_clip_hands(clip);
+    episodes_ = episodes_of(hands_.contacts, settings_.frames, kDeepest * problem_.mesh.height);
+    if (episodes_.empty()) {
+      throw Error(fmt::format("{}: nothing touches the body in this clip",
+                              (clip / "truth" / "contact.jsonl").string()));
+    }
+    check_filmed(clip / "truth" / kBodySkinFile);
+    check_body(clip);
+    make_folder(folder_);
+    const FolderLock lock(folder_);
+    write_rest();
+    check_same(clip);
+    leave_out_known();
+    follow_hand(solver_, hands_, episodes_,
+                {.preloaded = presses_.preloaded(), .threads = settings_.threads}, progress_,
+                [this](const Episode& episode, const Walked& fine, const Walked& coarse) {
+                  keep(episode, fine, coarse);
+                });
+    std::vector<TrueFrame> frames;
+    for (auto& [frame, found] : found_) frames.push_back(std::move(found));
+    return frames;
+  }
+
+ private:
+  // Refuses a skin that is not the one that is solved here. @param what  has that skin
+  void expect_same_skin(const SurfaceMesh& there, const std::string& what) const {
+    const Matrix3Xd here = rest_skin();
+    const auto& triangles = problem_.mesh.boundary.surface.triangles;
+    double off = std::numeric_limits<double>::infinity();
+    if (there.vertices.cols() == here.cols() && there.triangles.cols() == triangles.cols() &&
+        there.triangles == triangles) {
+      off = (there.vertices - here).colwise().norm().maxCoeff();
+    }
+    if (off <= kSameTrueSkin * problem_.mesh.height) return;
+    const std::string how =
+        std::isfinite(off)
+            ? fmt::format("its vertices lie up to {:.3g} mm elsewhere", 1e3 * off)
+            : fmt::format("it has {} vertices and {} triangles, this one {} and {}, or others",
+                          there.vertices.cols(), there.triangles.cols(), here.cols(),
+                          triangles.cols());
+    throw Error(fmt::format(
+        "{}: the description makes another skin ({}); give the description that it was baked from, "
+        "or bake and film anew",
+        what, how));
+  }
+
+  // Of the body that was filmed; films of before say nothing of it.
+  void check_filmed(const fs::path& skin) const {
+    std::error_code error;
+    if (!fs::exists(skin, error)) return;
+    expect_same_skin(value_or_throw(read_valued_ply(skin, kVonMisesProperty)).surface,
+                     skin.string());
+  }
+
+  void check_baked(const fs::path& baked, const BodyDescription& description) const {
+    const ReducedBody body = value_or_throw(read_body_file(baked));
+    expect_same_skin(body.surface, baked.string());
+    const std::optional<StoreContent> kept = solid_beside(baked, body.method);
+    if (!kept) return;
+    const std::string how = solids_differ(*kept, content_of(description, problem_));
+    if (how.empty()) return;
+    throw Error(
+        fmt::format("{}: was baked from {}; give the description that it was baked from, "
+                    "or bake and film anew",
+                    baked.string(), how));
+  }
+
+  // The deepest touch that the clip knows must reach this body's skin.
+  void check_body(const fs::path& clip) const {
+    int frame = episodes_.front().wanted.front();
+    for (const Episode& episode : episodes_) {
+      for (const int n : episode.wanted) {
+        if (hands_.contacts[n].depth > hands_.contacts[frame].depth) frame = n;
+      }
+    }
+    if (hands_.contacts[frame].depth < kSurelyTouches) return;
+    const ObstacleGaps gaps(Obstacle{.capsules = hands_.capsules[frame]});
+    const Matrix3Xd skin = rest_skin();
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const auto& x : skin.colwise()) nearest = std::min(nearest, gaps.distance(x));
+    if (nearest > 0.5 * problem_.mesh.height * kDeepest) {
+      throw Error(fmt::format(
+          "{}: frame {} touches {:.1f} mm deep, but stays {:.1f} mm off this body: the clip was "
+          "filmed with another one; give the description of that",
+          (clip / "truth" / "contact.jsonl").string(), frame, 1e3 * hands_.contacts[frame].depth,
+          1e3 * nearest));
+    }
+  }
+
+  [[nodiscard]] Matrix3Xd rest_skin() const {
+    return problem_.model.mesh.nodes(Eigen::all, skin_) + presses_.rest()(Eigen::all, skin_);
+  }
+
+  void write_rest() const {
+    const fs::path file = folder_ / "rest.ply";
+    const SurfaceMesh rest{rest_skin(), problem_.mesh.boundary.surface.triangles};
+    std::error_code error;
+    if (fs::exists(file, error)) {
+      const ValuedSurface there = value_or_throw(read_valued_ply(file, kVonMisesProperty));
+      const bool same = there.surface.vertices.cols() == rest.vertices.cols() &&
+                        there.surface.triangles.cols() == rest.triangles.cols() &&
+                        there.surface.vertices == rest.vertices &&
+                        there.surface.triangles == rest.triangles;
+      if (same) return;
+      throw Error(fmt::format("{}: is the truth of another body or mesh; remove {} to solve anew",
+                              file.string(), folder_.string()));
+    }
+    write_valued_ply(file, {rest, Eigen::VectorXd::Zero(rest.vertex_count())}, kVonMisesProperty);
+  }
+
+  // What an earlier run left must be of the same hand and the same problem, not of the same skin
+  // alone: law, constants, supports and loads change every answer.
+  void check_same(const fs::path& clip) const {
+    std::uint64_t hash = kFnvStart;
+    const auto add = [&](const void* data, std::size_t bytes) {
+      hash = fnv1a({static_cast<const char*>(data), bytes}, hash);
+    };
+    const auto add_numbers = [&](const auto& numbers) {
+      add(numbers.data(), sizeof(*numbers.data()) * static_cast<std::size_t>(numbers.size()));
+    };
+    const SolidModel& model = problem_.model;
+    add_numbers(model.mesh.nodes);
+    add_numbers(model.mesh.tets);
+    add_numbers(model.fixed_nodes);
+    add_numbers(problem_.preload);
+    std::string laws = law_name(model.material);
+    add_numbers(constants_of(model.material));
+    add_numbers(material_groups(model));
+    for (const MaterialGroup& group : model.groups) {
+      laws += ' ';
+      laws += law_name(group.material);
+      add_numbers(constants_of(group.material));
+    }
+    for (const char* file :
+         {"truth/hand.jsonl", "truth/contact.jsonl", "truth/trajectory.txt", "frames/scene.toml"}) {
+      const std::string text = content_of(clip / file);
+      add(text.data(), text.size());
+    }
+    const fs::path note = folder_ / "problem.txt";
+    const std::string here = fmt::format("{} {:016x}\n", laws, hash);
+    std::error_code error;
+    const bool has_answers = fs::exists(folder_ / "deformed.jsonl", error);
+    if (has_answers && (!fs::exists(note, error) || content_of(note) != here)) {
+      throw Error(fmt::format(
+          "{}: holds answers of another material, support, load or hand; remove it to solve anew",
+          folder_.string()));
+    }
+    write_whole_file(note, here);
+  }
+
+  [[nodiscard]] bool is_whole(int frame) const {
+    const auto skin = read_valued_ply(deformed_skin_file(folder_, frame), kVonMisesProperty);
+    return skin.ok() &&
+           skin.value().surface.vertex_count() == problem_.mesh.boundary.surface.vertex_count();
+  }
+
+  void leave_out_known() {
+    for (const DeformedLine& line : read_deformed_lines(folder_)) {
+      lines_[line.frame] = line;
+      if (!line.scored || is_whole(line.frame)) known_.push_back(line.frame);
+    }
+    for (Episode& episode : episodes_) {
+      for (const int frame : episode.wanted) {
+        if (is_known(frame)) found_[frame] = {.line = lines_.at(frame), .was_there = true};
+      }
+      std::erase_if(episode.wanted, [&](int frame) { return is_known(frame); });
+    }
+    std::erase_if(episodes_, [](const Episode& episode) { return episode.wanted.empty(); });
+  }
+
+  [[nodiscard]] bool is_known(int frame) const {
+    return std::find(known_.begin(), known_.end(), frame) != known_.end();
+  }
+
+  // Writes an episode's frames.
+  void keep(const Episode& episode, const Walked& fine, const Walked& coarse) {
+    for (const int frame : episode.wanted) {
+      TrueFrame found;
+      found.line.frame = frame;
+      found.line.depth = hands_.contacts[frame].depth;
+      const auto answer = fine.answers.find(frame);
+      if (answer == fine.answers.end()) {
+        found.line.scored = false;
+        found.line.why = "no solution: " + fine.why_stopped;
+      } else {
+        const auto other = coarse.answers.find(frame);
+        found.path_change =
+            other == coarse.answers.end()
+                ? 1.0
+                : relative_change(answer->second.displacement, other->second.displacement, skin_,
+                                  presses_.rest());
+        write_frame(answer->second, found);
+      }
+      lines_[frame] = found.line;
+      found_[frame] = std::move(found);
+    }
+    std::string text;
+    for (const auto& [frame, line] : lines_) text += deformed_line(line);
+    write_whole_file(folder_ / "deformed.jsonl", text);
+  }
+
+  void write_frame(const WalkedFrame& answer, TrueFrame& found) const {
+    const Eigen::VectorXd mises =
+        von_mises(nodal_cauchy_stress(solver_.model(), answer.displacement));
+    const ValuedSurface skin{{(problem_.model.mesh.nodes + answer.displacement)(Eigen::all, skin_),
+                              problem_.mesh.boundary.surface.triangles},
+                             mises(skin_)};
+    write_valued_ply(deformed_skin_file(folder_, found.line.frame), skin, kVonMisesProperty);
+    found.line.force = answer.force;
+    if (answer.force.norm() > 0.0) found.line.point = answer.centre;
+    found.entry = answer.entry;
+    found.largest_displacement =
+        (answer.displacement - presses_.rest()).colwise().norm().maxCoeff();
+    found.largest_von_mises = skin.values.maxCoeff();
+    if (found.path_change > kPathMatters) {
+      found.line.scored = false;
+      found.line.why = fmt::format("depends on the way: half the step changes it by {:.1f} %",
+                                   100.0 * found.path_change);
+    }
+  }
+
+  fs::path folder_;
+  TrueSkinSettings settings_;
+  const Progress& progress_;
+  BodyProblem problem_;
+  EquilibriumSolver solver_;
+  PressSolver presses_;
+  std::vector<int> skin_;  // nodes
+  ClipHands hands_;
+  std::vector<Episode> episodes_;
+  std::vector<int> known_;
+  std::map<int, DeformedLine> lines_;
+  std::map<int, TrueFrame> found_;
+};
+
+}  // namespace
+
+std::vector<TrueFrame> write_true_skins(const fs::path& clip, const BodyDescription& description,
+                                        const TrueSkinSettings& settings,
+                                        const Progress& progress) {
+  return TrueSkins(clip, description, settings, progress).write(clip);
+}
+
+}  // namespace palpable

@@ -1,0 +1,74 @@
+#include "palpable/common/base/folder_lock.h"
+
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/output_file.h"
+
+#include <fmt/core.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Those of `folder` and the folders around it that are missing, innermost first.
+std::vector<fs::path> missing_folders(const fs::path& folder) {
+  std::vector<fs::path> missing;
+  std::error_code ignored;
+  fs::path at = fs::absolute(folder, ignored).lexically_normal();
+  if (!at.has_filename()) at = at.parent_path();  // "out/"
+  for (; at.has_relative_path() && !fs::exists(at, ignored); at = at.parent_path()) {
+    missing.push_back(at);
+  }
+  return missing;
+}
+
+// Whether the folder is still there under its name, and not removed by who held it before.
+bool is_still(int descriptor, const fs::path& folder) {
+  struct stat opened {};
+  struct stat named {};
+  return ::fstat(descriptor, &opened) == 0 && ::stat(folder.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+}  // namespace
+
+FolderLock::FolderLock(const fs::path& folder, Holding holding) {
+  const int operation = (holding == Holding::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB;
+  while (true) {
+    const std::vector<fs::path> missing = missing_folders(folder);
+    make_folder(folder);
+    descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor_ < 0 && errno != ENOENT) {
+      throw Error(fmt::format("{}: cannot be opened: {}", folder.string(), std::strerror(errno)));
+    }
+    if (descriptor_ < 0) continue;
+    if (::flock(descriptor_, operation) != 0 && errno == EWOULDBLOCK) {
+      ::close(descriptor_);
+      throw Error(
+          fmt::format("{}: another run is writing into it; wait for its end, or write "
+                      "into another folder",
+                      folder.string()));
+    }
+    if (is_still(descriptor_, folder)) {
+      made_ = missing;
+      return;
+    }
+    ::close(descriptor_);
+  }
+}
+
+FolderLock::~FolderLock() {
+  std::error_code ignored;
+  for (const fs::path& folder : made_) fs::remove(folder, ignored);  // only where it is empty
+  ::close(descriptor_);
+}
+
+}  // namespace palpable

@@ -1,0 +1,81 @@
+#include "palpable/common/base/folder_lock.h"
+
+#include "palpable/common/base/error.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <csignal>
+#include <filesystem>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST_CASE("a folder is held by one, until it lets go", "[base][folder_lock][refusal]") {
+  const test::ScratchFolder scratch("folder_lock");
+  {
+    const FolderLock lock(scratch.path());
+    CHECK_THROWS_WITH(FolderLock(scratch.path()), Catch::Contains("another run is writing into"));
+    CHECK_NOTHROW(FolderLock(scratch / "inner"));
+  }
+  CHECK_NOTHROW(FolderLock(scratch.path()));
+  CHECK(fs::is_empty(scratch.path()));
+}
+
+TEST_CASE("several that agree hold a folder together, and keep out who wants it alone",
+          "[base][folder_lock][refusal]") {
+  const test::ScratchFolder scratch("folder_lock_shared");
+  const auto refused = Catch::Contains("another run is writing into");
+  {
+    const FolderLock one(scratch.path(), Holding::kWithOthers);
+    const FolderLock other(scratch.path(), Holding::kWithOthers);
+    CHECK_THROWS_WITH(FolderLock(scratch.path()), refused);
+  }
+  const FolderLock alone(scratch.path());
+  CHECK_THROWS_WITH(FolderLock(scratch.path(), Holding::kWithOthers), refused);
+}
+
+TEST_CASE("a folder that was made to be held goes where nothing was written into it",
+          "[base][folder_lock]") {
+  const test::ScratchFolder scratch("folder_lock_made");
+  {
+    const FolderLock lock(scratch / "a" / "b/");
+    CHECK(fs::is_directory(scratch / "a" / "b"));
+  }
+  CHECK_FALSE(fs::exists(scratch / "a"));
+  CHECK(fs::is_directory(scratch.path()));
+  {
+    const FolderLock lock(scratch / "a" / "b");
+    test::write_bytes(scratch / "a" / "kept.txt", "x");
+  }
+  CHECK(fs::exists(scratch / "a" / "kept.txt"));
+  CHECK_FALSE(fs::exists(scratch / "a" / "b"));
+  test::write_bytes(scratch / "file", "x");
+  CHECK_THROWS_AS(FolderLock(scratch / "file"), Error);
+  CHECK_THROWS_AS(FolderLock(scratch / "file" / "c"), Error);
+}
+
+TEST_CASE("who is killed holds nothing any more", "[base][folder_lock]") {
+  const test::ScratchFolder scratch("folder_lock_killed");
+  int held[2];
+  REQUIRE(::pipe(held) == 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const FolderLock lock(scratch.path());
+    if (::write(held[1], "x", 1) != 1) ::_exit(1);
+    for (;;) ::pause();
+  }
+  char word = 0;
+  REQUIRE(::read(held[0], &word, 1) == 1);
+  CHECK_THROWS_WITH(FolderLock(scratch.path()), Catch::Contains("another run"));
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  CHECK_NOTHROW(FolderLock(scratch.path()));
+  for (const int end : held) ::close(end);
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,181 @@
+#include "palpable/common/base/output_file.h"
+
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/growing_file.h"
+
+#include <fmt/core.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+// As many links as Linux follows before it says that they run in a circle.
+constexpr int kMostLinks = 40;
+
+constexpr mode_t kAllMayReadAndWrite = 0666;  // less the user's umask
+
+[[noreturn]] void refuse_unwritable(const fs::path& file, int reason) {
+  throw Error(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(reason)));
+}
+
+void append_all(GrowingFile& file, std::initializer_list<std::string_view> pieces) {
+  for (const std::string_view piece : pieces) file.append(piece);
+  file.close();
+}
+
+// Puts `aside` in the place of `file`, with its permissions if there is one.
+// @return 0, or errno
+int put_into_place(const fs::path& aside, const fs::path& file) {
+  struct stat before {};
+  if (::stat(file.c_str(), &before) == 0) {
+    constexpr mode_t kPermissions = 07777;
+    // Not everybody may; the file's own permissions are no reason to lose what was written.
+    static_cast<void>(::chmod(aside.c_str(), before.st_mode & kPermissions) == 0);
+  }
+  return ::rename(aside.c_str(), file.c_str()) == 0 ? 0 : errno;
+}
+
+// @param output  as it was given, for the message
+void expect_folder_above(const fs::path& output, const fs::path& at) {
+  std::error_code error;
+  // Fails where the working folder itself is gone.
+  const fs::path folder = fs::absolute(at, error).parent_path();
+  if (error) throw Error(fmt::format("{}: its folder does not exist", output.string()));
+  if (!fs::is_directory(folder, error)) {
+    throw Error(fmt::format("{}: the folder {} does not exist", output.string(), folder.string()));
+  }
+}
+
+}  // namespace
+
+void expect_writable(const fs::path& file) {
+  const fs::path at = behind_links(file);
+  std::error_code error;
+  if (fs::is_symlink(at, error)) refuse_unwritable(file, ELOOP);  // in a circle
+  if (fs::exists(at, error)) {
+    if (fs::is_directory(at, error)) refuse_unwritable(file, EISDIR);
+    if (::access(at.c_str(), W_OK) != 0) refuse_unwritable(file, errno);
+  }
+  const fs::path aside = part_of(at);
+  const bool was_there = fs::exists(aside, error);
+  const int descriptor = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kAllMayReadAndWrite);
+  if (descriptor < 0) refuse_unwritable(file, errno);
+  ::close(descriptor);
+  if (!was_there) ::unlink(aside.c_str());
+}
+
+fs::path part_of(const fs::path& file) {
+  fs::path part = file;
+  return part += fmt::format(".part-{}", ::getpid());
+}
+
+bool lies_in(const fs::path& path, const fs::path& folder) {
+  std::error_code error;
+  const fs::path inner = fs::weakly_canonical(fs::absolute(path, error), error);
+  const fs::path outer = fs::weakly_canonical(fs::absolute(folder, error), error);
+  if (inner.empty() || outer.empty()) return false;  // the working folder is gone
+  const fs::path relative = inner.lexically_relative(outer);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+fs::path behind_links(const fs::path& file) {
+  fs::path at = file;
+  std::error_code error;
+  for (int links = 0; links < kMostLinks && fs::is_symlink(at, error); ++links) {
+    const fs::path next = fs::read_symlink(at, error);
+    if (error) break;
+    at = next.is_absolute() ? next : at.parent_path() / next;
+  }
+  return at;
+}
+
+void guard_output_file(const fs::path& output, const std::vector<fs::path>& inputs) {
+  if (output.empty()) throw Error("the name of the output is empty");
+  std::error_code error;
+  // Not of what behind_links() finds: the pipe behind /dev/stdout has no name.
+  const fs::file_status status = fs::status(output, error);
+  const fs::path file = behind_links(output);
+  if (!fs::exists(status)) expect_folder_above(output, file);
+  if (fs::is_directory(status) || !file.has_filename()) {
+    throw Error(fmt::format("{}: is a folder, and the output is a file; name the file in it",
+                            output.string()));
+  }
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw Error(
+        fmt::format("{}: is no ordinary file and is not replaced; name a file", output.string()));
+  }
+  for (const fs::path& input : inputs) {
+    if (input.empty()) continue;
+    // A new file in an input folder destroys nothing.
+    if (fs::exists(status) && (fs::equivalent(input, file, error) || lies_in(file, input))) {
+      throw Error(fmt::format("{}: is read as input ({}) and would be destroyed; name another file",
+                              output.string(), input.string()));
+    }
+  }
+  expect_writable(output);
+}
+
+void guard_output_folder(const fs::path& output, const std::vector<fs::path>& inputs) {
+  if (output.empty()) throw Error("the name of the output is empty");
+  // "out/" is "out", and stands in the folder above.
+  const fs::path folder = behind_links(output.has_filename() ? output : output.parent_path());
+  expect_folder_above(output, folder);
+  std::error_code error;
+  const fs::file_status status = fs::status(folder, error);
+  if (fs::exists(status) && !fs::is_directory(status)) {
+    throw Error(
+        fmt::format("{}: is a file, and the output is a folder; name another", output.string()));
+  }
+  for (const fs::path& input : inputs) {
+    if (input.empty()) continue;
+    if (lies_in(input, folder) || (fs::exists(status) && lies_in(folder, input))) {
+      throw Error(
+          fmt::format("{}: what is read as input ({}) could be destroyed; name a folder "
+                      "that has nothing to do with it",
+                      output.string(), input.string()));
+    }
+  }
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+}
+
+void write_whole_file(const fs::path& file, std::initializer_list<std::string_view> pieces) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    if (fs::is_directory(status)) refuse_unwritable(file, EISDIR);
+    GrowingFile device(file);
+    append_all(device, pieces);
+    return;
+  }
+  const fs::path at = behind_links(file);
+  if (fs::is_symlink(at, error)) refuse_unwritable(file, ELOOP);  // in a circle
+  if (fs::exists(status) && ::access(at.c_str(), W_OK) != 0) refuse_unwritable(file, errno);
+  const fs::path aside = part_of(at);
+  int reason = 0;
+  try {
+    GrowingFile growing(aside, file);
+    append_all(growing, pieces);
+    reason = put_into_place(aside, at);
+  } catch (const Error&) {
+    ::unlink(aside.c_str());
+    throw;
+  }
+  if (reason == 0) return;
+  ::unlink(aside.c_str());
+  refuse_unwritable(file, reason);
+}
+
+}  // namespace palpable

@@ -1,0 +1,28 @@
+#include "palpable/common/base/this_machine.h"
+
+#include "tests/support/test.h"
+
+#include <chrono>
+#include <thread>
+
+namespace palpable {
+namespace {
+
+// Works until the processor has spent so much on this process; a test that hangs if it never does.
+void work(double cpu) {
+  const double begin = process_cpu();
+  while (process_cpu() - begin < cpu) {}
+}
+
+TEST_CASE("processor time is that of all threads, and none while they sleep", "[base]") {
+  const double begin = process_cpu();
+  CHECK(begin >= 0);
+  std::thread(work, 0.02).join();
+  const double worked = process_cpu();
+  CHECK(worked - begin >= 0.02);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  CHECK(process_cpu() - worked < 0.15);
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,45 @@
+#include "palpable/common/base/whole_file.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <new>
+#include <stdexcept>
+#include <system_error>
+#include <unistd.h>
+
+namespace palpable {
+namespace {
+
+// What the machine has, used or not: beyond it the system would end the program without a word.
+std::uintmax_t bytes_of_memory() {
+  return static_cast<std::uintmax_t>(::sysconf(_SC_PHYS_PAGES)) *
+         static_cast<std::uintmax_t>(::sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace
+
+Result<std::string> read_whole_file(const std::filesystem::path& path, std::uintmax_t most) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return Problem{"no such file"};
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  std::ifstream in(path, std::ios::binary);
+  if (error || !in) return Problem{"cannot be read"};
+  if (size > most) {
+    return Problem{
+        fmt::format("{} MB, where {} are read at most", size / 1'000'000, most / 1'000'000)};
+  }
+  const Problem too_large{fmt::format("{} MB are more than there is memory for", size / 1'000'000)};
+  if (size > bytes_of_memory()) return too_large;
+  std::string bytes;
+  try {
+    bytes.resize(size);
+  } catch (const std::bad_alloc&) { return too_large; } catch (const std::length_error&) {
+    return too_large;
+  }
+  in.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (!in) return Problem{"cannot be read"};
+  return bytes;
+}
+
+}  // namespace palpable

@@ -1,0 +1,90 @@
+/// @file
+/// Images as plain arrays.
+#pragma once
+
+#include "palpable/common/base/contract.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace palpable {
+
+/// Row-major, tightly packed, top row first. Pixel (0, 0) is the first; x runs right, y down.
+template <class T>
+class Image {
+ public:
+  Image() = default;
+  Image(int width, int height, T fill = T{}) : width_(width), height_(height) {
+    PALPABLE_EXPECT(width >= 0 && height >= 0, "an image has no negative size");
+    pixels_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill);
+  }
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] bool empty() const { return pixels_.empty(); }
+  [[nodiscard]] std::size_t size() const { return pixels_.size(); }
+
+  [[nodiscard]] T* data() { return pixels_.data(); }
+  [[nodiscard]] const T* data() const { return pixels_.data(); }
+  [[nodiscard]] T* row(int y) { return data() + offset(0, y); }
+  [[nodiscard]] const T* row(int y) const { return data() + offset(0, y); }
+  [[nodiscard]] T& operator()(int x, int y) { return pixels_[offset(x, y)]; }
+  [[nodiscard]] const T& operator()(int x, int y) const { return pixels_[offset(x, y)]; }
+
+  /// Changes the size; keeps the memory when it suffices, so a frame loop may call it each frame.
+  /// The content is unspecified afterwards unless the size was this already.
+  void resize(int width, int height) {
+    PALPABLE_EXPECT(width >= 0 && height >= 0, "an image has no negative size");
+    width_ = width;
+    height_ = height;
+    pixels_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  }
+
+  [[nodiscard]] auto begin() { return pixels_.begin(); }
+  [[nodiscard]] auto end() { return pixels_.end(); }
+  [[nodiscard]] auto begin() const { return pixels_.begin(); }
+  [[nodiscard]] auto end() const { return pixels_.end(); }
+
+  friend bool operator==(const Image&, const Image&) = default;
+
+ private:
+  [[nodiscard]] std::size_t offset(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(x);
+  }
+
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<T> pixels_;
+};
+
+/// 8-bit sRGB.
+struct Rgb {
+  std::uint8_t r = 0;
+  std::uint8_t g = 0;
+  std::uint8_t b = 0;
+  friend bool operator==(const Rgb&, const Rgb&) = default;
+};
+
+using ColorImage = Image<Rgb>;
+using GrayImage = Image<std::uint8_t>;
+using MaskImage = Image<std::uint8_t>;  ///< 0 or 255, or what kShows... below say
+using DepthImage = Image<float>;        ///< Z in m; NaN where the depth is unknown
+
+/// Bits of the labels of a film's truth.
+inline constexpr std::uint8_t kMovesLabel = 1;    ///< hand, sleeve, pencil or cup
+inline constexpr std::uint8_t kBothSeeLabel = 2;  ///< the right eye sees the same point
+
+/// What the pixels of a frame show, as far as pressing goes (map/pressing_mask.h finds it). An
+/// image of these is a mask of what presses.
+inline constexpr std::uint8_t kShowsRoom = 0;  ///< the room: what lies before it is free
+/// Likewise, beside a thing's outline that colours tell, and not only depth (map/color_outline.h).
+inline constexpr std::uint8_t kShowsRoomByColor = 1;
+inline constexpr std::uint8_t kShowsUnknown = 128;  ///< nobody knows what, or how far away
+inline constexpr std::uint8_t kShowsPresser = 255;  ///< a thing that presses, measured
+[[nodiscard]] constexpr bool shows_room(std::uint8_t shows) {
+  return shows == kShowsRoom || shows == kShowsRoomByColor;
+}
+
+}  // namespace palpable

@@ -1,0 +1,44 @@
+#include "palpable/common/geometry/median_pose.h"
+
+#include "tests/support/test.h"
+
+#include <Eigen/Geometry>
+
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using test::tolerance;
+
+Rigid3 pose(double x, double turn) {
+  return Eigen::Translation3d(x, 2, 3) * Rigid3(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitX()));
+}
+
+TEST_CASE("the median of one pose is that pose", "[geometry][median_pose]") {
+  const std::vector<Rigid3> poses{pose(1, 0.4)};
+  CHECK((median_pose(poses, 0.1).matrix() - poses[0].matrix()).norm() <
+        tolerance(1e-15, "through a quaternion"));
+}
+
+TEST_CASE("measurements that scatter are averaged", "[geometry][median_pose]") {
+  // Around x = 1 and 3 rad, where quaternions change their sign; the half nearest is symmetric.
+  std::vector<Rigid3> poses;
+  for (const int i : {-3, -2, -1, 0, 1, 2, 3}) poses.push_back(pose(1 + 0.01 * i, 3.14 + 0.02 * i));
+  const Rigid3 found = median_pose(poses, 0.1);
+  const Rigid3 error = found.inverse() * pose(1, 3.14);
+  CHECK(error.translation().norm() < 0.006);  // four of them: one has no counterpart
+  CHECK(Eigen::AngleAxisd(error.linear()).angle() < 0.011);
+}
+
+TEST_CASE("poses that are altogether wrong change nothing while they are fewer than half",
+          "[geometry][median_pose]") {
+  std::vector<Rigid3> poses{pose(9, 0),       pose(-4, 2), pose(1, 0.5), pose(1.001, 0.5),
+                            pose(0.999, 0.5), pose(7, 1),  pose(1, 0.5)};
+  const Rigid3 found = median_pose(poses, 0.1);
+  CHECK(std::abs(found.translation().x() - 1) < 0.0011);
+  CHECK(Eigen::AngleAxisd(found.linear() * pose(0, 0.5).linear().transpose()).angle() < 1e-7);
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,69 @@
+/// @file
+/// The laws of hyperelasticity that a body may have, and their names in a body file.
+#pragma once
+
+#include "palpable/common/material/mooney_rivlin.h"
+#include "palpable/common/material/neo_hookean.h"
+#include "palpable/common/material/neo_hookean_abaqus.h"
+#include "palpable/common/material/saint_venant_kirchhoff.h"
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace palpable {
+
+/// One homogeneous material. The alternatives are all known laws; each is one file (law.h says how
+/// one is written) and one entry here.
+using Material = std::variant<NeoHookean, SaintVenantKirchhoff, NeoHookeanAbaqus, MooneyRivlin>;
+
+/// The law `law` with Young's modulus E and Poisson's ratio nu at small strains:
+/// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu) (1 - 2 nu)).
+///
+/// A law with more than two constants chooses the others itself (MooneyRivlin::from_lame).
+/// @param law  one of law_names()
+/// @param E    Pa, > 0
+/// @param nu   0 <= nu < 0.5; linear tetrahedra lock as nu nears 0.5 (10 % too stiff at 0.45)
+/// @throws Error for an unknown law or values out of range
+[[nodiscard]] Material material_from_young(std::string_view law, double E, double nu);
+
+/// "neo-hookean", "saint-venant-kirchhoff", "neo-hooke-abaqus" and "mooney-rivlin".
+[[nodiscard]] const std::vector<std::string>& law_names();
+
+/// The law's name as in law_names().
+[[nodiscard]] std::string law_name(const Material& material);
+
+/// The law's own constants, in the order in which material_from_constants() takes them.
+/// @throws Error for an unknown law
+[[nodiscard]] std::span<const LawConstant> law_constants(std::string_view law);
+
+/// Their values, SI.
+[[nodiscard]] std::vector<double> constants_of(const Material& material);
+
+/// @param values  SI, one for each of law_constants(law)
+/// @throws Error for an unknown law, and as check_material()
+[[nodiscard]] Material material_from_constants(std::string_view law,
+                                               std::span<const double> values);
+
+/// Lame's constants of the material at small strains.
+[[nodiscard]] LameConstants lame_constants(const Material& material);
+
+/// Young's modulus (Pa) and Poisson's ratio at small strains.
+struct YoungPoisson {
+  double young, poisson;
+};
+/// Young's modulus and Poisson's ratio of the material at small strains.
+[[nodiscard]] YoungPoisson young_poisson(const Material& material);
+
+/// @throws Error unless all constants are finite, none is negative, only those are 0 that may be
+/// (LawConstant::may_be_zero), mu > 0 and lambda >= 0
+void check_material(const Material& material);
+
+/// Psi(F) J/m^3, P(F) Pa and dP/dF Pa of the material's law; units, layout and errors as in law.h.
+[[nodiscard]] double energy_density(const Material& material, const Eigen::Matrix3d& F);
+[[nodiscard]] Eigen::Matrix3d first_piola(const Material& material, const Eigen::Matrix3d& F);
+[[nodiscard]] Tangent tangent(const Material& material, const Eigen::Matrix3d& F);
+
+}  // namespace palpable

@@ -1,0 +1,26 @@
+/// @file
+/// What is in a body file, told to people and to other programs.
+#pragma once
+
+#include "palpable/common/base/json.h"
+#include "palpable/common/reduced/reduced_body.h"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+
+/// (name, text) lines: sizes, material, sites, loads, modes and their errors. Lengths in mm, loads
+/// in N; errors are relative, L2.
+/// @param file     from which the body was read; its size is one of the facts
+/// @param setting  how another value of a further parameter is chosen: "0.5 unless <setting>"
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> body_facts(
+    const ReducedBody& body, const std::filesystem::path& file, std::string_view setting);
+
+/// The same but for the file's size, in SI units, and where the body comes from.
+[[nodiscard]] Json json_of(const ReducedBody& body);
+
+}  // namespace palpable

@@ -1,0 +1,132 @@
+/// @file
+/// The laws of hyperelasticity at eight points of a skin at a time, in single precision: what comes
+/// from 60 kPa is off by some 0.01 Pa. For files that are compiled without contraction of
+/// a * b + c (CMakeLists.txt), so that all processors give the same bytes.
+#pragma once
+
+#include "palpable/common/material/law.h"
+#include "palpable/common/material/simd.h"
+#include "palpable/common/material/tensor.h"
+
+#include <cstdint>
+
+namespace palpable {
+
+/// An element that is pressed to less of its volume is on its way to being turned inside out.
+inline constexpr float kLeastVolume = 0.01f;
+/// Pa: more is no stress of a body; squares of it are numbers still.
+inline constexpr float kMostStress = 1e15f;
+
+using FloatPack = float __attribute__((vector_size(kPackSize * sizeof(float))));
+using IntPack = std::int32_t __attribute__((vector_size(kPackSize * sizeof(std::int32_t))));
+using WordPack = std::uint32_t __attribute__((vector_size(kPackSize * sizeof(std::uint32_t))));
+
+/// Eight floats that the laws' formulas take as a number: their constants are doubles.
+struct Lanes {
+  FloatPack v;
+  PALPABLE_ALWAYS_INLINE Lanes& operator+=(const Lanes& b) {
+    v += b.v;
+    return *this;
+  }
+  PALPABLE_ALWAYS_INLINE Lanes& operator-=(double b) {
+    v -= static_cast<float>(b);
+    return *this;
+  }
+};
+PALPABLE_ALWAYS_INLINE Lanes lanes(double x) { return {FloatPack{} + static_cast<float>(x)}; }
+PALPABLE_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) { return {a.v + b.v}; }
+PALPABLE_ALWAYS_INLINE Lanes operator-(const Lanes& a, const Lanes& b) { return {a.v - b.v}; }
+PALPABLE_ALWAYS_INLINE Lanes operator*(const Lanes& a, const Lanes& b) { return {a.v * b.v}; }
+PALPABLE_ALWAYS_INLINE Lanes operator/(const Lanes& a, const Lanes& b) { return {a.v / b.v}; }
+PALPABLE_ALWAYS_INLINE Lanes operator+(double a, const Lanes& b) { return lanes(a) + b; }
+PALPABLE_ALWAYS_INLINE Lanes operator-(double a, const Lanes& b) { return lanes(a) - b; }
+PALPABLE_ALWAYS_INLINE Lanes operator*(double a, const Lanes& b) { return lanes(a) * b; }
+PALPABLE_ALWAYS_INLINE Lanes operator/(double a, const Lanes& b) { return lanes(a) / b; }
+PALPABLE_ALWAYS_INLINE Lanes operator-(const Lanes& a, double b) { return a - lanes(b); }
+PALPABLE_ALWAYS_INLINE Lanes operator*(const Lanes& a, double b) { return a * lanes(b); }
+
+/// As those of tensor.h, to single precision: the rest of the series is below 3e-9 of its first
+/// term.
+PALPABLE_ALWAYS_INLINE Lanes logarithm(const Lanes& x) {
+  const WordPack bits = (WordPack)x.v;
+  const IntPack e = ((IntPack)(bits + (0x3f800000U - 0x3f3504f3U)) >> 23) - 127;
+  const FloatPack m = (FloatPack)(bits - ((WordPack)e << 23));
+  const FloatPack s = (m - 1.0f) / (m + 1.0f);
+  const FloatPack q = s * s;
+  const FloatPack series = ((q * (1.0f / 9) + 1.0f / 7) * q + 1.0f / 5) * q + 1.0f / 3;
+  return {__builtin_convertvector(e, FloatPack) * 0.69314718f + 2.0f * (s + s * q * series)};
+}
+PALPABLE_ALWAYS_INLINE Lanes inverse_cube_root(const Lanes& x) {
+  const FloatPack start =
+      1.41989e9f - __builtin_convertvector((IntPack)x.v, FloatPack) * (1.0f / 3);
+  FloatPack r = (FloatPack) __builtin_convertvector(start, IntPack);
+  for (int step = 0; step < 3; ++step) r = r * (4.0f - x.v * r * r * r) * (1.0f / 3);
+  return {r};
+}
+
+/// As deformation() of law.h, with a volume that is not less than the least. Returns 1 / J.
+PALPABLE_ALWAYS_INLINE Lanes bounded_deformation(const Tensor<Lanes>& F, Deformation<Lanes>& d) {
+  d.F = F;
+  const Tensor<Lanes> cofactor = cofactors(F);
+  const Lanes J = F(0, 0) * cofactor(0, 0) + F(1, 0) * cofactor(1, 0) + F(2, 0) * cofactor(2, 0);
+  d.J = {J.v > kLeastVolume ? J.v : FloatPack{} + kLeastVolume};  // also where J is no number
+  const Lanes shrunk = 1.0 / d.J;
+  d.G = shrunk * cofactor;
+  d.I1 = inner(F, F);
+  return shrunk;
+}
+
+/// One instruction, where a file is compiled without errno of mathematics (CMakeLists.txt).
+PALPABLE_ALWAYS_INLINE FloatPack square_root(const FloatPack& x) {
+  FloatPack root;
+  for (int k = 0; k < kPackSize; ++k) root[k] = __builtin_sqrtf(x[k]);
+  return root;
+}
+
+/// What is no number is the most.
+PALPABLE_ALWAYS_INLINE FloatPack bounded(FloatPack s) {
+  s = s < kMostStress ? s : FloatPack{} + kMostStress;
+  return s > -kMostStress ? s : FloatPack{} - kMostStress;
+}
+
+/// Components of a symmetric tensor in the order xx yy zz xy yz zx.
+inline constexpr int kStressRow[6] = {0, 1, 2, 0, 1, 2}, kStressColumn[6] = {0, 1, 2, 1, 2, 0};
+
+/// sigma = P F^T / J, a number whatever F is. @param shrunk  1 / J  @param s  Pa, in that order
+PALPABLE_ALWAYS_INLINE void push_forward(const Tensor<Lanes>& P, const Tensor<Lanes>& F,
+                                         const Lanes& shrunk, FloatPack (&s)[6]) {
+  for (int c = 0; c < 6; ++c) {
+    const int i = kStressRow[c], j = kStressColumn[c];
+    const Lanes sum = P(i, 0) * F(j, 0) + P(i, 1) * F(j, 1) + P(i, 2) * F(j, 2);
+    s[c] = bounded((sum * shrunk).v);
+  }
+}
+
+/// sigma = (P(F) + F S) F^T / J, a number whatever F is.
+/// @param S  Pa, added to the second Piola stress; xx yy zz xy yz zx
+/// @param s  Pa, likewise
+template <class Law>
+PALPABLE_ALWAYS_INLINE void cauchy_stress(const Law& law, const Tensor<Lanes>& F,
+                                          const FloatPack (&S)[6], FloatPack (&s)[6]) {
+  constexpr int kEntry[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+  Deformation<Lanes> d;
+  const Lanes shrunk = bounded_deformation(F, d);
+  Tensor<Lanes> P = first_piola(law, d);
+  for (int J = 0; J < 3; ++J) {
+    for (int i = 0; i < 3; ++i) {
+      for (int K = 0; K < 3; ++K) P(i, J).v += F(i, K).v * S[kEntry[K][J]];
+    }
+  }
+  push_forward(P, F, shrunk, s);
+}
+
+/// sigma = P(F) F^T / J, a number whatever F is. @param s  Pa, xx yy zz xy yz zx
+template <class Law>
+PALPABLE_ALWAYS_INLINE void cauchy_stress(const Law& law, const Tensor<Lanes>& F,
+                                          FloatPack (&s)[6]) {
+  Deformation<Lanes> d;
+  const Lanes shrunk = bounded_deformation(F, d);
+  push_forward(first_piola(law, d), F, shrunk, s);
+}
+
+}  // namespace palpable

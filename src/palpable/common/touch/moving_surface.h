@@ -1,0 +1,101 @@
+/// @file
+/// Signed distance to a closed skin that deforms: what bodies ask of each other.
+///
+///   V  vertices     T  triangles
+#pragma once
+
+#include "palpable/common/geometry/surface_mesh.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace palpable {
+
+/// m: so deep inside the skin of one body another's is looked for.
+inline constexpr float kDeepInside = 0.02f;
+
+/// What of the skin is nearest to a place.
+struct NearestOnSkin {
+  float distance = 0;  ///< m, negative inside
+  int triangle = 0;
+  Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< of its corners, sum 1
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, of the face, edge or corner
+};
+
+/// The round skin for which the triangles stand.
+struct RoundedSkin {
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();    ///< unit, outwards; turns along the skin
+  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  ///< 1/m, dn/dx; symmetric
+};
+
+/// A tree of boxes over the triangles, made once; where the vertices are is told again and again.
+/// The sign is that of the angle-weighted normal of the nearest face, edge or corner
+/// (surface_distance.h, which is exact to a double's rounding and made anew for each shape).
+class MovingSurface {
+ public:
+  /// @param skin  closed; at rest
+  explicit MovingSurface(const SurfaceMesh& skin);
+
+  /// @param vertices  (3 x V) m, where they are now. Copied; allocates nothing
+  void move(const Eigen::Matrix3Xf& vertices);
+
+  /// Nothing where the skin is farther than `reach`. Allocates nothing.
+  [[nodiscard]] std::optional<NearestOnSkin> nearest(const Eigen::Vector3f& x, float reach) const;
+  /// Normals of the corners, interpolated in the triangle, so that what slides over an edge is not
+  /// pushed another way from one place to the next. Edges of more than 40 degrees stay edges.
+  [[nodiscard]] RoundedSkin rounded_at(const NearestOnSkin& found) const;
+  /// Whether the box of a triangle, or one that holds it, is nearer than `reach`: the cheaper
+  /// question.
+  [[nodiscard]] bool may_be_within(const Eigen::Vector3f& x, float reach) const;
+
+  /// Those on edges of more than 40 degrees, rising.
+  [[nodiscard]] std::vector<int> sharp_vertices() const;
+  /// Unit, outwards: of the faces around, by their angles.
+  [[nodiscard]] Eigen::Vector3f vertex_normal(int v) const;
+  [[nodiscard]] Eigen::Vector3i corners(int triangle) const { return triangles_.col(triangle); }
+  [[nodiscard]] Eigen::AlignedBox3f bounds() const {
+    const Box& all = boxes_.front();
+    return {all.low.head<3>().matrix(), all.high.head<3>().matrix()};
+  }
+
+ private:
+  // Triangles order_[first .. first + count - 1]; an inner box has none, and its halves are the
+  // next box and `second`. The corners of those triangles are corners_[second ..] up to those of
+  // the next box that has any.
+  struct Box {
+    Eigen::Array4f low, high;  // the fourth number is 0
+    int first = 0, count = 0, second = 0;
+    [[nodiscard]] float square_to(const Eigen::Array4f& x) const {
+      return (low - x).max(x - high).max(0.0f).matrix().squaredNorm();
+    }
+  };
+  struct Best {
+    float square;
+    int triangle;
+    Eigen::Vector3f weights;
+  };
+  int build(int first, int count, const std::vector<Eigen::Vector3f>& centres);
+  void find_corners();
+  void find_adjacent();
+  void look_into(int box, const Eigen::Array4f& x, Best& best) const;
+  [[nodiscard]] Eigen::Vector3f vertex(int v) const { return vertices_.col(v).head<3>(); }
+  [[nodiscard]] Eigen::Vector3f face_normal(int triangle) const;
+  [[nodiscard]] Eigen::Vector3f normal_at(int triangle, const Eigen::Vector3f& weights) const;
+  [[nodiscard]] Eigen::Vector3f normal_around(int v, const Eigen::Vector3f& way,
+                                              float least_cosine) const;
+
+  Eigen::Matrix3Xi triangles_;
+  Eigen::Matrix4Xf vertices_;  // the fourth number is 0
+  std::vector<int> order_;
+  std::vector<int> corners_;  // of each innermost box each vertex once
+  std::vector<Box> boxes_;
+  std::vector<std::array<int, 3>> across_;  // (T) triangle beyond the edge from corner k to k + 1
+  std::vector<int> first_, around_;         // of a vertex: around_[first_[v]] .. its triangles
+};
+
+}  // namespace palpable

@@ -1,0 +1,162 @@
+// Each image format: what the counts are, back again through its reader, and what its reader
+// refuses.
+#include "palpable/common/base/error.h"
+#include "palpable/desk/clip_files/depth_image_file.h"
+#include "palpable/desk/clip_files/jpeg_file.h"
+#include "palpable/desk/clip_files/mask_image_file.h"
+#include "palpable/live/sources/image_file.h"
+#include "tests/support/full_disk.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <string>
+
+namespace palpable {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+namespace fs = std::filesystem;
+using test::ScratchFolder;
+
+/// 0.2 m to 15 m, with a hole.
+DepthImage some_depth() {
+  DepthImage depth(64, 48);
+  for (int y = 0; y < depth.height(); ++y) {
+    for (int x = 0; x < depth.width(); ++x) {
+      depth(x, y) = 0.2f + 0.0047f * static_cast<float>(64 * y + x);
+    }
+  }
+  depth(5, 5) = kUnknown;
+  return depth;
+}
+
+TEST_CASE("measured depth is quarters of a millimetre, and what cannot be is none",
+          "[clip_files]") {
+  DepthImage depth(4, 2, 0.5f);
+  depth(1, 0) = kUnknown;
+  depth(2, 0) = 16.3834f;   // 65534 counts are 16.3835 m
+  depth(3, 0) = 17.0f;      // beyond the counts
+  depth(0, 1) = 0.00012f;   // less than half a count
+  depth(1, 1) = 0.300125f;  // 1200.5 counts, and a bit less in single precision or not
+  MaskImage too_close(4, 2, 0);
+  too_close(3, 1) = 255;
+  const DepthCounts counts = measured_counts(depth, too_close);
+  CHECK(counts(0, 0) == 2000);
+  CHECK(counts(1, 0) == kNoDepth);
+  CHECK(counts(2, 0) == 65534);
+  CHECK(counts(3, 0) == kNoDepth);
+  CHECK(counts(0, 1) == kNoDepth);
+  CHECK(counts(1, 1) == std::lround(0.300125f / 0.25e-3f));
+  CHECK(counts(2, 1) == 2000);
+  CHECK(counts(3, 1) == kTooClose);
+  CHECK(measured_counts(depth, MaskImage())(3, 1) == 2000);
+  CHECK(true_counts(depth)(2, 0) == 65534);
+  CHECK(true_counts(depth)(3, 0) == kNoDepth);
+  CHECK(true_counts(depth)(1, 1) == std::lround(static_cast<double>(0.300125f) / 0.00025));
+}
+
+TEST_CASE("the drawn body's depth is the mean of four pixels, of which two are known",
+          "[clip_files]") {
+  DepthImage depth(6, 2, 0.4f);
+  depth(1, 0) = 0.402f;    // mean of the first block: 0.4005
+  depth(2, 0) = kUnknown;  // two are left in the second
+  depth(3, 1) = kUnknown;
+  depth(4, 0) = kUnknown;  // one in the third
+  depth(5, 0) = kUnknown;
+  depth(4, 1) = kUnknown;
+  const DepthCounts counts = body_counts(depth);
+  CHECK(counts.width() == 3);
+  CHECK(counts.height() == 1);
+  CHECK(counts(0, 0) == 4005);
+  CHECK(counts(1, 0) == 4000);
+  CHECK(counts(2, 0) == kNoDepth);
+}
+
+TEST_CASE("depth comes back from its files, whose bytes stay", "[clip_files]") {
+  const ScratchFolder folder("clip_files");
+  const DepthImage depth = some_depth();
+  MaskImage too_close(depth.width(), depth.height(), 0);
+  too_close(0, 0) = 255;
+  write_measured_depth(folder / "m.png", depth, too_close);
+  write_true_depth(folder / "t.png", depth);
+  write_body_depth(folder / "b.png", depth);
+  CHECK(*read_depth_counts(folder / "m.png") == measured_counts(depth, too_close));
+  CHECK(*read_depth_counts(folder / "t.png") == true_counts(depth));
+  CHECK(*read_depth_counts(folder / "b.png") == body_counts(depth));
+  CHECK_FALSE(read_depth_counts(folder / "none.png").has_value());
+  const DepthImage metres = depth_of(true_counts(depth), kDepthUnit);
+  CHECK(std::isnan(metres(5, 5)));
+  CHECK(std::abs(metres(6, 5) - depth(6, 5)) <= 0.000126f);
+  // The two pack in different ways: a file of either would have another size in the other's.
+  write_measured_depth(folder / "m2.png", depth, MaskImage());
+  CHECK(test::file_bytes(folder / "m2.png").size() != test::file_bytes(folder / "t.png").size());
+}
+
+TEST_CASE("masks are split in the middle, labels stay as they are", "[clip_files]") {
+  const ScratchFolder folder("clip_files");
+  MaskImage mask(5, 4, 0);
+  mask(2, 1) = 255;
+  write_mask(folder / "m.png", mask);
+  CHECK(*read_mask(folder / "m.png") == mask);
+  GrayImage labels(5, 4, 3);
+  labels(0, 0) = 127;
+  labels(1, 0) = 128;
+  write_labels(folder / "l.png", labels);
+  CHECK(*read_labels(folder / "l.png") == labels);
+  const MaskImage split = *read_mask(folder / "l.png");
+  CHECK(split(0, 0) == 0);
+  CHECK(split(1, 0) == 255);
+  CHECK_FALSE(read_mask(folder / "none.png").has_value());
+  CHECK_FALSE(read_labels(folder / "none.png").has_value());
+}
+
+TEST_CASE("images that are none are refused by name", "[clip_files][errors]") {
+  const ScratchFolder folder("clip_files");
+  test::write_bytes(folder / "d.png", "no image");
+  CHECK_THROWS_WITH(read_depth_counts(folder / "d.png"), Catch::Contains("d.png is no image"));
+  CHECK_THROWS_WITH(read_mask(folder / "d.png"), Catch::Contains("d.png is no image"));
+  write_mask(folder / "m.png", MaskImage(3, 2, 255));
+  CHECK_THROWS_WITH(read_depth_counts(folder / "m.png"),
+                    Catch::Contains("m.png is not a 16-bit gray image"));
+  CHECK_THROWS_AS(write_mask(folder / "nowhere/m.png", MaskImage(3, 2, 255)), Error);
+}
+
+TEST_CASE("no image fails in silence, however small, and half of one does not stay",
+          "[clip_files][errors]") {
+  const ScratchFolder folder("clip_files");
+  const auto full = Catch::EndsWith("i.png: cannot be written: No space left on device");
+  fs::create_symlink("/dev/full", folder / "i.png");
+  CHECK_THROWS_WITH(write_mask(folder / "i.png", MaskImage(3, 2, 255)), full);
+  CHECK_THROWS_WITH(write_body_depth(folder / "i.png", some_depth()), full);
+  fs::create_symlink("/dev/full", folder / "i.jpg");
+  CHECK_THROWS_WITH(write_jpeg(folder / "i.jpg", ColorImage(8, 8)),
+                    Catch::EndsWith("i.jpg: cannot be written: No space left on device"));
+  const test::FileSizeLimit limit(100);
+  CHECK_THROWS_WITH(write_true_depth(folder / "d.png", some_depth()),
+                    Catch::EndsWith("d.png: cannot be written: File too large"));
+  CHECK_FALSE(fs::exists(folder / "d.png"));
+}
+
+TEST_CASE("a picture that went through JPEG is what a reader of its file gets", "[clip_files]") {
+  const ScratchFolder folder("clip_files");
+  ColorImage picture(32, 16);
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      picture(x, y) = {static_cast<std::uint8_t>(8 * x), static_cast<std::uint8_t>(16 * y), 200};
+    }
+  }
+  write_jpeg(folder / "p.jpg", picture);
+  ImageFileReader reader;
+  ColorImage read;
+  REQUIRE(reader.read_color(folder / "p.jpg", read).ok());
+  CHECK(through_jpeg(picture) == read);
+  CHECK_FALSE(read == picture);
+  CHECK(std::abs(read(31, 8).r - picture(31, 8).r) < 12);
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,167 @@
+#include "palpable/desk/clip_files/published_poses.h"
+
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/text_numbers.h"
+#include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/live/sources/folder_layouts.h"
+#include "palpable/live/sources/natural_order.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kKittiRate = 10;        // Hz
+constexpr double kSevenScenesRate = 30;  // Hz
+constexpr std::string_view kPoseEnding = ".pose.txt";
+
+// Of a matrix row by row, 3 x 4 or 4 x 4. @throws Error when it holds no rotation
+Rigid3 pose_of_rows(const std::vector<double>& n, const std::string& where) {
+  using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+  Rigid3 pose = Rigid3::Identity();
+  pose.matrix().topRows<3>() = Eigen::Map<const Rows>(n.data());
+  const Eigen::Matrix3d R = pose.linear();
+  constexpr double kRounding = 1e-2;  // files have few digits
+  const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(off <= kRounding) || R.determinant() < 0) {
+    throw Error(fmt::format("{}: the matrix holds no rotation", where));
+  }
+  pose.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
+  return pose;
+}
+
+std::vector<std::string> lines_of(const fs::path& path) {
+  const auto lines = read_lines(path);
+  if (!lines) throw Error(fmt::format("{}: cannot be read", path.string()));
+  return *lines;
+}
+
+PublishedPoses kitti(const fs::path& file, const std::vector<std::string>& lines,
+                     std::optional<double> rate) {
+  PublishedPoses published{"KITTI", "left camera", {}};
+  const auto times = rate ? std::nullopt : read_lines(file.parent_path() / "times.txt");
+  if (times && times->size() < lines.size()) {
+    throw Error(fmt::format("{}: has {} times for the {} poses of {}; --fps takes their place",
+                            (file.parent_path() / "times.txt").string(), times->size(),
+                            lines.size(), file.string()));
+  }
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const std::string where = fmt::format("{}: line {}", file.string(), k + 1);
+    const auto n = to_numbers(lines[k]);
+    if (!n || n->size() != 12) {
+      throw Error(fmt::format("{}: 12 numbers are wanted, the rows of world_from_camera", where));
+    }
+    std::optional<double> time = static_cast<double>(k) / rate.value_or(kKittiRate);
+    if (times) time = to_number((*times)[k]);
+    if (!time) {
+      throw Error(fmt::format("{}: line {}: is no time",
+                              (file.parent_path() / "times.txt").string(), k + 1));
+    }
+    published.poses.push_back({*time, pose_of_rows(*n, where)});
+  }
+  return published;
+}
+
+std::vector<fs::path> pose_files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().filename().string().ends_with(kPoseEnding)) files.push_back(it->path());
+  }
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+PublishedPoses seven_scenes(const std::vector<fs::path>& files, std::optional<double> rate) {
+  PublishedPoses published{"7-Scenes", "depth camera", {}};
+  for (const fs::path& file : files) {
+    std::string text;
+    for (const std::string& line : lines_of(file)) text += line + "\n";
+    const auto n = to_numbers(text);
+    if (!n || n->size() != 16) {
+      throw Error(
+          fmt::format("{}: 16 numbers are wanted, the rows of world_from_camera", file.string()));
+    }
+    const double number = static_cast<double>(published.poses.size());
+    published.poses.push_back(
+        {number / rate.value_or(kSevenScenesRate), pose_of_rows(*n, file.string())});
+  }
+  return published;
+}
+
+PublishedPoses of_recording(const fs::path& folder) {
+  const Recording recording = value_or_throw(recognise_folder(folder));
+  PublishedPoses published{recording.layout, "left camera", {}};
+  for (const RecordedFrame& frame : recording.frames) {
+    if (!frame.world_from_camera || !frame.time) continue;
+    published.poses.push_back({recording.starts_at + *frame.time, *frame.world_from_camera});
+  }
+  return published;
+}
+
+PublishedPoses euroc(const fs::path& csv) {
+  // Beside the images it is known where the camera stands in the body.
+  std::error_code ignored;
+  const fs::path recording = fs::absolute(csv, ignored).parent_path().parent_path();
+  if (fs::exists(recording / "cam0/sensor.yaml", ignored) &&
+      fs::is_directory(recording / "cam0/data", ignored)) {
+    return of_recording(recording);
+  }
+  PublishedPoses published{"EuRoC", "body", {}};
+  for (const auto& [time, pose] : read_euroc_poses(csv, 0)) published.poses.push_back({time, pose});
+  return published;
+}
+
+PublishedPoses of_text(const fs::path& file, std::optional<double> rate) {
+  const std::vector<std::string> lines = lines_of(file);
+  const auto n = lines.empty() ? std::nullopt : to_numbers(lines.front());
+  if (n && n->size() == 8) return {"TUM", "left camera", read_trajectory(file)};
+  if (n && n->size() == 12) return kitti(file, lines, rate);
+  throw Error(fmt::format(
+      "{}: holds no poses that are known: lines of 8 numbers (TUM: time tx ty tz qx qy qz qw) or "
+      "12 "
+      "(KITTI), a *.pose.txt of 7-Scenes, EuRoC's data.csv, or a folder of one of these",
+      file.string()));
+}
+
+PublishedPoses read_any(const fs::path& path, std::optional<double> rate) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) throw Error(fmt::format("{}: is not there", path.string()));
+  if (fs::is_directory(path, ignored)) {
+    const std::vector<fs::path> files = pose_files_in(path);
+    return files.empty() ? of_recording(path) : seven_scenes(files, rate);
+  }
+  if (path.filename().string().ends_with(kPoseEnding)) {
+    return seven_scenes(pose_files_in(fs::absolute(path, ignored).parent_path()), rate);
+  }
+  return path.extension() == ".csv" ? euroc(path) : of_text(path, rate);
+}
+
+}  // namespace
+
+PublishedPoses read_published_poses(const fs::path& path, std::optional<double> rate) {
+  PublishedPoses published = read_any(path, rate);
+  if (published.poses.size() < 2) {
+    throw Error(fmt::format("{}: holds {} poses; two at least are wanted", path.string(),
+                            published.poses.size()));
+  }
+  for (std::size_t k = 1; k < published.poses.size(); ++k) {
+    const double before = published.poses[k - 1].time;
+    if (!(published.poses[k].time > before)) {
+      throw Error(fmt::format("{}: times must rise: {} s comes after {} s", path.string(),
+                              published.poses[k].time, before));
+    }
+  }
+  return published;
+}
+
+}  // namespace palpable

@@ -1,0 +1,76 @@
+#include "palpable/desk/clip_writer/kept_clip.h"
+
+#include "palpable/common/base/error.h"
+#include "palpable/common/reduced/body_file.h"
+#include "palpable/live/render/gl_context.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <filesystem>
+#include <fstream>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST_CASE("the clip of a live run is filmed once for a body, and anew for another",
+          "[clip_writer][gl]") {
+  if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
+  const test::ScratchFolder scratch("kept_clip");
+  const fs::path file = scratch.path() / "ball.palpable";
+  fs::copy_file("tests/data/ball_v1.palpable", file);
+  const ReducedBody body = value_or_throw(read_pressable_body(file));
+  const KeptClipOrder order{scratch.path() / "clip", file, "1.0", 2};
+  const fs::path frames = kept_clip(body, order, {});
+  const fs::path picture = frames / "left" / "000001.jpg";
+  CHECK(fs::exists(picture));
+  fs::remove(picture);  // comes back when the clip is filmed again
+  CHECK(kept_clip(body, order, {}) == frames);
+  CHECK_FALSE(fs::exists(picture));
+
+  // The same body with other bytes: a body baked anew.
+  std::ofstream(file, std::ios::app | std::ios::binary) << "more";
+  (void)kept_clip(body, order, {});
+  CHECK(fs::exists(picture));
+
+  // A body in the folder would go with the clip.
+  fs::copy_file(file, order.folder / "ball.palpable");
+  KeptClipOrder inside = order;
+  inside.body_file = order.folder / "ball.palpable";
+  inside.version = "1.1";
+  CHECK_THROWS_WITH(kept_clip(body, inside, {}), Catch::Contains("ball.palpable: lies where"));
+  CHECK(fs::exists(picture));
+
+  // What has no label of a clip is in the way.
+  fs::remove(order.folder / "made_for.txt");
+  CHECK_THROWS_WITH(kept_clip(body, order, {}), Catch::Contains("in the way"));
+  std::ofstream(order.folder / "made_for.txt") << "a friend\n";
+  CHECK_THROWS_WITH(kept_clip(body, order, {}), Catch::Contains("in the way"));
+  CHECK(fs::exists(picture));
+}
+
+TEST_CASE("a clip whose filming was interrupted is filmed again", "[clip_writer][gl]") {
+  if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
+  const test::ScratchFolder scratch("kept_clip_half");
+  const fs::path file = "tests/data/ball_v1.palpable";
+  const ReducedBody body = value_or_throw(read_pressable_body(file));
+  const KeptClipOrder order{scratch.path() / "clip", file, "1.0", 3};
+  const fs::path last = order.folder / "frames" / "left" / "000002.jpg";
+  const auto interrupt = [](const ProgressReport& step) {
+    if (step.done >= 1) throw Error("enough");
+  };
+  CHECK_THROWS_WITH(kept_clip(body, order, interrupt), "enough");
+  CHECK(fs::exists(order.folder / "frames"));
+  fs::remove(last);  // whether it was filmed already, nobody promises
+  CHECK(fs::exists(kept_clip(body, order, {}) / "left" / "000002.jpg"));
+
+  // The disk was full when the label was to be written.
+  std::ofstream(order.folder / "made_for.txt").close();
+  fs::remove(last);
+  (void)kept_clip(body, order, {});
+  CHECK(fs::exists(last));
+}
+
+}  // namespace
+}  // namespace palpable

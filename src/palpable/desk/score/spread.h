@@ -1,0 +1,32 @@
+/// @file
+/// A figure that every frame has, over many frames. Nothing of no frame.
+#pragma once
+
+#include "palpable/common/base/order_statistics.h"
+
+#include <optional>
+#include <vector>
+
+namespace palpable {
+
+struct MedianAndP90 {
+  double median = 0;
+  double p90 = 0;  ///< nine frames of ten have less
+};
+
+struct P50AndP99 {
+  double p50 = 0;  ///< the median
+  double p99 = 0;  ///< 99 frames of 100 have less
+};
+
+[[nodiscard]] inline std::optional<MedianAndP90> median_and_p90(const std::vector<double>& frames) {
+  if (frames.empty()) return std::nullopt;
+  return MedianAndP90{percentile(frames, 0.5), percentile(frames, 0.9)};
+}
+
+[[nodiscard]] inline std::optional<P50AndP99> p50_and_p99(const std::vector<double>& frames) {
+  if (frames.empty()) return std::nullopt;
+  return P50AndP99{percentile(frames, 0.5), percentile(frames, 0.99)};
+}
+
+}  // namespace palpable

@@ -1,0 +1,55 @@
+#include "palpable/desk/score/touch_score.h"
+
+#include "palpable/common/base/contract.h"
+#include "tests/support/test.h"
+
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Flags = std::vector<std::uint8_t>;
+
+TEST_CASE("delay, precision and recall of a hand-made run are what one counts", "[score]") {
+  //                 0  1  2  3  4  5  6  7  8  9
+  const Flags truth{0, 0, 1, 1, 1, 1, 1, 0, 0, 0};
+  const Flags found{0, 0, 0, 0, 1, 1, 1, 1, 0, 0};
+  const TouchScore score = score_touches(truth, found);
+  CHECK(score.frames == 10);
+  CHECK(score.truly_touching == 5);
+  CHECK(score.found_touching == 4);
+  CHECK(score.both == 3);
+  CHECK(score.first_touch_delay_frames == 2);
+  CHECK(*score.precision == 0.75);
+  CHECK(*score.recall == 0.6);
+}
+
+TEST_CASE("a touch that is felt too early has a negative delay", "[score]") {
+  CHECK(score_touches(Flags{0, 0, 0, 1}, Flags{1, 0, 0, 1}).first_touch_delay_frames == -3);
+}
+
+TEST_CASE("what never happens has no delay and no share", "[score]") {
+  const TouchScore never_found = score_touches(Flags{0, 1}, Flags{0, 0});
+  CHECK_FALSE(never_found.first_touch_delay_frames.has_value());
+  CHECK_FALSE(never_found.precision.has_value());
+  CHECK(*never_found.recall == 0);
+  const TouchScore never_true = score_touches(Flags{0, 0}, Flags{0, 1});
+  CHECK_FALSE(never_true.first_touch_delay_frames.has_value());
+  CHECK(*never_true.precision == 0);
+  CHECK_FALSE(never_true.recall.has_value());
+}
+
+TEST_CASE("the site counts where truth and result name one", "[score]") {
+  const std::vector<int> truth{-1, 3, 3, 3, 5, -1, 2};
+  const std::vector<int> found{3, 3, 4, 3, -1, 2, 3};
+  CHECK(*score_sites(truth, found) == Approx(0.5));  // frames 1 2 3 6: right in 1 and 3
+  CHECK_FALSE(score_sites(std::vector{-1, 2}, std::vector{2, -1}).has_value());
+}
+
+TEST_CASE("lists of different lengths are refused", "[score][errors]") {
+  CHECK_THROWS_AS(score_touches(Flags{0, 1}, Flags{0}), ContractViolation);
+  CHECK_THROWS_AS(score_sites(std::vector{0, 1}, std::vector{0}), ContractViolation);
+}
+
+}  // namespace
+}  // namespace palpable

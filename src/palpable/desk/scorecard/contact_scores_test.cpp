@@ -1,0 +1,584 @@
+// A made-up press whose truth is known in closed form: a perfect answer scores perfectly, and each
+// score is bad for the wrong answer that it is there for.
+
+#include "palpable/common/base/error.h"
+#include "palpable/common/reduced/body_file.h"
+#include "palpable/desk/clip_files/contact_file.h"
+#include "palpable/desk/clip_files/frame_names.h"
+#include "palpable/desk/clip_files/hand_file.h"
+#include "palpable/desk/clip_files/touches_file.h"
+#include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/desk/scorecard/scorecard.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using test::tolerance;
+
+constexpr double kRadius = 0.015;  // m, of the ball that presses
+const Vector3d kForcePerMetre(50, 0, -500);
+
+// What the ball does. The body is 100 mm high: at more than 10 mm the ball passes through.
+struct Moment {
+  double depth;  // m, below the top; negative above it
+  double seen_share;
+  bool has_full_answer;
+};
+constexpr std::array<Moment, 8> kMoments{{{-0.050, 1, false},
+                                          {-0.007, 1, false},
+                                          {0.002, 1, true},  // shallow
+                                          {0.006, 1, true},
+                                          {0.008, 1, true},
+                                          {0.012, 1, false},   // passes through
+                                          {0.006, 0.2, true},  // seen by no camera
+                                          {-0.050, 1, false}}};
+
+// A block 100 mm high whose top, at Z = 0, has vertices 2.5 mm apart.
+SurfaceMesh block() {
+  constexpr int kParts = 40;
+  SurfaceMesh surface;
+  surface.vertices.resize(3, (kParts + 1) * (kParts + 1) + 1);
+  surface.triangles.resize(3, 2 * kParts * kParts + 4 * kParts);
+  const auto at = [](int i, int j) { return j * (kParts + 1) + i; };
+  for (int j = 0; j <= kParts; ++j) {
+    for (int i = 0; i <= kParts; ++i) {
+      surface.vertices.col(at(i, j)) << 0.0025 * i - 0.05, 0.0025 * j - 0.05, 0;
+    }
+  }
+  const int bottom = static_cast<int>(surface.vertices.cols()) - 1;
+  surface.vertices.col(bottom) << 0, 0, -0.1;
+  int t = 0;
+  for (int j = 0; j < kParts; ++j) {
+    for (int i = 0; i < kParts; ++i) {
+      surface.triangles.col(t++) << at(i, j), at(i + 1, j), at(i + 1, j + 1);
+      surface.triangles.col(t++) << at(i, j), at(i + 1, j + 1), at(i, j + 1);
+    }
+  }
+  for (int i = 0; i < kParts; ++i) {  // an upside-down pyramid closes it
+    surface.triangles.col(t++) << at(i + 1, 0), at(i, 0), bottom;
+    surface.triangles.col(t++) << at(i, kParts), at(i + 1, kParts), bottom;
+    surface.triangles.col(t++) << at(0, i), at(0, i + 1), bottom;
+    surface.triangles.col(t++) << at(kParts, i + 1), at(kParts, i), bottom;
+  }
+  return surface;
+}
+
+// The top gives way to a ball above `at` and nowhere else; stress as the way of each vertex.
+void press(ValuedSurface& skin, const Vector2d& at, double depth, double times) {
+  for (int v = 0; v + 1 < skin.surface.vertex_count(); ++v) {
+    const double r = (skin.surface.vertices.col(v).head<2>() - at).norm();
+    if (r >= kRadius || depth <= 0) continue;
+    const double down = depth - kRadius + std::sqrt(kRadius * kRadius - r * r);
+    if (down <= 0) continue;
+    skin.surface.vertices(2, v) = -times * down;
+    skin.values[v] = times * 1e6 * down;
+  }
+}
+
+ValuedSurface at_rest() {
+  ValuedSurface skin{block(), {}};
+  skin.values = Eigen::VectorXd::Zero(skin.surface.vertex_count());
+  return skin;
+}
+
+ValuedSurface pressed(double depth, double times = 1) {
+  ValuedSurface skin = at_rest();
+  press(skin, Vector2d::Zero(), depth, times);
+  return skin;
+}
+
+void write_text(const fs::path& path, const std::string& text) { test::write_bytes(path, text); }
+
+// Where the body stands before the camera, m; it is not turned.
+const Vector3d kPlace(0.01, -0.02, 0.4);
+constexpr const char* kPoseText = "[1,0,0,0.01, 0,1,0,-0.02, 0,0,1,0.4, 0,0,0,1]";
+
+void write_truth(const fs::path& folder) {
+  std::string contacts, hands, path, deformed;
+  fs::create_directories(folder / "deformed");
+  write_valued_ply(folder / "deformed" / "rest.ply", pressed(0), kVonMisesProperty);
+  for (int n = 0; n < std::ssize(kMoments); ++n) {
+    const Moment& now = kMoments[n];
+    const Vector3d middle(0, 0, kRadius - now.depth);
+    hands += hand_line({n, {{kPlace + middle, kPlace + middle, kRadius, kRadius}}});
+    path += trajectory_line({n / 30.0, Rigid3::Identity()});
+    ContactLine contact{.frame = n, .touching = now.depth > 0, .site = -1};
+    if (contact.touching) {
+      contact.depth = now.depth;
+      contact.point = Vector3d::Zero();
+      contact.seen_share = now.seen_share;
+    } else {
+      contact.gap = -now.depth;
+    }
+    contacts += contact_line(contact);
+    if (!now.has_full_answer) continue;
+    write_valued_ply(deformed_skin_file(folder / "deformed", n), pressed(now.depth),
+                     kVonMisesProperty);
+    deformed +=
+        deformed_line({.frame = n, .depth = now.depth, .force = now.depth * kForcePerMetre});
+  }
+  write_text(folder / "camera.toml", "fps = 30\ndepth_unit_m = 0.00025\n");
+  write_text(folder / "scene.toml", fmt::format("camera_from_body = {}\n", kPoseText));
+  write_text(folder / "contact.jsonl", contacts);
+  write_text(folder / "hand.jsonl", hands);
+  write_text(folder / "trajectory.txt", path);
+  write_text(folder / "deformed" / "deformed.jsonl", deformed);
+}
+
+// What an answer does in a frame.
+struct Answer {
+  ValuedSurface skin;
+  bool felt = false;
+  Vector3d force = Vector3d::Zero();
+};
+using Answers = std::function<Answer(const Moment&)>;
+
+Answer perfect(const Moment& now) {
+  return {pressed(now.depth), now.depth > 0, now.depth * kForcePerMetre};
+}
+
+void write_result(const fs::path& folder, const Answers& answers) {
+  fs::create_directories(folder / "meshes");
+  write_valued_ply(folder / "meshes" / "rest.ply", pressed(0), kVonMisesProperty);
+  std::string touches;
+  for (int n = 0; n < std::ssize(kMoments); ++n) {
+    const Answer answer = answers(kMoments[n]);
+    write_valued_ply(folder / "meshes" / frame_name(n, ".ply"), answer.skin, kVonMisesProperty);
+    if (answer.felt) touches += touches_line({n, {{.force = answer.force}}});
+  }
+  write_text(folder / "touches.jsonl", touches);
+  write_text(folder / "live.json", fmt::format("{{\"camera_from_body\":{}}}", kPoseText));
+}
+
+Scorecard scores_of(const Answers& answers) {
+  const test::ScratchFolder scratch("contact_scores");
+  write_truth(scratch / "truth");
+  write_result(scratch / "result", answers);
+  return score_folders(scratch / "truth", scratch / "result", nullptr, {});
+}
+
+TEST_CASE("the truth handed in scores perfectly", "[scorecard]") {
+  const Scorecard scores = scores_of(perfect);
+  const PressScores& press = scores.press;
+  CHECK(press.touch_precision == 1.0);
+  CHECK(press.touch_recall == 1.0);
+  CHECK(press.touch_recall_3mm == 1.0);
+  CHECK(press.touch_false_5mm == 0.0);
+  const SurfaceScores& surface = scores.surface;
+  CHECK(surface.frames_too_deep == 1);
+  const double chord =
+      tolerance(0.25, "mm; a chord of 5 mm (the dent is steep) in a ball of 15 mm");
+  CHECK(*surface.penetration_p99_mm <= chord);
+  CHECK(*surface.largest_pop_mm <= tolerance(1e-9, "rounding"));
+  CHECK(surface.pops_4mm == 0);
+  const DeformedScores& deformed = scores.deformed;
+  CHECK(deformed.deformed_frames == 2);
+  CHECK(deformed.deformed_frames_shallow == 1);
+  const double rounding = tolerance(1e-9, "weights of a corner");
+  for (const auto& error : {deformed.displacement_error, deformed.displacement_error_mm,
+                            deformed.displacement_error_mm_shallow, deformed.von_mises_error}) {
+    REQUIRE(error.has_value());
+    CHECK(error->p90 <= rounding);
+  }
+  CHECK(deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
+  CHECK(deformed.overpress_mm->p99 <= rounding);
+  CHECK(deformed.deformed_frames_unseen == 1);
+  CHECK(deformed.displacement_error_mm_unseen->p90 <= rounding);
+  CHECK(surface.frames_unseen == 1);
+  CHECK(*surface.penetration_median_mm_unseen <= chord);
+  CHECK(surface.placement_error_mm->p90 == 0);
+  CHECK(scores.frames_processed == 8);
+}
+
+TEST_CASE("a body that stays at rest misses the touch and is penetrated", "[scorecard]") {
+  const Scorecard scores = scores_of([](const Moment&) { return Answer{pressed(0)}; });
+  CHECK(scores.press.touch_recall_3mm == 0.0);
+  CHECK_FALSE(scores.press.touch_false_5mm.has_value());
+  CHECK(scores.deformed.displacement_error->median == Approx(1));
+  CHECK(scores.deformed.displacement_error_mm->median == Approx(7));  // of 6 and 8 mm
+  CHECK(scores.deformed.displacement_error_mm_shallow->median == Approx(2));
+  CHECK(scores.deformed.von_mises_error->median == Approx(1));
+  CHECK(scores.deformed.force_error->median == Approx(1));
+  REQUIRE(scores.deformed.frames.size() == 2);
+  for (const DeformedFrame& frame : scores.deformed.frames) {
+    CHECK(*frame.displacement_error == Approx(1));
+    CHECK(*frame.von_mises_error == Approx(1));
+    CHECK(*frame.force_error == Approx(1));
+  }
+  CHECK(scores.deformed.frames[0].frame < scores.deformed.frames[1].frame);
+  CHECK(*scores.deformed.frames[0].displacement_error_mm +
+            *scores.deformed.frames[1].displacement_error_mm ==
+        Approx(14));  // 6 and 8 mm
+  CHECK(scores.deformed.overpress_mm->p99 == 0);
+  // 2, 6 and 8 mm; not the 12 mm of a ball that passes through, nor the 6 that no camera sees.
+  CHECK(*scores.surface.penetration_median_mm == Approx(6));
+  CHECK(*scores.surface.penetration_p99_mm == Approx(8 - 0.02 * 2));
+  CHECK(*scores.surface.penetration_median_mm_unseen == Approx(6));
+}
+
+TEST_CASE("a body that flees twice too far is overpressed, though nothing is left in it",
+          "[scorecard]") {
+  const Scorecard scores = scores_of([](const Moment& now) {
+    return Answer{pressed(now.depth, 2), now.depth > 0, 2 * now.depth * kForcePerMetre};
+  });
+  CHECK(*scores.surface.penetration_p99_mm <=
+        tolerance(0.25, "mm; a chord of 5 mm (the dent is steep) in a ball of 15 mm"));
+  CHECK(scores.press.touch_recall_3mm == 1.0);
+  CHECK(scores.deformed.displacement_error->median == Approx(1));
+  CHECK(scores.deformed.von_mises_error->median == Approx(1));
+  CHECK(scores.deformed.force_error->median == Approx(1));
+  CHECK(scores.deformed.overpress_mm->p50 == Approx(6));  // of 2, 6 and 8 mm
+  CHECK(scores.deformed.overpress_mm->p99 == Approx(8 - 0.02 * 2));
+}
+
+TEST_CASE("what is felt where nothing is near is false, what no camera sees is not missed",
+          "[scorecard]") {
+  const Scorecard early = scores_of([](const Moment& now) {
+    return Answer{pressed(0), now.depth > -0.04, {0, 0, -1}};  // 7 mm away, too
+  });
+  CHECK(*early.press.touch_false_5mm == Approx(1.0 / 6));
+  const Scorecard blind = scores_of([](const Moment& now) {
+    Answer answer = perfect(now);
+    if (now.seen_share < 0.5) answer.felt = false;
+    return answer;
+  });
+  CHECK(blind.press.touch_recall_3mm == 1.0);
+  CHECK(*blind.press.touch_recall == Approx(4.0 / 5));
+  // Pressed far beside the true place: the force may be right, the skin is not.
+  const Scorecard beside = scores_of([](const Moment& now) {
+    Answer answer = perfect(now);
+    answer.skin.surface.vertices = block().vertices;
+    if (now.depth > 0) answer.skin.surface.vertices(2, 0) = -now.depth;
+    return answer;
+  });
+  CHECK(beside.deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
+  CHECK(beside.deformed.displacement_error->median > 1);
+  CHECK(*beside.surface.penetration_median_mm == Approx(6));
+}
+
+TEST_CASE("nobody is judged by a touch that no camera sees, but it is counted", "[scorecard]") {
+  const Scorecard scores = scores_of([](const Moment& now) {
+    return now.seen_share < 0.5 ? Answer{pressed(0.009)} : perfect(now);  // and not felt
+  });
+  const DeformedScores& deformed = scores.deformed;
+  const double rounding = tolerance(1e-9, "weights of a corner");
+  CHECK(deformed.displacement_error->p90 <= rounding);
+  CHECK(deformed.displacement_error_mm->p90 <= rounding);
+  CHECK(deformed.von_mises_error->p90 <= rounding);
+  CHECK(deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
+  CHECK(deformed.overpress_mm->p99 <= rounding);
+  CHECK(deformed.deformed_frames == 2);
+  CHECK(deformed.deformed_frames_shallow == 1);
+  CHECK(deformed.deformed_frames_unseen == 1);
+  CHECK(deformed.displacement_error_mm_unseen->median == Approx(3));  // 9 instead of 6 mm
+}
+
+TEST_CASE("of two touches the second one is asked, too, how far it is pressed", "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_two");
+  const fs::path truth = scratch / "truth";
+  write_truth(truth);
+  // In frame 3 a second ball presses 50 mm beside the first, 4 mm deep.
+  const Vector2d left(-0.025, 0), right(0.025, 0);
+  const auto both = [&](double times_right) {
+    ValuedSurface skin = at_rest();
+    press(skin, left, 0.006, 1);
+    press(skin, right, 0.004, times_right);
+    return skin;
+  };
+  std::string hands;
+  for (int n = 0; n < std::ssize(kMoments); ++n) {
+    HandLine line{n, {}};
+    for (const auto& [at, depth] : {std::pair(left, 0.006), std::pair(right, 0.004)}) {
+      const Vector3d middle = kPlace + Vector3d(at.x(), at.y(), kRadius - depth);
+      line.capsules.push_back({middle, middle, kRadius, kRadius});
+    }
+    hands += hand_line(line);
+  }
+  write_text(truth / "hand.jsonl", hands);
+  write_valued_ply(deformed_skin_file(truth / "deformed", 3), both(1), kVonMisesProperty);
+  write_text(truth / "deformed/deformed.jsonl",
+             deformed_line({.frame = 3, .depth = 0.006, .force = {0, 0, -1}}));
+  const auto overpress_of = [&](double times_right) {
+    write_result(scratch / "result", [&](const Moment&) { return Answer{both(times_right)}; });
+    return score_folders(truth, scratch / "result", nullptr, {}).deformed.overpress_mm->p99;
+  };
+  CHECK(overpress_of(1) <= tolerance(1e-9, "weights of a corner"));
+  CHECK(overpress_of(2) == Approx(4));
+  // Where nobody says where the body stands, the one place that contact.jsonl names is asked.
+  fs::remove(truth / "scene.toml");
+  CHECK(overpress_of(2) <= tolerance(1e-9, "weights of a corner"));
+}
+
+TEST_CASE("leaving out hard frames is answering with the body at rest", "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_left_out");
+  const fs::path result = scratch / "result";
+  write_truth(scratch / "truth");
+  const auto scores = [&] { return score_folders(scratch / "truth", result, nullptr, {}); };
+  const auto hard = [](const Moment& now) { return now.depth == 0.008; };
+  write_result(result,
+               [&](const Moment& now) { return hard(now) ? Answer{pressed(0)} : perfect(now); });
+  const Scorecard resting = scores();
+  write_result(result, perfect);
+  write_text(result / "live.json", fmt::format("{{\"camera_from_body\":{},\"processed\":"
+                                               "[0,1,2,3,5,6,7]}}",
+                                               kPoseText));
+  const Scorecard left_out = scores();
+  CHECK(left_out.frames_processed == 7);
+  CHECK(left_out.deformed.deformed_frames == 2);
+  CHECK(left_out.deformed.displacement_error->median == Approx(0.5));  // of 0 and 1
+  CHECK(left_out.deformed.displacement_error_mm->median == Approx(4));
+  CHECK(left_out.deformed.von_mises_error->median == Approx(0.5));
+  CHECK(left_out.deformed.force_error->median == Approx(0.5));
+  CHECK(*left_out.press.touch_recall_3mm == Approx(2.0 / 3));  // of 6, 8 and 12 mm
+  CHECK(*left_out.surface.penetration_p99_mm == Approx(8).margin(0.2));
+  const double rounding = tolerance(1e-12, "the same sums");
+  const auto same = [&](double a, double b) { return std::abs(a - b) <= rounding; };
+  CHECK(same(left_out.deformed.displacement_error->p90, resting.deformed.displacement_error->p90));
+  CHECK(same(left_out.deformed.von_mises_error->p90, resting.deformed.von_mises_error->p90));
+  CHECK(same(left_out.deformed.force_error->p90, resting.deformed.force_error->p90));
+  CHECK(same(left_out.deformed.overpress_mm->p99, resting.deformed.overpress_mm->p99));
+  CHECK(same(*left_out.surface.penetration_p99_mm, *resting.surface.penetration_p99_mm));
+  CHECK(left_out.press.touch_recall_3mm == resting.press.touch_recall_3mm);
+  // Where the result does not say where the body was drawn then, it stood in its true place.
+  std::string poses;
+  for (const int n : {0, 1, 2, 3, 5, 6, 7}) {
+    poses += fmt::format("{{\"frame\":{},\"camera_from_body\":{}}}\n", n, kPoseText);
+  }
+  write_text(result / "pose.jsonl", poses);
+  CHECK(same(*scores().surface.penetration_p99_mm, *left_out.surface.penetration_p99_mm));
+  fs::remove(scratch / "truth/scene.toml");
+  CHECK_FALSE(scores().surface.penetration_p99_mm.has_value());
+  CHECK(scores().surface.largest_pop_mm == left_out.surface.largest_pop_mm);  // asks the others
+}
+
+TEST_CASE("a body drawn beside its place is off by as much, though its shape is right",
+          "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_place");
+  const fs::path truth = scratch / "clip" / "truth";
+  const fs::path result = scratch / "result";
+  write_truth(truth);
+  write_result(result, perfect);
+  write_text(result / "live.json",
+             "{\"camera_from_body\":[1,0,0,0.013, 0,1,0,-0.024, 0,0,1,0.4, 0,0,0,1]}");
+  const auto scores = [&] { return score_folders(truth, result, nullptr, {}); };
+  CHECK(scores().surface.placement_error_mm->median == Approx(5));  // 3 and 4 mm aside
+  CHECK(scores().deformed.displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
+  // Of one frame it is not known: that might be the worst one.
+  write_text(result / "pose.jsonl",
+             fmt::format("{{\"frame\":0,\"camera_from_body\":{}}}\n", kPoseText));
+  CHECK_FALSE(scores().surface.placement_error_mm.has_value());
+  fs::remove(result / "pose.jsonl");
+  // A film of before has its place beside the pictures alone.
+  fs::create_directories(scratch / "clip/frames");
+  fs::rename(truth / "scene.toml", scratch / "clip/frames/scene.toml");
+  CHECK(scores().surface.placement_error_mm->p90 == Approx(5));
+  fs::remove(scratch / "clip/frames/scene.toml");
+  CHECK_FALSE(scores().surface.placement_error_mm.has_value());
+}
+
+TEST_CASE("a drawn skin that does not lie on the true one is refused", "[scorecard][errors]") {
+  const test::ScratchFolder scratch("contact_scores_other");
+  const fs::path result = scratch / "result";
+  write_truth(scratch / "truth");
+  write_result(result, perfect);
+  const auto scores = [&] { return score_folders(scratch / "truth", result, nullptr, {}); };
+  const auto draw_at_rest = [&](double scale, double lifted) {
+    ValuedSurface rest = at_rest();
+    rest.surface.vertices *= scale;
+    rest.surface.vertices.row(2).array() += lifted;
+    write_valued_ply(result / "meshes/rest.ply", rest, kVonMisesProperty);
+  };
+  draw_at_rest(1, 0.0009);  // 1 mm is a hundredth of the height
+  CHECK(scores().deformed.displacement_error.has_value());
+  for (const auto& [scale, lifted] : {std::pair(1.0, 0.0013), std::pair(1000.0, 0.0)}) {
+    draw_at_rest(scale, lifted);
+    CHECK_THROWS_WITH(scores(), Catch::Contains("meshes/rest.ply: at rest it lies ") &&
+                                    Catch::Contains("deformed/rest.ply on average") &&
+                                    Catch::Contains("another body, scale or frame") &&
+                                    !Catch::Contains("\n"));
+  }
+  // Of the body that was filmed, where there is no full answer.
+  draw_at_rest(1, 0.0013);
+  fs::rename(scratch / "truth/deformed/rest.ply", scratch / "truth/body.ply");
+  fs::remove_all(scratch / "truth/deformed");
+  CHECK_THROWS_WITH(scores(), Catch::Contains("truth/body.ply on average"));
+  // Without rest.ply, that of the first frame.
+  fs::rename(result / "meshes/rest.ply", result / "meshes/000000.ply");
+  CHECK_THROWS_WITH(scores(), Catch::Contains("000000.ply: at rest it lies"));
+  write_ply(result / "meshes/000000.ply", {block().vertices, Eigen::Matrix3Xi(3, 0)});
+  CHECK_THROWS_WITH(scores(), Catch::Contains("000000.ply"));
+}
+
+TEST_CASE("a true skin that is not the one at rest is refused", "[scorecard][errors]") {
+  const test::ScratchFolder scratch("contact_scores_triangles");
+  write_truth(scratch / "truth");
+  write_result(scratch / "result", perfect);
+  const auto refused = [&](const ValuedSurface& skin, const char* says) {
+    write_valued_ply(scratch / "truth/deformed/000003.ply", skin, kVonMisesProperty);
+    CHECK_THROWS_WITH(score_folders(scratch / "truth", scratch / "result", nullptr, {}),
+                      Catch::Contains("000003.ply") && Catch::Contains(says));
+  };
+  ValuedSurface other = pressed(0.006);
+  other.surface.triangles.conservativeResize(3, other.surface.triangles.cols() - 1);
+  refused(other, "other triangles than rest.ply");
+  other = pressed(0.006);
+  std::swap(other.surface.triangles(0, 0), other.surface.triangles(1, 0));
+  refused(other, "other triangles than rest.ply");
+  refused({box_surface({0, 0, 0}, {1, 1, 1}), Eigen::VectorXd::Zero(8)},
+          "8 vertices, but rest.ply");
+}
+
+TEST_CASE("a skin in other triangles is compared by projection", "[scorecard]") {
+  // The block in six triangles; its top does not move, so each figure is that of a body at rest.
+  SurfaceMesh coarse;
+  coarse.vertices.resize(3, 5);
+  coarse.vertices << -0.05, 0.05, 0.05, -0.05, 0, -0.05, -0.05, 0.05, 0.05, 0, 0, 0, 0, 0, -0.1;
+  coarse.triangles.resize(3, 6);
+  coarse.triangles << 0, 0, 1, 2, 3, 0, 1, 2, 0, 1, 2, 3, 2, 3, 4, 4, 4, 4;
+  const Scorecard scores = [&] {
+    const test::ScratchFolder scratch("contact_scores_coarse");
+    write_truth(scratch / "truth");
+    write_result(scratch / "result", [&](const Moment&) {
+      return Answer{{coarse, Eigen::VectorXd::Zero(5)}};
+    });
+    write_ply(scratch / "result/meshes/rest.ply", coarse);
+    return score_folders(scratch / "truth", scratch / "result", nullptr, {});
+  }();
+  CHECK(scores.deformed.displacement_error->p90 == Approx(1));
+  CHECK(scores.surface.placement_error_mm->p90 == 0);
+}
+
+TEST_CASE("a skin that jumps by more than 4 mm without a hand is a pop", "[scorecard]") {
+  int frame = 0;
+  const Scorecard scores = scores_of([&](const Moment& now) {
+    ++frame;
+    Answer answer = perfect(now);
+    if (frame == 8) answer.skin = pressed(0.006);  // the hand has gone, 44 mm in one frame
+    return answer;
+  });
+  CHECK(scores.surface.pops_4mm == 0);  // which explains every way of the skin
+  const Scorecard twitching = scores_of([&](const Moment& now) {
+    Answer answer = perfect(now);
+    if (now.depth == 0.008) answer.skin = pressed(0.001);
+    return answer;
+  });
+  CHECK(twitching.surface.pops_4mm == 1);
+}
+
+TEST_CASE("what is not known of one frame has no score", "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_unknown");
+  const fs::path result = scratch / "result";
+  write_truth(scratch / "truth");
+  const auto deformed = [&] {
+    return score_folders(scratch / "truth", result, nullptr, {}).deformed;
+  };
+  write_result(result, perfect);
+  write_ply(result / "meshes/000003.ply", pressed(0.006).surface);  // without its stress
+  CHECK_FALSE(deformed().von_mises_error.has_value());
+  CHECK(deformed().displacement_error.has_value());
+  write_text(result / "touches.jsonl", "{\"frame\":3}\n");  // without its force
+  CHECK_FALSE(deformed().force_error.has_value());
+  CHECK(deformed().displacement_error.has_value());
+  write_text(result / "touches.jsonl", "{\"frame\":5}\n");  // not of a frame with a full answer
+  CHECK(deformed().force_error->median == Approx(1));
+  // Without rest.ply the first mesh is taken, in which nothing touches.
+  fs::remove(result / "meshes/rest.ply");
+  CHECK(deformed().displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
+  fs::remove(result / "meshes/000003.ply");
+  CHECK_FALSE(deformed().displacement_error.has_value());
+  CHECK_FALSE(deformed().overpress_mm.has_value());
+  CHECK(deformed().deformed_frames == 2);
+  // A frame that was not looked at has the body at rest, and feels nothing.
+  write_text(result / "live.json", "{\"processed\":[0,1,2,4,5,6,7]}");
+  write_text(result / "touches.jsonl",
+             touches_line({3, {{.force = Vector3d(0.006 * kForcePerMetre)}}}) +
+                 touches_line({4, {{.force = Vector3d(0.008 * kForcePerMetre)}}}));
+  CHECK(deformed().displacement_error->median == Approx(0.5));
+  CHECK(deformed().force_error->median == Approx(0.5));
+}
+
+TEST_CASE("frames that depend on the way are not scored", "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_way");
+  write_truth(scratch / "truth");
+  write_result(scratch / "result", perfect);
+  write_text(scratch / "truth/deformed/deformed.jsonl",
+             deformed_line({.frame = 3, .depth = 0.006, .force = {0, 0, -1}, .scored = false}) +
+                 deformed_line({.frame = 4, .depth = 0.008, .force = {0, 0, -1}}));
+  const Scorecard scores = score_folders(scratch / "truth", scratch / "result", nullptr, {});
+  CHECK(scores.deformed.deformed_frames == 1);
+  write_text(scratch / "truth/deformed/deformed.jsonl",
+             deformed_line({.frame = 99, .depth = 0.006, .force = {0, 0, -1}}));
+  CHECK_THROWS_WITH(score_folders(scratch / "truth", scratch / "result", nullptr, {}),
+                    Catch::Contains("deformed.jsonl: frame 99"));
+}
+
+TEST_CASE("with a reduced body its touches say skin, stress and force", "[scorecard]") {
+  const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
+  const test::ScratchFolder scratch("contact_scores_body");
+  const fs::path truth = scratch / "truth";
+  const fs::path deformed_folder = truth / "deformed";
+  fs::create_directories(deformed_folder);
+  // The truth is the body itself, pressed at a site.
+  const auto skin = [&](int site, double level) {
+    const auto V = static_cast<std::size_t>(body.surface.vertex_count());
+    std::vector<float> u(3 * V), stress(6 * V), mises(V);
+    const std::array mu{static_cast<double>(site), level};
+    body.displacement.evaluate(mu, u);
+    body.stress.evaluate(mu, stress);
+    von_mises(stress, mises);
+    ValuedSurface pressed{
+        body.surface, Eigen::Map<Eigen::VectorXf>(mises.data(), std::ssize(mises)).cast<double>()};
+    pressed.surface.vertices +=
+        Eigen::Map<Eigen::Matrix3Xf>(u.data(), 3, std::ssize(mises)).cast<double>();
+    return pressed;
+  };
+  ValuedSurface rest{body.surface, Eigen::VectorXd::Zero(body.surface.vertex_count())};
+  write_valued_ply(deformed_folder / "rest.ply", rest, kVonMisesProperty);
+  write_valued_ply(deformed_skin_file(deformed_folder, 1), skin(1, 0.5), kVonMisesProperty);
+  write_text(deformed_folder / "deformed.jsonl",
+             deformed_line({.frame = 1,
+                            .depth = 0.005,
+                            .force = 0.5 * body.sites[1].full_load * body.sites[1].direction}));
+  write_text(truth / "camera.toml", "fps = 30\ndepth_unit_m = 0.00025\n");
+  write_text(
+      truth / "contact.jsonl",
+      "{\"frame\":0,\"touching\":false}\n{\"frame\":1,\"touching\":true,\"depth_m\":0.005}\n");
+  const auto scores = [&](const std::string& touches) {
+    write_text(scratch / "result/touches.jsonl", touches);
+    return score_folders(truth, scratch / "result", &body, {}).deformed;
+  };
+  // A line of before there were lists: force and stress follow from site and level.
+  const DeformedScores right = scores("{\"frame\":1,\"site\":1,\"level\":0.5}\n");
+  CHECK(right.displacement_error->median <= tolerance(1e-5, "weights of a corner, in floats"));
+  CHECK(right.von_mises_error->median <= tolerance(1e-5, "weights of a corner, in floats"));
+  CHECK(right.force_error->median <= tolerance(1e-6, "nine decimals"));
+  const DeformedScores other = scores("{\"frame\":1,\"touches\":[{\"site\":0,\"level\":0.5}]}\n");
+  CHECK(other.displacement_error->median > 0.5);
+  CHECK(other.von_mises_error->median > 0.2);
+  CHECK(other.force_error->median > 0.2);
+  const DeformedScores none = scores("");
+  CHECK(none.displacement_error->median == Approx(1));
+  CHECK(none.von_mises_error->median == Approx(1));
+  CHECK(none.force_error->median == Approx(1));
+  CHECK_FALSE(scores("{\"frame\":1,\"site\":1}\n").displacement_error.has_value());
+  rest.surface.vertices *= 1.1;
+  write_valued_ply(deformed_folder / "rest.ply", rest, kVonMisesProperty);
+  CHECK_THROWS_WITH(scores(""), Catch::StartsWith(body.name + ": at rest it lies") &&
+                                    Catch::Contains("another body, scale or frame"));
+}
+
+}  // namespace
+}  // namespace palpable

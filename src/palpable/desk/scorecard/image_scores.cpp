@@ -1,0 +1,235 @@
+#include "palpable/desk/scorecard/image_scores.h"
+
+#include "palpable/common/base/error.h"
+#include "palpable/desk/clip_files/depth_image_file.h"
+#include "palpable/desk/clip_files/frame_names.h"
+#include "palpable/desk/clip_files/mask_image_file.h"
+#include "palpable/desk/score/mask_score.h"
+#include "palpable/desk/score/occlusion.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPictureScale = 2;     // full-size px per px of the truth
+constexpr double kPartlyHidden = 0.02;  // of the body, from which it counts as such
+
+fs::path image_of(const fs::path& folder, const char* kind, int frame) {
+  return folder / kind / frame_name(frame, ".png");
+}
+
+// The images of one frame must be of one size, masks may be twice as large.
+template <class A, class B>
+void expect_size(const A& image, const fs::path& path, const B& truth, const fs::path& truth_path,
+                 bool or_twice) {
+  const bool same = image.width() == truth.width() && image.height() == truth.height();
+  const bool twice = image.width() == 2 * truth.width() && image.height() == 2 * truth.height();
+  if (same || (or_twice && twice)) return;
+  throw Error(fmt::format("{}: {} x {}, but {} is {} x {}", path.string(), image.width(),
+                          image.height(), truth_path.string(), truth.width(), truth.height()));
+}
+
+MaskImage to_half(const MaskImage& mask, int width) {
+  if (mask.width() == width) return mask;
+  MaskImage half(mask.width() / 2, mask.height() / 2);
+  for (int y = 0; y < half.height(); ++y) {
+    for (int x = 0; x < half.width(); ++x) {
+      const int set = (mask(2 * x, 2 * y) != 0) + (mask(2 * x + 1, 2 * y) != 0) +
+                      (mask(2 * x, 2 * y + 1) != 0) + (mask(2 * x + 1, 2 * y + 1) != 0);
+      half(x, y) = set >= 2 ? 255 : 0;
+    }
+  }
+  return half;
+}
+
+MaskImage moving_in(const GrayImage& labels) {
+  MaskImage moving(labels.width(), labels.height());
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    moving.data()[i] = labels.data()[i] & kMovingLabel;
+  return moving;
+}
+
+class OcclusionSum {
+ public:
+  // @param moving  where the real scene moves; empty: not known
+  void add(int frame, const MaskImage& visible, const DepthImage& body, const DepthImage& real,
+           const MaskImage& moving) {
+    SightImage truth = true_sight(body, real);
+    SightImage drawn = drawn_sight(visible, body);
+    const MaskOverlap overlap = overlap_of(truth, drawn);
+    ++frames_;
+    sum_ += overlap.iou();
+    worst_ = std::min(worst_, overlap.iou());
+    if (overlap.body > 0 &&
+        static_cast<double>(overlap.hidden) >= kPartlyHidden * static_cast<double>(overlap.body)) {
+      ++hidden_frames_;
+      hidden_sum_ += overlap.iou();
+    }
+    const BorderError border = border_error(truth, drawn);
+    border_.sum_px += border.sum_px;
+    border_.pixels += border.pixels;
+    if (crosses_outline(truth, moving)) {
+      ++crossing_frames_;
+      crossing_.sum_px += border.sum_px;
+      crossing_.pixels += border.pixels;
+    }
+    if (last_frame_ == frame - 1 && truth_.width() == truth.width() &&
+        truth_.height() == truth.height()) {
+      const Flicker flicker = flicker_between(truth_, drawn_, truth, drawn);
+      flicker_.pixels += flicker.pixels;
+      flicker_.changed += flicker.changed;
+    }
+    last_frame_ = frame;
+    truth_ = std::move(truth);
+    drawn_ = std::move(drawn);
+  }
+
+  // A frame without the body's depth: nothing was drawn, and where something hides it is not known.
+  void add_missing() {
+    ++frames_;
+    worst_ = 0;
+  }
+
+  void write(ImageScores& scores) const {
+    const auto mean = [](double sum, int n) {
+      return n == 0 ? std::nullopt : std::optional(sum / n);
+    };
+    scores.occlusion_frames = frames_;
+    scores.occlusion_iou = mean(sum_, frames_);
+    scores.occlusion_iou_where_hidden = mean(hidden_sum_, hidden_frames_);
+    if (frames_ > 0) scores.occlusion_iou_worst_frame = worst_;
+    if (const auto border = border_.mean_px()) scores.edge_error_px = kPictureScale * *border;
+    scores.crossing_frames = crossing_frames_;
+    if (const auto border = crossing_.mean_px()) {
+      scores.edge_error_crossing_px = kPictureScale * *border;
+    }
+    scores.flicker = flicker_.share();
+  }
+
+ private:
+  int frames_ = 0;
+  double sum_ = 0;
+  double worst_ = 1;
+  int hidden_frames_ = 0;
+  double hidden_sum_ = 0;
+  BorderError border_;
+  int crossing_frames_ = 0;
+  BorderError crossing_;
+  Flicker flicker_;
+  int last_frame_ = -2;
+  SightImage truth_;
+  SightImage drawn_;
+};
+
+// Adds up the frames of one result.
+class ImageScorer {
+ public:
+  ImageScorer(const TruthFolder& truth, const ResultFolder& result)
+      : truth_(truth),
+        result_(result),
+        any_depth_(holds("depth")),
+        any_moving_(holds("moving")),
+        any_visible_(holds("visible") && holds("body_depth")),
+        depth_(truth.depth_unit) {}
+
+  void add(int frame) {
+    const auto true_depth = read_depth_counts(image_of(truth_.folder, "depth", frame));
+    const auto labels = read_labels(image_of(truth_.folder, "labels", frame));
+    if (labels && any_moving_) add_moving(frame, *labels);
+    if (!true_depth) return;
+    const fs::path truth_path = image_of(truth_.folder, "depth", frame);
+    if (labels) {
+      expect_size(*labels, image_of(truth_.folder, "labels", frame), *true_depth, truth_path,
+                  false);
+    }
+    if (any_depth_) add_depth(frame, *true_depth, labels.value_or(GrayImage{}));
+    if (any_visible_) add_occlusion(frame, *true_depth, labels.value_or(GrayImage{}));
+  }
+
+  [[nodiscard]] ImageScores scores() const {
+    ImageScores scores;
+    scores.depth_frames = depth_frames_;
+    scores.depth = depth_.score();
+    scores.moving_iou = moving_.iou();
+    scores.moving_recall = moving_.recall();
+    scores.moving_false = moving_.false_alarms();
+    occlusion_.write(scores);
+    return scores;
+  }
+
+ private:
+  // A folder that is there stands for all its frames: one that holds only the good ones gains
+  // nothing by it.
+  [[nodiscard]] bool holds(const char* kind) const {
+    return fs::is_directory(result_.folder / kind);
+  }
+
+  void add_moving(int frame, const GrayImage& labels) {
+    const fs::path path = image_of(result_.folder, "moving", frame);
+    const auto found = read_mask(path);
+    if (!found) {
+      moving_ += missing_mask(labels, kMovingLabel);
+      return;
+    }
+    expect_size(*found, path, labels, image_of(truth_.folder, "labels", frame), true);
+    moving_ += compare_masks(labels, kMovingLabel, to_half(*found, labels.width()));
+  }
+
+  void add_depth(int frame, const DepthCounts& true_depth, const GrayImage& labels) {
+    const fs::path path = image_of(result_.folder, "depth", frame);
+    auto found = read_depth_counts(path);
+    if (!found) found.emplace(true_depth.width(), true_depth.height(), kNoDepth);
+    expect_size(*found, path, true_depth, image_of(truth_.folder, "depth", frame), false);
+    depth_.add(true_depth, labels, *found);
+    ++depth_frames_;
+  }
+
+  void add_occlusion(int frame, const DepthCounts& true_depth, const GrayImage& labels) {
+    const fs::path body_path = image_of(result_.folder, "body_depth", frame);
+    const auto body = read_depth_counts(body_path);
+    if (!body) {
+      occlusion_.add_missing();
+      return;
+    }
+    const fs::path truth_path = image_of(truth_.folder, "depth", frame);
+    const fs::path path = image_of(result_.folder, "visible", frame);
+    auto visible = read_mask(path);
+    if (!visible) visible.emplace(true_depth.width(), true_depth.height(), std::uint8_t{0});
+    expect_size(*visible, path, true_depth, truth_path, true);
+    expect_size(*body, body_path, true_depth, truth_path, false);
+    occlusion_.add(frame, *visible, depth_of(*body, kBodyDepthUnit),
+                   depth_of(true_depth, truth_.depth_unit), moving_in(labels));
+  }
+
+  const TruthFolder& truth_;
+  const ResultFolder& result_;
+  bool any_depth_;
+  bool any_moving_;
+  bool any_visible_;
+  DepthScorer depth_;
+  int depth_frames_ = 0;
+  MaskScore moving_;
+  OcclusionSum occlusion_;
+};
+
+}  // namespace
+
+ImageScores score_images(const TruthFolder& truth, const ResultFolder& result,
+                         const Progress& progress) {
+  ImageScorer scorer(truth, result);
+  for (int frame = 0; frame < truth.frames; ++frame) {
+    report(progress, {"comparing images", frame + 1.0, static_cast<double>(truth.frames), ""});
+    if (result.processed[frame] != 0) scorer.add(frame);
+  }
+  return scorer.scores();
+}
+
+}  // namespace palpable

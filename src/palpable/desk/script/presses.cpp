@@ -1,0 +1,258 @@
+#include "palpable/desk/script/presses.h"
+
+#include "palpable/common/base/error.h"
+#include "palpable/desk/script/camera_motions.h"
+#include "palpable/desk/script/hand_script.h"
+#include "palpable/desk/script/press_style.h"
+#include "palpable/desk/script/press_targets.h"
+#include "palpable/desk/script/random.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+
+namespace {
+
+constexpr double kPointSpacing = 0.0015;  // m: a pencil's tip is 1.2 mm in radius
+
+/// The body as a right hand finds it; for a left hand the mirror image.
+struct Desk {
+  SurfacePoints surface;
+  PressSearch search;
+  std::vector<PressTarget> sites, between;
+};
+
+Desk desk_with(const DeskBody& body, const SurfacePoints& surface, const Rigid3& desk_from_body) {
+  SurfacePoints in_desk = transformed(surface, desk_from_body);
+  PressSearch search(in_desk.points, first_eye());
+  return {std::move(in_desk), std::move(search), site_targets(body, desk_from_body),
+          between_targets(body, desk_from_body)};
+}
+
+Desk mirror_desk(const Desk& desk) {
+  return {mirror_image(desk.surface), mirror_image(desk.search), mirror_image(desk.sites),
+          mirror_image(desk.between)};
+}
+
+/// Chooses the presses of one hand: sites and places between sites take turns, the best seen first.
+class PressChoice {
+ public:
+  /// All arguments must live as long as the choice.
+  PressChoice(HandScript& script, const Desk& desk, const PressStyle& style, Random& random)
+      : script_(script),
+        search_(desk.search),
+        style_(style),
+        random_(random),
+        targets_{desk.search.ranked(desk.sites, style.rules),
+                 desk.search.ranked(desk.between, style.rules)},
+        share_(random.unit()),
+        begins_(random.unit() < 0.5 ? 0 : 1) {}
+
+  /// Adds presses until the hand's script has this many frames. False when not one is possible.
+  bool fill(int frames) {
+    for (int press = 0; script_.now() < frames; ++press) {
+      const double depth = next_depth();
+      if (done_.size() >= kDifferent || !press_new_target(press, depth)) {
+        if (done_.empty()) return false;
+        press_again(press, depth);
+      }
+      if (!style_.comes_near) script_.wait(random_.between(4, 14));
+      if (style_.comes_near && press % 4 == 0) script_.pass_the_lens(34);
+      if (style_.comes_near && press % 4 == 2) script_.work_in_front(44);
+    }
+    return true;
+  }
+
+ private:
+  static constexpr std::size_t kDifferent = 6;  // targets; then they are pressed again
+  static constexpr double kApart = 0.012;       // m between them
+
+  /// A press that is in the script.
+  struct Done {
+    PressPosture posture;
+    PressTarget end;  // of a slide
+    double depth;
+  };
+
+  /// Multiples of the golden ratio, without their whole parts, spread evenly over 0..1 wherever
+  /// they begin: so do the depths over their range.
+  double next_depth() {
+    share_ = std::fmod(share_ + std::numbers::phi - 1.0, 1.0);
+    return style_.least_depth + share_ * (style_.most_depth - style_.least_depth);
+  }
+
+  /// From a quick tap to a slow push; no two neighbouring presses are equally fast.
+  HandScript::Pace next_pace(int press) {
+    constexpr std::array<double, 5> kIn = {14, 7, 20, 10, 30};
+    const double in = kIn[press % kIn.size()] + random_.between(-1, 1);
+    const double hold = random_.between(style_.least_hold, style_.most_hold);
+    return {in, hold, std::max(7.0, 0.75 * in)};
+  }
+
+  /// Presses the next target that can be pressed; of the other kind when this kind has none left.
+  bool press_new_target(int press, double depth) {
+    const std::size_t kind = (begins_ + press) % 2;
+    for (const std::size_t k : {kind, 1 - kind})
+      while (next_[k] < targets_[k].size()) {
+        const PressTarget& target = targets_[k][next_[k]++].target;
+        const bool apart = std::all_of(done_.begin(), done_.end(), [&](const Done& other) {
+          return (other.posture.target.x - target.x).norm() > kApart;
+        });
+        if (!apart) continue;
+        const auto posture = search_.posture(target, depth, style_.tool, style_.arm, style_.rules);
+        if (!posture) continue;
+        const HandScript::Pace pace = next_pace(press);
+        if (style_.slides ? slide_from(*posture, depth, pace) : press_at(*posture, depth, pace))
+          return true;
+      }
+    return false;
+  }
+
+  bool press_at(const PressPosture& posture, double depth, const HandScript::Pace& pace) {
+    if (!script_.press(posture, depth, pace)) return false;
+    done_.push_back({posture, {}, depth});
+    return true;
+  }
+
+  /// To the first of all targets at a suitable distance that a slide reaches.
+  bool slide_from(const PressPosture& posture, double depth, const HandScript::Pace& pace) {
+    for (const auto& list : targets_)
+      for (const RankedTarget& end : list) {
+        const double way = (end.target.x - posture.target.x).norm();
+        if (way < 0.025 || way > 0.07) continue;
+        if (!script_.slide(posture, end.target, depth, pace)) continue;
+        done_.push_back({posture, end.target, depth});
+        return true;
+      }
+    return false;
+  }
+
+  /// Repeats an earlier press, not deeper than it was: its posture was found for that depth.
+  void press_again(int press, double depth) {
+    const Done& earlier = done_[press % done_.size()];
+    const HandScript::Pace pace = next_pace(press);
+    const double again = std::min(depth, earlier.depth);
+    const bool done = style_.slides ? script_.slide(earlier.posture, earlier.end, again, pace)
+                                    : script_.press(earlier.posture, again, pace);
+    if (!done) script_.wait(20);
+  }
+
+  HandScript& script_;
+  const PressSearch& search_;
+  const PressStyle& style_;
+  Random& random_;
+  std::array<std::vector<RankedTarget>, 2> targets_;  // sites, and places between them
+  std::array<std::size_t, 2> next_ = {0, 0};          // the first that was not tried
+  double share_;        // of the range of depths; drawn before begins_
+  std::size_t begins_;  // which of targets_ is pressed first
+  std::vector<Done> done_;
+};
+
+/// The smallest gap between two hands, m: the ends and the middle of each capsule of the first
+/// against the surface of the second.
+double gap(const std::vector<Capsule>& first, const std::vector<Capsule>& second) {
+  double least = 1.0;
+  for (const Capsule& c : first)
+    least =
+        std::min({least, signed_distance(second, c.a) - c.ra, signed_distance(second, c.b) - c.rb,
+                  signed_distance(second, 0.5 * (c.a + c.b)) - 0.5 * (c.ra + c.rb)});
+  return least;
+}
+
+bool hands_meet(const HandPath& right, const HandPath& mirrored_left, int frames) {
+  for (int frame = kFramesWithoutHand; frame < frames; frame += 2)
+    if (gap(shapes_of(right.capsules(frame)), shapes_of(mirrored(mirrored_left.capsules(frame)))) <=
+        0.0)
+      return true;
+  return false;
+}
+
+/// The right hand, and as the mirror image of its path the left one, if there is one.
+Movers hands_at(double frame, const HandPath& right, const std::optional<HandPath>& mirrored_left) {
+  Movers movers;
+  if (frame < kFramesWithoutHand) return movers;
+  movers.capsules = right.capsules(frame);
+  if (!mirrored_left) return movers;
+  const std::vector<HandCapsule> left = mirrored(mirrored_left->capsules(frame));
+  movers.capsules.insert(movers.capsules.end(), left.begin(), left.end());
+  return movers;
+}
+
+/// A sequence, or why there is none with the body turned so.
+struct Attempt {
+  std::optional<Sequence> sequence;
+  std::string why_not;
+};
+
+Attempt attempt_presses(std::string_view name, const PressStyle& style, const DeskBody& body,
+                        const SurfacePoints& surface, double yaw, int frames, std::uint64_t seed) {
+  Sequence sequence;
+  sequence.name = name;
+  sequence.seed = seed;
+  sequence.frames = frames;
+  sequence.camera_from_desk = on_tripod();
+  sequence.rig = [](int) { return RigState{}; };
+  sequence.desk_from_body = turned_body(yaw);
+  sequence.look.left_free = style.two_hands;
+
+  Random random(seed, name);
+  const Desk desk = desk_with(body, surface, sequence.desk_from_body);
+  HandScript right(desk.search, desk.surface, style, seed);
+  if (!PressChoice(right, desk, style, random).fill(frames)) return {{}, right.why_not()};
+  sequence.touches = right.touches();
+  sequence.spans = right.spans();
+
+  std::optional<HandPath> mirrored_left;
+  if (style.two_hands) {
+    const Desk mirrored_desk = mirror_desk(desk);
+    HandScript left(mirrored_desk.search, mirrored_desk.surface, style, seed + 1);
+    if (!PressChoice(left, mirrored_desk, style, random).fill(frames)) return {{}, left.why_not()};
+    for (PlannedTouch touch : left.touches()) {
+      touch.first_touch.x() = -touch.first_touch.x();
+      touch.direction.x() = -touch.direction.x();
+      sequence.touches.push_back(touch);
+    }
+    mirrored_left = left.path();
+    if (hands_meet(right.path(), *mirrored_left, frames)) return {{}, "the two hands would meet"};
+  }
+  sequence.movers = [right = right.path(), mirrored_left](double frame) {
+    return hands_at(frame, right, mirrored_left);
+  };
+  // Whole presses are planned; the last may begin after the end.
+  std::erase_if(sequence.touches, [&](const PlannedTouch& t) { return t.frames.first >= frames; });
+  std::erase_if(sequence.spans, [&](const NamedSpan& s) { return s.frames.first >= frames; });
+  return {std::move(sequence), ""};
+}
+
+}  // namespace
+
+Sequence plan_presses(std::string_view name, const DeskBody& body, int frames, std::uint64_t seed) {
+  const PressStyle style = press_style(name);
+  const SurfacePoints surface = sample_surface(body.surface, kPointSpacing);
+  // Which of the four best yaws is tried first depends on the seed.
+  std::vector<double> yaws = yaws_to_press(body, style.rules, 6, style.two_hands);
+  if (yaws.size() >= 4) std::rotate(yaws.begin(), yaws.begin() + seed % 4, yaws.begin() + 4);
+
+  std::string why = "no site is where this sequence can press it";
+  for (const double yaw : yaws) {
+    Attempt tried = attempt_presses(name, style, body, surface, yaw, frames, seed);
+    if (tried.sequence) return *std::move(tried.sequence);
+    why = tried.why_not;
+  }
+  throw Error(
+      fmt::format("the sequence '{}' cannot be planned for this body: {}; the body should be "
+                  "0.05 to 0.25 m high and have sites on several sides",
+                  name, why));
+}
+
+}  // namespace palpable

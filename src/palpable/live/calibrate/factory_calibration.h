@@ -1,0 +1,22 @@
+/// @file
+/// The factory calibration of a ZED camera: its vendor's text file SNxxxxxxxx.conf.
+///
+/// Sections LEFT_CAM_S and RIGHT_CAM_S hold fx fy cx cy (px) and k1 k2 p1 p2 k3; STEREO holds
+/// Baseline TY TZ (mm) and RX_S CV_S RZ_S, together one rotation vector (rad), where CV is the
+/// rotation about y. S is 2K for eyes of 2208 x 1242 px, FHD 1920 x 1080, HD 1280 x 720, VGA
+/// 672 x 376. The sign of Baseline differs between the vendor's own files; its magnitude counts.
+#pragma once
+
+#include "palpable/live/calibrate/calibration_file.h"
+
+namespace palpable {
+
+/// The rig for images of this size (px, one eye). With width 0 the size is chosen: the first of
+/// HD, FHD, 2K and VGA that the file has.
+///
+/// A problem, naming the file, when it cannot be read, has no numbers for this size (the message
+/// names those that it has), lacks a number or makes no sound rig.
+[[nodiscard]] Result<StereoCalibration> read_factory_calibration(const std::filesystem::path& path,
+                                                                 int width, int height);
+
+}  // namespace palpable

@@ -1,0 +1,294 @@
+#include "palpable/live/events/event_server.h"
+
+#include "palpable/common/base/text_numbers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/uio.h>
+#include <sys/un.h>
+#include <tuple>
+#include <unistd.h>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kUnix = "unix:";
+constexpr int kMostWaiting = 64;  // that connected and were not let in yet
+// What one call does at most, so that no crowd and no flood delays a frame: a connection takes some
+// 20 us, 4 KiB some 1 us.
+constexpr int kMostLetIn = 32;
+constexpr int kMostReads = 4;
+// What the system keeps for a client that does not read. More would only be older when it is read.
+constexpr int kSendBuffer = 64 * 1024;  // bytes
+constexpr std::string_view kFull =
+    "{\"type\":\"refused\",\"reason\":\"as many clients as are served are connected already\"}\n";
+
+std::string reason() { return std::strerror(errno); }
+
+// A descriptor that is closed unless it is kept.
+class Opened {
+ public:
+  explicit Opened(int descriptor) : descriptor_(descriptor) {}
+  Opened(const Opened&) = delete;
+  Opened& operator=(const Opened&) = delete;
+  ~Opened() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  [[nodiscard]] int get() const { return descriptor_; }
+  int keep() { return std::exchange(descriptor_, -1); }
+
+ private:
+  int descriptor_;
+};
+
+int new_socket(int family) {
+  return ::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+}
+
+// The system's functions take all kinds of addresses by this type.
+template <class Address>
+auto* plain(Address& address) {
+  return reinterpret_cast<sockaddr*>(&address);  // NOLINT(*-reinterpret-cast)
+}
+
+// Removes the file of a socket on which nobody listens. @throws Error for anything else there
+void remove_dead(const fs::path& path, sockaddr_un& address) {
+  struct stat there {};
+  if (::lstat(path.c_str(), &there) != 0) return;  // bind() says what else may be wrong
+  if (!S_ISSOCK(there.st_mode)) {
+    throw Error(
+        fmt::format("{}: is in the way and is no socket; name another file", path.string()));
+  }
+  const Opened probe(new_socket(AF_UNIX));
+  if (::connect(probe.get(), plain(address), sizeof(address)) == 0 || errno == EAGAIN) {
+    throw Error(fmt::format("{}: another program listens there; end it, or name another file",
+                            path.string()));
+  }
+  if (errno != ECONNREFUSED || ::unlink(path.c_str()) != 0) {
+    throw Error(fmt::format("{}: is in the way: {}; name another file", path.string(), reason()));
+  }
+}
+
+}  // namespace
+
+Result<EventAddress> event_address(const std::string& text) {
+  if (text.starts_with(kUnix) && text.size() > kUnix.size()) {
+    return EventAddress{.socket = text.substr(kUnix.size())};
+  }
+  const auto port = to_whole_number(text);
+  if (!port || *port < 0 || *port > 65535) {
+    return Problem{
+        fmt::format("'{}' is neither a port from 0 (any free one) to 65535 nor unix:PATH", text)};
+  }
+  return EventAddress{.port = static_cast<int>(*port)};
+}
+
+EventServer::EventServer(const EventAddress& address, const EventServerSettings& settings)
+    : settings_(settings) {
+  PALPABLE_EXPECT(settings.most_clients >= 1, "somebody may connect");
+  clients_.reserve(static_cast<std::size_t>(settings.most_clients));
+  if (address.socket.empty()) {
+    listen_at_port(address.port);
+  } else {
+    listen_at(address.socket);
+  }
+}
+
+EventServer::~EventServer() {
+  for (Client& client : clients_) {
+    throw_away_input(client);  // closed over something unread, TCP takes back what was sent last
+    send_rest(client, client.took);
+    ::close(client.descriptor);
+  }
+  ::close(listening_);
+  struct stat there {};
+  if (!socket_.empty() && ::lstat(socket_.c_str(), &there) == 0 && there.st_dev == device_ &&
+      there.st_ino == inode_) {
+    ::unlink(socket_.c_str());
+  }
+}
+
+void EventServer::listen_at(const fs::path& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string name = path.string();
+  if (name.size() >= sizeof(address.sun_path)) {
+    throw Error(
+        fmt::format("{}: has {} bytes, and the name of a socket at most {}; name one nearer "
+                    "to the folder that you are in, or to /",
+                    name, name.size(), sizeof(address.sun_path) - 1));
+  }
+  name.copy(address.sun_path, name.size());
+  remove_dead(path, address);
+  Opened opened(new_socket(AF_UNIX));
+  // The file is made with the descriptor's mode: there is no moment at which others may connect.
+  if (opened.get() < 0 || ::fchmod(opened.get(), S_IRUSR | S_IWUSR) != 0 ||
+      ::bind(opened.get(), plain(address), sizeof(address)) != 0) {
+    throw Error(fmt::format("{}: cannot be listened on: {}", name, reason()));
+  }
+  struct stat made {};
+  if (::listen(opened.get(), kMostWaiting) != 0 || ::lstat(name.c_str(), &made) != 0) {
+    const std::string why = reason();
+    ::unlink(name.c_str());
+    throw Error(fmt::format("{}: cannot be listened on: {}", name, why));
+  }
+  socket_ = path;
+  device_ = made.st_dev;
+  inode_ = made.st_ino;
+  listening_ = opened.keep();
+  name_ = fmt::format("{}{}", kUnix, name);
+}
+
+void EventServer::listen_at_port(int port) {
+  Opened opened(new_socket(AF_INET));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  // Connections of an earlier run that are not forgotten yet are no hindrance.
+  const int yes = 1;
+  ::setsockopt(opened.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  socklen_t size = sizeof(address);
+  if (opened.get() < 0 || ::bind(opened.get(), plain(address), sizeof(address)) != 0 ||
+      ::listen(opened.get(), kMostWaiting) != 0 ||
+      ::getsockname(opened.get(), plain(address), &size) != 0) {
+    throw Error(fmt::format("127.0.0.1:{}: cannot be listened on: {}; 0 finds a free port", port,
+                            reason()));
+  }
+  listening_ = opened.keep();
+  name_ = fmt::format("127.0.0.1:{}", ntohs(address.sin_port));
+}
+
+void EventServer::greet_with(std::string hello) { hello_ = std::move(hello); }
+
+void EventServer::serve(Clock::time_point now) {
+  for (Client& client : clients_) {
+    throw_away_input(client);
+    send_rest(client, now);
+    if (client.unsent.empty()) client.took = now;
+    if (!client.gone && now - client.took > settings_.patience) {
+      client.gone = true;
+      ++counts_.closed_behind;
+    }
+  }
+  close_gone();
+  if (!hello_.empty()) let_in(now);
+}
+
+void EventServer::send(std::string_view line, Clock::time_point now) {
+  PALPABLE_EXPECT(line.size() > 4 && line.front() == '{' && line.ends_with("}\n"),
+                  "a line is one object that holds something");
+  serve(now);
+  for (Client& client : clients_) send_to(client, line);
+  close_gone();
+}
+
+void EventServer::let_in(Clock::time_point now) {
+  for (int i = 0; i < kMostLetIn; ++i) {
+    Opened opened(::accept4(listening_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    if (opened.get() < 0) {
+      if (errno == ECONNABORTED || errno == EINTR) continue;
+      return;  // nobody else, or too many open files: then they wait on
+    }
+    if (client_count() == settings_.most_clients) make_room();
+    if (client_count() == settings_.most_clients) {
+      ++counts_.refused;
+      std::ignore = ::send(opened.get(), kFull.data(), kFull.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      continue;
+    }
+    ::setsockopt(opened.get(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof(kSendBuffer));
+    const int yes = 1;  // or TCP waits for more to send; of a Unix socket it is refused
+    ::setsockopt(opened.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
+    Client& client = clients_.emplace_back();
+    client.descriptor = opened.keep();
+    client.unsent = hello_;
+    client.took = now;
+    ++counts_.clients;
+    send_rest(client, now);
+  }
+}
+
+// Who has closed its side of the connection may still read, but has most likely gone: nobody knows
+// before something is sent to it. Where another one wants its place it makes room.
+void EventServer::make_room() {
+  const auto quiet = std::find_if(clients_.begin(), clients_.end(),
+                                  [](const Client& client) { return client.input_ended; });
+  if (quiet == clients_.end()) return;
+  quiet->gone = true;
+  close_gone();
+}
+
+void EventServer::send_to(Client& client, std::string_view line) {
+  if (client.gone) return;
+  if (!client.unsent.empty()) {
+    ++client.dropped;
+    ++counts_.dropped_lines;
+    return;
+  }
+  std::array<char, 48> begin{};
+  const auto written =
+      fmt::format_to_n(begin.data(), begin.size(), "{{\"dropped\":{},", client.dropped);
+  const std::string_view rest = line.substr(1);
+  // sendmsg() reads the pieces, though its type says that it may write.
+  std::array<iovec, 2> pieces{
+      {{begin.data(), written.size}, {const_cast<char*>(rest.data()), rest.size()}}};  // NOLINT
+  msghdr message{};
+  message.msg_iov = pieces.data();
+  message.msg_iovlen = pieces.size();
+  const ssize_t count = ::sendmsg(client.descriptor, &message, MSG_NOSIGNAL | MSG_DONTWAIT);
+  if (count < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR && errno != ENOBUFS) {
+    client.gone = true;
+    return;
+  }
+  client.dropped = 0;
+  client.sent = count < 0 ? 0 : static_cast<std::size_t>(count);
+  if (client.sent == written.size + rest.size()) return;
+  client.unsent.assign(begin.data(), written.size).append(rest);
+}
+
+void EventServer::throw_away_input(Client& client) {
+  std::array<char, 4096> input{};
+  for (int i = 0; i < kMostReads && !client.input_ended; ++i) {
+    const ssize_t count = ::recv(client.descriptor, input.data(), input.size(), MSG_DONTWAIT);
+    if (count == 0) client.input_ended = true;
+    if (count < 0 && (errno == ECONNRESET || errno == ETIMEDOUT)) client.gone = true;
+    if (count <= 0) return;
+  }
+}
+
+void EventServer::send_rest(Client& client, Clock::time_point now) {
+  while (!client.gone && !client.unsent.empty()) {
+    const std::string_view rest = std::string_view(client.unsent).substr(client.sent);
+    const ssize_t count =
+        ::send(client.descriptor, rest.data(), rest.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (count < 0) {
+      client.gone = errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR && errno != ENOBUFS;
+      return;
+    }
+    client.took = now;
+    client.sent += static_cast<std::size_t>(count);
+    if (client.sent < client.unsent.size()) continue;
+    client.unsent.clear();
+    client.sent = 0;
+  }
+}
+
+void EventServer::close_gone() {
+  for (const Client& client : clients_) {
+    if (client.gone) ::close(client.descriptor);
+  }
+  std::erase_if(clients_, [](const Client& client) { return client.gone; });
+}
+
+}  // namespace palpable

@@ -1,0 +1,443 @@
+#include "palpable/live/live_writer/live_output.h"
+
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/desk/clip_files/contact_file.h"
+#include "palpable/desk/clip_files/deformed_file.h"
+#include "palpable/desk/clip_files/depth_image_file.h"
+#include "palpable/desk/clip_files/frame_names.h"
+#include "palpable/desk/clip_files/mask_image_file.h"
+#include "palpable/desk/clip_files/pose_file.h"
+#include "palpable/desk/clip_files/rectification_file.h"
+#include "palpable/desk/clip_files/timing_file.h"
+#include "palpable/desk/clip_files/touches_file.h"
+#include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/live/render/picture_file.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kInFlight = 4;
+constexpr double kDefaultRate = 30;  // of a clip of one frame
+constexpr std::array kStages{"read",       "rectify", "disparity", "depth", "map",  "track",
+                             "background", "contact", "evaluate",  "draw",  "write"};
+constexpr std::chrono::seconds kFlushEvery(1);
+constexpr double kDeepEnough = 0.004;  // m
+// What the touches of one of a scene's bodies are in touches.jsonl.
+// @param names  of the bodies; none where there is one
+TouchesLine felt_in(const FrameLines& scene, int body, const std::vector<std::string>& names) {
+  TouchesLine felt{.frame = scene.number, .touches = {}};
+  for (const Touch& touch : scene.touches) {
+    if (touch.body != body) continue;
+    FeltTouch& entry = felt.touches.emplace_back();
+    entry.press_depth = touch.press_depth;
+    entry.force = touch.force * touch.direction;
+    entry.point = touch.point_in_body;
+    entry.time = scene.time;
+    if (touch.site >= 0) {
+      entry.site = touch.site;
+      entry.level = touch.level;
+    } else {
+      entry.area = touch.area;
+      entry.assumed = touch.assumed;
+      if (touch.by >= 0) entry.by = names[static_cast<std::size_t>(touch.by)];
+    }
+  }
+  if (const auto& error = scene.bodies[static_cast<std::size_t>(body)].stated_error) {
+    felt.displacement_error = error->displacement;
+    felt.stress_error = error->von_mises;
+  }
+  return felt;
+}
+
+// Keeps the memory of `lines`.
+void copy_lines(const Scene& scene, FrameLines& lines) {
+  lines.number = scene.number;
+  lines.time = scene.time;
+  lines.touches = scene.touches;
+  lines.bodies.resize(scene.bodies.size());
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    lines.bodies[k] = {scene.bodies[k].camera_from_body, scene.bodies[k].stated_error};
+  }
+  lines.camera = scene.camera;
+  lines.row_correction_px = scene.seen.row_correction_px;
+  lines.row_error_px = scene.seen.row_error_px;
+  lines.times = scene.times;
+}
+
+constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
+constexpr const char* kPictures = "pictures";
+constexpr std::string_view kTimingBegin = "frame,";  // of a run's timing.csv
+// All that a run may leave in its folder, timing.csv first: every run begins with it.
+constexpr std::array kOutputs{"timing.csv",
+                              "touches.jsonl",
+                              "trajectory.txt",
+                              "pose.jsonl",
+                              "live.json",
+                              "touch.mp4",
+                              "depth",
+                              "visible",
+                              "body_depth",
+                              "moving",
+                              "rectification.jsonl",
+                              kFigureNames[0],
+                              kFigureNames[1],
+                              kFigureNames[2],
+                              "touch.mp4.part",
+                              "meshes",
+                              kPictures};
+
+// Whether a run has written it; one that was killed at once has left it empty.
+bool is_timing_of_run(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return false;
+  std::ifstream in(file, std::ios::binary);
+  std::string begin(kTimingBegin.size(), '\0');
+  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return in.gcount() == 0 || begin == kTimingBegin;
+}
+
+}  // namespace
+
+std::optional<std::vector<int>> truly_touching_frames(const fs::path& images) {
+  const fs::path truth = fs::absolute(images).lexically_normal() / ".." / "truth" / "contact.jsonl";
+  if (!fs::is_regular_file(truth.lexically_normal())) return std::nullopt;
+  std::vector<int> frames;
+  for (const ContactLine& contact : read_contacts(truth.lexically_normal())) {
+    if (contact.touching && contact.depth >= kDeepEnough) frames.push_back(contact.frame);
+  }
+  return frames;
+}
+
+std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
+                                  const std::vector<fs::path>& needed) {
+  std::vector<fs::path> there;
+  for (const char* name : kOutputs) {
+    std::error_code ignored;  // a link that leads nowhere is something, too
+    if (fs::exists(fs::symlink_status(folder / name, ignored))) there.push_back(folder / name);
+  }
+  // Files of a run among a recording's would be taken for its own next time.
+  for (const fs::path& input : needed) {
+    if (input.empty() || !lies_in(input, folder) || !lies_in(folder, input)) continue;
+    throw Error(fmt::format("{}: is read by this run; write into another folder", folder.string()));
+  }
+  if (there.empty()) return there;
+  // A folder depth/ alone is somebody's data, and so is one beside somebody's own timing.csv.
+  if (there.front() != folder / kOutputs[0] || !is_timing_of_run(there.front())) {
+    throw Error(
+        fmt::format("{}: is in the way and not of an earlier run; write into another folder",
+                    there.front().string()));
+  }
+  if (!overwrite) {
+    throw Error(
+        fmt::format("{}: holds an earlier run; give another --out, or --overwrite to replace it",
+                    folder.string()));
+  }
+  for (const fs::path& input : needed) {
+    if (input.empty()) continue;
+    const auto holds = [&](const fs::path& path) { return lies_in(input, path); };
+    if (std::none_of(there.begin(), there.end(), holds)) continue;
+    throw Error(
+        fmt::format("{}: is needed by this run and would be overwritten with {}; write into "
+                    "another folder",
+                    input.string(), folder.string()));
+  }
+  return there;
+}
+
+void remove_earlier_run(const std::vector<fs::path>& there) {
+  // timing.csv, by which a run is known as one, last: who is interrupted can do it again.
+  for (auto path = there.rbegin(); path != there.rend(); ++path) {
+    std::error_code error;
+    fs::remove_all(*path, error);
+    if (error) {
+      throw Error(fmt::format("{}: cannot be removed: {}", path->string(), error.message()));
+    }
+  }
+}
+
+LiveOutput::Texts::Texts(const fs::path& folder)
+    : timing(folder / "timing.csv"),
+      touches(folder / "touches.jsonl"),
+      trajectory(folder / "trajectory.txt"),
+      poses(folder / "pose.jsonl"),
+      corrections(folder / "rectification.jsonl") {
+  trajectory.write(kTrajectoryRemark);
+}
+
+void LiveOutput::Texts::flush() {
+  for (TextFile* file : {&timing, &touches, &trajectory, &poses, &corrections}) file->flush();
+}
+
+void LiveOutput::Texts::close() {
+  for (TextFile* file : {&timing, &touches, &trajectory, &poses, &corrections}) file->close();
+}
+
+LiveOutput::LiveOutput(const LiveOutputSettings& settings)
+    : settings_(settings), ready_(kLines), free_lines_(kLines), free_(kInFlight) {
+  const fs::path& folder = settings_.folder;
+  make_folder(folder);
+  texts_.emplace(folder);  // first: what has no timing.csv is taken for somebody else's
+  if (settings_.all_pictures || !settings_.kept_pictures.empty()) make_folder(folder / kPictures);
+  if (settings_.depth) make_folder(folder / "depth");
+  if (settings_.masks) {
+    make_folder(folder / "visible");
+    make_folder(folder / "body_depth");
+    make_folder(folder / "moving");
+  }
+  for (const SurfaceMesh& rest : settings_.meshes_of) {
+    const fs::path meshes = meshes_folder(drawn_.size());
+    make_folder(meshes);
+    drawn_.push_back({rest, Eigen::VectorXd::Zero(rest.vertex_count())});
+    write_valued_ply(meshes / "rest.ply", drawn_.back(), kVonMisesProperty);
+  }
+  for (const char* stage : kStages) times_.emplace_back(stage, std::vector<double>());
+  times_.emplace_back("total", std::vector<double>());
+  std::vector<std::string> stages;
+  for (const auto& [stage, values] : times_) stages.push_back(stage);
+  texts_->timing.write(timing_header(stages));
+  for (std::size_t i = 0; i < kInFlight; ++i) free_.push(std::make_unique<DrawnFrame>());
+  if (!settings_.complete) spare_ = std::make_unique<DrawnFrame>();
+  constexpr std::size_t kUsualTouches = 8;
+  for (std::size_t i = 0; i < kLines; ++i) {
+    auto lines = std::make_unique<Written>();
+    lines->lines.touches.reserve(kUsualTouches);
+    lines->lines.bodies.reserve(std::max<std::size_t>(settings_.bodies.size(), 1));
+    free_lines_.push(std::move(lines));
+  }
+  thread_ = std::thread([this] { run(); });
+}
+
+LiveOutput::~LiveOutput() {
+  close_queues();
+  if (thread_.joinable()) thread_.join();
+}
+
+void LiveOutput::close_queues() {
+  ready_.close();
+  free_lines_.close();
+  free_.close();
+}
+
+std::unique_ptr<DrawnFrame> LiveOutput::blank() {
+  constexpr std::chrono::seconds kNow(0);
+  std::optional<std::unique_ptr<DrawnFrame>> frame =
+      settings_.complete ? free_.pop() : free_.pop_within(kNow);
+  if (!frame && (settings_.complete || free_.closed())) {  // the thread has given up
+    finish();
+    throw Error("the output was ended");
+  }
+  std::unique_ptr<DrawnFrame> blank = std::move(frame ? *frame : spare_);
+  blank->in_files = frame.has_value();
+  return blank;
+}
+
+void LiveOutput::write(std::unique_ptr<DrawnFrame> frame) {
+  constexpr std::chrono::seconds kNow(0);
+  std::optional<std::unique_ptr<Written>> written = free_lines_.pop_within(kNow);
+  if (!frame->in_files) ++left_out_;
+  if (written) {
+    copy_lines(frame->scene, (*written)->lines);
+    if (frame->in_files) (*written)->drawn = std::move(frame);
+    if (!ready_.push(std::move(*written))) finish();
+  } else {
+    ++lines_left_out_;
+  }
+  if (frame) spare_ = std::move(frame);
+}
+
+void LiveOutput::finish() {
+  ready_.close();
+  if (thread_.joinable()) thread_.join();
+  rethrow();
+}
+
+void LiveOutput::rethrow() {
+  if (trouble_) std::rethrow_exception(std::exchange(trouble_, nullptr));
+}
+
+void LiveOutput::run() {
+  try {
+    flush();
+    while (!ready_.drained()) {
+      // Also while the source stalls: what came before is not to wait for its return.
+      if (std::optional<std::unique_ptr<Written>> frame = ready_.pop_within(kFlushEvery)) {
+        write_frame(**frame);
+        if ((*frame)->drawn) free_.push(std::move((*frame)->drawn));
+        free_lines_.push(std::move(*frame));
+      }
+      if (std::chrono::steady_clock::now() - flushed_ >= kFlushEvery) flush();
+    }
+    end_files();
+  } catch (...) {
+    trouble_ = std::current_exception();
+    close_queues();
+  }
+}
+
+void LiveOutput::write_frame(Written& frame) {
+  {
+    const StageTimer timer(frame.lines.times, "write");
+    if (frame.drawn) write_pictures(*frame.drawn);
+    write_lines(frame.lines);
+  }
+  std::vector<double> row;
+  double total = 0;
+  for (auto& [stage, values] : times_) {
+    const double ms = stage == "total" ? total : frame.lines.times.ms(stage);
+    total += ms;
+    values.push_back(ms);
+    row.push_back(ms);
+  }
+  texts_->timing.write(timing_line(frame.lines.number, row));
+}
+
+void LiveOutput::write_pictures(const DrawnFrame& frame) {
+  if (settings_.depth) write_depth(frame);
+  if (settings_.masks) write_masks(frame);
+  write_meshes(frame.scene);
+  write_video(frame);
+  write_picture(frame);
+  keep_if_best(frame);
+}
+
+void LiveOutput::write_lines(const FrameLines& scene) {
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    TouchesLine felt = felt_in(scene, static_cast<int>(k), settings_.bodies);
+    if (felt.touches.empty()) continue;
+    felt.body = name_of(k);
+    texts_->touches.write(touches_line(felt));
+  }
+  if (scene.camera.state != TrackState::kLost) {  // a fixed camera's pose stays as it is
+    texts_->trajectory.write(
+        trajectory_line({settings_.starts_at + scene.time, scene.camera.world_from_camera}));
+  }
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    texts_->poses.write(pose_line({scene.number, scene.bodies[k].camera_from_body, name_of(k)}));
+  }
+  const double correction = scene.row_correction_px;
+  if (last_correction_ != correction) {
+    last_correction_ = correction;
+    std::optional<double> error;
+    if (!std::isnan(scene.row_error_px)) error = scene.row_error_px;
+    texts_->corrections.write(correction_line({scene.number, correction, error}));
+  }
+}
+
+void LiveOutput::write_depth(const DrawnFrame& frame) {
+  const Scene& scene = frame.scene;
+  write_measured_depth(settings_.folder / "depth" / frame_name(scene.number, ".png"),
+                       scene.seen.depth, scene.seen.too_close);
+}
+
+void LiveOutput::write_masks(const DrawnFrame& frame) {
+  const std::string name = frame_name(frame.scene.number, ".png");
+  write_mask(settings_.folder / "visible" / name, frame.visible);
+  write_body_depth(settings_.folder / "body_depth" / name, frame.body_depth);
+  const MaskImage& moving = frame.scene.moving;
+  if (!moving.empty()) write_mask(settings_.folder / "moving" / name, moving);
+}
+
+// Empty where there is one body alone.
+std::string LiveOutput::name_of(std::size_t body) const {
+  return body < settings_.bodies.size() ? settings_.bodies[body] : std::string();
+}
+
+fs::path LiveOutput::meshes_folder(std::size_t body) const {
+  return settings_.folder / "meshes" / name_of(body);
+}
+
+void LiveOutput::write_meshes(const Scene& scene) {
+  for (std::size_t k = 0; k < drawn_.size(); ++k) {
+    const SceneBody& body = scene.bodies[k];
+    drawn_[k].surface.vertices = body.vertices.cast<double>();
+    drawn_[k].values =
+        Eigen::Map<const Eigen::VectorXf>(body.von_mises.data(), std::ssize(body.von_mises))
+            .cast<double>();
+    write_valued_ply(meshes_folder(k) / frame_name(scene.number, ".ply"), drawn_[k],
+                     kVonMisesProperty);
+  }
+}
+
+void LiveOutput::flush() {
+  texts_->flush();
+  if (video_) video_->flush();
+  flushed_ = std::chrono::steady_clock::now();
+}
+
+void LiveOutput::open_video(const ColorImage& picture, double frames_per_second) {
+  video_ = std::make_unique<VideoFileWriter>(settings_.folder / "touch.mp4", picture.width(),
+                                             picture.height(), frames_per_second);
+  codec_ = video_->codec();
+}
+
+void LiveOutput::write_video(const DrawnFrame& frame) {
+  const Scene& scene = frame.scene;
+  // A film of all frames that came has no gaps, whatever their numbers say.
+  const int after = settings_.complete ? 1 : std::max(scene.number - last_number_, 1);
+  last_number_ = scene.number;
+  ++written_;
+  if (written_ == 1) {
+    first_picture_ = frame.picture;
+    first_time_ = scene.time;
+    return;
+  }
+  if (written_ == 2) {
+    const double step = (scene.time - first_time_) / after;
+    open_video(frame.picture, step > 1e-3 ? std::clamp(1 / step, 1.0, 240.0) : kDefaultRate);
+    video_->append(first_picture_);
+  }
+  video_->append(frame.picture, after);
+}
+
+void LiveOutput::write_picture(const DrawnFrame& frame) {
+  const std::vector<int>& kept = settings_.kept_pictures;
+  if (!settings_.all_pictures &&
+      !std::binary_search(kept.begin(), kept.end(), frame.scene.number)) {
+    return;
+  }
+  write_png(settings_.folder / kPictures / fmt::format("{:06}.png", frame.scene.number),
+            frame.picture);
+}
+
+void LiveOutput::keep_if_best(const DrawnFrame& frame) {
+  if (!settings_.figures) return;
+  const std::optional<std::vector<int>>& touching = settings_.touch_frames;
+  const bool may_touch =
+      !touching || std::binary_search(touching->begin(), touching->end(), frame.scene.number);
+  const std::array scores{frame.scores.hand_nearer, frame.scores.body_nearer,
+                          may_touch ? frame.scores.touch : 0.0};
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    if (scores[i] > best_score_[i]) {
+      best_score_[i] = scores[i];
+      best_[i] = frame.picture;
+    }
+  }
+}
+
+void LiveOutput::end_files() {
+  if (written_ == 1) {
+    open_video(first_picture_, kDefaultRate);
+    video_->append(first_picture_);
+  }
+  if (video_) video_->close();
+  texts_->close();
+  for (std::size_t i = 0; i < best_.size(); ++i) {
+    if (best_score_[i] <= 0) continue;
+    write_png(settings_.folder / kFigureNames[i], best_[i]);
+    figures_.emplace_back(kFigureNames[i]);
+  }
+}
+
+}  // namespace palpable

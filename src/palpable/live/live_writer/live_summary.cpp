@@ -1,0 +1,77 @@
+#include "palpable/live/live_writer/live_summary.h"
+
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/live/view/stress_scale.h"
+
+#include <vector>
+
+namespace palpable {
+
+namespace {
+
+LiveSummary::Stats stats_of(const RunFigures& figures) {
+  LiveSummary::Stats stats;
+  stats.frames_per_second = figures.frames_per_second;
+  stats.age_p50_ms = figures.age_p50_ms;
+  stats.age_p99_ms = figures.age_p99_ms;
+  stats.cpu_ms_per_frame = figures.cpu_ms_per_frame;
+  for (const RunFigures::Stage& stage : figures.stages) {
+    stats.stage_p50_ms.emplace_back(stage.name, stage.p50_ms);
+    stats.stage_p99_ms.emplace_back(stage.name, stage.p99_ms);
+  }
+  return stats;
+}
+
+}  // namespace
+
+LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFigures& figures,
+                       const LiveOutput& output) {
+  const Session& session = run.loop.session;
+  LiveSummary result;
+  result.source = run.images.string();
+  result.press_static = session.settings().press_static;
+  for (int k = 0; k < session.body_count(); ++k) {
+    LiveSummary::Body& body = result.bodies.emplace_back();
+    body.name = session.body_name(k);
+    body.contact = name_of(session.contact(k));
+    body.takes_reactions = session.contact(k) == ContactKind::kAnywhere;
+    body.camera_from_body = session.world_from_body(k);  // the first frame's camera is the world
+  }
+  if (const auto& color = run.source->format().color_sensor) {
+    result.color_from_depth = color->color_from_depth;
+  }
+  if (session.settings().track) {
+    const TrackerCounts tracker = session.tracker_counts();
+    result.tracking = {counts.moving,     counts.lost,       tracker.recognised, tracker.loops,
+                       tracker.keyframes, tracker.landmarks, counts.new_worlds};
+  }
+  if (const SurfaceMap* map = session.map()) {
+    result.map = {map->blocks(), map->refused(), session.free_space()->blocked()};
+  }
+  const std::vector<double> densities(counts.densities.begin(), counts.densities.end());
+  result.depth = {densities.empty() ? 0 : percentile(densities, 0.5), counts.few_depths,
+                  counts.rows_off, counts.rows_off_px};
+  result.unreadable = counts.troubles.unreadable;
+  result.source_troubles = {counts.troubles.back_in_time, counts.troubles.dropped,
+                            counts.troubles.stalls, counts.troubles.losses, counts.reports};
+  result.frames_touching = counts.touching;
+  result.first_touch_frame = counts.first_touch;
+  result.deepest_press = counts.deepest;
+  result.frames_between_bodies = counts.between_bodies;
+  result.deepest_between = counts.between;
+  result.imbalance = counts.imbalance;
+  result.site_changes = counts.site_changes;
+  result.video_codec = output.codec();
+  result.pictures = output.figures();
+  result.stats = stats_of(figures);
+  result.left_out = output.left_out();
+  result.lines_left_out = output.lines_left_out();
+  result.color_scale = stress_scale(session);
+  for (const auto& [stage, values] : output.times()) {
+    if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));
+  }
+  result.processed = counts.processed;
+  return result;
+}
+
+}  // namespace palpable

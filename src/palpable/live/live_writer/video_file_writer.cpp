@@ -1,0 +1,234 @@
+#include "palpable/live/live_writer/video_file_writer.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/growing_file.h"
+#include "palpable/live/live_writer/ffmpeg_handles.h"
+#include "palpable/live/live_writer/ordinary_mp4.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kBuffer = 1 << 16;  // bytes
+constexpr int kFineRate = 1000;   // rates that are no whole numbers are thousandths
+
+// FFmpeg 7 hands over constant bytes, FFmpeg 5 does not.
+template <class Byte>
+int take_bytes(void* taken, Byte* bytes, int count) {
+  static_cast<std::string*>(taken)->append(reinterpret_cast<const char*>(bytes),
+                                           static_cast<std::size_t>(count));
+  return count;
+}
+
+AVRational rate_of(double frames_per_second) {
+  const double whole = std::round(frames_per_second);
+  if (whole >= 1 && std::abs(whole - frames_per_second) < 1.0 / kFineRate) {
+    return {static_cast<int>(whole), 1};
+  }
+  return {static_cast<int>(std::max(1.0, std::round(frames_per_second * kFineRate))), kFineRate};
+}
+
+VideoFrame frame_of(AVPixelFormat format, int width, int height) {
+  VideoFrame frame(av_frame_alloc());
+  if (!frame) return nullptr;
+  frame->format = format;
+  frame->width = width;
+  frame->height = height;
+  if (av_frame_get_buffer(frame.get(), 0) < 0) return nullptr;
+  return frame;
+}
+
+// An encoder that is ready, or null where FFmpeg has none.
+Encoder open_encoder(AVCodecID codec, int width, int height, AVRational rate) {
+  const AVCodec* found = avcodec_find_encoder(codec);
+  if (found == nullptr) return nullptr;
+  Encoder encoder(avcodec_alloc_context3(found));
+  if (!encoder) return nullptr;
+  encoder->width = width;
+  encoder->height = height;
+  encoder->pix_fmt = AV_PIX_FMT_YUV420P;
+  encoder->framerate = rate;
+  encoder->time_base = av_inv_q(rate);
+  encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;  // MP4 has it in its head
+  encoder->log_level_offset = AV_LOG_TRACE;       // a library prints nothing
+  if (codec == AV_CODEC_ID_MPEG4) {
+    constexpr int kQuality = 4;  // of 1 (best) to 31: about that of x264's own choice
+    encoder->flags |= AV_CODEC_FLAG_QSCALE;
+    encoder->global_quality = kQuality * FF_QP2LAMBDA;
+  }
+  // The encoder works beside the loop and shares its processors: one thread, and of x264's ways the
+  // one that takes 0.4 times the usual one's time (5.5 against 14 ms for a 720p picture of the
+  // desk) at the same setting of quality. It looks at 10 pictures before it hands over the first,
+  // which a killed run loses. Encoders that have no such settings are left as they are.
+  encoder->thread_count = 1;
+  av_opt_set(encoder->priv_data, "preset", "veryfast", 0);
+  encoder->max_b_frames =
+      0;  // in the order of time: a film that is cut off lacks none before its end
+  if (avcodec_open2(encoder.get(), found, nullptr) < 0) return nullptr;
+  return encoder;
+}
+
+}  // namespace
+
+struct VideoFileWriter::Film {
+  Film(const fs::path& path_of_film, int width, int height, double frames_per_second);
+  void begin();
+  void send(const AVFrame* picture);
+  void flush();
+  void close();
+  [[noreturn]] void fail(const char* what) const {
+    throw Error(fmt::format("{}: {}", path.string(), what));
+  }
+
+  fs::path path;
+  GrowingFile file;
+  std::string taken;  // what the muxer wrote and the file has not got yet
+  std::string codec;
+  Encoder encoder;
+  ByteStream stream;  // of the muxer, into `taken`
+  Container container;
+  Packet packet;
+  VideoFrame rgb;
+  VideoFrame yuv;
+  Converter converter;
+  std::int64_t last = -1;  // picture's time, in steps of the rate
+  bool is_ending = false;  // or has failed: nothing more can be written
+};
+
+VideoFileWriter::Film::Film(const fs::path& path_of_film, int width, int height,
+                            double frames_per_second)
+    : path(path_of_film), file(path) {
+  const AVRational rate = rate_of(frames_per_second);
+  for (const auto& [id, name] :
+       {std::pair{AV_CODEC_ID_H264, "avc1"}, std::pair{AV_CODEC_ID_MPEG4, "mp4v"}}) {
+    codec = name;
+    encoder = open_encoder(id, width, height, rate);
+    if (encoder) break;
+  }
+  if (!encoder) fail("no video can be written here (neither H.264 nor MPEG-4)");
+  packet.reset(av_packet_alloc());
+  rgb = frame_of(AV_PIX_FMT_RGB24, width, height);
+  yuv = frame_of(encoder->pix_fmt, width, height);
+  converter.reset(sws_getContext(width, height, AV_PIX_FMT_RGB24, width, height, encoder->pix_fmt,
+                                 SWS_BICUBIC, nullptr, nullptr, nullptr));
+  if (!packet || !rgb || !yuv || !converter) fail("no room for the pictures of a video");
+  begin();
+}
+
+void VideoFileWriter::Film::begin() {
+  AVFormatContext* made = nullptr;
+  if (avformat_alloc_output_context2(&made, nullptr, "mp4", nullptr) < 0) fail("no MP4 here");
+  container.reset(made);
+  auto* buffer = static_cast<unsigned char*>(av_malloc(kBuffer));
+  stream.reset(avio_alloc_context(buffer, kBuffer, 1, &taken, nullptr, take_bytes, nullptr));
+  AVStream* track = avformat_new_stream(made, nullptr);
+  if (buffer == nullptr || !stream || track == nullptr) fail("no room for a video");
+  stream->seekable = 0;  // nothing is changed that is on the disk
+  made->pb = stream.get();
+  made->flags |= AVFMT_FLAG_CUSTOM_IO;
+  track->time_base = encoder->time_base;
+  track->avg_frame_rate = encoder->framerate;
+  AVDictionary* options = nullptr;
+  // Fragments end when flush() says so; the pictures' times begin at 0 although some are stored
+  // before those that are shown before them.
+  av_dict_set(&options, "movflags", "empty_moov+frag_custom+default_base_moof+negative_cts_offsets",
+              0);
+  const bool begun = avcodec_parameters_from_context(track->codecpar, encoder.get()) >= 0 &&
+                     avformat_write_header(made, &options) >= 0;
+  av_dict_free(&options);
+  if (!begun) fail("no MP4 can be begun");
+  flush();
+}
+
+// @param picture  null: no more comes
+void VideoFileWriter::Film::send(const AVFrame* picture) {
+  if (avcodec_send_frame(encoder.get(), picture) < 0) fail("a picture could not be encoded");
+  while (true) {
+    const int received = avcodec_receive_packet(encoder.get(), packet.get());
+    if (received == AVERROR(EAGAIN) || received == AVERROR_EOF) return;
+    if (received < 0) fail("a picture could not be encoded");
+    packet->duration = 1;
+    packet->stream_index = 0;
+    av_packet_rescale_ts(packet.get(), encoder->time_base, container->streams[0]->time_base);
+    if (av_write_frame(container.get(), packet.get()) < 0) fail("a picture could not be added");
+    av_packet_unref(packet.get());
+  }
+}
+
+void VideoFileWriter::Film::flush() {
+  if (av_write_frame(container.get(), nullptr) < 0) fail("a piece could not be ended");
+  avio_flush(stream.get());
+  if (taken.empty()) return;
+  is_ending = true;  // if this fails
+  file.append(std::exchange(taken, {}));
+  is_ending = false;
+}
+
+void VideoFileWriter::Film::close() {
+  if (is_ending) return;
+  is_ending = true;
+  send(nullptr);
+  if (av_write_trailer(container.get()) < 0) fail("the video could not be ended");
+  avio_flush(stream.get());
+  file.append(std::exchange(taken, {}));
+  file.close();
+}
+
+VideoFileWriter::VideoFileWriter(const fs::path& path, int width, int height,
+                                 double frames_per_second) {
+  PALPABLE_EXPECT(width >= 2 && height >= 2 && frames_per_second > 0, "a film has pictures");
+  av_log_set_level(AV_LOG_QUIET);  // muxer and converter have no level of their own
+  film_ = std::make_unique<Film>(path, width / 2 * 2, height / 2 * 2, frames_per_second);
+}
+
+VideoFileWriter::~VideoFileWriter() {
+  try {
+    film_->close();
+  } catch (const Error&) {  // nobody asked; what was flushed can be played
+  }
+}
+
+void VideoFileWriter::append(const ColorImage& picture, int after) {
+  Film& film = *film_;
+  PALPABLE_EXPECT(after >= 1, "a picture comes after the one before");
+  PALPABLE_EXPECT(
+      picture.width() / 2 * 2 == film.rgb->width && picture.height() / 2 * 2 == film.rgb->height,
+      "all pictures of a film have one size");
+  // Through a frame of FFmpeg's own: its loops read beyond the end of a picture.
+  if (av_frame_make_writable(film.rgb.get()) < 0 || av_frame_make_writable(film.yuv.get()) < 0) {
+    film.fail("no room for a picture");
+  }
+  const std::size_t row = static_cast<std::size_t>(film.rgb->width) * sizeof(Rgb);
+  for (int y = 0; y < film.rgb->height; ++y) {
+    std::memcpy(film.rgb->data[0] + static_cast<std::ptrdiff_t>(y) * film.rgb->linesize[0],
+                picture.row(y), row);
+  }
+  sws_scale(film.converter.get(), film.rgb->data, film.rgb->linesize, 0, film.rgb->height,
+            film.yuv->data, film.yuv->linesize);
+  film.last += film.last < 0 ? 1 : after;
+  film.yuv->pts = film.last;
+  film.send(film.yuv.get());
+}
+
+void VideoFileWriter::flush() { film_->flush(); }
+
+void VideoFileWriter::close() {
+  film_->close();
+  // Where there is no room for a copy the film stays in fragments, all of it.
+  (void)make_ordinary_mp4(film_->path);
+}
+
+const std::string& VideoFileWriter::codec() const { return film_->codec; }
+
+}  // namespace palpable

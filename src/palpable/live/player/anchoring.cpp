@@ -1,0 +1,228 @@
+#include "palpable/live/player/anchoring.h"
+
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/stage_clock.h"
+#include "palpable/common/geometry/median_pose.h"
+#include "palpable/desk/clip_files/place.h"
+#include "palpable/live/map/plane_fit.h"
+#include "palpable/live/slam/slam.h"
+#include "palpable/live/sources/source_guard.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+// A second at a camera's usual rate.
+constexpr int kFrames = 30;
+
+// A camera may take its time for the first picture, but not for ever. Of the failures those that
+// wait for a picture take 0.1 s each.
+constexpr int kMostFailures = 100;
+
+// m from the body's origin at which its pose has to be right: half of a hand-sized body.
+constexpr double kBodyReach = 0.1;
+
+// A point belongs to the desk where the plane around it is that plane, but for the noise.
+constexpr double kSameHeight = 0.01;  // m
+constexpr double kSameTilt = 0.15;    // rad
+
+// Calls look() for each of the first frames that can be used.
+// @return how many there were, at least one
+int see_first_frames(FrameSource& source, const std::string& name, DepthCamera& camera,
+                     const std::function<void(const SeenFrame&)>& look) {
+  SourceGuard guard(source);
+  Frame frame;
+  SeenFrame seen;
+  int looked = 0;
+  for (int failures = 0; looked < kFrames && failures < kMostFailures;) {
+    const FrameStatus status = guard.next(frame);
+    if (status == FrameStatus::kEnd) break;
+    if (status != FrameStatus::kFrame) {
+      ++failures;
+      continue;
+    }
+    ++looked;
+    camera.see(frame, seen);
+    if (seen.misfit) throw Error(fmt::format("{}: {}", name, seen.misfit->message()));
+    look(seen);
+  }
+  if (looked == 0) {
+    throw Error(fmt::format("{}: gives no picture that can be used{}{}", name,
+                            guard.last_trouble().empty() ? "" : ": ", guard.last_trouble()));
+  }
+  return looked;
+}
+
+// What one frame says about where the body is to stand.
+template <class Found>
+struct Sighting {
+  Rigid3 start_from_camera;  // start: the camera of the frame with which a session begins
+  Found found;               // in the frame's camera
+};
+
+// What the first frames show, at least one sighting, in their order.
+// @param find_in  (frame, camera) -> optional Found, in the frame's camera
+// @param missing  what is said not to be there when nothing is found
+template <class FindIn>
+auto find_in_first_frames(FrameSource& source, const std::string& name,
+                          const DepthSettings& settings, const FindIn& find_in,
+                          const std::string& missing) {
+  using Found =
+      typename std::invoke_result_t<FindIn, const SeenFrame&, const DepthCamera&>::value_type;
+  Result<DepthCamera> made = DepthCamera::make(source.format(), settings);
+  if (!made.ok()) throw Error(fmt::format("{}: {}", name, made.problem().message));
+  DepthCamera camera = std::move(made).value();
+  Slam slam(camera, {.map = false});
+  const bool live = source.is_live();
+  std::vector<Sighting<Found>> sightings;  // until the end with world_from_camera
+  Rigid3 world_from_start = Rigid3::Identity();
+  StageTimes unused;
+  const int looked = see_first_frames(source, name, camera, [&](const SeenFrame& seen) {
+    const TrackedPose pose = slam.advance(seen, unused).camera;
+    if (pose.new_world) sightings.clear();
+    if (pose.state == TrackState::kLost) return;
+    if (live) world_from_start = pose.world_from_camera;
+    if (const std::optional<Found> found = find_in(seen, camera)) {
+      sightings.push_back({pose.world_from_camera, *found});
+    }
+  });
+  if (sightings.empty()) {
+    throw NoPlaceError(fmt::format("{}: its first {} frames show no {}", name, looked, missing));
+  }
+  for (auto& sighting : sightings) {
+    sighting.start_from_camera = world_from_start.inverse() * sighting.start_from_camera;
+  }
+  return sightings;
+}
+
+}  // namespace
+
+namespace {
+
+// What the first frames show of the plane to stand on. Its middle is where the body is to stand.
+struct StandingPlane {
+  Plane plane;
+  bool is_desk = true;  // the plane that all frames see; false: a thing's surface
+  bool is_free = true;  // nothing stands at its middle
+};
+
+std::optional<StandingPlane> plane_with_room(const SeenFrame& seen, const DepthNoise& noise,
+                                             const Footprint& body) {
+  std::optional<Plane> plane = fit_standing_plane(seen.depth, seen.depth_camera, noise);
+  if (!plane) return std::nullopt;
+  StandingPlane found{*plane};
+  if (body.radius == 0) return found;
+  const auto place = free_place_on(*plane, seen.depth, seen.depth_camera, noise, body);
+  found.is_free = place.has_value();
+  if (place) found.plane.middle = *place;
+  return found;
+}
+
+// The surface at a pixel, or the desk where it belongs to the one that is seen.
+std::optional<StandingPlane> plane_at_pixel(const SeenFrame& seen, const DepthNoise& noise,
+                                            const Eigen::Vector2d& at_px) {
+  const Eigen::Vector3d ray = seen.camera.unproject(at_px.x(), at_px.y(), 1.0);
+  const Eigen::Vector2d at = seen.depth_camera.project(ray);
+  const auto plane = fit_plane_at(seen.depth, seen.depth_camera, noise, at.x(), at.y());
+  if (!plane) return std::nullopt;
+  StandingPlane found{*plane, false};
+  if (const auto desk = fit_standing_plane(seen.depth, seen.depth_camera, noise)) {
+    const double above = desk->normal.dot(plane->middle) - desk->offset;
+    if (std::abs(above) < kSameHeight && desk->normal.dot(plane->normal) > std::cos(kSameTilt)) {
+      found = {*desk};
+      found.plane.middle = ray * (desk->offset / desk->normal.dot(ray));
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+Rigid3 pose_on_plane(FrameSource& source, const std::string& name, const DepthSettings& settings,
+                     const Spot& spot) {
+  if (spot.at_px) {
+    const FrameFormat& format = source.format();
+    const Eigen::Vector2d at = *spot.at_px;
+    if (!(at.x() >= 0 && at.y() >= 0 && at.x() < format.width && at.y() < format.height)) {
+      throw Error(fmt::format("{}: the pixel {}, {} is outside of the picture of {} x {}", name,
+                              at.x(), at.y(), format.width, format.height));
+    }
+  }
+  // A camera's session begins with the last frame, a recording's with the first that shows it.
+  const bool live = source.is_live();
+  std::optional<StandingPlane> chosen;
+  const auto plane_in = [&](const SeenFrame& seen,
+                            const DepthCamera& camera) -> std::optional<StandingPlane> {
+    if (chosen && !live) {  // the others say how the desk lies
+      if (!chosen->is_desk) return std::nullopt;
+      return plane_with_room(seen, camera.noise(), {});
+    }
+    const auto found = spot.at_px ? plane_at_pixel(seen, camera.noise(), *spot.at_px)
+                                  : plane_with_room(seen, camera.noise(), spot.body);
+    if (found) chosen = found;
+    return found;
+  };
+  const auto sightings = find_in_first_frames(
+      source, name, settings, plane_in,
+      spot.at_px ? fmt::format("surface at pixel {}, {}", spot.at_px->x(), spot.at_px->y())
+                 : "plane to stand on (within 1.5 m, a tenth of what is seen there, facing up in "
+                   "the picture, or half of it, facing the camera); turn the camera to the desk");
+  // The sighting nearest in time to where the session begins says at which point of the plane.
+  const auto& nearest = live ? sightings.back() : sightings.front();
+  if (!nearest.found.is_free) {
+    throw NoPlaceError(fmt::format(
+        "{}: on the desk that is seen no place of {:.2f} m is free for the body; clear one", name,
+        2 * spot.body.radius));
+  }
+  const Eigen::Vector3d middle = nearest.start_from_camera * nearest.found.plane.middle;
+  std::vector<Rigid3> poses;
+  for (const auto& [start_from_camera, found] : sightings) {
+    if (found.is_desk != nearest.found.is_desk) continue;
+    Plane plane = moved_by(start_from_camera, found.plane);
+    // The middle of its own picture is another point in every frame. All are asked for the pose at
+    // the same one, projected to their own plane.
+    plane.middle = middle - (plane.normal.dot(middle) - plane.offset) * plane.normal;
+    poses.push_back(camera_from_body_on(plane));
+  }
+  return median_pose(poses, kBodyReach);
+}
+
+std::optional<Rigid3> pose_on_desk(const SeenFrame& seen, const DepthNoise& noise,
+                                   const Footprint& body) {
+  const std::optional<StandingPlane> found = plane_with_room(seen, noise, body);
+  if (!found || !found->is_free) return std::nullopt;
+  return camera_from_body_on(found->plane);
+}
+
+Rigid3 pose_on_board(FrameSource& source, const std::string& name, const DepthSettings& settings,
+                     const BoardPattern& pattern) {
+  const auto board_in = [&](const SeenFrame& seen, const DepthCamera&) {
+    return find_board_pose(seen.color, seen.camera, pattern);
+  };
+  const auto sightings = find_in_first_frames(
+      source, name, settings, board_in,
+      fmt::format("chessboard of {}x{} inner corners; show it whole, flat and sharp",
+                  pattern.columns, pattern.rows));
+  std::vector<Rigid3> poses;
+  for (const auto& [start_from_camera, found] : sightings) {
+    poses.push_back(start_from_camera * found);
+  }
+  return median_pose(poses, kBodyReach);
+}
+
+std::optional<Rigid3> pose_at_pixel(const SeenFrame& seen, const DepthNoise& noise,
+                                    const Eigen::Vector2d& at_px) {
+  const std::optional<StandingPlane> found = plane_at_pixel(seen, noise, at_px);
+  if (!found) return std::nullopt;
+  return camera_from_body_on(found->plane);
+}
+
+}  // namespace palpable

@@ -1,0 +1,129 @@
+#include "palpable/live/player/body_place.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/surface_distance.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+constexpr double kStandsIn = 2e-4;  // m: bodies that stand on each other touch, to rounding
+// m below its skin a body is looked at, too: of two in the same place no skin is in the other.
+constexpr float kBelow = 1e-3f;
+
+const std::string& name_of(const PlacedBody& body) {
+  return body.name.empty() ? body.body.body.name : body.name;
+}
+
+Eigen::AlignedBox3d box_in_world(const PlacedBody& body) {
+  Eigen::AlignedBox3d box;
+  const Eigen::Matrix3Xd& x = body.body.body.surface.vertices;
+  for (Eigen::Index v = 0; v < x.cols(); ++v) {
+    box.extend(Eigen::Vector3d(body.world_from_body * x.col(v)));
+  }
+  return box;
+}
+
+// m: how deep a vertex of `a`, the middle of one of its triangles, or what lies below a vertex is
+// in `b` at worst.
+double entry_of(const PlacedBody& a, const PlacedBody& b) {
+  const SurfaceMesh& skin = a.body.body.surface;
+  const Eigen::AlignedBox3d near = box_in_world(b);
+  std::optional<SurfaceDistance> distance;  // made where a point needs it
+  const Rigid3 b_from_world = b.world_from_body.inverse();
+  double deepest = 0;
+  const auto look = [&](const Eigen::Vector3d& x_in_a) {
+    const Eigen::Vector3d x = a.world_from_body * x_in_a;
+    if (!near.contains(x)) return;
+    if (!distance) distance.emplace(b.body.body.surface);
+    deepest = std::max(deepest, -distance->nearest(b_from_world * x).distance);
+  };
+  const Eigen::Matrix3Xf vertices = skin.vertices.cast<float>();
+  Eigen::Matrix3Xf normals(3, vertices.cols());
+  vertex_normals(vertices, skin.triangles, normals);
+  for (Eigen::Index v = 0; v < skin.vertices.cols(); ++v) {
+    look(skin.vertices.col(v));
+    look((vertices.col(v) - kBelow * normals.col(v)).cast<double>());
+  }
+  for (Eigen::Index t = 0; t < skin.triangles.cols(); ++t) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) middle += skin.vertices.col(skin.triangles(k, t)) / 3;
+    look(middle);
+  }
+  return deepest;
+}
+
+}  // namespace
+
+std::vector<Rigid3> world_from_bodies(const std::vector<BodyPlace>& places, Anchor of_run,
+                                      const std::function<Rigid3(Anchor)>& world_from_anchor) {
+  std::vector<Rigid3> all;
+  for (const BodyPlace& at : places) {
+    PALPABLE_EXPECT(at.beside < std::ssize(all), "a body stands beside an earlier one");
+    Rigid3 world_from_base;
+    if (at.beside >= 0) {
+      world_from_base = all[static_cast<std::size_t>(at.beside)];
+    } else if (at.place) {
+      world_from_base = *at.place;
+    } else {
+      world_from_base = world_from_anchor(at.anchor.value_or(of_run));
+    }
+    // A body at its anchor stands where the anchor is, to the bit.
+    const bool shifted = !at.anchor_from_body.matrix().isIdentity(0);
+    all.push_back(shifted ? world_from_base * at.anchor_from_body : world_from_base);
+  }
+  return all;
+}
+
+Footprint footprint_of(const std::vector<BodyPlace>& places,
+                       const std::vector<const SurfaceMesh*>& skins, Anchor of_run) {
+  PALPABLE_EXPECT(places.size() == skins.size(), "each place is of a body");
+  const std::vector<Rigid3> anchor_from_bodies =
+      world_from_bodies(places, of_run, [](Anchor) { return Rigid3::Identity(); });
+  Footprint room;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const BodyPlace* base = &places[k];
+    while (base->beside >= 0) base = &places[static_cast<std::size_t>(base->beside)];
+    if (base->place || base->anchor.value_or(of_run) != Anchor::kPlane) continue;
+    for (const auto& vertex : skins[k]->vertices.colwise()) {
+      const Eigen::Vector3d at = anchor_from_bodies[k] * Eigen::Vector3d(vertex);
+      room.radius = std::max(room.radius, std::hypot(at.x(), at.y()));
+      room.height = std::max(room.height, at.z());
+    }
+  }
+  room.radius = std::min(room.radius, 1.0);
+  return room;
+}
+
+std::vector<PlacedBody> placed(std::vector<LiveBody> bodies, Anchor of_run,
+                               const std::function<Rigid3(Anchor)>& world_from_anchor) {
+  std::vector<BodyPlace> places;
+  for (const LiveBody& body : bodies) places.push_back(body.place);
+  const std::vector<Rigid3> stand = world_from_bodies(places, of_run, world_from_anchor);
+  std::vector<PlacedBody> all;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    LiveBody& body = bodies[k];
+    all.push_back({std::move(body.body), stand[k], std::move(body.name), body.color});
+  }
+  return all;
+}
+
+std::optional<std::string> overlap_of(const std::vector<PlacedBody>& bodies) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!box_in_world(bodies[i]).intersects(box_in_world(bodies[j]))) continue;
+      const double entry = std::max(entry_of(bodies[i], bodies[j]), entry_of(bodies[j], bodies[i]));
+      if (!(entry > kStandsIn)) continue;
+      return fmt::format("'{}' stands in '{}', by {:.1f} mm; move one of them", name_of(bodies[i]),
+                         name_of(bodies[j]), 1e3 * entry);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpable

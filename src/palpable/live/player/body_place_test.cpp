@@ -1,0 +1,60 @@
+#include "palpable/live/player/body_place.h"
+
+#include "tests/support/bodies.h"
+#include "tests/support/test.h"
+
+#include <utility>
+
+namespace palpable {
+namespace {
+
+using Eigen::Vector3d;
+using test::tolerance;
+
+LiveBody ball(const std::string& name, const BodyPlace& place = {}) {
+  return {TouchableBody(test::pressed_ball()), name, place};
+}
+
+Rigid3 shift(double x, double y, double z) {
+  Rigid3 pose = Rigid3::Identity();
+  pose.translation() = Vector3d(x, y, z);
+  return pose;
+}
+
+TEST_CASE("bodies stand at their anchors, beside each other or where they say", "[live][scene]") {
+  std::vector<LiveBody> bodies;
+  bodies.push_back(ball("first", {.anchor_from_body = shift(0.1, 0, 0)}));
+  bodies.push_back(ball("second", {.beside = 0, .anchor_from_body = shift(0, 0.2, 0)}));
+  bodies.push_back(ball("third", {.anchor = Anchor::kPlane}));
+  bodies.push_back(ball("fourth", {.anchor = Anchor::kPlace, .place = shift(9, 9, 9)}));
+  std::vector<Anchor> asked;
+  const std::vector<PlacedBody> all = placed(std::move(bodies), Anchor::kPlace, [&](Anchor anchor) {
+    asked.push_back(anchor);
+    return anchor == Anchor::kPlane ? shift(0, 0, 2) : shift(0, 0, 1);
+  });
+  REQUIRE(all.size() == 4);
+  CHECK(all[0].world_from_body.translation() == Vector3d(0.1, 0, 1));
+  CHECK(all[1].world_from_body.translation() == Vector3d(0.1, 0.2, 1));
+  CHECK(all[2].world_from_body.translation() == Vector3d(0, 0, 2));
+  CHECK(all[3].world_from_body.translation() == Vector3d(9, 9, 9));
+  CHECK(asked == std::vector<Anchor>{Anchor::kPlace, Anchor::kPlane});
+}
+
+TEST_CASE("a body that stands in another is told of by name, one that stands on it is not",
+          "[live][scene]") {
+  const auto two = [](const Rigid3& second) {
+    std::vector<LiveBody> bodies;
+    bodies.push_back(ball("egg"));
+    bodies.push_back(ball("cup", {.anchor_from_body = second}));
+    return placed(std::move(bodies), Anchor::kPlace, [](Anchor) { return shift(0, 0, 1); });
+  };
+  CHECK_FALSE(overlap_of(two(shift(0.11, 0, 0))));
+  CHECK_FALSE(overlap_of(two(shift(0, 0, 0.1))));  // 50 mm balls, one on the other
+  const auto said = overlap_of(two(shift(0, 0, 0.09)));
+  REQUIRE(said);
+  CHECK_THAT(*said, Catch::Contains("'cup' stands in 'egg'") && Catch::Contains("10.0 mm"));
+  CHECK(overlap_of(two(shift(0, 0, 0))));  // one within the other
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,235 @@
+#include "palpable/live/player/recorder.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/live/sources/source_guard.h"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <utility>
+
+namespace palpable {
+
+Recorder::Recorder(const std::filesystem::path& file, const FrameFormat& format, const Json& run)
+    : path_(file),
+      writer_(file, format, run),
+      ready_(kFrames + kStates),
+      free_(kFrames),
+      free_states_(kStates) {
+  for (std::size_t k = 0; k < kFrames; ++k) free_.push(std::make_unique<Item>());
+  for (std::size_t k = 0; k < kStates; ++k) free_states_.push(std::make_unique<Item>());
+  thread_ = std::thread([this] { run_thread(); });
+}
+
+Recorder::~Recorder() {
+  if (thread_.joinable()) finish_thread();
+}
+
+void Recorder::finish_thread() {
+  free_.close();
+  free_states_.close();
+  ready_.close();
+  thread_.join();
+}
+
+// Null where there is none; then a source leaves its frame out.
+std::unique_ptr<Recorder::Item> Recorder::room(bool waits) {
+  std::optional<std::unique_ptr<Item>> item =
+      waits ? free_.pop() : free_.pop_within(std::chrono::duration<double>(0));
+  return item ? std::move(*item) : nullptr;
+}
+
+bool Recorder::add_frame(const Frame& frame, std::optional<double> taken, bool waits) {
+  if (is_over()) return true;
+  std::unique_ptr<Item> item = room(waits);
+  if (!item) {
+    if (is_over()) return true;
+    ++left_out_;
+    return false;
+  }
+  item->kind = Item::Kind::kFrame;
+  item->frame = frame;  // into memory that is there from the second time on
+  item->taken = taken;
+  ready_.push(std::move(item));
+  return true;
+}
+
+bool Recorder::add_unreadable(int number, std::string_view why, bool waits) {
+  if (is_over()) return true;
+  std::unique_ptr<Item> item = room(waits);
+  if (!item) {
+    if (is_over()) return true;
+    ++left_out_;
+    return false;
+  }
+  item->kind = Item::Kind::kUnreadable;
+  item->frame.number = number;
+  item->why = why;
+  ready_.push(std::move(item));
+  return true;
+}
+
+bool Recorder::add_silence(SourceState state, std::string_view why, bool waits) {
+  if (is_over()) return true;
+  std::unique_ptr<Item> item = room(waits);
+  if (!item) return is_over();
+  item->kind = Item::Kind::kSilence;
+  item->silence = state;
+  item->why = why;
+  ready_.push(std::move(item));
+  return true;
+}
+
+void Recorder::add_refinement(bool asked, const Eigen::Matrix3Xf* exact) {
+  if (is_over()) return;
+  std::optional<std::unique_ptr<Item>> item = free_states_.pop();
+  if (!item) return;
+  (*item)->kind = Item::Kind::kRefinement;
+  (*item)->refinement.asked = asked;
+  if (exact != nullptr) {
+    (*item)->refinement.exact = *exact;
+  } else {
+    (*item)->refinement.exact.resize(3, 0);
+  }
+  ready_.push(std::move(*item));
+}
+
+void Recorder::add_state(int number, std::uint64_t hash, std::string_view line) {
+  if (is_over()) return;
+  std::optional<std::unique_ptr<Item>> item = free_states_.pop();
+  if (!item) return;
+  (*item)->kind = Item::Kind::kState;
+  (*item)->state.number = number;
+  (*item)->state.hash = hash;
+  (*item)->state.line = line;
+  ready_.push(std::move(*item));
+}
+
+void Recorder::run_thread() {
+  while (std::optional<std::unique_ptr<Item>> item = ready_.pop()) {
+    try {
+      if (!ended_early_) write(**item);
+    } catch (const std::exception& error) { end_early(error.what()); }
+    const bool of_answers =
+        (*item)->kind == Item::Kind::kState || (*item)->kind == Item::Kind::kRefinement;
+    Items& free = of_answers ? free_states_ : free_;
+    free.push(std::move(*item));
+  }
+}
+
+void Recorder::write(const Item& item) {
+  switch (item.kind) {
+    case Item::Kind::kFrame:
+      writer_.add_frame(item.frame, item.taken);
+      ++counts_.frames;
+      break;
+    case Item::Kind::kUnreadable:
+      writer_.add_unreadable(item.frame.number, item.why);
+      break;
+    case Item::Kind::kSilence:
+      writer_.add_silence(item.silence, item.why);
+      break;
+    case Item::Kind::kRefinement:
+      writer_.add_refinement(item.refinement);
+      break;
+    case Item::Kind::kState:
+      writer_.add_state(item.state);
+      counts_.states.add(item.state.hash);
+      break;
+  }
+}
+
+// What was written up to now is whole.
+void Recorder::end_early(const std::string& why) {
+  ended_early_ = true;
+  const std::lock_guard lock(trouble_mutex_);
+  trouble_ =
+      fmt::format("{}; the recording ends after {} frames, the run goes on", why, counts_.frames);
+}
+
+RecorderCounts Recorder::finish() {
+  finished_ = true;
+  finish_thread();
+  try {
+    if (!ended_early_) writer_.finish();
+  } catch (const Error& error) { end_early(error.what()); }
+  counts_.left_out = left_out_;
+  counts_.bytes = writer_.size();
+  return counts_;
+}
+
+std::optional<std::string> Recorder::take_trouble() {
+  const std::lock_guard lock(trouble_mutex_);
+  return std::exchange(trouble_, std::nullopt);
+}
+
+namespace {
+
+class RecordedSource final : public FrameSource {
+ public:
+  RecordedSource(std::unique_ptr<FrameSource> source, Recorder& recorder)
+      : source_(std::move(source)), recorder_(recorder), waits_(!source_->is_live()) {}
+
+  const FrameFormat& format() const override { return source_->format(); }
+  int frame_count() const override { return source_->frame_count(); }
+  std::vector<std::string> take_notes() override { return source_->take_notes(); }
+  std::string last_trouble() const override { return trouble_; }
+  bool is_live() const override { return !waits_; }
+  std::optional<double> taken() const override { return source_->taken(); }
+  /// The loop is told of a camera's silence once it is recorded: what it then makes of the next
+  /// frame's time depends on it.
+  SourceState state() const override { return state_; }
+
+  FrameStatus next(Frame& frame) override {
+    FrameStatus status = source_->next(frame);
+    if (status == FrameStatus::kEnd) return status;
+    if (status != FrameStatus::kFrame) trouble_ = source_->last_trouble();
+    // What no loop can use is recorded as what it is for the loop.
+    if (status == FrameStatus::kFrame) {
+      std::string wrong = wrong_size(frame, format());
+      if (!wrong.empty()) {
+        trouble_ = std::move(wrong);
+        status = FrameStatus::kUnreadable;
+      }
+    }
+    if (!pass_state_on()) return FrameStatus::kWaiting;
+    if (status == FrameStatus::kWaiting) return status;
+    const bool is_recorded = status == FrameStatus::kFrame
+                                 ? recorder_.add_frame(frame, source_->taken(), waits_)
+                                 : recorder_.add_unreadable(frame.number, trouble_, waits_);
+    return is_recorded ? status : FrameStatus::kWaiting;
+  }
+
+  std::unique_ptr<FrameSource> release() { return std::move(source_); }
+
+ private:
+  // Pictures that come again are recorded with the first of them. @return whether what has just
+  // come may be recorded: not where there was no room for the silence before it
+  bool pass_state_on() {
+    const SourceState now = source_->state();
+    if (now == state_) return true;
+    if (now != SourceState::kRunning && !recorder_.add_silence(now, trouble_, waits_)) return false;
+    state_ = now;
+    return true;
+  }
+
+  std::unique_ptr<FrameSource> source_;
+  Recorder& recorder_;
+  bool waits_;
+  SourceState state_ = SourceState::kRunning;
+  std::string trouble_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> recorded(std::unique_ptr<FrameSource> source, Recorder& recorder) {
+  return std::make_unique<RecordedSource>(std::move(source), recorder);
+}
+
+std::unique_ptr<FrameSource> unrecorded(std::unique_ptr<FrameSource> source) {
+  auto* recorded = dynamic_cast<RecordedSource*>(source.get());
+  PALPABLE_EXPECT(recorded != nullptr, "recorded() made the source");
+  return recorded->release();
+}
+
+}  // namespace palpable

@@ -1,0 +1,19 @@
+/// @file
+/// Arrows drawn on a picture: forces on a body.
+#pragma once
+
+#include "palpable/common/geometry/image.h"
+
+#include <Eigen/Core>
+
+namespace palpable {
+
+/// Draws an arrow with soft edges and a dark rim, which stands out before light and dark alike.
+/// Parts outside of the picture are cut off; nothing is drawn unless both ends are finite.
+/// @param tail, tip  px, from the centre of the picture's first pixel
+/// @param width      px, of the shaft, > 0; the head is as wide as three of them. An arrow that is
+///                   shorter than its head is all head
+void draw_arrow(ColorImage& picture, const Eigen::Vector2f& tail, const Eigen::Vector2f& tip,
+                float width, Rgb color);
+
+}  // namespace palpable

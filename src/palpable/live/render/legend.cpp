@@ -1,0 +1,310 @@
+#include "palpable/live/render/legend.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/live/render/color_map.h"
+#include "palpable/live/render/text.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+namespace palpable {
+namespace {
+
+constexpr Rgb kPanel{18, 22, 28};
+constexpr Rgb kInk{245, 246, 248};
+constexpr Rgb kQuietInk{200, 205, 212};
+constexpr float kPanelOpacity = 0.62f;
+
+double tick_step(double top, int wanted) {
+  const double raw = top / std::max(wanted, 1);
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= raw * (1.0 - 1e-9)) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+/// Writes a tick's number with as many decimals as its step needs, into memory of the caller.
+std::string_view print_tick(double value, double step, std::array<char, 32>& text) {
+  const int digits = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
+  const auto end = fmt::format_to_n(text.data(), text.size(), "{:.{}f}", value, digits);
+  return {text.data(), std::min(end.size, text.size())};
+}
+
+// A line of text, in memory of its own: a legend is drawn for every frame.
+class ShortText {
+ public:
+  template <class... Values>
+  void print(fmt::format_string<Values...> format, Values&&... values) {
+    const auto end =
+        fmt::format_to_n(text_.data(), text_.size(), format, std::forward<Values>(values)...);
+    size_ = std::min(end.size, text_.size());
+  }
+  [[nodiscard]] std::string_view view() const { return {text_.data(), size_}; }
+
+ private:
+  std::array<char, 32> text_{};
+  std::size_t size_ = 0;
+};
+
+// The lines below the bar.
+struct PresentText {
+  explicit PresentText(const Legend& legend) : told(!std::isnan(legend.present)) {
+    if (!told) return;
+    print_value("max", legend.present, largest);
+    if (legend.two_sided) print_value("min", legend.present_least, least);
+    if (!(legend.stated_error > 0)) return;
+    // Of an error more than one digit says too much.
+    const double percent = 100 * legend.stated_error;
+    const std::string_view space = legend.error_of.empty() ? "" : " ";
+    if (percent > 100) {
+      error.print("{}{}> 100 %", legend.error_of, space);
+    } else {
+      error.print("{}{}\u00b1 {:.{}f} %", legend.error_of, space, percent, percent < 1 ? 1 : 0);
+    }
+  }
+
+  bool told;
+  ShortText largest, least, error;
+
+ private:
+  static void print_value(std::string_view name, double value, ShortText& text) {
+    const int digits = std::abs(value) < 10 ? 1 : 0;
+    // What rounds to nothing has no sign.
+    text.print("{} {:.{}f}", name, std::abs(value) < 0.05 ? 0.0 : value, digits);
+  }
+};
+
+// The numbers beside the bar: multiples of `step`, from the lower end to the upper one.
+struct Ticks {
+  Ticks(const Legend& legend, int wanted)
+      : step(step_of(legend, wanted)),
+        last(static_cast<int>(std::floor(legend.top * (1.0 + 1e-9) / step))),
+        first(legend.two_sided ? -last : 0) {}
+  double step;
+  int last, first;
+
+ private:
+  static double step_of(const Legend& legend, int wanted) {
+    if (!legend.two_sided) return tick_step(legend.top, wanted);
+    const double step = tick_step(2 * legend.top, wanted);
+    // 0 alone would say nothing. Steps are at most 2.5 times as large as the one before.
+    return step <= legend.top ? step : tick_step(legend.top / 2.5, 1);
+  }
+};
+
+// How far up the bar a number stands, 0 .. 1.
+float height_of(double value, const Legend& legend) {
+  const double share = value / legend.top;
+  return static_cast<float>(std::clamp(legend.two_sided ? 0.5 + 0.5 * share : share, 0.0, 1.0));
+}
+
+Rgb color_at_height(float height, const Legend& legend) {
+  return legend.two_sided
+             ? two_sided_color_of_share(2.0f * height - 1.0f, legend.material, legend.opaque)
+             : color_of_share(height, legend.material, legend.opaque);
+}
+
+// Lengths of a legend in px, and what it holds.
+struct LegendLayout {
+  explicit LegendLayout(const ColorImage& picture, float s)
+      : small(picture.height() < kSmallPicture), pad((small ? 4.0f : 12.0f) * s) {
+    const auto rows = static_cast<float>(picture.height());
+    bar_width = (small ? 8.0f : 16.0f) * s;
+    bar_height = std::round((small ? 0.30f : 0.36f) * rows);
+    edge = (small ? 5.0f : 16.0f) * s;
+    corner = (small ? 4.0f : 8.0f) * s;
+    above_bar = (small ? 6.0f : 10.0f) * s;
+    below_bar = (small ? 5.0f : 4.0f) * s;
+    ticks = small ? 2 : 5;
+  }
+  bool small;
+  float pad;
+  float bar_width = 0, bar_height = 0;
+  float edge = 0;  // from the picture's right edge
+  float corner = 0, above_bar = 0, below_bar = 0;
+  int ticks = 0;
+};
+
+// Calls draw(line) for the lines of a text that is to be at most `room` px wide: broken where three
+// spaces are, or where that does not suffice at the last space that fits. A word that is wider
+// alone is not broken. Allocates nothing: captions are drawn for every frame.
+// In a picture that is too narrow for words nothing is broken: a column of them would hide it all.
+template <class Draw>
+void for_each_line_within(std::string_view text, float size, float room, const Draw& draw) {
+  constexpr float kNarrowest = 120;  // px
+  const auto fits = [&](std::string_view part) {
+    return room < kNarrowest || measure_text(part, size).width <= room;
+  };
+  const auto last_break = [&](std::string_view gap) {
+    std::size_t best = std::string_view::npos;
+    for (auto at = text.find(gap); at != std::string_view::npos;
+         at = text.find(gap, at + gap.size())) {
+      if (at > 0 && fits(text.substr(0, at))) best = at;
+    }
+    return best;
+  };
+  while (!fits(text)) {
+    auto at = last_break("   ");
+    if (at == std::string_view::npos) at = last_break(" ");
+    if (at == std::string_view::npos) break;
+    draw(text.substr(0, at));
+    text.remove_prefix(std::min(text.find_first_not_of(' ', at), text.size()));
+  }
+  draw(text);
+}
+
+}  // namespace
+
+std::vector<double> round_ticks(double top, int wanted) {
+  PALPABLE_EXPECT(top > 0.0 && std::isfinite(top), "the scale has a length");
+  const double step = tick_step(top, wanted);
+  std::vector<double> ticks;
+  for (int i = 0; i * step <= top * (1.0 + 1e-9); ++i) ticks.push_back(i * step);
+  return ticks;
+}
+
+void draw_legend(ColorImage& picture, const Legend& legend) {
+  PALPABLE_EXPECT(legend.top > 0.0 && std::isfinite(legend.top), "the scale has a length");
+  const float s = legend.scale;
+  const float size = 15.0f * s, small = 13.0f * s;
+  const LegendLayout layout(picture, s);
+  const float pad = layout.pad, bar_width = layout.bar_width, bar_height = layout.bar_height;
+  const Ticks ticks(legend, layout.ticks);
+  const double step = ticks.step;
+  std::array<char, 32> text;
+
+  const PresentText present(legend);
+  const bool tells_present = present.told && !layout.small;
+  const TextSize title = layout.small ? TextSize{} : measure_text(legend.title, size);
+  const TextSize unit = measure_text(legend.unit, small);
+  float number_width = 0;
+  for (int i = ticks.first; i <= ticks.last; ++i) {
+    number_width =
+        std::max(number_width, measure_text(print_tick(i * step, step, text), small).width);
+  }
+  const float line_height = measure_text("0", small).height();
+  float inner = std::max({title.width, unit.width, bar_width + 10.0f * s + number_width});
+  // As wide as its widest numbers would be, so that it stands still while they change.
+  if (tells_present) {
+    inner = std::max(inner, measure_text("max 000.0", small).width);
+    if (!legend.error_of.empty()) {
+      const float error = measure_text(" > 100 %", small).width;
+      inner = std::max(inner, measure_text(legend.error_of, small).width + error);
+    }
+  }
+  const float width = inner + 2.0f * pad;
+  // Room for all lines: the panel stands still while the error comes and goes.
+  const float lines = legend.two_sided ? 3.0f : 2.0f;
+  const float below = tells_present ? 8.0f * s + lines * line_height : 0.0f;
+  const float height = 2.0f * pad + title.height() + unit.height() + layout.above_bar + bar_height +
+                       layout.below_bar + below;
+  const float x = static_cast<float>(picture.width()) - width - layout.edge;
+  const float y = 0.5f * (static_cast<float>(picture.height()) - height);
+  fill_panel(picture, x, y, width, height, layout.corner, kPanel, kPanelOpacity);
+  if (!layout.small) draw_text(picture, x + pad, y + pad, legend.title, size, kInk);
+  draw_text(picture, x + pad, y + pad + title.height(), legend.unit, small, kQuietInk);
+
+  const float bar_x = std::round(x + pad);
+  const float bar_y = std::round(y + pad + title.height() + unit.height() + layout.above_bar);
+  for (int row = 0; row < static_cast<int>(bar_height); ++row) {
+    const float share = 1.0f - (static_cast<float>(row) + 0.5f) / bar_height;
+    fill_panel(picture, bar_x, bar_y + static_cast<float>(row), bar_width, 1.0f, 0.0f,
+               color_at_height(share, legend));
+  }
+  const auto y_of = [&](double value) {
+    return bar_y + bar_height * (1.0f - height_of(value, legend));
+  };
+  for (int i = ticks.first; i <= ticks.last; ++i) {
+    const float at = y_of(i * step);
+    fill_panel(picture, bar_x + bar_width, std::round(at - 0.5f), 5.0f * s,
+               std::max(1.0f, std::round(s)), 0.0f, kInk);
+    const std::string_view number = print_tick(i * step, step, text);
+    const TextSize extent = measure_text(number, small);
+    draw_text(picture, bar_x + bar_width + 9.0f * s, at - 0.5f * extent.height(), number, small,
+              kInk);
+  }
+  if (!present.told) return;
+  const auto mark = [&](double value) {
+    fill_panel(picture, bar_x - 4.0f * s, std::round(y_of(value) - s), bar_width + 8.0f * s,
+               std::max(2.0f, std::round(2.0f * s)), 0.0f, kInk);
+  };
+  mark(legend.present);
+  if (legend.two_sided) mark(legend.present_least);
+  if (!tells_present) return;
+  float text_y = bar_y + bar_height + 12.0f * s;
+  const auto write = [&](const ShortText& line, Rgb ink) {
+    draw_text(picture, x + pad, text_y, line.view(), small, ink);
+    text_y += line_height;
+  };
+  write(present.largest, kInk);
+  if (legend.two_sided) write(present.least, kInk);
+  write(present.error, kQuietInk);
+}
+
+void draw_label(ColorImage& picture, float x, float y, std::string_view text, float size) {
+  const TextSize extent = measure_text(text, size);
+  const float pad = 0.3f * size;
+  fill_panel(picture, x - pad, y - 0.5f * pad, extent.width + 2.0f * pad, extent.height() + pad,
+             pad, kPanel, kPanelOpacity);
+  draw_text(picture, x, y, text, size, kInk);
+}
+
+void draw_warning(ColorImage& picture, std::string_view text, float scale) {
+  constexpr Rgb kRed{178, 22, 22};
+  const auto width = static_cast<float>(picture.width());
+  float size = 24.0f * scale;
+  const float pad = 12.0f * scale;
+  const float room = width - 4.0f * pad;
+  const float asked = measure_text(text, size).width;
+  if (asked > room) size *= std::max(room, 1.0f) / asked;
+  float widest = 0;
+  float height = 0;
+  for_each_line_within(text, size, room, [&](std::string_view line) {
+    const TextSize extent = measure_text(line, size);
+    widest = std::max(widest, extent.width);
+    height += extent.height();
+  });
+  fill_panel(picture, 0.5f * (width - widest) - pad, pad, widest + 2.0f * pad, height + pad,
+             8.0f * scale, kRed, 0.88f);
+  float y = 1.5f * pad;
+  for_each_line_within(text, size, room, [&](std::string_view line) {
+    const TextSize extent = measure_text(line, size);
+    draw_text(picture, 0.5f * (width - extent.width), y, line, size, {255, 255, 255});
+    y += extent.height();
+  });
+}
+
+float legend_scale(int rows) { return std::max(static_cast<float>(rows) / 720.0f, 0.75f); }
+
+void draw_caption(ColorImage& picture, std::span<const std::string> lines, float scale) {
+  const bool small = picture.height() < kSmallPicture;
+  const float size = 15.0f * scale, pad = (small ? 4.0f : 10.0f) * scale, gap = 3.0f * scale;
+  const float edge = (small ? 5.0f : 16.0f) * scale;
+  const float room = static_cast<float>(picture.width()) - 2.0f * (edge + pad);
+  float width = 0, height = 0;
+  for (const std::string& line : lines) {
+    for_each_line_within(line, size, room, [&](std::string_view part) {
+      const TextSize extent = measure_text(part, size);
+      width = std::max(width, extent.width);
+      height += extent.height() + gap;
+    });
+  }
+  if (width == 0) return;
+  float y = static_cast<float>(picture.height()) - edge - height - 2.0f * pad + gap;
+  fill_panel(picture, edge, y, width + 2.0f * pad, height + 2.0f * pad - gap, 8.0f * scale, kPanel,
+             kPanelOpacity);
+  y += pad;
+  for (const std::string& line : lines) {
+    for_each_line_within(line, size, room, [&](std::string_view part) {
+      draw_text(picture, edge + pad, y, part, size, kInk);
+      y += measure_text(part, size).height() + gap;
+    });
+  }
+}
+
+}  // namespace palpable

@@ -1,0 +1,11 @@
+/// @file
+/// The shaders' occlusion_bias(), as C++ (shaders/occlusion_bias.glsl says what it is).
+#pragma once
+
+#include "palpable/live/render/glsl_as_cpp.h"
+
+namespace palpable::glsl {
+namespace {
+#include "palpable/live/render/shaders/occlusion_bias.glsl"
+}  // namespace
+}  // namespace palpable::glsl

@@ -1,0 +1,146 @@
+/// @file
+/// Where real things hide the body, at the picture's resolution.
+///
+/// A stereo matcher at half the resolution widens near things by up to six of its pixels towards
+/// the left, where only the left eye sees the background; it closes narrow gaps between near
+/// things, and knows no depth of what is nearer than its range. Colours and what is known to move
+/// do not have these errors. So where the depth is in doubt they say how likely something real is
+/// nearer than the body, and the smallest cut of the body's rectangle decides for all pixels
+/// together: no pixel decides alone, hence no specks.
+///
+///   w, h  size of the depth image, half that of the picture
+#pragma once
+
+#include "palpable/common/geometry/image.h"
+#include "palpable/live/render/fill_unknown.h"
+#include "palpable/live/render/grid_cut.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// What is known before outlines are found. Read during find() only.
+struct OutlineView {
+  const ColorImage& picture;     ///< twice as wide and high as the depth image, or one pixel more
+  PixelRange box;                ///< the part of the depth image that `depth` holds, in its pixels
+  std::span<const float> depth;  ///< (h x w) row-major, m, as fill_unknown() leaves it
+  /// (h x w) nearest_in_row of fill_unknown(): not 0 where `depth` is a neighbour's.
+  std::span<const signed char> guessed;
+  PixelRange inner;             ///< where the body may be, within `box`
+  std::span<const float> body;  ///< (2 inner.h x 2 inner.w) Z of the body, m; 0 beside it
+  /// Of the depth image's size, or null: 255 where something moves (Scene::moving) ...
+  const MaskImage* moving = nullptr;
+  /// ... and where something is nearer than the depth's range (SeenFrame::too_close).
+  const MaskImage* too_close = nullptr;
+};
+
+/// Finds on which side of the body real surfaces lie.
+///
+/// **Pixels in doubt.** For a pixel, let F be any pixel whose depth is a guess, or larger than its
+/// own by more than the share kJump. In doubt are the pixels up to kDoubtLeft px right of an F, up
+/// to kDoubtRight px left of one, and up to kDoubtAcross px above or below one; pixels with a
+/// neighbour that is nearer by more than kJump; and guesses. All others are sure: their depth says
+/// whether they are before the body (n, nearer than it by 1.5 occlusion_bias()) or not (f).
+///
+/// **Votes** for a pixel p in doubt with colour c_p: those of sure pixels q on a lattice with a
+/// step of kLatticeStep px, within kWindow px of p. What is too close counts as sure, and as n.
+///
+///     P_k(p) = sum_{q in k} s(p, q) g(c_p - c_q)  /  sum_{q in k} s(p, q),     k = n, f
+///     s = max(0, 1 - |p - q|^2 / R_s^2)^2,   g = max(0, 1 - |c_p - c_q|^2 / R_c^2)^2
+///
+/// Shade changes brightness Y = 0.3 R + 0.6 G + 0.1 B more than hue, so a colour is
+///
+///     c = (Y / 2,  400 (R - B) / (Y + 32),  400 (R + B - 2 G) / (Y + 32))        R, G, B in 0..255
+///
+/// P_k measures how well the colour fits side k, whatever the number of pixels on that side. (The
+/// weights are those of adaptive support, Yoon and Kweon 2006, applied to labels instead of costs.)
+/// Likewise M_k is the share of what moves on side k; where no vote is near, what is before the
+/// body is taken to move, and the rest not. With m_p whether p moves,
+///
+///     bias(p) = log P_n / P_f + log P(m_p | M_n) / P(m_p | M_f) + depth's own small say
+///
+/// So what moves, has no depth and has no depth of anything that moves around it is before the
+/// body: too close is in front of everything. A sure pixel beside one in doubt with a bias to its
+/// other side is asked, too, and on from there while they disagree with their depth.
+///
+/// **Vote of all.** grid_cut.h divides the pixels in doubt by these biases and by links between
+/// neighbours, which are the weaker the more their colours differ; sure neighbours keep their side.
+/// A pixel that changes sides gets the mean depth of the votes of its side; kTooClose where there
+/// are none before the body, 0 (unknown) where there are none behind it.
+///
+/// **Full resolution.** A pixel of the depth image beside a border covers four pixels of the
+/// picture. Each of these goes to the side whose mean colour, within 2 px of the depth image, is
+/// more like its own.
+class RealOutlines {
+ public:
+  /// A change of depth from one pixel to the next is a jump above this share of the depth. A desk
+  /// seen at 80 degrees changes by 1.6 %.
+  static constexpr float kJump = 0.06f;
+  static constexpr int kDoubtLeft = 5;    ///< px; the matcher widens near things by 3-6 px
+  static constexpr int kDoubtRight = 3;   ///< px
+  static constexpr int kDoubtAcross = 3;  ///< px
+  static constexpr int kLatticeStep = 4;  ///< px
+  static constexpr int kWindow = 28;  ///< px: behind a half-seen strip of 25 px lies its background
+  /// px by which `box` should exceed `inner` on each side, so that windows lie within it.
+  static constexpr int kMargin = kWindow + kLatticeStep;
+  /// m, written where something is nearer than the depth's range.
+  static constexpr float kTooClose = 0.05f;
+
+  /// Allocates nothing once it has seen a box of this size.
+  /// @throws ContractViolation when sizes do not match
+  void find(const OutlineView& view);
+
+  /// (2 inner.h x 2 inner.w) of the last find(), m; 0 unknown. Row y, column x is the picture's
+  /// pixel (2 inner.x0 + x, 2 inner.y0 + y).
+  [[nodiscard]] std::span<const float> depth() const { return fine_; }
+
+ private:
+  // A colour as its brightness and two differences of channels as shares of the brightness.
+  struct Color {
+    float light, warm, pink;
+  };
+  // The lattice's pixels, row by row, one array for each quantity; `sure` is 1 or 0.
+  struct Lattice {
+    int width = 0;  // including empty columns at the end, which a window may read
+    int height = 0;
+    std::vector<float> sure, light, warm, pink, inverse, moving;  // inverse: 1/m
+  };
+  // How well a colour and motion fit the two sides of a window, and their mean depths in m; 0 where
+  // a side has no votes.
+  struct Verdict {
+    float bias = 0;  // above 0: before the body
+    float near_depth = 0, far_depth = 0;
+  };
+
+  [[nodiscard]] std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(w_) + static_cast<std::size_t>(x);
+  }
+  [[nodiscard]] static Color color_of(float red, float green, float blue);
+  void average_colors(const OutlineView& view);
+  void read_masks(const OutlineView& view);
+  void find_body(const OutlineView& view, const PixelRange& own, const PixelRange& voting);
+  void find_doubts(const OutlineView& view);
+  void build_lattice();
+  [[nodiscard]] Verdict of_window(int x, int y, float limit, signed char guess) const;
+  void decide(const OutlineView& view, const PixelRange& own);
+  void write_fine(const OutlineView& view, const PixelRange& inner);
+
+  int w_ = 0;
+  int h_ = 0;
+  bool knows_moving_ = false;
+  std::vector<float> scratch_;
+  std::vector<float> z_, limit_, fine_;  // m; limit_: what is nearer is before the body, 0 no body
+  std::vector<Color> color_;
+  static constexpr std::uint8_t kAsked = 2;   // sure, but a neighbour disagrees
+  std::vector<std::uint8_t> doubt_;           // 0, 1 or kAsked
+  std::vector<std::uint8_t> moving_, close_;  // 0 or 1
+  Lattice lattice_;
+  GridCut cut_;
+  std::vector<Verdict> verdicts_;
+  std::vector<int> growing_;
+};
+
+}  // namespace palpable

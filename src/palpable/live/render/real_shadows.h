@@ -1,0 +1,89 @@
+/// @file
+/// Shadows between bodies and what is real, as far as its depth is known: that of a body on the
+/// desk and on what stands there, and that of a hand on a body. On the CPU, for a renderer without
+/// a GPU walks all of a shader for each pixel and vertex; here most of them take a look.
+///
+/// Pixels are the picture's, texels those of the real depth. Camera frame, m.
+#pragma once
+
+#include "palpable/common/geometry/camera.h"
+#include "palpable/common/geometry/image.h"
+#include "palpable/common/geometry/rigid.h"
+#include "palpable/live/render/fill_unknown.h"
+#include "palpable/live/render/ground_shadow.h"
+
+#include <Eigen/Core>
+
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// The real depth around bodies. Views.
+struct RealSurface {
+  std::span<const float> depth;  ///< (box.height x box.width) row-major, Z in m; 0 unknown
+  PixelRange box;                ///< texels; empty: nothing is known
+  Eigen::Vector2d texels_per_pixel = Eigen::Vector2d::Zero();
+  PinholeCamera camera;  ///< of the picture
+
+  /// Z at a place of the picture, px from its top left corner; 0 unknown.
+  [[nodiscard]] float at(double x_px, double y_px) const {
+    const int x = static_cast<int>(x_px * texels_per_pixel.x()) - box.x0;
+    const int y = static_cast<int>(y_px * texels_per_pixel.y()) - box.y0;
+    if (x < 0 || y < 0 || x >= box.width() || y >= box.height()) return 0;
+    return depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(box.width()) +
+                 static_cast<std::size_t>(x)];
+  }
+};
+
+/// How dark bodies make what is real: one value for each 2 x 2 pixels of a rectangle.
+class ShadeOnReal {
+ public:
+  /// Begins a picture, without any shade. @param box  of the picture, px
+  void clear(const PixelRange& box);
+
+  /// Adds the shade of a body: of what lies within 8 mm (and the noise) of its plane Z = 0, of what
+  /// has no depth, which is taken to lie there, and of what stands on it, as high as that which
+  /// throws the shadow. What lies below the plane is lit.
+  /// @param strength  0 .. 1: how dark a full shadow is
+  void add(const GroundShadow& shadow, const Rigid3& camera_from_body, double strength,
+           const RealSurface& real);
+
+  /// Of the picture, px: outside of it all light is left.
+  [[nodiscard]] const PixelRange& shaded() const { return shaded_; }
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  /// (height x width) row-major: the share of the light that is left.
+  [[nodiscard]] const std::vector<float>& left() const { return left_; }
+
+ private:
+  PixelRange box_, shaded_;
+  int width_ = 0, height_ = 0;
+  std::vector<float> left_;
+};
+
+/// What real things keep from a body: a vertex looks along the light, and where it comes behind a
+/// real surface, but not far behind, there stands something that throws a shadow. Only what the
+/// camera sees does, and it is taken to be 35 mm thick, as a hand is.
+class ShadeOnBody {
+ public:
+  /// Notes what is real. Allocates nothing once it has seen a box of this size.
+  void see(const RealSurface& real);
+
+  /// @param vertices  (3 x V) m, body frame
+  /// @param normals   (3 x V) unit
+  /// @param to_light  camera frame, unit
+  /// @param shaded    (V) overwritten: the share of the lamp that does not arrive
+  void find(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xf& normals,
+            const Rigid3& camera_from_body, const Eigen::Vector3f& to_light,
+            std::span<float> shaded) const;
+
+ private:
+  [[nodiscard]] bool free_up_to(float z, const Eigen::Vector2f& a, const Eigen::Vector2f& b) const;
+
+  RealSurface real_;
+  int blocks_x_ = 0, blocks_y_ = 0;
+  std::vector<float> nearest_;  // Z of the nearest texel of each block; infinite: none is known
+};
+
+}  // namespace palpable

@@ -1,0 +1,73 @@
+#include "palpable/live/session/between_frames.h"
+
+#include "palpable/common/base/contract.h"
+
+#include <algorithm>
+#include <span>
+
+namespace palpable {
+namespace {
+
+// s: the interval of a camera whose frames' times say nothing.
+constexpr double kUsual = 1.0 / 30;
+
+const TouchTables& tables_of(const Session& session) {
+  PALPABLE_EXPECT(!BetweenFrames::trouble_of(session), "one body, that its tables answer");
+  return *session.answer().tables();
+}
+
+}  // namespace
+
+void AnsweredFrame::take(const Session& session, const Scene& scene) {
+  number = scene.number;
+  time = scene.time;
+  const std::span<const ObjectBall> seen = session.surface().balls();
+  balls.assign(seen.begin(), seen.end());
+  camera = scene.bodies.front().camera_from_body.inverse().translation().cast<float>();
+  state = session.answer().touched();
+}
+
+std::optional<Problem> BetweenFrames::trouble_of(const Session& session) {
+  if (session.body_count() != 1)
+    return Problem{"of several bodies none is answered between frames"};
+  if (session.answer().tables() == nullptr) {
+    return Problem{"only a body with tables of touch is answered between frames"};
+  }
+  if (session.refiner() != nullptr) {
+    return Problem{"exact answers are blended in frame by frame, and not between frames"};
+  }
+  return std::nullopt;
+}
+
+BetweenFrames::BetweenFrames(const Session& session)
+    : region_(box_of(session.body().surface)),
+      contact_(session.body().surface, session.body().fixed, tables_of(session),
+               session.settings().touch),
+      surface_(session.surface().settings()) {}
+
+void BetweenFrames::begin(const AnsweredFrame& frame) {
+  motion_.add(frame.balls, frame.camera, frame.time);
+  camera_ = frame.camera;
+  ahead_ = 0;
+  state_ = frame.state;
+  surface_.build(frame.balls, region_, camera_);
+  contact_.find_touches(state_, surface_, {}, touches_);
+}
+
+void BetweenFrames::advance(double ahead) {
+  motion_.carry(ahead, balls_);
+  surface_.build(balls_, region_, camera_);
+  // A frame's largest way holds for a frame: of what is left of it there, a share.
+  const double frame = motion_.interval() > 0 ? motion_.interval() : kUsual;
+  const double share = std::clamp((ahead - ahead_) / frame, 0.0, 1.0);
+  ahead_ = ahead;
+  if (surface_.balls().empty() && state_.forces.empty()) {
+    touches_.clear();
+    return;
+  }
+  const double largest = std::max(share * SkinContact::kMove, 2 * surface_.moved());
+  contact_.solver().advance(state_, gaps_to(surface_), near_to(surface_), largest);
+  contact_.find_touches(state_, surface_, {}, touches_);
+}
+
+}  // namespace palpable

@@ -1,0 +1,99 @@
+#include "palpable/live/session/between_frames.h"
+
+#include "palpable/live/session/frame_loop.h"
+#include "tests/support/dented_sphere.h"
+#include "tests/support/pressed_sphere.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using test::tolerance;
+
+double force_of(const std::vector<Touch>& touches) {
+  double force = 0;
+  for (const Touch& touch : touches) force += touch.force;
+  return force;
+}
+
+double farthest(const Eigen::Matrix3Xf& a, const Eigen::Matrix3Xf& b) {
+  return static_cast<double>((a - b).colwise().norm().maxCoeff());
+}
+
+// Of frames in which a finger goes on into the sphere, 1 mm each.
+struct Pressed {
+  FrameLoop loop = test::touchable_sphere_loop();
+  BetweenFrames between{loop.session};
+  AnsweredFrame answered;
+
+  void press(int frame, double depth) {
+    loop.process(test::frame_with_finger(frame, depth));
+    answered.take(loop.session, loop.scene);
+    between.begin(answered);
+  }
+};
+
+TEST_CASE("between frames a finger goes on, and the body gives way as the next frame will have it",
+          "[session][between]") {
+  Pressed of;
+  for (int n = 0; n < 6; ++n) of.press(n, 0.001 * n);
+  const Eigen::Matrix3Xf before = of.loop.scene.bodies[0].vertices;
+  const double force_before = force_of(of.loop.scene.touches);
+  REQUIRE(force_before > 0);
+  CHECK(of.between.interval() == Approx(1.0 / 30).margin(1e-9));
+  CHECK(force_of(of.between.touches()) == Approx(force_before));  // it begins where the frame is
+  Eigen::Matrix3Xf skin(3, before.cols());
+  of.between.place(skin);
+  CHECK(farthest(skin, before) == 0);
+  double last = 0;
+  for (int tick = 1; tick <= 10; ++tick) {
+    of.between.advance(tick / 300.0);
+    last = force_of(of.between.touches());
+    CHECK(last > force_before);
+  }
+  of.between.place(skin);
+  of.press(6, 0.006);
+  const Eigen::Matrix3Xf& next = of.loop.scene.bodies[0].vertices;
+  // A pixel of this camera is 2.3 mm there: what it sees of the finger goes on by fits and starts.
+  CHECK(farthest(skin, next) < farthest(before, next));
+  const double next_force = force_of(of.loop.scene.touches);
+  CHECK(std::abs(last - next_force) < tolerance(0.8, "of the step") * (next_force - force_before));
+}
+
+TEST_CASE("what is told between frames is the same each time, and changes no frame",
+          "[session][between]") {
+  Pressed one, other;
+  FrameLoop alone = test::touchable_sphere_loop();
+  Eigen::Matrix3Xf skin(3, one.loop.session.body().surface.vertex_count()), again = skin;
+  for (int n = 0; n < 6; ++n) {
+    one.press(n, 0.001 * n);
+    other.press(n, 0.001 * n);
+    for (int tick = 1; tick <= 8; ++tick) {
+      one.between.advance(tick * 0.004);
+      other.between.advance(tick * 0.004);
+    }
+    one.between.place(skin);
+    other.between.place(again);
+    CHECK(skin == again);
+    CHECK(one.loop.scene.bodies[0].vertices ==
+          alone.process(test::frame_with_finger(n, 0.001 * n)).bodies[0].vertices);
+  }
+}
+
+TEST_CASE("who is not answered between frames is told why", "[session][between]") {
+  const FrameLoop sites =
+      std::move(FrameLoop::make(test::DentedSphere{}.body(), test::sphere_pose(),
+                                test::wall_format(), test::kEverythingPresses)
+                    .value());
+  const auto trouble = BetweenFrames::trouble_of(sites.session);
+  REQUIRE(trouble);
+  CHECK(trouble->message == "only a body with tables of touch is answered between frames");
+  CHECK_FALSE(BetweenFrames::trouble_of(test::touchable_sphere_loop().session));
+}
+
+}  // namespace
+}  // namespace palpable

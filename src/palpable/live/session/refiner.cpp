@@ -1,0 +1,155 @@
+#include "palpable/live/session/refiner.h"
+
+#include "palpable/common/base/contract.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace palpable {
+
+Result<Refiner> Refiner::start(const RefinerSettings& settings) {
+  PALPABLE_EXPECT(settings.latency >= 1, "an answer comes after the frame that asked for it");
+  Result<ChildProcess> child =
+      ChildProcess::start(settings.program, {"refine", settings.description.string()});
+  if (!child.ok()) return child.problem();
+  return Refiner(std::move(child).value(), settings);
+}
+
+Refiner Refiner::repeating(std::function<void(int n, RefinerStep& step)> step_of) {
+  return Refiner(std::move(step_of));
+}
+
+void Refiner::take_up(TouchSolver& solver, TouchState& state, const Eigen::Matrix3Xf& exact) {
+  took_up_now_ = true;
+  if (solver.refine(state, asked_, exact)) {
+    ++counts_.taken_up;
+  } else {
+    ++counts_.refused;
+  }
+}
+
+void Refiner::begin_frame(TouchSolver& solver, TouchState& state) {
+  asked_now_ = false;
+  took_up_now_ = false;
+  if (stage_ == Stage::kRepeats) {
+    step_.asked = false;
+    step_.exact.resize(3, 0);
+    step_of_(frame_++, step_);
+    // Of other columns only where the frames before went another way, too.
+    const bool fits = step_.exact.cols() > 0 && step_.exact.cols() == asked_.tables.cols();
+    if (fits) take_up(solver, state, step_.exact);
+    return;
+  }
+  ++frame_;
+  if (stage_ == Stage::kEnded) return;
+  const bool is_due = stage_ == Stage::kAsked && frame_ == asked_at_ + settings_.latency;
+  if (stage_ == Stage::kStarts || stage_ == Stage::kIsProbed) {
+    listen(solver, settings_.waits ? settings_.patience_at_first : 0);
+  } else {
+    listen(solver, is_due && settings_.waits ? settings_.patience : 0);
+  }
+  if (stage_ != Stage::kAsked) return;
+  if (!answered_) {
+    if (is_due) {
+      ++counts_.late;
+      dropped_ = true;
+    }
+    return;
+  }
+  if (!is_due && !dropped_) return;  // it waits for its frame
+  stage_ = Stage::kIdle;
+  if (dropped_) return;
+  if (exact_.cols() == 0) {
+    ++counts_.refused;
+    return;
+  }
+  take_up(solver, state, exact_);
+}
+
+void Refiner::end_frame(TouchSolver& solver, const TouchState& state, const TouchReport& report) {
+  if (stage_ == Stage::kRepeats) {
+    asked_now_ = step_.asked && solver.ask(state, asked_);
+    counts_.asked += asked_now_;
+    return;
+  }
+  if (stage_ != Stage::kIdle || report.held_back > 0 || !solver.ask(state, asked_)) return;
+  ++counts_.asked;
+  asked_now_ = true;
+  asked_at_ = frame_;
+  stage_ = Stage::kAsked;
+  send_load();
+}
+
+// Sends asked_.
+void Refiner::send_load() {
+  answered_ = dropped_ = false;
+  write_load(++number_, asked_.forces, bytes_);
+  if (!child_->send(bytes_)) end(fmt::format("it ended {}", child_->how_it_ended()));
+}
+
+// Reads what has come. With a wait, until what is waited for is there.
+void Refiner::listen(TouchSolver& solver, double wait) {
+  using Clock = std::chrono::steady_clock;
+  const bool is_patient = wait > 0;
+  const auto until = Clock::now() + std::chrono::duration<double>(wait);
+  while (stage_ != Stage::kEnded) {
+    while (const auto message = messages_.next()) read(*message, solver);
+    if (stage_ == Stage::kEnded) return;
+    if (messages_.broken()) return end("what it says is no answer");
+    if (stage_ == Stage::kIdle || (stage_ == Stage::kAsked && answered_)) return;
+    const double left =
+        is_patient ? std::chrono::duration<double>(until - Clock::now()).count() : 0;
+    const auto count = child_->receive(messages_.room(), left);
+    if (!count) return end(fmt::format("it ended {}", child_->how_it_ended()));
+    messages_.add(*count);
+    if (*count > 0) continue;
+    if (!is_patient) return;
+    if (Clock::now() >= until) return end(fmt::format("no answer came within {:g} s", wait));
+  }
+}
+
+void Refiner::read(const ExactMessage& message, TouchSolver& solver) {
+  using Kind = ExactMessage::Kind;
+  const bool is_answer = message.kind == Kind::kAnswer && message.number == number_;
+  if (message.kind == Kind::kSorry) return end(std::string(message.text()));
+  if (message.kind == Kind::kReady && stage_ == Stage::kStarts) {
+    solver.probe(asked_);
+    if (static_cast<Eigen::Index>(message.count) != asked_.tables.cols())
+      return end("it is of another body");
+    stage_ = Stage::kIsProbed;
+    return send_load();
+  }
+  const auto nodes = static_cast<Eigen::Index>(message.count);
+  const bool fits = nodes == 0 || nodes == asked_.tables.cols();
+  if (is_answer && fits && stage_ == Stage::kIsProbed) {
+    if (nodes > 0) message.read_answer(exact_);
+    if (nodes == 0 || !TouchSolver::agrees(asked_, exact_)) return end("it is of another body");
+    stage_ = Stage::kIdle;
+    return;
+  }
+  if (is_answer && fits && stage_ == Stage::kAsked && !answered_) {
+    answered_ = true;
+    if (nodes > 0) {
+      message.read_answer(exact_);
+    } else {
+      exact_.resize(3, 0);
+    }
+    return;
+  }
+  end("what it says is no answer");
+}
+
+void Refiner::end(std::string why) {
+  if (stage_ == Stage::kEnded) return;
+  stage_ = Stage::kEnded;
+  child_.reset();
+  trouble_ = fmt::format("--refine {}: {}; the touch goes on without",
+                         settings_.description.string(), why);
+}
+
+std::optional<std::string> Refiner::take_trouble() { return std::exchange(trouble_, std::nullopt); }
+
+}  // namespace palpable

@@ -1,0 +1,412 @@
+#include "palpable/live/session/session.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/pixel_box.h"
+#include "palpable/live/contact/pressing_bodies.h"
+#include "palpable/live/session/hidden_at_start.h"
+#include "palpable/live/session/modal_bodies.h"
+#include "palpable/live/slam/slam.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+// The windows of our matcher reach over the outlines of near things: on six films of the synthetic
+// desk outlines lie 1.0 to 1.4 px of the depth too far out beside the measured room, 0 to 1.0 px
+// where colours tell them, and 0 beside pixels without depth.
+constexpr double kCensusFattening = 1.3;
+constexpr double kByColor = 0.5;
+
+// Sigmas of one pixel's depth, 0.25 px, by which the middle of a thin thing is measured too far
+// away: by 0.18 px on fingers, 0.11 on a pencil and a hand. Its outlines lie deeper and hold the
+// paths of the aggregation back, and what shines on a round front seems to lie behind it: without
+// gloss it is half as much.
+constexpr double kTooFarSigmas = 0.52;
+
+// px around the part of the image in which things may press: a thing is known some frames before it
+// arrives, and its outlines need what lies beside.
+constexpr int kBeside = 48;
+
+// What the camera knows of its depths.
+ObjectSurfaceSettings fitted(ObjectSurfaceSettings surface, const DepthCamera& camera,
+                             const FrameFormat& format, DepthSettings::Matcher matcher) {
+  const DepthNoise& noise = camera.noise();
+  surface.noise_constant = noise.constant;
+  surface.noise_linear = noise.linear;
+  surface.noise_quadratic = noise.quadratic;
+  if (format.kind == FrameFormat::Kind::kStereo && matcher == DepthSettings::Matcher::kCensus) {
+    surface.balls.fattening = kCensusFattening;
+    surface.balls.too_far = kTooFarSigmas * noise.quadratic;
+    surface.silhouette.beside_unknown = kCensusFattening;
+    surface.silhouette.by_color = kByColor;
+  }
+  return surface;
+}
+
+std::optional<Problem> wrong_setting(const SessionSettings& s) {
+  if (!s.map && !s.press_static) {
+    return Problem{
+        "without a map nobody knows what was there when the body was anchored: all of it "
+        "has to press (press_static)"};
+  }
+  if (!(s.surface.balls.most_radius > 0) || !(s.surface.band > 0) || s.surface.step < 1 ||
+      s.surface.balls.reach < 1) {
+    return Problem{fmt::format(
+        "radius {} m, band {} m, step {} px and reach {} px must all be "
+        "above 0",
+        s.surface.balls.most_radius, s.surface.band, s.surface.step, s.surface.balls.reach)};
+  }
+  if (!(s.paper.press_distance > 0) || !(s.paper.press_distance < s.paper.release_distance) ||
+      !std::isfinite(s.paper.release_distance)) {
+    return Problem{fmt::format("delta_Incr {} m must be above 0 and below delta_Decr {} m",
+                               s.paper.press_distance, s.paper.release_distance)};
+  }
+  if (!(s.paper.voxel > 0) || !std::isfinite(s.paper.voxel)) {
+    return Problem{fmt::format("a voxel of {} m must be above 0", s.paper.voxel)};
+  }
+  return std::nullopt;
+}
+
+// A body of the session, and where it stands.
+struct SessionBody {
+  SessionBody(PlacedBody placed, const AnswerSettings& settings)
+      : world_from_body(placed.world_from_body),
+        name(placed.name.empty() ? placed.body.body.name : std::move(placed.name)),
+        color(placed.color),
+        answer(std::move(placed.body), settings) {}
+
+  Rigid3 world_from_body;
+  std::string name;
+  std::optional<Rgb> color;
+  BodyAnswer answer;
+  int modal = -1;  // its place among those that are answered by their energy; -1: it is none
+  std::vector<Touch> touches;
+  HiddenAtStart hidden;
+  Eigen::Matrix3Xf shape;  // (3 x V) m, as it was shown last; of ContactKind::kPaper alone
+};
+
+AnswerSettings answer_settings(const SessionSettings& s, const DepthCamera& camera,
+                               const FrameFormat& format) {
+  return {.contact = s.contact,
+          .surface = fitted(s.surface, camera, format, s.depth.matcher),
+          .touch = s.touch,
+          .press = s.press,
+          .paper = s.paper};
+}
+
+}  // namespace
+
+struct Session::Parts {
+  Parts(std::vector<PlacedBody> placed, const DepthCamera& camera, const FrameFormat& format,
+        const SessionSettings& s)
+      : settings(s),
+        noise(camera.noise()),
+        slam(camera, {.track = s.track, .map = s.map}),
+        pressing(camera.noise(), settings.pressing) {
+    const AnswerSettings how = answer_settings(settings, camera, format);
+    for (PlacedBody& body : placed) {
+      bodies.push_back(std::make_unique<SessionBody>(std::move(body), how));
+    }
+    gather_modal();
+    gather_pressing();
+    forget_room();
+  }
+
+  [[nodiscard]] const SessionBody& body(int number) const {
+    PALPABLE_EXPECT(number >= 0 && number < std::ssize(bodies), "a body of the session");
+    return *bodies[static_cast<std::size_t>(number)];
+  }
+
+  void gather_modal();
+  void gather_pressing();
+  void forget_room();
+  void place_camera(Scene& scene, const SlamFrame& found);
+  void find_what_is_hidden(Scene& scene);
+  void find_what_presses(const Scene& scene);
+  int gather_others(std::size_t of);
+  void find_touches(Scene& scene);
+  void answer(Scene& scene, const SlamFrame& found);
+
+  SessionSettings settings;
+  DepthNoise noise;
+  Slam slam;
+  std::vector<std::unique_ptr<SessionBody>> bodies;
+  std::optional<ModalBodies> modal;
+  std::optional<PressingBodies> together;  // bodies with tables, where others stand
+
+  std::optional<AnchoredScene> anchored;
+  LookedAt looked_at = LookedAt::kNothing;  // with what the mask of this frame was compared
+  const StaticPicture* picture = nullptr;   // that one
+  PressingMask pressing;
+  const MaskImage* shows = nullptr;  // of the pressing mask
+  SceneExtras extras;
+  std::vector<Eigen::Vector3f> others;  // of gather_others()
+};
+
+void Session::Parts::gather_modal() {
+  std::vector<ModalBodies::Member> members;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    SessionBody& body = *bodies[k];
+    if (body.answer.modal() == nullptr) continue;
+    body.modal = static_cast<int>(members.size());
+    members.push_back({{&body.answer.body(), body.answer.modal(), body.world_from_body},
+                       &body.answer.surface(),
+                       static_cast<int>(k)});
+  }
+  if (!members.empty()) modal.emplace(members);
+}
+
+// Bodies with tables, and all that may stand in their way.
+void Session::Parts::gather_pressing() {
+  std::vector<PressingBodies::Body> all;
+  bool any = false;
+  for (const auto& body : bodies) {
+    all.push_back(body->answer.among_others(body->world_from_body));
+    any |= all.back().contact != nullptr;
+  }
+  if (any && bodies.size() > 1) together.emplace(all);
+}
+
+// Forgets what was learnt of the room: what is seen from now on is the room in which the body
+// stands.
+void Session::Parts::forget_room() {
+  if (settings.map) anchored.emplace(*slam.map());
+  for (const auto& body : bodies) body->hidden.begin();
+}
+
+// Takes up where the camera is, and with it the body, and what moves.
+void Session::Parts::place_camera(Scene& scene, const SlamFrame& found) {
+  scene.camera = found.camera;
+  looked_at = found.looked_at;
+  picture = found.picture;
+  if (found.moving != nullptr) {
+    scene.moving = *found.moving;
+    scene.borrowed = *found.borrowed;
+  } else {
+    scene.moving.resize(0, 0);
+    scene.borrowed.resize(0, 0);
+  }
+  if (found.camera.new_world) forget_room();
+  if (!found.corrections.empty()) {
+    const StageTimer timer(scene.times, "map");
+    anchored->follow(found.corrections);
+  }
+  if (found.fused) {
+    const StageTimer timer(scene.times, "map");
+    anchored->update(*slam.map(), *slam.space(), found.camera.newest_keyframe);
+  }
+  // A camera that has not moved sees a body where it was put, to the bit.
+  const bool stands = scene.camera.world_from_camera.matrix().isIdentity(0);
+  const Rigid3 camera_from_world = scene.camera.world_from_camera.inverse();
+  scene.bodies.resize(bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const Rigid3& place = bodies[k]->world_from_body;
+    scene.bodies[k].camera_from_body = stands ? place : camera_from_world * place;
+  }
+}
+
+// Of what presses only what has come: where something hides a body from the start, nothing can be
+// said to have.
+void Session::Parts::find_what_is_hidden(Scene& scene) {
+  if (settings.press_static || scene.camera.state == TrackState::kLost) return;
+  const SeenFrame& seen = scene.seen;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    SessionBody& body = *bodies[k];
+    scene.bodies[k].hidden_since_start =
+        body.hidden.look(seen.depth, seen.depth_camera, noise, body.answer.body().surface.vertices,
+                         scene.bodies[k].camera_from_body);
+  }
+}
+
+// What each pixel near the bodies shows. A camera that is lost knows nothing of it: where the hand
+// is in the world is not known.
+void Session::Parts::find_what_presses(const Scene& scene) {
+  const SeenFrame& seen = scene.seen;
+  PixelBox box;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    box = united(box, bodies[k]->answer.box_of_interest(scene.bodies[k].camera_from_body,
+                                                        seen.depth_camera));
+  }
+  box = grown(box, kBeside, seen.depth_camera);
+  const bool lost = scene.camera.state == TrackState::kLost;
+  if (settings.press_static && !lost) {
+    shows = &pressing.find_all(seen, box);
+    return;
+  }
+  if (lost || scene.moving.empty()) {
+    shows = &pressing.find_nothing(seen, box);
+    return;
+  }
+  shows = &pressing.find(seen, scene.camera.world_from_camera, scene.moving, looked_at, *anchored,
+                         *slam.space(), box, picture);
+}
+
+// The skin of another body that something real pressed in the frame before, in this body's frame:
+// with Algorithm 1 as printed it is the lower beam's obstacle. @return its number, -1: there is
+// none
+int Session::Parts::gather_others(std::size_t of) {
+  others.clear();
+  if (settings.contact != ContactKind::kPaper) return -1;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const SessionBody& other = *bodies[k];
+    const bool pressed = !other.touches.empty() && other.touches.front().by < 0;
+    if (k == of || !pressed) continue;
+    const Eigen::Isometry3f to_body =
+        (bodies[of]->world_from_body.inverse() * other.world_from_body).cast<float>();
+    for (Eigen::Index v = 0; v < other.shape.cols(); ++v) {
+      others.emplace_back(to_body * Eigen::Vector3f(other.shape.col(v)));
+    }
+    return static_cast<int>(k);
+  }
+  return -1;
+}
+
+// Of all bodies, the strongest first; of equals that of the first body.
+void Session::Parts::find_touches(Scene& scene) {
+  scene.touches.clear();
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    bodies[k]->answer.look(scene.seen, *shows, scene.bodies[k].camera_from_body);
+  }
+  scene.between = scene.imbalance = 0;
+  if (modal) {
+    modal->advance();
+    scene.between = modal->report().between;
+    scene.imbalance = modal->report().imbalance;
+  }
+  if (together) {
+    const PressingReport& report = together->advance();
+    scene.between = std::max(scene.between, report.between);
+    scene.imbalance = std::max(scene.imbalance, report.imbalance);
+  }
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    SessionBody& body = *bodies[k];
+    if (body.modal >= 0) {
+      modal->find_touches(body.modal, body.touches);
+    } else if (together && body.answer.is_anywhere()) {
+      body.answer.find_touches(*together, static_cast<int>(k), body.touches);
+    } else {
+      const int by = gather_others(k);
+      body.answer.find_touches(scene.time, others, by, body.touches);
+    }
+    for (Touch& touch : body.touches) {
+      touch.body = static_cast<int>(k);
+      scene.touches.push_back(touch);
+    }
+  }
+  if (bodies.size() < 2) return;  // in its own order
+  // Sorted by hand: std::stable_sort takes memory. There are few.
+  for (std::size_t k = 1; k < scene.touches.size(); ++k) {
+    for (std::size_t j = k; j > 0 && scene.touches[j - 1].force < scene.touches[j].force; --j) {
+      std::swap(scene.touches[j - 1], scene.touches[j]);
+    }
+  }
+}
+
+Session::Session(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+Session::~Session() = default;
+
+Result<Session> Session::make(std::vector<PlacedBody> bodies, const DepthCamera& camera,
+                              const FrameFormat& format, const SessionSettings& settings) {
+  if (bodies.empty()) return Problem{"a session has a body"};
+  if (auto problem = wrong_setting(settings)) return *problem;
+  return Session(std::make_unique<Parts>(std::move(bodies), camera, format, settings));
+}
+
+void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
+  scene.number = scene.seen.number;
+  scene.time = scene.seen.time;
+
+  place_camera(scene, found);
+  {
+    const StageTimer timer(scene.times, "presses");
+    find_what_is_hidden(scene);
+    find_what_presses(scene);
+  }
+  {
+    const StageTimer timer(scene.times, "contact");
+    find_touches(scene);
+  }
+  const StageTimer timer(scene.times, "evaluate");
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const SessionBody& body = *bodies[k];
+    if (body.modal >= 0) {
+      modal->reconstruct(body.modal, extras, scene.bodies[k]);
+    } else {
+      bodies[k]->answer.reconstruct(body.touches, extras, scene.bodies[k]);
+    }
+    if (settings.contact == ContactKind::kPaper && bodies.size() > 1) {
+      bodies[k]->shape = scene.bodies[k].vertices;
+    }
+    if (together && !body.answer.is_anywhere()) {
+      together->move_obstacle(static_cast<int>(k), scene.bodies[k].vertices);
+    }
+  }
+}
+
+void Session::respond(Scene& scene) {
+  parts_->answer(scene, parts_->slam.advance(scene.seen, scene.times));
+}
+
+void Session::respond(Scene& scene, const std::optional<Rigid3>& world_from_camera) {
+  PALPABLE_EXPECT(!parts_->settings.track, "a session that follows the camera finds its own poses");
+  parts_->answer(scene, parts_->slam.advance(scene.seen, world_from_camera, scene.times));
+}
+
+void Session::keep(const SceneExtras& extras) { parts_->extras = extras; }
+const SceneExtras& Session::kept() const { return parts_->extras; }
+
+void Session::refine_with(Refiner refiner) {
+  parts_->bodies.front()->answer.refine_with(std::move(refiner));
+}
+Refiner* Session::refiner() { return parts_->bodies.front()->answer.refiner(); }
+const Refiner* Session::refiner() const { return parts_->body(0).answer.refiner(); }
+
+std::vector<PlacedBody> Session::take_bodies() {
+  std::vector<PlacedBody> taken;
+  for (const auto& body : parts_->bodies) {
+    taken.push_back({body->answer.take_body(), body->world_from_body, body->name, body->color});
+  }
+  return taken;
+}
+
+int Session::body_count() const { return static_cast<int>(parts_->bodies.size()); }
+const ReducedBody& Session::body(int number) const { return parts_->body(number).answer.body(); }
+const std::string& Session::body_name(int number) const { return parts_->body(number).name; }
+const std::optional<Rgb>& Session::color(int number) const { return parts_->body(number).color; }
+const Rigid3& Session::world_from_body(int number) const {
+  return parts_->body(number).world_from_body;
+}
+ContactKind Session::contact(int number) const { return parts_->body(number).answer.contact(); }
+const BodyAnswer& Session::answer(int number) const { return parts_->body(number).answer; }
+const ObjectSurface& Session::surface(int number) const {
+  return parts_->body(number).answer.surface();
+}
+const MaskImage& Session::shows() const {
+  PALPABLE_EXPECT(parts_->shows != nullptr, "a frame was answered");
+  return *parts_->shows;
+}
+const SurfaceMap* Session::map() const { return parts_->slam.map(); }
+const FreeSpace* Session::free_space() const { return parts_->slam.space(); }
+const AnchoredScene* Session::anchored_scene() const {
+  return parts_->anchored ? &*parts_->anchored : nullptr;
+}
+TrackerCounts Session::tracker_counts() const {
+  const Tracker* tracker = parts_->slam.tracker();
+  return tracker != nullptr ? tracker->counts() : TrackerCounts{};
+}
+std::vector<KeyframePose> Session::keyframes() const {
+  const Tracker* tracker = parts_->slam.tracker();
+  return tracker != nullptr ? tracker->keyframes() : std::vector<KeyframePose>{};
+}
+const SessionSettings& Session::settings() const { return parts_->settings; }
+
+}  // namespace palpable

@@ -1,0 +1,163 @@
+#include "palpable/live/slam/slam.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/cpu_time.h"
+#include "palpable/live/track/sighting.h"
+#include "palpable/live/track/tracker_input.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpable {
+namespace {
+
+// s: time stamps that are meant to be evenly spaced are off by up to this much.
+constexpr double kUneven = 1e-4;
+
+// Last motions: after a longer gap the camera has hardly gone on as before.
+constexpr double kLongestPrediction = 3;
+
+// px between the picture and where the predicted pose has it, from which on the mask is found anew.
+constexpr double kMostSurprise = 4;
+
+// Whether there is a pose to learn from. Before there is a keyframe, a camera that stands has its
+// pose where the world begins. Otherwise a hand before a bare desk would be the first thing to be
+// followed.
+bool is_placed(const TrackedPose& camera) {
+  return is_known(camera) || camera.state == TrackState::kStarting;
+}
+}  // namespace
+
+Slam::Slam(const DepthCamera& camera, const SlamSettings& settings)
+    : settings_(settings), noise_(camera.noise()) {
+  PALPABLE_EXPECT(settings.fuse_every >= 0, "a time between depth images is not negative");
+  PALPABLE_EXPECT(settings.most_moving >= 0 && settings.most_moving <= 1, "a share of the picture");
+  if (settings.track) tracker_.emplace(tracker_settings(camera));
+  if (settings.map) begin_map();
+}
+
+void Slam::begin_map() {
+  MovingMaskSettings moving = settings_.moving;
+  // The map's distance is that of a voxel's middle, which a point in the voxel's corner is half a
+  // diagonal away from: the mask must allow for that, and 5 mm.
+  moving.step = std::max(moving.step, 0.5 * std::sqrt(3.0) * settings_.surface.voxel + 0.005);
+  mover_.emplace(noise_, moving);
+  if (map_) {
+    map_->clear();
+  } else {
+    map_.emplace(noise_, settings_.surface);
+  }
+  last_fused_ = -std::numeric_limits<double>::infinity();
+}
+
+const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
+  if (!tracker_) return advance_at({.state = TrackState::kFixed}, seen, times);
+  frame_ = {};
+  {
+    const StageTimer timer(times, "map");
+    large_mask_ = nullptr;
+    if (is_placed(last_camera_)) find_moving(seen, predicted_pose(seen.time));
+  }
+  {
+    const StageTimer timer(times, "track");
+    // Without a keyframe the mask was found from a pose that nothing has confirmed yet: the tracker
+    // looks for its first landmarks everywhere.
+    const bool has_keyframe = is_known(last_camera_);
+    frame_.camera = tracker_->track(tracker_frame(seen, has_keyframe ? frame_.moving : nullptr));
+  }
+  const StageTimer timer(times, "map");
+  // The mask was found from a predicted pose that turns out to be wrong.
+  if (!is_placed(frame_.camera)) frame_.moving = nullptr;
+  const bool has_mask = frame_.moving != nullptr || large_mask_ != nullptr;
+  if (has_mask && frame_.camera.prediction_error_px > kMostSurprise) {
+    frame_.moving = large_mask_ = nullptr;
+    find_moving(seen, frame_.camera.world_from_camera);
+  }
+  if (frame_.camera.closed_loop && map_) {
+    frame_.moving = nullptr;  // it was found by the map that is forgotten now
+    begin_map();
+    frame_.corrections = tracker_->corrections();
+    last_camera_.state = TrackState::kLost;  // from its pose to the corrected one is no motion
+  }
+  if (frame_.camera.new_world && map_) begin_map();
+  learn(seen);
+  return frame_;
+}
+
+// world_from_camera at `time` if the camera has gone on as before.
+Rigid3 Slam::predicted_pose(double time) const {
+  const double share = last_motion_time_ > 0 ? std::clamp((time - last_time_) / last_motion_time_,
+                                                          0.0, kLongestPrediction)
+                                             : 0;
+  return last_camera_.world_from_camera * part_of(before_from_last_, share);
+}
+
+const SlamFrame& Slam::advance(const SeenFrame& seen,
+                               const std::optional<Rigid3>& world_from_camera, StageTimes& times) {
+  TrackedPose camera{.world_from_camera = last_camera_.world_from_camera,
+                     .state = TrackState::kLost};
+  if (world_from_camera) camera = {*world_from_camera, TrackState::kTracking};
+  return advance_at(camera, seen, times);
+}
+
+const SlamFrame& Slam::advance_at(const TrackedPose& camera, const SeenFrame& seen,
+                                  StageTimes& times) {
+  const StageTimer timer(times, "map");
+  frame_ = {};
+  large_mask_ = nullptr;
+  frame_.camera = camera;
+  if (is_known(camera)) find_moving(seen, camera.world_from_camera);
+  learn(seen);
+  return frame_;
+}
+
+void Slam::find_moving(const SeenFrame& seen, const Rigid3& world_from_camera) {
+  if (!mover_) return;
+  const CpuTimer timer(counts_.mask_cpu_s);
+  const MaskImage& mask = mover_->find(seen, world_from_camera, map());
+  frame_.looked_at = mover_->looked_at();
+  frame_.picture = mover_->picture();
+  int moving = 0;
+  for (const std::uint8_t m : mask) moving += m & 1;  // 255 or 0
+  ++counts_.masks;
+  if (static_cast<double>(moving) <= settings_.most_moving * static_cast<double>(mask.size())) {
+    frame_.moving = &mask;
+  } else {
+    large_mask_ = &mask;
+  }
+}
+
+// Learns from the frame, if its pose is known and its mask can be used: motion, free space, map.
+void Slam::learn(const SeenFrame& seen) {
+  const bool known = is_placed(frame_.camera);
+  const Rigid3& world_from_camera = frame_.camera.world_from_camera;
+  if (frame_.camera.state == TrackState::kFixed && last_camera_.state == TrackState::kFixed &&
+      frame_.moving == nullptr) {
+    frame_.moving = large_mask_;
+  }
+  if (frame_.moving != nullptr) frame_.borrowed = &mover_->borrowed();
+  before_from_last_ = known && is_placed(last_camera_)
+                          ? last_camera_.world_from_camera.inverse() * world_from_camera
+                          : Rigid3::Identity();
+  last_motion_time_ = seen.time - last_time_;
+  last_time_ = seen.time;
+  last_camera_ = frame_.camera;
+  ++counts_.frames;
+  if (!known) ++counts_.lost;
+  if (frame_.moving == nullptr) return;  // as in each frame of a lost camera
+  {
+    const CpuTimer timer(counts_.mask_cpu_s);
+    mover_->learn(world_from_camera);
+  }
+  if (seen.time - last_fused_ < settings_.fuse_every - kUneven) return;
+  last_fused_ = seen.time;
+  frame_.fused = true;
+  ++counts_.fused;
+  const CpuTimer timer(counts_.fuse_cpu_s);
+  unfit_ = *frame_.moving;
+  const MaskImage& borrowed = mover_->borrowed();
+  for (std::size_t k = 0; k < unfit_.size(); ++k) unfit_.data()[k] |= borrowed.data()[k];
+  map_->fuse(seen.depth, seen.depth_camera, world_from_camera, unfit_, seen.color);
+}
+
+}  // namespace palpable

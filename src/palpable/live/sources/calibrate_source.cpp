@@ -1,0 +1,97 @@
+#include "palpable/live/sources/calibrate_source.h"
+
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/live/calibrate/calibration_file.h"
+#include "palpable/live/sources/open_source.h"
+#include "palpable/live/sources/source_calibration.h"
+
+#include <fmt/core.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::unique_ptr<FrameSource> open_raw_pairs(CameraRequest request, VideoSystem& system) {
+  request.without_calibration = true;
+  request.calibration.clear();
+  std::unique_ptr<FrameSource> source = value_or_throw(open_source(request, system));
+  if (source->format().kind != FrameFormat::Kind::kStereo) {
+    throw Error(fmt::format("{}: holds colour and depth; stereo pairs are calibrated here",
+                            request.device));
+  }
+  return source;
+}
+
+// Where live will look for this camera's calibration.
+fs::path kept_file(const CameraRequest& request, const FrameFormat& format, VideoSystem& system) {
+  if (!request.device.starts_with("/dev/")) {
+    throw Error(fmt::format(
+        "{}: only a camera's calibration has a place of its own; name the file to write",
+        request.device));
+  }
+  const CameraInfo info = value_or_throw(ask_camera(system, request.device));
+  const fs::path folder = request.folders.front();
+  make_folder(folder);
+  return folder / calibration_name(info.name, format.width, format.height);
+}
+
+StereoRig rig_to_check(const fs::path& file, const FrameFormat& format) {
+  const FrameFormat checked =
+      value_or_throw(read_source_calibration(file, format.width, format.height)).format;
+  if (checked.kind != FrameFormat::Kind::kStereo || checked.already_rectified) {
+    throw Error(
+        fmt::format("{}: only the calibration of a raw stereo rig can be checked", file.string()));
+  }
+  if (checked.width != format.width || checked.height != format.height) {
+    throw Error(fmt::format("{}: is for images of {} x {} px but these are {} x {}", file.string(),
+                            checked.width, checked.height, format.width, format.height));
+  }
+  return checked.rig;
+}
+
+}  // namespace
+
+CalibratedSource calibrate_source(const BoardOrder& order, const fs::path& file,
+                                  VideoSystem& system,
+                                  const std::function<void(const BoardSearchStep&)>& on_step) {
+  const std::unique_ptr<FrameSource> source = open_raw_pairs(order.source, system);
+  const FrameFormat& format = source->format();
+  CalibratedSource result;
+  result.file = file.empty() ? kept_file(order.source, format, system) : file;
+  expect_writable(result.file);  // before anybody shows boards
+  result.seen = find_boards(*source, order.pattern, order.views, on_step);
+  Result<BoardCalibration> found =
+      calibrate_boards(result.seen.views, order.pattern, format.width, format.height, order.limits);
+  if (!found.ok()) {
+    throw Error(
+        fmt::format("{}: no calibration: {}", order.source.device, found.problem().message));
+  }
+  result.found = std::move(found.value());
+  write_stereo_calibration(result.file, result.found.calibration);
+  return result;
+}
+
+CheckedCalibration check_calibration(const BoardOrder& order, const fs::path& file,
+                                     VideoSystem& system,
+                                     const std::function<void(const BoardSearchStep&)>& on_step) {
+  const std::unique_ptr<FrameSource> source = open_raw_pairs(order.source, system);
+  const StereoRig rig = rig_to_check(file, source->format());  // before anybody shows boards
+  CheckedCalibration result;
+  result.seen = find_boards(*source, order.pattern, order.views, on_step);
+  const Result<double> error = row_error_px(result.seen.views, rig);
+  if (!error.ok()) {
+    throw Error(fmt::format("{}: {}; one of {}x{} inner corners was looked for",
+                            order.source.device, error.problem().message, order.pattern.columns,
+                            order.pattern.rows));
+  }
+  result.row_error_px = error.value();
+  return result;
+}
+
+}  // namespace palpable

@@ -1,0 +1,507 @@
+#include "palpable/live/sources/folder_layouts.h"
+
+#include "palpable/live/calibrate/calibration_file.h"
+#include "palpable/live/sources/folder_source.h"
+#include "palpable/live/sources/open_source.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+using test::ScratchFolder;
+using test::write_bytes;
+
+constexpr int kWidth = 40;
+constexpr int kHeight = 24;
+
+void write_image(const fs::path& path, int level) {
+  fs::create_directories(path.parent_path());
+  cv::imwrite(path.string(), cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(level)));
+}
+
+void write_depth(const fs::path& path, int steps) {
+  fs::create_directories(path.parent_path());
+  cv::imwrite(path.string(), cv::Mat(kHeight, kWidth, CV_16UC1, cv::Scalar(steps)));
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  UNSCOPED_INFO(text);
+  return text.find(part) != std::string::npos;
+}
+
+std::string refusal(const fs::path& folder) {
+  const auto result = open_folder(folder);
+  REQUIRE_FALSE(result.ok());
+  CHECK(contains(result.problem().message, folder.string()));
+  CHECK(result.problem().message.find('\n') == std::string::npos);
+  return result.problem().message;
+}
+
+std::string euroc_sensor(double y) {
+  return "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [0.0, -1.0, 0.0, 0.1,\n"
+         "         1.0, 0.0, 0.0, " +
+         std::to_string(y) +
+         ",\n         0.0, 0.0, 1.0, 0.0,\n         0.0, 0.0, 0.0, 1.0]\n"
+         "rate_hz: 20\nresolution: [40, 24]\ncamera_model: pinhole\n"
+         "intrinsics: [30.5, 30.25, 20.0, 12.0] #fu, fv, cu, cv\n"
+         "distortion_model: radial-tangential\n"
+         "distortion_coefficients: [-0.28, 0.07, 0.0002, 1.8e-05]\n";
+}
+
+TEST_CASE("partners of different numbers are no pair, though there are as many on each side",
+          "[sources][folder]") {
+  const ScratchFolder folder("mispaired");
+  const auto name = [](int n) { return std::to_string(1000000 + n).substr(1) + ".png"; };
+  for (int n = 0; n < 6; ++n) {
+    if (n != 2) write_image(folder / "left" / name(n), n);
+    if (n != 4) write_image(folder / "right" / name(n), n);
+  }
+  CHECK(contains(refusal(folder.path()), "000002.png has no partner"));
+  write_image(folder / "left" / name(2), 2);
+  write_image(folder / "right" / name(4), 4);
+  CHECK(recognise_folder(folder.path()).ok());
+}
+
+TEST_CASE("each side may count for itself", "[sources][folder]") {
+  const ScratchFolder folder("own_counters");
+  for (int n = 0; n < 4; ++n) {
+    write_image(folder / "left" / (std::to_string(100 + n) + ".png"), n);
+    write_image(folder / "right" / (std::to_string(700 + n) + ".png"), n);
+  }
+  CHECK(recognise_folder(folder.path()).ok());
+}
+
+TEST_CASE("a lens of EuRoC that is not radial-tangential is refused by its name",
+          "[sources][folder]") {
+  const ScratchFolder folder("fisheye");
+  const fs::path mav = folder / "mav0";
+  for (const char* eye : {"cam0", "cam1"}) {
+    write_image(mav / eye / "data/1403636579763555584.png", 10);
+    std::string sensor = euroc_sensor(0.02);
+    const std::string model = "radial-tangential";
+    sensor.replace(sensor.find(model), model.size(), "equidistant");
+    write_bytes(mav / eye / "sensor.yaml", sensor);
+  }
+  CHECK(contains(refusal(folder.path()), "equidistant"));
+}
+
+TEST_CASE("a folder of EuRoC: pairs of one stamp, the rig from its files, poses from its truth",
+          "[sources][folder][threads]") {
+  const ScratchFolder folder("euroc");
+  const fs::path mav = folder / "MH_01/mav0";
+  for (const char* ns : {"1403636579763555584", "1403636579813555456", "1403636579863555584"}) {
+    write_image(mav / "cam0/data" / (std::string(ns) + ".png"), 10);
+    write_image(mav / "cam1/data" / (std::string(ns) + ".png"), 20);
+  }
+  fs::remove(mav / "cam1/data/1403636579813555456.png");
+  // The body's x is up the picture: the right eye stands 0.11 m along the left camera's X.
+  write_bytes(mav / "cam0/sensor.yaml", euroc_sensor(0.02));
+  write_bytes(mav / "cam1/sensor.yaml", euroc_sensor(0.13));
+  write_bytes(mav / "state_groundtruth_estimate0/data.csv",
+              "#timestamp, p_RS_R_x [m]\n1403636579758555392,1,2,3,1,0,0,0,0,0,0\n"
+              "1403636579863555500,4,5,6,0.70710678,0,0,0.70710678,0,0,0\n");
+  const Recording recording = value_or_throw(recognise_folder(folder / "MH_01"));
+  CHECK(recording.layout == "EuRoC");
+  CHECK(recording.unmatched == 1);
+  REQUIRE(recording.frames.size() == 2);
+  CHECK(*recording.frames[1].time == Approx(0.1).epsilon(1e-6));
+  REQUIRE(recording.frames[0].world_from_camera);
+  CHECK(recording.frames[0].world_from_camera->translation().isApprox(Vector3d(1.1, 2.02, 3)));
+  // Turned by 90 degrees about Z: the camera at (0.1, 0.02, 0) of the body is at (-0.02, 0.1, 0).
+  REQUIRE(recording.frames[1].world_from_camera);
+  CHECK(
+      recording.frames[1].world_from_camera->translation().isApprox(Vector3d(3.98, 5.1, 6), 1e-6));
+
+  const auto source = value_or_throw(open_folder(folder / "MH_01"));
+  CHECK(source->format().starts_at == Approx(1403636579.763555584).margin(1e-6));
+  const StereoRig& rig = source->format().rig;
+  CHECK(rig.left.pinhole == PinholeCamera{kWidth, kHeight, 30.5, 30.25, 20, 12});
+  CHECK(rig.left.distortion[3] == 1.8e-05);
+  CHECK(rig.right_from_left.translation().isApprox(Vector3d(-0.11, 0, 0)));
+  Frame frame;
+  REQUIRE(source->next(frame) == FrameStatus::kFrame);
+  REQUIRE(source->next(frame) == FrameStatus::kFrame);
+  CHECK(frame.time == Approx(0.1).epsilon(1e-6));
+  CHECK(frame.right(0, 0).r == 20);
+
+  // A rate that is none and a stamp beyond 64 bits are left alone.
+  std::string odd = euroc_sensor(0.02);
+  odd.replace(odd.find("rate_hz: 20"), 11, "rate_hz:");
+  write_bytes(mav / "cam0/sensor.yaml", odd);
+  for (const char* eye : {"cam0", "cam1"}) {
+    write_image(mav / eye / "data/99999999999999999999.png", 10);
+  }
+  const Recording again = value_or_throw(recognise_folder(folder / "MH_01"));
+  CHECK(again.unmatched == 2);
+  CHECK(again.frames.size() == 2);
+  odd.replace(odd.find("[40, 24]"), 8, "[1e300, 24]");
+  write_bytes(mav / "cam0/sensor.yaml", odd);
+  CHECK(contains(refusal(folder / "MH_01"), "cam0/sensor.yaml has an image of 1e+300 x 24 px"));
+  write_bytes(mav / "cam0/sensor.yaml", euroc_sensor(0.02));
+
+  write_bytes(mav / "cam1/sensor.yaml", "resolution: [40, 24]\n");
+  CHECK(contains(refusal(folder / "MH_01"), "cam1/sensor.yaml is no EuRoC camera"));
+}
+
+TEST_CASE("a folder of KITTI: aligned rows, the baseline from its projections",
+          "[sources][folder][threads]") {
+  const ScratchFolder folder("kitti");
+  for (const char* eye : {"image_2", "image_3"}) {
+    for (int i = 0; i < 3; ++i) {
+      write_image(folder / eye / ("00000" + std::to_string(i) + ".png"), 10 * i);
+    }
+  }
+  write_bytes(folder / "calib.txt",
+              "P0: 30 0 20 0 0 30 12 0 0 0 1 0\nP1: 30 0 20 -16.2 0 30 12 0 0 0 1 0\n"
+              "P2: 30 0 20 1.8 0 30 12 0 0 0 1 0\nP3: 30 0 20.5 -14.1 0 30 12 0 0 0 1 0\n"
+              "Tr: 0 0 0 0 0 0 0 0 0 0 0 0\n");
+  write_bytes(folder / "times.txt", "0.5\n0.6e0\n0.75\n");
+  write_bytes(folder / "poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 7 0 1 0 0 0 0 1 2\n");
+  const auto source = value_or_throw(open_folder(folder.path()));
+  const FrameFormat& format = source->format();
+  CHECK(format.already_rectified);
+  CHECK(format.rectified.camera == PinholeCamera{kWidth, kHeight, 30, 30, 20, 12});
+  CHECK(format.rectified.baseline == Approx(0.53));
+  // d = x_L - x_R = f T / Z + cx_L - cx_R
+  CHECK(format.rectified.disparity_at_infinity_px == Approx(-0.5));
+  Frame frame;
+  for (const double time : {0.0, 0.1, 0.25}) {
+    REQUIRE(source->next(frame) == FrameStatus::kFrame);
+    CHECK(frame.time == Approx(time).margin(1e-12));
+  }
+  const Recording recording = value_or_throw(recognise_folder(folder.path()));
+  // Camera 2 stands 1.8 / 30 m to the left of camera 0, whose poses these are.
+  CHECK(recording.frames[1].world_from_camera->translation().isApprox(Vector3d(6.94, 0, 2)));
+  CHECK_FALSE(recording.frames[2].world_from_camera);
+
+  write_bytes(folder / "calib.txt", "P0: 1 2 3\n");
+  CHECK(contains(refusal(folder.path()), "has 0 projections"));
+}
+
+TEST_CASE("a folder of TUM: colour and depth of one moment, depth in fifths of a millimetre",
+          "[sources][folder][threads]") {
+  const ScratchFolder folder("tum");
+  const fs::path set = folder / "rgbd_dataset_freiburg2_desk";
+  write_image(set / "rgb/a.png", 50);
+  write_image(set / "rgb/b.png", 51);
+  write_image(set / "rgb/c.png", 52);
+  write_depth(set / "depth/a.png", 2500);
+  write_depth(set / "depth/b.png", 5000);
+  write_bytes(set / "rgb.txt",
+              "# color images\n1311868164.36 rgb/a.png\n1311868164.40 rgb/b.png\n"
+              "1311868164.43 rgb/c.png\n");
+  write_bytes(set / "depth.txt", "1311868164.37 depth/a.png\n1311868164.445 depth/b.png\n");
+  write_bytes(set / "groundtruth.txt",
+              "# timestamp tx ty tz qx qy qz qw\n1311868164.43 1 2 3 0 0 1 0\n");
+  const Recording recording = value_or_throw(recognise_folder(set));
+  CHECK(recording.layout == "TUM");
+  CHECK(recording.unmatched == 1);  // b.png: the next depth is 30 ms away
+  REQUIRE(recording.frames.size() == 2);
+  CHECK_FALSE(recording.frames[0].world_from_camera);
+  REQUIRE(recording.frames[1].world_from_camera);
+  CHECK(recording.frames[1].world_from_camera->linear().isApprox(
+      Eigen::Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix()));
+
+  const auto source = value_or_throw(open_folder(set));
+  CHECK(source->take_notes() ==
+        std::vector<std::string>{"1 images have no partner of the same moment, or no stamp of "
+                                 "their own, and are left out"});
+  CHECK(source->take_notes().empty());
+  CHECK(source->format().depth_camera.fx_px == 520.9);
+  CHECK(source->format().depth_camera.width == kWidth);
+  Frame frame;
+  REQUIRE(source->next(frame) == FrameStatus::kFrame);
+  CHECK(frame.depth(3, 4) == Approx(0.5));
+  REQUIRE(source->next(frame) == FrameStatus::kFrame);
+  CHECK(frame.left(0, 0).r == 52);
+  CHECK(frame.depth(3, 4) == Approx(1.0));
+  CHECK(frame.time == Approx(0.07));
+  CHECK(source->format().starts_at == Approx(1311868164.36).margin(1e-6));
+
+  // intrinsics.txt wins over the published numbers; without a unit in it the unit stays TUM's.
+  write_bytes(set / "intrinsics.txt", "31 31 20 12");
+  const auto own = value_or_throw(open_folder(set));
+  CHECK(own->format().depth_camera.fx_px == 31);
+  REQUIRE(own->next(frame) == FrameStatus::kFrame);
+  CHECK(frame.depth(3, 4) == Approx(0.5));
+
+  fs::rename(set, folder / "desk");
+  fs::remove(folder / "desk/intrinsics.txt");
+  CHECK(contains(refusal(folder / "desk"), "no intrinsics.txt"));
+  write_bytes(folder / "desk/depth.txt", "7 depth/a.png\n");
+  CHECK(contains(refusal(folder / "desk"), "no two of its images belong together"));
+}
+
+TEST_CASE("damaged lines of a TUM list are left out and counted", "[sources][folder]") {
+  const ScratchFolder folder("tum_damaged");
+  for (const char* name : {"a", "b", "c"}) {
+    write_image(folder / "rgb" / (std::string(name) + ".png"), 50);
+    write_depth(folder / "depth" / (std::string(name) + ".png"), 2500);
+  }
+  write_bytes(folder / "depth.txt", "# depth\n1.0 depth/a.png\n2.0 depth/b.png\n3.0 depth/c.png\n");
+  write_bytes(folder / "rgb.txt",
+              "# color\n\n1.0 rgb/a.png\n1.0 rgb/b.png\nnan rgb/b.png\nrgb/b.png\n2.0 \n"
+              "3.0 rgb/c.png\n");
+  const Recording recording = value_or_throw(recognise_folder(folder.path()));
+  CHECK(recording.layout == "TUM");
+  REQUIRE(recording.frames.size() == 2);
+  CHECK(recording.frames[0].first.filename() == "a.png");  // the earlier line has the stamp
+  CHECK(recording.unmatched == 4);
+}
+
+TEST_CASE("a folder of 7-Scenes: its names, its poses, its published camera",
+          "[sources][folder][threads]") {
+  const ScratchFolder folder("seven_scenes");
+  for (const char* n : {"000000", "000001"}) {
+    const std::string name = std::string("frame-") + n;
+    write_image(folder / (name + ".color.jpg"), 70);
+    write_depth(folder / (name + ".depth.png"), 1250);
+  }
+  write_bytes(folder / "frame-000001.pose.txt", "1 0 0 0.5\t\n0 1 0 -0.25\n0 0 1 2e0\n0 0 0 1\n");
+  const Recording recording = value_or_throw(recognise_folder(folder.path()));
+  CHECK(recording.layout == "7-Scenes");
+  CHECK_FALSE(recording.frames[0].world_from_camera);
+  CHECK(recording.frames[1].world_from_camera->translation() == Vector3d(0.5, -0.25, 2));
+  const auto source = value_or_throw(open_folder(folder.path()));
+  CHECK(source->format().depth_camera == PinholeCamera{kWidth, kHeight, 585, 585, 320, 240});
+  // Its colour has a lens of its own, 25 mm beside the depth's; whoever writes other figures into
+  // the folder has them.
+  REQUIRE(source->format().color_sensor);
+  CHECK(source->format().color_sensor->camera ==
+        PinholeCamera{kWidth, kHeight, 525, 525, 320, 240});
+  const Rigid3 color_from_depth = source->format().color_sensor->color_from_depth;
+  CHECK(color_from_depth.translation().x() == Approx(-0.0256).epsilon(0.01));
+  CHECK(color_from_depth.linear().isUnitary(1e-9));
+  Frame frame;
+  REQUIRE(source->next(frame) == FrameStatus::kFrame);
+  CHECK(frame.depth(0, 0) == Approx(1.25));
+  const auto with = [&](const char* intrinsics) {
+    write_bytes(folder / "camera-intrinsics.txt", intrinsics);
+    return value_or_throw(open_folder(folder.path()))->format();
+  };
+  CHECK(with("31 0 20\n0 32 12\n0 0 1\n").depth_camera.fy_px == 32);
+  CHECK_FALSE(with("31 0 20\n0 32 12\n0 0 1\n").color_sensor);  // no Kinect of 7-Scenes
+  CHECK(with("585 0 320\n0 585 240\n0 0 1\n").color_sensor->camera.fx_px == 525);
+  CHECK(with("585 585 320 240\ncolor 530 531 322 243\n").color_sensor->camera ==
+        PinholeCamera{kWidth, kHeight, 530, 531, 322, 243});
+}
+
+TEST_CASE("left* and right* in one folder, or any two patterns of names, are pairs",
+          "[sources][folder][threads]") {
+  const ScratchFolder folder("patterns");
+  for (int i = 8; i < 11; ++i) {
+    write_image(folder / ("left_" + std::to_string(i) + "m.png"), i);
+    write_image(folder / ("right_" + std::to_string(i) + "m.png"), 100 + i);
+    write_image(folder / ("other/L" + std::to_string(i) + ".png"), i);
+    write_image(folder / ("other/R" + std::to_string(i) + ".png"), 100 + i);
+    write_depth(folder / ("other/D" + std::to_string(i) + ".png"), 500);
+  }
+  write_bytes(folder / "left_notes.txt", "no image");
+  StereoCalibration calibration;
+  calibration.rig.left.pinhole = calibration.rig.right.pinhole = {kWidth, kHeight, 30, 30, 20, 12};
+  calibration.rig.right_from_left.translation().x() = -0.06;
+  write_stereo_calibration(folder / "calibration.yml", calibration);
+  CHECK(is_pattern(folder / "other/L*.png"));
+  CHECK_FALSE(is_pattern(folder / "other"));
+  for (const auto& source :
+       {value_or_throw(open_folder(folder.path())).release(),
+        value_or_throw(open_patterns(folder / "other/L*.png", folder / "other/R?*.png", false,
+                                     {.calibration = folder / "calibration.yml"}))
+            .release()}) {
+    const std::unique_ptr<FrameSource> owned(source);
+    CHECK(owned->frame_count() == 3);
+    Frame frame;
+    REQUIRE(owned->next(frame) == FrameStatus::kFrame);
+    CHECK(frame.left(0, 0).r == 8);
+    CHECK(frame.right(0, 0).r == 108);
+  }
+  write_bytes(folder / "other/intrinsics.txt", "30 30 20 12");
+  const auto depth =
+      value_or_throw(open_patterns(folder / "other/L*.png", folder / "other/D*.png", true));
+  Frame frame;
+  REQUIRE(depth->next(frame) == FrameStatus::kFrame);
+  CHECK(frame.depth(0, 0) == Approx(0.5));
+
+  const auto refused = [](const auto& result) {
+    REQUIRE_FALSE(result.ok());
+    return result.problem().message;
+  };
+  CHECK(contains(refused(open_patterns(folder / "x*.png", "", false)), "no image is called"));
+  CHECK(contains(refused(open_patterns(folder / "other/L*.png", folder / "other/R1*.png", false)),
+                 "3 left and 1"));
+  CHECK(contains(refused(open_patterns(folder / "other/L*.png", folder / "other/D*.png", true,
+                                       {.calibration = folder / "calibration.yml"})),
+                 "holds a stereo rig but"));
+}
+
+// Whose brightness stands in which eye.
+void check_pair(const std::unique_ptr<FrameSource>& source, int left, int right) {
+  Frame frame;
+  REQUIRE(source->next(frame) == FrameStatus::kFrame);
+  CHECK(static_cast<int>(frame.left(0, 0).r) == left);
+  CHECK(static_cast<int>(frame.right(0, 0).r) == right);
+}
+
+TEST_CASE("one pair is read by the names of its two images, or as Middlebury calls them",
+          "[sources][folder]") {
+  const ScratchFolder root("one_pair");
+  constexpr std::array kNames{std::pair{"im0", "im1"}, std::pair{"imL", "imR"},
+                              std::pair{"view1", "view5"}};
+  for (const auto& [left, right] : kNames) {
+    const fs::path folder = root / left;
+    INFO(folder.string());
+    write_image(folder / (std::string(left) + ".png"), 11);
+    write_image(folder / (std::string(right) + ".png"), 99);
+    write_image(folder / "groundtruth.png", 50);  // beside them, and no part of the pair
+    CHECK(contains(refusal(folder), "no calibration: put calibration.yml"));
+    write_rectified_calibration(folder / "rectified.yml",
+                                {{{kWidth, kHeight, 30, 30, 20, 12}, 0.06, 4}, 30});
+    const auto source = value_or_throw(open_folder(folder));
+    CHECK(source->frame_count() == 1);
+    check_pair(source, 11, 99);
+    CameraRequest request;
+    request.device = (folder / (std::string(left) + ".png")).string();
+    request.right = (folder / (std::string(right) + ".png")).string();
+    check_pair(value_or_throw(open_source(request)), 11, 99);
+  }
+}
+
+TEST_CASE("a calib.txt of Middlebury is read: mm, and the offset of its disparities",
+          "[sources][folder]") {
+  const ScratchFolder folder("middlebury");
+  write_image(folder / "im0.png", 11);
+  write_image(folder / "im1.png", 99);
+  const std::string begin =
+      "cam0=[30.5 0 20.25; 0 30.5 12.5; 0 0 1]\n"
+      "cam1=[30.5 0 24.25; 0 30.5 12.5; 0 0 1]\ndoffs=4\n";
+  write_bytes(folder / "calib.txt", begin + "baseline=193.001\nwidth=40\nheight=24\nndisp=70\n");
+  const auto source = value_or_throw(open_folder(folder.path()));
+  const RectifiedStereo& stereo = source->format().rectified;
+  CHECK(source->format().already_rectified);
+  CHECK(stereo.camera == PinholeCamera{kWidth, kHeight, 30.5, 30.5, 20.25, 12.5});
+  CHECK(stereo.baseline == Approx(0.193001));
+  CHECK(stereo.disparity_at_infinity_px == 4);
+  for (const char* wrong : {"", "baseline=0\nwidth=40\nheight=24\n", "baseline=193\nwidth=40\n",
+                            "baseline=193\nwidth=1e9\nheight=24\n", "baseline=x\nwidth=40\n"}) {
+    INFO(wrong);
+    write_bytes(folder / "calib.txt", begin + wrong);
+    CHECK(contains(refusal(folder.path()), "calib.txt is no calib.txt of Middlebury"));
+  }
+  write_rectified_calibration(folder / "rectified.yml",
+                              {{{kWidth, kHeight, 30, 30, 20, 12}, 0.06, 0}, 30});
+  CHECK(value_or_throw(open_folder(folder.path()))->format().rectified.baseline == 0.06);
+}
+
+TEST_CASE("names that end in _0 and _1, _left and _right, _L and _R are pairs, if all are",
+          "[sources][folder]") {
+  const ScratchFolder root("endings");
+  constexpr std::array kEndings{std::pair{"_0", "_1"}, std::pair{"_left", "_right"},
+                                std::pair{"_L", "_R"}};
+  const RectifiedCalibration calibration{{{kWidth, kHeight, 30, 30, 20, 12}, 0.06, 0}, 30};
+  for (const auto& [left, right] : kEndings) {
+    const fs::path folder = root / left;
+    INFO(folder.string());
+    for (int n = 8; n < 11; ++n) {
+      write_image(folder / ("a" + std::to_string(n) + left + ".png"), n);
+      write_image(folder / ("a" + std::to_string(n) + right + ".png"), 100 + n);
+    }
+    write_rectified_calibration(folder / "rectified.yml", calibration);
+    const auto source = value_or_throw(open_folder(folder));
+    CHECK(source->frame_count() == 3);
+    for (int n = 8; n < 11; ++n) check_pair(source, n, 100 + n);  // in natural order
+    write_image(folder / "another.png", 1);
+    CHECK(contains(refusal(folder), "was not recognised"));
+  }
+  // Two moments side by side, numbered.
+  const fs::path both = root / "both";
+  fs::create_directories(both);
+  for (const char* name : {"pair_0.png", "pair_1.png"}) {
+    cv::imwrite((both / name).string(), cv::Mat(kHeight, 2 * kWidth, CV_8UC1, cv::Scalar(7)));
+  }
+  write_rectified_calibration(both / "rectified.yml", calibration);
+  CHECK(value_or_throw(open_folder(both))->frame_count() == 2);
+}
+
+TEST_CASE("images laid out as EuRoC's whose lenses are not understood take another calibration",
+          "[sources][folder]") {
+  const ScratchFolder folder("euroc_fisheye");
+  for (const char* camera : {"cam0", "cam1"}) {
+    write_image(folder / "mav0" / camera / "data/1000.png", camera[3] == '0' ? 11 : 99);
+  }
+  CHECK(contains(refusal(folder.path()), "has no cam0/sensor.yaml: name a calibration"));
+  for (const char* camera : {"cam0", "cam1"}) {
+    std::string sensor = euroc_sensor(0);
+    sensor.replace(sensor.find("radial-tangential"), 17, "equidistant");
+    write_bytes(folder / "mav0" / camera / "sensor.yaml", sensor);
+  }
+  CHECK(contains(refusal(folder.path()), "name the file with --calibration"));
+  StereoCalibration calibration;
+  calibration.rig.left.pinhole = calibration.rig.right.pinhole = {kWidth, kHeight, 30, 30, 20, 12};
+  calibration.rig.right_from_left.translation().x() = -0.06;
+  write_stereo_calibration(folder / "own.yml", calibration);
+  check_pair(value_or_throw(open_folder(folder.path(), {.calibration = folder / "own.yml"})), 11,
+             99);
+}
+
+TEST_CASE("stereo images open without a calibration for whoever looks for one",
+          "[sources][folder][threads]") {
+  const ScratchFolder folder("without");
+  write_image(folder / "left/0.png", 1);
+  write_image(folder / "right/0.png", 2);
+  const auto source = value_or_throw(open_folder(folder.path(), {.without_calibration = true}));
+  CHECK((source->format().width == kWidth && source->format().height == kHeight));
+  CHECK(contains(refusal(folder.path()), "palpable calibrate"));
+
+  cv::imwrite((folder / "single.png").string(), cv::Mat(kHeight, 2 * kWidth, CV_8UC1));
+  fs::remove_all(folder / "left");
+  fs::remove_all(folder / "right");
+  const auto side = value_or_throw(open_folder(folder.path(), {.without_calibration = true}));
+  CHECK(side->format().width == kWidth);
+  write_image(folder / "single.png", 1);
+  const auto one = open_folder(folder.path(), {.without_calibration = true});
+  REQUIRE_FALSE(one.ok());
+  CHECK(contains(one.problem().message, "is 40 x 24 px, which is no pair side by side"));
+}
+
+// What nobody here made.
+TEST_CASE("real sets of KITTI and 7-Scenes open with their poses", "[sources][folder][real]") {
+  const fs::path data = "../shared/data";
+  if (!fs::exists(data / "stereo_video_kitti1") || !fs::exists(data / "rgbd_pose_7scenes")) {
+    PALPABLE_SKIP("no stereo_video_kitti1 or rgbd_pose_7scenes in " + data.string());
+  }
+  const auto kitti = value_or_throw(open_folder(data / "stereo_video_kitti1"));
+  CHECK(kitti->frame_count() == 16);
+  CHECK(kitti->format().width == 1226);
+  CHECK(kitti->format().rectified.baseline == Approx(379.8145 / 707.0912));
+  const Recording drive = value_or_throw(recognise_folder(data / "stereo_video_kitti1"));
+  // A car: about a metre forward from frame to frame (poses.txt).
+  for (std::size_t i = 1; i < drive.frames.size(); ++i) {
+    REQUIRE(drive.frames[i].world_from_camera);
+    const Vector3d step = drive.frames[i].world_from_camera->translation() -
+                          drive.frames[i - 1].world_from_camera->translation();
+    CHECK((step.norm() > 0.8 && step.norm() < 1.6));
+    CHECK(step.z() > 0.7);
+  }
+  const auto kitchen = value_or_throw(open_folder(data / "rgbd_pose_7scenes"));
+  CHECK(kitchen->frame_count() == 90);
+  CHECK(kitchen->format().depth_camera == PinholeCamera{640, 480, 585, 585, 320, 240});
+  CHECK(kitchen->format().color_sensor);
+  Frame frame;
+  REQUIRE(kitchen->next(frame) == FrameStatus::kFrame);
+  const Recording walk = value_or_throw(recognise_folder(data / "rgbd_pose_7scenes"));
+  for (const RecordedFrame& recorded : walk.frames) CHECK(recorded.world_from_camera);
+}
+
+}  // namespace
+}  // namespace palpable

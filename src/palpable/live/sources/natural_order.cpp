@@ -1,0 +1,41 @@
+#include "palpable/live/sources/natural_order.h"
+
+#include <cstddef>
+
+namespace palpable {
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Removes the digits at the front of `text`; returns them without leading zeros.
+std::string_view remove_number(std::string_view& text) {
+  std::size_t end = 0;
+  while (end < text.size() && is_digit(text[end])) ++end;
+  std::string_view digits = text.substr(0, end);
+  text.remove_prefix(end);
+  while (digits.size() > 1 && digits.front() == '0') digits.remove_prefix(1);
+  return digits;
+}
+
+}  // namespace
+
+bool natural_less(std::string_view a, std::string_view b) {
+  std::string_view rest_a = a;
+  std::string_view rest_b = b;
+  while (!rest_a.empty() && !rest_b.empty()) {
+    if (is_digit(rest_a.front()) && is_digit(rest_b.front())) {
+      const std::string_view number_a = remove_number(rest_a);
+      const std::string_view number_b = remove_number(rest_b);
+      if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
+      if (number_a != number_b) return number_a < number_b;
+      continue;
+    }
+    if (rest_a.front() != rest_b.front()) return rest_a.front() < rest_b.front();
+    rest_a.remove_prefix(1);
+    rest_b.remove_prefix(1);
+  }
+  if (rest_a.empty() != rest_b.empty()) return rest_a.empty();
+  return a < b;
+}
+
+}  // namespace palpable

@@ -1,0 +1,58 @@
+/// @file
+/// Bundle adjustment: finds the poses of keyframes and the places of points that agree best with
+/// all sightings.
+///
+/// Levenberg and Marquardt's method on the reduced camera system (Schur complement; Triggs et al.,
+/// "Bundle adjustment - a modern synthesis", 2000, Sec. 6): points are eliminated one by one, and a
+/// dense system of 6 numbers per free pose remains.
+///
+///   P  poses    L  points    M  sightings
+#pragma once
+
+#include "palpable/live/track/sighting.h"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace palpable {
+
+struct BundleSighting {
+  int pose = 0;   ///< 0..P-1
+  int point = 0;  ///< 0..L-1
+  Sighting seen;
+};
+
+struct BundleProblem {
+  TrackCamera camera;
+  std::vector<Rigid3> camera_from_world;  ///< (P)
+  std::vector<char> fixed;  ///< (P) 1: stays as it is; at least one, or all may drift together
+  std::vector<Eigen::Vector3d> x_in_world;  ///< (L)
+  std::vector<BundleSighting> sightings;    ///< (M) sorted by point
+};
+
+struct BundleSettings {
+  int steps = 10;  ///< at most
+  /// c, sigmas: a residual r has Cauchy's weight 1 / (1 + r^2 / c^2), which is 1/2 at c. Unlike
+  /// Tukey's it is never 0, so a point that is far off because of a bad start can still come back.
+  double cauchy = 2.5;
+  double converged = 1e-4;  ///< a smaller relative decrease of the cost ends it
+};
+
+struct BundleResult {
+  int steps = 0;          ///< that lowered the cost
+  double first_cost = 0;  ///< sum of Cauchy's c^2/2 log(1 + r^2/c^2) over u,v and d
+  double last_cost = 0;
+};
+
+/// Improves the problem's free poses and all its points in place. What no sighting measures (the
+/// depth of a point that was seen once, without disparity) stays as it is. Takes about 1
+/// microsecond per sighting and step.
+/// @throws ContractViolation when indices are out of range or sightings are not sorted by point
+BundleResult adjust_bundle(BundleProblem& problem, const BundleSettings& settings = {});
+
+/// Squared length of a sighting's (u, v) residual in sigmas; infinite for a point behind the
+/// camera.
+[[nodiscard]] double squared_residual(const BundleProblem& problem, const BundleSighting& sighting);
+
+}  // namespace palpable

@@ -1,0 +1,508 @@
+#include "palpable/live/track/tracker.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/cpu_time.h"
+#include "palpable/common/base/order_statistics.h"
+#include "palpable/live/track/exposure_estimate.h"
+#include "palpable/live/track/forgetting.h"
+#include "palpable/live/track/keyframe_work.h"
+#include "palpable/live/track/landmark_map.h"
+#include "palpable/live/track/loop.h"
+#include "palpable/live/track/new_landmarks.h"
+#include "palpable/live/track/picture_shift.h"
+#include "palpable/live/track/pose_search.h"
+#include "palpable/live/track/recent_poses.h"
+#include "palpable/live/track/start_watch.h"
+#include "palpable/live/track/still_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+// --- following ---------------------------------------------------------------------------------
+constexpr int kLeastInliers = 12;  // landmarks that must agree with a pose near the last one
+constexpr int kLeastRecognisedLost =
+    20;                            // and with a pose of a camera that was lost, or at the start
+constexpr double kSurePx = 2.0;    // after a prediction that was better no coarse search is made
+constexpr double kMaskedPx = 4.0;  // after a prediction that was worse no mask is believed
+constexpr double kFastPx = 14.0;   // px per frame: faster, the coarse search is always made and
+                                   // the exposure is measured
+constexpr double kLongestPrediction = 3;  // last motions: after a longer gap a camera has hardly
+                                          // gone on as before
+// Of prediction and truth, when nothing is known about them.
+constexpr double kUnknownError = 1e9;  // px
+
+// --- standing still ----------------------------------------------------------------------------
+// A camera that stood and whose pose is found within this of where it stood, px, still stands: what
+// hides its patches is a hand.
+constexpr double kSamePosePx = 2 * RecentPoses::kRestPx;
+constexpr double kLongestHidden = 1;  // s that a standing camera may show too little to compare
+// s for which a camera is lost before a new world begins. After less, a glance away from known
+// ground would cost it.
+constexpr double kLongestLost = 1;
+
+// --- keyframes ---------------------------------------------------------------------------------
+constexpr int kLatency = 3;  // frames after which the work of a keyframe is used
+// Frames at least between keyframes, more than the latency; of a camera that leaves its landmarks
+// behind, which then waits for the work of the keyframe before; and when a frame must be kept.
+constexpr int kKeyframeGap = 4;
+constexpr int kHurriedGap = 2;
+constexpr int kMust = 35;           // landmarks that agree: with fewer a frame must be kept
+constexpr int kFew = 70;            // with fewer it is kept, unless it is blurred
+constexpr double kFewer = 0.7;      // or with less than this share of the last keyframe's
+constexpr double kFarMoved = 0.12;  // or when it is farther than this share of the median depth
+constexpr double kTurned = 0.2;     // and rad from every keyframe
+// Frames between attempts to make the first keyframe; a camera that moves tries in each.
+constexpr int kStartEvery = 5;
+
+// --- recognition -------------------------------------------------------------------------------
+// Keyframes whose features a lost camera is compared with: those whose pictures are most like what
+// it sees, and one more in turn, so that each gets its chance.
+constexpr int kMostAlike = 3;
+
+Rigid3 inverse(const Rigid3& T) { return T.inverse(Eigen::Isometry); }
+
+// Indices of all keyframes, those whose pictures are most alike first.
+std::vector<int> by_likeness(const Thumbnail& picture, const std::vector<Keyframe>& keyframes) {
+  std::vector<int> order(keyframes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<double> alike(keyframes.size());
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    alike[k] = likeness(picture, keyframes[k].thumbnail);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return alike[a] > alike[b]; });
+  return order;
+}
+
+}  // namespace
+
+struct Tracker::Parts {
+  explicit Parts(const TrackerSettings& s)
+      : settings(s), camera(s.camera), pose_search(s), start_watch(s.noise) {
+    map.landmarks.reserve(s.limits.landmarks);
+    map.keyframes.reserve(s.limits.keyframes + 1);
+    depths.reserve(s.most_landmarks);
+  }
+
+  // --- one frame ---
+  TrackedPose track(const TrackerFrame& frame);
+  [[nodiscard]] bool fits(const TrackerFrame& frame) const;
+  bool begin_world(const TrackerFrame& frame);
+  bool begin_anew(const TrackerFrame& frame);
+  [[nodiscard]] FrameEvidence begun() const {
+    return settings.watch_stillness ? FrameEvidence::kFirstKeyframe : FrameEvidence::kPoseFound;
+  }
+  FrameEvidence follow(const TrackerFrame& frame, double dt);
+  bool follow_motion(const TrackerFrame& frame, double dt);
+  bool recognise_place(const TrackerFrame& frame);
+  bool locate(const TrackerFrame& frame, const Rigid3& guess, bool coarse_first, int least);
+  FrameEvidence use_pose(const TrackerFrame& frame, double dt, bool followed);
+
+  // --- its keyframe, and what is done beside the frames ---
+  [[nodiscard]] bool wants_keyframe() const;
+  void keep(const TrackerFrame& frame);
+  void use_finished_work();
+
+  [[nodiscard]] LandmarkSearch search() const { return {settings, pyramid, map}; }
+  [[nodiscard]] double shift_px(const Rigid3& a_from_world, const Rigid3& b_from_world) const {
+    return picture_shift_px(camera, median_depth, a_from_world, b_from_world);
+  }
+
+  TrackerSettings settings;
+  TrackCamera camera;
+  TrackState state = TrackState::kStarting;
+  LandmarkMap map;
+  LandmarkMap other_map;  // empty, but while begin_anew() tries
+
+  // The camera.
+  Rigid3 camera_from_world = Rigid3::Identity();
+  Rigid3 previous_from_world = Rigid3::Identity();   // camera_from_world one frame ago
+  Rigid3 camera_from_previous = Rigid3::Identity();  // the last motion
+  double motion_time = 0;                            // s that it took; 0: there is none
+  double last_time = 0;                              // s
+  std::optional<double> new_world_time;              // s, when one began last
+  double median_depth = 1;                           // m, of the landmarks that agreed
+  double prediction_error_px = kUnknownError;        // of the last prediction
+
+  // How it is followed.
+  Pyramid pyramid;
+  PoseSearch pose_search;
+  ExposureEstimate exposure;
+  std::vector<double> depths;  // room to work in
+
+  // How a camera that stands is recognised.
+  StartWatch start_watch;  // before the first keyframe
+  StillWatch still_watch;  // the view in which it came to rest
+  RecentPoses recent_poses;
+  double hidden_s = 0;  // for how long too little could be compared with that view
+  double lost_s = 0;    // since the camera has been lost
+
+  // Keyframes, and what is done beside the frames.
+  NewLandmarks new_landmarks;
+  int since_keyframe = 0;  // frames
+  KeyframeWorker worker;
+  int work_due = 0;    // frame count at which its result is used
+  int next_asked = 0;  // keyframe that a lost camera is compared with, in turn
+  LoopConfirmation loops;
+  std::vector<Correction> corrections;  // by the last loop
+  TrackerCounts counts;
+};
+
+// --- one frame ---------------------------------------------------------------------------------
+
+TrackedPose Tracker::Parts::track(const TrackerFrame& frame) {
+  const CpuTimer timer(counts.cpu_s);
+  const int loops_before = counts.loops, keyframes_before = counts.keyframes;
+  ++counts.frames;
+  ++since_keyframe;
+  const double dt = std::max(frame.time - last_time, 1e-3);
+  last_time = frame.time;
+  if (worker.is_busy() && counts.frames >= work_due) use_finished_work();
+
+  TrackedPose result;
+  if (!fits(frame)) {
+    state = next_state(state, FrameEvidence::kUnreadable);
+  } else if (map.keyframes.empty()) {
+    const bool stands = start_watch.look(*frame.left, *frame.depth) == Stillness::kStill;
+    state = next_state(state, stands ? FrameEvidence::kStartView : FrameEvidence::kOtherView);
+    if ((!stands || counts.frames % kStartEvery == 1) && begin_world(frame)) {
+      result.new_world = state == TrackState::kLost;
+      state = next_state(state, begun());
+    }
+  } else {
+    state = next_state(state, follow(frame, dt));
+    lost_s = state == TrackState::kLost ? lost_s + dt : 0;
+    if (lost_s > kLongestLost && begin_anew(frame)) {
+      result.new_world = true;
+      state = next_state(state, begun());
+    }
+  }
+
+  if (state == TrackState::kLost) ++counts.lost;
+  if (result.new_world) {
+    ++counts.new_worlds;
+    new_world_time = frame.time;
+  }
+  if (new_world_time) result.since_new_world = frame.time - *new_world_time;
+  // The inverse of the identity would have minus zeros.
+  if (!camera_from_world.matrix().isIdentity(0)) {
+    result.world_from_camera = inverse(camera_from_world);
+  }
+  result.state = state;
+  if (state == TrackState::kTracking) {
+    result.prediction_error_px = prediction_error_px;
+    result.landmarks = pose_search.inliers();
+    result.tried = pose_search.tried();
+  }
+  result.keyframe = counts.keyframes > keyframes_before;
+  result.closed_loop = counts.loops > loops_before;
+  if (!map.keyframes.empty()) {
+    const Keyframe& newest = map.keyframes.back();
+    result.newest_keyframe = newest.number;
+    result.keyframe_from_camera = newest.camera_from_world * result.world_from_camera;
+  }
+  return result;
+}
+
+bool Tracker::Parts::fits(const TrackerFrame& frame) const {
+  const auto has_size = [&](const GrayImage* image) {
+    return image == nullptr ||
+           (image->width() == camera.camera.width && image->height() == camera.camera.height);
+  };
+  return frame.left != nullptr && frame.depth != nullptr && !frame.depth->empty() &&
+         has_size(frame.left) && has_size(frame.right);
+}
+
+// Makes the first keyframe. False when it shows too little: nothing could be found again from it.
+bool Tracker::Parts::begin_world(const TrackerFrame& frame) {
+  pyramid.build(*frame.left);
+  pose_search.clear();
+  loops.clear();
+  keep(frame);
+  if (map.keyframes.back().tracked < kLeastRecognisedLost) {
+    map.clear();
+    worker.abandon();
+    --counts.keyframes;
+    return false;
+  }
+  if (settings.watch_stillness) still_watch.begin(*frame.left, *frame.depth);
+  return true;
+}
+
+// Begins a new world in the place of one that is not found again, where the camera was seen last.
+// False when the frame shows too little; the old world is kept then.
+bool Tracker::Parts::begin_anew(const TrackerFrame& frame) {
+  if (worker.is_busy()) use_finished_work();
+  std::swap(map, other_map);
+  if (!begin_world(frame)) {
+    std::swap(map, other_map);
+    return false;
+  }
+  other_map.clear();
+  corrections.clear();
+  exposure = {};
+  previous_from_world = camera_from_world;
+  camera_from_previous = Rigid3::Identity();
+  motion_time = 0;
+  prediction_error_px = kUnknownError;
+  recent_poses.clear();
+  hidden_s = lost_s = 0;
+  return true;
+}
+
+// Finds out what a frame shows, once there is a world; the pose follows.
+FrameEvidence Tracker::Parts::follow(const TrackerFrame& given, double dt) {
+  TrackerFrame frame = given;
+  const bool was_fixed = state == TrackState::kFixed;
+  // A camera that moves is not compared with the view in which it stood last.
+  if (settings.watch_stillness && still_watch.begun() && state != TrackState::kTracking) {
+    const Stillness seen = still_watch.look(*frame.left, *frame.depth, frame.moving);
+    if (seen == Stillness::kStill) {
+      hidden_s = 0;
+      ++counts.stood;
+      return FrameEvidence::kPatchesAtRest;
+    }
+    if (seen == Stillness::kUnclear && was_fixed) hidden_s += dt;
+  }
+  pyramid.build(*frame.left);
+  // A camera that was covered or left in the dark need not have moved. For a while it is not looked
+  // for elsewhere: what is found in the dark is found by chance.
+  const bool may_be_hidden = was_fixed && hidden_s > 0 && hidden_s < kLongestHidden;
+  const Rigid3 held = camera_from_world;
+  const bool was_lost = state == TrackState::kLost;
+  // What moves was found from a predicted pose. Where predictions were bad, that is mostly what the
+  // prediction has missed; where nothing is found without it, it may be.
+  if (prediction_error_px > kMaskedPx) frame.moving = nullptr;
+  bool followed = !was_lost && follow_motion(frame, dt);
+  if (!followed && !was_lost && std::exchange(frame.moving, nullptr) != nullptr) {
+    followed = follow_motion(frame, dt);
+  }
+  if (!followed && may_be_hidden) return FrameEvidence::kHidden;
+  if (!followed && !recognise_place(frame)) {
+    camera_from_previous = Rigid3::Identity();
+    recent_poses.clear();
+    return FrameEvidence::kNoPose;
+  }
+  hidden_s = 0;
+  if (was_fixed && shift_px(held, camera_from_world) < kSamePosePx) {
+    camera_from_world = previous_from_world = held;
+    return FrameEvidence::kPoseAtRest;
+  }
+  // A view that motion cannot be followed to, from a known pose: the features say how it moved.
+  if (!followed && !was_lost) previous_from_world = held;
+  return use_pose(frame, dt, !was_lost);
+}
+
+// The pose near where the last motion predicts it, or else near the last one.
+bool Tracker::Parts::follow_motion(const TrackerFrame& frame, double dt) {
+  const double share = motion_time > 0 ? std::clamp(dt / motion_time, 0.0, kLongestPrediction) : 0;
+  const Rigid3 predicted =
+      moved_by(Twist::Zero(), part_of(camera_from_previous, share) * camera_from_world);
+  const bool sure =
+      prediction_error_px < kSurePx && shift_px(camera_from_world, predicted) < kFastPx;
+  if (sure && locate(frame, predicted, false, 2 * kLeastInliers)) return true;
+  if (locate(frame, predicted, true, kLeastInliers)) return true;
+  return locate(frame, camera_from_world, true, kLeastInliers);
+}
+
+// The pose of a camera that was lost: near the last pose, near the keyframe whose picture is most
+// alike, or where the features of some keyframes say.
+bool Tracker::Parts::recognise_place(const TrackerFrame& frame) {
+  if (worker.is_busy()) use_finished_work();  // so that the last keyframe can be recognised too
+  const std::vector<int> order = by_likeness(thumbnail_of(pyramid.level(2)), map.keyframes);
+  const Rigid3 held = camera_from_world;
+  const auto try_near = [&](const Rigid3& pose) {
+    camera_from_world = pose;  // no motion, no smear
+    if (locate(frame, pose, true, kLeastRecognisedLost)) {
+      if (state == TrackState::kLost) ++counts.recognised;
+      return true;
+    }
+    camera_from_world = held;
+    return false;
+  };
+  if (try_near(held) || try_near(map.keyframes[order.front()].camera_from_world)) return true;
+
+  const PinholeCamera half = camera.camera.scaled_down(2);
+  const Features features = find_features(pyramid.level(1), half, *frame.depth);
+  if (features.uv.empty()) return false;
+  std::vector<int> asked(order.begin(),
+                         order.begin() + std::min<std::ptrdiff_t>(kMostAlike, std::ssize(order)));
+  // A camera whose pose was known in the frame before has most likely not gone far.
+  if (state != TrackState::kLost)
+    asked.insert(asked.begin(), static_cast<int>(map.keyframes.size()) - 1);
+  next_asked = (next_asked + 1) % static_cast<int>(map.keyframes.size());
+  asked.push_back(next_asked);
+  for (const int k : asked) {
+    const Keyframe& keyframe = map.keyframes[k];
+    const std::optional<Recognised> seen = recognise(features, keyframe.features, half);
+    if (seen && try_near(seen->camera_from_old * keyframe.camera_from_world)) return true;
+  }
+  return false;
+}
+
+// Moves the camera to the pose that is found near `guess`, if there is one.
+bool Tracker::Parts::locate(const TrackerFrame& frame, const Rigid3& guess, bool coarse_first,
+                            int least) {
+  const std::optional<Rigid3> found = pose_search.find(search(), frame,
+                                                       {.guess = guess,
+                                                        .previous = camera_from_world,
+                                                        .coarse_first = coarse_first,
+                                                        .least_inliers = least,
+                                                        .exposure = exposure.share(),
+                                                        .frame_count = counts.frames});
+  if (!found) return false;
+  prediction_error_px = shift_px(guess, *found);
+  previous_from_world = camera_from_world;
+  camera_from_world = *found;
+  return true;
+}
+
+// What follows from a pose that was found: motion, depth, exposure, landmarks, keyframe, rest.
+// @param followed  from the pose of the frame before; false: the camera was lost
+FrameEvidence Tracker::Parts::use_pose(const TrackerFrame& frame, double dt, bool followed) {
+  camera_from_previous =
+      followed ? Rigid3(camera_from_world * inverse(previous_from_world)) : Rigid3::Identity();
+  motion_time = dt;
+  if (!followed) prediction_error_px = kUnknownError;
+  still_watch = {};  // the camera has left the view in which it stood
+  depths.clear();
+  pose_search.for_each_inlier([&](const Candidate&, const PosePoint& point) {
+    depths.push_back((camera_from_world * point.x_in_world).z());
+  });
+  if (!depths.empty()) median_depth = upper_median(depths);
+  if (followed && shift_px(previous_from_world, camera_from_world) > kFastPx) {
+    exposure.measure(search(), pose_search, camera_from_world, previous_from_world, counts.frames);
+  }
+  pose_search.rate_landmarks(map.landmarks, counts.frames);
+  if (wants_keyframe()) keep(frame);
+  if (!settings.watch_stillness ||
+      !recent_poses.add_and_check_rest(camera, median_depth, frame.time, camera_from_world)) {
+    return FrameEvidence::kPoseFound;
+  }
+  still_watch.begin(*frame.left, *frame.depth);
+  camera_from_previous = Rigid3::Identity();
+  recent_poses.clear();
+  return FrameEvidence::kCameToRest;
+}
+
+// --- keyframes ---------------------------------------------------------------------------------
+
+bool Tracker::Parts::wants_keyframe() const {
+  const Rigid3 world_from_camera = inverse(camera_from_world);
+  const auto is_near = [&](const Keyframe& keyframe) {
+    const Rigid3 keyframe_from_camera = keyframe.camera_from_world * world_from_camera;
+    const double angle = Eigen::AngleAxisd(keyframe_from_camera.linear()).angle();
+    return keyframe_from_camera.translation().norm() < kFarMoved * median_depth && angle < kTurned;
+  };
+  // A camera that has not gone far yet has lost its landmarks to something else, creeping depths
+  // for instance: a keyframe more would not help.
+  if (since_keyframe < kKeyframeGap && is_near(map.keyframes.back())) return false;
+  const int inliers = pose_search.inliers();
+  if (inliers < kMust) return true;
+  if (pose_search.is_blurred()) return false;
+  const bool fewer = inliers < kFewer * map.keyframes.back().tracked;
+  if (inliers < kFew && (fewer || since_keyframe >= kHurriedGap)) return true;
+  if (since_keyframe < kKeyframeGap) return false;
+  if (fewer) return true;
+  return std::none_of(map.keyframes.begin(), map.keyframes.end(), is_near);
+}
+
+// Makes this frame a keyframe, and begins the work beside the frames.
+void Tracker::Parts::keep(const TrackerFrame& frame) {
+  if (worker.is_busy()) use_finished_work();
+  Keyframe keyframe;
+  keyframe.number = frame.number;
+  keyframe.time = frame.time;
+  keyframe.camera_from_world = camera_from_world;
+  keyframe.thumbnail = thumbnail_of(pyramid.level(2));
+  const int index = static_cast<int>(map.keyframes.size());
+  pose_search.for_each_inlier([&](const Candidate& candidate, const PosePoint& point) {
+    map.landmarks[candidate.landmark].sightings.push_back({index, point.seen});
+    keyframe.landmarks.push_back(candidate.landmark);
+  });
+  map.keyframes.push_back(std::move(keyframe));
+  if (std::ssize(map.keyframes) > settings.limits.keyframes ||
+      map.room_for_landmarks(settings.limits.landmarks) < settings.most_landmarks + kNewLandmarks) {
+    make_room(camera_from_world, settings.limits, kWindow, map);
+  }
+  new_landmarks.add(search(), frame, pose_search, counts.frames, map);
+  Keyframe& kept = map.keyframes.back();
+  kept.tracked = static_cast<int>(kept.landmarks.size());
+  std::vector<double> seen_depths;
+  for (const int id : kept.landmarks) {
+    seen_depths.push_back((kept.camera_from_world * map.landmarks[id].x_in_world).z());
+  }
+  if (!seen_depths.empty()) median_depth = kept.median_depth = upper_median(seen_depths);
+  since_keyframe = 0;
+  ++counts.keyframes;
+  worker.begin(
+      work_for_newest(settings, map, pyramid.level(1), *frame.depth, loops.take_confirmed()),
+      settings.adjust_on_thread);
+  work_due = counts.frames + kLatency;
+}
+
+// Puts what was computed since the last keyframe into the map, and moves the camera with it.
+void Tracker::Parts::use_finished_work() {
+  KeyframeWork work = worker.finish();
+  counts.adjust_cpu_s += work.cpu_s;
+  counts.cpu_s -= work.cpu_s_of_caller;
+
+  Keyframe& newest = map.keyframes.back();
+  newest.features = std::move(work.features);
+  const Rigid3 newest_from_old_world = newest.camera_from_world;
+  if (work.window) put_back(*work.window, map);
+  if (work.graph && work.graph_is_solved) {
+    corrections = close_loop(camera, *work.closing, *work.graph, map);
+    prediction_error_px = kUnknownError;  // old landmarks are to be looked for from far
+    ++counts.loops;
+  }
+  // The camera stands where it did, relative to the newest keyframe.
+  const Rigid3 old_world_from_world = inverse(newest_from_old_world) * newest.camera_from_world;
+  camera_from_world = moved_by(Twist::Zero(), camera_from_world * old_world_from_world);
+  previous_from_world = moved_by(Twist::Zero(), previous_from_world * old_world_from_world);
+  recent_poses.move_world(old_world_from_world);
+  if (settings.close_loops) loops.compare(work.loop, camera, median_depth, map.keyframes);
+}
+
+// --- the outside -------------------------------------------------------------------------------
+
+Tracker::Tracker(const TrackerSettings& settings) : parts_(std::make_unique<Parts>(settings)) {
+  PALPABLE_EXPECT(settings.camera.camera.fx_px > 0 && settings.camera.camera.fy_px > 0 &&
+                      settings.camera.baseline > 0,
+                  "focal lengths and baseline are positive");
+  PALPABLE_EXPECT(settings.limits.keyframes >= 2 * kWindow &&
+                      settings.limits.landmarks >= 2 * (settings.most_landmarks + kNewLandmarks),
+                  "14 keyframes and the landmarks of two frames are remembered at least");
+}
+Tracker::Tracker(Tracker&&) noexcept = default;
+Tracker& Tracker::operator=(Tracker&&) noexcept = default;
+Tracker::~Tracker() = default;
+
+TrackedPose Tracker::track(const TrackerFrame& frame) { return parts_->track(frame); }
+
+std::vector<KeyframePose> Tracker::keyframes() const {
+  std::vector<KeyframePose> poses;
+  for (const Keyframe& k : parts_->map.keyframes) {
+    poses.push_back({k.number, k.time, inverse(k.camera_from_world)});
+  }
+  return poses;
+}
+
+std::span<const Correction> Tracker::corrections() const { return parts_->corrections; }
+
+TrackerCounts Tracker::counts() const {
+  TrackerCounts counts = parts_->counts;
+  counts.kept_keyframes = static_cast<int>(parts_->map.keyframes.size());
+  counts.landmarks = parts_->map.count_alive();
+  return counts;
+}
+
+}  // namespace palpable

@@ -1,0 +1,131 @@
+#include "palpable/live/track/window.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+
+namespace palpable {
+namespace {
+
+constexpr std::size_t kHeld = 5;    // older keyframes
+constexpr int kLeastShared = 5;     // landmarks that one of them has in common with the window
+constexpr double kBadSquared = 16;  // a sighting beyond 4 sigmas after an adjustment is dropped
+
+// Landmarks seen in keyframes `first` and later, each once, rising.
+std::vector<int> landmarks_since(int first, const LandmarkMap& map) {
+  std::vector<int> ids;
+  for (std::size_t k = first; k < map.keyframes.size(); ++k) {
+    const std::vector<int>& seen = map.keyframes[k].landmarks;
+    ids.insert(ids.end(), seen.begin(), seen.end());
+  }
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+// The keyframes before `first` that share the most of these landmarks, the most first.
+std::vector<int> held_keyframes(int first, const std::vector<int>& ids, const LandmarkMap& map) {
+  std::vector<int> shared(first, 0);
+  for (const int id : ids) {
+    for (const KeyframeSighting& s : map.landmarks[id].sightings) {
+      if (s.keyframe < first) ++shared[s.keyframe];
+    }
+  }
+  std::vector<int> held(first);
+  std::iota(held.begin(), held.end(), 0);
+  std::stable_sort(held.begin(), held.end(), [&](int a, int b) { return shared[a] > shared[b]; });
+  if (held.size() > kHeld) held.resize(kHeld);
+  std::erase_if(held, [&](int k) { return shared[k] < kLeastShared; });
+  return held;
+}
+
+// Enters the landmarks that two of the window's keyframes have seen.
+// @param slot  (keyframes of the map) index in the window, -1: not in it
+void add_landmarks(const std::vector<int>& ids, const std::vector<int>& slot,
+                   const LandmarkMap& map, AdjustmentWindow& window) {
+  for (const int id : ids) {
+    const Landmark& landmark = map.landmarks[id];
+    if (!landmark.alive) continue;
+    const auto count =
+        std::count_if(landmark.sightings.begin(), landmark.sightings.end(),
+                      [&](const KeyframeSighting& s) { return slot[s.keyframe] >= 0; });
+    if (count < 2) continue;
+    const int point = static_cast<int>(window.landmarks.size());
+    window.landmarks.push_back(id);
+    window.problem.x_in_world.push_back(landmark.x_in_world);
+    for (const KeyframeSighting& s : landmark.sightings) {
+      const int pose = slot[s.keyframe];
+      if (pose >= 0) window.problem.sightings.push_back({pose, point, s.seen});
+    }
+  }
+}
+
+}  // namespace
+
+AdjustmentWindow window_of(const TrackCamera& camera, const LandmarkMap& map) {
+  AdjustmentWindow window;
+  window.problem.camera = camera;
+  const int keyframes = static_cast<int>(map.keyframes.size());
+  const int first = keyframes - std::min(kWindow, keyframes);
+  const std::vector<int> ids = landmarks_since(first, map);
+  const std::vector<int> held = held_keyframes(first, ids, map);
+  std::vector<int> slot(keyframes, -1);
+  const auto add_pose = [&](int k, bool fixed) {
+    slot[k] = static_cast<int>(window.keyframes.size());
+    window.keyframes.push_back(k);
+    window.problem.camera_from_world.push_back(map.keyframes[k].camera_from_world);
+    window.problem.fixed.push_back(fixed ? 1 : 0);
+  };
+  for (const int k : held) add_pose(k, true);
+  for (int k = first; k < keyframes; ++k) add_pose(k, k == 0 || (held.empty() && k == first));
+  add_landmarks(ids, slot, map, window);
+  return window;
+}
+
+void adjust(AdjustmentWindow& window) {
+  adjust_bundle(window.problem);
+  for (const BundleSighting& s : window.problem.sightings) {
+    if (squared_residual(window.problem, s) > kBadSquared) {
+      window.bad.emplace_back(window.landmarks[s.point], window.keyframes[s.pose]);
+    }
+  }
+}
+
+void put_back(const AdjustmentWindow& window, LandmarkMap& map) {
+  std::vector<std::optional<Rigid3>> world_from_old_world(map.keyframes.size());
+  for (std::size_t i = 0; i < window.keyframes.size(); ++i) {
+    if (window.problem.fixed[i] != 0) continue;
+    const int k = window.keyframes[i];
+    Rigid3& pose = map.keyframes[k].camera_from_world;
+    world_from_old_world[k] = window.problem.camera_from_world[i].inverse(Eigen::Isometry) * pose;
+    pose = window.problem.camera_from_world[i];
+  }
+  std::vector<char> placed(map.landmarks.size(), 0);
+  for (std::size_t j = 0; j < window.landmarks.size(); ++j) {
+    const int id = window.landmarks[j];
+    map.landmarks[id].x_in_world = window.problem.x_in_world[j];
+    placed[id] = 1;
+  }
+  move_landmarks(world_from_old_world, placed, map);
+  for (const auto& [id, k] : window.bad) {
+    Landmark& landmark = map.landmarks[id];
+    std::erase_if(landmark.sightings,
+                  [k = k](const KeyframeSighting& s) { return s.keyframe == k; });
+    if (landmark.sightings.size() < 2 || k == landmark.anchor) landmark.alive = false;
+  }
+}
+
+void move_landmarks(const std::vector<std::optional<Rigid3>>& world_from_old_world,
+                    const std::vector<char>& placed, LandmarkMap& map) {
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    if (!world_from_old_world[k]) continue;
+    for (const int id : map.keyframes[k].landmarks) {
+      Landmark& landmark = map.landmarks[id];
+      if (placed[id] == 0 && landmark.anchor == static_cast<int>(k)) {
+        landmark.x_in_world = *world_from_old_world[k] * landmark.x_in_world;
+      }
+    }
+  }
+}
+
+}  // namespace palpable
