@@ -7,7 +7,7 @@ include(CMakePackageConfigHelpers)
 # The live half as far as it needs no window and no video, behind the functions of palpable.h. Its users
 # link nothing else: what it links itself it links privately. A test reads what it exports and links.
 add_library(palpable_library SHARED $<TARGET_OBJECTS:palpable_capi>)
-target_link_libraries(palpable_library PRIVATE palpable::session palpable::sources)
+target_link_libraries(palpable_library PRIVATE palpable::session palpable::body_file palpable::sources)
 # Modules bring all of OpenCV; only what is called is linked. Nothing but palpable_* is exported, not even
 # templates of the standard library.
 target_link_options(palpable_library PRIVATE LINKER:--as-needed

@@ -4,7 +4,7 @@
 //     press_body out/demo/bunny.palpable 3
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/common/reduced/pressed_surface.h"
 
 #include <array>

@@ -4,7 +4,7 @@
 //     run_session out/demo/bunny.palpable out/demo/clip/frames
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/live/player/live_loop.h"
 #include "palpable/live/player/live_run.h"
 

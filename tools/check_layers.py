@@ -4,7 +4,7 @@ docs/architecture.md.
 
 Exit code 0 when they agree; otherwise one line per include that the tables do not allow. Also
 compares the table of modules with the USES of CMakeLists.txt and with the folders of src/palpable, refuses
-modules of common that use another folder's, programs of the live half that reach a module of the bake
+circles, modules of common that use another folder's, programs of the live half that reach a module of the bake
 half, and two types of one name in one namespace, which a program may mix up without a word from the linker.
 """
 import re
@@ -105,6 +105,13 @@ def reached(allowed, folder):
     return found
 
 
+def circles(allowed):
+    """Modules that reach themselves."""
+    for module in sorted(allowed):
+        if any(module in reached(allowed, used) for used in allowed[module][0]):
+            yield f"docs/architecture.md: {module} uses what uses it"
+
+
 def wrong_folders(folders):
     there = {path.name: path.parent.name for folder in FOLDERS for path in (ROOT / "src/palpable" / folder).iterdir()}
     for module in sorted({*folders, *there}):
@@ -157,7 +164,7 @@ def main():
     allowed, folders = read_tables()
     if set(folders.values()) != set(FOLDERS):
         sys.exit(f"check_layers: the titles of docs/architecture.md's tables of modules begin with {FOLDERS}")
-    wrong = [*wrong_includes(allowed), *wrong_targets(allowed), *wrong_folders(folders),
+    wrong = [*wrong_includes(allowed), *wrong_targets(allowed), *circles(allowed), *wrong_folders(folders),
              *wrong_halves(allowed, folders), *same_names()]
     for row in allowed:
         if PROGRAMS.fullmatch(row) and not (ROOT / row).is_dir():

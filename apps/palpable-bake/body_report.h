@@ -4,7 +4,7 @@
 
 #include "palpable/bake/describe/body_description.h"
 #include "palpable/bake/pipeline/bake_body.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 
 #include <filesystem>
 #include <map>

@@ -4,7 +4,7 @@
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/exchange/modes_files.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 
 #include <fmt/format.h>
 

@@ -9,8 +9,8 @@
 #include "palpable/bake/separate/sparse_pgd.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/touch/touch_file.h"
-#include "palpable/common/touch/touch_text.h"
+#include "palpable/common/body_file/touch_file.h"
+#include "palpable/common/body_file/touch_text.h"
 
 #include <fmt/core.h>
 

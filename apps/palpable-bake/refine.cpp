@@ -41,7 +41,7 @@ void add_refine(Command app) {
       .type_name("BODY.toml");
   command.footer(
       "Loads come on standard input, answers go to standard output, in binary\n"
-      "(src/palpable/common/touch/exact_messages.h).\n"
+      "(src/palpable/common/response/exact_messages.h).\n"
       "Example: palpable live bunny.palpable --refine bodies/bunny-demo.toml --source synthetic "
       "--out out");
   command.callback([description] { refine(*description); });

@@ -9,8 +9,8 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/this_machine.h"
-#include "palpable/common/touch/touch_file.h"
-#include "palpable/common/touch/touch_text.h"
+#include "palpable/common/body_file/touch_file.h"
+#include "palpable/common/body_file/touch_text.h"
 
 #include <fmt/format.h>
 

@@ -4,9 +4,9 @@
 #include "apps/palpable/commands.h"
 #include "apps/palpable/default_body.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/reduced/body_facts.h"
-#include "palpable/common/touch/touch_file.h"
-#include "palpable/common/touch/touch_text.h"
+#include "palpable/common/body_file/body_facts.h"
+#include "palpable/common/body_file/touch_file.h"
+#include "palpable/common/body_file/touch_text.h"
 
 #include <fmt/core.h>
 

@@ -163,8 +163,9 @@ LiveChanges::Plan LiveChanges::plan_of(const LiveControls& controls, const Scene
   if (!controls.wishes.anew) return plan;
   std::vector<const SurfaceMesh*> skins;
   for (std::size_t k = 0; k < setup_.bodies.size(); ++k) {
-    skins.push_back(plan.read[k] ? &plan.read[k]->body.surface
-                                 : &setup_.run.loop.session.body(static_cast<int>(k)).surface);
+    skins.push_back(plan.read[k]
+                        ? &plan.read[k]->body.surface
+                        : &setup_.run.loop.session.body(static_cast<int>(k)).model().surface);
   }
   plan.world_from_body = places_anew(places, skins, setup_.settings, setup_.run.images, scene.seen,
                                      setup_.run.loop.camera.noise());

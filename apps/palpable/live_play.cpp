@@ -127,8 +127,8 @@ SceneShow show_of(const PlayOptions& options) {
 void warn_of_size(const LiveRun& run) {
   const Session& session = run.loop.session;
   for (int k = 0; k < session.body_count(); ++k) {
-    const auto warning = larger_than_view(session.body(k).surface, session.world_from_body(k),
-                                          run.loop.camera.camera());
+    const auto warning = larger_than_view(
+        session.body(k).model().surface, session.body(k).world_from_body, run.loop.camera.camera());
     if (warning) fmt::print(stderr, "warning: {}\n", *warning);
   }
 }
@@ -137,7 +137,7 @@ void warn_of_size(const LiveRun& run) {
 std::vector<SurfaceMesh> meshes_of(const PlayOptions& options, const Session& session) {
   std::vector<SurfaceMesh> skins;
   for (int k = 0; options.meshes && k < session.body_count(); ++k) {
-    skins.push_back(session.body(k).surface);
+    skins.push_back(session.body(k).model().surface);
   }
   return skins;
 }
@@ -146,7 +146,7 @@ std::vector<SurfaceMesh> meshes_of(const PlayOptions& options, const Session& se
 std::vector<std::string> names_of_several(const Session& session) {
   std::vector<std::string> names;
   for (int k = 0; session.body_count() > 1 && k < session.body_count(); ++k) {
-    names.push_back(session.body_name(k));
+    names.push_back(session.body(k).name);
   }
   return names;
 }

@@ -6,7 +6,7 @@
 #include "apps/palpable/named_loads.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/common/reduced/press_answer.h"
 
 #include <fmt/core.h>

@@ -106,8 +106,8 @@ RecordedRun recorded_run(const LiveOptions& options, const LiveSetUp& setup) {
     RecordedRun::Body& body = run.bodies.emplace_back();
     body.body = setup.bodies[static_cast<std::size_t>(k)];
     body.body.file = std::filesystem::absolute(body.body.file);
-    body.body.name = session.body_name(k);
-    body.world_from_body = session.world_from_body(k);
+    body.body.name = session.body(k).name;
+    body.world_from_body = session.body(k).world_from_body;
     const Result<std::uint64_t> checksum = file_checksum(body.body.file);
     if (!checksum.ok()) {
       throw Error(fmt::format("{}: {}", body.body.file.string(), checksum.problem().message));

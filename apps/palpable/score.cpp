@@ -6,7 +6,7 @@
 #include "apps/palpable/commands.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/desk/scorecard/pose_scores.h"
 #include "palpable/desk/scorecard/scorecard.h"
 

@@ -11,7 +11,7 @@
 #include "apps/palpable/default_body.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/nearest_word.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/common/reduced/scaled_body.h"
 #include "palpable/desk/clip_files/scene_description.h"
 #include "palpable/desk/clip_writer/desk_film.h"

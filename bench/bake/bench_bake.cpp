@@ -4,7 +4,7 @@
 #include "apps/common/progress_bar.h"
 #include "palpable/bake/pipeline/bake_body.h"
 #include "palpable/common/base/json.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 
 #include <fmt/core.h>
 

@@ -9,7 +9,7 @@
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 
 #include "bench/bake/beam_study.h"
 #include "bench/bake/bench.h"

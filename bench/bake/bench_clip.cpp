@@ -3,7 +3,7 @@
 #include "apps/common/command_line.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
-#include "palpable/common/touch/touch_file.h"
+#include "palpable/common/body_file/touch_file.h"
 
 #include "bench/bake/bench.h"
 #include "bench/bake/clip_study.h"

@@ -11,7 +11,7 @@
 #include "palpable/bake/separate/method_comparison.h"
 #include "palpable/bake/separate/pod_coordinates.h"
 #include "palpable/common/base/json.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 
 #include "bench/bake/bench.h"
 #include "bench/bake/recomputed_stress.h"

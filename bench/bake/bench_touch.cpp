@@ -13,7 +13,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/touch/touch_file.h"
+#include "palpable/common/body_file/touch_file.h"
 #include "palpable/live/render/gl_context.h"
 #include "palpable/live/render/picture_file.h"
 

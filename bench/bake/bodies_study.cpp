@@ -5,12 +5,12 @@
 #include "palpable/bake/truth/clip_hands.h"
 #include "palpable/common/base/cpu_time.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/contact/modal_contact.h"
+#include "palpable/common/contact/pressing_bodies.h"
+#include "palpable/common/contact/skin_contact.h"
 #include "palpable/common/geometry/mesh_file.h"
-#include "palpable/common/touch/modal_contact.h"
 #include "palpable/desk/clip_files/deformed_file.h"
 #include "palpable/desk/score/displacement_error.h"
-#include "palpable/live/contact/pressing_bodies.h"
-#include "palpable/live/contact/skin_contact.h"
 
 #include <fmt/format.h>
 

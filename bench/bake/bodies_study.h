@@ -4,7 +4,7 @@
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/common/touch/touchable_body.h"
+#include "palpable/common/response/touchable_body.h"
 
 #include <filesystem>
 #include <string>

@@ -4,6 +4,7 @@
 #include "palpable/bake/touch_bake/touch_difference.h"
 #include "palpable/bake/truth/clip_hands.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/contact/skin_contact.h"
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/desk/clip_files/deformed_file.h"
 #include "palpable/desk/clip_files/true_view.h"
@@ -12,8 +13,7 @@
 #include "palpable/desk/score/force_error.h"
 #include "palpable/desk/score/touch_recall.h"
 #include "palpable/desk/score/von_mises_error.h"
-#include "palpable/live/contact/object_surface.h"
-#include "palpable/live/contact/skin_contact.h"
+#include "palpable/live/seen_object/object_surface.h"
 
 #include <fmt/format.h>
 

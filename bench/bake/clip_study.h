@@ -3,7 +3,7 @@
 /// errors: what is left when the hand is known exactly, or when only its front is.
 #pragma once
 
-#include "palpable/common/touch/touchable_body.h"
+#include "palpable/common/response/touchable_body.h"
 
 #include <filesystem>
 #include <vector>

@@ -5,13 +5,13 @@
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/base/stage_clock.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
+#include "palpable/common/contact/press_law.h"
 #include "palpable/common/reduced/mode_kernels.h"
 #include "palpable/common/reduced/pressed_surface.h"
 #include "palpable/desk/clip_files/place.h"
 #include "palpable/desk/score/deepest_sample.h"
-#include "palpable/live/contact/object_surface.h"
-#include "palpable/live/contact/press_law.h"
+#include "palpable/live/seen_object/object_surface.h"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,7 @@
 #include "bench/live/bench_clips.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/desk/clip_writer/kept_clip.h"
 
 #include <fmt/core.h>

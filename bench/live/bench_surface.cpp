@@ -8,7 +8,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/desk/clip_files/contact_file.h"
 #include "palpable/desk/clip_files/hand_file.h"
 #include "palpable/desk/clip_files/true_view.h"
@@ -16,8 +16,8 @@
 #include "palpable/desk/clip_writer/desk_film.h"
 #include "palpable/desk/clip_writer/sequence_folder.h"
 #include "palpable/desk/script/desk_body.h"
-#include "palpable/live/contact/object_surface.h"
 #include "palpable/live/player/live_run.h"
+#include "palpable/live/seen_object/object_surface.h"
 
 #include <fmt/core.h>
 
@@ -230,7 +230,7 @@ Counts play_film(const SurfaceBenchOptions& options, const std::string& name,
   LiveSettings settings;
   settings.images.device = (film.folder / "frames").string();
   LiveRun run = open_live(judge.body, settings);
-  const ObjectSurface& surface = run.loop.session.surface();
+  const ObjectSurface& surface = run.loop.session.body().answer.surface();
   ObjectSurface timed(surface.settings());
   Frame frame;
   std::optional<Vector3d> held;

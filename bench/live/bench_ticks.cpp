@@ -7,8 +7,8 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
+#include "palpable/common/contact/skin_contact.h"
 #include "palpable/desk/clip_files/hand_file.h"
-#include "palpable/live/contact/skin_contact.h"
 #include "palpable/live/player/live_loop.h"
 #include "palpable/live/session/between_frames.h"
 
@@ -107,10 +107,10 @@ struct Errors {
 struct Truth {
   Truth(const Session& session, double rate)
       : ticks(std::max(1, static_cast<int>(std::lround(rate * kFrame)))),
-        region(box_of(session.body().surface)),
-        contact(session.body().surface, session.body().fixed, *session.answer().tables(),
-                session.settings().touch),
-        skin(3, session.body().surface.vertex_count()) {}
+        region(box_of(session.body().model().surface)),
+        contact(session.body().model().surface, session.body().model().fixed,
+                *session.body().answer.tables(), session.settings().touch),
+        skin(3, session.body().model().surface.vertex_count()) {}
 
   void advance(const std::vector<ObjectBall>& balls, const Vector3f& camera) {
     surface.build(balls, region, camera);
@@ -129,7 +129,7 @@ struct Truth {
 // What is compared with it: a frame's answer carried on, and the same held.
 struct Follower {
   explicit Follower(const Session& session)
-      : between(session), skin(3, session.body().surface.vertex_count()), held(skin) {}
+      : between(session), skin(3, session.body().model().surface.vertex_count()), held(skin) {}
 
   void begin(const AnsweredFrame& frame) {
     between.begin(frame);
@@ -163,7 +163,7 @@ void bench_ticks(TicksBenchOptions options) {
   LiveSetUp setup = set_up_live(options.live);
   const Session& session = setup.run.loop.session;
   if (const auto trouble = BetweenFrames::trouble_of(session)) throw Error(trouble->message);
-  const Matrix3Xf rest = session.body().surface.vertices.cast<float>();
+  const Matrix3Xf rest = session.body().model().surface.vertices.cast<float>();
   Truth truth(session, options.rate);
   Follower by_camera(session), by_hand(session);
   AnsweredFrame seen, exact;

@@ -86,6 +86,20 @@ def _(programs, folder):
     assert again["source"].endswith("a.palprec")
 
 
+@case("what a program of the state of 0.1 recorded still plays, with the body that it baked")
+def _(programs, folder):
+    data = base.ROOT / "tests/data"
+    # Equal states are promised for one build only: whether they are is not asked.
+    result = programs.run("replay", data / "wall_v1.palprec", "--body", data / "touched_ball_v1.palpable", "--out", folder / "out")
+    assert states_of(result.stdout)[1] == "30" and "30 states of the live run" in result.stdout, (result.stdout, result.stderr)
+    told = json.loads((folder / "out/live.json").read_text())
+    assert told["frames_touching"] == 29, told["frames_touching"]
+    deepest = max(touch["press_depth"] for line in (folder / "out/touches.jsonl").read_text().splitlines()
+                  for touch in json.loads(line)["touches"])
+    assert abs(deepest - 0.0079) < 0.0005, deepest
+    assert "anywhere" in programs.succeeds("inspect", data / "touched_ball_v1.palpable").stdout
+
+
 @case("each frame of a recording has the line that the socket tells of it, and the run is said")
 def _(programs, folder):
     record(programs, folder, "--scale", "0.9")

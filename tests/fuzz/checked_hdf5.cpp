@@ -1,7 +1,7 @@
 #include "tests/fuzz/checked_hdf5.h"
 
 #include "palpable/common/base/fnv1a.h"
-#include "palpable/common/reduced/hdf5_tools.h"
+#include "palpable/common/body_file/hdf5_tools.h"
 
 #include <fmt/format.h>
 

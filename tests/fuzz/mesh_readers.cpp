@@ -2,8 +2,8 @@
 #include "palpable/bake/mesh/field_files.h"
 #include "palpable/bake/mesh/msh_file.h"
 #include "palpable/bake/mesh/volume_mesh.h"
+#include "palpable/common/body_file/hdf5_tools.h"
 #include "palpable/common/geometry/tet_mesh.h"
-#include "palpable/common/reduced/hdf5_tools.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/scratch_folder.h"
 

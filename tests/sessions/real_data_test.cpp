@@ -263,7 +263,7 @@ TEST_CASE("a body behind the motorcycle's seat is hidden as the true depth impli
   BodyLook look;
   look.vertices = &scene.bodies[0].vertices;
   look.normals = &scene.bodies[0].normals;
-  look.triangles = &loop.session.body().surface.triangles;
+  look.triangles = &loop.session.body().model().surface.triangles;
   look.camera_from_body = pose;
   view.bodies.push_back(look);
   ColorImage picture;

@@ -2,7 +2,7 @@
 /// A ball as what touches, exactly.
 #pragma once
 
-#include "palpable/common/touch/touch_solver.h"
+#include "palpable/common/contact/touch_solver.h"
 
 #include <Eigen/Core>
 

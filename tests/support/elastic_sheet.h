@@ -7,7 +7,7 @@
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"
-#include "palpable/common/touch/touch_tables.h"
+#include "palpable/common/response/touch_tables.h"
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>

@@ -4,7 +4,7 @@
 
 #include "palpable/common/geometry/tet_mesh.h"
 #include "palpable/common/material/material.h"
-#include "palpable/common/touch/shell_stress.h"
+#include "palpable/common/response/shell_stress.h"
 
 #include <cstddef>
 #include <vector>

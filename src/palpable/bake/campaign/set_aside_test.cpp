@@ -2,7 +2,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/folder_lock.h"
-#include "palpable/common/reduced/hdf5_tools.h"
+#include "palpable/common/body_file/hdf5_tools.h"
 #include "tests/support/rubber_block.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"

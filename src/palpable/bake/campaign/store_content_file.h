@@ -3,7 +3,7 @@
 #pragma once
 
 #include "palpable/bake/campaign/snapshot_store.h"
-#include "palpable/common/reduced/hdf5_tools.h"
+#include "palpable/common/body_file/hdf5_tools.h"
 
 #include <Eigen/Core>
 

@@ -150,7 +150,7 @@ struct BodyDescription {
   ReductionSettings reduction = {.tolerance = default_tolerance(ReductionMethod::kPerSite),
                                  .weight_snapshots = true};
 
-  /// What a body file holds beside its sites, to be touched anywhere (touch/touch_tables.h).
+  /// What a body file holds beside its sites, to be touched anywhere (response/touch_tables.h).
   struct Touch {
     enum class Tables {
       kNone,    ///< at its sites, one touch at a time

@@ -1,7 +1,7 @@
 /// @file
 /// The mesh that tables of touch are made on, where the body's own is too fine for them: their size
 /// grows with the square of the skin's vertices. The body's skin is carried by the coarser one
-/// (touch/carried_skin.h).
+/// (response/carried_skin.h).
 #pragma once
 
 #include "palpable/bake/describe/body_description.h"

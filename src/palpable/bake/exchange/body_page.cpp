@@ -3,8 +3,8 @@
 #include "palpable/bake/exchange/web_page.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
+#include "palpable/common/body_file/touch_text.h"
 #include "palpable/common/reduced/spline.h"
-#include "palpable/common/touch/touch_text.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/markup_text.h"
-#include "palpable/common/reduced/hdf5_tools.h"
+#include "palpable/common/body_file/hdf5_tools.h"
 
 #include <fmt/core.h>
 

@@ -3,7 +3,7 @@
 #include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/markup_text.h"
-#include "palpable/common/reduced/foreign_hdf5.h"
+#include "palpable/common/body_file/foreign_hdf5.h"
 
 #include <fmt/format.h>
 

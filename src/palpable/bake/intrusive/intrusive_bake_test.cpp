@@ -3,7 +3,7 @@
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/bake/solid/stress.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "tests/support/beam_description.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"

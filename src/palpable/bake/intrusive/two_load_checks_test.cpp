@@ -1,6 +1,6 @@
 #include "palpable/bake/intrusive/two_load_checks.h"
 
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/common/reduced/loaded_body.h"
 #include "tests/support/baked_beam.h"
 #include "tests/support/test.h"

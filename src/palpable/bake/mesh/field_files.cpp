@@ -3,7 +3,7 @@
 #include "palpable/bake/mesh/field_text.h"
 #include "palpable/common/base/npy_file.h"
 #include "palpable/common/base/text_numbers.h"
-#include "palpable/common/reduced/foreign_hdf5.h"
+#include "palpable/common/body_file/foreign_hdf5.h"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 
 #include "palpable/bake/mesh/msh_file.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/common/geometry/mesh_file.h"
-#include "palpable/common/reduced/body_file.h"
 #include "tests/support/egg_body.h"
 #include "tests/support/solved_sites.h"
 #include "tests/support/test.h"

@@ -1,10 +1,10 @@
 /// @file
 /// What a body of an intrusive bake needs to be touched anywhere, by its energy in modes
-/// (touch/modal_contact.h).
+/// (contact/modal_contact.h).
 #pragma once
 
 #include "palpable/bake/intrusive/intrusive_bake.h"
-#include "palpable/common/touch/modal_tables.h"
+#include "palpable/common/response/modal_tables.h"
 
 namespace palpable {
 

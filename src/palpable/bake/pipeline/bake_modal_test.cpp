@@ -2,8 +2,8 @@
 
 #include "palpable/bake/solid/contact.h"
 #include "palpable/bake/solid/stress.h"
-#include "palpable/common/touch/modal_contact.h"
-#include "palpable/common/touch/touch_file.h"
+#include "palpable/common/body_file/touch_file.h"
+#include "palpable/common/contact/modal_contact.h"
 #include "tests/support/allocations.h"
 #include "tests/support/baked_beam.h"
 #include "tests/support/scratch_folder.h"

@@ -7,7 +7,7 @@
 #include "palpable/bake/touch_bake/touch_maker.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/touch/touch_text.h"
+#include "palpable/common/body_file/touch_text.h"
 
 #include <fmt/format.h>
 

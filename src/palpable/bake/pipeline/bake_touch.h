@@ -1,5 +1,5 @@
 /// @file
-/// Tables of touch of a body that is baked (touch/touch_tables.h): made in stages, and kept with
+/// Tables of touch of a body that is baked (response/touch_tables.h): made in stages, and kept with
 /// its snapshots.
 #pragma once
 
@@ -8,7 +8,7 @@
 #include "palpable/bake/describe/body_description.h"
 #include "palpable/common/base/progress.h"
 #include "palpable/common/reduced/reduced_body.h"
-#include "palpable/common/touch/touch_tables.h"
+#include "palpable/common/response/touch_tables.h"
 
 #include <functional>
 #include <optional>

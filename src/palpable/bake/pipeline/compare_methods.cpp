@@ -7,7 +7,7 @@
 #include "palpable/bake/separate/site_bases.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 /// @file
-/// Answers loads exactly, one after the other, for a live run (touch/exact_messages.h).
+/// Answers loads exactly, one after the other, for a live run (response/exact_messages.h).
 #pragma once
 
 #include "palpable/bake/describe/body_description.h"

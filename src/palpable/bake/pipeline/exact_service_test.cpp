@@ -2,7 +2,7 @@
 
 #include "palpable/bake/touch_bake/exact_answer.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/touch/exact_messages.h"
+#include "palpable/common/response/exact_messages.h"
 #include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 

@@ -4,8 +4,8 @@
 #include "palpable/bake/describe/body_mesh.h"
 #include "palpable/bake/pipeline/bake_body.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/common/geometry/tet_mesh.h"
-#include "palpable/common/reduced/body_file.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 

@@ -5,7 +5,7 @@
 #include "palpable/common/base/progress_text.h"
 #include "palpable/common/base/this_machine.h"
 #include "palpable/common/base/whole_file.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
 /// @file
-/// The compliance of every vertex of a skin as a table (touch/compliance.h).
+/// The compliance of every vertex of a skin as a table (response/compliance.h).
 #pragma once
 
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/common/base/progress.h"
-#include "palpable/common/touch/compliance.h"
+#include "palpable/common/response/compliance.h"
 
 namespace palpable {
 

@@ -3,7 +3,7 @@
 #include "palpable/bake/solid/modal_forms.h"
 #include "palpable/bake/touch_bake/region_maker.h"
 #include "palpable/bake/touch_bake/touch_maker.h"
-#include "palpable/common/touch/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_answer.h"
 #include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 

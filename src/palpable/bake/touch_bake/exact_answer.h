@@ -1,13 +1,13 @@
 /// @file
 /// The full solver's answer to the load that a touched body bears: what the tables' answer is
-/// corrected by while it bears it (touch/refinement.h).
+/// corrected by while it bears it (response/refinement.h).
 ///
 ///   N  nodes of the mesh     W  nodes of the shell
 #pragma once
 
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/bake/touch_bake/skin_response.h"
-#include "palpable/common/touch/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_answer.h"
 
 #include <Eigen/Core>
 

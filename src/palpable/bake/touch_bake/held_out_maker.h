@@ -1,5 +1,5 @@
 /// @file
-/// Touches that tell how good tables of touch are (touch/held_out_touch.h): fingers, palms and
+/// Touches that tell how good tables of touch are (response/held_out_touch.h): fingers, palms and
 /// rims at random places of the skin, solved in full.
 #pragma once
 
@@ -7,8 +7,8 @@
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/bake/touch_bake/touch_store.h"
 #include "palpable/common/base/progress.h"
-#include "palpable/common/touch/held_out_touch.h"
-#include "palpable/common/touch/touch_tables.h"
+#include "palpable/common/response/held_out_touch.h"
+#include "palpable/common/response/touch_tables.h"
 
 #include <cstdint>
 #include <vector>

@@ -3,7 +3,7 @@
 #include "palpable/bake/separate/dense_algebra.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/geometry/skin_points.h"
-#include "palpable/common/touch/row_kernels.h"
+#include "palpable/common/response/row_kernels.h"
 
 #include <Eigen/Geometry>
 

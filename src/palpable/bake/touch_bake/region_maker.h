@@ -1,12 +1,12 @@
 /// @file
 /// Modes in which a body answers large loads near one place of its skin, and its energy in them
-/// (touch/region.h).
+/// (response/region.h).
 #pragma once
 
 #include "palpable/bake/solid/modal_forms.h"
 #include "palpable/bake/touch_bake/skin_response.h"
-#include "palpable/common/touch/compliance.h"
-#include "palpable/common/touch/region.h"
+#include "palpable/common/response/compliance.h"
+#include "palpable/common/response/region.h"
 
 #include <Eigen/Core>
 

@@ -1,10 +1,10 @@
 /// @file
-/// The shell of a body, from which the stress on its skin is computed (touch/shell_table.h).
+/// The shell of a body, from which the stress on its skin is computed (response/shell_table.h).
 #pragma once
 
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/common/geometry/tet_mesh.h"
-#include "palpable/common/touch/shell_table.h"
+#include "palpable/common/response/shell_table.h"
 
 namespace palpable {
 

@@ -2,7 +2,7 @@
 
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/bake/solid/stress.h"
-#include "palpable/common/touch/shell_stress.h"
+#include "palpable/common/response/shell_stress.h"
 #include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 

@@ -4,7 +4,7 @@
 ///
 ///   N  nodes of the mesh     V  vertices of the skin     k  loads
 ///   W  nodes of the shell, from whose displacement the stress on the skin follows: those of the
-///      skin, then inner ones (touch/shell_table.h)
+///      skin, then inner ones (response/shell_table.h)
 #pragma once
 
 #include "palpable/bake/solid/load_response.h"

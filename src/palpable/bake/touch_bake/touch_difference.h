@@ -1,13 +1,13 @@
 /// @file
-/// How far the answer to touch by a body's tables (touch/touch_solver.h) is from full finite
+/// How far the answer to touch by a body's tables (contact/touch_solver.h) is from full finite
 /// elements with contact (solid/contact.h) on the same mesh, with the same contact points.
 #pragma once
 
 #include "palpable/bake/solid/contact.h"
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/bake/touch_bake/touch_scenes.h"
-#include "palpable/common/touch/held_out_touch.h"
-#include "palpable/common/touch/touch_solver.h"
+#include "palpable/common/contact/touch_solver.h"
+#include "palpable/common/response/held_out_touch.h"
 
 #include <Eigen/Core>
 
@@ -48,7 +48,7 @@ struct TouchDifference {
 /// @param depths  m, rising
 /// @param found   is called at each depth
 /// @param refinements  so often the thing then rests there until an exact answer is taken up
-///                     (touch/refinement.h); `found` is called after each. The way on is the
+///                     (response/refinement.h); `found` is called after each. The way on is the
 ///                     unrefined one
 /// @returns why the full solver stopped before the last of them; empty if it did not
 [[nodiscard]] std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,

@@ -1,5 +1,5 @@
 /// @file
-/// All tables of touch of one body (touch/touch_tables.h), in stages that can be used as soon as
+/// All tables of touch of one body (response/touch_tables.h), in stages that can be used as soon as
 /// they are there: the linear answer first, then the regions, then what touches do to each other.
 #pragma once
 
@@ -8,7 +8,7 @@
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/bake/touch_bake/touch_store.h"
 #include "palpable/common/base/progress.h"
-#include "palpable/common/touch/touch_tables.h"
+#include "palpable/common/response/touch_tables.h"
 
 namespace palpable {
 

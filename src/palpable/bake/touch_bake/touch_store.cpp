@@ -4,9 +4,9 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/part_files.h"
+#include "palpable/common/body_file/touch_file.h"
+#include "palpable/common/body_file/touch_groups.h"
 #include "palpable/common/geometry/digest.h"
-#include "palpable/common/touch/touch_file.h"
-#include "palpable/common/touch/touch_groups.h"
 
 #include <fmt/format.h>
 

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "palpable/bake/touch_bake/skin_response.h"
-#include "palpable/common/touch/held_out_touch.h"
-#include "palpable/common/touch/touch_tables.h"
+#include "palpable/common/response/held_out_touch.h"
+#include "palpable/common/response/touch_tables.h"
 
 #include <cstdint>
 #include <filesystem>

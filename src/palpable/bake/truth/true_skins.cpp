@@ -11,7 +11,7 @@
 #include "palpable/common/base/fnv1a.h"
 #include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 
 #include <fmt/core.h>
 

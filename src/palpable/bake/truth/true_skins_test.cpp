@@ -6,7 +6,7 @@
 #include "palpable/bake/describe/body_problem.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/desk/clip_files/contact_file.h"
 #include "palpable/desk/clip_files/hand_file.h"
 #include "palpable/desk/clip_files/trajectory_file.h"

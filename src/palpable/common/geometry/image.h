@@ -76,10 +76,11 @@ using DepthImage = Image<float>;        ///< Z in m; NaN where the depth is unkn
 inline constexpr std::uint8_t kMovesLabel = 1;    ///< hand, sleeve, pencil or cup
 inline constexpr std::uint8_t kBothSeeLabel = 2;  ///< the right eye sees the same point
 
-/// What the pixels of a frame show, as far as pressing goes (map/pressing_mask.h finds it). An
-/// image of these is a mask of what presses.
+/// What the pixels of a frame show, as far as pressing goes (seen_object/pressing_mask.h finds it).
+/// An image of these is a mask of what presses.
 inline constexpr std::uint8_t kShowsRoom = 0;  ///< the room: what lies before it is free
-/// Likewise, beside a thing's outline that colours tell, and not only depth (map/color_outline.h).
+/// Likewise, beside a thing's outline that colours tell, and not only depth
+/// (seen_object/color_outline.h).
 inline constexpr std::uint8_t kShowsRoomByColor = 1;
 inline constexpr std::uint8_t kShowsUnknown = 128;  ///< nobody knows what, or how far away
 inline constexpr std::uint8_t kShowsPresser = 255;  ///< a thing that presses, measured

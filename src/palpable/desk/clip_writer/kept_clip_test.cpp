@@ -1,7 +1,7 @@
 #include "palpable/desk/clip_writer/kept_clip.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/live/render/gl_context.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"

@@ -1,7 +1,7 @@
 #include "palpable/desk/clip_writer/sequence_folder.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/desk/clip_files/contact_file.h"
 #include "palpable/desk/clip_files/deformed_file.h"
 #include "palpable/live/render/gl_context.h"

@@ -2,7 +2,7 @@
 // score is bad for the wrong answer that it is there for.
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/reduced/body_file.h"
+#include "palpable/common/body_file/body_file.h"
 #include "palpable/desk/clip_files/contact_file.h"
 #include "palpable/desk/clip_files/frame_names.h"
 #include "palpable/desk/clip_files/hand_file.h"

@@ -1,11 +1,11 @@
-#include "palpable/common/touch/touch_file.h"
-#include "palpable/common/touch/touchable_body.h"
+#include "palpable/common/body_file/touch_file.h"
+#include "palpable/common/contact/touch.h"
+#include "palpable/common/response/touchable_body.h"
 #include "palpable/live/capi/c_session.h"
 #include "palpable/live/capi/guarded.h"
 #include "palpable/live/capi/image_input.h"
 #include "palpable/live/capi/palpable.h"
 #include "palpable/live/capi/setup.h"
-#include "palpable/live/contact/touch.h"
 #include "palpable/live/track/track_states.h"
 
 #include <fmt/core.h>

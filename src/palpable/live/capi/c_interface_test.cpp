@@ -1,5 +1,5 @@
 #include "palpable/common/base/contract.h"
-#include "palpable/common/touch/touch_file.h"
+#include "palpable/common/body_file/touch_file.h"
 #include "palpable/live/capi/c_session.h"
 #include "palpable/live/capi/guarded.h"
 #include "palpable/live/capi/palpable.h"
@@ -306,8 +306,9 @@ TEST_CASE("frames fed through C give the bytes of the C++ loop", "[capi]") {
   const palpable_skin skin = skin_of(session);
   CHECK(std::memcmp(skin.von_mises, loop.scene.bodies[0].von_mises.data(),
                     sizeof(float) * static_cast<std::size_t>(skin.vertex_count)) == 0);
-  CHECK((skin.contact_pressure == nullptr) == (loop.session.contact(0) != ContactKind::kAnywhere));
-  CHECK(skin.triangles[4] == loop.session.body().surface.triangles(1, 1));
+  CHECK((skin.contact_pressure == nullptr) ==
+        (loop.session.body(0).answer.contact() != ContactKind::kAnywhere));
+  CHECK(skin.triangles[4] == loop.session.body().model().surface.triangles(1, 1));
   auto depth = sized<palpable_depth>();
   REQUIRE(palpable_get_depth(session, &depth) == PALPABLE_OK);
   CHECK(depth.width == 161);

@@ -5,7 +5,7 @@
 #include "palpable/common/geometry/capsule.h"
 #include "palpable/common/geometry/frame.h"
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/common/touch/touchable_body.h"
+#include "palpable/common/response/touchable_body.h"
 #include "palpable/live/capi/palpable.h"
 #include "palpable/live/capi/setup.h"
 #include "palpable/live/session/capsule_press.h"

@@ -34,9 +34,9 @@ Json rows_of(const Rigid3& transform) {
 std::vector<EventBody> event_bodies(const Session& session) {
   std::vector<EventBody> bodies;
   for (int k = 0; k < session.body_count(); ++k) {
-    const SurfaceMesh& skin = session.body(k).surface;
-    bodies.push_back({.name = session.body_name(k),
-                      .world_from_body = session.world_from_body(k),
+    const SurfaceMesh& skin = session.body(k).model().surface;
+    bodies.push_back({.name = session.body(k).name,
+                      .world_from_body = session.body(k).world_from_body,
                       .vertices = static_cast<int>(skin.vertices.cols()),
                       .triangles = static_cast<int>(skin.triangles.cols()),
                       .low = skin.vertices.rowwise().minCoeff(),

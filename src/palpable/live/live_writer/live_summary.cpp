@@ -32,21 +32,22 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
   result.press_static = session.settings().press_static;
   for (int k = 0; k < session.body_count(); ++k) {
     LiveSummary::Body& body = result.bodies.emplace_back();
-    body.name = session.body_name(k);
-    body.contact = name_of(session.contact(k));
-    body.takes_reactions = session.contact(k) == ContactKind::kAnywhere;
-    body.camera_from_body = session.world_from_body(k);  // the first frame's camera is the world
+    body.name = session.body(k).name;
+    body.contact = name_of(session.body(k).answer.contact());
+    body.takes_reactions = session.body(k).answer.contact() == ContactKind::kAnywhere;
+    body.camera_from_body =
+        session.body(k).world_from_body;  // the first frame's camera is the world
   }
   if (const auto& color = run.source->format().color_sensor) {
     result.color_from_depth = color->color_from_depth;
   }
   if (session.settings().track) {
-    const TrackerCounts tracker = session.tracker_counts();
+    const TrackerCounts tracker = session.slam().tracker()->counts();
     result.tracking = {counts.moving,     counts.lost,       tracker.recognised, tracker.loops,
                        tracker.keyframes, tracker.landmarks, counts.new_worlds};
   }
-  if (const SurfaceMap* map = session.map()) {
-    result.map = {map->blocks(), map->refused(), session.free_space()->blocked()};
+  if (const SurfaceMap* map = session.slam().map()) {
+    result.map = {map->blocks(), map->refused(), session.slam().space()->blocked()};
   }
   const std::vector<double> densities(counts.densities.begin(), counts.densities.end());
   result.depth = {densities.empty() ? 0 : percentile(densities, 0.5), counts.few_depths,

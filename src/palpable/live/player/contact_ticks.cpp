@@ -30,8 +30,8 @@ ContactTicks::ContactTicks(const Session& session, const Settings& settings,
     : settings_(settings),
       tell_(std::move(tell)),
       between_(session),
-      skin_(3, session.body().surface.vertex_count()),
-      skin_of_frame_(session.body().surface.vertices.cast<float>()),
+      skin_(3, session.body().model().surface.vertex_count()),
+      skin_of_frame_(session.body().model().surface.vertices.cast<float>()),
       skin_at_end_(skin_) {
   PALPABLE_EXPECT(settings.rate > 0 && std::isfinite(settings.rate), "a rate is above 0");
   thread_ = std::thread([this] { run(); });

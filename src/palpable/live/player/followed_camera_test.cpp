@@ -73,8 +73,8 @@ void follow_through_troubles(test::Shows shows) {
     // Of a pair, whose depth is of 80 x 60 px, the finger is too few tiles (moving_mask.h).
     if (!stereo) CHECK(at(camera.tip().x(), camera.tip().y()));
     CHECK_FALSE(at(140, 100));
-    CHECK(loop.session.tracker_counts().lost == 0);
-    expected_distance = loop.session.map()->distance(on_wall);
+    CHECK(loop.session.slam().tracker()->counts().lost == 0);
+    expected_distance = loop.session.slam().map()->distance(on_wall);
     REQUIRE(expected_distance);
     CHECK(std::abs(*expected_distance) <= test::tolerance(0.01, "a voxel"));
   }
@@ -98,7 +98,7 @@ void follow_through_troubles(test::Shows shows) {
     ++n;
   }
   CHECK(n == expected.size());
-  CHECK(loop.session.map()->distance(on_wall) == expected_distance);
+  CHECK(loop.session.slam().map()->distance(on_wall) == expected_distance);
   CHECK(vision.troubles().unreadable == 5 * 3 + SourceGuard::kClockRestart - 1);
   CHECK(vision.troubles().dropped == 3);
   CHECK(vision.troubles().stalls == 1);

@@ -11,7 +11,7 @@
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/common/touch/touchable_body.h"
+#include "palpable/common/response/touchable_body.h"
 #include "palpable/live/calibrate/board_calibration.h"
 #include "palpable/live/player/body_place.h"
 #include "palpable/live/session/frame_loop.h"

@@ -34,8 +34,8 @@ std::string text_of(const LiveCounts& counts, const Session& session, double wal
         counts.new_worlds.size() == 1 ? "once" : fmt::format("{} times", counts.new_worlds.size()),
         counts.new_worlds.front());
   }
-  if (const SurfaceMap* room = session.map();
-      room != nullptr && (room->refused() > 0 || session.free_space()->blocked() > 0)) {
+  if (const SurfaceMap* room = session.slam().map();
+      room != nullptr && (room->refused() > 0 || session.slam().space()->blocked() > 0)) {
     text += fmt::format(
         "the map was full ({} blocks): in ground seen later what moves is told less well\n",
         room->blocks());

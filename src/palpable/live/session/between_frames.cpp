@@ -13,7 +13,7 @@ constexpr double kUsual = 1.0 / 30;
 
 const TouchTables& tables_of(const Session& session) {
   PALPABLE_EXPECT(!BetweenFrames::trouble_of(session), "one body, that its tables answer");
-  return *session.answer().tables();
+  return *session.body().answer.tables();
 }
 
 }  // namespace
@@ -21,16 +21,16 @@ const TouchTables& tables_of(const Session& session) {
 void AnsweredFrame::take(const Session& session, const Scene& scene) {
   number = scene.number;
   time = scene.time;
-  const std::span<const ObjectBall> seen = session.surface().balls();
+  const std::span<const ObjectBall> seen = session.body().answer.surface().balls();
   balls.assign(seen.begin(), seen.end());
   camera = scene.bodies.front().camera_from_body.inverse().translation().cast<float>();
-  state = session.answer().touched();
+  state = session.body().answer.touched();
 }
 
 std::optional<Problem> BetweenFrames::trouble_of(const Session& session) {
   if (session.body_count() != 1)
     return Problem{"of several bodies none is answered between frames"};
-  if (session.answer().tables() == nullptr) {
+  if (session.body().answer.tables() == nullptr) {
     return Problem{"only a body with tables of touch is answered between frames"};
   }
   if (session.refiner() != nullptr) {
@@ -40,10 +40,10 @@ std::optional<Problem> BetweenFrames::trouble_of(const Session& session) {
 }
 
 BetweenFrames::BetweenFrames(const Session& session)
-    : region_(box_of(session.body().surface)),
-      contact_(session.body().surface, session.body().fixed, tables_of(session),
+    : region_(box_of(session.body().model().surface)),
+      contact_(session.body().model().surface, session.body().model().fixed, tables_of(session),
                session.settings().touch),
-      surface_(session.surface().settings()) {}
+      surface_(session.body().answer.surface().settings()) {}
 
 void BetweenFrames::begin(const AnsweredFrame& frame) {
   motion_.add(frame.balls, frame.camera, frame.time);

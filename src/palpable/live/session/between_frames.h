@@ -1,6 +1,6 @@
 /// @file
 /// Contact faster than the camera: what a body answers between two frames, to things that go on as
-/// they were seen to move (contact/surface_motion.h).
+/// they were seen to move (seen_object/surface_motion.h).
 ///
 ///     frame n ── answered ──> its touches, its things and how fast each moves
 ///                                 │ 1 ms later      │ 2 ms later
@@ -12,12 +12,12 @@
 #pragma once
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/touch/touch_state.h"
-#include "palpable/live/contact/object_ball.h"
-#include "palpable/live/contact/object_surface.h"
-#include "palpable/live/contact/skin_contact.h"
-#include "palpable/live/contact/surface_motion.h"
-#include "palpable/live/contact/touch.h"
+#include "palpable/common/contact/object_ball.h"
+#include "palpable/common/contact/skin_contact.h"
+#include "palpable/common/contact/touch.h"
+#include "palpable/common/contact/touch_state.h"
+#include "palpable/live/seen_object/object_surface.h"
+#include "palpable/live/seen_object/surface_motion.h"
 #include "palpable/live/session/scene.h"
 #include "palpable/live/session/session.h"
 

@@ -68,7 +68,7 @@ TEST_CASE("what is told between frames is the same each time, and changes no fra
           "[session][between]") {
   Pressed one, other;
   FrameLoop alone = test::touchable_sphere_loop();
-  Eigen::Matrix3Xf skin(3, one.loop.session.body().surface.vertex_count()), again = skin;
+  Eigen::Matrix3Xf skin(3, one.loop.session.body().model().surface.vertex_count()), again = skin;
   for (int n = 0; n < 6; ++n) {
     one.press(n, 0.001 * n);
     other.press(n, 0.001 * n);

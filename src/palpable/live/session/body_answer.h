@@ -4,18 +4,18 @@
 ///   V  surface vertices
 #pragma once
 
+#include "palpable/common/contact/cloud_distance.h"
+#include "palpable/common/contact/paper_contact.h"
+#include "palpable/common/contact/press_law.h"
+#include "palpable/common/contact/pressing_bodies.h"
+#include "palpable/common/contact/skin_contact.h"
 #include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/pixel_box.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/common/reduced/reduced_body.h"
-#include "palpable/common/touch/touchable_body.h"
-#include "palpable/live/contact/cloud_distance.h"
-#include "palpable/live/contact/object_surface.h"
-#include "palpable/live/contact/paper_contact.h"
-#include "palpable/live/contact/press_law.h"
-#include "palpable/live/contact/pressing_bodies.h"
-#include "palpable/live/contact/skin_contact.h"
+#include "palpable/common/response/touchable_body.h"
+#include "palpable/live/seen_object/object_surface.h"
 #include "palpable/live/session/refiner.h"
 #include "palpable/live/session/scene.h"
 

@@ -3,12 +3,12 @@
 /// has.
 #pragma once
 
+#include "palpable/common/contact/skin_contact.h"
+#include "palpable/common/contact/touch.h"
+#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/geometry/capsule.h"
-#include "palpable/common/touch/touch_solver.h"
-#include "palpable/common/touch/touchable_body.h"
-#include "palpable/live/contact/object_surface.h"
-#include "palpable/live/contact/skin_contact.h"
-#include "palpable/live/contact/touch.h"
+#include "palpable/common/response/touchable_body.h"
+#include "palpable/live/seen_object/object_surface.h"
 #include "palpable/live/session/scene.h"
 
 #include <Eigen/Geometry>

@@ -1,6 +1,6 @@
 #include "palpable/live/session/modal_bodies.h"
 
-#include "palpable/live/contact/skin_contact.h"
+#include "palpable/common/contact/skin_contact.h"
 
 #include <cstddef>
 

@@ -1,13 +1,13 @@
 /// @file
 /// Those bodies of a session whose energy is known in modes: they are answered together, so that
-/// they press each other (touch/modal_contact.h).
+/// they press each other (contact/modal_contact.h).
 #pragma once
 
-#include "palpable/common/touch/modal_contact.h"
-#include "palpable/live/contact/contact_pressure.h"
-#include "palpable/live/contact/object_surface.h"
-#include "palpable/live/contact/touch.h"
-#include "palpable/live/contact/touch_patches.h"
+#include "palpable/common/contact/contact_pressure.h"
+#include "palpable/common/contact/modal_contact.h"
+#include "palpable/common/contact/touch.h"
+#include "palpable/common/contact/touch_patches.h"
+#include "palpable/live/seen_object/object_surface.h"
 #include "palpable/live/session/scene.h"
 
 #include <vector>

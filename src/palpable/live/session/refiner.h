@@ -1,6 +1,6 @@
 /// @file
 /// Exact answers to the loads that a touched body bears, from a process that runs beside: when it
-/// is asked, and when its answers are taken up (touch/refinement.h says what they then do).
+/// is asked, and when its answers are taken up (response/refinement.h says what they then do).
 ///
 ///     frame n              asked for the load of this frame's state
 ///     frame n + latency    its answer is taken up, or dropped where it is not there yet
@@ -12,8 +12,8 @@
 #pragma once
 
 #include "palpable/common/base/child_process.h"
-#include "palpable/common/touch/exact_messages.h"
-#include "palpable/common/touch/touch_solver.h"
+#include "palpable/common/contact/touch_solver.h"
+#include "palpable/common/response/exact_messages.h"
 
 #include <Eigen/Core>
 

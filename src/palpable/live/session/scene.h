@@ -5,10 +5,10 @@
 #pragma once
 
 #include "palpable/common/base/stage_clock.h"
+#include "palpable/common/contact/touch.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/common/touch/stated_error.h"
-#include "palpable/live/contact/touch.h"
+#include "palpable/common/response/stated_error.h"
 #include "palpable/live/depth/depth_camera.h"
 #include "palpable/live/track/tracker.h"
 

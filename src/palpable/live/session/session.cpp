@@ -1,8 +1,8 @@
 #include "palpable/live/session/session.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/contact/pressing_bodies.h"
 #include "palpable/common/geometry/pixel_box.h"
-#include "palpable/live/contact/pressing_bodies.h"
 #include "palpable/live/session/hidden_at_start.h"
 #include "palpable/live/session/modal_bodies.h"
 #include "palpable/live/slam/slam.h"
@@ -74,18 +74,13 @@ std::optional<Problem> wrong_setting(const SessionSettings& s) {
   return std::nullopt;
 }
 
-// A body of the session, and where it stands.
-struct SessionBody {
-  SessionBody(PlacedBody placed, const AnswerSettings& settings)
-      : world_from_body(placed.world_from_body),
-        name(placed.name.empty() ? placed.body.body.name : std::move(placed.name)),
-        color(placed.color),
-        answer(std::move(placed.body), settings) {}
+// A body with what the session remembers of it.
+struct RememberedBody : SessionBody {
+  RememberedBody(PlacedBody placed, const AnswerSettings& settings)
+      : SessionBody(placed.world_from_body,
+                    placed.name.empty() ? placed.body.body.name : std::move(placed.name),
+                    placed.color, std::move(placed.body), settings) {}
 
-  Rigid3 world_from_body;
-  std::string name;
-  std::optional<Rgb> color;
-  BodyAnswer answer;
   int modal = -1;  // its place among those that are answered by their energy; -1: it is none
   std::vector<Touch> touches;
   HiddenAtStart hidden;
@@ -112,14 +107,14 @@ struct Session::Parts {
         pressing(camera.noise(), settings.pressing) {
     const AnswerSettings how = answer_settings(settings, camera, format);
     for (PlacedBody& body : placed) {
-      bodies.push_back(std::make_unique<SessionBody>(std::move(body), how));
+      bodies.push_back(std::make_unique<RememberedBody>(std::move(body), how));
     }
     gather_modal();
     gather_pressing();
     forget_room();
   }
 
-  [[nodiscard]] const SessionBody& body(int number) const {
+  [[nodiscard]] const RememberedBody& body(int number) const {
     PALPABLE_EXPECT(number >= 0 && number < std::ssize(bodies), "a body of the session");
     return *bodies[static_cast<std::size_t>(number)];
   }
@@ -137,7 +132,7 @@ struct Session::Parts {
   SessionSettings settings;
   DepthNoise noise;
   Slam slam;
-  std::vector<std::unique_ptr<SessionBody>> bodies;
+  std::vector<std::unique_ptr<RememberedBody>> bodies;
   std::optional<ModalBodies> modal;
   std::optional<PressingBodies> together;  // bodies with tables, where others stand
 
@@ -153,7 +148,7 @@ struct Session::Parts {
 void Session::Parts::gather_modal() {
   std::vector<ModalBodies::Member> members;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    SessionBody& body = *bodies[k];
+    RememberedBody& body = *bodies[k];
     if (body.answer.modal() == nullptr) continue;
     body.modal = static_cast<int>(members.size());
     members.push_back({{&body.answer.body(), body.answer.modal(), body.world_from_body},
@@ -218,7 +213,7 @@ void Session::Parts::find_what_is_hidden(Scene& scene) {
   if (settings.press_static || scene.camera.state == TrackState::kLost) return;
   const SeenFrame& seen = scene.seen;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    SessionBody& body = *bodies[k];
+    RememberedBody& body = *bodies[k];
     scene.bodies[k].hidden_since_start =
         body.hidden.look(seen.depth, seen.depth_camera, noise, body.answer.body().surface.vertices,
                          scene.bodies[k].camera_from_body);
@@ -255,7 +250,7 @@ int Session::Parts::gather_others(std::size_t of) {
   others.clear();
   if (settings.contact != ContactKind::kPaper) return -1;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    const SessionBody& other = *bodies[k];
+    const RememberedBody& other = *bodies[k];
     const bool pressed = !other.touches.empty() && other.touches.front().by < 0;
     if (k == of || !pressed) continue;
     const Eigen::Isometry3f to_body =
@@ -286,7 +281,7 @@ void Session::Parts::find_touches(Scene& scene) {
     scene.imbalance = std::max(scene.imbalance, report.imbalance);
   }
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    SessionBody& body = *bodies[k];
+    RememberedBody& body = *bodies[k];
     if (body.modal >= 0) {
       modal->find_touches(body.modal, body.touches);
     } else if (together && body.answer.is_anywhere()) {
@@ -337,7 +332,7 @@ void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
   }
   const StageTimer timer(scene.times, "evaluate");
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    const SessionBody& body = *bodies[k];
+    const RememberedBody& body = *bodies[k];
     if (body.modal >= 0) {
       modal->reconstruct(body.modal, extras, scene.bodies[k]);
     } else {
@@ -379,33 +374,14 @@ std::vector<PlacedBody> Session::take_bodies() {
 }
 
 int Session::body_count() const { return static_cast<int>(parts_->bodies.size()); }
-const ReducedBody& Session::body(int number) const { return parts_->body(number).answer.body(); }
-const std::string& Session::body_name(int number) const { return parts_->body(number).name; }
-const std::optional<Rgb>& Session::color(int number) const { return parts_->body(number).color; }
-const Rigid3& Session::world_from_body(int number) const {
-  return parts_->body(number).world_from_body;
-}
-ContactKind Session::contact(int number) const { return parts_->body(number).answer.contact(); }
-const BodyAnswer& Session::answer(int number) const { return parts_->body(number).answer; }
-const ObjectSurface& Session::surface(int number) const {
-  return parts_->body(number).answer.surface();
-}
+const SessionBody& Session::body(int number) const { return parts_->body(number); }
 const MaskImage& Session::shows() const {
   PALPABLE_EXPECT(parts_->shows != nullptr, "a frame was answered");
   return *parts_->shows;
 }
-const SurfaceMap* Session::map() const { return parts_->slam.map(); }
-const FreeSpace* Session::free_space() const { return parts_->slam.space(); }
+const Slam& Session::slam() const { return parts_->slam; }
 const AnchoredScene* Session::anchored_scene() const {
   return parts_->anchored ? &*parts_->anchored : nullptr;
-}
-TrackerCounts Session::tracker_counts() const {
-  const Tracker* tracker = parts_->slam.tracker();
-  return tracker != nullptr ? tracker->counts() : TrackerCounts{};
-}
-std::vector<KeyframePose> Session::keyframes() const {
-  const Tracker* tracker = parts_->slam.tracker();
-  return tracker != nullptr ? tracker->keyframes() : std::vector<KeyframePose>{};
 }
 const SessionSettings& Session::settings() const { return parts_->settings; }
 

@@ -21,17 +21,15 @@
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/common/reduced/reduced_body.h"
-#include "palpable/common/touch/touchable_body.h"
-#include "palpable/live/contact/object_surface.h"
+#include "palpable/common/response/touchable_body.h"
 #include "palpable/live/depth/depth_camera.h"
 #include "palpable/live/map/anchored_scene.h"
-#include "palpable/live/map/free_space.h"
-#include "palpable/live/map/pressing_mask.h"
-#include "palpable/live/map/surface_map.h"
-#include "palpable/live/session/body_answer.h"
+#include "palpable/live/seen_object/object_surface.h"
+#include "palpable/live/seen_object/pressing_mask.h"
 #include "palpable/live/session/refiner.h"
 #include "palpable/live/session/scene.h"
-#include "palpable/live/track/tracker.h"
+#include "palpable/live/session/session_body.h"
+#include "palpable/live/slam/slam.h"
 
 #include <memory>
 #include <optional>
@@ -105,35 +103,18 @@ class Session {
   /// settings() may be asked after it.
   [[nodiscard]] std::vector<PlacedBody> take_bodies();
 
-  /// Of which the functions below are asked by number, from 0 on, in the order of make().
   [[nodiscard]] int body_count() const;
-  [[nodiscard]] const ReducedBody& body(int number = 0) const;
-  [[nodiscard]] const std::string& body_name(int number) const;
-  [[nodiscard]] const std::optional<Rgb>& color(int number) const;
-  /// Where it stands; the world is the first frame's camera.
-  [[nodiscard]] const Rigid3& world_from_body(int number = 0) const;
-  /// How touches are answered: settings().contact, or what the body has tables for.
-  [[nodiscard]] ContactKind contact(int number = 0) const;
-  /// What it remembers of the frame answered last.
-  [[nodiscard]] const BodyAnswer& answer(int number = 0) const;
-  /// The things that may press it, of the frame answered last.
-  [[nodiscard]] const ObjectSurface& surface(int number = 0) const;
+  /// By number from 0 on, in the order of make(); as it is after the frame answered last.
+  [[nodiscard]] const SessionBody& body(int number = 0) const;
 
   /// What each pixel of the frame answered last shows, near bodies: kShowsPresser where something
   /// may press it (geometry/image.h).
   [[nodiscard]] const MaskImage& shows() const;
-
-  /// The room as it has been seen so far; null without SessionSettings::map.
-  [[nodiscard]] const SurfaceMap* map() const;
-  /// Where the room was seen free, and what belonged to it when bodies were anchored: in the first
-  /// frame. Both null without SessionSettings::map.
-  [[nodiscard]] const FreeSpace* free_space() const;
+  /// The room and the camera in it, as they have been seen so far: map, free space, tracker.
+  [[nodiscard]] const Slam& slam() const;
+  /// What belonged to the room when bodies were anchored, in the first frame; null without
+  /// SessionSettings::map.
   [[nodiscard]] const AnchoredScene* anchored_scene() const;
-
-  /// What the tracker has done so far; all 0 when nothing is tracked.
-  [[nodiscard]] TrackerCounts tracker_counts() const;
-  /// Of all keyframes, as adjusted last; empty when nothing is tracked.
-  [[nodiscard]] std::vector<KeyframePose> keyframes() const;
   [[nodiscard]] const SessionSettings& settings() const;
 
  private:

@@ -41,8 +41,8 @@ FrameLoop make_loop(const SessionSettings& settings = kEverythingPresses) {
 
 TEST_CASE("a body with tables is touched where the finger is, not at a site", "[session]") {
   FrameLoop loop = touchable_sphere_loop();
-  CHECK(loop.session.contact() == ContactKind::kAnywhere);
-  const Eigen::Matrix3Xf rest = loop.session.body().surface.vertices.cast<float>();
+  CHECK(loop.session.body().answer.contact() == ContactKind::kAnywhere);
+  const Eigen::Matrix3Xf rest = loop.session.body().model().surface.vertices.cast<float>();
   for (int n = 0; n < 3; ++n) CHECK(loop.process(frame_with_finger(n, -0.03)).touches.empty());
   CHECK(loop.scene.bodies[0].vertices == rest);
   for (int n = 3; n < 7; ++n) loop.process(frame_with_finger(n, 0.002 * (n - 2)));
@@ -59,7 +59,8 @@ TEST_CASE("a body with tables is touched where the finger is, not at a site", "[
   // Nothing of the skin is left in what is seen.
   float deepest = 0;
   for (Eigen::Index v = 0; v < rest.cols(); ++v) {
-    const auto found = loop.session.surface().nearest(pressed.bodies[0].vertices.col(v));
+    const auto found =
+        loop.session.body().answer.surface().nearest(pressed.bodies[0].vertices.col(v));
     if (found) deepest = std::max(deepest, -found->distance);
   }
   CHECK(deepest < 1e-3f);
@@ -75,12 +76,12 @@ TEST_CASE("tables are not asked where somebody wants the sites", "[session]") {
   SessionSettings settings = kEverythingPresses;
   settings.contact = ContactKind::kSite;
   FrameLoop loop = touchable_sphere_loop(settings);
-  CHECK(loop.session.contact() == ContactKind::kSite);
+  CHECK(loop.session.body().answer.contact() == ContactKind::kSite);
   for (int n = 0; n < 4; ++n) loop.process(frame_with_finger(n, 0.008));
   REQUIRE(loop.scene.touches.size() == 1);
   CHECK(loop.scene.touches[0].site == 0);
   // A body without tables has nothing else.
-  CHECK(make_loop().session.contact() == ContactKind::kSite);
+  CHECK(make_loop().session.body().answer.contact() == ContactKind::kSite);
 }
 
 TEST_CASE("a touched body with tables gives the same bytes again, and allocates nothing",
@@ -103,9 +104,9 @@ TEST_CASE("of several bodies the one that is pressed says so, the others stand a
   FrameLoop loop =
       value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), kEverythingPresses));
   REQUIRE(loop.session.body_count() == 2);
-  CHECK(loop.session.body_name(1) == "pressed");
-  CHECK(loop.session.color(0) == Rgb{1, 2, 3});
-  CHECK_FALSE(loop.session.color(1));
+  CHECK(loop.session.body(1).name == "pressed");
+  CHECK(loop.session.body(0).color == Rgb{1, 2, 3});
+  CHECK_FALSE(loop.session.body(1).color);
   FrameLoop alone = make_loop();
   for (int n = 0; n < 6; ++n) {
     const Frame frame = frame_with_finger(n, n < 3 ? -0.03 : 0.008);
@@ -120,7 +121,7 @@ TEST_CASE("of several bodies the one that is pressed says so, the others stand a
   CHECK(scene.touches[0].press_depth ==
         Approx(alone.scene.touches.at(0).press_depth)
             .margin(tolerance(5e-4, "m: the part of the image that is asked is larger")));
-  CHECK(scene.bodies[0].vertices == loop.session.body(0).surface.vertices.cast<float>());
+  CHECK(scene.bodies[0].vertices == loop.session.body(0).model().surface.vertices.cast<float>());
   CHECK_FALSE(scene.bodies[1].vertices == scene.bodies[0].vertices);
   CHECK((scene.bodies[0].camera_from_body.translation() - aside.translation()).norm() == 0);
 }
@@ -179,7 +180,7 @@ TEST_CASE("a body with an energy in modes gives way to a finger, and takes no me
   bodies.push_back({TouchableBody(ball, {}, tables), sphere_pose(), "ball"});
   FrameLoop loop =
       value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), kEverythingPresses));
-  CHECK(loop.session.contact() == ContactKind::kAnywhere);
+  CHECK(loop.session.body().answer.contact() == ContactKind::kAnywhere);
   for (int n = 0; n < 3; ++n) loop.process(frame_with_finger(n, -0.03));
   for (int n = 3; n < 7; ++n) loop.process(frame_with_finger(n, 0.002 * (n - 2)));
   REQUIRE_FALSE(loop.scene.touches.empty());
@@ -207,14 +208,14 @@ TEST_CASE("a finger that presses the top dents the top, and leaves it at rest af
   const double dent = sphere.depth(touch.level);
   CHECK(dent > 0.010 - tolerance(0.0015, "sigma of the surface, as much hysteresis"));
   CHECK(dent < 0.010 + tolerance(0.004, "neighbours 6 mm aside move less than the middle"));
-  const int top = loop.session.body().sites[0].vertex;
+  const int top = loop.session.body().model().sites[0].vertex;
   CHECK(pressed.bodies[0].vertices(2, top) == Approx(2 * sphere.radius - dent).margin(1e-5));
   CHECK(pressed.bodies[0].von_mises[top] > 0);
   CHECK((touch.point_in_body - Vector3d(0, 0, 0.1)).norm() < 0.02);
 
   const Scene& after = loop.process(frame_with_finger(9, -0.2));
   CHECK(after.touches.empty());
-  CHECK(after.bodies[0].vertices == loop.session.body().surface.vertices.cast<float>());
+  CHECK(after.bodies[0].vertices == loop.session.body().model().surface.vertices.cast<float>());
   for (const float value : after.bodies[0].von_mises) CHECK(value == 0);
 }
 
@@ -226,7 +227,7 @@ TEST_CASE("the stress of a scene is that of its touch", "[session]") {
   // The dented sphere's stress at the middle is diag(-p, -p, -2p) with p = 1e4 depth / deepest.
   const test::DentedSphere sphere;
   const double p = 1e4 * sphere.depth(scene.touches[0].level) / sphere.deepest;
-  CHECK(scene.bodies[0].von_mises[loop.session.body().sites[0].vertex] ==
+  CHECK(scene.bodies[0].von_mises[loop.session.body().model().sites[0].vertex] ==
         Approx(p).epsilon(tolerance(1e-3, "cubic between samples of a parabola, floats")));
 }
 
@@ -257,12 +258,12 @@ constexpr SceneExtras kAllExtras{.components = true, .contact_pressure = true};
 // That it adds up to the forces of the scene's touches; of a body with sites alone none is known.
 void check_contact_pressure(const FrameLoop& loop) {
   const SceneBody& body = loop.scene.bodies[0];
-  if (loop.session.contact(0) != ContactKind::kAnywhere) {
+  if (loop.session.body(0).answer.contact() != ContactKind::kAnywhere) {
     CHECK(body.contact_pressure.empty());
     return;
   }
   REQUIRE(body.contact_pressure.size() == body.von_mises.size());
-  SurfaceMesh now = loop.session.body(0).surface;
+  SurfaceMesh now = loop.session.body(0).model().surface;
   now.vertices = body.vertices.cast<double>();
   const Eigen::VectorXd areas = vertex_areas(now);
   double sum = 0, force = 0;
@@ -612,7 +613,7 @@ TEST_CASE("the body stays where it was put in the room while the camera moves, i
     CHECK(fixed.process(test::frame_of_wall(n, x)).bodies[0].camera_from_body.matrix() ==
           sphere_pose().matrix());
   }
-  CHECK(followed.session.tracker_counts().lost == 0);
+  CHECK(followed.session.slam().tracker()->counts().lost == 0);
 }
 
 TEST_CASE("a session that is given poses answers as one whose camera stands, wherever the world is",
@@ -673,12 +674,12 @@ TEST_CASE("a session knows what was in the room when the body was anchored", "[s
   int number = 0;
   for (; number < 30; ++number) loop.process(test::frame_of_wall(number, 0));
   const auto was_there = [&](double Z) {
-    return loop.session.anchored_scene()->was_there({0, 0, Z}, 0.015, *loop.session.free_space());
+    return loop.session.anchored_scene()->was_there({0, 0, Z}, 0.015, *loop.session.slam().space());
   };
   CHECK(was_there(test::kWallZ));
   CHECK_FALSE(was_there(test::kWallZ - 0.05));
   CHECK_FALSE(was_there(0.4));
-  CHECK(loop.session.free_space()->is_free({0, 0, 0.4}));
+  CHECK(loop.session.slam().space()->is_free({0, 0, 0.4}));
 }
 
 TEST_CASE("what a camera saw before it moved in the dark is no room of the body's", "[session]") {
@@ -711,7 +712,7 @@ TEST_CASE("what was in the room when the body was anchored is not forgotten when
     const int blocks = loop.session.anchored_scene()->blocks();
     if (!loop.process(test::creeping_frame(n)).camera.closed_loop) continue;
     ++closed;
-    CHECK(loop.session.map()->blocks() == 0);
+    CHECK(loop.session.slam().map()->blocks() == 0);
     CHECK(loop.session.anchored_scene()->blocks() > blocks / 2);
   }
   CHECK(closed >= 1);
@@ -724,9 +725,9 @@ TEST_CASE("what was in the room when the body was anchored is not forgotten when
     int before_wall = 0;  // of points 5 mm apart
     for (double away = 1; away < 2; away += 0.005) {
       const Vector3d p = Vector3d(0, 0, -0.7) + away * out;  // from the room's middle
-      REQUIRE_FALSE(loop.session.map()->distance(p));
+      REQUIRE_FALSE(loop.session.slam().map()->distance(p));
       before_wall +=
-          loop.session.anchored_scene()->was_there(p, 0.015, *loop.session.free_space()) ? 0 : 1;
+          loop.session.anchored_scene()->was_there(p, 0.015, *loop.session.slam().space()) ? 0 : 1;
     }
     CHECK(before_wall >= 3);  // distances are kept up to 40 mm
   }

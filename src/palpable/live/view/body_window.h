@@ -2,7 +2,7 @@
 /// A body in a window, turned and pressed by mouse and keys, as `palpable view` shows it.
 #pragma once
 
-#include "palpable/common/touch/touchable_body.h"
+#include "palpable/common/response/touchable_body.h"
 #include "palpable/live/render/window.h"
 #include "palpable/live/view/show_names.h"
 #include "palpable/live/view/studio_scene.h"

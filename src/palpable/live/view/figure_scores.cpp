@@ -37,7 +37,7 @@ FigureScores figure_scores(const Scene& scene, const Session& session, const Mas
     const SceneBody& body = scene.bodies[static_cast<std::size_t>(touch.body)];
     Eigen::Vector3f place = touch.point_in_body.cast<float>();
     if (touch.site >= 0) {
-      place = body.vertices.col(session.body(touch.body).sites[touch.site].vertex);
+      place = body.vertices.col(session.body(touch.body).model().sites[touch.site].vertex);
     }
     scores.touch = stress_towards_camera(body, place);
     return scores;

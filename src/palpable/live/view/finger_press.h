@@ -3,7 +3,7 @@
 /// round stick behind it, which is pushed along the skin's inward normal.
 #pragma once
 
-#include "palpable/common/touch/touchable_body.h"
+#include "palpable/common/response/touchable_body.h"
 #include "palpable/live/render/scene_renderer.h"
 #include "palpable/live/session/capsule_press.h"
 #include "palpable/live/session/scene.h"

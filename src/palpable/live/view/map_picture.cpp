@@ -75,15 +75,16 @@ void MapPicture::follow(const Scene& scene) {
 void MapPicture::draw(const Scene& scene, const Session& session, double scale,
                       const ColorImage& inside, ColorImage& picture) {
   follow(scene);
-  if (session.map() != nullptr) {
-    if (const MapMesh* mesh = mesher_.advance(*session.map())) {
+  if (session.slam().map() != nullptr) {
+    if (const MapMesh* mesh = mesher_.advance(*session.slam().map())) {
       renderer_.set_surface(surface_of(*mesh));
     }
   }
   const bool known = is_known(scene.camera);
   // Now and then: they are copied.
-  if (scene.camera.keyframe || frames_ > next_keyframes_) {
-    keyframes_ = session.keyframes();
+  const Tracker* tracker = session.slam().tracker();
+  if (tracker != nullptr && (scene.camera.keyframe || frames_ > next_keyframes_)) {
+    keyframes_ = tracker->keyframes();
     next_keyframes_ = frames_ + kKeyframesEvery - 1;
   }
   const bool due = frames_ > next_drawn_ || turned_ || known != was_known_;
@@ -120,7 +121,7 @@ void MapPicture::draw_room(const Scene& scene, const Session& session, double sc
   looks_.clear();
   for (int k = 0; k < session.body_count(); ++k) {
     looks_.push_back(look_of_body(scene, session, k, scale));
-    looks_.back().camera_from_body = view.camera_from_world * session.world_from_body(k);
+    looks_.back().camera_from_body = view.camera_from_world * session.body(k).world_from_body;
   }
   view.bodies = looks_;
   renderer_.draw(view, room_);

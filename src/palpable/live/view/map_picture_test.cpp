@@ -32,7 +32,7 @@ struct Outside {
     loop.emplace(std::move(FrameLoop::make(test::DentedSphere{}.body(), camera_from_body,
                                            test::wall_format(), settings)
                                .value()));
-    map.emplace(value_or_throw(MapRenderer::make()), loop->session.world_from_body());
+    map.emplace(value_or_throw(MapRenderer::make()), loop->session.body().world_from_body);
     return true;
   }
   void show(const Frame& frame) {
@@ -75,7 +75,7 @@ TEST_CASE("the picture of the map shows room, way and camera, and what the camer
   CHECK(out.count(is_orange) > 10);
   for (int n = 0; n < 40; ++n) out.show(0.004 * n);
   for (int n = 0; n < 20; ++n) out.show(0.156);
-  REQUIRE(out.loop->session.tracker_counts().lost == 0);
+  REQUIRE(out.loop->session.slam().tracker()->counts().lost == 0);
   CHECK(out.count(is_grey) > grey + 300);
   CHECK(out.count(is_blue) > blue + 20);
   CHECK(out.count(is_orange) > 10);

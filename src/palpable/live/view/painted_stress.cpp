@@ -19,11 +19,11 @@ SceneExtras extras_for(SceneShow::Field field) {
 bool knows_stress(const ReducedBody& body) { return body.largest_von_mises > 0; }
 
 bool knows_stress(const Session& session, int number) {
-  return knows_contact(session, number) || knows_stress(session.body(number));
+  return knows_contact(session, number) || knows_stress(session.body(number).model());
 }
 
 bool knows_contact(const Session& session, int number) {
-  return session.contact(number) == ContactKind::kAnywhere;
+  return session.body(number).answer.contact() == ContactKind::kAnywhere;
 }
 
 void painted_stress(SceneShow::Field field, SceneShow::Component component,

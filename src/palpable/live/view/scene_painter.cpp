@@ -19,7 +19,7 @@ namespace {
 
 std::vector<std::string> names_of_bodies(const Session& session) {
   std::vector<std::string> names;
-  for (int k = 0; k < session.body_count(); ++k) names.push_back(session.body_name(k));
+  for (int k = 0; k < session.body_count(); ++k) names.push_back(session.body(k).name);
   return names;
 }
 
@@ -59,7 +59,7 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
 void ScenePainter::make_outside_views(LiveView view) {
   if (window_ || view == LiveView::kMap || has_tile(Tile::kMap)) {
     map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
-                                        session_.world_from_body());
+                                        session_.body().world_from_body);
   }
   if (window_ || view == LiveView::kSurface || has_tile(Tile::kSurface)) {
     surface_ = std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), session_);
@@ -69,7 +69,7 @@ void ScenePainter::make_outside_views(LiveView view) {
 void ScenePainter::gather_parameters() {
   controls_.parameters.clear();
   for (int k = 0; controls_.run_may_change && k < session_.body_count(); ++k) {
-    for (const FurtherParameter& p : session_.body(k).further) {
+    for (const FurtherParameter& p : session_.body(k).model().further) {
       controls_.parameters.push_back(
           {k, p.name, p.samples[0], p.samples[p.samples.size() - 1], p.value});
     }

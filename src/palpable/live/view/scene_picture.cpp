@@ -57,7 +57,7 @@ bool any_knows_contact(const Session& session) {
 
 bool stands_on_first_ground(const Session& session, int number) {
   const Rigid3 first_from_body =
-      session.world_from_body().inverse() * session.world_from_body(number);
+      session.body().world_from_body.inverse() * session.body(number).world_from_body;
   return std::abs(first_from_body.translation().z()) < kSameGround &&
          first_from_body.linear()(2, 2) > 0.999;
 }
@@ -69,11 +69,11 @@ BodyLook look_of_body(const Scene& scene, const Session& session, int number, do
   BodyLook look;
   look.vertices = &shown.vertices;
   look.normals = &shown.normals;
-  look.triangles = &session.body(number).surface.triangles;
+  look.triangles = &session.body(number).model().surface.triangles;
   look.scalar = shown.von_mises;
   look.scalar_max = static_cast<float>(scale);
   look.camera_from_body = shown.camera_from_body;
-  look.material = session.color(number).value_or(kRubber);
+  look.material = session.body(number).color.value_or(kRubber);
   if (!stands_on_first_ground(session, number)) look.shadow = 0;
   return look;
 }
@@ -226,7 +226,7 @@ float displacement_scale(const SurfaceMesh& baked) {
 
 void SceneViews::show_displacement(const Scene& scene, const Session& session, int number) {
   const auto k = static_cast<std::size_t>(number);
-  const SurfaceMesh& baked = session.body(number).surface;
+  const SurfaceMesh& baked = session.body(number).model().surface;
   displacement_of(scene.bodies[k].vertices, baked, painted_[k]);
   view_.bodies[k].scalar = painted_[k];
   view_.bodies[k].scalar_max = displacement_scale(baked);

@@ -2,7 +2,7 @@
 /// A scene of a session in the terms of the renderer.
 #pragma once
 
-#include "palpable/common/touch/stated_error.h"
+#include "palpable/common/response/stated_error.h"
 #include "palpable/live/render/scene_renderer.h"
 #include "palpable/live/session/scene.h"
 #include "palpable/live/session/session.h"

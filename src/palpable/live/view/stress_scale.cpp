@@ -35,7 +35,7 @@ double stress_scale(const ReducedBody& body) {
 double stress_scale(const Session& session) {
   double scale = 0;
   for (int k = 0; k < session.body_count(); ++k) {
-    scale = std::max(scale, stress_scale(session.body(k)));
+    scale = std::max(scale, stress_scale(session.body(k).model()));
   }
   return scale;
 }

@@ -55,8 +55,9 @@ SurfacePicture::SurfacePicture(MapRenderer renderer, const Session& session)
     : renderer_(std::move(renderer)) {
   Eigen::AlignedBox3d box;
   for (int k = 0; k < session.body_count(); ++k) {
-    const Rigid3 first_from_body = session.world_from_body().inverse() * session.world_from_body(k);
-    box.extend(box_of(session.body(k).surface).transformed(first_from_body));
+    const Rigid3 first_from_body =
+        session.body().world_from_body.inverse() * session.body(k).world_from_body;
+    box.extend(box_of(session.body(k).model().surface).transformed(first_from_body));
   }
   const Eigen::Vector3d around = Eigen::Vector3d::Constant(kAround);
   near_ = {box.min() - around, box.max() + around};
@@ -95,8 +96,8 @@ void SurfacePicture::gather_balls(const Session& session) {
   balls_.clear();
   for (int k = 0; k < session.body_count(); ++k) {
     const Eigen::Isometry3f first_from_body =
-        (session.world_from_body().inverse() * session.world_from_body(k)).cast<float>();
-    for (ObjectBall ball : session.surface(k).balls()) {
+        (session.body().world_from_body.inverse() * session.body(k).world_from_body).cast<float>();
+    for (ObjectBall ball : session.body(k).answer.surface().balls()) {
       if (k > 0) ball.centre = first_from_body * ball.centre;
       balls_.push_back(ball);
     }

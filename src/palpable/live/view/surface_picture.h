@@ -8,8 +8,8 @@
 ///     grey                          not seen at present: held for a moment (held_balls.h)
 #pragma once
 
+#include "palpable/common/contact/object_ball.h"
 #include "palpable/common/geometry/surface_mesh.h"
-#include "palpable/live/contact/object_ball.h"
 #include "palpable/live/render/map_renderer.h"
 #include "palpable/live/render/orbit_camera.h"
 #include "palpable/live/render/window_events.h"

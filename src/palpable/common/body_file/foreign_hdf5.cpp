@@ -1,0 +1,182 @@
+#include "palpable/common/body_file/foreign_hdf5.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <exception>
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace palpable::hdf5 {
+namespace {
+
+constexpr hsize_t kMostNumbers = 400'000'000;
+constexpr int kMostDimensions = 8;
+constexpr hsize_t kBestPacking = 1100;  // zlib's is 1032
+constexpr std::size_t kLongestText = 10'000;
+constexpr rlim_t kMostSeconds = 60;
+
+// What goes through the pipe: this, then the numbers, or the text that says what is wrong.
+struct Header {
+  bool ok = false, missing = false;
+  int dimensions = 0;
+  std::array<hsize_t, kMostDimensions> size{};
+  std::size_t count = 0;  // of numbers, or of letters
+};
+
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() { close(); }
+  void close() {
+    if (number_ >= 0) ::close(number_);
+    number_ = -1;
+  }
+  [[nodiscard]] int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+bool send(int pipe, const void* data, std::size_t size) {
+  const char* at = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t sent = ::write(pipe, at, size);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent <= 0) return false;
+    at += sent;
+    size -= static_cast<std::size_t>(sent);
+  }
+  return true;
+}
+
+bool receive(int pipe, void* data, std::size_t size) {
+  char* at = static_cast<char*>(data);
+  while (size > 0) {
+    const ssize_t got = ::read(pipe, at, size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    at += got;
+    size -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& header) {
+  const Handle type(H5Dget_type(set), H5Tclose, fmt::format("dataset '{}' has no type", dataset));
+  const H5T_class_t kind = H5Tget_class(type);
+  require(kind == H5T_INTEGER || kind == H5T_FLOAT,
+          fmt::format("dataset '{}' does not hold numbers", dataset));
+  const Handle space(H5Dget_space(set), H5Sclose, fmt::format("dataset '{}' has no size", dataset));
+  header.dimensions = H5Sget_simple_extent_ndims(space);
+  require(header.dimensions >= 0 && header.dimensions <= kMostDimensions,
+          fmt::format("dataset '{}' has more than {} dimensions", dataset, kMostDimensions));
+  check(H5Sget_simple_extent_dims(space, header.size.data(), nullptr), "damaged");
+  hsize_t count = 1;
+  for (int d = 0; d < header.dimensions; ++d) {
+    require(header.size[d] <= kMostNumbers && count * header.size[d] <= kMostNumbers,
+            fmt::format("dataset '{}' claims more than {} numbers", dataset, kMostNumbers));
+    count *= header.size[d];
+  }
+  // A damaged header may claim more than the file holds: only what is stored gets memory.
+  const hsize_t claimed = count * H5Tget_size(type);
+  require(claimed <= kBestPacking * H5Dget_storage_size(set),
+          fmt::format("dataset '{}' is cut short", dataset));
+  std::vector<double> values(count);
+  if (count > 0) {
+    check(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+          fmt::format("dataset '{}' is damaged", dataset));
+  }
+  return values;
+}
+
+// In the process of its own; never returns.
+[[noreturn]] void read_and_send(const std::filesystem::path& path, const std::string& dataset,
+                                int pipe) {
+  // What HDF5 or the C library cry when they die is for nobody.
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
+  const rlimit seconds{kMostSeconds, kMostSeconds}, none{0, 0};
+  ::setrlimit(RLIMIT_CPU, &seconds);
+  ::setrlimit(RLIMIT_CORE, &none);
+  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU}) {
+    ::signal(fault, SIG_DFL);  // no other handler reports what is no fault of this program
+  }
+  const Quiet quiet;
+  Header header;
+  std::vector<double> values;
+  std::string wrong;
+  try {
+    const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
+                      "not an HDF5 file");
+    header.missing = true;
+    const Handle set(H5Dopen2(file, dataset.c_str(), H5P_DEFAULT), H5Dclose,
+                     fmt::format("dataset '{}' is missing", dataset));
+    header.missing = false;
+    values = numbers_of(set, dataset, header);
+  } catch (const Trouble& trouble) { wrong = trouble.what; } catch (const std::exception&) {
+    wrong = fmt::format("dataset '{}' needs more memory than there is", dataset);
+  }
+  header.ok = wrong.empty();
+  header.count = header.ok ? values.size() : wrong.size();
+  const bool sent = send(pipe, &header, sizeof header) &&
+                    (header.ok ? send(pipe, values.data(), values.size() * sizeof(double))
+                               : send(pipe, wrong.data(), wrong.size()));
+  ::_exit(sent ? 0 : 1);
+}
+
+// Ends a process that has said what it had to say, or will not.
+class Child {
+ public:
+  explicit Child(pid_t process) : process_(process) {}
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    ::kill(process_, SIGKILL);
+    while (::waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {}
+  }
+
+ private:
+  pid_t process_;
+};
+
+}  // namespace
+
+ForeignNumbers read_foreign(const std::filesystem::path& path, const std::string& dataset) {
+  if (::access(path.c_str(), R_OK) != 0) throw Trouble{"cannot be opened"};
+  int ends[2];
+  if (::pipe(ends) != 0) throw Trouble{std::strerror(errno)};
+  const Descriptor from(ends[0]);
+  Descriptor into(ends[1]);
+  const pid_t process = ::fork();
+  if (process < 0) throw Trouble{fmt::format("no process to read it: {}", std::strerror(errno))};
+  if (process == 0) read_and_send(path, dataset, into.number());
+  const Child child(process);
+  into.close();
+  const std::string died = fmt::format("damaged: HDF5 does not survive reading '{}'", dataset);
+  Header header;
+  require(receive(from.number(), &header, sizeof header), died);
+  // What has read a damaged file may say anything.
+  if (!header.ok) {
+    require(header.count <= kLongestText, died);
+    std::string wrong(header.count, '\0');
+    require(receive(from.number(), wrong.data(), wrong.size()), died);
+    if (header.missing) throw MissingDataset{wrong};
+    throw Trouble{wrong};
+  }
+  require(header.dimensions >= 0 && header.dimensions <= kMostDimensions &&
+              header.count <= kMostNumbers,
+          died);
+  ForeignNumbers numbers{{header.size.begin(), header.size.begin() + header.dimensions},
+                         std::vector<double>(header.count)};
+  require(receive(from.number(), numbers.values.data(), header.count * sizeof(double)), died);
+  return numbers;
+}
+
+}  // namespace palpable::hdf5

@@ -1,0 +1,128 @@
+#include "palpable/common/body_file/touch_text.h"
+
+#include "palpable/common/response/stated_error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+// The highest order of the load that the displacement holds.
+int order_of(const TouchTables& tables) {
+  int order = 1;
+  for (const RegionTable& region : tables.regions) {
+    order = std::max(order, region.leading() > 0 ? 3 : 2);
+  }
+  return order;
+}
+
+double megabytes(const TouchTables& tables) { return static_cast<double>(bytes_of(tables)) / 1e6; }
+
+Json error_scale_json(const std::vector<HeldOutTouch>& touches) {
+  const auto scale = error_scale(touches);
+  if (!scale) return nullptr;
+  return {{"displacement", scale->displacement}, {"von_mises", scale->von_mises}};
+}
+
+Json held_out_json(const std::vector<HeldOutTouch>& touches) {
+  if (touches.empty()) return nullptr;
+  Json result{{"touches", touches_json(touches)}};
+  for (const auto& [name, difference] : kHeldOutDifferences) {
+    const TouchErrors errors = errors_of(touches, difference);
+    result[fmt::format("{}_median", name)] = errors.median;
+    result[fmt::format("{}_worst", name)] = errors.worst;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string touch_text(const std::optional<TouchTables>& tables) {
+  if (!tables) return "at its sites, one at a time";
+  constexpr const char* kOrders[] = {"", "1st order: small touches", "2nd order", "3rd order"};
+  std::string text = fmt::format("anywhere, several at a time, {}", kOrders[order_of(*tables)]);
+  if (!tables->regions.empty()) text += fmt::format("; {} regions", tables->regions.size());
+  if (tables->coarse) {
+    text += fmt::format("; carried by a coarser skin of {} vertices",
+                        tables->coarse->surface.vertex_count());
+  }
+  text += fmt::format("; {:.3g} MB", megabytes(*tables));
+  if (!tables->held_out.empty()) text += "; " + held_out_text(tables->held_out);
+  if (const auto scale = error_scale(tables->held_out)) {
+    text += fmt::format(
+        "; says live how far it is off, calibrated by these touches (factors {:.2f}, stress "
+        "{:.2f})",
+        scale->displacement, scale->von_mises);
+  } else if (!tables->held_out.empty()) {
+    text += "; does not say live how far it is off: baked before that, or too few touches";
+  }
+  return text;
+}
+
+std::string touch_text(const Result<std::optional<TouchTables>>& tables) {
+  return tables.ok() ? touch_text(tables.value()) : "not as baked: " + tables.problem().message;
+}
+
+Json touches_json(const std::vector<HeldOutTouch>& touches) {
+  Json rows = Json::array();
+  for (const HeldOutTouch& touch : touches) {
+    Json row{{"thing", name_of(touch.thing)}, {"depth_mm", 1e3 * touch.depth}};
+    for (const auto& [name, difference] : kHeldOutDifferences) row[name] = touch.*difference;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json touch_json(const std::optional<TouchTables>& tables) {
+  if (!tables) return nullptr;
+  return {
+      {"order", order_of(*tables)},
+      {"coarse_vertices", tables->coarse ? Json(tables->coarse->surface.vertex_count()) : Json()},
+      {"clusters", tables->compliance.clusters},
+      {"regions", tables->regions.size()},
+      {"cross_modes", tables->cross.cubic.variables},
+      {"table_mb", megabytes(*tables)},
+      {"held_out", held_out_json(tables->held_out)},
+      {"error_scale", error_scale_json(tables->held_out)}};
+}
+
+std::string touch_line(const TouchTables& tables) {
+  const ComplianceTable& c = tables.compliance;
+  std::string line = fmt::format(
+      "compliance of {} vertices in {} clusters: {} directions each between those far apart, as it "
+      "is "
+      "between each vertex and its {:.0f} neighbours (mean)",
+      c.vertices, c.clusters, c.basis.width,
+      static_cast<double>(c.neighbours.size()) / static_cast<double>(c.vertices));
+  if (!tables.regions.empty()) {
+    const RegionTable& first = tables.regions.front();
+    line += fmt::format("; {} regions of {} modes, {} of them to the third order",
+                        tables.regions.size(), first.mode_count(), first.leading());
+  }
+  if (tables.cross.cubic.variables > 0) {
+    line +=
+        fmt::format("; {} modes in which touches act on each other", tables.cross.cubic.variables);
+  }
+  if (tables.shell.element_count() > 0) {
+    line += fmt::format("; stress from {} elements round the skin with {} nodes",
+                        tables.shell.element_count(), tables.shell.nodes());
+  }
+  return line;
+}
+
+std::string touch_text(const ModalTables& tables, const ReducedBody& body) {
+  return fmt::format(
+      "anywhere, several at a time, also by other bodies; energy in {} modes; {:.3g} MB",
+      body.several->mode_count(), static_cast<double>(bytes_of(tables)) / 1e6);
+}
+
+Json touch_json(const ModalTables& tables, const ReducedBody& body) {
+  return {{"energy_modes", body.several->mode_count()},
+          {"table_mb", static_cast<double>(bytes_of(tables)) / 1e6}};
+}
+
+}  // namespace palpable

@@ -1,0 +1,45 @@
+#include "palpable/common/body_file/touch_text.h"
+
+#include "palpable/common/response/stated_error.h"
+#include "tests/support/some_touch_tables.h"
+#include "tests/support/test.h"
+
+namespace palpable {
+namespace {
+
+TEST_CASE("it is told whether a body can be touched anywhere, and to which order", "[touch]") {
+  const SurfaceMesh skin = sphere_surface({0, 0, 0}, 0.05, 1);
+  CHECK(touch_text(std::nullopt) == "at its sites, one at a time");
+  CHECK(touch_json(std::nullopt).is_null());
+
+  TouchTables tables = test::some_touch_tables(skin, 0);
+  CHECK(touch_text(tables).starts_with("anywhere, several at a time, 1st order: small touches; "));
+  CHECK(touch_json(tables)["order"].get<int>() == 1);
+
+  tables = test::some_touch_tables(skin, 3);
+  CHECK_THAT(touch_text(tables), Catch::Contains(", 3rd order; 3 regions; "));
+  const Json json = touch_json(tables);
+  CHECK(json["order"].get<int>() == 3);
+  CHECK(json["error_scale"].is_null());
+  CHECK_THAT(touch_text(tables), Catch::Contains("; does not say live how far it is off"));
+  CHECK(json["clusters"].get<int>() == 3);
+  CHECK(json["regions"].get<int>() == 3);
+  CHECK(json["cross_modes"].get<int>() == 48);
+  CHECK(json["table_mb"].get<double>() == static_cast<double>(bytes_of(tables)) / 1e6);
+  CHECK_THAT(touch_line(tables),
+             Catch::Contains("compliance of 42 vertices in 3 clusters: 32 directions") &&
+                 Catch::Contains("; 3 regions of 16 modes, 5 of them") &&
+                 Catch::Contains("; 48 modes in which touches act on each other"));
+
+  tables.held_out.assign(8, {PressingThing::kFinger, 0.002, 0.01, 0.02, 0.03, 0.02});
+  CHECK(touch_json(tables)["error_scale"]["displacement"].get<double>() ==
+        Approx(0.5 * kOnTheSafeSide));
+  CHECK_THAT(touch_text(tables), Catch::Contains("; says live how far it is off, calibrated by "
+                                                 "these touches (factors 0.88, stress 2.62)"));
+
+  for (RegionTable& region : tables.regions) region.quartic = {0, 4, {}, {}};
+  CHECK_THAT(touch_text(tables), Catch::Contains(", 2nd order; 3 regions; "));
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,52 @@
+/// @file
+/// How hard things press each part of a skin: the forces at pressed points, spread over the
+/// vertices around them.
+///
+/// A force at a point stands for the skin as far as the next pressed point, s away, and vertices
+/// are h apart: it is shared among the vertices within r = 1.5 max(s, h) that face it,
+///
+///     f_v = sum_i |f_i| w_iv / sum_v w_iv,    w_iv = A_v (1 - |x_v - x_i|^2 / r^2),    p_v = f_v /
+///     A_v
+///
+/// with A_v a third of the triangles around v, all in the present shape. So sum_v p_v A_v is the
+/// sum of all forces; nothing sharper than the mesh or the points is told. No friction: forces
+/// stand on the skin, and p is what a film between skin and thing would measure.
+///
+///   V  vertices of the skin
+#pragma once
+
+#include "palpable/common/contact/touch_patches.h"
+#include "palpable/common/geometry/surface_mesh.h"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace palpable {
+
+/// Holds its memory: spread() allocates nothing once `pressure` has had its room.
+class ContactPressure {
+ public:
+  /// @param skin  at rest, with triangles
+  explicit ContactPressure(const SurfaceMesh& skin);
+
+  /// @param pressed   whose points were found in this shape; after TouchPatches::find()
+  /// @param vertices  (3 x V) m, now; the frame of the points
+  /// @param normals   (3 x V) unit, outwards
+  /// @param pressure  (V) Pa, overwritten: above 0 where something presses, else 0
+  void spread(const TouchPatches& pressed, const Eigen::Matrix3Xf& vertices,
+              const Eigen::Matrix3Xf& normals, std::vector<float>& pressure);
+
+ private:
+  void find_near(const TouchPatches& pressed, const Eigen::Matrix3Xf& vertices);
+  [[nodiscard]] float reach(float spacing) const;
+
+  Eigen::Matrix3Xi triangles_;
+  float usual_edge_;            // m, h
+  std::vector<int> near_;       // vertices that some point may reach
+  std::vector<char> is_near_;   // (V)
+  std::vector<float> areas_;    // (V) m^2, of those
+  std::vector<float> weights_;  // of those, for one point
+};
+
+}  // namespace palpable

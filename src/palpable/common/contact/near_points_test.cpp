@@ -1,0 +1,180 @@
+#include "palpable/common/contact/near_points.h"
+
+#include "palpable/common/geometry/surface_mesh.h"
+#include "tests/support/ball_gap.h"
+#include "tests/support/some_touch_tables.h"
+#include "tests/support/test.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xf;
+using Eigen::Vector3f;
+using test::tolerance;
+
+constexpr double kEntry = 0.00025;  // m
+
+// A ball of 40 mm at rest, with points 2 mm apart.
+struct Ball {
+  SurfaceMesh surface = sphere_surface({0, 0, 0.04}, 0.04, 3);
+  TouchTables tables = test::some_touch_tables(surface, 1);
+  std::vector<std::uint8_t> fixed =
+      std::vector<std::uint8_t>(static_cast<std::size_t>(surface.vertex_count()), 0);
+  Matrix3Xf u = Matrix3Xf::Zero(3, surface.vertex_count());
+  TouchSkin skin = made();
+
+  TouchSkin made() {
+    tables.point_spacing = 0.002;
+    return {surface, fixed, tables};
+  }
+  [[nodiscard]] Vector3f place(int point) const {
+    return skin.places().col(point) + skin.moved(static_cast<std::size_t>(point), u);
+  }
+};
+
+std::vector<int> told(NearPoints& near_points, const Ball& ball, float band, const GapQuery& gap,
+                      const NearQuery& near = {}) {
+  std::vector<int> points;
+  near_points.for_each(ball.u, band, gap, near, [&](int point, const SurfaceGap& seen) {
+    CHECK(seen.distance <= band);
+    points.push_back(point);
+  });
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+// Asking every point.
+std::vector<int> near_by_all(const Ball& ball, float band, const GapQuery& gap) {
+  std::vector<int> points;
+  for (int p = 0; p < static_cast<int>(ball.skin.points().size()); ++p) {
+    SurfaceGap seen;
+    if (!gap(ball.place(p), seen) || seen.distance > band) continue;
+    const float bend = largest_curvature(seen.curvature);
+    if (is_point_needed(ball.skin.levels()[static_cast<std::size_t>(p)], bend,
+                        static_cast<float>(kEntry), static_cast<float>(TouchSkin::kCoarsest),
+                        static_cast<float>(TouchSkin::kFinest))) {
+      points.push_back(p);
+    }
+  }
+  return points;
+}
+
+TEST_CASE("the larger curvature of cylinders, balls and hollows", "[touch]") {
+  const auto bent = [](float x, float y) -> Eigen::Matrix3f {
+    return Vector3f(x, y, 0).asDiagonal();
+  };
+  CHECK(largest_curvature(bent(100, 0)) == Approx(100));
+  CHECK(largest_curvature(bent(50, 50)) == Approx(50));
+  CHECK(largest_curvature(bent(-80, 20)) == Approx(20));
+}
+
+TEST_CASE("a sharp object needs all points, a flat one the coarse ones", "[touch]") {
+  const float flat = 0, pencil = 1 / 0.0035f;
+  const float coarsest = 0.006f, finest = 0.0015f, entry = 0.00025f;
+  CHECK(is_point_needed(0.006f, flat, entry, coarsest, finest));
+  CHECK_FALSE(is_point_needed(0.003f, flat, entry, coarsest, finest));
+  CHECK(is_point_needed(0.003f, pencil, entry, coarsest, finest));
+}
+
+TEST_CASE("heaps leave out no point that is near, of balls of any size", "[touch]") {
+  Ball ball;
+  ball.u.row(0).setConstant(0.003f);  // the shape has moved, too
+  for (const float radius : {0.0035f, 0.008f, 0.030f}) {
+    for (const float band : {0.0f, 0.001f, 0.004f}) {
+      INFO(radius << " " << band);
+      const GapQuery gap = test::gap_to_ball({0.003f + 0.02f, 0, 0.074f + radius}, radius);
+      NearPoints near_points(ball.skin, kEntry);
+      near_points.start();
+      const std::vector<int> points = told(near_points, ball, band, gap);
+      CHECK(points == near_by_all(ball, band, gap));
+      CHECK((band == 0.0f || !points.empty()));
+      // A cheaper question asked first changes nothing.
+      NearPoints beside(ball.skin, kEntry);
+      beside.start();
+      const NearQuery near = [&](const Vector3f& x, float reach) {
+        SurfaceGap seen;
+        return gap(x, seen) && seen.distance < reach;
+      };
+      CHECK(told(beside, ball, band, gap, near) == points);
+    }
+  }
+}
+
+TEST_CASE("a gap is asked once for a place, and told by its curvature beside it", "[touch]") {
+  Ball ball;
+  NearPoints near_points(ball.skin, kEntry);
+  near_points.start();
+  const float radius = 0.008f;
+  const GapQuery exact = test::gap_to_ball(Vector3f::Zero(), radius);
+  int asked = 0;
+  const GapQuery gap = [&](const Vector3f& x, SurfaceGap& seen) {
+    ++asked;
+    return exact(x, seen);
+  };
+  const float far = 1;  // m: all distances are wanted
+  SurfaceGap seen, wanted;
+  const Vector3f x(0, 0, radius + 0.001f), beside = x + Vector3f(0.00025f, 0, 0.0001f);
+  CHECK(near_points.gap_at(5, x, gap, far, seen));
+  CHECK(near_points.gap_at(5, beside, gap, far, seen));
+  CHECK(asked == 1);
+  CHECK(exact(beside, wanted));
+  CHECK(std::abs(seen.distance - wanted.distance) <
+        tolerance(1e-7, "m: third order of 0.27 mm by a ball of 8 mm, and single precision"));
+  CHECK((seen.normal - wanted.normal).norm() < tolerance(1e-3, "second order of the normal"));
+  // Another point, a place farther away, another frame.
+  CHECK(near_points.gap_at(6, x, gap, far, seen));
+  CHECK(near_points.gap_at(5, x + Vector3f(0, 0, 0.0004f), gap, far, seen));
+  near_points.start();
+  CHECK(near_points.gap_at(5, x + Vector3f(0, 0, 0.0004f), gap, far, seen));
+  CHECK(asked == 4);
+}
+
+TEST_CASE("what stays far is not asked again, and told no nearer than it is for sure", "[touch]") {
+  Ball ball;
+  NearPoints near_points(ball.skin, kEntry);
+  near_points.start();
+  int asked = 0;
+  const GapQuery exact = test::gap_to_ball(Vector3f::Zero(), 0.008f);
+  const GapQuery gap = [&](const Vector3f& x, SurfaceGap& seen) {
+    ++asked;
+    return exact(x, seen);
+  };
+  SurfaceGap seen;
+  const float far = 0.001f;
+  CHECK(near_points.gap_at(0, {0, 0, 0.018f}, gap, far, seen));  // 10 mm away
+  CHECK(near_points.gap_at(0, {0, 0, 0.014f}, gap, far, seen));  // 6 mm for sure
+  CHECK(asked == 1);
+  CHECK(seen.distance >= 0.006f - 1e-7f);
+  CHECK(near_points.gap_at(0, {0, 0, 0.0085f}, gap, far, seen));  // might be near
+  CHECK(asked == 2);
+  CHECK(seen.distance == Approx(0.0005).margin(1e-7));
+}
+
+TEST_CASE("what is no number is nothing", "[touch]") {
+  Ball ball;
+  NearPoints near_points(ball.skin, kEntry);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (int which = 0; which < 3; ++which) {
+    near_points.start();
+    const GapQuery gap = [&](const Vector3f&, SurfaceGap& seen) {
+      seen = {};
+      if (which == 0) seen.distance = nan;
+      if (which == 1) seen.normal.x() = nan;
+      if (which == 2) seen.curvature(1, 1) = nan;
+      return true;
+    };
+    SurfaceGap seen;
+    CHECK_FALSE(near_points.gap_at(0, Vector3f::Zero(), gap, 0, seen));
+  }
+}
+
+}  // namespace
+}  // namespace palpable

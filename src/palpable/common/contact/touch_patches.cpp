@@ -1,0 +1,116 @@
+#include "palpable/common/contact/touch_patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+namespace palpable {
+namespace {
+
+using Eigen::Vector3f;
+
+// m: pressed points that lie so near to each other, and are pushed the same way, are of one touch.
+constexpr float kOneTouch = 0.006f;
+// m: of the sparsest set that a flat object is given every place has a point within half of this.
+constexpr float kSparse = 0.012f;
+// Of two neighbours' mean spacing: on a square grid the next but one lies 1.41 of it away.
+constexpr float kNeighbours = 1.5f;
+
+}  // namespace
+
+TouchPatches::TouchPatches(std::size_t most) {
+  points_.reserve(most);
+  places_.reserve(most);
+}
+
+void TouchPatches::find(const PressingSurface& seen, std::vector<Touch>& touches) {
+  touches.clear();
+  join_neighbours();
+  for (int patch = 0; patch < patches_; ++patch) touches.push_back(touch_of(patch, seen));
+  std::sort(touches.begin(), touches.end(),
+            [](const Touch& a, const Touch& b) { return a.force > b.force; });
+}
+
+// Whether two points may belong to one touch, wherever they are.
+bool TouchPatches::are_alike(int i, int j) const {
+  return points_[i].by == points_[j].by && points_[i].force.dot(points_[j].force) > 0;
+}
+
+void TouchPatches::find_spacings() {
+  places_.resize(points_.size());
+  const int n = static_cast<int>(points_.size());
+  for (int i = 0; i < n; ++i) {
+    float nearest = kSparse * kSparse;
+    bool found = false;
+    for (int j = 0; j < n; ++j) {
+      if (j == i || !are_alike(i, j)) continue;
+      const float squared = (points_[i].place - points_[j].place).squaredNorm();
+      if (squared < nearest) nearest = squared, found = true;
+    }
+    const float own = std::sqrt(points_[i].area);
+    places_[i].spacing = found ? std::max(own, std::sqrt(nearest)) : own;
+  }
+}
+
+// Numbers the patches, by their first points.
+void TouchPatches::join_neighbours() {
+  find_spacings();
+  const int n = static_cast<int>(points_.size());
+  const auto root = [&](int i) {
+    while (places_[i].first != i) i = places_[i].first;
+    return i;
+  };
+  for (int i = 0; i < n; ++i) {
+    places_[i].first = i;
+    for (int j = 0; j < i; ++j) {
+      const float spacing = 0.5f * (places_[i].spacing + places_[j].spacing);
+      const float reach = std::max(kOneTouch, kNeighbours * spacing);
+      const bool near = (points_[i].place - points_[j].place).squaredNorm() < reach * reach;
+      if (!near || !are_alike(i, j)) continue;
+      const int a = root(i), b = root(j);
+      places_[std::max(a, b)].first = std::min(a, b);
+    }
+  }
+  patches_ = 0;
+  for (int i = 0; i < n; ++i) {
+    const int r = root(i);
+    places_[i].patch = r == i ? patches_++ : places_[r].patch;
+  }
+}
+
+Touch TouchPatches::touch_of(int patch, const PressingSurface& seen) const {
+  Touch touch;
+  Vector3f force = Vector3f::Zero(), place = Vector3f::Zero();
+  float weight = 0, assumed = 0;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    if (places_[k].patch != patch) continue;
+    const PressedPoint& p = points_[k];
+    const float w = p.force.norm();
+    force += p.force;
+    place += w * p.place;
+    weight += w;
+    touch.area += static_cast<double>(places_[k].spacing) * static_cast<double>(places_[k].spacing);
+    touch.by = p.by;
+    if (p.by >= 0) continue;
+    const std::optional<NearestOnObject> at = seen.nearest(p.place, seen.band());
+    if (!at) continue;
+    if (at->known != Known::kMeasured) assumed += w;
+    touch.unseen_for =
+        std::max(touch.unseen_for, static_cast<double>(seen.balls()[at->ball].unseen_for));
+  }
+  touch.force = static_cast<double>(force.norm());
+  touch.direction = force.cast<double>().normalized();
+  if (weight > 0) {
+    touch.point_in_body = (place / weight).cast<double>();
+    touch.assumed = static_cast<double>(assumed / weight);
+  }
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    if (places_[k].patch != patch) continue;
+    touch.press_depth =
+        std::max(touch.press_depth, points_[k].moved.cast<double>().dot(touch.direction));
+  }
+  return touch;
+}
+
+}  // namespace palpable

@@ -1,0 +1,63 @@
+/// @file
+/// Forces at points of a skin, told to people: neighbours that are pushed the same way are one
+/// touch.
+///
+/// Of a flat object few points are asked (contact/point_levels.h), each for more of the skin than
+/// it stands for itself. Where a pressed point's nearest neighbour is s away, it stands for s^2,
+/// and neighbours are those within 1.5 s.
+#pragma once
+
+#include "palpable/common/contact/pressing_surface.h"
+#include "palpable/common/contact/touch.h"
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <vector>
+
+namespace palpable {
+
+/// A point of the skin that is pressed, where it is now; body frame.
+struct PressedPoint {
+  Eigen::Vector3f place;  ///< m
+  Eigen::Vector3f moved;  ///< m, since rest
+  Eigen::Vector3f force;  ///< N
+  float area = 0;         ///< m^2 of the skin that it stands for
+  int by = -1;            ///< which other body presses it (Touch::by)
+};
+
+/// Keeps its memory.
+class TouchPatches {
+ public:
+  /// @param most  points at a time, for which there is room from the start
+  explicit TouchPatches(std::size_t most);
+
+  /// To be filled before find().
+  [[nodiscard]] std::vector<PressedPoint>& points() { return points_; }
+  [[nodiscard]] const std::vector<PressedPoint>& points() const { return points_; }
+
+  /// @param seen     the surface of what presses; says which of it is assumed, or held
+  /// @param touches  overwritten: the one with the largest force first
+  void find(const PressingSurface& seen, std::vector<Touch>& touches);
+  /// m, after find(): from this point to the next one that is pushed the same way, at least as far
+  /// as it stands for the skin itself.
+  [[nodiscard]] float spacing(std::size_t point) const { return places_[point].spacing; }
+
+ private:
+  // Of a union-find forest.
+  struct Place {
+    int first = 0;
+    int patch = 0;
+    float spacing = 0;  // m, to the next one that is pushed the same way
+  };
+  [[nodiscard]] bool are_alike(int i, int j) const;
+  void find_spacings();
+  void join_neighbours();
+  [[nodiscard]] Touch touch_of(int patch, const PressingSurface& seen) const;
+
+  std::vector<PressedPoint> points_;
+  std::vector<Place> places_;
+  int patches_ = 0;
+};
+
+}  // namespace palpable

@@ -1,0 +1,576 @@
+#include "palpable/common/contact/touch_solver.h"
+
+#include "tests/support/allocations.h"
+#include "tests/support/ball_gap.h"
+#include "tests/support/elastic_sheet.h"
+#include "tests/support/test.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3f;
+using Eigen::Matrix3Xf;
+using Eigen::Vector3f;
+using test::ElasticSheet;
+using test::tolerance;
+
+// A ball above the sheet, its lowest point `depth` under the sheet's plane.
+GapQuery ball(float radius, float depth, const Vector3f& at = Vector3f::Zero()) {
+  return test::gap_to_ball(at + Vector3f(0, 0, radius - depth), radius);
+}
+
+GapQuery nothing() {
+  return [](const Vector3f&, SurfaceGap&) { return false; };
+}
+
+struct Sheet {
+  ElasticSheet body;
+  TouchSettings settings;
+  Sheet() { settings.softness = 1e-6; }
+  [[nodiscard]] TouchSolver solver() const {
+    return {body.skin, body.fixed, body.tables, settings};
+  }
+  // G f of a state's forces; contact points are the vertices.
+  [[nodiscard]] Eigen::VectorXd linear_answer(const TouchSolver& solver,
+                                              const TouchState& state) const {
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(body.G.cols());
+    for (const PointForce& force : state.forces) {
+      const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double weight = static_cast<double>(point.weights[static_cast<int>(k)]);
+        f.segment<3>(3 * point.corners[k]) += weight * force.force.cast<double>();
+      }
+    }
+    return body.G * f;
+  }
+};
+
+// The largest |u| of a vertex less another field's, m.
+double apart(const Matrix3Xf& a, const Matrix3Xf& b) {
+  return static_cast<double>((a - b).colwise().norm().maxCoeff());
+}
+
+TEST_CASE("a pressed sheet holds the conditions of unilateral contact", "[touch]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver();
+  TouchState state;
+  const GapQuery gap = ball(0.02f, 0.003f);
+  const TouchReport report = solver.advance(state, gap);
+  REQUIRE(state.forces.size() >= 4);
+  SurfaceGap found;
+  std::vector<bool> presses(solver.points().size(), false);
+  for (const PointForce& force : state.forces) {
+    const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
+    const Vector3f x = point.at(sheet.body.skin.vertices.cast<float>()) + point.at(state.u);
+    REQUIRE(gap(x, found));
+    presses[static_cast<std::size_t>(force.point)] = true;
+    CHECK(std::abs(found.distance) < tolerance(2e-5, "m: the last step of Newton's method"));
+    CHECK(force.force.dot(found.normal) > 0.0f);
+    CHECK(force.force.normalized().dot(found.normal) >
+          1 - tolerance(1e-4, "the object turns by its curvature in the last step"));
+  }
+  for (std::size_t p = 0; p < presses.size(); ++p) {
+    const SkinPoint& point = solver.points()[p];
+    const Vector3f x = point.at(sheet.body.skin.vertices.cast<float>()) + point.at(state.u);
+    if (gap(x, found)) CHECK(found.distance > -tolerance(2e-5, "m"));
+  }
+  CHECK(report.penetration < tolerance(2e-5, "m"));
+  CHECK((state.u.reshaped().cast<double>() - sheet.linear_answer(solver, state))
+            .cwiseAbs()
+            .maxCoeff() < tolerance(2e-6, "m: 3e-4 of 3 mm, and no more"));
+}
+
+// A finer sheet, `height` over the elastic one.
+SurfaceMesh finer_sheet(double height) {
+  constexpr int kSide = 2 * ElasticSheet::kSide - 1;
+  SurfaceMesh fine;
+  fine.vertices.resize(3, kSide * kSide);
+  for (int v = 0; v < kSide * kSide; ++v) {
+    const int column = v % kSide - kSide / 2, row = v / kSide - kSide / 2;
+    fine.vertices.col(v) << ElasticSheet::kEdge / 2 * column, ElasticSheet::kEdge / 2 * row, height;
+  }
+  fine.triangles.resize(3, 2 * (kSide - 1) * (kSide - 1));
+  int t = 0;
+  for (int y = 0; y + 1 < kSide; ++y) {
+    for (int x = 0; x + 1 < kSide; ++x) {
+      const int v = y * kSide + x;
+      fine.triangles.col(t++) << v, v + 1, v + kSide + 1;
+      fine.triangles.col(t++) << v, v + kSide + 1, v + kSide;
+    }
+  }
+  return fine;
+}
+
+TEST_CASE("nothing enters a fine skin that the elastic one carries", "[touch][carried]") {
+  constexpr double kHeight = 0.0015;
+  const Sheet sheet;
+  const SurfaceMesh fine = finer_sheet(kHeight);
+  TouchTables tables = sheet.body.tables;
+  tables.point_spacing = 0.003;  // the fine vertices alone
+  tables.coarse = {sheet.body.skin, sheet.body.fixed};
+  const std::vector<std::uint8_t> free(static_cast<std::size_t>(fine.vertex_count()), 0);
+  TouchSolver solver(fine, free, tables, sheet.settings);
+  REQUIRE(solver.points().size() == free.size());
+  Matrix3Xf skin(3, fine.vertex_count());
+  TouchState state;
+  solver.place(state, skin);
+  CHECK(skin == fine.vertices.cast<float>());
+
+  const GapQuery gap = ball(0.02f, 0.003f, Vector3f(0.001f, 0, static_cast<float>(kHeight)));
+  for (int frame = 0; frame < 6; ++frame) solver.advance(state, gap);  // normals are a frame's old
+  REQUIRE(state.forces.size() >= 4);
+  solver.place(state, skin);
+  SurfaceGap found;
+  float nearest = 1;
+  for (const auto& x : skin.colwise()) {
+    if (gap(x, found)) nearest = std::min(nearest, found.distance);
+  }
+  CHECK(std::abs(nearest) < tolerance(2e-5, "m: the last step of Newton's method"));
+  // The coarse vertices answer to the forces at the corners that the points stand on.
+  CHECK((state.u.reshaped().cast<double>() - sheet.linear_answer(solver, state))
+            .cwiseAbs()
+            .maxCoeff() < tolerance(2e-6, "m: 3e-4 of 3 mm, and no more"));
+  // What is told of the pressed points is where the skin is.
+  std::vector<Vector3f> moved;
+  solver.find_moved(state, moved);
+  REQUIRE(moved.size() == state.forces.size());
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    const Vector3f x = solver.places().col(state.forces[k].point) + moved[k];
+    CHECK((skin.colwise() - x).colwise().norm().minCoeff() < tolerance(1e-7, "m: rounding"));
+  }
+  CHECK(test::allocations_during([&] {
+          solver.advance(state, gap);
+          solver.place(state, skin);
+          solver.find_moved(state, moved);
+        }) == 0);
+}
+
+TEST_CASE("what presses in one frame is answered as what came slowly", "[touch]") {
+  const Sheet sheet;
+  TouchSolver slow = sheet.solver(), fast = sheet.solver();
+  TouchState slowly, at_once;
+  for (int frame = 1; frame <= 20; ++frame) {
+    slow.advance(slowly, ball(0.02f, 0.00025f * static_cast<float>(frame)));
+  }
+  const TouchReport report = fast.advance(at_once, ball(0.02f, 0.005f));
+  CHECK(report.steps == 4);
+  CHECK(apart(slowly.u, at_once.u) < tolerance(4e-5, "m: twice the last step's"));
+}
+
+TEST_CASE("an object deeper than a frame's steps is reached in the frames after", "[touch]") {
+  Sheet sheet;
+  sheet.settings.most_steps = 2;
+  const Sheet usual;
+  TouchSolver solver = sheet.solver(), whole = usual.solver();
+  TouchState state, wanted;
+  whole.advance(wanted, ball(0.02f, 0.005f));
+  const TouchReport first = solver.advance(state, ball(0.02f, 0.005f));
+  CHECK(first.penetration == Approx(0.0025).margin(tolerance(2e-4, "m: two steps of four")));
+  solver.advance(state, ball(0.02f, 0.005f));
+  CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
+}
+
+TEST_CASE("what leaves lets go at once, without pulling", "[touch]") {
+  const Sheet sheet;
+  for (const GapQuery& gap : {nothing(), ball(0.02f, -0.005f)}) {
+    TouchSolver solver = sheet.solver();
+    TouchState state;
+    solver.advance(state, ball(0.02f, 0.004f));
+    REQUIRE(state.u.cwiseAbs().maxCoeff() > 0.003f);
+    solver.advance(state, gap);
+    CHECK(state.forces.empty());
+    CHECK(state.u.isZero(0));
+  }
+}
+
+TEST_CASE("a fast object that leaves stays the skin's obstacle", "[touch]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver(), other = sheet.solver();
+  TouchState state, wanted;
+  solver.advance(state, ball(0.02f, 0.006f));
+  // Its points are farther from the ball than candidates are, and would spring through it.
+  solver.advance(state, ball(0.02f, 0.0015f));
+  other.advance(wanted, ball(0.02f, 0.0015f));
+  REQUIRE(wanted.u.cwiseAbs().maxCoeff() > 0.001f);
+  CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
+}
+
+TEST_CASE("no vertex moves farther in a frame than it may, and the rest is made up for",
+          "[touch]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver(), other = sheet.solver();
+  constexpr double kMost = 0.002;  // m
+  TouchState state, wanted;
+  other.advance(wanted, ball(0.02f, 0.005f));
+  const auto goes_to = [&](const GapQuery& gap, const Matrix3Xf& target) {
+    for (int frame = 0; frame < 4; ++frame) {
+      const Matrix3Xf before = state.u.cols() > 0 ? state.u : Matrix3Xf::Zero(3, target.cols());
+      const TouchReport report = solver.advance(state, gap, {}, kMost);
+      CHECK(apart(state.u, before) < kMost + tolerance(1e-6, "m: rounding"));
+      if (frame == 0) CHECK(apart(state.u, before) > 0.9 * kMost);
+      if (frame == 3) CHECK(report.held_back == 0.0);
+    }
+    CHECK(apart(state.u, target) < tolerance(4e-5, "m: twice the last step's"));
+  };
+  goes_to(ball(0.02f, 0.005f), wanted.u);
+  goes_to(nothing(), Matrix3Xf::Zero(3, wanted.u.cols()));
+  CHECK(state.forces.empty());
+  // From side to side: the forces of both are remembered, and those of the first are let go.
+  goes_to(ball(0.01f, 0.002f, Vector3f(-0.012f, 0, 0)), [&] {
+    TouchState left;
+    other.advance(left, ball(0.01f, 0.002f, Vector3f(-0.012f, 0, 0)));
+    return left.u;
+  }());
+}
+
+TEST_CASE("an answer that a frame's iterations do not reach is held back, and reached later",
+          "[touch]") {
+  Sheet sheet;
+  sheet.settings.last_iterations = 1;
+  const Sheet usual;
+  TouchSolver solver = sheet.solver(), other = usual.solver();
+  TouchState state, wanted;
+  other.advance(wanted, ball(0.02f, 0.001f));
+  const TouchReport first = solver.advance(state, ball(0.02f, 0.001f));
+  CHECK(first.iterations == 1);
+  REQUIRE(first.last_change > 0.0005);
+  CHECK(first.held_back > 0);
+  CHECK_FALSE(first.stated.has_value());
+  for (int frame = 0; frame < 10; ++frame) solver.advance(state, ball(0.02f, 0.001f));
+  CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
+}
+
+TEST_CASE("numbers that are none press nothing", "[touch]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver();
+  TouchState state;
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  solver.advance(state, [&](const Vector3f&, SurfaceGap& gap) {
+    gap.distance = kNaN;
+    return true;
+  });
+  CHECK(state.u.isZero(0));
+  solver.advance(state, [&](const Vector3f&, SurfaceGap& gap) {
+    gap.distance = -0.001f;
+    gap.normal.setConstant(kNaN);
+    return true;
+  });
+  CHECK(state.u.isZero(0));
+}
+
+TEST_CASE("the same frame and state give the same bytes, without allocating", "[touch]") {
+  const Sheet sheet;
+  TouchSolver one = sheet.solver(), other = sheet.solver();
+  TouchState a, b;
+  // The other has seen something else before, which must not show.
+  other.advance(b, ball(0.01f, 0.002f, Vector3f(0.012f, 0, 0)));
+  other.advance(b, nothing());
+  other.advance(b, nothing());
+  for (int frame = 0; frame < 10; ++frame) {
+    const auto x = 0.001f * static_cast<float>(frame);
+    const GapQuery gap = ball(0.02f, 0.003f, Vector3f(x, 0, 0));
+    one.advance(a, gap);
+    other.advance(b, gap);
+    CHECK(a.u == b.u);
+  }
+  const GapQuery gap = ball(0.02f, 0.004f, Vector3f(0.006f, 0.003f, 0));
+  CHECK(test::allocations_during([&] { one.advance(a, gap); }) == 0);
+  const GapQuery leaving = ball(0.02f, 0.001f);
+  CHECK(test::allocations_during([&] { one.advance(a, leaving, {}, 0.001); }) == 0);
+}
+
+TEST_CASE("an answer says how far it is off, by the factors of its held-out touches", "[touch]") {
+  Sheet sheet;
+  sheet.settings.softness = 0.05;
+  for (int k = 0; k < kLeastTouches; ++k) {
+    sheet.body.tables.held_out.push_back({PressingThing::kFinger, 0.004, 0.03, 0.02, 0.09, 0.02});
+  }
+  TouchSolver solver = sheet.solver();
+  TouchState state;
+  CHECK_FALSE(solver.advance(state, nothing()).stated.has_value());
+  const TouchReport report = solver.advance(state, ball(0.02f, 0.003f));
+  REQUIRE(report.stated.has_value());
+  const double largest = static_cast<double>(state.u.colwise().norm().maxCoeff());
+  CHECK(report.signs.entry == Approx(report.penetration / largest));
+  CHECK(report.signs.entry > 0.01);
+  CHECK(report.signs.beyond == 0.0);  // the sheet's tables are linear
+  CHECK(report.signs.cross == 0.0);
+  // The touches were off by 1.5, in their stress by 4.5 times what they told.
+  CHECK(report.stated->displacement == Approx(kOnTheSafeSide * 1.5 * unscaled_error(report.signs)));
+  CHECK(report.stated->von_mises == Approx(kOnTheSafeSide * 4.5 * unscaled_error(report.signs)));
+  const GapQuery deeper = ball(0.02f, 0.0031f);
+  CHECK(test::allocations_during([&] { solver.advance(state, deeper); }) == 0);
+  // A skin that is held back is still on its way to what is told.
+  CHECK_FALSE(solver.advance(state, ball(0.02f, 0.006f), {}, 0.001).stated.has_value());
+  CHECK_FALSE(solver.advance(state, nothing()).stated.has_value());
+  sheet.body.tables.held_out.pop_back();
+  TouchSolver too_few = sheet.solver();
+  TouchState other;
+  CHECK_FALSE(too_few.advance(other, ball(0.02f, 0.003f)).stated.has_value());
+}
+
+TEST_CASE("two objects press at a time, and two in one place as one", "[touch]") {
+  const Sheet sheet;
+  const GapQuery left = ball(0.008f, 0.002f, Vector3f(-0.014f, 0, 0));
+  const GapQuery right = ball(0.008f, 0.003f, Vector3f(0.014f, 0, 0));
+  const auto both = [](const GapQuery& a, const GapQuery& b) -> GapQuery {
+    return [a, b](const Vector3f& x, SurfaceGap& gap) {
+      SurfaceGap other;
+      const bool one = a(x, gap), two = b(x, other);
+      if (two && (!one || other.distance < gap.distance)) gap = other;
+      return one || two;
+    };
+  };
+  TouchSolver solver = sheet.solver(), alone = sheet.solver();
+  TouchState state, single;
+  solver.advance(state, both(left, right));
+  SurfaceGap gap;
+  int of_left = 0, of_right = 0;
+  for (const PointForce& force : state.forces) {
+    const int vertex = solver.points()[static_cast<std::size_t>(force.point)].corners[0];
+    (sheet.body.skin.vertices(0, vertex) < 0 ? of_left : of_right) += 1;
+  }
+  CHECK(of_left >= 2);
+  CHECK(of_right >= 2);
+  state = {};
+  solver.advance(state, both(left, left));
+  alone.advance(single, left);
+  CHECK(state.u == single.u);
+}
+
+TEST_CASE("of more contact points than there is room for the deepest count, and it is said",
+          "[touch]") {
+  Sheet sheet;
+  sheet.body.tables.point_spacing = 0.0013;  // some 1,500 points
+  sheet.settings.entry = 1e-9;               // all of them
+  TouchSolver solver = sheet.solver();
+  TouchState state;
+  const TouchReport report = solver.advance(state, ball(0.5f, 0.001f));
+  CHECK(report.candidates <= TouchSolver::kMostPoints);
+  CHECK(report.dropped > 0);
+  CHECK(state.u.allFinite());
+}
+
+TEST_CASE("a flat object presses fewer points, and enters no deeper between them than was asked",
+          "[touch]") {
+  Sheet fine, coarse;
+  for (Sheet* sheet : {&fine, &coarse}) {
+    sheet->body.tables.point_spacing = 0.0013;
+    sheet->settings.softness = 1e-3;  // ten points between two vertices share a force
+  }
+  fine.settings.entry = 1e-9;
+  coarse.settings.entry = 1e-4;
+  TouchSolver all = fine.solver(), some = coarse.solver();
+  const GapQuery gap = ball(0.04f, 0.003f);
+  TouchState with_all, with_some;
+  const TouchReport dense = all.advance(with_all, gap);
+  const TouchReport sparse = some.advance(with_some, gap);
+  CHECK(sparse.candidates < 0.6 * dense.candidates);
+  SurfaceGap found;
+  float deepest = 0;
+  for (const SkinPoint& point : all.points()) {
+    const Vector3f x = point.at(coarse.body.skin.vertices.cast<float>()) + point.at(with_some.u);
+    if (gap(x, found)) deepest = std::max(deepest, -found.distance);
+  }
+  CHECK(deepest < 1.3e-4f);
+  CHECK(apart(with_all.u, with_some.u) < tolerance(2e-4, "m: twice what may enter"));
+}
+
+TEST_CASE("a gap is not asked for again where its shape tells it", "[touch]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver();
+  TouchState state;
+  int asked = 0;
+  const GapQuery there = ball(0.02f, 0.003f);
+  const GapQuery counting = [&](const Vector3f& x, SurfaceGap& gap) {
+    ++asked;
+    return there(x, gap);
+  };
+  solver.advance(state, counting);
+  asked = 0;
+  const TouchReport report = solver.advance(state, counting);  // nothing has moved
+  REQUIRE(report.candidates > 4);
+  const int clusters = asked;
+  asked = 0;
+  int near = 0;
+  const TouchReport again = solver.advance(state, counting, [&](const Vector3f& x, float reach) {
+    SurfaceGap gap;
+    ++near;
+    return there(x, gap) && gap.distance < reach;
+  });
+  CHECK(asked == again.candidates);  // once each, though several iterations look
+  CHECK(near > 0);
+  CHECK(clusters > asked);
+}
+
+TEST_CASE("what a query leaves in its answer where nothing is near is not read", "[touch]") {
+  const Sheet sheet;
+  TouchSolver one = sheet.solver(), other = sheet.solver();
+  const NearQuery always = [](const Vector3f&, float) { return true; };
+  TouchState pressed, elsewhere;
+  one.advance(pressed, ball(0.02f, 0.006f));
+  const GapQuery far_away = [](const Vector3f&, SurfaceGap& gap) {
+    gap.distance = 0.01f;
+    return true;
+  };
+  other.advance(elsewhere, far_away, always);
+  // The ball leaves, and is seen little farther than candidates are looked for: all points are
+  // asked in vain, and then the skin springs back into it.
+  const GapQuery there = test::gap_to_ball(Vector3f(0, 0, 0.017f), 0.02f, 0.0026f);
+  const GapQuery writes_what_it_finds = [&](const Vector3f& x, SurfaceGap& gap) {
+    SurfaceGap found;
+    if (!there(x, found)) return false;
+    gap = found;
+    return true;
+  };
+  TouchState a = pressed, b = pressed;
+  one.advance(a, writes_what_it_finds, always);
+  other.advance(b, writes_what_it_finds, always);
+  REQUIRE(a.u.cwiseAbs().maxCoeff() > 0.002f);
+  CHECK(a.u == b.u);
+}
+
+TEST_CASE("a surface that moves away does not come back by its curvature", "[touch]") {
+  const Sheet sheet;
+  // A ball presses the sheet down, away from a roof beside it that is near, too.
+  const GapQuery pressing = ball(0.005f, 0.00125f);
+  const GapQuery with_roof = [&](const Vector3f& x, SurfaceGap& gap) {
+    const float to_roof = 0.0024f - x.z();
+    if (pressing(x, gap) && gap.distance <= to_roof) return true;
+    gap.distance = to_roof;
+    gap.normal = -Vector3f::UnitZ();
+    gap.curvature = -4e4f * Matrix3f::Identity();
+    return true;
+  };
+  TouchSolver one = sheet.solver(), other = sheet.solver();
+  TouchState state, wanted;
+  one.advance(state, with_roof);
+  other.advance(wanted, pressing);
+  CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
+}
+
+TEST_CASE("asking whether anything is near first changes nothing", "[touch]") {
+  const Sheet sheet;
+  TouchSolver with = sheet.solver(), without = sheet.solver();
+  TouchState one, other;
+  for (const float depth : {0.001f, 0.004f, 0.002f}) {
+    const GapQuery gap = ball(0.012f, depth);
+    with.advance(one, gap, [&](const Vector3f& x, float reach) {
+      SurfaceGap found;
+      return gap(x, found) && found.distance < reach;
+    });
+    without.advance(other, gap);
+    CHECK(one.u == other.u);
+  }
+}
+
+// Of the contact points of a state whose first corner lies left of the middle, or of the others.
+std::vector<PointForce> forces_of_side(const Sheet& sheet, const TouchSolver& solver,
+                                       const TouchState& state, bool left) {
+  std::vector<PointForce> forces;
+  for (const PointForce& at : state.forces) {
+    const int v = solver.points()[static_cast<std::size_t>(at.point)].corners[0];
+    if ((sheet.body.skin.vertices(0, v) < 0) == left) forces.push_back(at);
+  }
+  return forces;
+}
+
+TEST_CASE("given forces press as those of a thing do, and contact is solved under them",
+          "[touch][others]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver();
+  const Vector3f here(-0.012f, 0, 0), there(0.012f, 0.004f, 0);
+  TouchState both, given;
+  const GapQuery here_gap = ball(0.01f, 0.002f, here), there_gap = ball(0.01f, 0.003f, there);
+  for (int frame = 0; frame < 3; ++frame) {
+    solver.advance(both, [&](const Vector3f& x, SurfaceGap& gap) {
+      return x.x() < 0 ? here_gap(x, gap) : there_gap(x, gap);
+    });
+  }
+  // The left ball's forces are given, where it is not.
+  std::vector<VertexForce> left;
+  for (const PointForce& at : forces_of_side(sheet, solver, both, true)) {
+    const SkinPoint& point = solver.points()[static_cast<std::size_t>(at.point)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      left.push_back({point.corners[k], point.weights[static_cast<int>(k)] * at.force});
+    }
+  }
+  REQUIRE(left.size() >= 6);
+  add_up_by_vertex(left);
+  OtherBodies others;
+  others.given = left;
+  for (int frame = 0; frame < 3; ++frame) {
+    solver.advance(
+        given, [&](const Vector3f& x, SurfaceGap& gap) { return x.x() >= 0 && there_gap(x, gap); },
+        {}, 1, others);
+  }
+  CHECK(apart(given.u, both.u) < tolerance(4e-6, "m: the last steps of Newton's method"));
+  // What is given is not of the state.
+  CHECK(forces_of_side(sheet, solver, given, true).empty());
+  CHECK(test::allocations_during([&] { solver.advance(given, nothing(), {}, 1, others); }) == 0);
+  solver.advance(given, nothing());
+  CHECK(given.u.isZero(0));
+}
+
+TEST_CASE("an obstacle that gives way is pressed as far as a softer one", "[touch][others]") {
+  const Sheet sheet;
+  // A ball on springs, one below each point, of so many m/N.
+  constexpr double kSpring = 0.003;
+  TouchSolver solver = sheet.solver();
+  const auto springs = [](std::span<const YieldingPoint> points, std::span<double> W) {
+    for (std::size_t p = 0; p < points.size(); ++p) W[p * points.size() + p] += kSpring;
+  };
+  const GapQuery as_it_was = ball(0.02f, 0.003f);
+  TouchState state;
+  OtherBodies others;
+  others.yields = springs;
+  solver.advance(
+      state,
+      [&](const Vector3f& x, SurfaceGap& gap) {
+        gap.on = {};
+        gap.on.body = 3;
+        return as_it_was(x, gap);
+      },
+      {}, 1, others);
+  REQUIRE(state.forces.size() >= 3);
+  SurfaceGap gap;
+  for (const PointForce& force : state.forces) {
+    CHECK(force.by == 3);
+    const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
+    REQUIRE(as_it_was(point.at(sheet.body.skin.vertices.cast<float>()) + point.at(state.u), gap));
+    const double way = kSpring * static_cast<double>(force.force.dot(gap.normal));
+    CHECK(static_cast<double>(-gap.distance) ==
+          Approx(way).margin(tolerance(2e-5, "m: the last step of Newton's method")));
+  }
+  // Told where the springs have gone, the same forces are the answer again.
+  const TouchState before = state;
+  solver.advance(
+      state,
+      [&](const Vector3f& x, SurfaceGap& at) {
+        at.on = {};
+        at.on.body = 3;
+        if (!as_it_was(x, at)) return false;
+        for (const PointForce& force : before.forces) {
+          const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
+          const Vector3f place =
+              point.at(sheet.body.skin.vertices.cast<float>()) + point.at(before.u);
+          if ((place - x).norm() > 1e-3f) continue;
+          at.on.given_way = static_cast<float>(kSpring) * force.force.norm();
+          at.distance += at.on.given_way;
+        }
+        return true;
+      },
+      {}, 1, others);
+  CHECK(apart(state.u, before.u) < tolerance(2e-5, "m: the last step of Newton's method"));
+}
+
+}  // namespace
+}  // namespace palpable

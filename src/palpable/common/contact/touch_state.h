@@ -1,0 +1,32 @@
+/// @file
+/// What is remembered of a touch from frame to frame.
+///
+///   W  nodes of the shell     V  the first of them: vertices that the tables know
+#pragma once
+
+#include "palpable/common/response/refinement.h"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace palpable {
+
+/// The force at one contact point.
+struct PointForce {
+  int point = 0;                                    ///< index into TouchSolver::points()
+  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, on the body
+  int by = -1;                                      ///< OtherSkin::body of what presses
+};
+
+/// All that is remembered from frame to frame. The default is a body at rest.
+struct TouchState {
+  std::vector<PointForce> forces;
+  std::vector<int> regions;  ///< that answered
+  /// (3 x W) m, of what the tables know: the whole skin in the first V columns, then the inner
+  /// nodes (shell_table.h), which are for the stress; no columns: at rest.
+  Eigen::Matrix3Xf u;
+  Refinement refinement;  ///< what exact answers have added
+};
+
+}  // namespace palpable

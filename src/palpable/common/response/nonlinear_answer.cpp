@@ -1,0 +1,295 @@
+#include "palpable/common/response/nonlinear_answer.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/common/response/row_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace palpable {
+namespace {
+
+// What patches do to each other is at most so much of their codes, one beside the other: the codes'
+// sum is nearly nothing where finger and thumb squeeze, and what one bends the other bends back.
+constexpr float kCrossEnd = 0.5f;
+// Loads that differ by less of their codes do the same to each other.
+constexpr float kSameLoads = 0.02f;
+
+using Eigen::Matrix3Xf;
+using Eigen::Vector3f;
+
+// A region that answered in the last frame is kept if it covers this share of what the best would.
+constexpr float kKeep = 0.8f;
+// A patch of load reaches beyond the place where it is pressed, and the regions' modes know such
+// patches: a vertex may join a region from this times its reach away, where it counts little for
+// choosing the region.
+constexpr float kJoins = 1.4f;
+constexpr float kEdge = 0.8f;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+RegionMap::RegionMap(const Matrix3Xf& vertices, std::span<const RegionTable> regions, double reach)
+    : reach_(reach) {
+  first_.push_back(0);
+  for (int v = 0; v < vertices.cols(); ++v) {
+    RegionAtVertex nearest{-1, std::numeric_limits<float>::infinity()};
+    for (std::size_t k = 0; k < regions.size(); ++k) {
+      const int middle = regions[k].vertex;
+      const float distance = (vertices.col(v) - vertices.col(middle)).norm();
+      const bool known =
+          std::binary_search(regions[k].vertices.begin(), regions[k].vertices.end(), v);
+      if (!known) continue;
+      const RegionAtVertex here{static_cast<int>(k), distance};
+      if (distance < kJoins * static_cast<float>(reach)) list_.push_back(here);
+      if (distance < nearest.distance) nearest = here;
+    }
+    if (static_cast<int>(list_.size()) == first_.back() && nearest.region >= 0) {
+      list_.push_back(nearest);
+    }
+    std::sort(list_.begin() + first_.back(), list_.end(),
+              [](const auto& a, const auto& b) { return a.distance < b.distance; });
+    first_.push_back(static_cast<int>(list_.size()));
+  }
+}
+
+CrossTable leading(const CrossTable& table, int modes) {
+  if (table.cubic.variables <= modes) return table;
+  CrossTable result{{}, leading(table.cubic, modes)};
+  RoundedRows& rows = result.modes;
+  rows.width = index(modes);
+  rows.scale = table.modes.scale;
+  rows.values.reserve(rows.count() * rows.width);
+  for (std::size_t row = 0; row < rows.count(); ++row) {
+    const std::int16_t* from = table.modes.row(row);
+    rows.values.insert(rows.values.end(), from, from + modes);
+  }
+  return result;
+}
+
+NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const RegionTable> regions,
+                                 const RegionMap& map, const CrossTable& cross)
+    : compliance_(compliance), regions_(regions), map_(map), cross_(leading(cross, kCrossModes)) {
+  int most_modes = 0, most_leading = 0;
+  for (const RegionTable& region : regions) {
+    most_modes = std::max(most_modes, region.mode_count());
+    most_leading = std::max(most_leading, region.leading());
+  }
+  const std::size_t C = index(compliance.clusters()), k = compliance.rank();
+  const std::size_t x = index(cross_.cubic.variables);
+  std::size_t most_shapes = 0;
+  own_cluster_.assign(regions.size() * C, 0);
+  asked_cluster_.assign(C, 0);
+  every_cluster_.assign(C, 1);
+  for (std::size_t region = 0; region < regions.size(); ++region) {
+    most_shapes = std::max(most_shapes, regions[region].far_count());
+    for (const int v : regions[region].vertices) {
+      own_cluster_[region * C + index(compliance.cluster_of(v))] = 1;
+    }
+  }
+  chosen_.reserve(kMostBlobs);
+  blob_of_vertex_.assign(index(compliance.vertices()), -1);
+  asked_.reserve(index(compliance.vertices()));
+  answers_.assign(kMostBlobs, RegionAnswer(most_modes, most_leading));
+  score_.resize(regions.size());
+  most_modes_ = index(most_modes);
+  codes_.resize(kMostBlobs * most_modes_);
+  far_targets_.resize(C * k);
+  far_code_.resize(most_shapes);
+  arriving_.resize(k);
+  cross_codes_.resize((kMostBlobs + 1) * x);
+  cross_codes_before_.resize(kMostBlobs * x);
+  cross_cubic_ = FormRows(cross_.cubic);
+  pairs_.resize(cross_cubic_.width());
+  for (const RegionTable& region : regions) {
+    cubic_.emplace_back(region.cubic);
+    quartic_.emplace_back(region.quartic);
+  }
+  cross_q_.resize(x);
+}
+
+// The region that covers most of the weight that is left, -1 if none covers any.
+int NonlinearAnswer::next_region(std::span<const int> vertices, std::span<const float> weights,
+                                 std::span<const int> before) {
+  std::fill(score_.begin(), score_.end(), 0.0f);
+  const float farthest = kJoins * static_cast<float>(map_.reach());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (!(weights[i] > 0) || blob_of_vertex_[vertices[i]] >= 0) continue;
+    for (const RegionAtVertex& near : map_.at(vertices[i])) {
+      const float share = std::min(1.0f, near.distance / farthest);
+      score_[index(near.region)] += weights[i] * (1 - kEdge * share * share);
+    }
+  }
+  const auto best = std::max_element(score_.begin(), score_.end());
+  if (best == score_.end() || !(*best > 0)) return -1;
+  for (const int region : before) {
+    if (score_[index(region)] >= kKeep * *best) return region;
+  }
+  return static_cast<int>(best - score_.begin());
+}
+
+void NonlinearAnswer::choose_blobs(std::span<const int> vertices, std::span<const float> weights,
+                                   std::span<const int> before) {
+  for (const int v : asked_) blob_of_vertex_[v] = -1;
+  asked_.assign(vertices.begin(), vertices.end());
+  std::fill(asked_cluster_.begin(), asked_cluster_.end(), char{0});
+  for (const int v : vertices) asked_cluster_[index(compliance_.cluster_of(v))] = 1;
+  chosen_.clear();
+  while (chosen_.size() < kMostBlobs) {
+    const int region = next_region(vertices, weights, before);
+    if (region < 0) break;
+    const int blob = static_cast<int>(chosen_.size());
+    chosen_.push_back(region);
+    for (const int v : vertices) {
+      for (const RegionAtVertex& near : map_.at(v)) {
+        if (near.region == region && blob_of_vertex_[v] < 0) blob_of_vertex_[v] = blob;
+      }
+    }
+  }
+  for (const int v : vertices) {
+    if (blob_of_vertex_[v] >= 0) continue;
+    for (std::size_t b = 0; b < chosen_.size() && blob_of_vertex_[v] < 0; ++b) {
+      if (row_of(chosen_[b], v) >= 0) blob_of_vertex_[v] = static_cast<int>(b);
+    }
+  }
+}
+
+int NonlinearAnswer::row_of(int region, int vertex) const {
+  const std::vector<int>& known = regions_[index(region)].vertices;
+  const auto at = std::lower_bound(known.begin(), known.end(), vertex);
+  return at != known.end() && *at == vertex ? static_cast<int>(at - known.begin()) : -1;
+}
+
+bool NonlinearAnswer::add_mode_row(int blob, int vertex, const Vector3f& direction,
+                                   std::span<float> row) const {
+  const int region = chosen_[index(blob)];
+  const int at = row_of(region, vertex);
+  if (at < 0) return false;
+  const RoundedRows& modes = regions_[index(region)].modes;
+  add_rows(modes, 3 * index(at), {direction.data(), 3}, row);
+  return true;
+}
+
+void NonlinearAnswer::evaluate(std::span<const VertexForce> loads, CrossTerms cross) {
+  std::fill(far_targets_.begin(), far_targets_.end(), 0.0f);
+  last_share_ = 0;
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    const RegionTable& region = regions_[index(chosen_[b])];
+    const std::span<float> code(codes_.data() + b * most_modes_, index(region.mode_count()));
+    std::fill(code.begin(), code.end(), 0.0f);
+    for (const VertexForce& load : loads) {
+      if (blob_of_vertex_[load.vertex] == static_cast<int>(b) && !load.force.isZero(0)) {
+        add_mode_row(static_cast<int>(b), load.vertex, load.force, code);
+      }
+    }
+    answers_[b].evaluate({cubic_[index(chosen_[b])], quartic_[index(chosen_[b])]}, code);
+    last_share_ = std::max(last_share_, answers_[b].last_share());
+    add_far_targets(chosen_[b], answers_[b].q(), asked_cluster_);
+  }
+  if (has_cross_terms() && cross == CrossTerms::kAnew) evaluate_cross_terms(loads);
+}
+
+void NonlinearAnswer::find_far_targets() {
+  std::fill(far_targets_.begin(), far_targets_.end(), 0.0f);
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    add_far_targets(chosen_[b], answers_[b].q(), every_cluster_);
+  }
+}
+
+// What the region's modes do in those of the clusters that are not its own.
+void NonlinearAnswer::add_far_targets(int region, std::span<const float> q,
+                                      std::span<const char> clusters) {
+  const RegionTable& table = regions_[index(region)];
+  const std::size_t C = index(compliance_.clusters()), k = compliance_.rank();
+  const std::span<float> code(far_code_.data(), table.far_count());
+  best_row_kernels().dots(table.far_shares.row(0), code.size(), q, code.data());
+  for (std::size_t j = 0; j < code.size(); ++j) code[j] *= table.far_shares.scale[j];
+  std::size_t row = 0;
+  for (std::size_t to = 0; to < C; ++to) {
+    if (own_cluster_[index(region) * C + to] != 0) continue;
+    const std::size_t first = row;
+    row += k;
+    if (clusters[to] == 0) continue;
+    best_row_kernels().dots(table.far_shapes.row(first), k, code, arriving_.data());
+    float* target = far_targets_.data() + to * k;
+    for (std::size_t i = 0; i < k; ++i) {
+      target[i] += table.far_shapes.scale[first + i] * arriving_[i];
+    }
+  }
+}
+
+bool NonlinearAnswer::has_cross_terms() const {
+  return chosen_.size() > 1 && cross_.cubic.variables > 0;
+}
+
+void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
+  const std::size_t x = cross_.modes.width;
+  std::fill(cross_codes_.begin(), cross_codes_.end(), 0.0f);
+  const auto code_of = [&](std::size_t b) {
+    return std::span<float>(cross_codes_.data() + b * x, x);
+  };
+  for (const VertexForce& load : loads) {
+    const int blob = blob_of_vertex_[load.vertex];
+    if (blob < 0 || load.force.isZero(0)) continue;
+    add_rows(cross_.modes, 3 * index(load.vertex), {load.force.data(), 3}, code_of(index(blob)));
+  }
+  const std::size_t count = chosen_.size() * x;
+  if (cross_blobs_ == chosen_.size()) {
+    float change = 0, all = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float by = cross_codes_[i] - cross_codes_before_[i];
+      change += by * by;
+      all += cross_codes_[i] * cross_codes_[i];
+    }
+    if (change <= kSameLoads * kSameLoads * all) return;
+  }
+  cross_blobs_ = chosen_.size();
+  std::copy_n(cross_codes_.begin(), count, cross_codes_before_.begin());
+  std::fill(pairs_.begin(), pairs_.end(), 0.0f);
+  const std::span<float> sum = code_of(chosen_.size());
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    for (std::size_t i = 0; i < x; ++i) sum[i] += code_of(b)[i];
+    add_pairs(code_of(b), 0.5f, pairs_);
+  }
+  add_pairs(sum, -0.5f, pairs_);
+  cross_cubic_.contract(pairs_, cross_q_);
+  // What is of the second order is small, or the order says nothing.
+  float first = 0, second = 0;
+  for (std::size_t i = 0; i < count; ++i) first += cross_codes_[i] * cross_codes_[i];
+  for (const float q : cross_q_) second += q * q;
+  const float most = kCrossEnd * kCrossEnd * first;
+  if (second > most) {
+    for (float& q : cross_q_) q *= std::sqrt(most / second);
+  }
+}
+
+Vector3f NonlinearAnswer::displacement_at(int vertex) const {
+  const std::size_t k = compliance_.rank();
+  Vector3f u = compliance_.beyond_at(
+      vertex, std::span(far_targets_).subspan(index(compliance_.cluster_of(vertex)) * k, k));
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    const int at = row_of(chosen_[b], vertex);
+    if (at >= 0) u += at_node(regions_[index(chosen_[b])].modes, index(at), answers_[b].q());
+  }
+  if (has_cross_terms()) u += at_node(cross_.modes, index(vertex), cross_q_);
+  return u;
+}
+
+void NonlinearAnswer::add_near(Eigen::Ref<Matrix3Xf> u) const {
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    const RegionTable& region = regions_[index(chosen_[b])];
+    for (std::size_t k = 0; k < region.vertices.size() && region.vertices[k] < u.cols(); ++k) {
+      u.col(region.vertices[k]) += at_node(region.modes, k, answers_[b].q());
+    }
+  }
+}
+
+void NonlinearAnswer::add_cross(Eigen::Ref<Matrix3Xf> u) const {
+  if (!has_cross_terms()) return;
+  for (int v = 0; v < u.cols(); ++v) u.col(v) += at_node(cross_.modes, index(v), cross_q_);
+}
+
+}  // namespace palpable

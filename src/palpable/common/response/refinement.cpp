@@ -1,0 +1,87 @@
+#include "palpable/common/response/refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xf;
+using Eigen::Vector3f;
+
+// A load of more than so many times f_0 is corrected as that one: s^2 was found to hold up to 2.
+constexpr float kMostOfAsked = 1.5f;
+// Of the exact answer: what is farther from the tables' answers a load that the body does not bear
+// without what presses holding it, and is no help.
+constexpr float kMostCorrection = 0.3f;
+// Of a probe's answer.
+constexpr float kSameBody = 0.1f;
+constexpr int kProbes = 24;
+constexpr float kProbeMoves = 1e-4f;  // m, at most
+
+}  // namespace
+
+float correction_weight(float work, float shared, float asked) {
+  if (!(work > 0) || !(shared > 0) || !(asked > 0)) return 0;
+  const float s = std::min(shared / asked, kMostOfAsked);
+  const float k = std::min(1.0f, shared / work * (shared / asked));
+  return s * s * k * k * k * k;
+}
+
+bool Refinement::take_up(const AskedLoad& asked, const Matrix3Xf& exact) {
+  const Eigen::Index V = asked.linear.cols();
+  const float off = (exact - asked.tables).leftCols(V).norm();
+  if (!(off <= kMostCorrection * exact.leftCols(V).norm())) return false;
+  std::swap(corrections[0], corrections[1]);
+  std::swap(weights[0], weights[1]);
+  ExactCorrection& c = corrections[1];
+  c.field = exact - asked.tables;
+  c.linear = asked.linear;
+  c.work = 0;
+  for (const VertexForce& f : asked.forces) c.work += f.force.dot(c.linear.col(f.vertex));
+  weights[1] = 0;
+  blended = 0;
+  return true;
+}
+
+void add_up_by_vertex(std::vector<VertexForce>& forces) {
+  std::sort(forces.begin(), forces.end(),
+            [](const VertexForce& a, const VertexForce& b) { return a.vertex < b.vertex; });
+  std::size_t kept = 0;
+  for (std::size_t k = 1; k < forces.size(); ++k) {
+    if (forces[k].vertex == forces[kept].vertex) {
+      forces[kept].force += forces[k].force;
+    } else {
+      forces[++kept] = forces[k];
+    }
+  }
+  forces.resize(kept + 1);
+}
+
+void make_probe(LinearField& field, int vertices, int nodes, AskedLoad& probe) {
+  probe.forces.clear();
+  for (int k = 0; k < kProbes; ++k) {
+    const int v = vertices * k / kProbes;
+    if (!probe.forces.empty() && probe.forces.back().vertex == v) continue;
+    probe.forces.push_back({v, Vector3f(0, 0, k % 2 == 0 ? -1.0f : -0.5f)});
+  }
+  probe.tables.resize(3, nodes);
+  field.fill(probe.forces, probe.tables);
+  const float largest =
+      std::sqrt(probe.tables.leftCols(vertices).colwise().squaredNorm().maxCoeff());
+  if (!(largest > 0)) return;
+  const float share = kProbeMoves / largest;
+  for (VertexForce& f : probe.forces) f.force *= share;
+  probe.tables *= share;
+  probe.linear = probe.tables.leftCols(vertices);
+}
+
+bool is_of_probed_body(const AskedLoad& probe, const Matrix3Xf& exact) {
+  const Eigen::Index V = probe.linear.cols();
+  return exact.cols() == probe.tables.cols() &&
+         (exact.leftCols(V) - probe.linear).norm() <= kSameBody * probe.linear.norm();
+}
+
+}  // namespace palpable

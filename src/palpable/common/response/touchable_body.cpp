@@ -1,0 +1,47 @@
+#include "palpable/common/response/touchable_body.h"
+
+#include "palpable/common/reduced/scaled_body.h"
+
+#include <cmath>
+
+namespace palpable {
+namespace {
+
+void multiply(std::vector<float>& scale, double factor) {
+  for (float& s : scale) s = static_cast<float>(factor * static_cast<double>(s));
+}
+
+// The same strains, so the same stress. A displacement is s times as large under a load s^2 times
+// as large: G of 1/s. Modes of unit energy are 1/sqrt(s) of what they were; the derivatives of the
+// energy in them follow, that of order n with s^(3 - n) s^(-n/2).
+TouchTables scaled(const TouchTables& tables, double s) {
+  TouchTables result = tables;
+  multiply(result.compliance.couplings.scale, 1 / s);
+  multiply(result.compliance.near_scale, 1 / s);
+  const double modes = 1 / std::sqrt(s), cubic = std::pow(s, -1.5), quartic = std::pow(s, -3.0);
+  for (RegionTable& region : result.regions) {
+    multiply(region.modes.scale, modes);
+    multiply(region.far_shapes.scale, modes);  // the shares have no unit
+    multiply(region.cubic.scale, cubic);
+    multiply(region.quartic.scale, quartic);
+  }
+  multiply(result.cross.modes.scale, modes);
+  multiply(result.cross.cubic.scale, cubic);
+  if (result.coarse) result.coarse->surface.vertices *= s;
+  result.shell.stress_free *= static_cast<float>(s);
+  result.shell.preload *= static_cast<float>(s);
+  result.region_reach *= s;
+  result.point_spacing *= s;
+  return result;
+}
+
+}  // namespace
+
+TouchableBody scaled(const TouchableBody& body, double factor) {
+  TouchableBody result = scaled(body.body, factor);
+  if (body.touch) result.touch = scaled(*body.touch, factor);
+  if (body.modal) result.modal = scaled(*body.modal, factor);
+  return result;
+}
+
+}  // namespace palpable

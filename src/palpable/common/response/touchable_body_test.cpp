@@ -1,0 +1,63 @@
+#include "palpable/common/response/touchable_body.h"
+
+#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/shell_stress.h"
+#include "tests/support/dented_sphere.h"
+#include "tests/support/some_touch_tables.h"
+#include "tests/support/test.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xf;
+using Eigen::Vector3f;
+
+constexpr float kScale = 10;
+
+TEST_CASE("orders two and three and the stress scale with the body", "[touch]") {
+  TouchableBody small = test::DentedSphere{}.body();
+  const SurfaceMesh& skin = small.body.surface;
+  small.touch = test::some_touch_tables(skin, 3);
+  const TouchableBody large = scaled(small, static_cast<double>(kScale));
+  const auto shapes = [&](const TouchableBody& body, float size) {
+    const Compliance compliance(body.touch->compliance);
+    const RegionMap map(body.body.surface.vertices.cast<float>(), body.touch->regions,
+                        body.touch->region_reach);
+    NonlinearAnswer answer(compliance, body.touch->regions, map, body.touch->cross);
+    const int v = body.touch->regions[1].vertex;
+    answer.choose_blobs(std::array{v}, std::array{1.0f}, {});
+    REQUIRE(answer.blob_count() == 1);
+    answer.evaluate(std::array{VertexForce{v, size * size * Vector3f(1, 2, -5)}});
+    answer.find_far_targets();
+    Matrix3Xf u = Matrix3Xf::Zero(3, compliance.nodes());
+    compliance.add_beyond(answer.far_targets(), u);
+    answer.add_near(u);
+    return u;
+  };
+  const Matrix3Xf u = shapes(small, 1), times_ten = shapes(large, kScale);
+  REQUIRE(u.norm() > 0);
+  CHECK(times_ten.isApprox(kScale * u, 1e-3f));
+
+  ShellStress stress(small.touch->shell, skin.vertex_count());
+  ShellStress stress_of_large(large.touch->shell, skin.vertex_count());
+  Matrix3Xf moved = Matrix3Xf::Zero(3, stress.nodes());
+  moved.row(2).setLinSpaced(0.0f, 0.004f);
+  const Matrix3Xf moved_more = kScale * moved;
+  std::vector<float> here(static_cast<std::size_t>(skin.vertex_count())), there = here;
+  stress.evaluate(moved, here);
+  stress_of_large.evaluate(moved_more, there);
+  const auto as_vector = [](const std::vector<float>& numbers) {
+    return Eigen::VectorXf(Eigen::Map<const Eigen::VectorXf>(
+        numbers.data(), static_cast<Eigen::Index>(numbers.size())));
+  };
+  REQUIRE(as_vector(here).maxCoeff() > 100.0f);
+  CHECK(as_vector(there).isApprox(as_vector(here), 1e-3f));
+}
+
+}  // namespace
+}  // namespace palpable

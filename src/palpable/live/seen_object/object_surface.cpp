@@ -1,0 +1,315 @@
+#include "palpable/live/seen_object/object_surface.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/live/seen_object/ray_to_region.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace palpable {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// Of a ball's radius: over so much of the surface its shape is averaged.
+constexpr float kShapeStep = 0.5f;
+
+// Balls, and points of them, for which there is room from the start: a flat hand near the camera
+// makes 2,500, and no two frames of it as many. More are possible.
+constexpr std::size_t kBallRoom = 8192;
+
+// Of the sum of two builds' ways: between a whole thing's (1/2) and that of one cut off (1).
+constexpr double kSeenMove = 2.0 / 3;
+
+constexpr float kAmid = 1e-6f;  // m: nearer to a ball's middle no direction leads out
+constexpr float kHalfRoot = 0.70710678f;
+
+}  // namespace
+
+ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
+    : settings_(settings),
+      silhouette_(settings.silhouette),
+      rest_(settings.rest),
+      held_(settings.hold) {
+  PALPABLE_EXPECT(settings.step >= 1, "every pixel is the finest decimation");
+  PALPABLE_EXPECT(settings.balls.reach >= 1, "a normal needs neighbours");
+  PALPABLE_EXPECT(settings.balls.most_radius > 0 && settings.band > 0 &&
+                      settings.silhouette.largest_jump_at_1m > 0,
+                  "radius, band and jump are lengths above 0");
+  PALPABLE_EXPECT(settings.noise_constant >= 0 && settings.noise_linear >= 0 &&
+                      settings.noise_quadratic >= 0 && settings.pixels_alike > 0,
+                  "noise is not negative");
+  cloud_.reserve(kBallRoom);
+  found_.reserve(kBallRoom);
+  balls_.reserve(kBallRoom);
+  bare_.reserve(kBallRoom);
+  tree_.reserve(kBallRoom);
+  held_.reserve(kBallRoom);
+}
+
+double ObjectSurface::noise_at(double Z) const {
+  return settings_.noise_constant + Z * (settings_.noise_linear + Z * settings_.noise_quadratic);
+}
+
+float ObjectSurface::sigma_of(float depth, int pixels) const {
+  return static_cast<float>(noise_at(static_cast<double>(depth)) /
+                            std::sqrt(std::max(1.0, pixels / settings_.pixels_alike)));
+}
+
+void ObjectSurface::start(const AlignedBox3d& region_in_body, const Vector3f& camera_in_body) {
+  PALPABLE_EXPECT(!region_in_body.isEmpty(), "the region around a body is not empty");
+  const Vector3f band = Vector3f::Constant(static_cast<float>(settings_.band));
+  region_ = Eigen::AlignedBox3f(region_in_body.min().cast<float>() - band,
+                                region_in_body.max().cast<float>() + band);
+  camera_ = camera_in_body;
+  balls_.clear();
+  cloud_.clear();
+}
+
+// A ball matters to a query in the region when it reaches into the query's band.
+void ObjectSurface::keep(const ObjectBall& ball) {
+  if (region_.squaredExteriorDistance(ball.centre) < ball.radius * ball.radius) {
+    balls_.push_back(ball);
+  }
+}
+
+void ObjectSurface::finish() {
+  bare_.clear();
+  bounds_.setEmpty();
+  for (const ObjectBall& ball : balls_) {
+    bare_.push_back({ball.centre, ball.radius});
+    const Vector3f radius = Vector3f::Constant(ball.radius);
+    bounds_.extend(Eigen::AlignedBox3f(ball.centre - radius, ball.centre + radius));
+  }
+  tree_.build(bare_);
+  find_moved();
+}
+
+// A thing that moves by v reaches by d . v farther in direction d. Of one that the picture or the
+// region cuts off only the half that is seen does, which gives half of v. The mean of two builds is
+// taken, since an outline that flickers moves there and back.
+void ObjectSurface::find_moved() {
+  static const std::array<Vector3f, 26> kDirections = [] {
+    std::array<Vector3f, 26> directions;
+    std::size_t count = 0;
+    for (int k = 0; k < 27; ++k) {
+      if (k == 13) continue;
+      const int x = k % 3, y = k / 3 % 3, z = k / 9;
+      directions[count++] =
+          (Eigen::Vector3i(x, y, z).cast<float>() - Vector3f::Ones()).normalized();
+    }
+    return directions;
+  }();
+  const std::array<float, 26> before = reach_;
+  const bool measured_before = measured_;
+  reach_.fill(-std::numeric_limits<float>::infinity());
+  measured_ = false;
+  for (const ObjectBall& ball : balls_) {
+    if (ball.unseen_for > 0) continue;
+    measured_ = true;
+    for (std::size_t k = 0; k < reach_.size(); ++k) {
+      reach_[k] = std::max(reach_[k], kDirections[k].dot(ball.point));
+    }
+  }
+  const Vector3f way_before = way_;
+  moved_ = 0;
+  way_.setZero();
+  if (measured_ && measured_before) {
+    for (std::size_t k = 0; k < reach_.size(); ++k) {  // the sum of d d^T is 26 / 3
+      way_ += 3.0f / 26.0f * (reach_[k] - before[k]) * kDirections[k];
+    }
+    moved_ = kSeenMove * static_cast<double>((way_ + way_before).norm());
+  } else if (balls_.empty() || !measured_before) {
+    moved_ = std::numeric_limits<double>::infinity();
+  }
+}
+
+// The front of a ball that matters is not farther away than its diameter.
+AlignedBox3d ObjectSurface::fronts_near(const AlignedBox3d& region) const {
+  const Vector3d margin = Vector3d::Constant(settings_.band + 2 * settings_.balls.most_radius);
+  return {region.min() - margin, region.max() + margin};
+}
+
+PixelBox ObjectSurface::box_of_interest(const AlignedBox3d& region_in_body,
+                                        const Rigid3& camera_from_body,
+                                        const PinholeCamera& camera) const {
+  return box_in_image(fronts_near(region_in_body), camera_from_body, camera);
+}
+
+void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
+                          const PinholeCamera& camera, const Rigid3& body_from_camera,
+                          const AlignedBox3d& region_in_body, double time) {
+  PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
+                  "the camera is the depth image's own");
+  PALPABLE_EXPECT(
+      shows.empty() || (shows.width() == depth.width() && shows.height() == depth.height()),
+      "what is shown is of the depth's size");
+  start(region_in_body, body_from_camera.translation().cast<float>());
+  const Rigid3 camera_from_body = body_from_camera.inverse();
+  const PixelBox interest = box_of_interest(region_in_body, camera_from_body, camera);
+  const MaskImage& given = shows.empty() ? everything_measured(depth) : shows;
+  const Eigen::Matrix3f R = body_from_camera.linear().cast<float>();
+  const Vector3f t = body_from_camera.translation().cast<float>();
+  const Eigen::AlignedBox3f near = fronts_near(region_in_body).cast<float>();
+  const RayToRegion to_body(camera, body_from_camera);
+  const PixelBox box = box_of_things(depth, given, camera, interest, to_body, near);
+  rest_.add(depth, given, box, camera, camera_from_body, noise_at(1));
+  silhouette_.find(rest_.depth(), rest_.shows(), rest_.box(), &rest_.presence());
+  creases_.find(rest_.depth(), camera, silhouette_, settings_.balls.most_radius);
+  silhouette_.part(creases_.pixels(),
+                   creases_.radius_px() + static_cast<int>(settings_.balls.fattening) + 2);
+  find_medial_balls(rest_.depth(), camera, silhouette_, settings_.balls,
+                    {body_from_camera, near, region_}, found_);
+  for (const MedialBall& ball : found_) {
+    const float frames = rest_.frames_at(ball.x, ball.y);
+    keep({R * ball.front + t, R * ball.normal, R * ball.centre + t, ball.radius,
+          sigma_of(ball.front.z(), ball.pixels) / std::sqrt(frames)});
+  }
+  held_.recall(depth, given, camera, camera_from_body, time, balls_);
+  fill_cloud(depth, given, box, to_body, near);
+  finish();
+}
+
+// The part of the image in which things near the region are seen, and as much beside them as their
+// balls are large: there their outlines matter.
+PixelBox ObjectSurface::box_of_things(const DepthImage& depth, const MaskImage& shows,
+                                      const PinholeCamera& camera, const PixelBox& interest,
+                                      const RayToRegion& to_body,
+                                      const Eigen::AlignedBox3f& near) const {
+  int left = interest.x + interest.width, right = -1, top = interest.y + interest.height,
+      bottom = -1;
+  float nearest = std::numeric_limits<float>::infinity();
+  for (int y = interest.y; y < interest.y + interest.height; ++y) {
+    const std::uint8_t *row = shows.row(y), *end = row + interest.x + interest.width;
+    const float* depths = depth.row(y);
+    for (const std::uint8_t* at = row + interest.x; at != end; ++at) {
+      if (*at != kShowsPresser) {
+        const void* next = std::memchr(at, kShowsPresser, static_cast<std::size_t>(end - at));
+        if (next == nullptr) break;
+        at = static_cast<const std::uint8_t*>(next);
+      }
+      const int x = static_cast<int>(at - row);
+      const float z = depths[x];
+      if (!near.contains(to_body.point(x, y, z))) continue;
+      left = std::min(left, x), right = std::max(right, x);
+      top = std::min(top, y), bottom = y;
+      nearest = std::min(nearest, z);
+    }
+  }
+  if (right < 0) return {};
+  const double beside = camera.fx_px * settings_.balls.most_radius / static_cast<double>(nearest) +
+                        settings_.balls.fattening + 2;
+  const PixelBox box = grown({left, top, right - left + 1, bottom - top + 1},
+                             static_cast<int>(std::min(beside, 64.0)), camera);
+  const int x = std::max(box.x, interest.x), y = std::max(box.y, interest.y);
+  return {x, y, std::min(box.x + box.width, interest.x + interest.width) - x,
+          std::min(box.y + box.height, interest.y + interest.height) - y};
+}
+
+void ObjectSurface::fill_cloud(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+                               const RayToRegion& to_body, const Eigen::AlignedBox3f& near) {
+  const int step = settings_.step;
+  const auto first = [&](int from) { return (from + step - 1) / step * step; };
+  cloud_.reserve(static_cast<std::size_t>(first(depth.width()) / step) *
+                 static_cast<std::size_t>(first(depth.height()) / step));
+  for (int v = first(box.y); v < box.y + box.height; v += step) {
+    for (int u = first(box.x); u < box.x + box.width; u += step) {
+      if (shows(u, v) != kShowsPresser || !is_depth(depth(u, v))) continue;
+      const Vector3f x = to_body.point(u, v, depth(u, v));
+      if (near.contains(x)) cloud_.push_back(x);
+    }
+  }
+}
+
+const MaskImage& ObjectSurface::everything_measured(const DepthImage& depth) {
+  all_.resize(depth.width(), depth.height());
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    all_.data()[i] = is_depth(depth.data()[i]) ? kShowsPresser : kShowsUnknown;
+  }
+  return all_;
+}
+
+void ObjectSurface::build(std::span<const ObjectBall> balls, const AlignedBox3d& region_in_body,
+                          const Vector3f& camera_in_body) {
+  start(region_in_body, camera_in_body);
+  for (const ObjectBall& ball : balls) {
+    keep(ball);
+    cloud_.push_back(ball.point);
+  }
+  finish();
+}
+
+NearestOnObject ObjectSurface::answer(const Vector3f& x, float distance, int index) const {
+  const ObjectBall& ball = balls_[index];
+  const bool faces_camera = (x - ball.centre).dot(camera_ - ball.centre) > 0.0f;
+  return {distance, index,
+          ball.unseen_for > 0 ? Known::kUnknown
+          : faces_camera      ? Known::kMeasured
+                              : Known::kAssumed};
+}
+
+std::optional<NearestOnObject> ObjectSurface::nearest(const Vector3f& x, float reach) const {
+  const auto found = tree_.nearest(x, reach);
+  if (!found) return std::nullopt;
+  return answer(x, found->distance, found->ball);
+}
+
+std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
+  const auto found = nearest(x);
+  if (!found) return std::nullopt;
+  const ObjectBall& ball = balls_[found->ball];
+  const Vector3f out = x - ball.centre;
+  const Vector3f n = out.norm() > kAmid ? Vector3f(out.normalized()) : ball.normal;
+  const float h = kShapeStep * ball.radius;
+  const Vector3f t = n.unitOrthogonal(), s = n.cross(t);
+  // Along four directions of the tangent plane, 45 degrees apart: slope, and the curvature of the
+  // circle through the three values. On a sphere of radius R the mean of phi at +-h is higher than
+  // in the middle by d with (R + d)^2 = R^2 + h^2, so that 1/R = 2 d / (h^2 - d^2).
+  const std::array<Vector3f, 4> directions{t, ((t + s) * kHalfRoot).eval(), s,
+                                           ((s - t) * kHalfRoot).eval()};
+  std::array<Vector3f, 8> places;
+  for (std::size_t k = 0; k < 4; ++k) {
+    places[2 * k] = x + h * directions[k];
+    places[2 * k + 1] = x - h * directions[k];
+  }
+  const std::array<float, 8> there = tree_.distances_around(x, n, h, places, found->ball);
+  Vector3f slope = Vector3f::Zero();
+  std::array<float, 4> bend{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const float ahead = there[2 * k], behind = there[2 * k + 1];
+    slope += (ahead - behind) / (4 * h) * directions[k];
+    const float d = (ahead + behind) / 2 - found->distance;
+    bend[k] = 2 * d / (h * h - d * d);
+  }
+  // A symmetric tensor (a b; b c) bends by a, (a + c)/2 + b, c, (a + c)/2 - b along the four.
+  const float mean = (bend[0] + bend[1] + bend[2] + bend[3]) / 4;
+  const float a = mean + (bend[0] - bend[2]) / 2, c = mean - (bend[0] - bend[2]) / 2;
+  const float b = (bend[1] - bend[3]) / 2;
+  const Eigen::Matrix3f K =
+      a * t * t.transpose() + b * (t * s.transpose() + s * t.transpose()) + c * s * s.transpose();
+  const Vector3f normal = (n + slope).normalized();
+  const Eigen::Matrix3f across = Eigen::Matrix3f::Identity() - normal * normal.transpose();
+  return SurfaceShape{found->distance, normal, across * K * across, ball.sigma, found->known};
+}
+
+std::optional<NearestOnObject> ObjectSurface::nearest_by_brute_force(const Vector3f& x) const {
+  auto best = static_cast<float>(settings_.band);
+  int found = -1;
+  for (std::size_t k = 0; k < balls_.size(); ++k) {
+    const float d = (balls_[k].centre - x).norm() - balls_[k].radius;
+    if (d < best) {
+      best = d;
+      found = static_cast<int>(k);
+    }
+  }
+  if (found < 0) return std::nullopt;
+  return answer(x, best, found);
+}
+
+}  // namespace palpable

@@ -1,0 +1,156 @@
+/// @file
+/// The real world near a body as one camera sees it: a signed distance to the things that press
+/// (paper Sec. 3.4, the "level set" of Figs. 7 and 8).
+///
+/// The camera sees only the front of a hand. What lies behind is told by how wide it is
+/// (medial_balls.h): the thing is a union of balls behind the middle of its silhouette,
+///
+///     phi(x) = min over balls  |x - centre| - radius           negative inside, m
+///
+/// Where the surface of the union faces the camera it was *measured*; its other side is *assumed*.
+///
+/// Body frame, metres. The distance is exact in a band around the surface and unknown outside.
+///
+/// `palpable bench surface` judges it against true things.
+#pragma once
+
+#include "palpable/common/contact/object_ball.h"
+#include "palpable/common/contact/pressing_surface.h"
+#include "palpable/common/geometry/camera.h"
+#include "palpable/common/geometry/image.h"
+#include "palpable/common/geometry/pixel_box.h"
+#include "palpable/common/geometry/rigid.h"
+#include "palpable/live/seen_object/ball_tree.h"
+#include "palpable/live/seen_object/creases.h"
+#include "palpable/live/seen_object/held_balls.h"
+#include "palpable/live/seen_object/medial_balls.h"
+#include "palpable/live/seen_object/ray_to_region.h"
+#include "palpable/live/seen_object/rest_filter.h"
+#include "palpable/live/seen_object/silhouette.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+struct ObjectSurfaceSettings {
+  /// N_step of Algorithm 1: every step-th pixel of every step-th row becomes a point of the cloud.
+  int step = 2;
+  double band = 0.010;  ///< m, phi is exact up to here outside, and everywhere inside
+  SilhouetteSettings silhouette{};
+  MedialBallSettings balls{};
+  RestFilterSettings rest{};
+  HoldSettings hold{};
+  /// How far one pixel's depth scatters round the true one,
+  ///     sigma(Z) = noise_constant + noise_linear Z + noise_quadratic Z^2    (m, 1, 1/m).
+  /// Disparity has a constant error, so stereo has the square alone.
+  double noise_constant = 0;
+  double noise_linear = 0;
+  double noise_quadratic = 0.006;
+  /// So many neighbouring pixels have one error: a matcher's windows overlap, and it smooths.
+  double pixels_alike = 6;
+};
+
+/// Built anew for each frame; keeps its memory, and has room for 8,192 balls from the start, so
+/// that building allocates nothing after the first frame.
+class ObjectSurface final : public PressingSurface {
+ public:
+  /// @throws ContractViolation if a step or reach is below 1, or a length is not positive
+  explicit ObjectSurface(const ObjectSurfaceSettings& settings = {});
+
+  /// Makes balls of the things that lie near `region_in_body`.
+  ///
+  /// @param depth    Z in m, NaN where unknown: no depth, no thing. Zero, negative and infinite
+  ///                 values count as unknown.
+  /// @param shows    of each pixel kShowsRoom..., kShowsPresser or kShowsUnknown
+  /// (geometry/image.h);
+  ///                 empty: what is measured presses, what is not is unknown
+  /// @param camera   of the depth image: same width and height
+  /// @param time     s, of the frame: what it neither sees nor sees through is held (held_balls.h)
+  void build(const DepthImage& depth, const MaskImage& shows, const PinholeCamera& camera,
+             const Rigid3& body_from_camera, const Eigen::AlignedBox3d& region_in_body,
+             double time = 0);
+
+  /// The part of the image in which things that matter to `region_in_body` may be seen.
+  [[nodiscard]] PixelBox box_of_interest(const Eigen::AlignedBox3d& region_in_body,
+                                         const Rigid3& camera_from_body,
+                                         const PinholeCamera& camera) const;
+
+  /// Uses these balls as they are (tests, other sensors), seen from `camera_in_body`. Balls that
+  /// cannot reach into the region's band are left out.
+  void build(std::span<const ObjectBall> balls, const Eigen::AlignedBox3d& region_in_body,
+             const Eigen::Vector3f& camera_in_body = Eigen::Vector3f::Zero());
+
+  [[nodiscard]] std::span<const ObjectBall> balls() const override { return balls_; }
+  /// The cloud of Algorithm 1: the pixels that press near the region, thinned out by settings.step,
+  /// at the depth that this frame measured (not the average over frames, of which balls are made).
+  [[nodiscard]] std::span<const Eigen::Vector3f> cloud() const { return cloud_; }
+  /// How many points the cloud of a depth image of this size can have, from the first build on.
+  [[nodiscard]] std::size_t cloud_room() const { return cloud_.capacity(); }
+  [[nodiscard]] const ObjectSurfaceSettings& settings() const { return settings_; }
+  [[nodiscard]] const Eigen::AlignedBox3f& bounds() const override { return bounds_; }
+  [[nodiscard]] float band() const override { return static_cast<float>(settings_.band); }
+  /// From how far what is measured reaches in 26 directions, so that balls that come and go amid it
+  /// do not count.
+  [[nodiscard]] double moved() const override { return moved_; }
+
+  [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x,
+                                                       float reach) const override;
+  /// Within the band.
+  [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x) const {
+    return nearest(x, band());
+  }
+  [[nodiscard]] bool is_within(const Eigen::Vector3f& x, float reach) const override {
+    return tree_.is_any_within(x, reach);
+  }
+  [[nodiscard]] std::optional<SurfaceShape> shape_at(const Eigen::Vector3f& x) const override;
+
+  /// The same as nearest() by looking at every ball: what it is tested against.
+  [[nodiscard]] std::optional<NearestOnObject> nearest_by_brute_force(
+      const Eigen::Vector3f& x) const;
+
+ private:
+  [[nodiscard]] Eigen::AlignedBox3d fronts_near(const Eigen::AlignedBox3d& region) const;
+  void start(const Eigen::AlignedBox3d& region_in_body, const Eigen::Vector3f& camera_in_body);
+  void keep(const ObjectBall& ball);
+  void finish();
+  void find_moved();
+  [[nodiscard]] NearestOnObject answer(const Eigen::Vector3f& x, float distance, int index) const;
+
+  [[nodiscard]] const MaskImage& everything_measured(const DepthImage& depth);
+  [[nodiscard]] PixelBox box_of_things(const DepthImage& depth, const MaskImage& shows,
+                                       const PinholeCamera& camera, const PixelBox& interest,
+                                       const RayToRegion& to_body,
+                                       const Eigen::AlignedBox3f& near) const;
+  void fill_cloud(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+                  const RayToRegion& to_body, const Eigen::AlignedBox3f& near);
+  [[nodiscard]] float sigma_of(float depth, int pixels) const;
+  [[nodiscard]] double noise_at(double Z) const;
+
+  ObjectSurfaceSettings settings_;
+  Eigen::AlignedBox3f region_;  // grown by the band
+  Eigen::AlignedBox3f bounds_;
+  Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
+  Silhouette silhouette_;
+  Creases creases_;
+  std::vector<MedialBall> found_;  // camera frame
+  std::vector<ObjectBall> balls_;
+  std::vector<Eigen::Vector3f> cloud_;
+  std::vector<Ball> bare_;
+  std::array<float, 26> reach_{};  // m, of the measured fronts in as many directions
+  bool measured_ = false;          // whether there are such
+  Eigen::Vector3f way_ = Eigen::Vector3f::Zero();  // m, half of it, since the build before
+  double moved_ = 0;
+  BallTree tree_;
+  RestFilter rest_;
+  HeldBalls held_;
+  MaskImage all_;  // what is shown where nobody says so
+};
+
+}  // namespace palpable

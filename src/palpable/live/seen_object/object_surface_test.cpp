@@ -1,0 +1,499 @@
+#include "palpable/live/seen_object/object_surface.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/order_statistics.h"
+#include "tests/support/allocations.h"
+#include "tests/support/seen_capsules.h"
+#include "tests/support/test.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using test::Capsule;
+using test::tolerance;
+
+// As the stereo chain gives it: f = 350 px at half resolution. 161 x 121 keeps the debug build
+// quick.
+constexpr PinholeCamera kCamera{161, 121, 350, 350, 80, 60};
+
+// A body frame that agrees with no axis of the camera, so that a swapped transform shows.
+Rigid3 some_pose() {
+  Rigid3 body_from_camera = Rigid3::Identity();
+  body_from_camera.linear() =
+      (Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized())).toRotationMatrix();
+  body_from_camera.translation() = Vector3d(0.1, -0.2, 0.05);
+  return body_from_camera;
+}
+
+Eigen::AlignedBox3d box_around(const Vector3d& centre, double half_side) {
+  return {centre - Vector3d::Constant(half_side), centre + Vector3d::Constant(half_side)};
+}
+
+TEST_CASE("the front of a wide thing lies where it is seen, and its normals face the camera",
+          "[contact][object surface]") {
+  // A plane through (0, 0, 0.4) tilted by 45 degrees: z = 0.4 + x + 0.3 y.
+  DepthImage depth(kCamera.width, kCamera.height);
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      const Vector3d ray = kCamera.unproject(u, v, 1.0);
+      depth(u, v) = static_cast<float>(0.4 / (1 - ray.x() - 0.3 * ray.y()));
+    }
+  }
+  const Rigid3 body_from_camera = some_pose();
+  const Vector3d normal = body_from_camera.linear() * Vector3d(1, 0.3, -1).normalized();
+  const Vector3d on_plane = body_from_camera * Vector3d(0, 0, 0.4);
+  ObjectSurface seen;
+  seen.build(depth, {}, kCamera, body_from_camera, box_around(on_plane, 0.03));
+  REQUIRE(seen.balls().size() > 100);
+  for (const ObjectBall& ball : seen.balls()) {
+    CHECK(std::abs((ball.point.cast<double>() - on_plane).dot(normal)) <
+          tolerance(1e-6, "floats of half a metre"));
+    CHECK((ball.normal.cast<double>() - normal).norm() <
+          tolerance(1e-4, "float depth (3e-8 m) over a window of 11 px of 1 mm"));
+    // The ball touches the plane from behind.
+    CHECK((ball.centre.cast<double>() - on_plane).dot(normal) ==
+          Approx(-static_cast<double>(ball.radius)).margin(1e-5));
+  }
+  CHECK(seen.cloud().size() > 1000);
+}
+
+// How far the guess of a finger is off, m, all round it and at its tip.
+struct FingerErrors {
+  double median = 0, worst = 0, tip_median = 0;
+  double covered = 0;
+};
+
+FingerErrors errors_of(const ObjectSurface& seen, const Capsule& finger,
+                       const Rigid3& body_from_camera) {
+  const Vector3d axis = (finger.b - finger.a).normalized();
+  const Vector3d across = axis.unitOrthogonal(), other = axis.cross(across);
+  std::vector<double> side, tip;
+  int asked = 0;
+  const auto ask = [&](const Vector3d& x, std::vector<double>& errors) {
+    ++asked;
+    const auto found = seen.nearest((body_from_camera * x).cast<float>());
+    if (found) errors.push_back(std::abs(static_cast<double>(found->distance)));
+  };
+  for (int k = 0; k < 48; ++k) {
+    const double angle = k * std::numbers::pi / 24;
+    const Vector3d out = std::cos(angle) * across + std::sin(angle) * other;
+    for (int i = 0; i <= 20; ++i) {
+      ask(finger.a + 0.04 * i / 20 * axis + finger.radius * out, side);
+    }
+    for (int i = 1; i < 12; ++i) {
+      const double up = i * std::numbers::pi / 24;
+      ask(finger.a + finger.radius * (std::cos(up) * out - std::sin(up) * axis), tip);
+    }
+  }
+  FingerErrors errors;
+  errors.covered = static_cast<double>(side.size() + tip.size()) / asked;
+  errors.worst = *std::max_element(side.begin(), side.end());
+  errors.median = upper_median(side);
+  errors.tip_median = upper_median(tip);
+  return errors;
+}
+
+TEST_CASE("balls stand for the whole finger, on all sides", "[contact][object surface]") {
+  // A pencil, a finger and a thumb, across the view and pointing at the camera or away from it; the
+  // far end lies outside the region.
+  for (const double radius : {0.0035, 0.008, 0.012}) {
+    for (const double tilt : {0.0, 0.5, 0.9, -0.5}) {
+      INFO("radius " << radius << " tilt " << tilt);
+      const Vector3d axis(std::cos(tilt) * std::cos(0.4), std::cos(tilt) * std::sin(0.4),
+                          -std::sin(tilt));
+      const Vector3d tip(-0.03, -0.01, 0.40);
+      const Capsule finger{tip, tip + 0.12 * axis, radius};
+      const DepthImage depth = test::depth_of({finger}, kCamera);
+      const Rigid3 body_from_camera = some_pose();
+      ObjectSurface seen;
+      seen.build(depth, {}, kCamera, body_from_camera, box_around(body_from_camera * tip, 0.05));
+      const FingerErrors errors = errors_of(seen, finger, body_from_camera);
+      CHECK(errors.covered == 1.0);
+      // A pixel is 1.1 mm; the outline is known to half of one.
+      CHECK(errors.median < tolerance(0.00045, "0.4 of a pixel"));
+      CHECK(errors.worst < tolerance(0.0018, "one and a half pixels"));
+      CHECK(errors.tip_median < tolerance(0.0020, "two pixels: a tip has one disc, not many"));
+    }
+  }
+}
+
+TEST_CASE("what the camera sees is measured, the other side assumed", "[contact][object surface]") {
+  const Capsule finger{{-0.05, 0, 0.4}, {0.05, 0, 0.4}, 0.008};
+  ObjectSurface seen;
+  seen.build(test::depth_of({finger}, kCamera), {}, kCamera, Rigid3::Identity(),
+             box_around({0, 0, 0.4}, 0.05));
+  CHECK(seen.nearest(Vector3f(0, 0, 0.391f))->known == Known::kMeasured);
+  CHECK(seen.nearest(Vector3f(0, 0, 0.409f))->known == Known::kAssumed);
+  // A frame later nobody knows anything.
+  const DepthImage nothing(kCamera.width, kCamera.height, std::numeric_limits<float>::quiet_NaN());
+  seen.build(nothing, {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.05), 1.0 / 30);
+  CHECK(seen.nearest(Vector3f(0, 0, 0.391f))->known == Known::kUnknown);
+  CHECK(seen.nearest(Vector3f(0, 0, 0.409f))->known == Known::kUnknown);
+}
+
+// Largest and least eigenvalue of a surface's curvature beside that along its normal, which is 0.
+std::pair<double, double> principal(const SurfaceShape& shape) {
+  Eigen::Vector3f v = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(shape.curvature).eigenvalues();
+  std::sort(v.begin(), v.end(), [](float a, float b) { return std::abs(a) > std::abs(b); });
+  return {static_cast<double>(v[0]), static_cast<double>(v[1])};
+}
+
+TEST_CASE("the shape of the surface is that of the thing: normal and curvature",
+          "[contact][object surface][shape]") {
+  // A row of balls as dense as pixels is a finger: curved across, straight along.
+  std::vector<ObjectBall> finger;
+  for (int i = -40; i <= 40; ++i) {
+    const Vector3f centre(0.001f * static_cast<float>(i), 0, 0);
+    finger.push_back({centre, {0, 0, -1}, centre, 0.008f, 0.0005f});
+  }
+  ObjectSurface seen;
+  seen.build(finger, box_around({0, 0, 0}, 0.1), {0, 0, -0.4f});
+  for (const float outside : {0.0f, 0.002f, -0.003f}) {
+    INFO("outside by " << outside);
+    const float R = 0.008f + outside;
+    const auto side = seen.shape_at({0.0053f, 0.6f * R, -0.8f * R});
+    REQUIRE(side.has_value());
+    CHECK(side->distance == Approx(outside).margin(tolerance(2e-5, "bumps of 0.5^2 / 16 mm")));
+    CHECK((side->normal - Vector3f(0, 0.6f, -0.8f)).norm() <
+          tolerance(0.01f, "bumps of 0.02 mm over 8 mm"));
+    CHECK(side->sigma == 0.0005f);
+    CHECK(side->known == Known::kMeasured);
+    CHECK((side->curvature * side->normal).norm() < 1e-2f);
+    const auto [most, least] = principal(*side);
+    CHECK(most == Approx(1 / static_cast<double>(R)).epsilon(tolerance(0.06, "4 mm of the round")));
+    CHECK(std::abs(least) < 0.05 * most);
+    // Along the finger the normal does not turn.
+    CHECK((side->curvature * Vector3f::UnitX()).norm() < 0.05 * most);
+  }
+  // At its tip it is a ball.
+  const auto tip = seen.shape_at({-0.048f, 0, 0.0001f});
+  REQUIRE(tip.has_value());
+  CHECK((tip->normal + Vector3f::UnitX()).norm() < 0.02f);
+  const auto [most, least] = principal(*tip);
+  CHECK(most == Approx(125).epsilon(0.03));
+  CHECK(least == Approx(125).epsilon(0.03));
+  CHECK_FALSE(seen.shape_at({0, 0.02f, 0}).has_value());
+  // In the middle of a ball no direction leads out; the camera's side does.
+  CHECK(seen.shape_at({0, 0, 0})->normal.allFinite());
+}
+
+TEST_CASE("a flat thing is flat, though it is made of balls", "[contact][object surface][shape]") {
+  const DepthImage depth(kCamera.width, kCamera.height, 0.4f);
+  ObjectSurface seen;
+  seen.build(depth, {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.04));
+  auto random = test::random_case(4);
+  std::uniform_real_distribution<float> where(-0.02f, 0.02f);
+  for (int i = 0; i < 200; ++i) {
+    // Its other side, 25 mm deeper.
+    const auto found = seen.shape_at({where(random), where(random), 0.4255f});
+    REQUIRE(found.has_value());
+    CHECK(found->known == Known::kAssumed);
+    CHECK(found->distance > 0.0004f);
+    CHECK(found->distance < tolerance(0.0008f, "dents of 0.2 mm between balls 3 mm apart"));
+    CHECK(found->normal.z() > std::cos(0.09f));
+    CHECK(principal(*found).first < tolerance(25, "a ball's own is 80 / m"));
+  }
+}
+
+TEST_CASE("a finger partly behind another keeps its thickness, and a hand on a desk is no desk",
+          "[contact][object surface]") {
+  // The nearer one hides the lower half of the other's front; that edge is no outline.
+  const Capsule hidden{{-0.06, 0, 0.42}, {0.06, 0, 0.42}, 0.010};
+  const Capsule nearer{{-0.06, 0.012, 0.36}, {0.06, 0.012, 0.36}, 0.008};
+  ObjectSurface seen;
+  seen.build(test::depth_of({hidden, nearer}, kCamera), {}, kCamera, Rigid3::Identity(),
+             box_around({0, 0, 0.42}, 0.03));
+  double largest = 0;
+  for (const ObjectBall& ball : seen.balls()) {
+    if (ball.point.z() > 0.39f) largest = std::max(largest, static_cast<double>(ball.radius));
+  }
+  CHECK(largest > 0.0085);
+
+  // What may not press ends a thing, wherever it lies.
+  DepthImage depth(kCamera.width, kCamera.height, 0.4f);
+  MaskImage presses(kCamera.width, kCamera.height, 0);
+  for (int v = 50; v < 61; ++v) {
+    for (int u = 10; u < 150; ++u) presses(u, v) = 255;
+  }
+  seen.build(depth, presses, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.05));
+  REQUIRE(!seen.balls().empty());
+  for (const ObjectBall& ball : seen.balls()) {
+    CHECK(ball.radius < 0.0075);
+    CHECK(std::abs(ball.point.y() + 0.0057f) < 0.004f);
+  }
+}
+
+TEST_CASE("things look wider to a matcher, and are made as thin as they are",
+          "[contact][object surface]") {
+  const Capsule thin{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.008};
+  Capsule wide = thin;
+  wide.radius += 1.0 * 0.4 / kCamera.fx_px;  // by one pixel
+  ObjectSurfaceSettings settings;
+  settings.balls.fattening = 1.0;
+  ObjectSurface seen(settings);
+  seen.build(test::depth_of({wide}, kCamera), {}, kCamera, Rigid3::Identity(),
+             box_around({0, 0, 0.4}, 0.03));
+  std::vector<double> radii;
+  for (const ObjectBall& ball : seen.balls()) radii.push_back(static_cast<double>(ball.radius));
+  REQUIRE(!radii.empty());
+  CHECK(upper_median(radii) ==
+        Approx(thin.radius).margin(tolerance(6e-4, "half a pixel: it lies along the rows")));
+}
+
+TEST_CASE("outlines that are known better are not made thinner", "[contact][object surface]") {
+  // 17 px wide; what is above it nobody knows.
+  const Capsule thing{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.0097};
+  const DepthImage depth = test::depth_of({thing}, kCamera);
+  MaskImage shows(kCamera.width, kCamera.height, kShowsRoom);
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      if (depth(u, v) > 0) shows(u, v) = kShowsPresser;
+    }
+  }
+  const auto radius = [&](double by_color, double beside_unknown, std::uint8_t room) {
+    ObjectSurfaceSettings settings;
+    settings.balls.fattening = 1.5;
+    settings.silhouette.by_color = by_color;
+    settings.silhouette.beside_unknown = beside_unknown;
+    for (std::uint8_t& s : shows) s = s == kShowsPresser ? s : room;
+    // The room is measured, but for where nobody knows it.
+    DepthImage whole = depth;
+    for (std::size_t i = 0; i < whole.size() && room != kShowsUnknown; ++i) {
+      if (!(whole.data()[i] > 0)) whole.data()[i] = 0.6f;
+    }
+    ObjectSurface seen(settings);
+    seen.build(whole, shows, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.03));
+    std::vector<double> radii;
+    for (const ObjectBall& ball : seen.balls()) radii.push_back(static_cast<double>(ball.radius));
+    REQUIRE(!radii.empty());
+    return upper_median(radii);
+  };
+  const double px = 0.4 / kCamera.fx_px;
+  const double thin = radius(1, 1, kShowsRoom);
+  CHECK(radius(1, 0, kShowsRoomByColor) ==
+        Approx(thin + px).margin(tolerance(2e-4, "1/8 px: perspective")));
+  CHECK(radius(0, 1, kShowsUnknown) ==
+        Approx(thin + px).margin(tolerance(2e-4, "1/8 px: perspective")));
+}
+
+TEST_CASE("thin things stand nearer than a matcher has them", "[contact][object surface]") {
+  const Capsule thin{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.008};
+  const auto front = [&](double too_far) {
+    ObjectSurfaceSettings settings;
+    settings.balls.too_far = too_far;
+    ObjectSurface seen(settings);
+    seen.build(test::depth_of({thin}, kCamera), {}, kCamera, Rigid3::Identity(),
+               box_around({0, 0, 0.4}, 0.03));
+    std::vector<double> z;
+    for (const ObjectBall& ball : seen.balls()) z.push_back(static_cast<double>(ball.point.z()));
+    REQUIRE(!z.empty());
+    return upper_median(z);
+  };
+  CHECK(1 / front(0.006) - 1 / front(0) == Approx(0.006).margin(1e-5));
+}
+
+TEST_CASE("a finger's end is where it is, wherever in a pixel that is",
+          "[contact][object surface]") {
+  // Behind the end, where no camera sees it: 45 degrees off the axis.
+  double sum = 0;
+  constexpr int kPlaces = 8;
+  for (int k = 0; k < kPlaces; ++k) {
+    const double end = 0.02 + static_cast<double>(k) / kPlaces * 0.4 / kCamera.fx_px;
+    const Capsule finger{{-0.06, 0, 0.4}, {end, 0, 0.4}, 0.008};
+    ObjectSurface seen;
+    seen.build(test::depth_of({finger}, kCamera), {}, kCamera, Rigid3::Identity(),
+               box_around({end, 0, 0.4}, 0.03));
+    const double off = finger.radius * std::numbers::sqrt2 / 2;
+    const auto found = seen.nearest(Vector3d(end + off, 0, 0.4 + off).cast<float>());
+    REQUIRE(found.has_value());
+    sum += static_cast<double>(found->distance);
+  }
+  CHECK(std::abs(sum / kPlaces) <
+        tolerance(4.5e-4, "0.4 px; 0.59 mm if the last ball is not moved"));
+}
+
+TEST_CASE("the tree finds what looking at every ball finds", "[contact][object surface][law]") {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    INFO("seed " << seed);
+    auto random = test::random_case(seed);
+    std::uniform_real_distribution<float> where(-0.08f, 0.08f), wide(-0.14f, 0.14f),
+        radius(0.001f, 0.02f);
+    std::vector<ObjectBall> balls;
+    for (unsigned i = 0; i < 40 + 60 * seed; ++i) {
+      const Vector3f y(where(random), where(random) * 0.5f, where(random) * 0.3f);
+      const Vector3f n = Vector3f(where(random), where(random), where(random)).normalized();
+      const float r = radius(random);
+      balls.push_back({y, n, y - r * n, r});
+    }
+    ObjectSurface seen;
+    seen.build(balls,
+               Eigen::AlignedBox3d(Vector3d(-0.05, -0.03, -0.02), Vector3d(0.06, 0.02, 0.03)));
+    int found = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vector3f x(wide(random), wide(random), wide(random));
+      const auto fast = seen.nearest(x);
+      const auto slow = seen.nearest_by_brute_force(x);
+      REQUIRE(fast.has_value() == slow.has_value());
+      if (!fast) continue;
+      ++found;
+      CHECK(fast->distance == slow->distance);
+    }
+    CHECK(found > 50);
+    CHECK(found < 2000);
+  }
+}
+
+TEST_CASE("how far a thing moved is told by what is measured of it", "[contact][object surface]") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> within(-0.01f, 0.01f);
+  std::vector<ObjectBall> balls(200);
+  for (ObjectBall& ball : balls) {
+    ball.point = Vector3f(within(random), within(random), within(random));
+    ball.centre = ball.point;
+    ball.radius = 0.003f;
+  }
+  const auto box = box_around(Vector3d::Zero(), 0.05);
+  ObjectSurface seen;
+  seen.build(balls, box);
+  CHECK(std::isinf(seen.moved()));  // has just come
+  seen.build(balls, box);
+  CHECK(seen.moved() == 0.0);
+  std::vector<ObjectBall> guessed = balls;
+  for (ObjectBall& ball : guessed) ball.centre.z() -= 0.004f;
+  guessed.resize(guessed.size() + 1);
+  guessed.back().point = Vector3f(0.03f, 0, 0);
+  guessed.back().unseen_for = 0.1f;  // held
+  seen.build(guessed, box);
+  CHECK(seen.moved() == 0.0);
+  const Vector3f way(0.003f, -0.002f, 0.001f);
+  for (int frame = 0; frame < 2; ++frame) {
+    for (ObjectBall& ball : balls) ball.point += way, ball.centre += way;
+    seen.build(balls, box);
+  }
+  // Of one that nothing cuts off it is somewhat more than the way; of one that is cut off less.
+  CHECK(seen.moved() > 0.9 * static_cast<double>(way.norm()));
+  CHECK(seen.moved() < 1.5 * static_cast<double>(way.norm()));
+  seen.build(std::vector<ObjectBall>{}, box);
+  CHECK(std::isinf(seen.moved()));
+}
+
+TEST_CASE("a thing that is far from the region makes no balls", "[contact][object surface]") {
+  const Capsule near{{0, 0, 0.4}, {0, 0, 0.4}, 0.02}, far{{0.1, 0, 0.6}, {0.1, 0, 0.6}, 0.02};
+  const DepthImage depth = test::depth_of({near, far}, kCamera);
+  ObjectSurface seen;
+  seen.build(depth, {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.01));
+  REQUIRE(!seen.balls().empty());
+  for (const ObjectBall& ball : seen.balls()) CHECK(ball.point.z() < 0.45f);
+  for (const Vector3f& point : seen.cloud()) CHECK(point.z() < 0.45f);
+}
+
+TEST_CASE(
+    "the cloud is every third pixel of every third row that presses, as deep as in this frame",
+    "[contact][object surface][Alg1]") {
+  const Capsule finger{{0, 0, 0.4}, {0, 0.1, 0.4}, 0.02};
+  const DepthImage rests = test::depth_of({finger}, kCamera);
+  MaskImage shows(kCamera.width, kCamera.height);
+  std::size_t expected = 0;
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      // The lower part is measured, but is not known to press.
+      const bool presses = std::isfinite(rests(u, v)) && v < 100;
+      shows(u, v) = presses ? kShowsPresser : kShowsRoom;
+      if (presses && u % 3 == 0 && v % 3 == 0) ++expected;
+    }
+  }
+  REQUIRE(expected > 100);
+  ObjectSurface seen({.step = 3});
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(0, 0.001f);
+  const Rigid3 pose = some_pose();
+  for (int frame = 0; frame < 12; ++frame) {  // the average of a dozen is not the last one
+    DepthImage depth = rests;
+    for (float& z : depth) z += noise(random);
+    seen.build(depth, shows, kCamera, pose, box_around(pose * Vector3d(0, 0, 0.4), 0.1),
+               frame / 30.0);
+    REQUIRE(seen.cloud().size() == expected);
+    for (const Vector3f& point : seen.cloud()) {
+      const Vector3d x = pose.inverse() * point.cast<double>();
+      const Vector3d pixel = x / x.z() * 350 + Vector3d(80, 60, 0);
+      const int u = static_cast<int>(std::lround(pixel.x()));
+      const int v = static_cast<int>(std::lround(pixel.y()));
+      REQUIRE((u % 3 == 0 && v % 3 == 0));
+      CHECK(std::abs(x.z() - static_cast<double>(depth(u, v))) <
+            tolerance(1e-6, "floats of half a metre"));
+    }
+  }
+}
+
+TEST_CASE("pixels without depth, and single flickering ones, make no balls",
+          "[contact][object surface]") {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  DepthImage depth(kCamera.width, kCamera.height, kNone);
+  depth(20, 20) = kFar;
+  depth(30, 30) = 0.0f;
+  depth(41, 41) = -0.4f;
+  depth(61, 61) = 0.4f;  // alone
+  ObjectSurface seen;
+  const auto everywhere = box_around({0, 0, 0.4}, 0.5);
+  seen.build(depth, {}, kCamera, Rigid3::Identity(), everywhere);
+  CHECK(seen.balls().empty());
+  CHECK_FALSE(seen.nearest(kCamera.unproject(61, 61, 0.4).cast<float>()).has_value());
+
+  for (float& z : depth) z = 0.6f;
+  depth(61, 61) = 0.4f;  // alone in front of a wall
+  seen.build(depth, {}, kCamera, Rigid3::Identity(), everywhere);
+  REQUIRE(seen.balls().size() > 100);
+  for (const ObjectBall& ball : seen.balls()) CHECK(ball.point.z() == Approx(0.6f).epsilon(1e-5));
+}
+
+TEST_CASE("the second frame allocates nothing, though it shows more than the first",
+          "[contact][frame loop]") {
+  const auto seen_at = [](double radius) {
+    return test::depth_of({{{-0.05, 0, 0.4}, {0.05, 0, 0.4}, radius}}, kCamera);
+  };
+  const DepthImage first = seen_at(0.006), more = seen_at(0.03);
+  ObjectSurface seen;
+  const auto region = box_around({0, 0, 0.4}, 0.05);
+  seen.build(first, {}, kCamera, Rigid3::Identity(), region);
+  const std::size_t balls = seen.balls().size();
+  float distance = 0;
+  CHECK(test::allocations_during([&] {
+          seen.build(more, {}, kCamera, Rigid3::Identity(), region);
+          distance = seen.nearest(Vector3f(0, 0, 0.395f))->distance;
+        }) == 0);
+  CHECK(distance < 0);
+  CHECK(seen.balls().size() > 2 * balls);
+}
+
+TEST_CASE("a surface refuses a camera of another size and impossible settings",
+          "[contact][errors]") {
+  ObjectSurface seen;
+  CHECK_THROWS_AS(
+      seen.build(DepthImage(10, 10), {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0}, 1)),
+      ContractViolation);
+  CHECK_THROWS_AS(seen.build(std::vector<ObjectBall>{}, Eigen::AlignedBox3d()), ContractViolation);
+  CHECK_THROWS_AS(ObjectSurface({.step = 0}), ContractViolation);
+  CHECK_THROWS_AS(ObjectSurface({.band = 0}), ContractViolation);
+  CHECK_THROWS_AS(ObjectSurface({.balls = {.most_radius = 0}}), ContractViolation);
+  CHECK_THROWS_AS(ObjectSurface({.balls = {.reach = 0}}), ContractViolation);
+  CHECK_THROWS_AS(ObjectSurface({.silhouette = {.largest_jump_at_1m = 0}}), ContractViolation);
+  CHECK_THROWS_AS(seen.build(DepthImage(kCamera.width, kCamera.height), MaskImage(3, 3), kCamera,
+                             Rigid3::Identity(), box_around({0, 0, 0}, 1)),
+                  ContractViolation);
+}
+
+}  // namespace
+}  // namespace palpable
