@@ -6,8 +6,8 @@ option(PALPABLE_UNITY "Compile each module as one file" OFF)
 # (tools/check_links.py).
 set(PALPABLE_LINKED_IN_PART sources)
 
-# By PALPABLE_UNITY, the target's files as one, those of a large module as two: solid as one file took 2.4 GB. Files with options of their own stay single (CMake sees to those), and
-# those that Highway includes once for each instruction set.
+# By PALPABLE_UNITY, the target's files as one, those of a large module as two: solid as one file took 2.4 GB. Files with
+# options of their own stay single (CMake sees to those), and those that Highway includes once for each instruction set.
 function(palpable_unity target)
   if(NOT PALPABLE_UNITY)
     return()

@@ -13,6 +13,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
+# What response and contact keep out, so that they can be compiled for a web page: threads, files, HDF5, OpenCV.
+PURE = ("response", "contact")
+IMPURE = re.compile(r"(thread|mutex|atomic|condition_variable|future|fstream|filesystem|cstdio)$|hdf5|opencv2/"
+                    r"|palpable/common/(body_file/|base/(parallel_work|child_process|whole_file|output_file))")
+
 # How a third party's headers look -> its name in the table.
 THIRD_PARTIES = {
     r"Eigen/": "Eigen", r"fmt/": "fmt", r"opencv2/": "OpenCV", r"lib(av\w+|swscale)/": "FFmpeg", r"hdf5\.h$": "HDF5", r"pugixml\.hpp$": "pugixml",
@@ -82,6 +87,8 @@ def wrong_includes(allowed):
                 continue
             header = match.group(2)
             party = third_party(header)
+            if folder in PURE and not is_test and IMPURE.match(header):
+                yield f"{where}:{number}: {folder} keeps threads, files, HDF5 and OpenCV out: {header}"
             if re.match(r"(palpable|apps|bench|examples)/", header):
                 if folder_of(header) not in ours | {folder}:
                     yield f"{where}:{number}: {folder} may not use {folder_of(header)}"
@@ -113,7 +120,12 @@ def circles(allowed):
 
 
 def wrong_folders(folders):
-    there = {path.name: path.parent.name for folder in FOLDERS for path in (ROOT / "src/palpable" / folder).iterdir()}
+    there = {}
+    for folder in FOLDERS:
+        for path in sorted((ROOT / "src/palpable" / folder).iterdir()):
+            if path.name in there:
+                yield f"src/palpable/{folder}: {path.name} is also a module of {there[path.name]}"
+            there[path.name] = folder
     for module in sorted({*folders, *there}):
         if folders.get(module) != there.get(module):
             yield (f"docs/architecture.md: {module} stands below '{folders.get(module)}', its folder is in "
@@ -133,9 +145,12 @@ def wrong_halves(allowed, folders):
             yield f"docs/architecture.md: {program} belongs to the live half and reaches {module} of the bake half"
 
 
-def wrong_targets(allowed):
+def wrong_targets(allowed, folders):
     text = (ROOT / "CMakeLists.txt").read_text()
-    for match in re.finditer(r"palpable_module\(\w+/(\w+)(?: USES ([\w ]+?))?(?:\s+LIBRARIES|\s*\))", text):
+    found = set(re.findall(r"palpable_module\(\w+/(\w+)", text))
+    for module in sorted(found ^ set(folders)):
+        yield f"CMakeLists.txt and docs/architecture.md: one of them lacks {module}"
+    for match in re.finditer(r"palpable_module\(\w+/(\w+)(?: USES ([\w ]+?))?(?:\s+(?:TEST_)?LIBRARIES|\s*\))", text):
         module, uses = match.group(1), set((match.group(2) or "").split())
         if module in allowed and uses != allowed[module][0]:
             yield (f"CMakeLists.txt: {module} uses {sorted(uses)}, docs/architecture.md says "
@@ -164,7 +179,7 @@ def main():
     allowed, folders = read_tables()
     if set(folders.values()) != set(FOLDERS):
         sys.exit(f"check_layers: the titles of docs/architecture.md's tables of modules begin with {FOLDERS}")
-    wrong = [*wrong_includes(allowed), *wrong_targets(allowed), *circles(allowed), *wrong_folders(folders),
+    wrong = [*wrong_includes(allowed), *wrong_targets(allowed, folders), *circles(allowed), *wrong_folders(folders),
              *wrong_halves(allowed, folders), *same_names()]
     for row in allowed:
         if PROGRAMS.fullmatch(row) and not (ROOT / row).is_dir():

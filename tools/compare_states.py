@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""compare_states.py record|compare DIR [--programs BUILD]: whether a change of the code changed a result.
+"""compare_states.py record|compare DIR [--programs BUILD]: whether a change of the code changed a live run.
 
 record   bakes bodies, films and plays them, and keeps in DIR, outside of the repository, what came out: recordings of
          the demo's film, of a squeeze, of two crossed beams and of two posts (300 frames each), and the states of a
@@ -14,6 +14,7 @@ Examples:
   ninja -C build/release && tools/compare_states.py compare /tmp/states
 """
 import argparse
+import hashlib
 import re
 import shutil
 import subprocess
@@ -56,6 +57,12 @@ def scene_in(folder, scene):
 def record(build, folder):
     palpable = build / "bin/palpable"
     folder.mkdir(parents=True, exist_ok=True)
+    # One folder holds what one build made.
+    made_by = f"{palpable}, {hashlib.sha256(palpable.read_bytes()).hexdigest()[:16]}"
+    kept = folder / "programs.txt"
+    if kept.exists() and kept.read_text().strip() != made_by:
+        sys.exit(f"compare_states: {folder} was begun with {kept.read_text().strip()}, this is {made_by}; take another folder")
+    kept.write_text(made_by + "\n")
     bake(palpable, folder)
     for name, (sequence, of) in FILMS.items():
         recording = folder / f"{name}.palprec"
@@ -85,15 +92,22 @@ def capsule_states(build, folder):
         program = Path(scratch) / "capsule_states"
         run("cc", "-std=c11", "-O1", "-I", include.parent, ROOT / "tools/capsule_states.c", "-o", program,
             "-L", build / "lib", "-lpalpable", "-lm", f"-Wl,-rpath,{build / 'lib'}")
-        return subprocess.run([program, folder / "bunny.palpable"], check=True, capture_output=True, text=True).stdout
+        result = subprocess.run([program, folder / "bunny.palpable"], stdout=subprocess.PIPE, text=True)
+        if result.returncode != 0 or len(result.stdout.splitlines()) != FRAMES:
+            sys.exit(f"compare_states: capsules: exit code {result.returncode}, {len(result.stdout.splitlines())} states")
+        return result.stdout
 
 
 def compare(build, folder):
+    for name in (*(f"{name}.palprec" for name in FILMS), "capsules.txt", "programs.txt"):
+        if not (folder / name).exists():
+            sys.exit(f"compare_states: {folder / name} is missing: 'compare_states.py record {folder}' goes on")
+    print(f"recorded with {(folder / 'programs.txt').read_text().strip()}")
     wrong = []
     for name in FILMS:
         result = subprocess.run([build / "bin/palpable", "replay", folder / f"{name}.palprec"], capture_output=True, text=True)
         said = re.search(r"^.* states of the live run: .*$", result.stdout, re.MULTILINE)
-        same = result.returncode == 0 and said is not None and said[0].endswith(": equal")
+        same = result.returncode == 0 and said is not None and said[0] == f"{FRAMES} of {FRAMES} states of the live run: equal"
         print(f"{name}: {said[0] if said else result.stderr.strip()}", flush=True)
         wrong += [] if same else [name]
     before, now = (folder / "capsules.txt").read_text(), capsule_states(build, folder)

@@ -1,6 +1,7 @@
 #include "palpable/common/contact/contact_pressure.h"
 
 #include "tests/support/allocations.h"
+#include "tests/support/seen_surface.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Core>

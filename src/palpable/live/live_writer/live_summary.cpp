@@ -41,8 +41,8 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
   if (const auto& color = run.source->format().color_sensor) {
     result.color_from_depth = color->color_from_depth;
   }
-  if (session.settings().track) {
-    const TrackerCounts tracker = session.slam().tracker()->counts();
+  if (const Tracker* followed = session.slam().tracker()) {
+    const TrackerCounts tracker = followed->counts();
     result.tracking = {counts.moving,     counts.lost,       tracker.recognised, tracker.loops,
                        tracker.keyframes, tracker.landmarks, counts.new_worlds};
   }
