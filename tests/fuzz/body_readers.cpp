@@ -51,7 +51,7 @@ void touch(const TouchableBody& read) {
   TouchState state;
   for (const float height : {0.099f, 0.097f}) {
     (void)solver.advance(state, [height](const Eigen::Vector3f& place, SurfaceGap& gap) {
-      gap = {height - place.z(), -Eigen::Vector3f::UnitZ(), Eigen::Matrix3f::Zero()};
+      gap = {height - place.z(), -Eigen::Vector3f::UnitZ(), Eigen::Matrix3f::Zero(), 0, {}};
       return gap.distance < kGapReach;
     });
   }
