@@ -5,6 +5,7 @@
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/common/reduced/reduced_body.h"
+#include "palpable/common/response/touchable_body.h"
 #include "palpable/live/session/body_answer.h"
 
 #include <optional>
@@ -14,8 +15,9 @@
 namespace palpable {
 
 struct SessionBody {
+  /// @param body  taken over only after all other arguments are read: the name may be its own
   SessionBody(const Rigid3& place, std::string body_name, const std::optional<Rgb>& own_color,
-              TouchableBody body, const AnswerSettings& settings)
+              TouchableBody&& body, const AnswerSettings& settings)
       : world_from_body(place),
         name(std::move(body_name)),
         color(own_color),

@@ -108,6 +108,7 @@ TEST_CASE("of several bodies the one that is pressed says so, the others stand a
   CHECK(loop.session.body(0).color == Rgb{1, 2, 3});
   CHECK_FALSE(loop.session.body(1).color);
   FrameLoop alone = make_loop();
+  CHECK(alone.session.body().name == test::DentedSphere{}.body().name);
   for (int n = 0; n < 6; ++n) {
     const Frame frame = frame_with_finger(n, n < 3 ? -0.03 : 0.008);
     loop.process(frame);
