@@ -39,7 +39,7 @@ def run(*words, **more):
 def bake(palpable, folder):
     for name, words in BODIES.items():
         body = folder / f"{name}.palpable"
-        # A bake that was stopped goes on; a finished one returns at once.
+        # bake continues an interrupted campaign, and does nothing where the body file is complete.
         run(palpable, "bake", *words, "-o", body, cwd=ROOT)
 
 

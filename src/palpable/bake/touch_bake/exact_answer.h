@@ -1,6 +1,7 @@
 /// @file
-/// The full solver's answer to the load that a touched body bears: what the tables' answer is
-/// corrected by while it bears it (response/refinement.h).
+/// The full-order displacement of a body under the contact forces of a live frame. The live run
+/// adds its difference from the tables' displacement while the forces stay similar
+/// (response/refinement.h).
 ///
 ///   N  nodes of the mesh     W  nodes of the shell
 #pragma once

@@ -1,6 +1,7 @@
 /// @file
-/// Touches that tell how good tables of touch are (response/held_out_touch.h): fingers, palms and
-/// rims at random places of the skin, solved in full.
+/// Makes the held-out touches that measure the error of a body's tables
+/// (response/held_out_touch.h): fingers, palms and rims at random positions on the skin, solved by
+/// full finite elements.
 #pragma once
 
 #include "palpable/bake/solid/equilibrium.h"

@@ -67,10 +67,10 @@ struct Candidate {
 };
 
 // The force at a contact point, as it was found last.
-struct KnownGap {
+struct KnownForce {
   std::array<int, 3> key{};  // member, other member, point
   double force = 0;          // N
-  friend bool operator<(const KnownGap& a, const KnownGap& b) { return a.key < b.key; }
+  friend bool operator<(const KnownForce& a, const KnownForce& b) { return a.key < b.key; }
 };
 
 // How the modes move a candidate's point along d. @param result  (n)
@@ -105,7 +105,7 @@ struct ModalContact::Work {
   std::vector<std::unique_ptr<Body>> bodies;
   std::vector<Eigen::Isometry3f> transforms;  // (K x K) of from_to()
   std::vector<Candidate> candidates;
-  std::vector<KnownGap> known;         // forces, to begin with
+  std::vector<KnownForce> known;       // forces, to begin with
   std::vector<std::size_t> near_ones;  // those of the candidates that take part in an iteration
   std::vector<std::size_t> pressed;    // and of these those that may press
   Complementarity complementarity{static_cast<int>(kMostPoints)};
@@ -362,7 +362,7 @@ void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const Ne
   }
   keep_most(report);
   for (Candidate& c : candidates) {
-    const KnownGap wanted{{c.member, c.by, c.point}, 0};
+    const KnownForce wanted{{c.member, c.by, c.point}, 0};
     const auto at = std::lower_bound(known.begin(), known.end(), wanted);
     if (at != known.end() && at->key == wanted.key) c.force = at->force;
   }

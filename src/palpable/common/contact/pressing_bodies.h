@@ -1,9 +1,9 @@
 /// @file
 /// Bodies with tables of touch that press each other, and other bodies that stand in their way.
 ///
-/// Each is answered by its own solver (contact/touch_solver.h); here they are told of each other.
-/// Of two bodies A before B, the contact points of A see B's deformed skin as one more obstacle,
-/// which gives way: in A's complementarity problem
+/// Each body has its own solver (contact/touch_solver.h); this class couples them. Of two bodies, A
+/// before B in the list, the contact points of A take B's deformed skin as one more obstacle. B's
+/// skin yields, so A's complementarity problem becomes
 ///
 ///     g + (W_A + W_B) (f_new - f) >= 0,   f_new >= 0, complementary        W_B = N_B G_B N_B^T
 ///

@@ -1,11 +1,10 @@
 /// @file
-/// What contact asks of the things that press a body: a signed distance to their surface, and how
-/// each place of it is known.
+/// The interface of whatever presses a body, as contact sees it: the signed distance to a union of
+/// balls, and for each point of its surface whether it was measured or is assumed.
 ///
 ///     phi(x) = min over balls  |x - centre| - radius           negative inside, m
 ///
-/// Contact knows no camera: seen_object/object_surface.h makes such a surface of what one saw.
-/// Body frame, metres.
+/// seen_object/object_surface.h implements it from a depth image. Body frame, metres.
 #pragma once
 
 #include "palpable/common/contact/object_ball.h"
@@ -18,11 +17,11 @@
 
 namespace palpable {
 
-/// How a place of the surface is known.
+/// Where a point of the surface comes from.
 enum class Known {
-  kMeasured,  ///< the camera sees it
-  kAssumed,   ///< it is the other side of what the camera sees
-  kUnknown    ///< it was there a moment ago, and nobody knows whether it still is
+  kMeasured,  ///< seen in this frame
+  kAssumed,   ///< the far side of what is seen, which the camera cannot see
+  kUnknown    ///< seen in an earlier frame, hidden or without depth in this one
 };
 
 /// What is nearest to a query point.
@@ -32,18 +31,19 @@ struct NearestOnObject {
   Known known = Known::kMeasured;
 };
 
-/// The surface that is nearest to a query point as a smooth one: what contact with it needs.
+/// A smooth approximation of the surface near a query point: the gap, normal and curvature that a
+/// step of Newton's method needs.
 ///
-/// A union of balls has bumps between neighbouring ones. Normal and curvature are therefore
-/// differences of phi over half a ball's radius, which averages a few bumps.
+/// A union of balls has a crease between neighbouring balls. Normal and curvature are therefore
+/// finite differences of phi over half a ball's radius, which averages over a few creases.
 struct SurfaceShape {
   float distance = 0;      ///< phi, m; negative inside
-  Eigen::Vector3f normal;  ///< unit, in which phi grows fastest: out of the object
-  /// 1/m, of the level set of phi through the query point: how fast the normal turns,
-  /// dn = curvature dx. Symmetric, curvature * normal = 0; (I - n n^T) / R round a ball whose
-  /// middle is R away, negative where the object is hollow.
+  Eigen::Vector3f normal;  ///< unit, the direction of the gradient of phi: out of the object
+  /// 1/m, second derivative of phi, so that the normal turns by dn = curvature dx. Symmetric, with
+  /// curvature * normal = 0. At distance R from the centre of a ball it is (I - n n^T) / R; where
+  /// the surface is concave it has negative eigenvalues.
   Eigen::Matrix3f curvature;
-  float sigma = 0;  ///< m, how far the place scatters along the normal
+  float sigma = 0;  ///< m, standard deviation of the surface along the normal
   Known known = Known::kMeasured;
 };
 
@@ -53,21 +53,21 @@ class PressingSurface {
   virtual ~PressingSurface() = default;
 
   [[nodiscard]] virtual std::span<const ObjectBall> balls() const = 0;
-  /// What the balls fill; empty without any.
+  /// Bounding box of the balls; empty without any.
   [[nodiscard]] virtual const Eigen::AlignedBox3f& bounds() const = 0;
-  /// m: phi is exact up to here outside, and everywhere inside.
+  /// m: phi is exact up to this distance outside the surface, and everywhere inside.
   [[nodiscard]] virtual float band() const = 0;
-  /// m: how far what is measured has moved since the frame before, roughly; infinite where it has
-  /// just come or gone. What is assumed does not count.
+  /// m: an estimate of the largest displacement of the measured surface since the previous frame;
+  /// infinite in a frame in which a thing appears or disappears. The assumed far side is left out.
   [[nodiscard]] virtual double moved() const = 0;
 
   /// phi at x where it is below `reach`, which is at most the band; else nothing.
   [[nodiscard]] virtual std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x,
                                                                float reach) const = 0;
-  /// Whether that is something, to a float's rounding; cheaper.
+  /// Whether nearest(x, reach) returns something, up to float rounding; cheaper than the call.
   [[nodiscard]] virtual bool is_within(const Eigen::Vector3f& x, float reach) const = 0;
-  /// The surface's shape where it is nearest to x; nothing when x is farther than the band. Costs
-  /// some three times what nearest() does.
+  /// The surface's shape near x; nothing where phi is above the band. Costs about three times what
+  /// nearest() does.
   [[nodiscard]] virtual std::optional<SurfaceShape> shape_at(const Eigen::Vector3f& x) const = 0;
 };
 

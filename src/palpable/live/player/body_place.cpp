@@ -16,10 +16,6 @@ constexpr double kStandsIn = 2e-4;  // m: bodies that stand on each other touch,
 // m below its skin a body is looked at, too: of two in the same place no skin is in the other.
 constexpr float kBelow = 1e-3f;
 
-const std::string& name_of(const PlacedBody& body) {
-  return body.name.empty() ? body.body.body.name : body.name;
-}
-
 Eigen::AlignedBox3d box_in_world(const PlacedBody& body) {
   Eigen::AlignedBox3d box;
   const Eigen::Matrix3Xd& x = body.body.body.surface.vertices;
@@ -119,8 +115,8 @@ std::optional<std::string> overlap_of(const std::vector<PlacedBody>& bodies) {
       if (!box_in_world(bodies[i]).intersects(box_in_world(bodies[j]))) continue;
       const double entry = std::max(entry_of(bodies[i], bodies[j]), entry_of(bodies[j], bodies[i]));
       if (!(entry > kStandsIn)) continue;
-      return fmt::format("'{}' stands in '{}', by {:.1f} mm; move one of them", name_of(bodies[i]),
-                         name_of(bodies[j]), 1e3 * entry);
+      return fmt::format("'{}' stands in '{}', by {:.1f} mm; move one of them",
+                         bodies[i].shown_name(), bodies[j].shown_name(), 1e3 * entry);
     }
   }
   return std::nullopt;

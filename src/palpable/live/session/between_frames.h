@@ -1,6 +1,6 @@
 /// @file
-/// Contact faster than the camera: what a body answers between two frames, to things that go on as
-/// they were seen to move (seen_object/surface_motion.h).
+/// Contact at a higher rate than the camera's: between two frames the pressing things are moved on
+/// with the velocity that was measured (seen_object/surface_motion.h), and contact is solved again.
 ///
 ///     frame n ── answered ──> its touches, its things and how fast each moves
 ///                                 │ 1 ms later      │ 2 ms later

@@ -5,9 +5,9 @@
 
 #include "palpable/common/contact/contact_pressure.h"
 #include "palpable/common/contact/modal_contact.h"
+#include "palpable/common/contact/pressing_surface.h"
 #include "palpable/common/contact/touch.h"
 #include "palpable/common/contact/touch_patches.h"
-#include "palpable/live/seen_object/object_surface.h"
 #include "palpable/live/session/scene.h"
 
 #include <vector>
@@ -19,8 +19,8 @@ class ModalBodies {
   /// One of them.
   struct Member {
     ModalMember body;
-    const ObjectSurface* seen = nullptr;  ///< of what presses it; read in each frame
-    int number = 0;                       ///< of the session's bodies
+    const PressingSurface* seen = nullptr;  ///< of what presses it; read in each frame
+    int number = 0;                         ///< of the session's bodies
   };
   /// @param members  what they point to outlives this
   explicit ModalBodies(const std::vector<Member>& members);

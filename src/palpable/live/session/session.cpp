@@ -74,12 +74,9 @@ std::optional<Problem> wrong_setting(const SessionSettings& s) {
   return std::nullopt;
 }
 
-// A body with what the session remembers of it.
+// A body with what the session itself keeps of it from frame to frame.
 struct RememberedBody : SessionBody {
-  RememberedBody(PlacedBody placed, const AnswerSettings& settings)
-      : SessionBody(placed.world_from_body,
-                    placed.name.empty() ? placed.body.body.name : std::move(placed.name),
-                    placed.color, std::move(placed.body), settings) {}
+  using SessionBody::SessionBody;
 
   int modal = -1;  // its place among those that are answered by their energy; -1: it is none
   std::vector<Touch> touches;

@@ -38,14 +38,6 @@
 
 namespace palpable {
 
-/// A body and where it stands.
-struct PlacedBody {
-  TouchableBody body;
-  Rigid3 world_from_body = Rigid3::Identity();  ///< the world is the first frame's camera
-  std::string name = {};                        ///< in files and captions; empty: the body's own
-  std::optional<Rgb> color = {};                ///< of its material; none: rubber
-};
-
 struct SessionSettings {
   ContactKind contact = ContactKind::kAnywhere;
   /// What was there when the bodies were anchored presses them, too: its desk, a wall. Else only

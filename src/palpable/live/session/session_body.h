@@ -1,5 +1,5 @@
 /// @file
-/// One of the bodies of a session: where it stands, and the part that answers for it.
+/// One body of a session: as it is given to Session::make(), and as the session keeps it.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -14,20 +14,33 @@
 
 namespace palpable {
 
+/// A body and its pose in the world.
+struct PlacedBody {
+  TouchableBody body;
+  Rigid3 world_from_body = Rigid3::Identity();  ///< the world is the first frame's camera
+  std::string name = {};                        ///< in files and captions; empty: the body's own
+  std::optional<Rgb> color = {};                ///< of its material; none: rubber
+
+  /// The given name, else the one in the body file.
+  [[nodiscard]] const std::string& shown_name() const {
+    return name.empty() ? body.body.name : name;
+  }
+};
+
+/// A body of a running session.
 struct SessionBody {
-  /// @param body  taken over only after all other arguments are read: the name may be its own
-  SessionBody(const Rigid3& place, std::string body_name, const std::optional<Rgb>& own_color,
-              TouchableBody&& body, const AnswerSettings& settings)
-      : world_from_body(place),
-        name(std::move(body_name)),
-        color(own_color),
-        answer(std::move(body), settings) {}
+  SessionBody(PlacedBody placed, const AnswerSettings& settings)
+      : world_from_body(placed.world_from_body),
+        name(placed.shown_name()),
+        color(placed.color),
+        answer(std::move(placed.body), settings) {}
 
-  Rigid3 world_from_body;    ///< the world is the first frame's camera, or that of given poses
-  std::string name;          ///< in files and captions
-  std::optional<Rgb> color;  ///< of its material; none: rubber
-  BodyAnswer answer;         ///< what presses it, its touches and its shape
+  Rigid3 world_from_body;    ///< as PlacedBody's
+  std::string name;          ///< PlacedBody::shown_name()
+  std::optional<Rgb> color;  ///< as PlacedBody's
+  BodyAnswer answer;         ///< what presses the body, its touches and its shape
 
+  /// The body at rest, as it was baked.
   [[nodiscard]] const ReducedBody& model() const { return answer.body(); }
 };
 
