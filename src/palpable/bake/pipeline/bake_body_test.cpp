@@ -39,7 +39,7 @@ struct Kitchen {
   }
 };
 
-TEST_CASE("a shape is turned, scaled and stood on the ground", "[bake][mesh]") {
+TEST_CASE("a shape is turned, scaled and stood on the ground", "[pipeline][mesh]") {
   Eigen::Matrix3Xd points(3, 3);
   points << 1, 3, 1,  // x
       10, 10, 12,     // y
@@ -59,7 +59,7 @@ TEST_CASE("a shape is turned, scaled and stood on the ground", "[bake][mesh]") {
   CHECK_THROWS_AS(place_in_body_frame(flat, UpAxis::kZ, 1.0), Error);
 }
 
-TEST_CASE("a shape is turned, not mirrored", "[bake][mesh]") {
+TEST_CASE("a shape is turned, not mirrored", "[pipeline][mesh]") {
   for (const UpAxis up : {UpAxis::kX, UpAxis::kY, UpAxis::kZ}) {
     SurfaceMesh box = box_surface({0, 0, 0}, {1, 2, 3});
     place_in_body_frame(box.vertices, up, std::nullopt);
@@ -67,7 +67,8 @@ TEST_CASE("a shape is turned, not mirrored", "[bake][mesh]") {
   }
 }
 
-TEST_CASE("a baked body gives its snapshots back within the error that it states", "[bake][body]") {
+TEST_CASE("a baked body gives its snapshots back within the error that it states",
+          "[pipeline][body]") {
   const Kitchen kitchen;
   const BodyDescription description = kitchen.egg();
   const BakedBody baked =
@@ -116,7 +117,7 @@ TEST_CASE("a baked body gives its snapshots back within the error that it states
   CHECK(*std::max_element(u.begin(), u.end()) == 0.0f);
 }
 
-TEST_CASE("a baked body survives its file, with where it comes from", "[bake][body]") {
+TEST_CASE("a baked body survives its file, with where it comes from", "[pipeline][body]") {
   const Kitchen kitchen;
   const BakedBody baked = bake_body(
       kitchen.egg(), {.threads = 1, .version = "test 1", .command_line = "palpable bake egg.toml"});
@@ -146,7 +147,8 @@ TEST_CASE("a baked body survives its file, with where it comes from", "[bake][bo
                       Contains("egg.ply") && Contains("tetrahedra") && Contains("4 levels"));
 }
 
-TEST_CASE("a body with its inside gives the snapshots back at every node", "[bake][body][volume]") {
+TEST_CASE("a body with its inside gives the snapshots back at every node",
+          "[pipeline][body][volume]") {
   const Kitchen kitchen;
   BodyDescription heavy = kitchen.egg();
   heavy.gravity = BodyDescription::Gravity{.density = 2000};  // lies lower than it was drawn
@@ -208,7 +210,7 @@ TEST_CASE("a body with its inside gives the snapshots back at every node", "[bak
   CHECK_FALSE(reduce_store(store, {}).body.volume.has_value());
 }
 
-TEST_CASE("the bake is the same on one thread and on three", "[bake][body][threads]") {
+TEST_CASE("the bake is the same on one thread and on three", "[pipeline][body][threads]") {
   const Kitchen kitchen;
   const auto bake = [&](int threads) {
     return bake_body(kitchen.egg(), {.threads = threads, .version = {}, .command_line = {}}).body;
@@ -219,7 +221,7 @@ TEST_CASE("the bake is the same on one thread and on three", "[bake][body][threa
   CHECK(one.press_depth == three.press_depth);
 }
 
-TEST_CASE("a volume mesh is baked like a surface", "[bake][body]") {
+TEST_CASE("a volume mesh is baked like a surface", "[pipeline][body]") {
   const Kitchen kitchen;
   write_msh_file(kitchen.folder / "block.msh", box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 4, 4, 3));
   BodyDescription block = kitchen.egg();
@@ -233,7 +235,7 @@ TEST_CASE("a volume mesh is baked like a surface", "[bake][body]") {
 }
 
 TEST_CASE("a body of 10-node elements has all nodes of its skin in the file",
-          "[bake][body][quadratic]") {
+          "[pipeline][body][quadratic]") {
   const Kitchen kitchen;
   write_msh_file(kitchen.folder / "block.msh", box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 3, 3, 2));
   BodyDescription block = kitchen.egg();
@@ -256,7 +258,7 @@ TEST_CASE("a body of 10-node elements has all nodes of its skin in the file",
 }
 
 TEST_CASE("a body that sags under its weight lies so in its file, and presses start there",
-          "[bake][body][preload]") {
+          "[pipeline][body][preload]") {
   const Kitchen kitchen;
   BodyDescription heavy = kitchen.egg();
   heavy.gravity = BodyDescription::Gravity{.density = 3000};
@@ -276,7 +278,7 @@ TEST_CASE("a body that sags under its weight lies so in its file, and presses st
   CHECK_THAT(all, Contains("preload: weight at 3000 kg/m^3") && Contains("what a press adds"));
 }
 
-TEST_CASE("a bake that cannot be says why in one line", "[bake][body]") {
+TEST_CASE("a bake that cannot be says why in one line", "[pipeline][body]") {
   const Kitchen kitchen;
   const auto complaint = [](const BodyDescription& description) -> std::string {
     try {
@@ -325,7 +327,7 @@ TEST_CASE("a bake that cannot be says why in one line", "[bake][body]") {
   }
 }
 
-TEST_CASE("a parameter that nobody settles stays free in the body", "[bake][body]") {
+TEST_CASE("a parameter that nobody settles stays free in the body", "[pipeline][body]") {
   const Kitchen kitchen;
   BodyDescription description = kitchen.egg();
   description.sites.count = 2;

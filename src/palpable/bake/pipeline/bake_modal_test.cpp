@@ -95,7 +95,7 @@ ModalState pressed(ModalContact& contact, double x, double depth) {
 }
 
 TEST_CASE("a beam under a finger bends as full finite elements say, far and near",
-          "[bake][modal][long]") {
+          "[pipeline][modal][long]") {
   const IntrusiveBake& made = baked_beam();
   const EquilibriumSolver solver(made.series.model());
   ModalContact contact({beam_at(Vector3d::Zero())});
@@ -125,7 +125,7 @@ TEST_CASE("a beam under a finger bends as full finite elements say, far and near
   }
 }
 
-TEST_CASE("two beams press each other as hard, enter nothing, and come back", "[bake][modal]") {
+TEST_CASE("two beams press each other as hard, enter nothing, and come back", "[pipeline][modal]") {
   ModalContact contact({beam_at({0, 0, 0}), beam_at({0, 0, 0.06})});  // 10 mm between them
   std::vector<ModalState> states(2);
   std::vector<GapQuery> gaps{nothing(), nothing()};
@@ -167,7 +167,7 @@ TEST_CASE("two beams press each other as hard, enter nothing, and come back", "[
   }
 }
 
-TEST_CASE("an end that lies on a face is pressed along the face's normal", "[bake][modal]") {
+TEST_CASE("an end that lies on a face is pressed along the face's normal", "[pipeline][modal]") {
   // The upper one is held farther back.
   ModalContact contact({beam_at({0, 0, 0}), beam_at({-0.08, 0, 0.085})});
   std::vector<ModalState> states(2);
@@ -186,7 +186,7 @@ TEST_CASE("an end that lies on a face is pressed along the face's normal", "[bak
 }
 
 TEST_CASE("what is no number presses nothing, and a finger that is there at once is survived",
-          "[bake][modal]") {
+          "[pipeline][modal]") {
   ModalContact contact({beam_at(Vector3d::Zero())});
   std::vector<ModalState> states(1);
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -205,7 +205,7 @@ TEST_CASE("what is no number presses nothing, and a finger that is there at once
   CHECK(sum_of(states[0], -1).z() < 0);
 }
 
-TEST_CASE("the stress of a bent beam is the full solver's for its shape", "[bake][modal]") {
+TEST_CASE("the stress of a bent beam is the full solver's for its shape", "[pipeline][modal]") {
   const IntrusiveBake& made = baked_beam();
   ModalContact contact({beam_at(Vector3d::Zero())});
   const ModalState state = pressed(contact, 0.36, 0.016);
@@ -226,7 +226,7 @@ TEST_CASE("the stress of a bent beam is the full solver's for its shape", "[bake
 }
 
 TEST_CASE("what is asked first whether anything is near changes no byte of the answer",
-          "[bake][modal]") {
+          "[pipeline][modal]") {
   ModalContact contact({beam_at(Vector3d::Zero())});
   std::vector<ModalState> asked(1), all(1);
   int questions = 0;
@@ -247,7 +247,7 @@ TEST_CASE("what is asked first whether anything is near changes no byte of the a
 }
 
 TEST_CASE("beams of one make share what they read, and are answered as any two are",
-          "[bake][modal]") {
+          "[pipeline][modal]") {
   ReducedBody another = baked_beam().body;
   another.several->energy.K[0] = std::nextafter(another.several->energy.K[0], 1e9);
   const ModalMember lower = beam_at({0, 0, 0}), twin = beam_at({0, 0, 0.06});
@@ -276,7 +276,7 @@ TEST_CASE("beams of one make share what they read, and are answered as any two a
   }
 }
 
-TEST_CASE("a body file keeps what a beam needs to be touched", "[bake][modal]") {
+TEST_CASE("a body file keeps what a beam needs to be touched", "[pipeline][modal]") {
   const test::ScratchFolder folder("modal_file");
   const IntrusiveBake& made = baked_beam();
   write_touchable_body(folder / "beam.palpable", made.body, tables());
@@ -292,7 +292,7 @@ TEST_CASE("a body file keeps what a beam needs to be touched", "[bake][modal]") 
                     Catch::Contains("no number"));
 }
 
-TEST_CASE("a beam ten times as large gives way likewise", "[bake][modal]") {
+TEST_CASE("a beam ten times as large gives way likewise", "[pipeline][modal]") {
   const TouchableBody one(baked_beam().body, {}, tables());
   const TouchableBody large = scaled(one, 10);
   ModalContact small({{&one.body, &*one.modal, Rigid3::Identity()}});

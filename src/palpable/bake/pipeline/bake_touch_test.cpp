@@ -45,7 +45,7 @@ struct Stop : std::runtime_error {
 };
 
 TEST_CASE("a bake of tables that is stopped again and again ends with the bytes of one that is not",
-          "[bake][touch][long]") {
+          "[pipeline][touch][long]") {
   const ScratchFolder folder("bake_touch");
   BodyDescription egg = test::egg_body(folder.path(), 2);
   egg.touch = {.tables = Tables::kFull, .regions = 3, .held_out = 2};
@@ -108,7 +108,7 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
   CHECK(kept_touch_tables(whole.store)->held_out[1].force == read.touch->held_out[1].force);
 }
 
-TEST_CASE("linear tables can be used before the others are there", "[bake][touch][long]") {
+TEST_CASE("linear tables can be used before the others are there", "[pipeline][touch][long]") {
   const ScratchFolder folder("bake_touch");
   BodyDescription egg = test::egg_body(folder.path(), 2);
   const FilledStore filled = fill(egg, folder / "egg.snapshots");
@@ -133,7 +133,7 @@ TEST_CASE("linear tables can be used before the others are there", "[bake][touch
 }
 
 TEST_CASE("tables of a finer skin are made on a coarser mesh that carries it",
-          "[bake][touch][long]") {
+          "[pipeline][touch][long]") {
   const ScratchFolder folder("bake_touch");
   BodyDescription egg = test::egg_body(folder.path(), 2);
   const FilledStore filled = fill(egg, folder / "egg.snapshots");
@@ -160,7 +160,7 @@ TEST_CASE("tables of a finer skin are made on a coarser mesh that carries it",
 }
 
 TEST_CASE("where no coarser mesh can be made the body has no tables, and it is told why",
-          "[bake][touch][long]") {
+          "[pipeline][touch][long]") {
   const ScratchFolder folder("bake_touch");
   BodyDescription egg = test::egg_body(folder.path(), 2);
   const FilledStore filled = fill(egg, folder / "egg.snapshots");

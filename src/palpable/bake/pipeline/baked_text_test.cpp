@@ -31,7 +31,7 @@ BakedBody example() {
   return baked;
 }
 
-TEST_CASE("a baked body is told in errors, sizes and methods", "[bake][text]") {
+TEST_CASE("a baked body is told in errors, sizes and methods", "[pipeline][text]") {
   CHECK(text_of(example()) ==
         "\nrelative error against the number of modes\n"
         " modes   displacement     stress\n"
@@ -45,7 +45,7 @@ TEST_CASE("a baked body is told in errors, sizes and methods", "[bake][text]") {
         "stress: pgd, 2 modes, error 0.03 pooled, 0.04 at the worst snapshot\n");
 }
 
-TEST_CASE("what a bake fell short of is said", "[bake][text]") {
+TEST_CASE("what a bake fell short of is said", "[pipeline][text]") {
   BakedBody baked = example();
   BakeReport& report = baked.report;
   report.outcomes[4] = {.reached_press = false, .press = 0.002, .shortfall = "it buckles"};
@@ -62,7 +62,7 @@ TEST_CASE("what a bake fell short of is said", "[bake][text]") {
 }
 
 TEST_CASE("a body learnt from a part says what it makes of the rest, and shows no course",
-          "[bake][text]") {
+          "[pipeline][text]") {
   BakedBody baked = example();
   for (ReductionReport* report : {&baked.report.displacement, &baked.report.stress}) {
     report->method = "sparse-pgd";
@@ -76,7 +76,7 @@ TEST_CASE("a body learnt from a part says what it makes of the rest, and shows n
                           "at the worst\n"));
 }
 
-TEST_CASE("a field without modes has a dash in the table of errors", "[bake][text]") {
+TEST_CASE("a field without modes has a dash in the table of errors", "[pipeline][text]") {
   BakedBody baked = example();
   baked.report.stress.errors.resize(0);
   CHECK_THAT(text_of(baked), StartsWith("\nrelative error against the number of modes\n"

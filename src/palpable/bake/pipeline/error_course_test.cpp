@@ -14,7 +14,7 @@ using Eigen::VectorXf;
 using test::tolerance;
 
 TEST_CASE("numbers of modes that are kept begin at one, end at all, and grow",
-          "[bake][reduction]") {
+          "[pipeline][reduction]") {
   for (const int most : {1, 2, 7, 12, 13, 60, 1000}) {
     for (const int count : {2, 3, 12}) {
       INFO(most << " " << count);
@@ -27,7 +27,7 @@ TEST_CASE("numbers of modes that are kept begin at one, end at all, and grow",
   }
 }
 
-TEST_CASE("a long course is kept in part, and what is kept is true", "[bake][reduction]") {
+TEST_CASE("a long course is kept in part, and what is kept is true", "[pipeline][reduction]") {
   Reduction reduction;
   reduction.course.resize(200, 50'000);
   reduction.pooled_course.resize(200);
@@ -48,7 +48,7 @@ TEST_CASE("a long course is kept in part, and what is kept is true", "[bake][red
 // Each site of the ball has one mode of its own; a second body has a second one, which a site
 // misses when it is cut after the first.
 TEST_CASE("the course of von Mises stress is what the first modes of each site leave",
-          "[bake][reduction]") {
+          "[pipeline][reduction]") {
   const ReducedBody body = test::pressed_ball(0.05, 0.01, 2);
   const Eigen::VectorXd areas = vertex_areas(body.surface);
   const auto V = static_cast<Index>(body.surface.vertex_count());

@@ -16,7 +16,7 @@ using test::solved_store;
 using test::tolerance;
 
 TEST_CASE("a body's errors between its levels are those of what the live half evaluates",
-          "[bake][heldout]") {
+          "[pipeline][heldout]") {
   const test::ScratchFolder scratch("held-out");
   const BodyDescription body = egg_body(scratch.path(), 5);
   const SnapshotStore campaign = solved_store(body, scratch.path() / "campaign");

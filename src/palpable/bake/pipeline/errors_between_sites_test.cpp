@@ -7,7 +7,7 @@ namespace palpable {
 namespace {
 
 TEST_CASE("a baked body says what a touch between its sites costs, and less with more sites",
-          "[bake][between]") {
+          "[pipeline][between]") {
   const test::ScratchFolder folder("between");
   test::write_egg(folder.path(), 3);
   BodyDescription description = test::egg_description(folder.path(), 2);

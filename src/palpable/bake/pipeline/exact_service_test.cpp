@@ -66,7 +66,7 @@ class Service {
   std::thread thread_;
 };
 
-TEST_CASE("the service answers loads one after the other as the solver does", "[bake]") {
+TEST_CASE("the service answers loads one after the other as the solver does", "[pipeline]") {
   const SolidModel model = block();
   const auto body = body_of(model);
   Service service([&] { return body_of(model); });
@@ -94,7 +94,7 @@ TEST_CASE("the service answers loads one after the other as the solver does", "[
   CHECK(service.end());
 }
 
-TEST_CASE("the service ends where what comes is no load of its body", "[bake]") {
+TEST_CASE("the service ends where what comes is no load of its body", "[pipeline]") {
   const SolidModel model = block();
   std::vector<std::byte> another, rubbish(100, std::byte{7}), ready;
   write_load(1, std::vector<VertexForce>{{100'000, {0, 0, 1}}}, another);
@@ -107,7 +107,7 @@ TEST_CASE("the service ends where what comes is no load of its body", "[bake]") 
   }
 }
 
-TEST_CASE("the service says why it has no body", "[bake]") {
+TEST_CASE("the service says why it has no body", "[pipeline]") {
   Service service([]() -> std::unique_ptr<FullBody> { throw Error("no such surface"); });
   const ExactMessage message = service.next();
   REQUIRE(message.kind == ExactMessage::Kind::kSorry);

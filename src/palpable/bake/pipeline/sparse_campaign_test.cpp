@@ -98,7 +98,7 @@ SparseCampaign learnt(const SnapshotStore& store, const SparseCampaignSettings& 
   return sparse_campaign(store, 0, *find_field(store.content(), "displacement"), settings);
 }
 
-TEST_CASE("a part of a campaign along a face says what the rest is", "[bake][sparse]") {
+TEST_CASE("a part of a campaign along a face says what the rest is", "[pipeline][sparse]") {
   const test::ScratchFolder scratch("sparse");
   const SnapshotStore store = pressed_slab(scratch / "store");
   const SparseCampaign result = learnt(store);
@@ -138,7 +138,8 @@ TEST_CASE("a part of a campaign along a face says what the rest is", "[bake][spa
   }());
 }
 
-TEST_CASE("a place is a quantity on a face and on a line, and else a choice", "[bake][sparse]") {
+TEST_CASE("a place is a quantity on a face and on a line, and else a choice",
+          "[pipeline][sparse]") {
   const test::ScratchFolder scratch("sparse-places");
   StoreContent content = pressed_slab(scratch / "store").content();
   const Boundary boundary = split_boundary_of(content.mesh);
@@ -168,7 +169,7 @@ TEST_CASE("a place is a quantity on a face and on a line, and else a choice", "[
   CHECK_FALSE(site_places(content).quantities);
 }
 
-TEST_CASE("of sites that are choices each is learnt from", "[bake][sparse]") {
+TEST_CASE("of sites that are choices each is learnt from", "[pipeline][sparse]") {
   const test::ScratchFolder scratch("sparse-choices");
   const SnapshotStore store = pressed_slab(scratch / "store", true);
   const SparseCampaign fewest = learnt(store, {.part = 50.0 / 180.0});
@@ -183,7 +184,7 @@ TEST_CASE("of sites that are choices each is learnt from", "[bake][sparse]") {
                     Contains("45; sparse PGD learns from at least 50"));
 }
 
-TEST_CASE("a part that is nothing or everything is refused", "[bake][sparse]") {
+TEST_CASE("a part that is nothing or everything is refused", "[pipeline][sparse]") {
   const test::ScratchFolder scratch("sparse-parts");
   const SnapshotStore store = pressed_slab(scratch / "store");
   CHECK_THROWS_AS(learnt(store, {.part = 0.01}), Error);
@@ -212,7 +213,7 @@ double largest_difference(const ReducedBody& body, const SeparatedField& field,
 }
 
 TEST_CASE("a body file holds what was learnt, at all sites and levels, and says how well",
-          "[bake][sparse][body]") {
+          "[pipeline][sparse][body]") {
   for (const bool turned : {false, true}) {
     INFO("sites are " << (turned ? "choices" : "quantities"));
     const test::ScratchFolder scratch("sparse-body");
@@ -249,7 +250,7 @@ TEST_CASE("a body file holds what was learnt, at all sites and levels, and says 
   }
 }
 
-TEST_CASE("what is learnt depends on the seed, and on nothing else", "[bake][sparse]") {
+TEST_CASE("what is learnt depends on the seed, and on nothing else", "[pipeline][sparse]") {
   const test::ScratchFolder scratch("sparse-seed");
   const SnapshotStore store = pressed_slab(scratch / "store");
   const SparseCampaign one = learnt(store), again = learnt(store);
@@ -258,7 +259,7 @@ TEST_CASE("what is learnt depends on the seed, and on nothing else", "[bake][spa
 }
 
 TEST_CASE("nothing is learnt of an incomplete campaign, or over free parameters",
-          "[bake][sparse]") {
+          "[pipeline][sparse]") {
   const test::ScratchFolder scratch("sparse-missing");
   const SnapshotStore store =
       pressed_slab(scratch / "store", false, {{"stiffness", VectorXd::LinSpaced(2, 1.0, 2.0)}});
@@ -271,7 +272,7 @@ TEST_CASE("nothing is learnt of an incomplete campaign, or over free parameters"
 }
 
 TEST_CASE("shear components of a stress count twice, and a node by its volume",
-          "[bake][reduction]") {
+          "[pipeline][reduction]") {
   const TetMesh mesh = box_tets({0, 0, 0}, {1, 1, 1}, 1, 1, 1);
   const VectorXd volumes = nodal_volumes(mesh);
   const VectorXd u = value_weights(mesh, {"displacement", 3});

@@ -8,7 +8,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("a state's file holds its displacement, its stress and what acts", "[bake][files]") {
+TEST_CASE("a state's file holds its displacement, its stress and what acts", "[pipeline][files]") {
   SolidModel model;
   model.mesh = box_tets({0, 0, 0}, {1, 2, 1}, 2, 3, 2);
   model.material = material_from_young("neo-hookean", 1000, 0.3);

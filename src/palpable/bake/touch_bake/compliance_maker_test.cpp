@@ -62,7 +62,8 @@ Matrix3Xf answer(const Compliance& compliance, int vertex, const Vector3f& force
   return u;
 }
 
-TEST_CASE("the table answers at the inner nodes as the full body does, near and far", "[touch]") {
+TEST_CASE("the table answers at the inner nodes as the full body does, near and far",
+          "[touch_bake]") {
   const Made made(column());
   const int V = made.skin.vertex_count(), W = made.skin.shell_count();
   REQUIRE(W > V + 20);
@@ -93,7 +94,7 @@ TEST_CASE("the table answers at the inner nodes as the full body does, near and 
 }
 
 TEST_CASE("an inner node belongs to the cluster of the nearest vertex that is not held",
-          "[touch]") {
+          "[touch_bake]") {
   // Nodes above its floor are nearer to that than to its walls.
   const Made made(box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 6, 5, 4));
   const int V = made.skin.vertex_count();
@@ -122,7 +123,7 @@ MatrixXd fields_of(const SkinResponse& skin, const RoundedRows& rows) {
 }
 
 TEST_CASE("modes keep their rows of the inner nodes: they are orthonormal in the whole body",
-          "[touch]") {
+          "[touch_bake]") {
   // The shell of the column is all of it, and all clusters are near each other.
   Made made(column());
   made.table = make_compliance(made.skin, {.near_radius = 1.0, .rank = 16});

@@ -12,7 +12,7 @@ namespace {
 using Eigen::VectorXd;
 using test::tolerance;
 
-TEST_CASE("the exact answer to a load is its series, as far as that goes", "[touch]") {
+TEST_CASE("the exact answer to a load is its series, as far as that goes", "[touch_bake]") {
   const SolidModel model =
       test::standing_rubber(box_tets({-0.03, -0.025, 0}, {0.03, 0.025, 0.04}, 6, 5, 4));
   const EquilibriumSolver solver(model, {.tolerance = kExactAnswerTolerance});

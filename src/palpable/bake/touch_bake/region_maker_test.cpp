@@ -60,7 +60,7 @@ struct Column {
   }
 };
 
-TEST_CASE("beyond its own clusters a region's field goes on", "[touch]") {
+TEST_CASE("beyond its own clusters a region's field goes on", "[touch_bake]") {
   const Column column;
   const RegionTable region = column.region(0.014), all = column.region(1.0);
   const int W = column.skin.shell_count(), V = column.skin.vertex_count();

@@ -62,7 +62,7 @@ VectorXd shell_von_mises(const SkinResponse& skin, const Matrix3Xd& from_rest) {
   return Eigen::Map<const Eigen::VectorXf>(found.data(), skin.vertex_count()).cast<double>();
 }
 
-TEST_CASE("from the true displacement comes the stress of the full solver", "[touch]") {
+TEST_CASE("from the true displacement comes the stress of the full solver", "[touch_bake]") {
   for (const bool quadratic : {false, true}) {
     INFO((quadratic ? "10 nodes" : "4 nodes"));
     const SolidModel model = block(quadratic);
@@ -75,7 +75,7 @@ TEST_CASE("from the true displacement comes the stress of the full solver", "[to
   }
 }
 
-TEST_CASE("a body that its weight has bent starts from that stress", "[touch]") {
+TEST_CASE("a body that its weight has bent starts from that stress", "[touch_bake]") {
   const SolidModel model = block(false);
   const EquilibriumSolver solver(model);
   Preloaded preloaded{Matrix3Xd::Zero(3, model.mesh.node_count()), {}};
@@ -95,7 +95,8 @@ TEST_CASE("a body that its weight has bent starts from that stress", "[touch]") 
   }
 }
 
-TEST_CASE("the shell has the nodes of its elements, the skin's first and each once", "[touch]") {
+TEST_CASE("the shell has the nodes of its elements, the skin's first and each once",
+          "[touch_bake]") {
   for (const bool quadratic : {false, true}) {
     const SolidModel model = block(quadratic);
     const SkinResponse skin(model, boundary_of(model.mesh));

@@ -56,7 +56,7 @@ struct Touched {
 };
 
 TEST_CASE("the tables of touch answer as full contact does, the linear ones less well",
-          "[touch][long]") {
+          "[touch_bake][long]") {
   Touched body;
   std::vector<double> nonlinear, linear;
   for (const PressingThing thing : {PressingThing::kFinger, PressingThing::kRim}) {
@@ -85,7 +85,7 @@ TEST_CASE("the tables of touch answer as full contact does, the linear ones less
 }
 
 TEST_CASE("held-out touches are the same on any number of threads, and solved once",
-          "[touch][long]") {
+          "[touch_bake][long]") {
   const test::ScratchFolder folder("held_out");
   const Touched body;
   HeldOutSettings settings{.count = 4, .least_depth = 0.001, .largest_depth = 0.003, .threads = 2};

@@ -35,7 +35,7 @@ GapQuery ball(float depth) {
 }
 
 TEST_CASE("a touched body shows its stress, in one frame of several steps, without allocating",
-          "[touch]") {
+          "[touch_bake]") {
   const SolidModel model = block();
   const SkinResponse skin(model, boundary_of(model.mesh));
   TouchBakeSettings settings;

@@ -9,7 +9,7 @@ namespace palpable {
 namespace {
 
 TEST_CASE("things touch a body when they are brought to it, and enter it with their depth",
-          "[touch]") {
+          "[touch_bake]") {
   const SolidModel model =
       test::standing_rubber(box_tets({-0.03, -0.025, 0}, {0.03, 0.025, 0.04}, 10, 8, 7));
   const SkinResponse skin(model, boundary_of(model.mesh));

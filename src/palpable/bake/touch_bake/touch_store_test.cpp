@@ -32,7 +32,7 @@ TouchKeys keys_of(const SolidModel& model, const TouchBakeSettings& settings = {
   return touch_keys(SkinResponse(model, boundary_of(model.mesh)), settings);
 }
 
-TEST_CASE("a table that was kept is found again, by its key alone", "[touch][files]") {
+TEST_CASE("a table that was kept is found again, by its key alone", "[touch_bake][files]") {
   const ScratchFolder folder("touch_store");
   const TouchTables tables = some_tables();
   const TouchKeys keys{1, 2, 3, 4};
@@ -61,7 +61,7 @@ TEST_CASE("a table that was kept is found again, by its key alone", "[touch][fil
   CHECK_FALSE(store.find_region(keys, 1));
 }
 
-TEST_CASE("a table that is damaged is made again", "[touch][files]") {
+TEST_CASE("a table that is damaged is made again", "[touch_bake][files]") {
   const ScratchFolder folder("touch_store");
   const TouchStore store(folder / "touch");
   const TouchKeys keys{1, 2, 3, 4};
@@ -80,7 +80,7 @@ TEST_CASE("a table that is damaged is made again", "[touch][files]") {
   CHECK(store.find_cross(keys));
 }
 
-TEST_CASE("a list says which tables belong to a campaign", "[touch][files]") {
+TEST_CASE("a list says which tables belong to a campaign", "[touch_bake][files]") {
   const ScratchFolder folder("touch_store");
   const TouchStore store(folder / "touch");
   TouchTables tables = some_tables();
@@ -117,7 +117,7 @@ TEST_CASE("a list says which tables belong to a campaign", "[touch][files]") {
   CHECK_FALSE(store.find_listed(11));
 }
 
-TEST_CASE("touches that are solved so far are kept by their numbers", "[touch][files]") {
+TEST_CASE("touches that are solved so far are kept by their numbers", "[touch_bake][files]") {
   const ScratchFolder folder("touch_store");
   const TouchStore store(folder / "touch");
   TouchKeys keys{1, 2, 3, 4};
@@ -149,7 +149,7 @@ TEST_CASE("touches that are solved so far are kept by their numbers", "[touch][f
   CHECK(store.find_listed(11).value().held_out.empty());
 }
 
-TEST_CASE("what a killed process has left is removed, what grows is not", "[touch][files]") {
+TEST_CASE("what a killed process has left is removed, what grows is not", "[touch_bake][files]") {
   const ScratchFolder folder("touch_store");
   const TouchStore store(folder / "touch");
   store.remove_leftovers();  // of a folder that is not there
@@ -163,14 +163,14 @@ TEST_CASE("what a killed process has left is removed, what grows is not", "[touc
   CHECK_FALSE(fs::exists(store.folder() / "cross.h5.part-elsewhere-12"));
 }
 
-TEST_CASE("a store that cannot be written is a clear error", "[touch][errors]") {
+TEST_CASE("a store that cannot be written is a clear error", "[touch_bake][errors]") {
   const ScratchFolder folder("touch_store");
   test::write_bytes(folder / "touch", "a file");
   CHECK_THROWS_WITH(TouchStore(folder / "touch").keep({}, some_tables().cross),
                     Catch::Contains("touch"));
 }
 
-TEST_CASE("a table is made again when anything changes that it hangs on", "[touch]") {
+TEST_CASE("a table is made again when anything changes that it hangs on", "[touch_bake]") {
   const SolidModel model = block();
   const TouchKeys keys = keys_of(model);
   CHECK(keys == keys_of(model));

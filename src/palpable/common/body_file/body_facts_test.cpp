@@ -23,7 +23,7 @@ std::map<std::string, std::string> facts_of(const ReducedBody& body) {
   return facts;
 }
 
-TEST_CASE("the facts of a body are those of its closed form", "[reduced][facts]") {
+TEST_CASE("the facts of a body are those of its closed form", "[body_file][facts]") {
   const ReducedBody ball = test::pressed_ball(0.05, 0.01, 3, 5);
   std::map<std::string, std::string> facts = facts_of(ball);
   CHECK(facts["body"] == "ball");
@@ -40,7 +40,7 @@ TEST_CASE("the facts of a body are those of its closed form", "[reduced][facts]"
   CHECK_FALSE(facts.contains("parameter"));
 }
 
-TEST_CASE("the facts name what only some bodies have", "[reduced][facts]") {
+TEST_CASE("the facts name what only some bodies have", "[body_file][facts]") {
   ReducedBody shared = test::pressed_ball();
   std::vector<ParameterAxis> axes = shared.displacement.axes();
   axes[0].functions.setConstant(0.5);
@@ -60,7 +60,7 @@ TEST_CASE("the facts name what only some bodies have", "[reduced][facts]") {
   CHECK(facts["between sites"] == "nothing: the nearest one counts, wrong by 25 % in the median");
 }
 
-TEST_CASE("programs are told the facts of a body as numbers", "[reduced][facts]") {
+TEST_CASE("programs are told the facts of a body as numbers", "[body_file][facts]") {
   const Json ball = json_of(test::pressed_ball(0.05, 0.01, 3, 5));
   CHECK(ball["vertices"].get<int>() == 642);
   CHECK(ball["sites"].get<int>() == 6);

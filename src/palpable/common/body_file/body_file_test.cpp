@@ -136,7 +136,7 @@ void write_old_file(const fs::path& path, const ReducedBody& body) {
       }));
 }
 
-TEST_CASE("an older file names its method in its provenance, or nowhere", "[reduced][files]") {
+TEST_CASE("an older file names its method in its provenance, or nowhere", "[body_file][files]") {
   const Folder folder;
   ReducedBody body = small_ball();
   body.method = "lost with the attribute";
@@ -150,7 +150,7 @@ TEST_CASE("an older file names its method in its provenance, or nowhere", "[redu
   CHECK(written_and_read(body).method == "hosvd");
 }
 
-TEST_CASE("a body that was written is read back the same", "[reduced][files]") {
+TEST_CASE("a body that was written is read back the same", "[body_file][files]") {
   for (const ReducedBody& body : {small_ball(), full_ball(), reported_ball(), several_ball()}) {
     const ReducedBody again = written_and_read(body);
     CHECK(again.name == body.name);
@@ -211,7 +211,7 @@ TEST_CASE("a body that was written is read back the same", "[reduced][files]") {
 }
 
 TEST_CASE("a body in half precision takes half the bytes and says what that costs",
-          "[reduced][files]") {
+          "[body_file][files]") {
   const Folder folder;
   const ReducedBody body = test::pressed_ball();
   write_body_file(folder / "full.palpable", body);
@@ -245,7 +245,7 @@ TEST_CASE("a body in half precision takes half the bytes and says what that cost
   CHECK(again.error.stress_rounding == half.error.stress_rounding);
 }
 
-TEST_CASE("what is to be pressed is settled on the values asked for", "[reduced][files]") {
+TEST_CASE("what is to be pressed is settled on the values asked for", "[body_file][files]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
   write_body_file(path, full_ball());
@@ -261,7 +261,7 @@ TEST_CASE("what is to be pressed is settled on the values asked for", "[reduced]
 }
 
 // Committed when layout 1 was new: whatever comes, it is read.
-TEST_CASE("a file of layout 1 is read for ever", "[reduced][files]") {
+TEST_CASE("a file of layout 1 is read for ever", "[body_file][files]") {
   for (const char* name : {"ball_v1.palpable", "ball_v1_full.palpable"}) {
     INFO(name);
     const Result<ReducedBody> result = read_body_file(fs::path("tests/data") / name);
@@ -287,14 +287,14 @@ TEST_CASE("a file of layout 1 is read for ever", "[reduced][files]") {
   }
 }
 
-TEST_CASE("the same body gives the same bytes", "[reduced][files]") {
+TEST_CASE("the same body gives the same bytes", "[body_file][files]") {
   const Folder folder;
   write_body_file(folder / "a.palpable", small_ball());
   write_body_file(folder / "b.palpable", small_ball());
   CHECK(bytes_of(folder / "a.palpable") == bytes_of(folder / "b.palpable"));
 }
 
-TEST_CASE("a file that is missing, foreign or of another version says so", "[reduced][errors]") {
+TEST_CASE("a file that is missing, foreign or of another version says so", "[body_file][errors]") {
   const Folder folder;
   CHECK(read_body_file(folder / "none.palpable").problem().message.find("no such body file") !=
         std::string::npos);
@@ -306,7 +306,7 @@ TEST_CASE("a file that is missing, foreign or of another version says so", "[red
 }
 
 TEST_CASE("a body that breaks a rule of its own is not written over a good one",
-          "[reduced][errors]") {
+          "[body_file][errors]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
   write_body_file(path, small_ball());
@@ -380,7 +380,7 @@ TEST_CASE("a body that breaks a rule of its own is not written over a good one",
   }
 }
 
-TEST_CASE("an energy of several loads that breaks a rule is not written", "[reduced][errors]") {
+TEST_CASE("an energy of several loads that breaks a rule is not written", "[body_file][errors]") {
   const Folder folder;
   const std::vector<std::pair<std::string, std::function<void(SeveralLoads&)>>> faults{
       {"not those of this surface", [](auto& s) { s.modes.conservativeResize(30, 4); }},
@@ -419,7 +419,7 @@ TEST_CASE("an energy of several loads that breaks a rule is not written", "[redu
 }
 
 TEST_CASE("a further group stands beside the body, and who does not know it reads the body",
-          "[reduced][files]") {
+          "[body_file][files]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
   write_body_file(path, small_ball(), ModeStorage::kFloat32,
@@ -445,12 +445,12 @@ TEST_CASE("a further group stands beside the body, and who does not know it read
   CHECK(bytes_of(path) == good);
 }
 
-TEST_CASE("a folder that does not exist is a clear error", "[reduced][errors]") {
+TEST_CASE("a folder that does not exist is a clear error", "[body_file][errors]") {
   CHECK_THROWS_WITH(write_body_file("/nowhere/ball.palpable", small_ball()),
                     Catch::Contains("/nowhere/ball.palpable: cannot be created"));
 }
 
-TEST_CASE("a full disk is a clear error and leaves the old file", "[reduced][errors]") {
+TEST_CASE("a full disk is a clear error and leaves the old file", "[body_file][errors]") {
   if (!fs::exists("/dev/full")) PALPABLE_SKIP("/dev/full is not there");
   const Folder folder;
   fs::create_symlink("/dev/full", part_of(folder / "ball.palpable"));
@@ -459,7 +459,7 @@ TEST_CASE("a full disk is a clear error and leaves the old file", "[reduced][err
 }
 
 // What reading promises: a good body or a problem, whatever the bytes.
-TEST_CASE("a truncated body file is refused at every length", "[reduced][fuzz]") {
+TEST_CASE("a truncated body file is refused at every length", "[body_file][fuzz]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
   write_body_file(path, several_ball(), ModeStorage::kFloat16);
@@ -470,7 +470,7 @@ TEST_CASE("a truncated body file is refused at every length", "[reduced][fuzz]")
   }
 }
 
-TEST_CASE("a body file with one changed byte is refused", "[reduced][fuzz]") {
+TEST_CASE("a body file with one changed byte is refused", "[body_file][fuzz]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
   std::array<std::string, 2> files;
@@ -491,7 +491,7 @@ TEST_CASE("a body file with one changed byte is refused", "[reduced][fuzz]") {
   }
 }
 
-TEST_CASE("a file of another layout is refused by its version", "[reduced][errors]") {
+TEST_CASE("a file of another layout is refused by its version", "[body_file][errors]") {
   const Folder folder;
   write_bytes(folder / "new.palpable", "palpable body file, layout 99\nwhatever comes then");
   CHECK(read_body_file(folder / "new.palpable").problem().message.find("layout version '99'") !=

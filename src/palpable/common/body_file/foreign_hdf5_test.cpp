@@ -50,7 +50,8 @@ std::string trouble_of(const fs::path& path, const std::string& dataset) {
   return "(read)";
 }
 
-TEST_CASE("numbers of another program's HDF5 file are read, packed or not", "[reduced][foreign]") {
+TEST_CASE("numbers of another program's HDF5 file are read, packed or not",
+          "[body_file][foreign]") {
   const test::ScratchFolder folder("foreign_hdf5");
   write_theirs(folder / "theirs.h5");
   const hdf5::ForeignNumbers table = hdf5::read_foreign(folder / "theirs.h5", "table");
@@ -62,7 +63,7 @@ TEST_CASE("numbers of another program's HDF5 file are read, packed or not", "[re
   CHECK(hdf5::read_foreign(folder / "theirs.h5", "number").values == std::vector<double>{7.25});
 }
 
-TEST_CASE("what is not there, no numbers or no HDF5 is said", "[reduced][foreign]") {
+TEST_CASE("what is not there, no numbers or no HDF5 is said", "[body_file][foreign]") {
   const test::ScratchFolder folder("foreign_hdf5");
   write_theirs(folder / "theirs.h5");
   CHECK(trouble_of(folder / "theirs.h5", "other") == "dataset 'other' is missing");
@@ -74,7 +75,7 @@ TEST_CASE("what is not there, no numbers or no HDF5 is said", "[reduced][foreign
 }
 
 // Some of these end HDF5 1.10 by a signal; which ones, is its secret.
-TEST_CASE("no damage to another program's HDF5 file ends this program", "[reduced][foreign]") {
+TEST_CASE("no damage to another program's HDF5 file ends this program", "[body_file][foreign]") {
   const test::ScratchFolder folder("foreign_hdf5");
   write_theirs(folder / "theirs.h5");
   const std::string good = test::file_bytes(folder / "theirs.h5");
@@ -95,7 +96,7 @@ TEST_CASE("no damage to another program's HDF5 file ends this program", "[reduce
   CHECK(hdf5::read_foreign(folder / "theirs.h5", "table").values[5] == 6);
 }
 
-TEST_CASE("a full disk leaves the old HDF5 file, and lets the program end", "[reduced][files]") {
+TEST_CASE("a full disk leaves the old HDF5 file, and lets the program end", "[body_file][files]") {
   const test::ScratchFolder folder("full_disk");
   const fs::path path = folder / "a.h5";
   test::write_bytes(path, "old");
@@ -127,7 +128,7 @@ TEST_CASE("a full disk leaves the old HDF5 file, and lets the program end", "[re
   CHECK_FALSE(fs::exists(part_of(folder / "a.h5")));
 }
 
-TEST_CASE("an HDF5 file is not in place when what belongs to it fails", "[reduced][files]") {
+TEST_CASE("an HDF5 file is not in place when what belongs to it fails", "[body_file][files]") {
   const test::ScratchFolder folder("not_in_place");
   const hdf5::Quiet quiet;
   const auto fill = [](hid_t file) { hdf5::write_number(file, "n", 1); };

@@ -103,7 +103,7 @@ void write_spoilt(const fs::path& path, const TouchTables& tables,
   });
 }
 
-TEST_CASE("tables of touch come back from a body file to the last bit", "[touch][files]") {
+TEST_CASE("tables of touch come back from a body file to the last bit", "[body_file][files]") {
   const ScratchFolder folder("touch_file");
   const ReducedBody body = ball();
   for (const int regions : {0, 3}) {
@@ -129,7 +129,8 @@ TouchTables carrying_tables() {
   return tables;
 }
 
-TEST_CASE("a coarser skin comes back from a body file with its tables", "[touch][files][carried]") {
+TEST_CASE("a coarser skin comes back from a body file with its tables",
+          "[body_file][files][carried]") {
   const ScratchFolder folder("touch_file");
   const TouchTables tables = carrying_tables();
   write_touchable_body(folder / "ball.palpable", ball(), tables);
@@ -145,7 +146,7 @@ TEST_CASE("a coarser skin comes back from a body file with its tables", "[touch]
 }
 
 TEST_CASE("damaged tables are a problem of their own, and no reason to refuse the body",
-          "[touch][files]") {
+          "[body_file][files]") {
   const ScratchFolder folder("touch_file");
   const fs::path path = folder / "ball.palpable";
   const TouchTables tables = test::some_touch_tables(ball().surface);
@@ -162,7 +163,7 @@ TEST_CASE("damaged tables are a problem of their own, and no reason to refuse th
   CHECK_FALSE(read_body_and_touch(folder / "none.palpable").ok());
 }
 
-TEST_CASE("the same tables give the same bytes", "[touch][files]") {
+TEST_CASE("the same tables give the same bytes", "[body_file][files]") {
   const ScratchFolder folder("touch_file");
   const ReducedBody body = ball();
   for (const char* name : {"a.palpable", "b.palpable"}) {
@@ -172,7 +173,7 @@ TEST_CASE("the same tables give the same bytes", "[touch][files]") {
 }
 
 TEST_CASE("who does not know tables of touch reads the body, and older files have none",
-          "[touch][files]") {
+          "[body_file][files]") {
   const ScratchFolder folder("touch_file");
   const ReducedBody body = ball();
   write_touchable_body(folder / "ball.palpable", body, test::some_touch_tables(body.surface),
@@ -210,7 +211,7 @@ void check_refused(const TouchTables& good, const Faults& faults) {
   }
 }
 
-TEST_CASE("a coarser skin that breaks a rule is named", "[touch][errors][carried]") {
+TEST_CASE("a coarser skin that breaks a rule is named", "[body_file][errors][carried]") {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   check_refused(
       carrying_tables(),
@@ -233,7 +234,7 @@ TEST_CASE("a coarser skin that breaks a rule is named", "[touch][errors][carried
 }
 
 TEST_CASE("tables that break a rule are named, and not written over a good file",
-          "[touch][errors]") {
+          "[body_file][errors]") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const TouchTables good = test::some_touch_tables(ball().surface);
   const Faults faults{
@@ -311,7 +312,7 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
 }
 
 TEST_CASE("a shell that breaks a rule is named, and not written over a good file",
-          "[touch][errors]") {
+          "[body_file][errors]") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const TouchTables good = test::some_touch_tables(ball().surface);
   const Faults faults{
@@ -395,7 +396,7 @@ void check_refused(const FileFaults& faults) {
 }
 
 TEST_CASE("held-out touches from before errors were told are read, and calibrate nothing",
-          "[touch]") {
+          "[body_file]") {
   const ScratchFolder folder("touch_file");
   const fs::path path = folder / "ball.palpable";
   const TouchTables good = test::some_touch_tables(ball().surface);
@@ -411,7 +412,7 @@ TEST_CASE("held-out touches from before errors were told are read, and calibrate
 }
 
 TEST_CASE("tables that break a rule within a file are refused by name when it is read",
-          "[touch][errors]") {
+          "[body_file][errors]") {
   const FileFaults faults{
       {"tables of touch have layout 0 where this program reads 2; bake the body again",
        number(".", "layout", 0)},
@@ -458,7 +459,7 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
 }
 
 TEST_CASE("a shell that breaks a rule within a file is refused by name when it is read",
-          "[touch][errors]") {
+          "[body_file][errors]") {
   const FileFaults faults{
       {"touch/shell: group 'shell' is missing", without("shell")},
       {"touch/shell: dataset 'preload' is missing", without("shell/preload")},

@@ -7,7 +7,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("it is told whether a body can be touched anywhere, and to which order", "[touch]") {
+TEST_CASE("it is told whether a body can be touched anywhere, and to which order", "[body_file]") {
   const SurfaceMesh skin = sphere_surface({0, 0, 0}, 0.05, 1);
   CHECK(touch_text(std::nullopt) == "at its sites, one at a time");
   CHECK(touch_json(std::nullopt).is_null());

@@ -60,7 +60,7 @@ bool solve(Complementarity& solver, const Problem& p, VectorXd& f) {
                       {f.data(), static_cast<std::size_t>(f.size())});
 }
 
-TEST_CASE("the forces are those that trying every set of points finds", "[touch][law]") {
+TEST_CASE("the forces are those that trying every set of points finds", "[contact][law]") {
   Complementarity solver(12);
   for (unsigned seed = 0; seed < 60; ++seed) {
     INFO("seed " << seed);
@@ -73,7 +73,7 @@ TEST_CASE("the forces are those that trying every set of points finds", "[touch]
 }
 
 TEST_CASE("whatever the guess, nothing pulls, nothing enters, and nothing presses at a distance",
-          "[touch][law]") {
+          "[contact][law]") {
   Complementarity solver(150);
   for (unsigned seed = 0; seed < 20; ++seed) {
     INFO("seed " << seed);
@@ -91,7 +91,7 @@ TEST_CASE("whatever the guess, nothing pulls, nothing enters, and nothing presse
   }
 }
 
-TEST_CASE("a good guess costs one factorisation", "[touch]") {
+TEST_CASE("a good guess costs one factorisation", "[contact]") {
   const Problem p = some_problem(7, 40);
   Complementarity solver(40);
   VectorXd f = VectorXd::Zero(40);
@@ -101,7 +101,7 @@ TEST_CASE("a good guess costs one factorisation", "[touch]") {
   CHECK(solver.steps() == 1);
 }
 
-TEST_CASE("no points, no gap below 0, and a single point are problems, too", "[touch]") {
+TEST_CASE("no points, no gap below 0, and a single point are problems, too", "[contact]") {
   Complementarity solver(3);
   VectorXd f(0);
   CHECK(solve(solver, {MatrixXd(0, 0), VectorXd(0)}, f));
@@ -113,7 +113,7 @@ TEST_CASE("no points, no gap below 0, and a single point are problems, too", "[t
   CHECK(f[0] == Approx(1.5));
 }
 
-TEST_CASE("a compliance that is not positive definite is no answer, and no hang", "[touch]") {
+TEST_CASE("a compliance that is not positive definite is no answer, and no hang", "[contact]") {
   Complementarity solver(2);
   VectorXd f = VectorXd::Zero(2);
   MatrixXd W(2, 2);
@@ -124,7 +124,7 @@ TEST_CASE("a compliance that is not positive definite is no answer, and no hang"
   CHECK_FALSE(solve(solver, {W, VectorXd::Constant(2, -1)}, f));
 }
 
-TEST_CASE("a solve allocates nothing and knows its limits", "[touch][frame loop]") {
+TEST_CASE("a solve allocates nothing and knows its limits", "[contact][frame loop]") {
   const Problem p = some_problem(3, 30);
   Complementarity solver(30);
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> W = p.W;

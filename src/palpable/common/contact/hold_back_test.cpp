@@ -33,7 +33,7 @@ TouchState pressed(float along, std::initializer_list<int> points) {
 
 }  // namespace
 
-TEST_CASE("a state that went no farther than it may is left as it is", "[touch]") {
+TEST_CASE("a state that went no farther than it may is left as it is", "[contact]") {
   HoldBack hold_back(kNodes, kVertices, kMostForces);
   hold_back.start(pressed(0.001f, {1}));
   TouchState state = pressed(0.002f, {1, 2});
@@ -43,7 +43,7 @@ TEST_CASE("a state that went no farther than it may is left as it is", "[touch]"
 }
 
 TEST_CASE("a state that is held back goes a share of the way, forces and all nodes alike",
-          "[touch]") {
+          "[contact]") {
   HoldBack hold_back(kNodes, kVertices, kMostForces);
   hold_back.start(pressed(0.001f, {1, 4}));
   TouchState state = pressed(0.005f, {2, 4});
@@ -60,7 +60,7 @@ TEST_CASE("a state that is held back goes a share of the way, forces and all nod
   }
 }
 
-TEST_CASE("of more forces than there is room for the least go", "[touch]") {
+TEST_CASE("of more forces than there is room for the least go", "[contact]") {
   HoldBack hold_back(kNodes, kVertices, kMostForces);
   hold_back.start(pressed(0, {1, 3, 5}));
   TouchState state = pressed(0.002f, {2, 4, 6});

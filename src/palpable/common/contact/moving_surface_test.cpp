@@ -37,7 +37,7 @@ Eigen::Matrix3Xf bent(const SurfaceMesh& bar, double curvature) {
   return x.cast<float>();
 }
 
-TEST_CASE("a skin that has moved is as far as one that was made there", "[touch]") {
+TEST_CASE("a skin that has moved is as far as one that was made there", "[contact]") {
   const SurfaceMesh bar = flat_bar();
   MovingSurface moving(bar);
   const Eigen::Matrix3Xf now = bent(bar, 6.0);
@@ -77,12 +77,12 @@ TEST_CASE("a skin that has moved is as far as one that was made there", "[touch]
         }) == 0);
 }
 
-TEST_CASE("a place that is no number is near nothing", "[touch]") {
+TEST_CASE("a place that is no number is near nothing", "[contact]") {
   const MovingSurface bar(flat_bar());
   CHECK_FALSE(bar.nearest(Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()), 0.1f));
 }
 
-TEST_CASE("a skin is as round as what it stands for, and its edges stay edges", "[touch]") {
+TEST_CASE("a skin is as round as what it stands for, and its edges stay edges", "[contact]") {
   const double radius = 0.03;
   const MovingSurface ball(sphere_surface(Vector3d::Zero(), radius, 3));
   auto random = test::random_case(7);

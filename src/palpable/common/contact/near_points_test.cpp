@@ -67,7 +67,7 @@ std::vector<int> near_by_all(const Ball& ball, float band, const GapQuery& gap) 
   return points;
 }
 
-TEST_CASE("the larger curvature of cylinders, balls and hollows", "[touch]") {
+TEST_CASE("the larger curvature of cylinders, balls and hollows", "[contact]") {
   const auto bent = [](float x, float y) -> Eigen::Matrix3f {
     return Vector3f(x, y, 0).asDiagonal();
   };
@@ -76,7 +76,7 @@ TEST_CASE("the larger curvature of cylinders, balls and hollows", "[touch]") {
   CHECK(largest_curvature(bent(-80, 20)) == Approx(20));
 }
 
-TEST_CASE("a sharp object needs all points, a flat one the coarse ones", "[touch]") {
+TEST_CASE("a sharp object needs all points, a flat one the coarse ones", "[contact]") {
   const float flat = 0, pencil = 1 / 0.0035f;
   const float coarsest = 0.006f, finest = 0.0015f, entry = 0.00025f;
   CHECK(is_point_needed(0.006f, flat, entry, coarsest, finest));
@@ -84,7 +84,7 @@ TEST_CASE("a sharp object needs all points, a flat one the coarse ones", "[touch
   CHECK(is_point_needed(0.003f, pencil, entry, coarsest, finest));
 }
 
-TEST_CASE("heaps leave out no point that is near, of balls of any size", "[touch]") {
+TEST_CASE("heaps leave out no point that is near, of balls of any size", "[contact]") {
   Ball ball;
   ball.u.row(0).setConstant(0.003f);  // the shape has moved, too
   for (const float radius : {0.0035f, 0.008f, 0.030f}) {
@@ -108,7 +108,7 @@ TEST_CASE("heaps leave out no point that is near, of balls of any size", "[touch
   }
 }
 
-TEST_CASE("a gap is asked once for a place, and told by its curvature beside it", "[touch]") {
+TEST_CASE("a gap is asked once for a place, and told by its curvature beside it", "[contact]") {
   Ball ball;
   NearPoints near_points(ball.skin, kEntry);
   near_points.start();
@@ -137,7 +137,8 @@ TEST_CASE("a gap is asked once for a place, and told by its curvature beside it"
   CHECK(asked == 4);
 }
 
-TEST_CASE("what stays far is not asked again, and told no nearer than it is for sure", "[touch]") {
+TEST_CASE("what stays far is not asked again, and told no nearer than it is for sure",
+          "[contact]") {
   Ball ball;
   NearPoints near_points(ball.skin, kEntry);
   near_points.start();
@@ -158,7 +159,7 @@ TEST_CASE("what stays far is not asked again, and told no nearer than it is for 
   CHECK(seen.distance == Approx(0.0005).margin(1e-7));
 }
 
-TEST_CASE("what is no number is nothing", "[touch]") {
+TEST_CASE("what is no number is nothing", "[contact]") {
   Ball ball;
   NearPoints near_points(ball.skin, kEntry);
   const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -15,7 +15,7 @@ using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
 TEST_CASE("points of a level are some way apart, and no point of the skin is farther from them",
-          "[touch]") {
+          "[contact]") {
   const test::ElasticSheet sheet;
   const std::vector<SkinPoint> points = skin_points(sheet.skin, sheet.fixed, 0.002);
   const std::vector<float> levels = point_levels(sheet.skin, points, 0.008, 0.002);
@@ -48,7 +48,7 @@ TEST_CASE("points of a level are some way apart, and no point of the skin is far
 }
 
 TEST_CASE("points of the other side of a thin sheet do not stand for those of this one",
-          "[touch]") {
+          "[contact]") {
   // Two triangles 1 mm apart that face away from each other.
   SurfaceMesh skin;
   skin.vertices.resize(3, 6);

@@ -61,7 +61,7 @@ struct Sheet {
   }
 };
 
-TEST_CASE("a correction holds for loads like its own", "[touch][law]") {
+TEST_CASE("a correction holds for loads like its own", "[contact][law]") {
   CHECK(correction_weight(3, 3, 3) == 1.0f);
   CHECK(correction_weight(0, 0, 3) == 0.0f);
   // Of the same load 0.6 times as large.
@@ -83,7 +83,7 @@ TEST_CASE("a correction holds for loads like its own", "[touch][law]") {
   }
 }
 
-TEST_CASE("exact answers bring the contact of the exact body", "[touch]") {
+TEST_CASE("exact answers bring the contact of the exact body", "[contact]") {
   Sheet sheet;
   TouchSolver solver = sheet.solver();
   const GapQuery gap = ball(0.003f);
@@ -100,7 +100,7 @@ TEST_CASE("exact answers bring the contact of the exact body", "[touch]") {
         tolerance(1e-5, "m: the state bears what the exact body bears"));
 }
 
-TEST_CASE("an exact answer comes in frame by frame", "[touch]") {
+TEST_CASE("an exact answer comes in frame by frame", "[contact]") {
   Sheet sheet;
   TouchSolver solver = sheet.solver();
   const GapQuery gap = ball(0.003f);
@@ -121,7 +121,7 @@ TEST_CASE("an exact answer comes in frame by frame", "[touch]") {
   CHECK(largest < 0.3 * std::abs(before - first));
 }
 
-TEST_CASE("what leaves takes its correction along, and comes back to it", "[touch]") {
+TEST_CASE("what leaves takes its correction along, and comes back to it", "[contact]") {
   Sheet sheet;
   TouchSolver solver = sheet.solver();
   sheet.refine(solver, ball(0.003f), 2);
@@ -133,7 +133,7 @@ TEST_CASE("what leaves takes its correction along, and comes back to it", "[touc
   CHECK(sheet.force() == Approx(force).epsilon(tolerance(1e-3, "Newton's last step")));
 }
 
-TEST_CASE("a correction fades without a jump where the object slides on", "[touch]") {
+TEST_CASE("a correction fades without a jump where the object slides on", "[contact]") {
   Sheet sheet, plain;
   TouchSolver solver = sheet.solver(), other = plain.solver();
   sheet.refine(solver, ball(0.003f));
@@ -152,7 +152,7 @@ TEST_CASE("a correction fades without a jump where the object slides on", "[touc
   CHECK(sheet.force() == Approx(plain.force()).epsilon(tolerance(0.01, "hardly corrected")));
 }
 
-TEST_CASE("an answer far from the tables' is refused and changes nothing", "[touch]") {
+TEST_CASE("an answer far from the tables' is refused and changes nothing", "[contact]") {
   Sheet sheet;
   TouchSolver solver = sheet.solver();
   solver.advance(sheet.state, ball(0.003f));
@@ -167,7 +167,7 @@ TEST_CASE("an answer far from the tables' is refused and changes nothing", "[tou
   }
 }
 
-TEST_CASE("nothing is asked of a body at rest", "[touch]") {
+TEST_CASE("nothing is asked of a body at rest", "[contact]") {
   Sheet sheet;
   TouchSolver solver = sheet.solver();
   CHECK(!solver.ask(sheet.state, sheet.asked));
@@ -175,7 +175,7 @@ TEST_CASE("nothing is asked of a body at rest", "[touch]") {
   CHECK(!solver.ask(sheet.state, sheet.asked));
 }
 
-TEST_CASE("refined frames allocate nothing and are the same again", "[touch]") {
+TEST_CASE("refined frames allocate nothing and are the same again", "[contact]") {
   Sheet sheet;
   TouchSolver solver = sheet.solver();
   sheet.refine(solver, ball(0.003f), 2);

@@ -20,7 +20,7 @@ GapQuery ball(float radius, float depth) {
 }
 
 TEST_CASE("a body ten times as large answers a thing ten times as large by a similar shape",
-          "[touch]") {
+          "[contact]") {
   const test::ElasticSheet sheet;
   TouchableBody small(test::DentedSphere{}.body(), sheet.tables);
   small.body.surface = sheet.skin;

@@ -38,7 +38,7 @@ Matrix3Xf turned(const SurfaceMesh& surface, double angle) {
   return (moved - surface.vertices).cast<float>();
 }
 
-TEST_CASE("a carried skin is where it was while the coarser one rests", "[touch][carried]") {
+TEST_CASE("a carried skin is where it was while the coarser one rests", "[contact][carried]") {
   const Balls balls;
   TouchSkin skin = balls.skin();
   CHECK(skin.is_carried());
@@ -59,7 +59,7 @@ TEST_CASE("a carried skin is where it was while the coarser one rests", "[touch]
   }
 }
 
-TEST_CASE("a skin that is carried turns with the one that carries it", "[touch][carried]") {
+TEST_CASE("a skin that is carried turns with the one that carries it", "[contact][carried]") {
   const Balls balls;
   TouchSkin skin = balls.skin();
   const Matrix3Xf u = turned(balls.coarse, 0.5);
@@ -78,7 +78,7 @@ TEST_CASE("a skin that is carried turns with the one that carries it", "[touch][
   CHECK((x - wanted).colwise().norm().maxCoeff() > 2 * off);
 }
 
-TEST_CASE("a point stands on the side of a thin part that it is on", "[touch][carried]") {
+TEST_CASE("a point stands on the side of a thin part that it is on", "[contact][carried]") {
   // A coarse lens, and a fine one so thin that each side lies a little beyond the middle: the other
   // side of the coarse one is nearer.
   SurfaceMesh coarse = sphere_surface({0, 0, 0}, 0.03, 3),
@@ -105,7 +105,7 @@ TEST_CASE("a point stands on the side of a thin part that it is on", "[touch][ca
 }
 
 TEST_CASE("what the vertices of a coarser skin know is spread over the fine one",
-          "[touch][carried]") {
+          "[contact][carried]") {
   const Balls balls;
   const TouchSkin skin = balls.skin();
   std::vector<float> of_vertices;
@@ -123,7 +123,8 @@ TEST_CASE("what the vertices of a coarser skin know is spread over the fine one"
   }
 }
 
-TEST_CASE("contact points on held triangles of the coarser skin are left out", "[touch][carried]") {
+TEST_CASE("contact points on held triangles of the coarser skin are left out",
+          "[contact][carried]") {
   Balls balls;
   const std::size_t all = balls.skin().points().size();
   std::vector<std::uint8_t>& fixed = balls.tables.coarse->fixed;

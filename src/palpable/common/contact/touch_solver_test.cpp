@@ -58,7 +58,7 @@ double apart(const Matrix3Xf& a, const Matrix3Xf& b) {
   return static_cast<double>((a - b).colwise().norm().maxCoeff());
 }
 
-TEST_CASE("a pressed sheet holds the conditions of unilateral contact", "[touch]") {
+TEST_CASE("a pressed sheet holds the conditions of unilateral contact", "[contact]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver();
   TouchState state;
@@ -109,7 +109,7 @@ SurfaceMesh finer_sheet(double height) {
   return fine;
 }
 
-TEST_CASE("nothing enters a fine skin that the elastic one carries", "[touch][carried]") {
+TEST_CASE("nothing enters a fine skin that the elastic one carries", "[contact][carried]") {
   constexpr double kHeight = 0.0015;
   const Sheet sheet;
   const SurfaceMesh fine = finer_sheet(kHeight);
@@ -153,7 +153,7 @@ TEST_CASE("nothing enters a fine skin that the elastic one carries", "[touch][ca
         }) == 0);
 }
 
-TEST_CASE("what presses in one frame is answered as what came slowly", "[touch]") {
+TEST_CASE("what presses in one frame is answered as what came slowly", "[contact]") {
   const Sheet sheet;
   TouchSolver slow = sheet.solver(), fast = sheet.solver();
   TouchState slowly, at_once;
@@ -165,7 +165,7 @@ TEST_CASE("what presses in one frame is answered as what came slowly", "[touch]"
   CHECK(apart(slowly.u, at_once.u) < tolerance(4e-5, "m: twice the last step's"));
 }
 
-TEST_CASE("an object deeper than a frame's steps is reached in the frames after", "[touch]") {
+TEST_CASE("an object deeper than a frame's steps is reached in the frames after", "[contact]") {
   Sheet sheet;
   sheet.settings.most_steps = 2;
   const Sheet usual;
@@ -178,7 +178,7 @@ TEST_CASE("an object deeper than a frame's steps is reached in the frames after"
   CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
 }
 
-TEST_CASE("what leaves lets go at once, without pulling", "[touch]") {
+TEST_CASE("what leaves lets go at once, without pulling", "[contact]") {
   const Sheet sheet;
   for (const GapQuery& gap : {nothing(), ball(0.02f, -0.005f)}) {
     TouchSolver solver = sheet.solver();
@@ -191,7 +191,7 @@ TEST_CASE("what leaves lets go at once, without pulling", "[touch]") {
   }
 }
 
-TEST_CASE("a fast object that leaves stays the skin's obstacle", "[touch]") {
+TEST_CASE("a fast object that leaves stays the skin's obstacle", "[contact]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver(), other = sheet.solver();
   TouchState state, wanted;
@@ -204,7 +204,7 @@ TEST_CASE("a fast object that leaves stays the skin's obstacle", "[touch]") {
 }
 
 TEST_CASE("no vertex moves farther in a frame than it may, and the rest is made up for",
-          "[touch]") {
+          "[contact]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver(), other = sheet.solver();
   constexpr double kMost = 0.002;  // m
@@ -232,7 +232,7 @@ TEST_CASE("no vertex moves farther in a frame than it may, and the rest is made 
 }
 
 TEST_CASE("an answer that a frame's iterations do not reach is held back, and reached later",
-          "[touch]") {
+          "[contact]") {
   Sheet sheet;
   sheet.settings.last_iterations = 1;
   const Sheet usual;
@@ -248,7 +248,7 @@ TEST_CASE("an answer that a frame's iterations do not reach is held back, and re
   CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
 }
 
-TEST_CASE("numbers that are none press nothing", "[touch]") {
+TEST_CASE("numbers that are none press nothing", "[contact]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver();
   TouchState state;
@@ -266,7 +266,7 @@ TEST_CASE("numbers that are none press nothing", "[touch]") {
   CHECK(state.u.isZero(0));
 }
 
-TEST_CASE("the same frame and state give the same bytes, without allocating", "[touch]") {
+TEST_CASE("the same frame and state give the same bytes, without allocating", "[contact]") {
   const Sheet sheet;
   TouchSolver one = sheet.solver(), other = sheet.solver();
   TouchState a, b;
@@ -287,7 +287,7 @@ TEST_CASE("the same frame and state give the same bytes, without allocating", "[
   CHECK(test::allocations_during([&] { one.advance(a, leaving, {}, 0.001); }) == 0);
 }
 
-TEST_CASE("an answer says how far it is off, by the factors of its held-out touches", "[touch]") {
+TEST_CASE("an answer says how far it is off, by the factors of its held-out touches", "[contact]") {
   Sheet sheet;
   sheet.settings.softness = 0.05;
   for (int k = 0; k < kLeastTouches; ++k) {
@@ -317,7 +317,7 @@ TEST_CASE("an answer says how far it is off, by the factors of its held-out touc
   CHECK_FALSE(too_few.advance(other, ball(0.02f, 0.003f)).stated.has_value());
 }
 
-TEST_CASE("two objects press at a time, and two in one place as one", "[touch]") {
+TEST_CASE("two objects press at a time, and two in one place as one", "[contact]") {
   const Sheet sheet;
   const GapQuery left = ball(0.008f, 0.002f, Vector3f(-0.014f, 0, 0));
   const GapQuery right = ball(0.008f, 0.003f, Vector3f(0.014f, 0, 0));
@@ -347,7 +347,7 @@ TEST_CASE("two objects press at a time, and two in one place as one", "[touch]")
 }
 
 TEST_CASE("of more contact points than there is room for the deepest count, and it is said",
-          "[touch]") {
+          "[contact]") {
   Sheet sheet;
   sheet.body.tables.point_spacing = 0.0013;  // some 1,500 points
   sheet.settings.entry = 1e-9;               // all of them
@@ -360,7 +360,7 @@ TEST_CASE("of more contact points than there is room for the deepest count, and 
 }
 
 TEST_CASE("a flat object presses fewer points, and enters no deeper between them than was asked",
-          "[touch]") {
+          "[contact]") {
   Sheet fine, coarse;
   for (Sheet* sheet : {&fine, &coarse}) {
     sheet->body.tables.point_spacing = 0.0013;
@@ -384,7 +384,7 @@ TEST_CASE("a flat object presses fewer points, and enters no deeper between them
   CHECK(apart(with_all.u, with_some.u) < tolerance(2e-4, "m: twice what may enter"));
 }
 
-TEST_CASE("a gap is not asked for again where its shape tells it", "[touch]") {
+TEST_CASE("a gap is not asked for again where its shape tells it", "[contact]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver();
   TouchState state;
@@ -411,7 +411,7 @@ TEST_CASE("a gap is not asked for again where its shape tells it", "[touch]") {
   CHECK(clusters > asked);
 }
 
-TEST_CASE("what a query leaves in its answer where nothing is near is not read", "[touch]") {
+TEST_CASE("what a query leaves in its answer where nothing is near is not read", "[contact]") {
   const Sheet sheet;
   TouchSolver one = sheet.solver(), other = sheet.solver();
   const NearQuery always = [](const Vector3f&, float) { return true; };
@@ -438,7 +438,7 @@ TEST_CASE("what a query leaves in its answer where nothing is near is not read",
   CHECK(a.u == b.u);
 }
 
-TEST_CASE("a surface that moves away does not come back by its curvature", "[touch]") {
+TEST_CASE("a surface that moves away does not come back by its curvature", "[contact]") {
   const Sheet sheet;
   // A ball presses the sheet down, away from a roof beside it that is near, too.
   const GapQuery pressing = ball(0.005f, 0.00125f);
@@ -457,7 +457,7 @@ TEST_CASE("a surface that moves away does not come back by its curvature", "[tou
   CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
 }
 
-TEST_CASE("asking whether anything is near first changes nothing", "[touch]") {
+TEST_CASE("asking whether anything is near first changes nothing", "[contact]") {
   const Sheet sheet;
   TouchSolver with = sheet.solver(), without = sheet.solver();
   TouchState one, other;
@@ -484,7 +484,7 @@ std::vector<PointForce> forces_of_side(const Sheet& sheet, const TouchSolver& so
 }
 
 TEST_CASE("given forces press as those of a thing do, and contact is solved under them",
-          "[touch][others]") {
+          "[contact][others]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver();
   const Vector3f here(-0.012f, 0, 0), there(0.012f, 0.004f, 0);
@@ -520,7 +520,7 @@ TEST_CASE("given forces press as those of a thing do, and contact is solved unde
   CHECK(given.u.isZero(0));
 }
 
-TEST_CASE("an obstacle that gives way is pressed as far as a softer one", "[touch][others]") {
+TEST_CASE("an obstacle that gives way is pressed as far as a softer one", "[contact][others]") {
   const Sheet sheet;
   // A ball on springs, one below each point, of so many m/N.
   constexpr double kSpring = 0.003;

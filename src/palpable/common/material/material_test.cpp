@@ -38,7 +38,7 @@ Matrix3d some_rotation(unsigned seed) {
 
 double largest(const Eigen::MatrixXd& A) { return A.cwiseAbs().maxCoeff(); }
 
-TEST_CASE("a body at rest carries no stress and stores no energy", "[solid][law][Eq7]") {
+TEST_CASE("a body at rest carries no stress and stores no energy", "[material][law][Eq7]") {
   for (const Material& law : all_laws()) {
     INFO(law_name(law));
     CHECK(energy_density(law, Matrix3d::Identity()) == 0.0);
@@ -46,7 +46,7 @@ TEST_CASE("a body at rest carries no stress and stores no energy", "[solid][law]
   }
 }
 
-TEST_CASE("the stress is the derivative of the energy", "[solid][law][Eq7]") {
+TEST_CASE("the stress is the derivative of the energy", "[material][law][Eq7]") {
   const double h = 1e-6;
   for (const Material& law : all_laws()) {
     for (unsigned seed = 0; seed < 25; ++seed) {
@@ -65,7 +65,8 @@ TEST_CASE("the stress is the derivative of the energy", "[solid][law][Eq7]") {
   }
 }
 
-TEST_CASE("the tangent is the derivative of the stress, in the documented layout", "[solid][law]") {
+TEST_CASE("the tangent is the derivative of the stress, in the documented layout",
+          "[material][law]") {
   const double h = 1e-6;
   for (const Material& law : all_laws()) {
     for (unsigned seed = 0; seed < 25; ++seed) {
@@ -91,7 +92,7 @@ TEST_CASE("the tangent is the derivative of the stress, in the documented layout
 }
 
 TEST_CASE("the energy does not see how the body is turned, and the stress turns with it",
-          "[solid][law]") {
+          "[material][law]") {
   for (const Material& law : all_laws()) {
     for (unsigned seed = 0; seed < 25; ++seed) {
       INFO(law_name(law) << ", seed " << seed);
@@ -111,7 +112,7 @@ TEST_CASE("the energy does not see how the body is turned, and the stress turns 
 TEST_CASE(
     "small strains give linear elasticity with the Young's modulus and Poisson's ratio asked "
     "for",
-    "[solid][law][limit]") {
+    "[material][law][limit]") {
   const double E = 2.5, nu = 0.35;
   const Matrix3d G = some_deformation(3) - Matrix3d::Identity();
   const Matrix3d strain = 0.5 * (G + G.transpose());
@@ -128,21 +129,20 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("an inverted element has infinite energy under every law", "[solid][law][errors]") {
+TEST_CASE("an inverted element has infinite energy under every law", "[material][law][errors]") {
   for (const Material& law : all_laws()) {
     CHECK(std::isinf(energy_density(law, Eigen::Vector3d(1, 1, -0.5).asDiagonal())));
     CHECK(std::isinf(energy_density(law, Eigen::Vector3d(1, 1, 0).asDiagonal())));
   }
 }
 
-TEST_CASE("a law has the name by which it was chosen", "[solid][material]") {
+TEST_CASE("a law has the name by which it was chosen", "[material]") {
   for (const std::string& name : law_names()) {
     CHECK(law_name(material_from_young(name, 1e5, 0.3)) == name);
   }
 }
 
-TEST_CASE("every law's own constants make the material that Young's modulus makes",
-          "[solid][material]") {
+TEST_CASE("every law's own constants make the material that Young's modulus makes", "[material]") {
   for (const std::string& name : law_names()) {
     INFO(name);
     const Material material = material_from_young(name, 60e3, 0.35);
@@ -167,8 +167,7 @@ TEST_CASE("every law's own constants make the material that Young's modulus make
                     Contains("mu = 0"));
 }
 
-TEST_CASE("a material out of range is refused with the value and the limit",
-          "[solid][material][errors]") {
+TEST_CASE("a material out of range is refused with the value and the limit", "[material][errors]") {
   CHECK_THROWS_WITH(material_from_young("neo-hookean", 6e4, 0.5),
                     Contains("0.5") && Contains("below 0.5"));
   CHECK_THROWS_WITH(material_from_young("neo-hookean", 6e4, -0.1), Contains("-0.1"));

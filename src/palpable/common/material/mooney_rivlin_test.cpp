@@ -21,7 +21,8 @@ constexpr MooneyRivlin kRubber{.C1 = 0.6, .C2 = 0.25, .D1 = 1.3};  // of order o
 
 double largest(const Eigen::MatrixXd& A) { return A.cwiseAbs().maxCoeff(); }
 
-TEST_CASE("Mooney-Rivlin without the second invariant is neo-Hookean", "[solid][mooney-rivlin]") {
+TEST_CASE("Mooney-Rivlin without the second invariant is neo-Hookean",
+          "[material][mooney-rivlin]") {
   Matrix3d F;
   F << 1.2, 0.1, 0.0, -0.2, 0.9, 0.3, 0.0, 0.1, 1.1;
   const MooneyRivlin a{.C1 = 0.6, .C2 = 0.0, .D1 = 1.7};
@@ -33,7 +34,7 @@ TEST_CASE("Mooney-Rivlin without the second invariant is neo-Hookean", "[solid][
 }
 
 TEST_CASE("simple shear of Mooney-Rivlin rubber has the stresses of Rivlin's solution",
-          "[solid][mooney-rivlin]") {
+          "[material][mooney-rivlin]") {
   // J = 1: sigma_12 = 2 (C1 + C2) s, sigma_11 - sigma_22 = s sigma_12 (universal), and the second
   // invariant makes sigma_33 - sigma_22 = 2 C2 s^2.
   const double s = 0.7;
@@ -46,7 +47,7 @@ TEST_CASE("simple shear of Mooney-Rivlin rubber has the stresses of Rivlin's sol
 }
 
 TEST_CASE("a Mooney-Rivlin change of size has the stress of the closed form",
-          "[solid][mooney-rivlin]") {
+          "[material][mooney-rivlin]") {
   // F = s I: Psi(s) = 3 C1 (s^2 - 1 - 2 ln s) + 3 C2 (s^4 - 1 - 4 ln s) + 9 D1 (ln s)^2 and
   // P = Psi'(s) / 3.
   for (const double s : {0.6, 1.3}) {
@@ -58,7 +59,7 @@ TEST_CASE("a Mooney-Rivlin change of size has the stress of the closed form",
 }
 
 TEST_CASE("constants of Mooney-Rivlin that soften under shear are refused",
-          "[solid][mooney-rivlin][errors]") {
+          "[material][mooney-rivlin][errors]") {
   CHECK_NOTHROW(check_material(kRubber));
   CHECK_THROWS_AS(check_material(MooneyRivlin{.C1 = 0.5, .C2 = -0.1, .D1 = 1}), Error);
   CHECK_THROWS_AS(check_material(MooneyRivlin{.C1 = -0.1, .C2 = 0.5, .D1 = 1}), Error);
@@ -66,7 +67,7 @@ TEST_CASE("constants of Mooney-Rivlin that soften under shear are refused",
 }
 
 TEST_CASE("an inverted element has no stress under Mooney-Rivlin",
-          "[solid][mooney-rivlin][errors]") {
+          "[material][mooney-rivlin][errors]") {
   const Matrix3d F = Eigen::Vector3d(1, 1, -0.5).asDiagonal();
   CHECK_THROWS_AS(first_piola(kRubber, F), ContractViolation);
   CHECK_THROWS_AS(tangent(kRubber, F), ContractViolation);

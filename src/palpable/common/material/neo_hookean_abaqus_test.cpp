@@ -18,7 +18,7 @@ constexpr NeoHookeanAbaqus kRubber{.C10 = 0.6, .D1 = 0.8};  // of order one: tol
 
 double largest(const Eigen::MatrixXd& A) { return A.cwiseAbs().maxCoeff(); }
 
-TEST_CASE("a change of size alone is resisted by the bulk term alone", "[solid][abaqus]") {
+TEST_CASE("a change of size alone is resisted by the bulk term alone", "[material][abaqus]") {
   const double s = 1.3, J = s * s * s;  // F = s I
   const Matrix3d F = s * Matrix3d::Identity();
   CHECK(energy_density(kRubber, F) ==
@@ -29,7 +29,7 @@ TEST_CASE("a change of size alone is resisted by the bulk term alone", "[solid][
 }
 
 TEST_CASE("in uniaxial strain the Abaqus form has the stress of the closed form",
-          "[solid][abaqus]") {
+          "[material][abaqus]") {
   // F = diag(s, 1, 1): Psi(s) = C10 (s^(4/3) + 2 s^(-2/3) - 3) + (s - 1)^2 / D1
   for (const double s : {0.3, 0.8, 1.5}) {
     INFO("stretch " << s);
@@ -41,7 +41,8 @@ TEST_CASE("in uniaxial strain the Abaqus form has the stress of the closed form"
   }
 }
 
-TEST_CASE("only the change of shape makes a shear stress in the Abaqus form", "[solid][abaqus]") {
+TEST_CASE("only the change of shape makes a shear stress in the Abaqus form",
+          "[material][abaqus]") {
   // Simple shear keeps J = 1, so Cauchy stress 12 is 2 C10 times the amount of shear, as Abaqus'
   // and CalculiX' manuals have it for incompressible rubber.
   const double amount = 0.7;
@@ -52,7 +53,7 @@ TEST_CASE("only the change of shape makes a shear stress in the Abaqus form", "[
   CHECK(sigma.trace() == Approx(0.0).margin(tolerance(1e-14, "a few roundings")));
 }
 
-TEST_CASE("an inverted element has no stress in the Abaqus form", "[solid][abaqus][errors]") {
+TEST_CASE("an inverted element has no stress in the Abaqus form", "[material][abaqus][errors]") {
   const Matrix3d F = Eigen::Vector3d(1, 1, -0.5).asDiagonal();
   CHECK_THROWS_AS(first_piola(kRubber, F), ContractViolation);
   CHECK_THROWS_AS(tangent(kRubber, F), ContractViolation);

@@ -18,7 +18,7 @@ constexpr NeoHookean kRubber{.C1 = 0.6, .D1 = 1.7};  // Pa; of order one, so tha
 double largest(const Matrix3d& A) { return A.cwiseAbs().maxCoeff(); }
 
 TEST_CASE("eq. (7) as printed is not free of stress at rest, with the full I1 it is",
-          "[solid][Eq7]") {
+          "[material][Eq7]") {
   const auto printed = [](const Matrix3d& F) {
     const double J = F.determinant(), ln_J = std::log(J);
     const double I1_bar = std::pow(J, -2.0 / 3.0) * F.squaredNorm();
@@ -37,7 +37,7 @@ TEST_CASE("eq. (7) as printed is not free of stress at rest, with the full I1 it
   CHECK(largest(first_piola(kRubber, Matrix3d::Identity())) == 0.0);
 }
 
-TEST_CASE("a neo-Hookean change of size has the stress of the closed form", "[solid][Eq7]") {
+TEST_CASE("a neo-Hookean change of size has the stress of the closed form", "[material][Eq7]") {
   const double s = 1.3;  // F = s I, so J = s^3
   const double expected =
       2.0 * kRubber.C1 * (s - 1.0 / s) + 2.0 * kRubber.D1 * 3.0 * std::log(s) / s;
@@ -45,7 +45,7 @@ TEST_CASE("a neo-Hookean change of size has the stress of the closed form", "[so
   CHECK(largest(P - expected * Matrix3d::Identity()) <= tolerance(1e-14, "a few roundings"));
 }
 
-TEST_CASE("a neo-Hookean element that is inverted has no stress", "[solid][errors]") {
+TEST_CASE("a neo-Hookean element that is inverted has no stress", "[material][errors]") {
   const Matrix3d F = Eigen::Vector3d(1, 1, -0.5).asDiagonal();
   CHECK_THROWS_AS(first_piola(kRubber, F), ContractViolation);
   CHECK_THROWS_AS(tangent(kRubber, F), ContractViolation);

@@ -15,7 +15,7 @@ using test::tolerance;
 constexpr SaintVenantKirchhoff kSteel{.lambda = 1.1, .mu = 0.7};
 
 TEST_CASE("a St. Venant-Kirchhoff bar in uniaxial strain has the stress of the closed form",
-          "[solid]") {
+          "[material]") {
   // P11 = (lambda + 2 mu) / 2 (s^3 - s), P22 = P33 = lambda / 2 (s^2 - 1)
   for (const double s : {0.4, 0.8, 1.5}) {
     const Matrix3d P = first_piola(kSteel, Eigen::Vector3d(s, 1, 1).asDiagonal());
@@ -26,7 +26,7 @@ TEST_CASE("a St. Venant-Kirchhoff bar in uniaxial strain has the stress of the c
   }
 }
 
-TEST_CASE("St. Venant-Kirchhoff loses its stiffness at 1/sqrt(3) of the length", "[solid]") {
+TEST_CASE("St. Venant-Kirchhoff loses its stiffness at 1/sqrt(3) of the length", "[material]") {
   const auto stiffness = [](double s) {
     return tangent(kSteel, Eigen::Vector3d(s, 1, 1).asDiagonal())(0, 0);
   };

@@ -45,7 +45,7 @@ double error_of(const ElasticSheet& sheet, const Compliance& compliance, int ver
   return (u.reshaped().cast<double>() - exact).cwiseAbs().maxCoeff() / exact.cwiseAbs().maxCoeff();
 }
 
-TEST_CASE("a table gives back its compliance, near and far", "[touch]") {
+TEST_CASE("a table gives back its compliance, near and far", "[response]") {
   // Near alone, and with clusters that are far from each other: all of whose columns are kept.
   for (const double near_radius : {1.0, 0.020}) {
     const ElasticSheet sheet(near_radius);
@@ -59,7 +59,7 @@ TEST_CASE("a table gives back its compliance, near and far", "[touch]") {
 }
 
 TEST_CASE("fewer columns of the bases answer far away less exactly, and near as before",
-          "[touch]") {
+          "[response]") {
   const ElasticSheet sheet(0.020, 16);
   const Compliance compliance(sheet.tables.compliance);
   const Eigen::Matrix3Xf u = answer(compliance, 0, Vector3f(0, 0, 1));
@@ -75,7 +75,7 @@ TEST_CASE("fewer columns of the bases answer far away less exactly, and near as 
   CHECK(far < 0.1);
 }
 
-TEST_CASE("a block of a cache is the compliance of a pair, both ways alike", "[touch]") {
+TEST_CASE("a block of a cache is the compliance of a pair, both ways alike", "[response]") {
   const ElasticSheet sheet(0.020);
   const Compliance compliance(sheet.tables.compliance);
   ComplianceCache cache(compliance, 4);
@@ -92,7 +92,7 @@ TEST_CASE("a block of a cache is the compliance of a pair, both ways alike", "[t
   }
 }
 
-TEST_CASE("what a cache was asked before does not show", "[touch]") {
+TEST_CASE("what a cache was asked before does not show", "[response]") {
   const ElasticSheet sheet(0.020);
   const Compliance compliance(sheet.tables.compliance);
   ComplianceCache fresh(compliance, 4), used(compliance, 4);
@@ -108,7 +108,7 @@ TEST_CASE("what a cache was asked before does not show", "[touch]") {
   }
 }
 
-TEST_CASE("a compliance answers without allocating", "[touch]") {
+TEST_CASE("a compliance answers without allocating", "[response]") {
   const ElasticSheet sheet(0.020);
   const Compliance compliance(sheet.tables.compliance);
   ComplianceCache cache(compliance, 8);
@@ -126,7 +126,7 @@ TEST_CASE("a compliance answers without allocating", "[touch]") {
         }) == 0);
 }
 
-TEST_CASE("a compliance table that does not fit together is named", "[touch]") {
+TEST_CASE("a compliance table that does not fit together is named", "[response]") {
   const ElasticSheet sheet(0.020);
   CHECK(trouble_of(sheet.tables.compliance).empty());
   const auto broken = [&](auto change) {

@@ -35,7 +35,7 @@ Eigen::Matrix3Xf some_field() {
   return field;
 }
 
-TEST_CASE("messages come back as they were written, in pieces of any size", "[touch]") {
+TEST_CASE("messages come back as they were written, in pieces of any size", "[response]") {
   std::vector<std::byte> all, one;
   const auto add = [&] { all.insert(all.end(), one.begin(), one.end()); };
   write_ready(40, one), add();
@@ -71,7 +71,7 @@ TEST_CASE("messages come back as they were written, in pieces of any size", "[to
   }
 }
 
-TEST_CASE("what is no message is broken, whichever byte is another", "[touch][fuzz]") {
+TEST_CASE("what is no message is broken, whichever byte is another", "[response][fuzz]") {
   std::vector<std::byte> bytes;
   write_load(7, some_load(), bytes);
   for (std::size_t at = 0; at < bytes.size(); ++at) {
@@ -92,13 +92,13 @@ TEST_CASE("what is no message is broken, whichever byte is another", "[touch][fu
   CHECK_FALSE(read(words, words.size(), [](const ExactMessage&) {}));
 }
 
-TEST_CASE("a message longer than can be meant is broken, not waited for", "[touch]") {
+TEST_CASE("a message longer than can be meant is broken, not waited for", "[response]") {
   std::vector<std::byte> bytes;
   write_sorry(std::string(kLargest + 1, 'x'), bytes);
   CHECK_FALSE(read(bytes, 64, [](const ExactMessage&) {}));
 }
 
-TEST_CASE("messages are written and read without allocation", "[touch]") {
+TEST_CASE("messages are written and read without allocation", "[response]") {
   std::vector<std::byte> bytes;
   const std::vector<VertexForce> load = some_load();
   write_load(7, load, bytes);

@@ -60,7 +60,8 @@ std::vector<float> some_code(int n, unsigned seed) {
 
 constexpr double kRounding = 5e-4;  // 16 bits of numbers up to 4, summed over some dozens
 
-TEST_CASE("a form's leading part is the form where the other variables are 0", "[touch][forms]") {
+TEST_CASE("a form's leading part is the form where the other variables are 0",
+          "[response][forms]") {
   const SymmetricForm form = rounded(5, 3, Form(5, 3, 8).distinct);
   const FormRows all(form), some(leading(form, 3));
   const std::vector<float> a = some_code(3, 9);
@@ -77,7 +78,7 @@ TEST_CASE("a form's leading part is the form where the other variables are 0", "
   CHECK_THROWS_AS(leading(form, 6), ContractViolation);
 }
 
-TEST_CASE("a cubic form's matrix is the sum over all its coefficients", "[touch][forms]") {
+TEST_CASE("a cubic form's matrix is the sum over all its coefficients", "[response][forms]") {
   const int n = 5;
   const Form form(n, 3, 1);
   const FormRows rows(rounded(n, 3, form.distinct));
@@ -97,7 +98,7 @@ TEST_CASE("a cubic form's matrix is the sum over all its coefficients", "[touch]
   }
 }
 
-TEST_CASE("a contraction with a matrix is the sum over all pairs", "[touch][forms]") {
+TEST_CASE("a contraction with a matrix is the sum over all pairs", "[response][forms]") {
   const int n = 6;
   const Form form(n, 3, 3);
   const FormRows rows(rounded(n, 3, form.distinct));
@@ -118,7 +119,7 @@ TEST_CASE("a contraction with a matrix is the sum over all pairs", "[touch][form
   }
 }
 
-TEST_CASE("a quartic form with one code twice is a matrix", "[touch][forms]") {
+TEST_CASE("a quartic form with one code twice is a matrix", "[response][forms]") {
   const int n = 5;
   const Form form(n, 4, 6);
   const FormRows rows(rounded(n, 4, form.distinct));
@@ -142,7 +143,7 @@ TEST_CASE("a quartic form with one code twice is a matrix", "[touch][forms]") {
   }
 }
 
-TEST_CASE("forms of one variable are numbers", "[touch][forms]") {
+TEST_CASE("forms of one variable are numbers", "[response][forms]") {
   const FormRows cubic(rounded(1, 3, std::array{2.0}));
   std::vector<float> pairs(cubic.width(), 0.0f);
   cubic.add_cubic(std::array{3.0f}, 1, pairs);
@@ -152,7 +153,7 @@ TEST_CASE("forms of one variable are numbers", "[touch][forms]") {
   CHECK_THROWS_AS(rounded(2, 3, std::array{1.0, 2.0}), ContractViolation);
 }
 
-TEST_CASE("contractions allocate nothing", "[touch][frame loop]") {
+TEST_CASE("contractions allocate nothing", "[response][frame loop]") {
   const FormRows cubic(rounded(16, 3, Form(16, 3, 1).distinct));
   const FormRows quartic(rounded(16, 4, Form(16, 4, 1).distinct));
   const std::vector<float> a = some_code(16, 1);

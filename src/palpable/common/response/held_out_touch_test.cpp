@@ -15,7 +15,7 @@ const Touches kThree{{PressingThing::kFinger, 0.002, 0.01, 0.002, 0.04},
                      {PressingThing::kRim, 0.0061, 0.03, 0.004, 0.20},
                      {PressingThing::kFinger, 0.004, 0.02, 0.009, 0.08}};
 
-TEST_CASE("held-out touches are told by what presses, how deep, and how far off", "[touch]") {
+TEST_CASE("held-out touches are told by what presses, how deep, and how far off", "[response]") {
   CHECK(held_out_text({}).empty());
   CHECK(held_out_text(kThree) ==
         "3 touches (2 finger, 1 rim; 2.0 to 6.1 mm deep) against full finite elements: "
@@ -27,7 +27,7 @@ TEST_CASE("held-out touches are told by what presses, how deep, and how far off"
   CHECK(name_of(PressingThing::kSqueeze) == "squeeze");
 }
 
-TEST_CASE("what no touch can be is named", "[touch]") {
+TEST_CASE("what no touch can be is named", "[response]") {
   CHECK(trouble_of(kThree).empty());
   const auto spoilt = [](auto change) {
     Touches touches = kThree;

@@ -27,7 +27,7 @@ std::vector<VertexForce> some_loads(const ElasticSheet& sheet) {
           {sheet.skin.vertex_count() - 1, {0.2f, 0.2f, 0.2f}}};
 }
 
-TEST_CASE("several loads move the skin as the sum of what each does, near and far", "[touch]") {
+TEST_CASE("several loads move the skin as the sum of what each does, near and far", "[response]") {
   for (const double near_radius : {1.0, 0.020}) {
     INFO(near_radius);
     const ElasticSheet sheet(near_radius);
@@ -45,7 +45,7 @@ TEST_CASE("several loads move the skin as the sum of what each does, near and fa
 }
 
 TEST_CASE("the answer does not depend on the order of loads, nor on what was asked before",
-          "[touch]") {
+          "[response]") {
   const ElasticSheet sheet(0.020);
   const Compliance compliance(sheet.tables.compliance);
   LinearField field(compliance);

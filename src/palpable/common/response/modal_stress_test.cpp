@@ -88,7 +88,7 @@ double von_mises_of(const Matrix3d& sigma) {
 }
 
 TEST_CASE("in modes a uniform stretch has the law's own stress, for every law and both orders",
-          "[touch]") {
+          "[response]") {
   for (const bool quadratic : {false, true}) {
     for (const std::string& law : law_names()) {
       INFO(law << (quadratic ? ", 10 nodes" : ", 4 nodes"));
@@ -132,7 +132,7 @@ float difference(const ShellTable& shell, const MatrixXf& modes, const LoadState
 }
 
 TEST_CASE("the law in the recovered gradient differs from the recovered law by squares alone",
-          "[touch]") {
+          "[response]") {
   const ShellTable shell = box(false, material_from_young("saint-venant-kirchhoff", 60e3, 0.4));
   const MatrixXf modes = bent_modes(shell);
   const Eigen::VectorXf q = Eigen::Vector4f(0.5f, -1, 0.7f, 0.9f);
@@ -144,7 +144,7 @@ TEST_CASE("the law in the recovered gradient differs from the recovered law by s
   CHECK(large < 5 * small);
 }
 
-TEST_CASE("squares of load states are in the stress in modes", "[touch]") {
+TEST_CASE("squares of load states are in the stress in modes", "[response]") {
   const ShellTable shell = box(false, material_from_young("saint-venant-kirchhoff", 60e3, 0.4));
   const MatrixXf modes = bent_modes(shell);
   // States that are no modes, and an amplitude in the span of two of them.
@@ -161,7 +161,7 @@ TEST_CASE("squares of load states are in the stress in modes", "[touch]") {
 }
 
 TEST_CASE("stress in modes is never NaN, allocates nothing, and has the same bytes everywhere",
-          "[touch]") {
+          "[response]") {
   const ShellTable shell = box(false, material_from_young("neo-hooke-abaqus", 60e3, 0.4));
   const MatrixXf modes = uniform_modes(shell);
   const LoadStates loads{MatrixXf::Identity(9, 2), MatrixXf::Identity(2, 9)};
@@ -181,7 +181,7 @@ TEST_CASE("stress in modes is never NaN, allocates nothing, and has the same byt
 TEST_CASE(
     "a shell of several materials, of a preload, or whose recovery bends a constant, is not told "
     "in modes",
-    "[touch]") {
+    "[response]") {
   const Material material = material_from_young("neo-hookean", 60e3, 0.4);
   ShellTable shell = box(false, material);
   shell.materials.push_back(material);

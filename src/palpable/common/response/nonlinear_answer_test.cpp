@@ -90,7 +90,7 @@ VectorXd code_of(const RegionTable& region, int vertex, const Vector3f& force) {
 }
 
 TEST_CASE("each patch of load is answered by its region, near by its modes and far by their shapes",
-          "[touch]") {
+          "[response]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
   const CrossTable none;
@@ -140,7 +140,7 @@ TEST_CASE("each patch of load is answered by its region, near by its modes and f
   }
 }
 
-TEST_CASE("a blob's code and slope are those of its modes", "[touch]") {
+TEST_CASE("a blob's code and slope are those of its modes", "[response]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
   NonlinearAnswer answer(body.compliance, body.regions, map, body.cross);
@@ -170,7 +170,7 @@ TEST_CASE("a blob's code and slope are those of its modes", "[touch]") {
 }
 
 TEST_CASE("what two blobs do to each other is the cross terms' product, and of one there is none",
-          "[touch]") {
+          "[response]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
   const CrossTable none;
@@ -204,7 +204,7 @@ TEST_CASE("what two blobs do to each other is the cross terms' product, and of o
         }) == 0);
 }
 
-TEST_CASE("of cross terms with many modes the leading ones are taken", "[touch]") {
+TEST_CASE("of cross terms with many modes the leading ones are taken", "[response]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
   constexpr int kMany = NonlinearAnswer::kCrossModes + 32;
@@ -226,7 +226,7 @@ TEST_CASE("of cross terms with many modes the leading ones are taken", "[touch]"
   CHECK(one.displacement_at(80) == other.displacement_at(80));
 }
 
-TEST_CASE("where two loads cancel far away, so does what each of them does there", "[touch]") {
+TEST_CASE("where two loads cancel far away, so does what each of them does there", "[response]") {
   Regions body;
   // The smooth modes tell the two places not apart, as those of a body that is squeezed there.
   MatrixXd X = as_numbers(body.cross.modes);

@@ -28,7 +28,7 @@ QuarticEnergy some_energy(Index n) {
 }
 
 TEST_CASE("packed, an energy has the same derivatives to a float's rounding, on every processor",
-          "[touch]") {
+          "[response]") {
   for (const Index n : {1, 2, 3, 5, 7, 8, 20}) {  // pairs that fill packs and that do not
     INFO(n << " modes");
     const QuarticEnergy energy = some_energy(n);

@@ -82,7 +82,7 @@ VectorXd some_code() {
   return a;
 }
 
-TEST_CASE("a region's answer is the second and third order of its energy", "[touch]") {
+TEST_CASE("a region's answer is the second and third order of its energy", "[response]") {
   const Forms forms;
   RegionAnswer answer(kModes, kLeading);
   const VectorXd a = some_code();
@@ -95,7 +95,7 @@ TEST_CASE("a region's answer is the second and third order of its energy", "[tou
   }
 }
 
-TEST_CASE("a region's H is the derivative of its answer, and symmetric", "[touch]") {
+TEST_CASE("a region's H is the derivative of its answer, and symmetric", "[response]") {
   const Forms forms;
   RegionAnswer answer(kModes, kLeading);
   const VectorXd a = some_code();
@@ -116,7 +116,7 @@ TEST_CASE("a region's H is the derivative of its answer, and symmetric", "[touch
   }
 }
 
-TEST_CASE("a region tells how large its last order is", "[touch]") {
+TEST_CASE("a region tells how large its last order is", "[response]") {
   const Forms forms;
   RegionAnswer answer(kModes, kLeading);
   const Eigen::VectorXf code = some_code().cast<float>(), small = 0.1f * code;
@@ -128,7 +128,7 @@ TEST_CASE("a region tells how large its last order is", "[touch]") {
   CHECK(share > 0.0f);
 }
 
-TEST_CASE("beyond its series' end a region's answer goes on along the ray", "[touch]") {
+TEST_CASE("beyond its series' end a region's answer goes on along the ray", "[response]") {
   const Forms forms;
   RegionAnswer answer(kModes, kLeading);
   const auto q_at = [&](float size) {

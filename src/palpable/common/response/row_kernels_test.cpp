@@ -33,7 +33,7 @@ Case some_case(unsigned seed) {
 }  // namespace
 
 TEST_CASE("rows are added up to the same bytes at once and one by one, by all instruction sets",
-          "[touch][kernels]") {
+          "[response][kernels]") {
   const Case c = some_case(1);
   const RowKernels& plain = row_kernels().back();
   for (const std::size_t width : {kRowStep, 3 * kRowStep, kWidth}) {
@@ -56,7 +56,7 @@ TEST_CASE("rows are added up to the same bytes at once and one by one, by all in
 }
 
 TEST_CASE("dot products are the same bytes by all instruction sets, however many rows",
-          "[touch][kernels]") {
+          "[response][kernels]") {
   const Case c = some_case(2);
   const RowKernels& plain = row_kernels().back();
   for (const std::size_t count : {std::size_t{1}, std::size_t{3}, std::size_t{4}, kRows}) {

@@ -53,7 +53,8 @@ std::vector<float> evaluated(ShellStress& stress, const Matrix3Xf& u) {
   return von_mises;
 }
 
-TEST_CASE("a uniform stretch has the law's own stress, for every law and both orders", "[touch]") {
+TEST_CASE("a uniform stretch has the law's own stress, for every law and both orders",
+          "[response]") {
   for (const bool quadratic : {false, true}) {
     for (const std::string& law : law_names()) {
       INFO(law << (quadratic ? ", 10 nodes" : ", 4 nodes"));
@@ -78,7 +79,7 @@ TEST_CASE("a uniform stretch has the law's own stress, for every law and both or
   }
 }
 
-TEST_CASE("each element has its own material", "[touch]") {
+TEST_CASE("each element has its own material", "[response]") {
   const Material soft = material_from_young("neo-hookean", 20e3, 0.3);
   const Material hard = material_from_young("mooney-rivlin", 90e3, 0.4);
   const ShellTable shell = box(false, soft, hard);
@@ -104,7 +105,7 @@ TEST_CASE("each element has its own material", "[touch]") {
         tolerance(1e-5 * mixed, "single precision"));
 }
 
-TEST_CASE("what a preload has done is in the stress, and a turn makes none", "[touch]") {
+TEST_CASE("what a preload has done is in the stress, and a turn makes none", "[response]") {
   const Material material = material_from_young("neo-hookean", 60e3, 0.4);
   ShellTable shell = box(true, material, material);
   shell.preload = (kStretch - Matrix3d::Identity()) * shell.stress_free;
@@ -125,7 +126,7 @@ TEST_CASE("what a preload has done is in the stress, and a turn makes none", "[t
   }
 }
 
-TEST_CASE("nothing that comes out is NaN, whatever the displacement", "[touch]") {
+TEST_CASE("nothing that comes out is NaN, whatever the displacement", "[response]") {
   const ShellTable shell = box(false, material_from_young("neo-hookean", 60e3, 0.4),
                                material_from_young("neo-hooke-abaqus", 60e3, 0.4));
   ShellStress stress(shell, kVertices);
@@ -159,7 +160,8 @@ TEST_CASE("nothing that comes out is NaN, whatever the displacement", "[touch]")
   CHECK(flat(0.0) < 1e9f);  // no division by a volume of 0
 }
 
-TEST_CASE("stress allocates nothing, and the same displacement gives the same bytes", "[touch]") {
+TEST_CASE("stress allocates nothing, and the same displacement gives the same bytes",
+          "[response]") {
   const ShellTable shell = box(true, material_from_young("neo-hookean", 60e3, 0.4),
                                material_from_young("mooney-rivlin", 60e3, 0.4));
   ShellStress stress(shell, kVertices), another(shell, kVertices);

@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("normals of a skin are vertex_normals(), on every processor", "[touch]") {
+TEST_CASE("normals of a skin are vertex_normals(), on every processor", "[response]") {
   const SurfaceMesh mesh = sphere_surface({0.1, 0, 0}, 0.03, 3);
   Eigen::Matrix3Xf x(3, mesh.vertices.cols() + 1);  // one more, without a triangle
   x.leftCols(mesh.vertices.cols()) = mesh.vertices.cast<float>();

@@ -13,7 +13,7 @@ HeldOutTouch touch_of(double displacement, double stress, std::optional<double> 
 }
 
 TEST_CASE("the stated error is the true one of the median held-out touch, and some more",
-          "[touch]") {
+          "[response]") {
   std::vector<HeldOutTouch> touches;
   for (int k = 1; k <= 9; ++k) touches.push_back(touch_of(0.01 * k, 0.1 * k, 0.02));
   touches.push_back(touch_of(100, 100, std::nullopt));  // of these nothing is known
@@ -28,7 +28,7 @@ TEST_CASE("the stated error is the true one of the median held-out touch, and so
   CHECK(stated.von_mises == Approx(kOnTheSafeSide * 0.5));
 }
 
-TEST_CASE("too few touches calibrate nothing", "[touch]") {
+TEST_CASE("too few touches calibrate nothing", "[response]") {
   std::vector<HeldOutTouch> touches(kLeastTouches, touch_of(0.01, 0.1, 0.02));
   CHECK(error_scale(touches).has_value());
   touches.back().unscaled_error.reset();
@@ -36,7 +36,7 @@ TEST_CASE("too few touches calibrate nothing", "[touch]") {
   CHECK_FALSE(error_scale({}).has_value());
 }
 
-TEST_CASE("every sign adds to the error that is stated", "[touch]") {
+TEST_CASE("every sign adds to the error that is stated", "[response]") {
   CHECK(unscaled_error({}) == 0.0);
   const double all = unscaled_error({.entry = 0.01, .beyond = 0.02, .cross = 0.03});
   CHECK(all > unscaled_error({.entry = 0.0, .beyond = 0.02, .cross = 0.03}));

@@ -19,7 +19,7 @@ using Eigen::Vector3f;
 
 constexpr float kScale = 10;
 
-TEST_CASE("orders two and three and the stress scale with the body", "[touch]") {
+TEST_CASE("orders two and three and the stress scale with the body", "[response]") {
   TouchableBody small = test::DentedSphere{}.body();
   const SurfaceMesh& skin = small.body.surface;
   small.touch = test::some_touch_tables(skin, 3);

@@ -15,7 +15,8 @@ using Eigen::Vector3d;
 
 double apart(const Vector3d& a, const Vector3d& b) { return (a - b).norm(); }
 
-TEST_CASE("six numbers with no angles stand the body upright before a level camera", "[live]") {
+TEST_CASE("six numbers with no angles stand the body upright before a level camera",
+          "[clip_files]") {
   const Rigid3 pose = read_pose("0.1 0.2 0.5 0 0 0");
   CHECK(apart(pose * Vector3d(0, 0, 0), {0.1, 0.2, 0.5}) < 1e-15);
   CHECK(apart(pose * Vector3d(0, 0, 0.1), {0.1, 0.1, 0.5}) < 1e-15);  // up is -Y of the camera
@@ -23,7 +24,8 @@ TEST_CASE("six numbers with no angles stand the body upright before a level came
   CHECK(apart(pose * Vector3d(0, 0.1, 0), {0.1, 0.2, 0.6}) < 1e-15);
 }
 
-TEST_CASE("pitch is how far the camera looks down, yaw turns the body on its foot", "[live]") {
+TEST_CASE("pitch is how far the camera looks down, yaw turns the body on its foot",
+          "[clip_files]") {
   // Looking straight down, the body's top is nearer to the camera than its foot.
   CHECK(apart(read_pose("0 0 1 0 90 0") * Vector3d(0, 0, 0.1), {0, 0, 0.9}) < 1e-15);
   CHECK(apart(read_pose("0 0 1 0 0 90") * Vector3d(0.1, 0, 0), {0, 0, 1.1}) < 1e-15);
@@ -31,7 +33,7 @@ TEST_CASE("pitch is how far the camera looks down, yaw turns the body on its foo
   CHECK(apart(read_pose("0 0 1 90 0 0") * Vector3d(0, 0, 0.1), {0.1, 0, 1}) < 1e-15);
 }
 
-TEST_CASE("sixteen numbers are the matrix, given in words or in a file", "[live]") {
+TEST_CASE("sixteen numbers are the matrix, given in words or in a file", "[clip_files]") {
   const test::ScratchFolder folder("place");
   const std::string text = "0 -1 0 0.1\n1 0 0 0.2\n0 0 1 0.7  \n0 0 0 1";
   const Rigid3 pose = read_pose(text);
@@ -49,7 +51,7 @@ TEST_CASE("sixteen numbers are the matrix, given in words or in a file", "[live]
   CHECK_FALSE(read_scene_file(folder.path() / "none.toml").camera_from_body.has_value());
 }
 
-TEST_CASE("what is no place is refused", "[live][errors]") {
+TEST_CASE("what is no place is refused", "[clip_files][errors]") {
   CHECK_THROWS_AS(read_pose("1 2 3"), Error);
   CHECK_THROWS_AS(read_pose("0 0 -1 0 0 0"), Error);  // behind the camera
   CHECK_THROWS_AS(read_pose("0 0 nan 0 0 0"), Error);

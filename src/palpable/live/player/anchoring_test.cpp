@@ -71,7 +71,7 @@ Frame frame_of_desk(double height = 0) {
 }
 
 TEST_CASE("a body is put upright on the plane that is seen, whatever a third of the frames shows",
-          "[live][anchor]") {
+          "[player][anchor]") {
   Pictures desk(test::wall_format(), {frame_of_desk(), frame_of_desk(0.15), frame_of_desk()}, 100);
   const Rigid3 pose = pose_on_plane(desk, "the desk", {});
   CHECK(desk.given() == 30);
@@ -111,7 +111,7 @@ Frame frame_of_rising_camera(const FrameFormat& format, int number) {
 TEST_CASE(
     "before a moving camera a body stands where the session begins: a recording's first "
     "frame, a live camera's last one",
-    "[live][anchor]") {
+    "[player][anchor]") {
   FrameFormat format = test::wall_format();
   format.width = 321;
   format.height = 241;
@@ -132,7 +132,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a body is put on the middle of the chessboard that is seen", "[live][anchor]") {
+TEST_CASE("a body is put on the middle of the chessboard that is seen", "[player][anchor]") {
   FrameFormat format = test::wall_format();
   format.width = 321;
   format.height = 241;
@@ -155,7 +155,7 @@ TEST_CASE("a body is put on the middle of the chessboard that is seen", "[live][
 
 TEST_CASE(
     "a body is put on the surface at a pixel: on the desk as it is seen, on a box as it faces",
-    "[live][anchor]") {
+    "[player][anchor]") {
   // The picture is twice as large as the depth.
   SeenFrame seen;
   seen.depth_camera = test::wall_format().depth_camera;
@@ -191,7 +191,7 @@ Frame frame_of_crowded_desk() {
 }
 
 TEST_CASE("on a desk with a thing in the middle a body stands beside it, or where it is told to",
-          "[live][anchor]") {
+          "[player][anchor]") {
   const FrameFormat format = test::wall_format();
   const PinholeCamera& camera = format.depth_camera;
   Pictures desk(format, {frame_of_crowded_desk()}, 4);
@@ -241,7 +241,7 @@ TEST_CASE("on a desk with a thing in the middle a body stands beside it, or wher
 }
 
 TEST_CASE("a run that begins anew on a crowded desk puts bodies where its start does",
-          "[live][anchor]") {
+          "[player][anchor]") {
   const FrameFormat format = test::wall_format();
   const DepthCamera camera = value_or_throw(DepthCamera::make(format, {}));
   SeenFrame seen;
@@ -277,7 +277,7 @@ TEST_CASE("a run that begins anew on a crowded desk puts bodies where its start 
 }
 
 TEST_CASE("where no plane, no board or no picture is, the source is named and what is missing",
-          "[live][anchor][errors]") {
+          "[player][anchor][errors]") {
   using Catch::Contains;
   // A wall that is turned aside: one that faces the camera looks as a desk does from above.
   const auto wall = [] {

@@ -7,7 +7,7 @@ namespace {
 
 using Catch::Matchers::Contains;
 
-TEST_CASE("a body larger than what the camera sees is said, with both sizes", "[live][size]") {
+TEST_CASE("a body larger than what the camera sees is said, with both sizes", "[player][size]") {
   const PinholeCamera camera{1280, 720, 640, 640, 639.5, 359.5};  // sees 2 m of each m of depth
   Rigid3 pose = Rigid3::Identity();
   pose.translation().z() = 0.5;

@@ -21,7 +21,7 @@ Rigid3 shift(double x, double y, double z) {
   return pose;
 }
 
-TEST_CASE("bodies stand at their anchors, beside each other or where they say", "[live][scene]") {
+TEST_CASE("bodies stand at their anchors, beside each other or where they say", "[player][scene]") {
   std::vector<LiveBody> bodies;
   bodies.push_back(ball("first", {.anchor_from_body = shift(0.1, 0, 0)}));
   bodies.push_back(ball("second", {.beside = 0, .anchor_from_body = shift(0, 0.2, 0)}));
@@ -41,7 +41,7 @@ TEST_CASE("bodies stand at their anchors, beside each other or where they say", 
 }
 
 TEST_CASE("a body that stands in another is told of by name, one that stands on it is not",
-          "[live][scene]") {
+          "[player][scene]") {
   const auto two = [](const Rigid3& second) {
     std::vector<LiveBody> bodies;
     bodies.push_back(ball("egg"));

@@ -10,7 +10,8 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("a queue hands everything over in order and tells that it is closed", "[live][threads]") {
+TEST_CASE("a queue hands everything over in order and tells that it is closed",
+          "[player][threads]") {
   BoundedQueue<int> queue(2);
   std::thread producer([&] {
     for (int i = 0; i < 1000; ++i) queue.push(i);
@@ -24,7 +25,7 @@ TEST_CASE("a queue hands everything over in order and tells that it is closed", 
   CHECK_FALSE(queue.pop().has_value());
 }
 
-TEST_CASE("a queue takes no memory once it is made", "[live]") {
+TEST_CASE("a queue takes no memory once it is made", "[player]") {
   BoundedQueue<std::unique_ptr<int>> queue(3);
   std::unique_ptr<int> item = std::make_unique<int>(7);
   CHECK(test::allocations_during([&] {

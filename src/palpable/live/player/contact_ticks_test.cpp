@@ -39,7 +39,7 @@ struct Run {
 };
 
 TEST_CASE("where frames wait, each has all its ticks, and they are the same each time",
-          "[live][threads]") {
+          "[player][threads]") {
   Run one({.rate = 300}), again({.rate = 300});
   for (int n = 0; n < 6; ++n) {
     one.frame(n);
@@ -64,7 +64,7 @@ TEST_CASE("where frames wait, each has all its ticks, and they are the same each
 }
 
 TEST_CASE("what is played live leaves out the ticks for which there was no time",
-          "[live][threads]") {
+          "[player][threads]") {
   Run run({.rate = 300, .when_due = true});
   run.loop.process(test::frame_with_finger(0, 0.003));
   Scene scene = run.loop.scene;
@@ -80,7 +80,7 @@ TEST_CASE("what is played live leaves out the ticks for which there was no time"
   CHECK(figures.left_out > 0);
 }
 
-TEST_CASE("a late frame is waited for with ticks, for two intervals at most", "[live][threads]") {
+TEST_CASE("a late frame is waited for with ticks, for two intervals at most", "[player][threads]") {
   using namespace std::chrono_literals;
   Run run({.rate = 300, .when_due = true});
   run.frame(0);

@@ -106,12 +106,12 @@ void follow_through_troubles(test::Shows shows) {
 }
 
 TEST_CASE("through all that a depth camera does wrong it is followed, and the map stays",
-          "[live][threads][errors]") {
+          "[player][threads][errors]") {
   follow_through_troubles(test::Shows::kRoom);
 }
 
 TEST_CASE("through all that a stereo camera does wrong it is followed, and the map stays",
-          "[live][threads][errors]") {
+          "[player][threads][errors]") {
   follow_through_troubles(test::Shows::kStereoRoom);
 }
 

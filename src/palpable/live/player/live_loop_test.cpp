@@ -29,7 +29,7 @@ LiveRun run_of(const std::vector<Act>& acts) {
   return {std::move(camera), std::move(loop), "a camera"};
 }
 
-TEST_CASE("a run's loop answers every frame, and counts what happened", "[live][threads]") {
+TEST_CASE("a run's loop answers every frame, and counts what happened", "[player][threads]") {
   std::vector<Act> acts(14, Act::kGood);
   acts.insert(acts.end(), 3, Act::kGarbage);
   acts.insert(acts.end(), 10, Act::kGood);
@@ -63,7 +63,7 @@ TEST_CASE("a run's loop answers every frame, and counts what happened", "[live][
   CHECK(reports == counts.reports);
 }
 
-TEST_CASE("a run's loop ends after the frames that were asked for", "[live][threads]") {
+TEST_CASE("a run's loop ends after the frames that were asked for", "[player][threads]") {
   LiveRun run = run_of(std::vector<Act>(9, Act::kGood));
   LiveLoop loop(run, 4);
   CHECK(loop.total() == 4);
@@ -74,7 +74,7 @@ TEST_CASE("a run's loop ends after the frames that were asked for", "[live][thre
 }
 
 TEST_CASE("a loop that begins anew goes on with the source's next frame, and keeps its counts",
-          "[live][threads]") {
+          "[player][threads]") {
   std::vector<Act> acts(20, Act::kGood);
   acts[2] = Act::kGarbage;
   LiveRun run = run_of(acts);
@@ -101,7 +101,7 @@ TEST_CASE("a loop that begins anew goes on with the source's next frame, and kee
 }
 
 TEST_CASE("a scene that is swapped out of the loop stays, and what is given instead is used",
-          "[live][threads]") {
+          "[player][threads]") {
   LiveRun run = run_of(std::vector<Act>(30, Act::kGood));
   LiveLoop loop(run);
   Scene kept;
@@ -119,7 +119,7 @@ TEST_CASE("a scene that is swapped out of the loop stays, and what is given inst
 }
 
 TEST_CASE("a loop that waits in vain for a silent camera returns, and has not ended",
-          "[live][threads]") {
+          "[player][threads]") {
   LiveRun run = run_of({Act::kGood, Act::kStall});
   static_cast<test::MisbehavingCamera&>(*run.source).repeats_last = true;
   LiveLoop loop(run);
@@ -128,7 +128,8 @@ TEST_CASE("a loop that waits in vain for a silent camera returns, and has not en
   CHECK_FALSE(loop.ended());
 }
 
-TEST_CASE("touches at another site than the one before are counted, also after a pause", "[live]") {
+TEST_CASE("touches at another site than the one before are counted, also after a pause",
+          "[player]") {
   LiveCounts counts;
   Scene scene;
   for (const int site : {-1, 2, 2, -1, 1, 1, 2}) {

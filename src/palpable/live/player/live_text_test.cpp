@@ -15,7 +15,7 @@ namespace {
 
 using Catch::Matchers::Contains;
 
-TEST_CASE("a run is told in frames, troubles and touches", "[live][text]") {
+TEST_CASE("a run is told in frames, troubles and touches", "[player][text]") {
   const test::MisbehavingCamera camera({});
   const FrameLoop loop = std::move(
       FrameLoop::make(test::DentedSphere{}.body(), Rigid3::Identity(), camera.format()).value());

@@ -81,7 +81,7 @@ std::vector<std::uint64_t> hashes(const std::vector<RecordedState>& states) {
 }
 
 TEST_CASE("a replay has the states of the live run, on one thread and on eight, at any pace",
-          "[live][threads][recording]") {
+          "[player][threads][recording]") {
   const test::ScratchFolder folder("replay");
   const fs::path file = folder / "a.palprec";
   for (const Shows shows : {Shows::kFinger, Shows::kRoom, Shows::kStereoRoom}) {
@@ -124,7 +124,7 @@ TEST_CASE("a replay has the states of the live run, on one thread and on eight, 
 }
 
 TEST_CASE("a run that ends before its source does is replayed up to its last answer",
-          "[live][threads][recording]") {
+          "[player][threads][recording]") {
   const test::ScratchFolder folder("ended");
   const fs::path file = folder / "a.palprec";
   auto camera = std::make_unique<test::MisbehavingCamera>(std::vector<Act>(40, Act::kGood));
@@ -211,7 +211,7 @@ class StuckDisk {
 };
 
 TEST_CASE("what the disk has no time for, the loop of a camera does not get either",
-          "[live][threads][recording]") {
+          "[player][threads][recording]") {
   const test::ScratchFolder folder("behind");
   StuckDisk disk(folder / "pipe");
   std::vector<int> given;
@@ -243,7 +243,7 @@ TEST_CASE("what the disk has no time for, the loop of a camera does not get eith
   CHECK(played == given);
 }
 
-TEST_CASE("a source that waits for its reader waits for the disk", "[live][threads][recording]") {
+TEST_CASE("a source that waits for its reader waits for the disk", "[player][threads][recording]") {
   const test::ScratchFolder folder("waits");
   StuckDisk disk(folder / "pipe");
   RecorderCounts counts;
@@ -269,7 +269,7 @@ TEST_CASE("a source that waits for its reader waits for the disk", "[live][threa
 }
 
 TEST_CASE("on a full disk the run goes on, is told once, and what is there replays",
-          "[live][threads][recording][errors]") {
+          "[player][threads][recording][errors]") {
   const test::ScratchFolder folder("full_recording");
   const fs::path file = folder / "a.palprec";
   auto camera = std::make_unique<test::MisbehavingCamera>(std::vector<Act>(40, Act::kGood));
@@ -302,7 +302,7 @@ TEST_CASE("on a full disk the run goes on, is told once, and what is there repla
   CHECK_FALSE(comparison.first_different());
 }
 
-TEST_CASE("recording takes no memory once it runs", "[live][recording]") {
+TEST_CASE("recording takes no memory once it runs", "[player][recording]") {
   const test::ScratchFolder folder("steady");
   auto film = std::make_unique<NoiseSource>(200, false);
   Recorder recorder(folder / "a.palprec", film->format(), Json::object());
@@ -320,7 +320,7 @@ TEST_CASE("recording takes no memory once it runs", "[live][recording]") {
 }
 
 TEST_CASE("a source whose recording is finished goes on unrecorded, and can be recorded again",
-          "[live][threads][recording]") {
+          "[player][threads][recording]") {
   const test::ScratchFolder folder("twice");
   const std::vector<Act> acts(40, Act::kGood);
   std::unique_ptr<FrameSource> source = std::make_unique<test::MisbehavingCamera>(acts);

@@ -19,7 +19,7 @@ StageTimes times_of(double read, double draw) {
   return times;
 }
 
-TEST_CASE("percentiles of binned durations are those of the durations, within 1 %", "[live]") {
+TEST_CASE("percentiles of binned durations are those of the durations, within 1 %", "[player]") {
   auto random = test::random_case(1);
   std::lognormal_distribution<double> some(3, 1.5);  // ms
   DurationBins bins;
@@ -43,7 +43,7 @@ TEST_CASE("percentiles of binned durations are those of the durations, within 1 
   CHECK(bins.percentile(0.5) > 2e5);
 }
 
-TEST_CASE("a run's figures are of all of it, a stretch's of what came since the last", "[live]") {
+TEST_CASE("a run's figures are of all of it, a stretch's of what came since the last", "[player]") {
   RunStats stats({.now = 100, .cpu = 7, .dropped = 2});
   CHECK(test::allocations_during([&] {
           for (int i = 0; i < 20; ++i) stats.add(times_of(4, 8), 40);
@@ -83,7 +83,7 @@ TEST_CASE("a run's figures are of all of it, a stretch's of what came since the 
   CHECK(all.stages.size() == 2);
 }
 
-TEST_CASE("a line about a stretch in which nothing came is one", "[live]") {
+TEST_CASE("a line about a stretch in which nothing came is one", "[player]") {
   RunStats stats(RunMoment{});
   CHECK_THAT(text_of(stats.end_stretch({.now = 1})), Catch::Contains("0.0 frames/s"));
 }

@@ -24,7 +24,7 @@ Scene some_scene() {
   return scene;
 }
 
-TEST_CASE("whatever differs in what was answered, its hash differs", "[live][recording]") {
+TEST_CASE("whatever differs in what was answered, its hash differs", "[player][recording]") {
   const std::vector<std::function<void(Scene&)>> changes{
       [](Scene& s) { s.number = 4; },
       [](Scene& s) { s.time = 0.2; },
@@ -71,7 +71,7 @@ TEST_CASE("whatever differs in what was answered, its hash differs", "[live][rec
 TEST_CASE(
     "how long it took, and what is kept to be painted, is no part of a state, and hashing takes no "
     "memory",
-    "[live][recording]") {
+    "[player][recording]") {
   Scene scene = some_scene();
   const std::uint64_t before = state_hash(scene);
   scene.times.add("contact", 3);
@@ -83,7 +83,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a comparison names the first frame that differs, and other frames differ",
-          "[live][recording]") {
+          "[player][recording]") {
   StateComparison comparison({{0, 10, ""}, {1, 11, ""}, {3, 13, ""}, {4, 14, ""}});
   comparison.add(0, 10);
   CHECK_FALSE(comparison.first_different());
@@ -97,7 +97,7 @@ TEST_CASE("a comparison names the first frame that differs, and other frames dif
   CHECK(comparison.first_different() == 1);
 }
 
-TEST_CASE("the hash of a run depends on the order of its states", "[live][recording]") {
+TEST_CASE("the hash of a run depends on the order of its states", "[player][recording]") {
   const auto of = [](std::vector<std::uint64_t> states) {
     RunHash hash;
     for (const std::uint64_t state : states) hash.add(state);

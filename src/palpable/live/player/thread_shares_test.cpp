@@ -16,7 +16,7 @@ namespace palpable {
 namespace {
 
 TEST_CASE("whatever the budget, everybody has a thread and nobody more than there are",
-          "[live][threads]") {
+          "[player][threads]") {
   for (int threads = 1; threads <= 64; ++threads) {
     INFO(threads);
     const ThreadShares shares = thread_shares(threads);
@@ -69,7 +69,7 @@ std::vector<Answer> answers_with(int threads) {
   return answers;
 }
 
-TEST_CASE("a run gives the same bytes with a budget of 1, 2 and 8 threads", "[live][threads]") {
+TEST_CASE("a run gives the same bytes with a budget of 1, 2 and 8 threads", "[player][threads]") {
   const std::vector<Answer> alone = answers_with(1);
   REQUIRE(alone.size() >= 20);
   for (const int threads : {2, 8}) {

@@ -60,7 +60,7 @@ FrameLoop loop_for(const FrameSource& source) {
                        .value());
 }
 
-TEST_CASE("seeing the next frame on another thread changes no result", "[live][threads]") {
+TEST_CASE("seeing the next frame on another thread changes no result", "[player][threads]") {
   std::vector<Scene> expected;
   {
     FingerSource source;
@@ -91,7 +91,7 @@ TEST_CASE("seeing the next frame on another thread changes no result", "[live][t
   CHECK(n == expected.size());
 }
 
-TEST_CASE("the loop may stop after some frames, or be left in the middle", "[live][threads]") {
+TEST_CASE("the loop may stop after some frames, or be left in the middle", "[player][threads]") {
   FingerSource source;
   FrameLoop loop = loop_for(source);
   {
@@ -108,7 +108,7 @@ TEST_CASE("the loop may stop after some frames, or be left in the middle", "[liv
 }
 
 TEST_CASE("what goes wrong while seeing is said to whoever waits for the frame",
-          "[live][threads][errors]") {
+          "[player][threads][errors]") {
   FingerSource source;
   source.fails_at = 2;
   FrameLoop loop = loop_for(source);
@@ -119,7 +119,7 @@ TEST_CASE("what goes wrong while seeing is said to whoever waits for the frame",
 }
 
 TEST_CASE("a camera that does everything wrong never stops the loop, and the last state is held",
-          "[live][threads][errors]") {
+          "[player][threads][errors]") {
   using test::Act;
   std::vector<Act> acts(8, Act::kGood);
   for (const Act bad : {Act::kStall, Act::kDrop, Act::kResize, Act::kNoDepth, Act::kGarbage,
@@ -177,7 +177,7 @@ TEST_CASE("a camera that does everything wrong never stops the loop, and the las
   CHECK(reports.size() == 6 + 2 + 4);
 }
 
-TEST_CASE("the loop can be left while a camera is silent", "[live][threads]") {
+TEST_CASE("the loop can be left while a camera is silent", "[player][threads]") {
   test::MisbehavingCamera camera({test::Act::kStall});
   camera.repeats_last = true;
   FrameLoop loop = loop_for(camera);
@@ -187,7 +187,7 @@ TEST_CASE("the loop can be left while a camera is silent", "[live][threads]") {
 }
 
 TEST_CASE("a frame was taken when its source says so, or when it came where that makes no sense",
-          "[live]") {
+          "[player]") {
   const double begin = system_clock().now();
   const auto first_taken = [](std::optional<double> taken) {
     FingerSource source;

@@ -61,7 +61,7 @@ SeenFrame seen(ColorImage picture) {
   return frame;
 }
 
-TEST_CASE("what looks as the desk beside a thing is the desk", "[map][presses]") {
+TEST_CASE("what looks as the desk beside a thing is the desk", "[seen_object][presses]") {
   ColorOutline outline;
   MaskImage shows = shown(kThing, 5);
   outline.trim(seen(picture_of(kThing, kSkin, 2, 2)), kAll, shows);
@@ -78,7 +78,8 @@ TEST_CASE("what looks as the desk beside a thing is the desk", "[map][presses]")
   }
 }
 
-TEST_CASE("a finger's shaded rim is no desk, though the desk is as brown as it", "[map][presses]") {
+TEST_CASE("a finger's shaded rim is no desk, though the desk is as brown as it",
+          "[seen_object][presses]") {
   // Skin of 0.76 times its shade is nearer to the wood than to the skin in the light.
   constexpr Rgb kLight{220, 177, 155}, kShaded{167, 135, 118}, kWood{173, 138, 105};
   ColorImage picture = picture_of(kThing, kLight, 2, 0);
@@ -108,7 +109,7 @@ TEST_CASE("a finger's shaded rim is no desk, though the desk is as brown as it",
   CHECK(lost <= 12);  // of 1,200: the outermost, by noise
 }
 
-TEST_CASE("an outline stays the depth's where colours do not tell", "[map][presses]") {
+TEST_CASE("an outline stays the depth's where colours do not tell", "[seen_object][presses]") {
   ColorOutline outline;
   MaskImage shows = shown(kThing, 5);
   SECTION("thing and desk look alike") {
@@ -132,7 +133,7 @@ TEST_CASE("an outline stays the depth's where colours do not tell", "[map][press
 TEST_CASE(
     "inside of the box alone outlines are asked, and nothing is allocated from the second "
     "frame on",
-    "[map][presses][frame loop]") {
+    "[seen_object][presses][frame loop]") {
   ColorOutline outline;
   const SeenFrame frame = seen(picture_of(kThing, kSkin, 2, 2));
   MaskImage shows = shown(kThing, 5);

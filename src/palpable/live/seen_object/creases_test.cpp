@@ -54,7 +54,8 @@ Creases creases_of(const DepthImage& depth) {
   return creases;
 }
 
-TEST_CASE("two fingers side by side meet in one crease, and both end there", "[contact][creases]") {
+TEST_CASE("two fingers side by side meet in one crease, and both end there",
+          "[seen_object][creases]") {
   const DepthImage depth =
       test::depth_of({finger(-0.008, 0.4, 0.008), finger(0.008, 0.4, 0.008)}, kCamera);
   const Creases creases = creases_of(depth);
@@ -70,7 +71,8 @@ TEST_CASE("two fingers side by side meet in one crease, and both end there", "[c
   }
 }
 
-TEST_CASE("of a finger behind another the crease says how much is hidden", "[contact][creases]") {
+TEST_CASE("of a finger behind another the crease says how much is hidden",
+          "[seen_object][creases]") {
   // Of a section of 16 mm behind a finger that ends at x = 0, to one side of it.
   for (const double hidden_m : {0.002, 0.005}) {
     INFO("hidden " << hidden_m);
@@ -89,7 +91,8 @@ TEST_CASE("of a finger behind another the crease says how much is hidden", "[con
   }
 }
 
-TEST_CASE("neither noise nor a thing that is nowhere hollow has creases", "[contact][creases]") {
+TEST_CASE("neither noise nor a thing that is nowhere hollow has creases",
+          "[seen_object][creases]") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     INFO("seed " << seed);
     // A forearm; the noise is that of one pixel of a stereo camera, 6 mm Z^2 at 1 m.
@@ -101,7 +104,7 @@ TEST_CASE("neither noise nor a thing that is nowhere hollow has creases", "[cont
 }
 
 TEST_CASE("four fingers side by side are as thick as fingers, though their valleys are blurred",
-          "[contact][creases][object surface]") {
+          "[seen_object][creases][object surface]") {
   const double radius = 0.008;
   std::vector<Capsule> hand;
   for (int k = 0; k < 4; ++k) {
@@ -130,7 +133,7 @@ TEST_CASE("four fingers side by side are as thick as fingers, though their valle
   }
 }
 
-TEST_CASE("finding creases again allocates nothing", "[contact][creases]") {
+TEST_CASE("finding creases again allocates nothing", "[seen_object][creases]") {
   const DepthImage depth =
       test::depth_of({finger(-0.008, 0.4, 0.008), finger(0.008, 0.4, 0.008)}, kCamera);
   Silhouette silhouette;

@@ -50,7 +50,8 @@ struct Held {
   double time = 0;
 };
 
-TEST_CASE("what nobody knows of is held as it was for 0.3 s, then it fades", "[contact][held]") {
+TEST_CASE("what nobody knows of is held as it was for 0.3 s, then it fades",
+          "[seen_object][held]") {
   Held scene;
   scene.show_finger();
   REQUIRE(scene.balls.size() == 21);
@@ -76,7 +77,7 @@ TEST_CASE("what nobody knows of is held as it was for 0.3 s, then it fades", "[c
   }
 }
 
-TEST_CASE("what was seen through is released at once, and stays so", "[contact][held]") {
+TEST_CASE("what was seen through is released at once, and stays so", "[seen_object][held]") {
   Held scene;
   scene.show_finger();
   CHECK(scene.show(kShowsRoom, 0.8f).empty());
@@ -91,19 +92,20 @@ TEST_CASE("what was seen through is released at once, and stays so", "[contact][
   CHECK(scene.show(kShowsRoom).empty());
 }
 
-TEST_CASE("what something nearer hides is held", "[contact][held]") {
+TEST_CASE("what something nearer hides is held", "[seen_object][held]") {
   Held scene;
   scene.show_finger();
   CHECK(scene.show(kShowsRoom, 0.3f).size() == 21);
 }
 
-TEST_CASE("where a thing that presses is measured now, nothing older is held", "[contact][held]") {
+TEST_CASE("where a thing that presses is measured now, nothing older is held",
+          "[seen_object][held]") {
   Held scene;
   scene.show_finger();
   CHECK(scene.show(kShowsPresser, 0.5f).empty());
 }
 
-TEST_CASE("of a thing that is seen nothing is held: it may have moved", "[contact][held]") {
+TEST_CASE("of a thing that is seen nothing is held: it may have moved", "[seen_object][held]") {
   Held scene;
   scene.show_finger();
   const DepthImage depth(kCamera.width, kCamera.height, kNone);
@@ -118,7 +120,7 @@ TEST_CASE("of a thing that is seen nothing is held: it may have moved", "[contac
   CHECK(balls.size() == 20);
 }
 
-TEST_CASE("what left the picture is held, and holding allocates nothing", "[contact][held]") {
+TEST_CASE("what left the picture is held, and holding allocates nothing", "[seen_object][held]") {
   Held scene;
   scene.show_finger();
   DepthImage depth(kCamera.width, kCamera.height, 0.8f);
@@ -132,7 +134,7 @@ TEST_CASE("what left the picture is held, and holding allocates nothing", "[cont
   CHECK(balls.size() == 21);
 }
 
-TEST_CASE("holding refuses times that make no sense", "[contact][errors]") {
+TEST_CASE("holding refuses times that make no sense", "[seen_object][errors]") {
   CHECK_THROWS_AS(HeldBalls({.hold = -1}), ContractViolation);
   CHECK_THROWS_AS(HeldBalls({.fade = 0}), ContractViolation);
 }

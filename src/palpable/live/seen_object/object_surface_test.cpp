@@ -42,7 +42,7 @@ Eigen::AlignedBox3d box_around(const Vector3d& centre, double half_side) {
 }
 
 TEST_CASE("the front of a wide thing lies where it is seen, and its normals face the camera",
-          "[contact][object surface]") {
+          "[seen_object][object surface]") {
   // A plane through (0, 0, 0.4) tilted by 45 degrees: z = 0.4 + x + 0.3 y.
   DepthImage depth(kCamera.width, kCamera.height);
   for (int v = 0; v < kCamera.height; ++v) {
@@ -105,7 +105,7 @@ FingerErrors errors_of(const ObjectSurface& seen, const Capsule& finger,
   return errors;
 }
 
-TEST_CASE("balls stand for the whole finger, on all sides", "[contact][object surface]") {
+TEST_CASE("balls stand for the whole finger, on all sides", "[seen_object][object surface]") {
   // A pencil, a finger and a thumb, across the view and pointing at the camera or away from it; the
   // far end lies outside the region.
   for (const double radius : {0.0035, 0.008, 0.012}) {
@@ -129,7 +129,8 @@ TEST_CASE("balls stand for the whole finger, on all sides", "[contact][object su
   }
 }
 
-TEST_CASE("what the camera sees is measured, the other side assumed", "[contact][object surface]") {
+TEST_CASE("what the camera sees is measured, the other side assumed",
+          "[seen_object][object surface]") {
   const Capsule finger{{-0.05, 0, 0.4}, {0.05, 0, 0.4}, 0.008};
   ObjectSurface seen;
   seen.build(test::depth_of({finger}, kCamera), {}, kCamera, Rigid3::Identity(),
@@ -151,7 +152,7 @@ std::pair<double, double> principal(const SurfaceShape& shape) {
 }
 
 TEST_CASE("the shape of the surface is that of the thing: normal and curvature",
-          "[contact][object surface][shape]") {
+          "[seen_object][object surface][shape]") {
   // A row of balls as dense as pixels is a finger: curved across, straight along.
   std::vector<ObjectBall> finger;
   for (int i = -40; i <= 40; ++i) {
@@ -189,7 +190,8 @@ TEST_CASE("the shape of the surface is that of the thing: normal and curvature",
   CHECK(seen.shape_at({0, 0, 0})->normal.allFinite());
 }
 
-TEST_CASE("a flat thing is flat, though it is made of balls", "[contact][object surface][shape]") {
+TEST_CASE("a flat thing is flat, though it is made of balls",
+          "[seen_object][object surface][shape]") {
   const DepthImage depth(kCamera.width, kCamera.height, 0.4f);
   ObjectSurface seen;
   seen.build(depth, {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.04));
@@ -208,7 +210,7 @@ TEST_CASE("a flat thing is flat, though it is made of balls", "[contact][object 
 }
 
 TEST_CASE("a finger partly behind another keeps its thickness, and a hand on a desk is no desk",
-          "[contact][object surface]") {
+          "[seen_object][object surface]") {
   // The nearer one hides the lower half of the other's front; that edge is no outline.
   const Capsule hidden{{-0.06, 0, 0.42}, {0.06, 0, 0.42}, 0.010};
   const Capsule nearer{{-0.06, 0.012, 0.36}, {0.06, 0.012, 0.36}, 0.008};
@@ -236,7 +238,7 @@ TEST_CASE("a finger partly behind another keeps its thickness, and a hand on a d
 }
 
 TEST_CASE("things look wider to a matcher, and are made as thin as they are",
-          "[contact][object surface]") {
+          "[seen_object][object surface]") {
   const Capsule thin{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.008};
   Capsule wide = thin;
   wide.radius += 1.0 * 0.4 / kCamera.fx_px;  // by one pixel
@@ -252,7 +254,7 @@ TEST_CASE("things look wider to a matcher, and are made as thin as they are",
         Approx(thin.radius).margin(tolerance(6e-4, "half a pixel: it lies along the rows")));
 }
 
-TEST_CASE("outlines that are known better are not made thinner", "[contact][object surface]") {
+TEST_CASE("outlines that are known better are not made thinner", "[seen_object][object surface]") {
   // 17 px wide; what is above it nobody knows.
   const Capsule thing{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.0097};
   const DepthImage depth = test::depth_of({thing}, kCamera);
@@ -288,7 +290,7 @@ TEST_CASE("outlines that are known better are not made thinner", "[contact][obje
         Approx(thin + px).margin(tolerance(2e-4, "1/8 px: perspective")));
 }
 
-TEST_CASE("thin things stand nearer than a matcher has them", "[contact][object surface]") {
+TEST_CASE("thin things stand nearer than a matcher has them", "[seen_object][object surface]") {
   const Capsule thin{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.008};
   const auto front = [&](double too_far) {
     ObjectSurfaceSettings settings;
@@ -305,7 +307,7 @@ TEST_CASE("thin things stand nearer than a matcher has them", "[contact][object 
 }
 
 TEST_CASE("a finger's end is where it is, wherever in a pixel that is",
-          "[contact][object surface]") {
+          "[seen_object][object surface]") {
   // Behind the end, where no camera sees it: 45 degrees off the axis.
   double sum = 0;
   constexpr int kPlaces = 8;
@@ -324,7 +326,7 @@ TEST_CASE("a finger's end is where it is, wherever in a pixel that is",
         tolerance(4.5e-4, "0.4 px; 0.59 mm if the last ball is not moved"));
 }
 
-TEST_CASE("the tree finds what looking at every ball finds", "[contact][object surface][law]") {
+TEST_CASE("the tree finds what looking at every ball finds", "[seen_object][object surface][law]") {
   for (unsigned seed = 0; seed < 6; ++seed) {
     INFO("seed " << seed);
     auto random = test::random_case(seed);
@@ -355,7 +357,8 @@ TEST_CASE("the tree finds what looking at every ball finds", "[contact][object s
   }
 }
 
-TEST_CASE("how far a thing moved is told by what is measured of it", "[contact][object surface]") {
+TEST_CASE("how far a thing moved is told by what is measured of it",
+          "[seen_object][object surface]") {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> within(-0.01f, 0.01f);
   std::vector<ObjectBall> balls(200);
@@ -389,7 +392,7 @@ TEST_CASE("how far a thing moved is told by what is measured of it", "[contact][
   CHECK(std::isinf(seen.moved()));
 }
 
-TEST_CASE("a thing that is far from the region makes no balls", "[contact][object surface]") {
+TEST_CASE("a thing that is far from the region makes no balls", "[seen_object][object surface]") {
   const Capsule near{{0, 0, 0.4}, {0, 0, 0.4}, 0.02}, far{{0.1, 0, 0.6}, {0.1, 0, 0.6}, 0.02};
   const DepthImage depth = test::depth_of({near, far}, kCamera);
   ObjectSurface seen;
@@ -401,7 +404,7 @@ TEST_CASE("a thing that is far from the region makes no balls", "[contact][objec
 
 TEST_CASE(
     "the cloud is every third pixel of every third row that presses, as deep as in this frame",
-    "[contact][object surface][Alg1]") {
+    "[seen_object][object surface][Alg1]") {
   const Capsule finger{{0, 0, 0.4}, {0, 0.1, 0.4}, 0.02};
   const DepthImage rests = test::depth_of({finger}, kCamera);
   MaskImage shows(kCamera.width, kCamera.height);
@@ -438,7 +441,7 @@ TEST_CASE(
 }
 
 TEST_CASE("pixels without depth, and single flickering ones, make no balls",
-          "[contact][object surface]") {
+          "[seen_object][object surface]") {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   constexpr float kFar = std::numeric_limits<float>::infinity();
   DepthImage depth(kCamera.width, kCamera.height, kNone);
@@ -460,7 +463,7 @@ TEST_CASE("pixels without depth, and single flickering ones, make no balls",
 }
 
 TEST_CASE("the second frame allocates nothing, though it shows more than the first",
-          "[contact][frame loop]") {
+          "[seen_object][frame loop]") {
   const auto seen_at = [](double radius) {
     return test::depth_of({{{-0.05, 0, 0.4}, {0.05, 0, 0.4}, radius}}, kCamera);
   };
@@ -479,7 +482,7 @@ TEST_CASE("the second frame allocates nothing, though it shows more than the fir
 }
 
 TEST_CASE("a surface refuses a camera of another size and impossible settings",
-          "[contact][errors]") {
+          "[seen_object][errors]") {
   ObjectSurface seen;
   CHECK_THROWS_AS(
       seen.build(DepthImage(10, 10), {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0}, 1)),

@@ -56,7 +56,7 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
 // Around every vector's length.
 constexpr int kCounts[] = {0, 1, 3, 4, 7, 8, 9, 15, 16, 17, 40, 63};
 
-TEST_CASE("outlines are handed on to the same bytes by every kernel", "[contact][kernels]") {
+TEST_CASE("outlines are handed on to the same bytes by every kernel", "[seen_object][kernels]") {
   for (const int count : kCounts) {
     for (unsigned seed = 0; seed < 5; ++seed) {
       Rows plain(count, seed);
@@ -75,7 +75,8 @@ TEST_CASE("outlines are handed on to the same bytes by every kernel", "[contact]
   }
 }
 
-TEST_CASE("inverse depths are averaged to the same bytes by every kernel", "[contact][kernels]") {
+TEST_CASE("inverse depths are averaged to the same bytes by every kernel",
+          "[seen_object][kernels]") {
   for (const int count : kCounts) {
     const Rows rows(count, 7);
     std::vector<float> plain(static_cast<std::size_t>(count) + 1), mean(plain.size());
@@ -93,7 +94,7 @@ TEST_CASE("inverse depths are averaged to the same bytes by every kernel", "[con
   }
 }
 
-TEST_CASE("a window is summed up to the same bytes by every kernel", "[contact][kernels]") {
+TEST_CASE("a window is summed up to the same bytes by every kernel", "[seen_object][kernels]") {
   for (const int columns : {1, 4, 5, 8, 11, 12}) {
     for (const float radius : {0.0f, 0.008f}) {
       const Rows rows(columns, 11);
@@ -122,7 +123,7 @@ TEST_CASE("a window is summed up to the same bytes by every kernel", "[contact][
   }
 }
 
-TEST_CASE("places for balls are the same ones for every kernel", "[contact][kernels]") {
+TEST_CASE("places for balls are the same ones for every kernel", "[seen_object][kernels]") {
   MiddleTest test;
   test.growth = 0.95f;
   test.fattening = 1;
@@ -145,7 +146,7 @@ TEST_CASE("places for balls are the same ones for every kernel", "[contact][kern
 }
 
 // A vectorised kernel may ask for more places where chords of several lengths lie side by side.
-TEST_CASE("no kernel overlooks a place that may be hollow", "[contact][kernels]") {
+TEST_CASE("no kernel overlooks a place that may be hollow", "[seen_object][kernels]") {
   constexpr int kRows = 17, kWidth = 60;
   const auto row = [](int y) { return static_cast<std::size_t>(y) * std::size_t{kWidth}; };
   auto random = test::random_case(17);

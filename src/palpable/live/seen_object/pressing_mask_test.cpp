@@ -84,7 +84,7 @@ long count(const MaskImage& shows, std::uint8_t what) {
   return std::count(shows.begin(), shows.end(), what);
 }
 
-TEST_CASE("the room in which the body was anchored does not press", "[map][presses]") {
+TEST_CASE("the room in which the body was anchored does not press", "[seen_object][presses]") {
   Room room;
   room.things = {60, 30, 40, 40};  // it was there from the beginning
   room.show(60);
@@ -93,7 +93,7 @@ TEST_CASE("the room in which the body was anchored does not press", "[map][press
 }
 
 TEST_CASE("what moves presses where it is measured, and is unknown where it is not",
-          "[map][presses]") {
+          "[seen_object][presses]") {
   Room room;
   room.show(20);
   room.things = {8, 8, 40, 24};
@@ -116,7 +116,7 @@ TEST_CASE("what moves presses where it is measured, and is unknown where it is n
 }
 
 TEST_CASE("a few tiles that seem to move, and any in a single frame, do not press",
-          "[map][presses]") {
+          "[seen_object][presses]") {
   Room room;
   room.show(20);
   MaskImage moving(kCamera.width, kCamera.height, 0);
@@ -137,7 +137,7 @@ TEST_CASE("a few tiles that seem to move, and any in a single frame, do not pres
 }
 
 TEST_CASE("what was put before the room presses, also when it has become part of the map",
-          "[map][presses]") {
+          "[seen_object][presses]") {
   Room room;
   room.show(40);
   room.things = {60, 30, 40, 40};
@@ -157,7 +157,7 @@ TEST_CASE("what was put before the room presses, also when it has become part of
 }
 
 TEST_CASE("a strip of the room with a near thing's depth, and doubtful pixels, do not press",
-          "[map][presses]") {
+          "[seen_object][presses]") {
   Room room;
   room.show(40);
   room.things = {60, 30, 2, 60};
@@ -176,7 +176,8 @@ TEST_CASE("a strip of the room with a near thing's depth, and doubtful pixels, d
   CHECK(ask_with(200) > 1500);
 }
 
-TEST_CASE("a thin thing that moves presses, however it lies on the tiles", "[map][presses]") {
+TEST_CASE("a thin thing that moves presses, however it lies on the tiles",
+          "[seen_object][presses]") {
   for (int x0 = 60; x0 < 64; ++x0) {
     INFO("from column " << x0);
     Room room;
@@ -203,7 +204,7 @@ TEST_CASE("a thin thing that moves presses, however it lies on the tiles", "[map
 }
 
 TEST_CASE("of a thing that moves the end presses on that the mask takes for the scene",
-          "[map][presses]") {
+          "[seen_object][presses]") {
   Room room;
   room.show(40);
   room.things = {60, 20, 8, 60};
@@ -220,7 +221,7 @@ TEST_CASE("of a thing that moves the end presses on that the mask takes for the 
   CHECK(room.ask(room.seen(), &moving)(63, 76) == kShowsRoom);
 }
 
-TEST_CASE("the resting part of a hand that moves presses with it", "[map][presses]") {
+TEST_CASE("the resting part of a hand that moves presses with it", "[seen_object][presses]") {
   Room room;
   room.show(40);
   room.things = {60, 20, 16, 60};
@@ -240,7 +241,7 @@ TEST_CASE("the resting part of a hand that moves presses with it", "[map][presse
 }
 
 TEST_CASE("before a camera that walks only what stands clearly before the room presses",
-          "[map][presses]") {
+          "[seen_object][presses]") {
   for (const float before : {0.025f, 0.080f}) {
     INFO("by " << before << " m");
     Room room;
@@ -257,7 +258,8 @@ TEST_CASE("before a camera that walks only what stands clearly before the room p
   }
 }
 
-TEST_CASE("what is too close is in front of everything and presses nothing", "[map][presses]") {
+TEST_CASE("what is too close is in front of everything and presses nothing",
+          "[seen_object][presses]") {
   Room room;
   room.show(20);
   SeenFrame frame = room.seen();
@@ -274,7 +276,7 @@ TEST_CASE("what is too close is in front of everything and presses nothing", "[m
 }
 
 TEST_CASE("without a mask nothing is known, and outside of the box nothing is asked",
-          "[map][presses]") {
+          "[seen_object][presses]") {
   Room room;
   room.show(20);
   CHECK(count(room.ask(room.seen(), nullptr), kShowsUnknown) == kCamera.width * kCamera.height);
@@ -287,7 +289,7 @@ TEST_CASE("without a mask nothing is known, and outside of the box nothing is as
 }
 
 TEST_CASE("finding what presses allocates nothing after the first frame, and refuses odd settings",
-          "[map][presses][frame loop]") {
+          "[seen_object][presses][frame loop]") {
   Room room;
   room.show(40);
   room.things = {60, 30, 40, 40};

@@ -63,7 +63,7 @@ struct Slab {
   }
 };
 
-TEST_CASE("of what rests 32 frames are averaged", "[contact][rest]") {
+TEST_CASE("of what rests 32 frames are averaged", "[seen_object][rest]") {
   auto random = test::random_case(1);
   RestFilter filter;
   Slab slab;
@@ -78,7 +78,7 @@ TEST_CASE("of what rests 32 frames are averaged", "[contact][rest]") {
         Approx(static_cast<double>(kScatter) / std::sqrt(63.0)).epsilon(0.15));
 }
 
-TEST_CASE("of what moves the present frame alone counts", "[contact][rest]") {
+TEST_CASE("of what moves the present frame alone counts", "[seen_object][rest]") {
   auto random = test::random_case(2);
   RestFilter filter;
   Slab slab;
@@ -107,7 +107,8 @@ TEST_CASE("of what moves the present frame alone counts", "[contact][rest]") {
   }
 }
 
-TEST_CASE("what creeps is late by less than the shift that counts as flowing", "[contact][rest]") {
+TEST_CASE("what creeps is late by less than the shift that counts as flowing",
+          "[seen_object][rest]") {
   auto random = test::random_case(3);
   RestFilter filter;
   Slab slab;
@@ -135,7 +136,7 @@ TEST_CASE("what creeps is late by less than the shift that counts as flowing", "
   }
 }
 
-TEST_CASE("an outline that flickers rests amid its pixels", "[contact][rest]") {
+TEST_CASE("an outline that flickers rests amid its pixels", "[seen_object][rest]") {
   auto random = test::random_case(4);
   RestFilter filter;
   Slab slab;
@@ -157,7 +158,7 @@ TEST_CASE("an outline that flickers rests amid its pixels", "[contact][rest]") {
   CHECK(filter.shows()(90, 60) == kShowsRoom);
 }
 
-TEST_CASE("a hole in what rests is no sign that it has gone", "[contact][rest]") {
+TEST_CASE("a hole in what rests is no sign that it has gone", "[seen_object][rest]") {
   auto random = test::random_case(5);
   RestFilter filter;
   Slab slab;
@@ -174,7 +175,7 @@ TEST_CASE("a hole in what rests is no sign that it has gone", "[contact][rest]")
   CHECK(std::abs(static_cast<double>(filter.depth()(75, 55) - slab.z)) < 0.001);
 }
 
-TEST_CASE("what left is forgotten at once", "[contact][rest]") {
+TEST_CASE("what left is forgotten at once", "[seen_object][rest]") {
   auto random = test::random_case(6);
   RestFilter filter;
   Slab slab;
@@ -186,7 +187,7 @@ TEST_CASE("what left is forgotten at once", "[contact][rest]") {
   for (const std::uint8_t what : filter.shows()) REQUIRE(what != kShowsPresser);
 }
 
-TEST_CASE("of a camera that moves each frame is passed on as it is", "[contact][rest]") {
+TEST_CASE("of a camera that moves each frame is passed on as it is", "[seen_object][rest]") {
   auto random = test::random_case(7);
   RestFilter filter;
   Slab slab;
@@ -201,7 +202,7 @@ TEST_CASE("of a camera that moves each frame is passed on as it is", "[contact][
 }
 
 TEST_CASE("the filter allocates nothing after the first frame, and refuses odd settings",
-          "[contact][rest][frame loop]") {
+          "[seen_object][rest][frame loop]") {
   auto random = test::random_case(8);
   RestFilter filter;
   Slab slab;

@@ -43,7 +43,8 @@ Vector3f velocity_after(int frames, const Vector3f& way) {
   return motion.velocities().front();
 }
 
-TEST_CASE("a finger's tip goes on as the finger moved, in every direction", "[contact][motion]") {
+TEST_CASE("a finger's tip goes on as the finger moved, in every direction",
+          "[seen_object][motion]") {
   for (const Vector3f& way :
        {Vector3f(0, 0, -0.001f), Vector3f(0, 0.003f, 0), Vector3f(-0.002f, 0, 0),
         Vector3f(0.001f, -0.002f, 0.003f), Vector3f(0, 0, -0.007f)}) {
@@ -54,7 +55,7 @@ TEST_CASE("a finger's tip goes on as the finger moved, in every direction", "[co
   }
 }
 
-TEST_CASE("what is carried on meets what is seen next", "[contact][motion]") {
+TEST_CASE("what is carried on meets what is seen next", "[seen_object][motion]") {
   const Vector3f way(0.0005f, 0.001f, -0.0015f);
   SurfaceMotion motion;
   for (int n = 0; n < 6; ++n) {
@@ -73,7 +74,7 @@ TEST_CASE("what is carried on meets what is seen next", "[contact][motion]") {
   }
 }
 
-TEST_CASE("two things near each other move each by itself", "[contact][motion]") {
+TEST_CASE("two things near each other move each by itself", "[seen_object][motion]") {
   SurfaceMotion motion;
   std::vector<ObjectBall> balls;
   for (int n = 0; n < 6; ++n) {
@@ -89,7 +90,7 @@ TEST_CASE("two things near each other move each by itself", "[contact][motion]")
 }
 
 TEST_CASE("a thing that rests and scatters is carried on by less than it scatters",
-          "[contact][motion]") {
+          "[seen_object][motion]") {
   std::mt19937 random(1);
   std::normal_distribution<float> scatter(0, 2e-4f);
   SurfaceMotion motion;
@@ -102,7 +103,7 @@ TEST_CASE("a thing that rests and scatters is carried on by less than it scatter
   CHECK(std::sqrt(squares / 60) < tolerance(4.9e-4, "m: what two frames differ by"));
 }
 
-TEST_CASE("nothing is carried on that was not seen moving", "[contact][motion]") {
+TEST_CASE("nothing is carried on that was not seen moving", "[seen_object][motion]") {
   SurfaceMotion motion;
   const auto fastest = [&] {
     float most = 0;
@@ -132,7 +133,7 @@ TEST_CASE("nothing is carried on that was not seen moving", "[contact][motion]")
   CHECK_THROWS_AS(SurfaceMotion({.around = 0}), ContractViolation);
 }
 
-TEST_CASE("following a moving surface allocates nothing", "[contact][motion]") {
+TEST_CASE("following a moving surface allocates nothing", "[seen_object][motion]") {
   SurfaceMotion motion;
   std::vector<std::vector<ObjectBall>> frames;
   for (int n = 0; n < 5; ++n) frames.push_back(finger_at({0, 0, -0.001f * static_cast<float>(n)}));
