@@ -248,6 +248,7 @@ def _(programs, folder):
     # The shipped body is small, is no scan of anybody's, and says nothing about where it was baked.
     body = folder / "palpable" / POST.lstrip("/")
     told = programs.succeeds("inspect", body).stdout
+    told = told.replace(str(body), "")  # where this test unpacked it
     assert body.stat().st_size < 8e6 and "bunny" not in told and str(base.ROOT) not in told, told
     assert str(base.ROOT).encode() not in body.read_bytes()
 
@@ -422,7 +423,8 @@ def _(programs, folder):
     emulator = shutil.which("qemu-x86_64")
     if emulator is None or os.uname().machine != "x86_64":
         raise CannotRun("qemu-x86_64 is not installed (tools/packages-check.txt)")
-    old = [emulator, "-cpu", "qemu64"]
+    # As an AMD processor of this family OpenBLAS takes it for an Opteron, and asks it for 3DNow!, which it lacks.
+    old = [emulator, "-cpu", "qemu64,vendor=GenuineIntel"]
     # The emulated processor refuses what an old one would.
     (folder / "avx2.c").write_text(USES_AVX2)
     run("cc", "-O0", "-mavx2", folder / "avx2.c", "-o", folder / "avx2")
