@@ -2,9 +2,6 @@
 # whoever builds to use (preset release), off for whoever develops (preset dev): there, a change compiles one file.
 # Names in anonymous namespaces must differ within a module (tools/check_names.py).
 option(PALPABLE_UNITY "Compile each module as one file" OFF)
-# Modules of which libpalpable.so takes a part: as one file they would bring it OpenCV's films and picture files
-# (tools/check_links.py).
-set(PALPABLE_LINKED_IN_PART sources)
 
 # By PALPABLE_UNITY, the target's files as one, those of a large module as two: solid as one file took 2.4 GB. Files with
 # options of their own stay single (CMake sees to those), and those that Highway includes once for each instruction set.
@@ -23,7 +20,9 @@ function(palpable_unity target)
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
   # To GCC, what the one file includes is a header, whose types should have no members of anonymous namespaces.
-  target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
 endfunction()
 
 # Those of `files` that hold a line like `regex`.
@@ -55,9 +54,7 @@ function(palpable_module folder)
   if(sources)
     add_library(palpable_${arg_NAME} STATIC ${sources})
     palpable_precompile(palpable_${arg_NAME} library)
-    if(NOT arg_NAME IN_LIST PALPABLE_LINKED_IN_PART)
-      palpable_unity(palpable_${arg_NAME})
-    endif()
+    palpable_unity(palpable_${arg_NAME})
     set(scope PUBLIC)
   else()
     add_library(palpable_${arg_NAME} INTERFACE)

@@ -14,8 +14,12 @@ set(palpable_headers_library ${headers})
 set(palpable_headers_tests ${headers} <random> <catch2/catch.hpp>)
 
 if(PALPABLE_PRECOMPILE)
-  # ccache needs it to look into what follows a precompiled header.
-  add_compile_options(-fpch-preprocess)
+  # What ccache needs to know precompiled headers by their content.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    add_compile_options(-fpch-preprocess)
+  else()
+    add_compile_options("SHELL:-Xclang -fno-pch-timestamp")
+  endif()
   foreach(kind library tests)
     if(kind STREQUAL tests AND NOT BUILD_TESTING)
       continue()

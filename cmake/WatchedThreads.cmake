@@ -10,9 +10,13 @@ option(PALPABLE_WATCH_THREADS "Offer the tests of threads under ThreadSanitizer,
 set(PALPABLE_MODULES_WITH_THREADS campaign depth map pipeline player session slam solid sources stereo track)
 
 function(palpable_watch target)
-  # -O1: half the compiling, and these tests take seconds. GCC's manual: the sanitizers hide from the
-  # compiler what it would need to see that a variable is set; the plain build watches this.
-  target_compile_options(${target} PRIVATE -O1 -g1 -UNDEBUG -fsanitize=thread -Wno-maybe-uninitialized)
+  # -O1: half the compiling, and these tests take seconds.
+  target_compile_options(${target} PRIVATE -O1 -g1 -UNDEBUG -fsanitize=thread)
+  # GCC's manual: the sanitizers hide from the compiler what it would need to see that a variable is set;
+  # the plain build watches this.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)
+  endif()
 endfunction()
 
 function(palpable_watched_module name sources tests uses libraries test_libraries)

@@ -8,7 +8,23 @@ bool palpable::test::sanitizer_names_are_here() { return true; }
 
 #define PALPABLE_SEEN extern "C" __attribute__((visibility("default")))
 
+// GCC defines macros, Clang has features.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define PALPABLE_ASAN
+#endif
+#if __has_feature(thread_sanitizer)
+#define PALPABLE_TSAN
+#endif
+#endif
 #if defined(__SANITIZE_ADDRESS__)
+#define PALPABLE_ASAN
+#endif
+#if defined(__SANITIZE_THREAD__)
+#define PALPABLE_TSAN
+#endif
+
+#ifdef PALPABLE_ASAN
 // LeakSanitizer asks for this name before it looks.
 PALPABLE_SEEN int __lsan_is_turned_off();                                               // NOLINT
 PALPABLE_SEEN int __lsan_is_turned_off() { return palpable::test::leaks_are_foreign; }  // NOLINT
@@ -19,7 +35,7 @@ PALPABLE_SEEN const char* __asan_default_options();                             
 PALPABLE_SEEN const char* __asan_default_options() { return "intercept_tls_get_addr=0"; }  // NOLINT
 #endif
 
-#if defined(__SANITIZE_THREAD__)
+#ifdef PALPABLE_TSAN
 // Debian's OpenCV, its thread pool and the GDAL behind it are not built for ThreadSanitizer, which
 // therefore cannot see how they hand work over; what it says about our own code stays. The linker
 // looks for this name.

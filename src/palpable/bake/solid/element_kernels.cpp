@@ -21,9 +21,9 @@ struct CalledLaw {
   // As law.h has them of each law.
   PALPABLE_ALWAYS_INLINE friend Pack energy_density(const CalledLaw& law,
                                                     const Deformation<Pack>& d) {
-    Pack density;
-    law.density(law.material, d, density);
-    return density;
+    Pack value;
+    law.density(law.material, d, value);
+    return value;
   }
   PALPABLE_ALWAYS_INLINE friend Tensor<Pack> first_piola(const CalledLaw& law,
                                                          const Deformation<Pack>& d) {

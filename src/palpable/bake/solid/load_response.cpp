@@ -77,11 +77,11 @@ MatrixXd LoadResponse::linear(const MatrixXd& loads) const {
   const TetAssembly& assembly = core_->assembly;
   FactorWorkspace workspace;
   MatrixXd u = MatrixXd::Zero(loads.rows(), loads.cols());
-  constexpr Index kBlock = 16;
+  constexpr Index kLoadsAtATime = 16;
   VectorXd free;
   Matrix3Xd field(3, assembly.node_count());
-  for (Index first = 0; first < loads.cols(); first += kBlock) {
-    const Index count = std::min(kBlock, loads.cols() - first);
+  for (Index first = 0; first < loads.cols(); first += kLoadsAtATime) {
+    const Index count = std::min(kLoadsAtATime, loads.cols() - first);
     MatrixXd B(3 * static_cast<Index>(assembly.free_nodes().size()), count);
     for (Index c = 0; c < count; ++c) {
       field.reshaped() = loads.col(first + c);

@@ -211,9 +211,9 @@ const VectorXd& LoadSeries::mass() const { return core_->mass; }
 MatrixXd LoadSeries::linear_response(const MatrixXd& loads) const {
   PALPABLE_EXPECT(loads.rows() == core_->values(), "a load has three values a node");
   MatrixXd u = MatrixXd::Zero(loads.rows(), loads.cols());
-  constexpr Index kBlock = 64;
-  for (Index first = 0; first < loads.cols(); first += kBlock) {
-    const Index count = std::min(kBlock, loads.cols() - first);
+  constexpr Index kLoadsAtATime = 64;
+  for (Index first = 0; first < loads.cols(); first += kLoadsAtATime) {
+    const Index count = std::min(kLoadsAtATime, loads.cols() - first);
     MatrixXd B = MatrixXd::Zero(core_->rows(), count);
     for (Index c = 0; c < count; ++c) {
       for (std::size_t k = 0; k < core_->row.size(); ++k) {

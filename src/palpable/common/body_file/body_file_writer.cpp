@@ -20,8 +20,6 @@ using hdf5::write_text;
 // What rounding of the modes costs, over all samples of all axes together: relative L2.
 double rounding_error(const SeparatedField& field, const Eigen::MatrixXf& rounded) {
   const std::vector<ParameterAxis>& axes = field.axes();
-  Eigen::Index count = 1;
-  for (const ParameterAxis& axis : axes) count *= axis.samples.size();
   // sum over samples of |F w|^2 = sum_ij (F^T F)_ij (W W^T)_ij, and W W^T is a product over axes.
   Eigen::MatrixXd weights = Eigen::MatrixXd::Ones(field.mode_count(), field.mode_count());
   for (const ParameterAxis& axis : axes) {

@@ -82,6 +82,23 @@ std::string depth_table(const ImageScores& images) {
   return text;
 }
 
+// What somebody wants to know first: how far off what was answered is, where it could be judged.
+std::string in_short(const DeformedScores& deformed, const char* body) {
+  const auto& shape = deformed.displacement_error;
+  const auto& force = deformed.force_error;
+  if (!deformed.deformed_frames || !shape) return {};
+  std::string text = fmt::format(
+      "in short: {}against full finite elements, in {} frames, the shape is off by {:.0f} % in "
+      "half of the frames "
+      "({:.0f} % in 9 of 10)",
+      body, *deformed.deformed_frames, 100 * shape->median, 100 * shape->p90);
+  if (force) {
+    text +=
+        fmt::format(", the force by {:.0f} % ({:.0f} %)", 100 * force->median, 100 * force->p90);
+  }
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string text_of(const Scorecard& scores) {
@@ -117,6 +134,10 @@ std::string text_of(const Scorecard& scores) {
   text += spread("body drawn off its place by", scores.surface.placement_error_mm, " mm", 2);
   text += line("jitter of the body in the world", scores.jitter_mm, " mm", 2);
   text += line("rows out of line, at worst", scores.row_error_px, " px", 2);
+  if (scores.bodies.empty()) text += in_short(scores.deformed, "");
+  for (const BodyScores& body : scores.bodies) {
+    text += in_short(body.deformed, (body.name + ", ").c_str());
+  }
   return text;
 }
 

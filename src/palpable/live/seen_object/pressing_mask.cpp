@@ -363,7 +363,7 @@ bool PressingMask::is_amid_surface(const DepthImage& depth, int x, int y) {
 void PressingMask::go_on(const SeenFrame& seen) {
   edge_.clear();
   const int right = box_.x + box_.width, bottom = box_.y + box_.height;
-  constexpr std::array<std::array<int, 2>, 4> kBesides{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+  constexpr std::array<std::array<int, 2>, 4> kNeighbours{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
   for (int y = box_.y + 1; y + 1 < bottom; ++y) {
     const std::uint8_t *row = shows_.row(y), *above = shows_.row(y - 1), *below = shows_.row(y + 1);
     for (int x = box_.x + 1; x + 1 < right; ++x) {
@@ -377,7 +377,7 @@ void PressingMask::go_on(const SeenFrame& seen) {
   for (int step = 0; step < settings_.go_on_px; ++step) {
     next_edge_.clear();
     for (const Place& from : edge_) {
-      for (const auto& [dx, dy] : kBesides) {
+      for (const auto& [dx, dy] : kNeighbours) {
         const int x = from.i + dx, y = from.j + dy;
         if (!box_.contains(x, y) || shows_(x, y) != kShowsRoom) continue;
         if (!seen.confidence.empty() && seen.confidence(x, y) < settings_.least_confidence) {

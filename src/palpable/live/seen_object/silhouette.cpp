@@ -241,13 +241,13 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const Pix
   shows_ = &shows;
   presence_ = presence;
   // The next box may be larger.
-  constexpr std::size_t kBeside = kBefore + kReadBeyond;
-  const std::size_t most = (static_cast<std::size_t>(depth.width()) + kBeside) *
+  constexpr std::size_t kBesideBox = kBefore + kReadBeyond;
+  const std::size_t most = (static_cast<std::size_t>(depth.width()) + kBesideBox) *
                            (static_cast<std::size_t>(depth.height()) + 2);
   for (std::vector<float>* values : {&distance_, &beyond_, &depths_}) values->reserve(most);
   nearest_.reserve(most);
   runs_.reserve(static_cast<std::size_t>(depth.height()));
-  stride_ = static_cast<std::size_t>(box.width) + kBeside;
+  stride_ = static_cast<std::size_t>(box.width) + kBesideBox;
   const std::size_t count = stride_ * (static_cast<std::size_t>(box.height) + 2);
   distance_.assign(count, 0.0f);
   for (std::vector<float>* values : {&beyond_, &depths_}) values->resize(count);

@@ -108,9 +108,9 @@ void StillWatch::begin(const GrayImage& image, const DepthImage& depth) {
 // of the whole picture that do not overlap.
 void StillWatch::fill_up(const Pyramid& pyramid, const GrayImage& image) {
   std::vector<Patch> others;
-  constexpr int kSide = PatchTemplate::kSide;
-  for (int y = kSide; y < image.height() - kSide; y += kSide) {
-    for (int x = kSide; x < image.width() - kSide; x += kSide) {
+  constexpr int kPatchSide = PatchTemplate::kSide;
+  for (int y = kPatchSide; y < image.height() - kPatchSide; y += kPatchSide) {
+    for (int x = kPatchSide; x < image.width() - kPatchSide; x += kPatchSide) {
       const std::optional<Patch> patch = patch_at(pyramid, {x, y});
       if (patch && static_cast<double>(patch->look.contrast) > kNoise) others.push_back(*patch);
     }
@@ -120,7 +120,7 @@ void StillWatch::fill_up(const Pyramid& pyramid, const GrayImage& image) {
   for (const Patch& other : others) {
     if (patches_.size() == kPatches) return;
     const bool apart = std::none_of(patches_.begin(), patches_.end(), [&](const Patch& patch) {
-      return (patch.at - other.at).cwiseAbs().maxCoeff() < kSide;
+      return (patch.at - other.at).cwiseAbs().maxCoeff() < kPatchSide;
     });
     if (apart) patches_.push_back(other);
   }
