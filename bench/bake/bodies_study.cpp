@@ -65,7 +65,7 @@ class Players {
  public:
   virtual ~Players() = default;
   // Contact, and all that is shown of what moved. @return ms of CPU
-  virtual double advance(std::span<const GapQuery> gaps, std::span<const NearQuery> near) = 0;
+  virtual double advance(std::span<const Obstacles* const> seen) = 0;
   [[nodiscard]] virtual const Eigen::Matrix3Xf& skin(std::size_t k) const = 0;
   [[nodiscard]] virtual std::span<const float> von_mises(std::size_t k) const = 0;  // Pa
   [[nodiscard]] virtual bool is_anything_near() const = 0;
@@ -90,9 +90,9 @@ class ModalPlayers : public Players {
     states_.resize(bodies.size());
   }
 
-  double advance(std::span<const GapQuery> gaps, std::span<const NearQuery> near) override {
+  double advance(std::span<const Obstacles* const> seen) override {
     const double begin = thread_cpu_seconds();
-    report_ = contact_->advance(states_, gaps, near);
+    report_ = contact_->advance(states_, seen);
     for (std::size_t k = 0; k < states_.size(); ++k) {
       const int member = static_cast<int>(k);
       skins_[k] = contact_->place(member, states_[k]);
@@ -135,20 +135,14 @@ class TablePlayers : public Players {
     for (const StudiedBody* body : bodies) {
       parts_.push_back(std::make_unique<Part>(*body));
       Part& part = *parts_.back();
-      all.push_back(
-          {&body->body.body.surface, body->scene_from_body, &*body->body.touch, &part.contact,
-           &part.state, nullptr,
-           [&part](const Eigen::Vector3f& place, SurfaceGap& gap) { return part.gaps(place, gap); },
-           [&part](const Eigen::Vector3f& place, float reach) { return part.near(place, reach); }});
+      all.push_back({&body->body.body.surface, body->scene_from_body, &*body->body.touch,
+                     &part.contact, &part.state, nullptr, &part.seen});
     }
     together_ = std::make_unique<PressingBodies>(all);
   }
 
-  double advance(std::span<const GapQuery> gaps, std::span<const NearQuery> near) override {
-    for (std::size_t k = 0; k < parts_.size(); ++k) {
-      parts_[k]->gaps = gaps[k];
-      parts_[k]->near = near[k];
-    }
+  double advance(std::span<const Obstacles* const> seen) override {
+    for (std::size_t k = 0; k < parts_.size(); ++k) parts_[k]->seen.now = seen[k];
     const double begin = thread_cpu_seconds();
     report_ = together_->advance();
     for (const auto& part : parts_) {
@@ -184,6 +178,18 @@ class TablePlayers : public Players {
   }
 
  private:
+  // What presses a body in this frame; null: nothing.
+  struct OfThisFrame : Obstacles {
+    const Obstacles* now = nullptr;
+    void find_gaps(std::span<const Eigen::Vector3f> places,
+                   std::span<SurfaceGap> gaps) const override {
+      std::fill(gaps.begin(), gaps.end(), SurfaceGap());
+      if (now != nullptr) now->find_gaps(places, gaps);
+    }
+    [[nodiscard]] bool may_be_within(const Eigen::Vector3f& place, float reach) const override {
+      return now != nullptr && now->may_be_within(place, reach);
+    }
+  };
   struct Part {
     explicit Part(const StudiedBody& the_body)
         : body(the_body),
@@ -194,8 +200,7 @@ class TablePlayers : public Players {
     const StudiedBody& body;
     SkinContact contact;
     TouchState state;
-    GapQuery gaps;
-    NearQuery near;
+    OfThisFrame seen;
     Eigen::Matrix3Xf skin, normals;
     std::vector<float> stress;
   };
@@ -251,25 +256,22 @@ BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::
   const auto three = players_of({all[pressed], &aside[0], &aside[1]});
 
   BodiesAnswer answer;
-  const GapQuery nothing = [](const Eigen::Vector3f&, SurfaceGap&) { return false; };
-  const NearQuery nowhere = [](const Eigen::Vector3f&, float) { return false; };
   for (int frame = 0; frame < truths.front().hands.frame_count(); ++frame) {
     const auto at = static_cast<std::size_t>(frame);
-    std::vector<std::unique_ptr<ObstacleGaps>> obstacles;
-    std::vector<GapQuery> gaps;
-    std::vector<NearQuery> near;
+    std::vector<std::unique_ptr<ObstacleGaps>> gaps;
+    std::vector<std::unique_ptr<ExactObstacles>> obstacles;
+    std::vector<const Obstacles*> seen;
     for (const Truth& truth : truths) {
       Obstacle hand;
       hand.capsules = truth.hands.capsules[at];
-      obstacles.push_back(std::make_unique<ObstacleGaps>(std::move(hand)));
-      gaps.push_back(gaps_to(*obstacles.back()));
-      near.push_back(near_to(*obstacles.back()));
+      gaps.push_back(std::make_unique<ObstacleGaps>(std::move(hand)));
+      obstacles.push_back(std::make_unique<ExactObstacles>(*gaps.back()));
+      seen.push_back(obstacles.back().get());
     }
-    const double ms = players->advance(gaps, near);
-    const std::vector<GapQuery> of_three{gaps[pressed], nothing, nothing};
-    const std::vector<NearQuery> near_three{near[pressed], nowhere, nowhere};
-    const double ms_alone = alone->advance({&gaps[pressed], 1}, {&near[pressed], 1}),
-                 ms_three = three->advance(of_three, near_three);
+    const double ms = players->advance(seen);
+    const std::vector<const Obstacles*> of_three{seen[pressed], nullptr, nullptr};
+    const double ms_alone = alone->advance({&seen[pressed], 1}),
+                 ms_three = three->advance(of_three);
     if (players->is_anything_near()) {
       answer.milliseconds.push_back(ms);
       answer.milliseconds_alone.push_back(ms_alone);

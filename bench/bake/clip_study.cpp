@@ -72,7 +72,7 @@ Answer to_capsules(const TouchableBody& body, const ClipHands& hands) {
         Obstacle hand;
         hand.capsules = hands.capsules[static_cast<std::size_t>(frame)];
         const ObstacleGaps gaps(hand);
-        return solver->advance(state, gaps_to(gaps));
+        return solver->advance(state, ExactObstacles(gaps));
       },
       [solver](const TouchState& state, std::span<float> von_mises) {
         solver->stress(state, von_mises);

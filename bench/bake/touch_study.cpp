@@ -65,14 +65,14 @@ double largest_slide_jump(const SkinResponse& skin, TouchSolver& touch, std::uin
   const Vector3d along = scene.way.unitOrthogonal();
   TouchState state;
   const ObstacleGaps first(obstacle_at(scene, kDeep));
-  touch.advance(state, gaps_to(first));
+  touch.advance(state, ExactObstacles(first));
   double largest = 0;
   for (int frame = 1; frame <= kFrames; ++frame) {
     Rigid3 slide = Rigid3::Identity();
     slide.translation() = frame * kSlide * along;
     const ObstacleGaps gaps(moved(obstacle_at(scene, kDeep), slide));
     const Matrix3Xf before = state.u;
-    touch.advance(state, gaps_to(gaps));
+    touch.advance(state, ExactObstacles(gaps));
     largest =
         std::max(largest, static_cast<double>((state.u - before).colwise().norm().maxCoeff()));
   }

@@ -114,7 +114,7 @@ struct Truth {
 
   void advance(const std::vector<ObjectBall>& balls, const Vector3f& camera) {
     surface.build(balls, region, camera);
-    contact.solver().advance(state, gaps_to(surface), near_to(surface));
+    contact.solver().advance(state, surface);
     contact.place(state, skin);
   }
 

@@ -10,6 +10,7 @@
 #include "palpable/common/reduced/loaded_body.h"
 #include "tests/fuzz/checked_hdf5.h"
 #include "tests/fuzz/fuzz_reader.h"
+#include "tests/support/ball_gap.h"
 #include "tests/support/bodies.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/some_touch_tables.h"
@@ -50,10 +51,12 @@ void touch(const TouchableBody& read) {
   TouchSolver solver(read.body.surface, read.body.fixed, *read.touch);
   TouchState state;
   for (const float height : {0.099f, 0.097f}) {
-    (void)solver.advance(state, [height](const Eigen::Vector3f& place, SurfaceGap& gap) {
-      gap = {height - place.z(), -Eigen::Vector3f::UnitZ(), Eigen::Matrix3f::Zero(), 0, {}};
-      return gap.distance < kGapReach;
-    });
+    (void)solver.advance(state,
+                         test::GapFunction([height](const Eigen::Vector3f& place, SurfaceGap& gap) {
+                           gap.distance = height - place.z();
+                           gap.normal = -Eigen::Vector3f::UnitZ();
+                           return gap.distance < kGapReach;
+                         }));
   }
 }
 

@@ -3,9 +3,11 @@
 #include "palpable/bake/solid/contact.h"
 #include "palpable/bake/solid/stress.h"
 #include "palpable/common/body_file/touch_file.h"
+#include "palpable/common/contact/capsule_obstacles.h"
 #include "palpable/common/contact/modal_contact.h"
 #include "tests/support/allocations.h"
 #include "tests/support/baked_beam.h"
+#include "tests/support/ball_gap.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -35,19 +37,17 @@ Capsule finger(double x, double depth, double radius = 0.010) {
   return {at - 0.03 * Vector3d::UnitY(), at + 0.03 * Vector3d::UnitY(), radius, radius};
 }
 
-GapQuery gap_to(const Capsule& capsule) {
-  return [field = CapsuleField(capsule)](const Vector3f& at, SurfaceGap& gap) {
-    const Vector3d x = at.cast<double>();
-    gap.distance = static_cast<float>(field.distance(x));
-    gap.normal = field.normal(x).cast<float>();
-    gap.curvature = field.curvature(x).cast<float>();
-    gap.softness = 0;
-    return gap.distance < 0.012f;
-  };
+CapsuleObstacles obstacle(const Capsule& capsule) {
+  CapsuleObstacles obstacles;
+  obstacles.set({&capsule, 1});
+  return obstacles;
 }
 
-GapQuery nothing() {
-  return [](const Vector3f&, SurfaceGap&) { return false; };
+// One frame of a body alone.
+ModalReport advance(ModalContact& contact, std::vector<ModalState>& states,
+                    const Obstacles& obstacles) {
+  const Obstacles* seen = &obstacles;
+  return contact.advance(states, {&seen, 1});
 }
 
 ModalMember beam_at(const Vector3d& place) {
@@ -88,8 +88,7 @@ double slope_of(ModalContact& contact, int member, const ModalState& state, bool
 ModalState pressed(ModalContact& contact, double x, double depth) {
   std::vector<ModalState> states(1);
   for (double now = 0; now < depth + 1e-9; now += 0.002) {
-    const GapQuery gap = gap_to(finger(x, now));
-    (void)contact.advance(states, {&gap, 1}, {});
+    (void)advance(contact, states, obstacle(finger(x, now)));
   }
   return states.front();
 }
@@ -128,13 +127,14 @@ TEST_CASE("a beam under a finger bends as full finite elements say, far and near
 TEST_CASE("two beams press each other as hard, enter nothing, and come back", "[pipeline][modal]") {
   ModalContact contact({beam_at({0, 0, 0}), beam_at({0, 0, 0.06})});  // 10 mm between them
   std::vector<ModalState> states(2);
-  std::vector<GapQuery> gaps{nothing(), nothing()};
+  CapsuleObstacles pressing;
+  std::vector<const Obstacles*> seen{nullptr, &pressing};
   ModalReport report;
   bool lay = false;
   double last = 0;
   for (double depth = 0; depth < 0.0301; depth += 0.002) {
-    gaps[1] = gap_to(finger(0.34, depth));
-    report = contact.advance(states, gaps, {});
+    pressing = obstacle(finger(0.34, depth));
+    report = contact.advance(states, seen);
     const Vector3d on_lower = sum_of(states[0], 1), on_upper = sum_of(states[1], 0);
     CHECK((on_lower + on_upper).norm() <= tolerance(1e-6, "N: floats of what is equal"));
     CHECK(report.imbalance <= tolerance(1e-6, "N, likewise"));
@@ -149,18 +149,18 @@ TEST_CASE("two beams press each other as hard, enter nothing, and come back", "[
   CHECK(last > 0.05);
   // What is held still stays still.
   const Eigen::VectorXd q = states[0].q;
-  for (int n = 0; n < 5; ++n) report = contact.advance(states, gaps, {});
+  for (int n = 0; n < 5; ++n) report = contact.advance(states, seen);
   CHECK((states[0].q - q).norm() <= tolerance(1e-3, "Newton's method had ended") * q.norm());
   CHECK(report.last_change < 2e-5);
   // The same bytes from the same states, and no memory.
   std::vector<ModalState> copy = states, again = states;
-  (void)contact.advance(copy, gaps, {});
-  CHECK(test::allocations_during([&] { (void)contact.advance(again, gaps, {}); }) == 0);
+  (void)contact.advance(copy, seen);
+  CHECK(test::allocations_during([&] { (void)contact.advance(again, seen); }) == 0);
   CHECK(copy[0].q == again[0].q);
   CHECK(copy[1].q == again[1].q);
   // The finger vanishes.
-  gaps[1] = nothing();
-  for (int n = 0; n < 3; ++n) report = contact.advance(states, gaps, {});
+  pressing.set({});
+  for (int n = 0; n < 3; ++n) report = contact.advance(states, seen);
   for (const ModalState& state : states) {
     CHECK(state.forces.empty());
     CHECK(state.q.norm() < 1e-6 * q.norm());
@@ -171,10 +171,11 @@ TEST_CASE("an end that lies on a face is pressed along the face's normal", "[pip
   // The upper one is held farther back.
   ModalContact contact({beam_at({0, 0, 0}), beam_at({-0.08, 0, 0.085})});
   std::vector<ModalState> states(2);
-  std::vector<GapQuery> gaps{nothing(), nothing()};
+  CapsuleObstacles pressing;
+  std::vector<const Obstacles*> seen{nullptr, &pressing};
   for (double depth = 0; depth < 0.0361; depth += 0.003) {
-    gaps[1] = gap_to(finger(0.34, depth));
-    (void)contact.advance(states, gaps, {});
+    pressing = obstacle(finger(0.34, depth));
+    (void)contact.advance(states, seen);
   }
   const Vector3d on_lower = sum_of(states[0], 1);
   REQUIRE(on_lower.z() < -0.05);
@@ -190,16 +191,16 @@ TEST_CASE("what is no number presses nothing, and a finger that is there at once
   ModalContact contact({beam_at(Vector3d::Zero())});
   std::vector<ModalState> states(1);
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const GapQuery bad = [nan](const Vector3f&, SurfaceGap& gap) {
+  const test::GapFunction bad = [nan](const Vector3f&, SurfaceGap& gap) {
     gap.distance = nan;
     gap.normal.setConstant(nan);
     return true;
   };
-  (void)contact.advance(states, {&bad, 1}, {});
+  (void)advance(contact, states, bad);
   CHECK(states[0].forces.empty());
-  const GapQuery deep = gap_to(finger(0.36, 0.009));
+  const CapsuleObstacles deep = obstacle(finger(0.36, 0.009));
   ModalReport report;
-  for (int n = 0; n < 3; ++n) report = contact.advance(states, {&deep, 1}, {});
+  for (int n = 0; n < 3; ++n) report = advance(contact, states, deep);
   CHECK(states[0].q.allFinite());
   CHECK(report.penetration < 1e-3);
   CHECK(sum_of(states[0], -1).z() < 0);
@@ -231,14 +232,17 @@ TEST_CASE("what is asked first whether anything is near changes no byte of the a
   std::vector<ModalState> asked(1), all(1);
   int questions = 0;
   for (double depth = -0.002; depth < 0.0141; depth += 0.002) {
-    const GapQuery gap = gap_to(finger(0.30, depth));
-    const NearQuery near = [&questions, field = CapsuleField(finger(0.30, depth))](
-                               const Vector3f& at, float reach) {
-      ++questions;
-      return field.distance(at.cast<double>()) < static_cast<double>(reach);
+    const CapsuleObstacles capsule = obstacle(finger(0.30, depth));
+    const auto tell = [&](const Vector3f& at, SurfaceGap& gap) {
+      gap = gap_at(capsule, at);
+      return std::isfinite(gap.distance);
     };
-    const ModalReport with = contact.advance(asked, {&gap, 1}, {&near, 1}),
-                      without = contact.advance(all, {&gap, 1}, {});
+    const test::GapFunction told(tell, [&](const Vector3f& at, float reach) {
+      ++questions;
+      return capsule.may_be_within(at, reach);
+    });
+    const test::GapFunction always(tell, [](const Vector3f&, float) { return true; });
+    const ModalReport with = advance(contact, asked, told), without = advance(contact, all, always);
     CHECK(with.candidates == without.candidates);
     CHECK(asked[0].q == all[0].q);
   }
@@ -256,11 +260,12 @@ TEST_CASE("beams of one make share what they read, and are answered as any two a
   REQUIRE_FALSE(are_twins(lower, stranger));
   ModalContact alike({lower, twin}), unlike({lower, stranger});
   std::vector<ModalState> states(2), others(2);
-  std::vector<GapQuery> gaps{nothing(), nothing()};
+  CapsuleObstacles pressing;
+  std::vector<const Obstacles*> seen{nullptr, &pressing};
   for (double depth = 0; depth < 0.0201; depth += 0.002) {
-    gaps[1] = gap_to(finger(0.34, depth));
-    (void)alike.advance(states, gaps, {});
-    (void)unlike.advance(others, gaps, {});
+    pressing = obstacle(finger(0.34, depth));
+    (void)alike.advance(states, seen);
+    (void)unlike.advance(others, seen);
   }
   REQUIRE(sum_of(states[0], 1).norm() > 0.01);
   std::vector<float> mises(static_cast<std::size_t>(another.surface.vertex_count())), other(mises);
@@ -311,8 +316,7 @@ TEST_CASE("a beam ten times as large gives way likewise", "[pipeline][modal]") {
     c.b *= 10;
     c.ra *= 10;
     c.rb *= 10;
-    const GapQuery gap = gap_to(c);
-    (void)big.advance(states, {&gap, 1}, {});
+    (void)advance(big, states, obstacle(c));
   }
   const double f = sum_of(state, -1).norm(), F = sum_of(states[0], -1).norm();
   CHECK(std::abs(F / (100 * f) - 1) <=

@@ -88,40 +88,40 @@ Eigen::VectorXd true_von_mises(const SkinResponse& skin, const Matrix3Xd& displa
   return nodal(std::span(skin.shell_nodes()).first(static_cast<std::size_t>(skin.vertex_count())));
 }
 
-GapQuery gaps_to(const ObstacleGaps& gaps) {
-  return [&gaps, boxes = boxes_of(gaps)](const Eigen::Vector3f& place, SurfaceGap& gap) {
-    const Vector3d x = place.cast<double>();
+ExactObstacles::ExactObstacles(const ObstacleGaps& gaps)
+    : gaps_(&gaps), boxes_(boxes_of(gaps)), is_boxed_(gaps.part_count() == std::ssize(boxes_)) {
+  for (const Eigen::AlignedBox3f& box : boxes_) all_.extend(box);
+}
+
+void ExactObstacles::find_gaps(std::span<const Eigen::Vector3f> places,
+                               std::span<SurfaceGap> gaps) const {
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const Vector3d x = places[k].cast<double>();
     double nearest = static_cast<double>(kGapReach);
     int part = -1;
-    for (int p = 0; p < gaps.part_count(); ++p) {
-      if (is_farther(boxes, p, place, static_cast<float>(nearest))) continue;
-      const double distance = gaps.distance(p, x);
+    for (int p = 0; p < gaps_->part_count(); ++p) {
+      if (is_farther(boxes_, p, places[k], static_cast<float>(nearest))) continue;
+      const double distance = gaps_->distance(p, x);
       if (distance >= nearest) continue;
       nearest = distance;
       part = p;
     }
-    if (part < 0) return false;
-    const Gap found = gaps.gap(part, x);
-    gap.distance = static_cast<float>(found.distance);
-    gap.normal = found.normal.cast<float>();
-    gap.curvature = found.curvature.cast<float>();
-    return true;
-  };
+    gaps[k] = {};
+    if (part < 0) continue;
+    const Gap found = gaps_->gap(part, x);
+    gaps[k].distance = static_cast<float>(found.distance);
+    gaps[k].normal = found.normal.cast<float>();
+    gaps[k].curvature = found.curvature.cast<float>();
+  }
 }
 
-NearQuery near_to(const ObstacleGaps& gaps) {
-  const std::vector<Eigen::AlignedBox3f> boxes = boxes_of(gaps);
-  Eigen::AlignedBox3f all;
-  for (const Eigen::AlignedBox3f& box : boxes) all.extend(box);
-  const bool is_known = gaps.part_count() == std::ssize(boxes);
-  return [&gaps, boxes, all, is_known](const Eigen::Vector3f& place, float reach) {
-    if (is_known && !(all.squaredExteriorDistance(place) < reach * reach)) return false;
-    for (int p = 0; p < gaps.part_count(); ++p) {
-      if (is_farther(boxes, p, place, reach)) continue;
-      if (gaps.distance(p, place.cast<double>()) < static_cast<double>(reach)) return true;
-    }
-    return false;
-  };
+bool ExactObstacles::may_be_within(const Eigen::Vector3f& place, float reach) const {
+  if (is_boxed_ && !(all_.squaredExteriorDistance(place) < reach * reach)) return false;
+  for (int p = 0; p < gaps_->part_count(); ++p) {
+    if (is_farther(boxes_, p, place, reach)) continue;
+    if (gaps_->distance(p, place.cast<double>()) < static_cast<double>(reach)) return true;
+  }
+  return false;
 }
 
 std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
@@ -145,7 +145,7 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
       if (!walk.advance(depth)) return walk.why_stopped();
       const ObstacleGaps gaps(obstacle_at(scene, depth));
       const auto begin = std::chrono::steady_clock::now();
-      report = touch.advance(state, gaps_to(gaps));
+      report = touch.advance(state, ExactObstacles(gaps));
       took = milliseconds_since(begin);
     }
     const auto tell = [&](const TouchState& now, int refined) {
@@ -165,7 +165,7 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
         const auto exact = exact_answer(solver, skin, preloaded, asked.forces);
         if (exact) (void)touch.refine(rests, asked, *exact);
       }
-      do report = touch.advance(rests, gaps_to(gaps));
+      do report = touch.advance(rests, ExactObstacles(gaps));
       while (rests.refinement.blended < 1);
       tell(rests, k);
     }

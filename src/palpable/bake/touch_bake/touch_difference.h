@@ -6,14 +6,17 @@
 #include "palpable/bake/solid/contact.h"
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/bake/touch_bake/touch_scenes.h"
+#include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/response/held_out_touch.h"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -38,9 +41,22 @@ struct TouchDifference {
 [[nodiscard]] Eigen::VectorXd true_von_mises(const SkinResponse& skin,
                                              const Eigen::Matrix3Xd& displacement);
 
-/// The gaps to an obstacle, as a query of touch, and whether it is near. @param gaps  outlives them
-[[nodiscard]] GapQuery gaps_to(const ObstacleGaps& gaps);
-[[nodiscard]] NearQuery near_to(const ObstacleGaps& gaps);
+/// What the full solver is pressed by, as obstacles of the contact solver.
+class ExactObstacles : public Obstacles {
+ public:
+  /// @param gaps  outlives this
+  explicit ExactObstacles(const ObstacleGaps& gaps);
+
+  void find_gaps(std::span<const Eigen::Vector3f> places,
+                 std::span<SurfaceGap> gaps) const override;
+  [[nodiscard]] bool may_be_within(const Eigen::Vector3f& place, float reach) const override;
+
+ private:
+  const ObstacleGaps* gaps_;
+  std::vector<Eigen::AlignedBox3f> boxes_;  // of its parts
+  bool is_boxed_;                           // each part has one
+  Eigen::AlignedBox3f all_;
+};
 
 /// Presses a scene in frames of at most 1.25 mm, by the full solver and by the tables, and compares
 /// the two at the depths.

@@ -29,7 +29,7 @@ SolidModel block() {
 }
 
 // A ball of 12 mm that enters the block from above.
-GapQuery ball(float depth) {
+test::GapFunction ball(float depth) {
   constexpr float kRadius = 0.012f;
   return test::gap_to_ball({0.022f, 0.024f, 0.04f + kRadius - depth}, kRadius);
 }

@@ -293,7 +293,7 @@ bool ContactProblem::add_turning(std::span<const ContactCandidate> candidates,
 
 // What other bodies give way by, on the way from where they would be without these forces.
 void ContactProblem::add_yielding(std::span<const ContactCandidate> candidates,
-                                  const YieldQuery& yields) {
+                                  const Obstacles& obstacles) {
   const std::size_t m = candidates.size();
   yielding_.clear();
   of_yielding_.clear();
@@ -306,7 +306,7 @@ void ContactProblem::add_yielding(std::span<const ContactCandidate> candidates,
   if (y == 0) return;
   const std::span<double> more(yield_.data(), y * y);
   std::fill(more.begin(), more.end(), 0.0);
-  yields(yielding_, more);
+  obstacles.add_compliance(yielding_, more);
   for (std::size_t i = 0; i < y; ++i) {
     double* row = W_.data() + of_yielding_[i] * m;
     for (std::size_t j = 0; j <= i; ++j) row[of_yielding_[j]] += more[i * y + j];
@@ -344,7 +344,7 @@ bool ContactProblem::solve(std::span<ContactCandidate> candidates, std::span<con
   for (std::size_t p = given; p < m; ++p) {
     W[p * m + p] += (step.softness + static_cast<double>(candidates[p].softness)) * mean;
   }
-  if (step.yields != nullptr) add_yielding(candidates, *step.yields);
+  if (step.obstacles != nullptr) add_yielding(candidates, *step.obstacles);
   for (std::size_t p = 0; p < m; ++p) f[p] = candidates[p].pressing;
   if (given > 0) take_out_given(candidates, given);
   if (!complementarity_.solve(W.first(n * n), q.subspan(given), f.subspan(given))) return false;

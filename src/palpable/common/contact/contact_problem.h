@@ -8,7 +8,7 @@
 ///
 /// The displacement changes by J dF with J = G + U H U^T, and the gap by its component along the
 /// normal. Another body that presses gives way by its own compliance, which is added to W
-/// (other_bodies.h). Where a point slides along a round object, by t = T du, its normal turns by D
+/// (obstacles.h). Where a point slides along a round object, by t = T du, its normal turns by D
 /// t with D = force times curvature, in the two tangential directions T. Put into the balance this
 /// gives
 ///
@@ -16,7 +16,7 @@
 #pragma once
 
 #include "palpable/common/contact/complementarity.h"
-#include "palpable/common/contact/other_bodies.h"
+#include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/surface_gap.h"
 #include "palpable/common/response/nonlinear_answer.h"
 
@@ -50,7 +50,7 @@ struct ContactStep {
   double softness = 0;    ///< see TouchSettings
   bool turning = true;    ///< false: normals stay as they are
   std::size_t given = 0;  ///< so many candidates, the first, have forces that are no unknowns
-  const YieldQuery* yields = nullptr;  ///< how other bodies give way; null: they do not
+  const Obstacles* obstacles = nullptr;  ///< what presses: its compliance is added; null: none
 };
 
 /// Holds the memory of its solves, which allocate nothing.
@@ -87,7 +87,7 @@ class ContactProblem {
   void find_turning(std::span<const ContactCandidate> candidates);
   bool add_turning(std::span<const ContactCandidate> candidates, std::span<const float> field);
   void bound_turning(std::size_t t);
-  void add_yielding(std::span<const ContactCandidate> candidates, const YieldQuery& yields);
+  void add_yielding(std::span<const ContactCandidate> candidates, const Obstacles& obstacles);
   void take_out_given(std::span<const ContactCandidate> candidates, std::size_t given);
 
   const Eigen::MatrixXf& G_;

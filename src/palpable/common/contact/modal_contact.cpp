@@ -24,8 +24,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::VectorXd;
 
-// m: of what is farther nobody need tell, neither a surface that was seen nor kGapReach.
-constexpr float kTold = 0.010f;
 // Of a disc of radius a that is pressed evenly by f, the mean: w = 0.54 f (1 - nu^2) / (E a).
 constexpr double kDisc = 0.54;
 // m: deeper inside another body nothing gets in a frame.
@@ -108,6 +106,9 @@ struct ModalContact::Work {
   std::vector<KnownForce> known;       // forces, to begin with
   std::vector<std::size_t> near_ones;  // those of the candidates that take part in an iteration
   std::vector<std::size_t> pressed;    // and of these those that may press
+  std::vector<std::size_t> to_ask;     // of one member: candidates whose gaps are asked again,
+  std::vector<Vector3f> asked;         // their places,
+  std::vector<SurfaceGap> told;        // and gaps
   Complementarity complementarity{static_cast<int>(kMostPoints)};
   // Of each candidate, of its member and of the other one:
   Eigen::MatrixXf own_rows, others_rows;  // (n x 3C) how modes move its point
@@ -124,15 +125,16 @@ struct ModalContact::Work {
   }
   ModalBody& showing(int member, const ModalState& state);
   void begin(std::span<ModalState> states);
-  void find(std::span<const GapQuery> gaps, std::span<const NearQuery> near, double shift,
-            ModalReport& report);
-  void find_seen(int k, const GapQuery& gaps, const NearQuery& near, double shift);
+  void find(std::span<const Obstacles* const> seen, double shift, ModalReport& report);
+  void find_seen(int k, const Obstacles& seen, double shift);
   void find_between(int k, int other);
   Vector3f normal_between(Body& b, const Body& o, const Candidate& c, const NearestOnSkin& found,
                           const Eigen::Isometry3f& to_other) const;
   void keep_most(ModalReport& report);
-  void look_again(std::span<const GapQuery> gaps, double shift);
-  bool measure_seen(Candidate& c, const GapQuery& gaps, double shift) const;
+  void look_again(std::span<const Obstacles* const> seen, double shift);
+  bool look_beside(std::size_t p, double shift);
+  void ask_again(const Obstacles& seen, double shift);
+  [[nodiscard]] static bool take_seen(Candidate& c, const SurfaceGap& seen, double shift);
   [[nodiscard]] static bool is_gap_told(const Candidate& c, double shift);
   void wake();
   bool factorise_all();
@@ -168,6 +170,9 @@ ModalContact::Work::Work(const std::vector<ModalMember>& members, const ModalSet
   candidates.reserve(all);  // those between members are few: far fewer than lie near nothing
   near_ones.reserve(kMostPoints);
   pressed.reserve(kMostPoints);
+  to_ask.reserve(kMostPoints);
+  asked.reserve(kMostPoints);
+  told.reserve(kMostPoints);
   known.reserve(2 * kMostPoints);
   own_rows.setZero(most_modes, 3 * m);
   others_rows.setZero(most_modes, 3 * m);
@@ -217,35 +222,27 @@ void ModalContact::Work::begin(std::span<ModalState> states) {
 }
 
 // Points of a member that are near what is seen, those that an object as sharp needs.
-void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery& near,
-                                   double shift) {
-  if (!gaps) return;
+void ModalContact::Work::find_seen(int k, const Obstacles& seen, double shift) {
   Body& b = *bodies[static_cast<std::size_t>(k)];
   const Matrix3Xf& skin = b.skin();
   // m of gap: of more candidates than there is room for those are kept that take part at once.
   double wanted = settings.band;
-  SurfaceGap seen;
   for (const HeapBlock& block : b.blocks()) {
     if (candidates.size() > kMostPoints) wanted = kTakesPartOfBand * settings.band;
     const auto band = static_cast<float>(wanted - shift);
     const float around = 0.5f * block.middles.diagonal().norm() + kHeapStretch * block.radius;
-    if (near && !near(block.middles.center(), band + around)) continue;
+    if (!seen.may_be_within(block.middles.center(), band + around)) continue;
     for (int h = block.first; h < block.last; ++h) {
       const SkinCluster& heap = b.heaps()[static_cast<std::size_t>(h)];
       const Vector3f middle = skin.col(heap.vertex);
-      const float reach = band + kHeapStretch * heap.radius;
-      if (near) {
-        if (!near(middle, reach)) continue;
-      } else if (reach <= kTold && (!gaps(middle, seen) || !(seen.distance <= reach))) {
-        continue;  // where it is not told, each of its points is asked
-      }
+      if (!seen.may_be_within(middle, band + kHeapStretch * heap.radius)) continue;
       for (int i = heap.first; i < heap.last; ++i) {
         Candidate c;
         c.member = k;
         c.point = b.order()[static_cast<std::size_t>(i)];
         c.place = b.points()[static_cast<std::size_t>(c.point)].at(skin);
-        if (near && !near(c.place, band)) continue;
-        if (!measure_seen(c, gaps, shift) || c.gap > wanted) continue;
+        if (!seen.may_be_within(c.place, band)) continue;
+        if (!take_seen(c, gap_at(seen, c.place), shift) || c.gap > wanted) continue;
         const float level = b.levels()[static_cast<std::size_t>(c.point)];
         if (is_point_needed(level, largest_curvature(c.curvature),
                             static_cast<float>(settings.entry), b.coarsest(), b.finest())) {
@@ -315,13 +312,9 @@ bool ModalContact::Work::is_gap_told(const Candidate& c, double shift) {
          c.seen_gap + shift - static_cast<double>(moved) > static_cast<double>(kSameModalGap);
 }
 
-// What is seen from where the point is. False: nothing, or no number.
-bool ModalContact::Work::measure_seen(Candidate& c, const GapQuery& gaps, double shift) const {
-  SurfaceGap seen;
-  if (!gaps(c.place, seen) || !seen.normal.allFinite() || !seen.curvature.allFinite() ||
-      !std::isfinite(seen.distance)) {
-    return false;
-  }
+// What was told of where the point is. False: nothing, or no number.
+bool ModalContact::Work::take_seen(Candidate& c, const SurfaceGap& seen, double shift) {
+  if (!seen.is_told()) return false;
   c.seen_from = c.place;
   c.seen_gap = static_cast<double>(seen.distance);
   c.seen_normal = seen.normal;
@@ -332,8 +325,8 @@ bool ModalContact::Work::measure_seen(Candidate& c, const GapQuery& gaps, double
   return true;
 }
 
-void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const NearQuery> near,
-                              double shift, ModalReport& report) {
+void ModalContact::Work::find(std::span<const Obstacles* const> seen, double shift,
+                              ModalReport& report) {
   if (!candidates.empty()) {
     known.clear();
     for (const Candidate& c : candidates) {
@@ -342,11 +335,10 @@ void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const Ne
     std::sort(known.begin(), known.end());
     candidates.clear();
   }
-  static const NearQuery anywhere;
   const int count = static_cast<int>(bodies.size());
   for (int k = 0; k < count; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    if (at < gaps.size()) find_seen(k, gaps[at], at < near.size() ? near[at] : anywhere, shift);
+    if (seen[at] != nullptr) find_seen(k, *seen[at], shift);
   }
   for (const Candidate& c : candidates) bodies[static_cast<std::size_t>(c.member)]->active = true;
   for (int k = 0; k < count; ++k) {
@@ -410,26 +402,49 @@ void ModalContact::Work::keep_most(ModalReport& report) {
 // Gaps in the present shape. Of another member the plane that was nearest when the point was found
 // is asked again: it moves with its triangle, and what bodies slide in between bends it by
 // micrometres.
-void ModalContact::Work::look_again(std::span<const GapQuery> gaps, double shift) {
-  for (std::size_t p = 0; p < candidates.size(); ++p) {
-    Candidate& c = candidates[p];
-    const Body& b = *bodies[static_cast<std::size_t>(c.member)];
-    const auto P = static_cast<Index>(p);
-    c.place = b.place(b.rest_place(c.point), own_rows.block(0, 3 * P, b.modes(), 3));
-    if (c.by >= 0) {
-      const Body& o = *bodies[static_cast<std::size_t>(c.by)];
-      const Vector3f foot = o.place(c.foot, others_rows.block(0, 3 * P, o.modes(), 3));
-      c.gap =
-          c.offset + (from_to(c.member, c.by) * c.place - foot).cast<double>().dot(c.other_normal);
-    } else if (is_gap_told(c, shift)) {
-      const GapBeside beside = gap_beside(c.seen_normal, c.curvature, c.place - c.seen_from);
-      c.gap = c.seen_gap + shift + static_cast<double>(beside.farther);
-      c.normal = beside.normal.cast<double>();
-    } else if (!measure_seen(c, gaps[static_cast<std::size_t>(c.member)], shift)) {
-      c.gap = 1;  // m: far
-      c.force = 0;
-      c.seen_from.setConstant(std::numeric_limits<float>::infinity());
+void ModalContact::Work::look_again(std::span<const Obstacles* const> seen, double shift) {
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    to_ask.clear();
+    for (std::size_t p = 0; p < candidates.size(); ++p) {
+      if (candidates[p].member == static_cast<int>(k) && !look_beside(p, shift))
+        to_ask.push_back(p);
     }
+    if (!to_ask.empty()) ask_again(*seen[k], shift);
+  }
+}
+
+// The gap of a point that the obstacles need not be asked for. False: they have to be.
+bool ModalContact::Work::look_beside(std::size_t p, double shift) {
+  Candidate& c = candidates[p];
+  const Body& b = *bodies[static_cast<std::size_t>(c.member)];
+  const auto P = static_cast<Index>(p);
+  c.place = b.place(b.rest_place(c.point), own_rows.block(0, 3 * P, b.modes(), 3));
+  if (c.by >= 0) {
+    const Body& o = *bodies[static_cast<std::size_t>(c.by)];
+    const Vector3f foot = o.place(c.foot, others_rows.block(0, 3 * P, o.modes(), 3));
+    c.gap =
+        c.offset + (from_to(c.member, c.by) * c.place - foot).cast<double>().dot(c.other_normal);
+    return true;
+  }
+  if (!is_gap_told(c, shift)) return false;
+  const GapBeside beside = gap_beside(c.seen_normal, c.curvature, c.place - c.seen_from);
+  c.gap = c.seen_gap + shift + static_cast<double>(beside.farther);
+  c.normal = beside.normal.cast<double>();
+  return true;
+}
+
+// The gaps of `to_ask`, in one call.
+void ModalContact::Work::ask_again(const Obstacles& seen, double shift) {
+  asked.clear();
+  for (const std::size_t p : to_ask) asked.push_back(candidates[p].place);
+  told.resize(asked.size());
+  seen.find_gaps(asked, told);
+  for (std::size_t i = 0; i < to_ask.size(); ++i) {
+    Candidate& c = candidates[to_ask[i]];
+    if (take_seen(c, told[i], shift)) continue;
+    c.gap = 1;  // m: far
+    c.force = 0;
+    c.seen_from.setConstant(std::numeric_limits<float>::infinity());
   }
 }
 
@@ -666,14 +681,15 @@ ModalContact::ModalContact(ModalContact&&) noexcept = default;
 
 int ModalContact::member_count() const { return static_cast<int>(work_->bodies.size()); }
 
-ModalReport ModalContact::advance(std::span<ModalState> states, std::span<const GapQuery> gaps,
-                                  std::span<const NearQuery> near) {
+ModalReport ModalContact::advance(std::span<ModalState> states,
+                                  std::span<const Obstacles* const> seen) {
   Work& w = *work_;
   const ModalSettings& s = w.settings;
-  PALPABLE_EXPECT(states.size() == w.bodies.size(), "a state of each member");
+  PALPABLE_EXPECT(states.size() == w.bodies.size() && seen.size() == states.size(),
+                  "a state of each member, and what presses it");
   ModalReport report;
   w.begin(states);
-  w.find(gaps, near, 0, report);
+  w.find(seen, 0, report);
   bool any = !w.candidates.empty();
   for (const auto& body : w.bodies) any |= body->active;
   if (!any) {
@@ -693,17 +709,17 @@ ModalReport ModalContact::advance(std::span<ModalState> states, std::span<const 
     double since = steps == 1 ? 0 : std::numeric_limits<double>::infinity();
     for (int i = 0; i < (last ? s.last_iterations : s.iterations); ++i) {
       if (since > 0.5 * s.band) {
-        w.find(gaps, near, shift, report);
+        w.find(seen, shift, report);
         since = 0;
       } else if (i > 0) {
-        w.look_again(gaps, shift);
+        w.look_again(seen, shift);
       }
       report.last_change = w.iterate(report);
       since += report.last_change;
       if (report.last_change < s.tolerance) break;
     }
   }
-  w.look_again(gaps, 0);
+  w.look_again(seen, 0);
   w.keep(states, report);
   return report;
 }

@@ -18,6 +18,7 @@
 #pragma once
 
 #include "palpable/common/contact/modal_body.h"
+#include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/geometry/skin_points.h"
 
@@ -78,11 +79,8 @@ class ModalContact {
 
   /// The states in which nothing enters a body. Pure: the same states and gaps give the same bytes.
   /// @param states  one of each member
-  /// @param gaps    to what is seen, in each member's frame; empty functions: nothing is there
-  /// @param near    agree with `gaps`, and tell for any reach, also beyond kGapReach; empty: `gaps`
-  ///                are asked everywhere
-  ModalReport advance(std::span<ModalState> states, std::span<const GapQuery> gaps,
-                      std::span<const NearQuery> near);
+  /// @param seen    what presses each member, other members apart, in its frame; null: nothing
+  ModalReport advance(std::span<ModalState> states, std::span<const Obstacles* const> seen);
 
   /// (3 x V) m: where a member's skin is. Holds until another member function is called.
   [[nodiscard]] const Eigen::Matrix3Xf& place(int member, const ModalState& state);

@@ -38,31 +38,46 @@ NearPoints::NearPoints(const TouchSkin& skin, double entry)
     : skin_(skin),
       entry_(static_cast<float>(entry)),
       heaps_(skin.rest(), skin.points(), skin.places(), skin.levels(), kClusterRadius),
-      found_(skin.points().size()) {}
+      found_(skin.points().size()) {
+  asked_.reserve(found_.size());
+  told_.reserve(found_.size());
+  of_asked_.reserve(found_.size());
+}
 
-bool NearPoints::gap_at(int point, const Vector3f& x, const GapQuery& gap, float far,
-                        SurfaceGap& answer) {
-  Found& last = found_[static_cast<std::size_t>(point)];
-  const float moved = (x - last.place).norm();
-  const bool is_same_place = last.frame == frame_ && moved < kSameGap;
-  // A distance falls by no more than its place has moved.
-  const bool stays_far =
-      last.frame == frame_ && last.near && last.gap.distance - moved > far && !is_same_place;
-  if (!is_same_place && !stays_far) {
-    last.frame = frame_;
-    last.place = x;
-    last.near = gap(x, last.gap) && std::isfinite(last.gap.distance) &&
-                last.gap.normal.allFinite() && last.gap.curvature.allFinite();
+void NearPoints::find_gaps(std::span<const int> points, std::span<const Vector3f> places,
+                           const Obstacles& obstacles, float far, std::span<SurfaceGap> answers) {
+  asked_.clear();
+  of_asked_.clear();
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Found& last = found_[static_cast<std::size_t>(points[k])];
+    const float moved = (places[k] - last.place).norm();
+    // A distance falls by no more than its place has moved; an infinite one tells nothing of it.
+    const bool stays_far = std::isfinite(last.gap.distance) && last.gap.distance - moved > far;
+    if (last.frame == frame_ && (moved < kSameGap || stays_far)) continue;
+    asked_.push_back(places[k]);
+    of_asked_.push_back(points[k]);
   }
-  if (!last.near) return false;
-  const Vector3f way = x - last.place;
-  const GapBeside beside = gap_beside(last.gap.normal, last.gap.curvature, way);
-  answer = last.gap;
-  answer.distance += beside.farther;
-  // Over a long way the curvature of a hollow would tell of a surface that is not there.
-  if (stays_far) answer.distance = std::max(answer.distance, last.gap.distance - moved);
-  answer.normal = beside.normal;
-  return true;
+  told_.resize(asked_.size());
+  if (!asked_.empty()) obstacles.find_gaps(asked_, told_);
+  for (std::size_t k = 0; k < asked_.size(); ++k) {
+    Found& found = found_[static_cast<std::size_t>(of_asked_[k])];
+    found.frame = frame_;
+    found.place = asked_[k];
+    found.gap = told_[k].is_told() ? told_[k] : SurfaceGap();
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Found& last = found_[static_cast<std::size_t>(points[k])];
+    SurfaceGap& answer = answers[k];
+    answer = last.gap;
+    if (!std::isfinite(last.gap.distance)) continue;
+    const Vector3f way = places[k] - last.place;
+    const GapBeside beside = gap_beside(last.gap.normal, last.gap.curvature, way);
+    answer.distance += beside.farther;
+    answer.normal = beside.normal;
+    // Over a long way the curvature of a hollow would tell of a surface that is not there.
+    const float moved = way.norm();
+    if (moved >= kSameGap) answer.distance = std::max(answer.distance, last.gap.distance - moved);
+  }
 }
 
 float NearPoints::bend_of(const SurfaceGap& seen) const {
@@ -78,19 +93,17 @@ bool NearPoints::is_needed(int point, float bend) const {
 
 // Whether all points of a heap are farther than `band`, for sure.
 bool NearPoints::is_far(const SkinCluster& heap, const Matrix3Xf& u, float band,
-                        const GapQuery& gap, const NearQuery& near) const {
+                        const Obstacles& obstacles) const {
   const Vector3f middle = skin_.rest().col(heap.vertex) + u.col(heap.vertex);
-  const float reach = band + kStretch * heap.radius;
-  if (near) return !near(middle, reach);
-  SurfaceGap seen;
-  return !gap(middle, seen) || !(seen.distance <= reach);
+  return !obstacles.may_be_within(middle, band + kStretch * heap.radius);
 }
 
-bool NearPoints::is_near(int point, const Matrix3Xf& u, float band, const GapQuery& gap,
-                         const NearQuery& near, SurfaceGap& seen) {
+bool NearPoints::is_near(int point, const Matrix3Xf& u, float band, const Obstacles& obstacles,
+                         SurfaceGap& seen) {
   const Vector3f x = skin_.places().col(point) + skin_.moved(static_cast<std::size_t>(point), u);
-  if (near && !near(x, band)) return false;
-  return gap_at(point, x, gap, band, seen) && seen.distance <= band;
+  if (!obstacles.may_be_within(x, band)) return false;
+  find_gaps({&point, 1}, {&x, 1}, obstacles, band, {&seen, 1});
+  return seen.distance <= band;
 }
 
 }  // namespace palpable

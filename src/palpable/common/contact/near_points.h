@@ -11,6 +11,7 @@
 ///   W  columns of a displacement, the vertices first     C  contact points
 #pragma once
 
+#include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/skin_clusters.h"
 #include "palpable/common/contact/surface_gap.h"
 #include "palpable/common/contact/touch_skin.h"
@@ -20,6 +21,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace palpable {
@@ -44,24 +46,27 @@ class NearPoints {
   /// What was told of gaps before is forgotten: the object is another one.
   void start() { ++frame_; }
 
-  /// What is nearest to a point that is at x now; false where nothing is, or what is no number.
-  /// @param far  m: where it is farther for sure, that it is so may be all that is told
-  bool gap_at(int point, const Eigen::Vector3f& x, const GapQuery& gap, float far,
-              SurfaceGap& answer);
+  /// The gaps of points, the obstacles being asked once for all of them.
+  /// @param points   of which
+  /// @param places   m, where each is now
+  /// @param far      m: where a point is farther for sure, that it is so may be all that is told
+  /// @param answers  as many, overwritten; of infinite distance where nothing is, or no number
+  void find_gaps(std::span<const int> points, std::span<const Eigen::Vector3f> places,
+                 const Obstacles& obstacles, float far, std::span<SurfaceGap> answers);
 
   /// Tells found(point, gap) the points that are nearer to the object than `band`, of those that an
   /// object as sharp needs. @param u  (3 x W) m, as TouchSkin::face_as() knows it
   template <class Found>
-  void for_each(const Eigen::Matrix3Xf& u, float band, const GapQuery& gap, const NearQuery& near,
+  void for_each(const Eigen::Matrix3Xf& u, float band, const Obstacles& obstacles,
                 const Found& found) {
     for (const SkinCluster& heap : heaps_.clusters()) {
-      if (is_far(heap, u, band, gap, near)) continue;
+      if (is_far(heap, u, band, obstacles)) continue;
       float sharpest = kUnseen;
       for (int k = heap.first; k < heap.last; ++k) {
         const int point = heaps_.order()[static_cast<std::size_t>(k)];
         if (sharpest != kUnseen && !is_needed(point, kSharper * sharpest)) break;
         SurfaceGap seen;
-        if (!is_near(point, u, band, gap, near, seen)) continue;
+        if (!is_near(point, u, band, obstacles, seen)) continue;
         const float bend = bend_of(seen);
         sharpest = std::max(sharpest, bend);
         if (is_needed(point, bend)) found(point, seen);
@@ -75,24 +80,26 @@ class NearPoints {
   // As a gap was found in this frame.
   struct Found {
     int frame = -1;
-    bool near = false;
     Eigen::Vector3f place = Eigen::Vector3f::Zero();
-    SurfaceGap gap;
+    SurfaceGap gap;  // infinite: nothing
   };
   // 1/m: of another body's skin one for all places, so that points do not come and go as they
   // slide over its triangles.
   [[nodiscard]] float bend_of(const SurfaceGap& seen) const;
   [[nodiscard]] bool is_needed(int point, float bend) const;
   [[nodiscard]] bool is_far(const SkinCluster& heap, const Eigen::Matrix3Xf& u, float band,
-                            const GapQuery& gap, const NearQuery& near) const;
-  bool is_near(int point, const Eigen::Matrix3Xf& u, float band, const GapQuery& gap,
-               const NearQuery& near, SurfaceGap& seen);
+                            const Obstacles& obstacles) const;
+  bool is_near(int point, const Eigen::Matrix3Xf& u, float band, const Obstacles& obstacles,
+               SurfaceGap& seen);
 
   const TouchSkin& skin_;
   float entry_;
   SkinClusters heaps_;
   std::vector<Found> found_;  // (C)
   int frame_ = 0;
+  std::vector<Eigen::Vector3f> asked_;  // places of one call,
+  std::vector<SurfaceGap> told_;        // their gaps,
+  std::vector<int> of_asked_;           // and points
 };
 
 }  // namespace palpable

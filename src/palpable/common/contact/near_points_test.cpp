@@ -9,8 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace palpable {
@@ -40,10 +42,10 @@ struct Ball {
   }
 };
 
-std::vector<int> told(NearPoints& near_points, const Ball& ball, float band, const GapQuery& gap,
-                      const NearQuery& near = {}) {
+std::vector<int> told(NearPoints& near_points, const Ball& ball, float band,
+                      const Obstacles& obstacles) {
   std::vector<int> points;
-  near_points.for_each(ball.u, band, gap, near, [&](int point, const SurfaceGap& seen) {
+  near_points.for_each(ball.u, band, obstacles, [&](int point, const SurfaceGap& seen) {
     CHECK(seen.distance <= band);
     points.push_back(point);
   });
@@ -51,8 +53,15 @@ std::vector<int> told(NearPoints& near_points, const Ball& ball, float band, con
   return points;
 }
 
+// The gap of one point at x. False: nothing is near.
+bool find_gap(NearPoints& near_points, int point, const Vector3f& x, const Obstacles& obstacles,
+              float far, SurfaceGap& gap) {
+  near_points.find_gaps({&point, 1}, {&x, 1}, obstacles, far, {&gap, 1});
+  return std::isfinite(gap.distance);
+}
+
 // Asking every point.
-std::vector<int> near_by_all(const Ball& ball, float band, const GapQuery& gap) {
+std::vector<int> near_by_all(const Ball& ball, float band, const test::GapFunction& gap) {
   std::vector<int> points;
   for (int p = 0; p < static_cast<int>(ball.skin.points().size()); ++p) {
     SurfaceGap seen;
@@ -90,20 +99,21 @@ TEST_CASE("heaps leave out no point that is near, of balls of any size", "[conta
   for (const float radius : {0.0035f, 0.008f, 0.030f}) {
     for (const float band : {0.0f, 0.001f, 0.004f}) {
       INFO(radius << " " << band);
-      const GapQuery gap = test::gap_to_ball({0.003f + 0.02f, 0, 0.074f + radius}, radius);
+      const test::GapFunction gap = test::gap_to_ball({0.003f + 0.02f, 0, 0.074f + radius}, radius);
       NearPoints near_points(ball.skin, kEntry);
       near_points.start();
-      const std::vector<int> points = told(near_points, ball, band, gap);
+      const test::GapFunction always(gap, [](const Vector3f&, float) { return true; });
+      const std::vector<int> points = told(near_points, ball, band, always);
       CHECK(points == near_by_all(ball, band, gap));
       CHECK((band == 0.0f || !points.empty()));
       // A cheaper question asked first changes nothing.
       NearPoints beside(ball.skin, kEntry);
       beside.start();
-      const NearQuery near = [&](const Vector3f& x, float reach) {
+      const test::GapFunction::Near near = [&](const Vector3f& x, float reach) {
         SurfaceGap seen;
         return gap(x, seen) && seen.distance < reach;
       };
-      CHECK(told(beside, ball, band, gap, near) == points);
+      CHECK(told(beside, ball, band, test::GapFunction(gap, near)) == points);
     }
   }
 }
@@ -113,27 +123,27 @@ TEST_CASE("a gap is asked once for a place, and told by its curvature beside it"
   NearPoints near_points(ball.skin, kEntry);
   near_points.start();
   const float radius = 0.008f;
-  const GapQuery exact = test::gap_to_ball(Vector3f::Zero(), radius);
+  const test::GapFunction exact = test::gap_to_ball(Vector3f::Zero(), radius);
   int asked = 0;
-  const GapQuery gap = [&](const Vector3f& x, SurfaceGap& seen) {
+  const test::GapFunction gap = [&](const Vector3f& x, SurfaceGap& seen) {
     ++asked;
     return exact(x, seen);
   };
   const float far = 1;  // m: all distances are wanted
   SurfaceGap seen, wanted;
   const Vector3f x(0, 0, radius + 0.001f), beside = x + Vector3f(0.00025f, 0, 0.0001f);
-  CHECK(near_points.gap_at(5, x, gap, far, seen));
-  CHECK(near_points.gap_at(5, beside, gap, far, seen));
+  CHECK(find_gap(near_points, 5, x, gap, far, seen));
+  CHECK(find_gap(near_points, 5, beside, gap, far, seen));
   CHECK(asked == 1);
   CHECK(exact(beside, wanted));
   CHECK(std::abs(seen.distance - wanted.distance) <
         tolerance(1e-7, "m: third order of 0.27 mm by a ball of 8 mm, and single precision"));
   CHECK((seen.normal - wanted.normal).norm() < tolerance(1e-3, "second order of the normal"));
   // Another point, a place farther away, another frame.
-  CHECK(near_points.gap_at(6, x, gap, far, seen));
-  CHECK(near_points.gap_at(5, x + Vector3f(0, 0, 0.0004f), gap, far, seen));
+  CHECK(find_gap(near_points, 6, x, gap, far, seen));
+  CHECK(find_gap(near_points, 5, x + Vector3f(0, 0, 0.0004f), gap, far, seen));
   near_points.start();
-  CHECK(near_points.gap_at(5, x + Vector3f(0, 0, 0.0004f), gap, far, seen));
+  CHECK(find_gap(near_points, 5, x + Vector3f(0, 0, 0.0004f), gap, far, seen));
   CHECK(asked == 4);
 }
 
@@ -143,20 +153,49 @@ TEST_CASE("what stays far is not asked again, and told no nearer than it is for 
   NearPoints near_points(ball.skin, kEntry);
   near_points.start();
   int asked = 0;
-  const GapQuery exact = test::gap_to_ball(Vector3f::Zero(), 0.008f);
-  const GapQuery gap = [&](const Vector3f& x, SurfaceGap& seen) {
+  const test::GapFunction exact = test::gap_to_ball(Vector3f::Zero(), 0.008f);
+  const test::GapFunction gap = [&](const Vector3f& x, SurfaceGap& seen) {
     ++asked;
     return exact(x, seen);
   };
   SurfaceGap seen;
   const float far = 0.001f;
-  CHECK(near_points.gap_at(0, {0, 0, 0.018f}, gap, far, seen));  // 10 mm away
-  CHECK(near_points.gap_at(0, {0, 0, 0.014f}, gap, far, seen));  // 6 mm for sure
+  CHECK(find_gap(near_points, 0, {0, 0, 0.018f}, gap, far, seen));  // 10 mm away
+  CHECK(find_gap(near_points, 0, {0, 0, 0.014f}, gap, far, seen));  // 6 mm for sure
   CHECK(asked == 1);
   CHECK(seen.distance >= 0.006f - 1e-7f);
-  CHECK(near_points.gap_at(0, {0, 0, 0.0085f}, gap, far, seen));  // might be near
+  CHECK(find_gap(near_points, 0, {0, 0, 0.0085f}, gap, far, seen));  // might be near
   CHECK(asked == 2);
   CHECK(seen.distance == Approx(0.0005).margin(1e-7));
+}
+
+TEST_CASE("the places of many points are asked in one call, those that are known not at all",
+          "[contact]") {
+  struct Counting : Obstacles {
+    mutable std::vector<std::size_t> calls;  // places of each
+    const test::GapFunction exact = test::gap_to_ball(Vector3f::Zero(), 0.008f);
+    void find_gaps(std::span<const Vector3f> places, std::span<SurfaceGap> gaps) const override {
+      calls.push_back(places.size());
+      exact.find_gaps(places, gaps);
+    }
+    [[nodiscard]] bool may_be_within(const Vector3f& place, float reach) const override {
+      return exact.may_be_within(place, reach);
+    }
+  } obstacles;
+  Ball ball;
+  NearPoints near_points(ball.skin, kEntry);
+  near_points.start();
+  const std::vector<int> points{3, 1, 7};
+  std::vector<Vector3f> places{{0, 0, 0.009f}, {0, 0.01f, 0}, {0.05f, 0, 0}};
+  std::vector<SurfaceGap> gaps(3);
+  near_points.find_gaps(points, places, obstacles, 1, gaps);
+  CHECK(gaps[0].distance == Approx(0.001).margin(1e-7));
+  CHECK(gaps[1].distance == Approx(0.002).margin(1e-7));
+  CHECK(std::isinf(gaps[2].distance));
+  places[1].y() += 0.001f;
+  near_points.find_gaps(points, places, obstacles, 1, gaps);
+  CHECK(gaps[1].distance == Approx(0.003).margin(1e-7));
+  CHECK(obstacles.calls == std::vector<std::size_t>{3, 1});
 }
 
 TEST_CASE("what is no number is nothing", "[contact]") {
@@ -165,15 +204,15 @@ TEST_CASE("what is no number is nothing", "[contact]") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (int which = 0; which < 3; ++which) {
     near_points.start();
-    const GapQuery gap = [&](const Vector3f&, SurfaceGap& seen) {
-      seen = {};
+    const test::GapFunction gap = [&](const Vector3f&, SurfaceGap& seen) {
+      seen.distance = 0.001f;
       if (which == 0) seen.distance = nan;
       if (which == 1) seen.normal.x() = nan;
       if (which == 2) seen.curvature(1, 1) = nan;
       return true;
     };
     SurfaceGap seen;
-    CHECK_FALSE(near_points.gap_at(0, Vector3f::Zero(), gap, 0, seen));
+    CHECK_FALSE(find_gap(near_points, 0, Vector3f::Zero(), gap, 0, seen));
   }
 }
 

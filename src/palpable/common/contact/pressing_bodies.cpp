@@ -2,12 +2,14 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/contact/yielding_skin.h"
+#include "palpable/common/response/compliance.h"
 #include "palpable/common/response/refinement.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 namespace palpable {
 namespace {
@@ -33,6 +35,32 @@ double farthest_apart(const Matrix3Xf& a, const Matrix3Xf& b) {
 
 }  // namespace
 
+// What presses a body: what is seen, or the skin of another one, whichever is nearer.
+class PressingBodies::AroundBody : public Obstacles {
+ public:
+  AroundBody(const PressingBodies& all, int body) : all_(&all), body_(body) {
+    constexpr std::size_t m = TouchSolver::kMostPoints;
+    places_.reserve(m);
+    others_.reserve(m);
+    of_one_.reserve(m);
+    which_of_one_.reserve(m);
+    yield_.resize(m * m);
+  }
+
+  void find_gaps(std::span<const Vector3f> places, std::span<SurfaceGap> gaps) const override;
+  [[nodiscard]] bool may_be_within(const Vector3f& place, float reach) const override;
+  void add_compliance(std::span<const YieldingPoint> points, std::span<double> W) const override;
+
+ private:
+  const PressingBodies* all_;
+  int body_;
+  mutable std::vector<Vector3f> places_;           // in another body's frame,
+  mutable std::vector<SurfaceGap> others_;         // and the gaps to it
+  mutable std::vector<YieldingPoint> of_one_;      // points before one body,
+  mutable std::vector<std::size_t> which_of_one_;  // and which
+  mutable std::vector<double> yield_;              // of these
+};
+
 // One of the bodies.
 struct PressingBodies::Part {
   explicit Part(const Body& the_body)
@@ -40,8 +68,8 @@ struct PressingBodies::Part {
         skin(*the_body.skin, the_body.tables),
         placed(the_body.skin->vertices.cast<float>()) {
     if (!has_answer()) return;
-    seen_gap = body.seen != nullptr ? gaps_to(*body.seen) : body.gaps;
-    seen_near = body.seen != nullptr ? near_to(*body.seen) : body.near;
+    if (body.seen != nullptr) body.obstacles = body.seen;
+    PALPABLE_EXPECT(body.obstacles != nullptr, "something may press a body that is answered");
     constexpr std::size_t kMost = 4 * TouchSolver::kMostPoints;
     given.reserve(9 * kMost);
     pressed_by.reserve(kMost);
@@ -51,7 +79,7 @@ struct PressingBodies::Part {
   [[nodiscard]] bool is_near_real() const {
     if (body.seen != nullptr) return !body.seen->balls().empty();
     const AlignedBox3f box = skin.surface().bounds();
-    return !seen_near || seen_near(box.center(), 0.5f * box.diagonal().norm() + kBesideBody);
+    return body.obstacles->may_be_within(box.center(), 0.5f * box.diagonal().norm() + kBesideBody);
   }
   // By itself: something presses it, or did in the frame before.
   [[nodiscard]] bool is_awake() const {
@@ -65,9 +93,7 @@ struct PressingBodies::Part {
   Matrix3Xf placed;        // (3 x F) m, where it is
   bool has_moved = false;  // of an obstacle: it is not at rest
 
-  GapQuery seen_gap, gap;
-  NearQuery seen_near, near;
-  OtherBodies others;
+  std::optional<AroundBody> around;      // what presses it: what is seen, and other bodies
   std::vector<VertexForce> given;        // N, what other bodies' points press it with
   std::vector<PressedPoint> pressed_by;  // the same where they do
   Vector3f load = Vector3f::Zero();      // N, sum of the given forces of its last answer
@@ -88,27 +114,12 @@ struct PressingBodies::Pair {
 PressingBodies::PressingBodies(const std::vector<Body>& bodies) {
   for (const Body& body : bodies) parts_.push_back(std::make_unique<Part>(body));
   for (int k = 0; k < static_cast<int>(parts_.size()); ++k) {
-    if (part(k).has_answer()) listen(k);
+    if (part(k).has_answer()) part(k).around.emplace(*this, k);
   }
   pair_up();
   moved_.reserve(2 * TouchSolver::kMostPoints);
-  of_one_.reserve(TouchSolver::kMostPoints);
-  which_of_one_.reserve(TouchSolver::kMostPoints);
-  yield_.resize(std::size_t{TouchSolver::kMostPoints} * TouchSolver::kMostPoints);
 }
 PressingBodies::~PressingBodies() = default;
-
-// What a body's solver asks.
-void PressingBodies::listen(int body) {
-  Part& p = part(body);
-  p.gap = [this, body](const Vector3f& place, SurfaceGap& gap) {
-    return find_gap(body, place, gap);
-  };
-  p.near = [this, body](const Vector3f& place, float reach) { return is_near(body, place, reach); };
-  p.others.yields = [this, body](std::span<const YieldingPoint> points, std::span<double> W) {
-    find_yielding(body, points, W);
-  };
-}
 
 // Of two bodies with tables the first one's points, before the other one's skin.
 void PressingBodies::pair_up() {
@@ -130,47 +141,42 @@ void PressingBodies::pair_up() {
   }
 }
 
-bool PressingBodies::find_gap(int body, const Vector3f& place, SurfaceGap& gap) const {
-  gap.on = {};
-  bool is_there = part(body).seen_gap(place, gap);
-  SurfaceGap other;
-  for (const Pair& pair : pairs_) {
-    if (pair.points != body || !pair.is_near) continue;
-    if (!part(pair.skin).skin.gap_at(pair.to_skin * place, other)) continue;
-    other.distance += pair.overlap;
-    if (is_there && !(other.distance < gap.distance)) continue;
-    is_there = true;
+void PressingBodies::AroundBody::find_gaps(std::span<const Vector3f> places,
+                                           std::span<SurfaceGap> gaps) const {
+  all_->part(body_).body.obstacles->find_gaps(places, gaps);
+  for (const Pair& pair : all_->pairs_) {
+    if (pair.points != body_ || !pair.is_near) continue;
+    places_.clear();
+    for (const Vector3f& place : places) places_.push_back(pair.to_skin * place);
+    others_.resize(places.size());
+    all_->part(pair.skin).skin.find_gaps(places_, others_);
     const Eigen::Matrix3f turn = pair.to_skin.linear();
-    gap.distance = other.distance;
-    gap.normal = turn.transpose() * other.normal;
-    gap.curvature = turn.transpose() * other.curvature * turn;
-    gap.softness = 0;
-    gap.on = other.on;
-    gap.on.body = pair.skin;
-  }
-  return is_there;
-}
-
-bool PressingBodies::is_near(int body, const Vector3f& place, float reach) const {
-  const Part& p = part(body);
-  SurfaceGap gap;
-  if (p.seen_near ? p.seen_near(place, reach) : p.seen_gap(place, gap) && gap.distance <= reach) {
-    return true;
-  }
-  for (const Pair& pair : pairs_) {
-    if (pair.points == body && pair.is_near &&
-        part(pair.skin).skin.surface().may_be_within(pair.to_skin * place, reach)) {
-      return true;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      SurfaceGap& other = others_[k];
+      other.distance += pair.overlap;
+      if (!(other.distance < gaps[k].distance)) continue;
+      other.normal = turn.transpose() * other.normal;
+      other.curvature = turn.transpose() * other.curvature * turn;
+      other.on.body = pair.skin;
+      gaps[k] = other;
     }
   }
-  return false;
 }
 
-void PressingBodies::find_yielding(int body, std::span<const YieldingPoint> points,
-                                   std::span<double> W) {
+bool PressingBodies::AroundBody::may_be_within(const Vector3f& place, float reach) const {
+  if (all_->part(body_).body.obstacles->may_be_within(place, reach)) return true;
+  return std::any_of(all_->pairs_.begin(), all_->pairs_.end(), [&](const Pair& pair) {
+    return pair.points == body_ && pair.is_near &&
+           all_->part(pair.skin).skin.may_be_within(pair.to_skin * place, reach);
+  });
+}
+
+void PressingBodies::AroundBody::add_compliance(std::span<const YieldingPoint> points,
+                                                std::span<double> W) const {
   const std::size_t m = points.size();
-  for (const Pair& pair : pairs_) {
-    if (pair.points != body || !pair.is_near || !part(pair.skin).skin.gives_way()) continue;
+  for (const Pair& pair : all_->pairs_) {
+    const Part& other = all_->part(pair.skin);
+    if (pair.points != body_ || !pair.is_near || !other.skin.gives_way()) continue;
     of_one_.clear();
     which_of_one_.clear();
     for (std::size_t p = 0; p < m; ++p) {
@@ -181,7 +187,7 @@ void PressingBodies::find_yielding(int body, std::span<const YieldingPoint> poin
     const std::size_t n = of_one_.size();
     const std::span<double> yield(yield_.data(), n * n);
     std::fill(yield.begin(), yield.end(), 0.0);
-    part(pair.skin).skin.add_compliance(of_one_, yield);
+    other.skin.add_compliance(of_one_, yield);
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t j = 0; j <= i; ++j) {
         W[which_of_one_[i] * m + which_of_one_[j]] += yield[i * n + j];
@@ -268,9 +274,8 @@ double PressingBodies::answer(int body, int round) {
     p.before = state.u;
     if (!is_first) left = std::max(0.0, move_ - farthest_apart(p.before, p.began));
   }
-  p.others.given = p.given;
   TouchSolver& solver = p.body.contact->solver();
-  p.report = solver.advance(state, p.gap, p.near, left, p.others);
+  p.report = solver.advance(state, *p.around, left, p.given);
   p.skin.bear(p.given);
   p.bears = !p.given.empty();
   Vector3f load = Vector3f::Zero();
@@ -350,6 +355,8 @@ void PressingBodies::find_between() {
   }
 }
 
+bool PressingBodies::is_answered(int body) const { return part(body).has_answer(); }
+
 void PressingBodies::move_obstacle(int body, const Matrix3Xf& vertices) {
   Part& p = part(body);
   PALPABLE_EXPECT(!p.has_answer(), "a body that is answered elsewhere");
@@ -363,7 +370,7 @@ void PressingBodies::find_touches(int body, std::vector<Touch>& touches) {
   touches.clear();
   if (is_at_rest(body)) return;
   PALPABLE_EXPECT(p.body.seen != nullptr, "a surface was seen");
-  p.body.contact->find_touches(*p.body.state, *p.body.seen, p.pressed_by, touches);
+  p.body.contact->find_touches(*p.body.state, p.body.seen, p.pressed_by, touches);
 }
 
 bool PressingBodies::is_at_rest(int body) const {

@@ -23,7 +23,7 @@
 ///   F  vertices of a skin
 #pragma once
 
-#include "palpable/common/contact/other_bodies.h"
+#include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/pressing_surface.h"
 #include "palpable/common/contact/skin_contact.h"
 #include "palpable/common/contact/touch.h"
@@ -60,10 +60,8 @@ class PressingBodies {
     SkinContact* contact = nullptr;
     TouchState* state = nullptr;
     const PressingSurface* seen = nullptr;  ///< of real things that press it; read in each frame
-    // Likewise, where `seen` is null; then there are no touches to find. Without `near` the gaps
-    // are asked everywhere.
-    GapQuery gaps = {};
-    NearQuery near = {};
+    /// Likewise, where `seen` is null; then there are no touches to find.
+    const Obstacles* obstacles = nullptr;
   };
   /// @param bodies  what they point to outlives this
   explicit PressingBodies(const std::vector<Body>& bodies);
@@ -71,6 +69,8 @@ class PressingBodies {
 
   /// One frame: the states of all bodies with tables.
   const PressingReport& advance();
+  /// Whether a body is one with tables; else it is an obstacle.
+  [[nodiscard]] bool is_answered(int body) const;
   /// Where an obstacle is from now on. @param vertices  (3 x F) m
   void move_obstacle(int body, const Eigen::Matrix3Xf& vertices);
 
@@ -85,10 +85,7 @@ class PressingBodies {
   struct Pair;
   [[nodiscard]] Part& part(int body) const { return *parts_[static_cast<std::size_t>(body)]; }
   void pair_up();
-  void listen(int body);
-  bool find_gap(int body, const Eigen::Vector3f& place, SurfaceGap& gap) const;
-  [[nodiscard]] bool is_near(int body, const Eigen::Vector3f& place, float reach) const;
-  void find_yielding(int body, std::span<const YieldingPoint> points, std::span<double> W);
+  class AroundBody;
   void find_near_pairs();
   void gather_given(int body);
   void keep_largest(Part& part);
@@ -99,10 +96,7 @@ class PressingBodies {
   std::vector<Pair> pairs_;
   double move_ = 0;  // m that a vertex may go in this frame
   PressingReport report_;
-  std::vector<Eigen::Vector3f> moved_;     // of pressed points
-  std::vector<YieldingPoint> of_one_;      // points before one body,
-  std::vector<std::size_t> which_of_one_;  // and which
-  std::vector<double> yield_;              // of these
+  std::vector<Eigen::Vector3f> moved_;  // of pressed points
 };
 
 }  // namespace palpable

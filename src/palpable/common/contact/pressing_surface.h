@@ -1,6 +1,6 @@
 /// @file
-/// The interface of whatever presses a body, as contact sees it: the signed distance to a union of
-/// balls, and for each point of its surface whether it was measured or is assumed.
+/// The obstacles that a camera sees: the signed distance to a union of balls, and for each point of
+/// its surface whether it was measured or is assumed.
 ///
 ///     phi(x) = min over balls  |x - centre| - radius           negative inside, m
 ///
@@ -8,6 +8,8 @@
 #pragma once
 
 #include "palpable/common/contact/object_ball.h"
+#include "palpable/common/contact/obstacles.h"
+#include "palpable/common/contact/surface_gap.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -16,13 +18,6 @@
 #include <span>
 
 namespace palpable {
-
-/// Where a point of the surface comes from.
-enum class Known {
-  kMeasured,  ///< seen in this frame
-  kAssumed,   ///< the far side of what is seen, which the camera cannot see
-  kUnknown    ///< seen in an earlier frame, hidden or without depth in this one
-};
 
 /// What is nearest to a query point.
 struct NearestOnObject {
@@ -45,12 +40,17 @@ struct SurfaceShape {
   Eigen::Matrix3f curvature;
   float sigma = 0;  ///< m, standard deviation of the surface along the normal
   Known known = Known::kMeasured;
+  float unseen_for = 0;  ///< s since it was measured; 0: in this frame
 };
 
 /// Queries allocate nothing.
-class PressingSurface {
+class PressingSurface : public Obstacles {
  public:
-  virtual ~PressingSurface() = default;
+  /// What is near is told for any reach, a gap within the surface's band alone. Softness: 1 cm of
+  /// sigma makes a contact point as compliant again as the body is there.
+  void find_gaps(std::span<const Eigen::Vector3f> places,
+                 std::span<SurfaceGap> gaps) const override;
+  [[nodiscard]] bool may_be_within(const Eigen::Vector3f& place, float reach) const override;
 
   [[nodiscard]] virtual std::span<const ObjectBall> balls() const = 0;
   /// Bounding box of the balls; empty without any.

@@ -24,7 +24,7 @@ using test::tolerance;
 
 constexpr float kRadius = 0.02f;
 
-GapQuery ball(float depth, float x = 0) {
+test::GapFunction ball(float depth, float x = 0) {
   return test::gap_to_ball(Vector3f(x, 0, kRadius - depth), kRadius);
 }
 
@@ -46,7 +46,7 @@ struct Sheet {
   }
   [[nodiscard]] Matrix3Xf exact() const { return (1 + kSofter) * asked.tables; }
   // Presses by a ball, and takes up exact answers until they change nothing.
-  void refine(TouchSolver& solver, const GapQuery& gap, int times = 1) {
+  void refine(TouchSolver& solver, const test::GapFunction& gap, int times = 1) {
     solver.advance(state, gap);
     for (int k = 0; k < times; ++k) {
       REQUIRE(solver.ask(state, asked));
@@ -86,7 +86,7 @@ TEST_CASE("a correction holds for loads like its own", "[contact][law]") {
 TEST_CASE("exact answers bring the contact of the exact body", "[contact]") {
   Sheet sheet;
   TouchSolver solver = sheet.solver();
-  const GapQuery gap = ball(0.003f);
+  const test::GapFunction gap = ball(0.003f);
   const double before = 1 / (1 + static_cast<double>(Sheet::kSofter));
   solver.advance(sheet.state, gap);
   const double by_tables = sheet.force();
@@ -103,7 +103,7 @@ TEST_CASE("exact answers bring the contact of the exact body", "[contact]") {
 TEST_CASE("an exact answer comes in frame by frame", "[contact]") {
   Sheet sheet;
   TouchSolver solver = sheet.solver();
-  const GapQuery gap = ball(0.003f);
+  const test::GapFunction gap = ball(0.003f);
   solver.advance(sheet.state, gap);
   REQUIRE(solver.ask(sheet.state, sheet.asked));
   REQUIRE(solver.refine(sheet.state, sheet.asked, sheet.exact()));
@@ -181,11 +181,11 @@ TEST_CASE("refined frames allocate nothing and are the same again", "[contact]")
   sheet.refine(solver, ball(0.003f), 2);
   const Matrix3Xf exact = sheet.exact();
   const TouchState from = sheet.state;
-  std::vector<GapQuery> gaps;
+  std::vector<test::GapFunction> gaps;
   for (int frame = 0; frame < 9; ++frame)
     gaps.push_back(ball(0.0032f, 0.0003f * static_cast<float>(frame)));
   const auto go_on = [&] {
-    for (const GapQuery& gap : gaps) {
+    for (const test::GapFunction& gap : gaps) {
       if (solver.ask(sheet.state, sheet.asked))
         (void)solver.refine(sheet.state, sheet.asked, exact);
       solver.advance(sheet.state, gap);

@@ -15,7 +15,7 @@ using test::tolerance;
 
 constexpr float kScale = 10;
 
-GapQuery ball(float radius, float depth) {
+test::GapFunction ball(float radius, float depth) {
   return test::gap_to_ball(Vector3f(0, 0, radius - depth), radius, kScale * kGapReach);
 }
 

@@ -2,38 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <optional>
 
 namespace palpable {
-namespace {
 
 using Eigen::Vector3f;
-
-// m of sigma that make a point as compliant as the body is there.
-constexpr float kSigmaOfBody = 0.01f;
-
-}  // namespace
-
-GapQuery gaps_to(const PressingSurface& seen) {
-  const auto reach = seen.band();
-  return [&seen, reach](const Vector3f& place, SurfaceGap& gap) {
-    if (!(seen.bounds().squaredExteriorDistance(place) < reach * reach)) return false;
-    const std::optional<SurfaceShape> shape = seen.shape_at(place);
-    if (!shape) return false;
-    gap.distance = shape->distance;
-    gap.normal = shape->normal;
-    gap.curvature = shape->curvature;
-    gap.softness = shape->sigma / kSigmaOfBody;
-    return true;
-  };
-}
-
-NearQuery near_to(const PressingSurface& seen) {
-  return [&seen](const Vector3f& place, float reach) {
-    return seen.bounds().squaredExteriorDistance(place) < reach * reach &&
-           seen.is_within(place, reach);
-  };
-}
 
 SkinContact::SkinContact(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
                          const TouchTables& tables, const TouchSettings& settings)
@@ -51,9 +23,9 @@ TouchReport SkinContact::advance(TouchState& state, const PressingSurface& seen,
   if (seen.balls().empty() && state.forces.empty() && state.u.cols() > 0) {
     return report;  // at rest, and stays so
   }
-  report = solver_.advance(state, gaps_to(seen), near_to(seen), largest_move(seen));
+  report = solver_.advance(state, seen, largest_move(seen));
   find_pressed(state);
-  patches_.find(seen, touches);
+  patches_.find(&seen, touches);
   return report;
 }
 
@@ -61,7 +33,7 @@ double SkinContact::largest_move(const PressingSurface& seen) {
   return std::max(kMove, seen.moved());
 }
 
-void SkinContact::find_touches(const TouchState& state, const PressingSurface& seen,
+void SkinContact::find_touches(const TouchState& state, const Obstacles* seen,
                                std::span<const PressedPoint> others, std::vector<Touch>& touches) {
   touches.reserve(TouchSolver::kMostPoints);
   find_pressed(state);

@@ -25,11 +25,6 @@
 
 namespace palpable {
 
-/// What a solver asks of the surface that was seen; both read it whenever they are asked. What is
-/// near is told for any reach, a gap within the surface's band alone.
-[[nodiscard]] GapQuery gaps_to(const PressingSurface& seen);
-[[nodiscard]] NearQuery near_to(const PressingSurface& seen);
-
 /// Makes its tables once, then allocates nothing once a state has had its room.
 class SkinContact {
  public:
@@ -49,8 +44,9 @@ class SkinContact {
   /// That, or as far as what presses was seen to move.
   [[nodiscard]] static double largest_move(const PressingSurface& seen);
   /// The touches of a state that another one than advance() brought about (pressing_bodies.h).
+  /// @param seen    says which of it is assumed, or held; null: all is measured
   /// @param others  where other bodies' contact points press this one
-  void find_touches(const TouchState& state, const PressingSurface& seen,
+  void find_touches(const TouchState& state, const Obstacles* seen,
                     std::span<const PressedPoint> others, std::vector<Touch>& touches);
 
   /// How hard things press the skin in the frame answered last (contact_pressure.h).

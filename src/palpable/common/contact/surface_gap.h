@@ -1,10 +1,11 @@
 /// @file
-/// What the body is told of the things that press it.
+/// The gap between a place and what presses the body there.
 #pragma once
 
 #include <Eigen/Core>
 
-#include <functional>
+#include <cmath>
+#include <limits>
 
 namespace palpable {
 
@@ -18,16 +19,31 @@ struct OtherSkin {
   float given_way = 0;
 };
 
-/// What is nearest to a place: the object that presses, as its signed distance.
+/// Where a point of an obstacle's surface comes from.
+enum class Known {
+  kMeasured,  ///< seen in this frame, or exact
+  kAssumed,   ///< the far side of what is seen, which the camera cannot see
+  kUnknown    ///< seen in an earlier frame, hidden or without depth in this one
+};
+
+/// The signed distance of a place from the nearest obstacle, to second order.
 struct SurfaceGap {
-  float distance = 0;                                 ///< m, negative inside
-  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the object
+  /// m, negative inside; infinite: there is none within kGapReach
+  float distance = std::numeric_limits<float>::infinity();
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the obstacle
   /// Second derivative of the distance, 1/m: a ball of radius r has (1 - n n^T) / r.
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();
   /// Of the point's own compliance, added to it, beside TouchSettings::softness: what is seen
   /// uncertainly presses softly.
   float softness = 0;
-  OtherSkin on;  ///< of what it is, if it is another body
+  Known known = Known::kMeasured;
+  float unseen_for = 0;  ///< s since the obstacle was measured; 0: it is now
+  OtherSkin on;          ///< the place on another body, if the obstacle is one
+
+  /// Whether there is an obstacle, and all of it numbers.
+  [[nodiscard]] bool is_told() const {
+    return std::isfinite(distance) && normal.allFinite() && curvature.allFinite();
+  }
 };
 
 /// What a gap is at a place beside the one that it was told for, to second order.
@@ -42,13 +58,6 @@ struct GapBeside {
   const Eigen::Vector3f turn = curvature * way;
   return {normal.dot(way) + 0.5f * way.dot(turn), (normal + turn).normalized()};
 }
-
-/// Tells the gap of a place (m, body frame); false where nothing is within kGapReach of it. What is
-/// no number counts as nothing. Called some thousand times a frame.
-using GapQuery = std::function<bool(const Eigen::Vector3f& place, SurfaceGap& gap)>;
-
-/// Whether anything may be nearer to a place than `reach` (m): a cheaper question, asked first.
-using NearQuery = std::function<bool(const Eigen::Vector3f& place, float reach)>;
 
 inline constexpr float kGapReach = 0.012f;  ///< m
 

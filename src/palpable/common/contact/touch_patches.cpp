@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 
 namespace palpable {
 namespace {
@@ -22,12 +21,15 @@ constexpr float kNeighbours = 1.5f;
 TouchPatches::TouchPatches(std::size_t most) {
   points_.reserve(most);
   places_.reserve(most);
+  asked_.reserve(most);
+  told_.reserve(most);
 }
 
-void TouchPatches::find(const PressingSurface& seen, std::vector<Touch>& touches) {
+void TouchPatches::find(const Obstacles* seen, std::vector<Touch>& touches) {
   touches.clear();
   join_neighbours();
-  for (int patch = 0; patch < patches_; ++patch) touches.push_back(touch_of(patch, seen));
+  find_known(seen);
+  for (int patch = 0; patch < patches_; ++patch) touches.push_back(touch_of(patch));
   std::sort(touches.begin(), touches.end(),
             [](const Touch& a, const Touch& b) { return a.force > b.force; });
 }
@@ -79,7 +81,27 @@ void TouchPatches::join_neighbours() {
   }
 }
 
-Touch TouchPatches::touch_of(int patch, const PressingSurface& seen) const {
+// Where what presses each point comes from.
+void TouchPatches::find_known(const Obstacles* seen) {
+  asked_.clear();
+  for (const PressedPoint& point : points_) {
+    if (point.by < 0) asked_.push_back(point.place);
+  }
+  told_.resize(asked_.size());
+  if (seen == nullptr) {
+    std::fill(told_.begin(), told_.end(), SurfaceGap());
+  } else if (!asked_.empty()) {
+    seen->find_gaps(asked_, told_);
+  }
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const SurfaceGap at = points_[k].by < 0 ? told_[next++] : SurfaceGap();
+    places_[k].known = at.known;
+    places_[k].unseen_for = at.unseen_for;
+  }
+}
+
+Touch TouchPatches::touch_of(int patch) const {
   Touch touch;
   Vector3f force = Vector3f::Zero(), place = Vector3f::Zero();
   float weight = 0, assumed = 0;
@@ -92,12 +114,8 @@ Touch TouchPatches::touch_of(int patch, const PressingSurface& seen) const {
     weight += w;
     touch.area += static_cast<double>(places_[k].spacing) * static_cast<double>(places_[k].spacing);
     touch.by = p.by;
-    if (p.by >= 0) continue;
-    const std::optional<NearestOnObject> at = seen.nearest(p.place, seen.band());
-    if (!at) continue;
-    if (at->known != Known::kMeasured) assumed += w;
-    touch.unseen_for =
-        std::max(touch.unseen_for, static_cast<double>(seen.balls()[at->ball].unseen_for));
+    if (places_[k].known != Known::kMeasured) assumed += w;
+    touch.unseen_for = std::max(touch.unseen_for, static_cast<double>(places_[k].unseen_for));
   }
   touch.force = static_cast<double>(force.norm());
   touch.direction = force.cast<double>().normalized();

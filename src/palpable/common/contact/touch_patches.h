@@ -7,7 +7,7 @@
 /// and neighbours are those within 1.5 s.
 #pragma once
 
-#include "palpable/common/contact/pressing_surface.h"
+#include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/touch.h"
 
 #include <Eigen/Core>
@@ -36,9 +36,10 @@ class TouchPatches {
   [[nodiscard]] std::vector<PressedPoint>& points() { return points_; }
   [[nodiscard]] const std::vector<PressedPoint>& points() const { return points_; }
 
-  /// @param seen     the surface of what presses; says which of it is assumed, or held
+  /// @param seen     what presses, other bodies apart; says which of it is assumed, or held. Null:
+  ///                 all is measured
   /// @param touches  overwritten: the one with the largest force first
-  void find(const PressingSurface& seen, std::vector<Touch>& touches);
+  void find(const Obstacles* seen, std::vector<Touch>& touches);
   /// m, after find(): from this point to the next one that is pushed the same way, at least as far
   /// as it stands for the skin itself.
   [[nodiscard]] float spacing(std::size_t point) const { return places_[point].spacing; }
@@ -49,14 +50,20 @@ class TouchPatches {
     int first = 0;
     int patch = 0;
     float spacing = 0;  // m, to the next one that is pushed the same way
+    // Of what presses it, as SurfaceGap.
+    Known known = Known::kMeasured;
+    float unseen_for = 0;
   };
   [[nodiscard]] bool are_alike(int i, int j) const;
   void find_spacings();
   void join_neighbours();
-  [[nodiscard]] Touch touch_of(int patch, const PressingSurface& seen) const;
+  void find_known(const Obstacles* seen);
+  [[nodiscard]] Touch touch_of(int patch) const;
 
   std::vector<PressedPoint> points_;
   std::vector<Place> places_;
+  std::vector<Eigen::Vector3f> asked_;  // places of the points that something seen presses,
+  std::vector<SurfaceGap> told_;        // and its gaps there
   int patches_ = 0;
 };
 

@@ -84,11 +84,13 @@ struct TouchSolver::Work {
   std::vector<ContactCandidate> candidates;
   std::vector<ContactCandidate> found;  // all of them in the shape with which a frame begins
   std::vector<ContactCandidate> given;  // forces of other bodies, each at a vertex
-  const YieldQuery* yields = nullptr;   // of other bodies
   std::vector<int> vertices;            // of the candidates, and of what is given
   std::vector<int> local_of_vertex;     // (V) -1: not among them
   std::vector<float> weights;           // of `vertices`, for choosing blobs
   std::vector<VertexForce> loads;       // at `vertices`
+  std::vector<int> looked_points;       // of the candidates, when the obstacles are asked: points,
+  std::vector<Vector3f> looked_places;  // where they are, m,
+  std::vector<SurfaceGap> looked_gaps;  // and their gaps
   Matrix3Xf linear, without_cross;      // (3 x V) the last field without the tables' beyond, and
                                         // without what patches do to each other
   Matrix3Xf no_displacement;            // (3 x W)
@@ -134,6 +136,9 @@ struct TouchSolver::Work {
     }
     if (tables.shell.nodes() > 0) shell.emplace(tables.shell, static_cast<int>(rest.cols()));
     candidates.reserve(points.size());
+    looked_points.reserve(kMostPoints);
+    looked_places.reserve(kMostPoints);
+    looked_gaps.reserve(kMostPoints);
     found.reserve(points.size());
     given.reserve(kMostGiven);
     vertices.reserve(static_cast<std::size_t>(rest.cols()));
@@ -146,10 +151,9 @@ struct TouchSolver::Work {
   }
 
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
-  void set_given(const OtherBodies& others);
+  void set_given(std::span<const VertexForce> forces);
   void add_candidate(int point, const SurfaceGap& seen);
-  void find_candidates(const TouchState& state, const GapQuery& gap, const NearQuery& near,
-                       double shift);
+  void find_candidates(const TouchState& state, const Obstacles& obstacles, double shift);
   void choose_found(double shift);
   void keep_nearest(TouchReport& report);
   bool add_vertices(const ContactCandidate& candidate);
@@ -157,25 +161,24 @@ struct TouchSolver::Work {
   void add_up_loads();
   void choose_blobs(const TouchState& state, double shift);
   void find_displacements(CrossTerms cross);
-  void look_at_gaps(const GapQuery& gap, double shift);
-  double iterate(const GapQuery& gap, double shift, CrossTerms cross, float share);
+  void look_at_gaps(const Obstacles& obstacles, double shift);
+  double iterate(const Obstacles& obstacles, double shift, CrossTerms cross, float share);
   void choose_pressed(double shift);
   void go_back(float share);
-  void settle(const TouchState& state, const GapQuery& gap, double shift, bool last, int most,
-              TouchReport& report);
-  bool add_entered(const TouchState& state, const GapQuery& gap, const NearQuery& near,
-                   double shift, TouchReport& report);
+  void settle(const TouchState& state, const Obstacles& obstacles, double shift, bool last,
+              int most, TouchReport& report);
+  bool add_entered(const TouchState& state, const Obstacles& obstacles, double shift,
+                   TouchReport& report);
   void weigh_corrections();
   void fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes);
-  void hand_over(TouchState& state, const GapQuery& gap, bool last, TouchReport& report);
+  void hand_over(TouchState& state, const Obstacles& obstacles, bool last, TouchReport& report);
   void read_signs(const TouchState& state, TouchReport& report) const;
 };
 
-void TouchSolver::Work::set_given(const OtherBodies& others) {
-  PALPABLE_EXPECT(others.given.size() <= std::size_t{kMostGiven}, "no more given forces than fit");
-  yields = others.yields ? &others.yields : nullptr;
+void TouchSolver::Work::set_given(std::span<const VertexForce> forces) {
+  PALPABLE_EXPECT(forces.size() <= std::size_t{kMostGiven}, "no more given forces than fit");
   given.clear();
-  for (const VertexForce& load : others.given) {
+  for (const VertexForce& load : forces) {
     ContactCandidate at;
     at.vertices.fill(load.vertex);
     at.weights = Vector3f::UnitX();
@@ -196,10 +199,10 @@ void TouchSolver::Work::add_candidate(int point, const SurfaceGap& seen) {
 }
 
 // Points that are near the object in the state's shape, and those that press.
-void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery& gap,
-                                        const NearQuery& near, double shift) {
+void TouchSolver::Work::find_candidates(const TouchState& state, const Obstacles& obstacles,
+                                        double shift) {
   candidates.clear();
-  near_points.for_each(state.u, static_cast<float>(settings.band - shift), gap, near,
+  near_points.for_each(state.u, static_cast<float>(settings.band - shift), obstacles,
                        [&](int point, const SurfaceGap& seen) { add_candidate(point, seen); });
 }
 
@@ -216,15 +219,15 @@ void TouchSolver::Work::choose_found(double shift) {
 // Where an object leaves, the skin follows it over more than the candidates' band, and points that
 // were too far to be asked may enter it. Those of the shape `ahead` join the candidates. False if
 // there are none.
-bool TouchSolver::Work::add_entered(const TouchState& state, const GapQuery& gap,
-                                    const NearQuery& near, double shift, TouchReport& report) {
+bool TouchSolver::Work::add_entered(const TouchState& state, const Obstacles& obstacles,
+                                    double shift, TouchReport& report) {
   const Eigen::Index V = rest.cols();
   const float moved = (ahead.leftCols(V) - state.u.leftCols(V)).colwise().squaredNorm().maxCoeff();
   const auto band = static_cast<float>(settings.band);
   if (!(moved > band * band)) return false;
   for (const ContactCandidate& c : candidates) is_candidate[static_cast<std::size_t>(c.point)] = 1;
   const std::size_t known = candidates.size();
-  near_points.for_each(ahead, -static_cast<float>(kEntered * settings.band + shift), gap, near,
+  near_points.for_each(ahead, -static_cast<float>(kEntered * settings.band + shift), obstacles,
                        [&](int point, const SurfaceGap& seen) {
                          if (is_candidate[static_cast<std::size_t>(point)] == 0)
                            add_candidate(point, seen);
@@ -374,27 +377,34 @@ void TouchSolver::Work::weigh_corrections() {
         blended[k] * correction_weight(work, shared[k], refinement->corrections[k].work);
 }
 
-void TouchSolver::Work::look_at_gaps(const GapQuery& gap, double shift) {
-  SurfaceGap seen;
+void TouchSolver::Work::look_at_gaps(const Obstacles& obstacles, double shift) {
   const auto far = static_cast<float>(2 * kTakesPart * settings.largest_step - shift);
-  for (ContactCandidate& candidate : candidates) {
+  looked_points.clear();
+  looked_places.clear();
+  for (const ContactCandidate& candidate : candidates) {
     const auto p = static_cast<std::size_t>(candidate.point);
     Vector3f x = skin.places().col(candidate.point) + skin.lifted(p);
     for (std::size_t k = 0; k < 3; ++k) {
       x += candidate.weights[static_cast<int>(k)] * here.col(candidate.local[k]);
     }
-    if (near_points.gap_at(candidate.point, x, gap, far, seen)) {
-      set_gap(candidate, seen);
+    looked_points.push_back(candidate.point);
+    looked_places.push_back(x);
+  }
+  looked_gaps.resize(candidates.size());
+  near_points.find_gaps(looked_points, looked_places, obstacles, far, looked_gaps);
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    if (std::isfinite(looked_gaps[k].distance)) {
+      set_gap(candidates[k], looked_gaps[k]);
     } else {
-      candidate.distance = static_cast<float>(10 * settings.band);
+      candidates[k].distance = static_cast<float>(10 * settings.band);
     }
   }
 }
 
 // A share of one step of Newton's method from `here`. Returns how far it moved a vertex, m.
-double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms cross,
+double TouchSolver::Work::iterate(const Obstacles& obstacles, double shift, CrossTerms cross,
                                   float share) {
-  look_at_gaps(gap, shift);
+  look_at_gaps(obstacles, shift);
   const auto n = static_cast<Eigen::Index>(vertices.size());
   before.leftCols(n) = here.leftCols(n);
   choose_pressed(shift);
@@ -403,7 +413,7 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms 
   // the step is a shorter one, not a wrong one.
   const auto solve = [&](const NonlinearAnswer* answer, bool turning) {
     return problem.solve(pressed, field, answer,
-                         {shift, settings.softness, turning, given.size(), yields});
+                         {shift, settings.softness, turning, given.size(), &obstacles});
   };
   stuck = true;
   if (!solve(tangent, true) && !solve(tangent, false) && !solve(nullptr, false)) return 0;
@@ -450,7 +460,7 @@ void TouchSolver::Work::go_back(float share) {
 }
 
 // The answer to the candidates, from the state's forces.
-void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, double shift,
+void TouchSolver::Work::settle(const TouchState& state, const Obstacles& obstacles, double shift,
                                bool last, int most, TouchReport& report) {
   cache.bring(vertices);
   take_up(state);
@@ -461,7 +471,7 @@ void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, dou
     ++report.iterations;
     const CrossTerms cross =
         last && i < kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore;
-    const double change = iterate(gap, shift, cross, share);
+    const double change = iterate(obstacles, shift, cross, share);
     // Two sets of points that press in turn would go on for ever.
     if (i > 0 && change > report.last_change) share = std::max(kLeastShare, 0.5f * share);
     report.last_change = change;
@@ -511,11 +521,11 @@ void TouchSolver::Work::read_signs(const TouchState& state, TouchReport& report)
   if (error_scale) report.stated = error_scale->stated(report.signs);
 }
 
-void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool last,
+void TouchSolver::Work::hand_over(TouchState& state, const Obstacles& obstacles, bool last,
                                   TouchReport& report) {
   // Those that entered last and are not answered are not where `here` is told.
   std::erase_if(candidates, [](const ContactCandidate& c) { return c.local[0] < 0; });
-  if (last) look_at_gaps(gap, 0);
+  if (last) look_at_gaps(obstacles, 0);
   state.forces.clear();
   report.penetration = 0;
   for (const ContactCandidate& candidate : candidates) {
@@ -543,8 +553,8 @@ TouchSolver::TouchSolver(TouchSolver&&) noexcept = default;
 std::span<const SkinPoint> TouchSolver::points() const { return work_->points; }
 const Matrix3Xf& TouchSolver::places() const { return work_->skin.places(); }
 
-TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const NearQuery& near,
-                                 double largest_move, const OtherBodies& others) {
+TouchReport TouchSolver::advance(TouchState& state, const Obstacles& obstacles, double largest_move,
+                                 std::span<const VertexForce> given) {
   Work& w = *work_;
   const TouchSettings& s = w.settings;
   TouchReport report;
@@ -561,8 +571,8 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     state.regions.reserve(NonlinearAnswer::kMostBlobs);
   }
   w.skin.face_as(state.u);
-  w.set_given(others);
-  w.find_candidates(state, gap, near, 0);
+  w.set_given(given);
+  w.find_candidates(state, obstacles, 0);
   double depth = 0;
   for (const ContactCandidate& c : w.candidates)
     depth = std::max(depth, -static_cast<double>(c.distance));
@@ -580,7 +590,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     if (!last) {
       w.choose_found(shift);
     } else if (steps > 1 || shift > 0) {
-      w.find_candidates(state, gap, near, shift);
+      w.find_candidates(state, obstacles, shift);
     }
     // Those that press and have just lost the object out of sight let go by themselves.
     report.dropped = 0;
@@ -589,14 +599,14 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     // All of the shape is wanted at the end, and where candidates are found anew the skin's.
     const Eigen::Index shape = last ? w.ahead.cols() : step + 1 == steps ? w.rest.cols() : 0;
     for (int round = 0;; ++round) {
-      w.settle(state, gap, shift, last, most - report.iterations, report);
+      w.settle(state, obstacles, shift, last, most - report.iterations, report);
       if (shape > 0) w.fill_field(w.ahead, shape);
-      if (!last || !w.add_entered(state, gap, near, shift, report)) break;
+      if (!last || !w.add_entered(state, obstacles, shift, report)) break;
       entered = round + 1 == kRounds || report.iterations >= most;
       if (entered) break;
     }
     ++report.steps;
-    w.hand_over(state, gap, last, report);
+    w.hand_over(state, obstacles, last, report);
     if (shape > 0) state.u.swap(w.ahead);
   }
   w.read_signs(state, report);

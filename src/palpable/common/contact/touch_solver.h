@@ -19,11 +19,11 @@
 ///   W  nodes of the shell     C  contact points
 #pragma once
 
-#include "palpable/common/contact/other_bodies.h"
-#include "palpable/common/contact/surface_gap.h"
+#include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/touch_state.h"
 #include "palpable/common/geometry/skin_points.h"
 #include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/response/compliance.h"
 #include "palpable/common/response/refinement.h"
 #include "palpable/common/response/stated_error.h"
 #include "palpable/common/response/touch_tables.h"
@@ -79,7 +79,7 @@ class TouchSolver {
  public:
   static constexpr int kMostPoints = 256;    ///< that may press at a time
   static constexpr int kMostVertices = 192;  ///< of their triangles, and of given forces
-  static constexpr int kMostGiven = 96;      ///< of OtherBodies
+  static constexpr int kMostGiven = 96;      ///< forces that are given
 
   /// @param skin    (F vertices) the body's, at rest
   /// @param fixed   (F) 1 where the support holds the vertex
@@ -94,13 +94,13 @@ class TouchSolver {
   [[nodiscard]] const Eigen::Matrix3Xf& places() const;  ///< (3 x C) m, of the points at rest
 
   /// The state in which nothing enters the body. Pure: the same state and gaps give the same bytes.
-  /// @param near  agrees with `gap`; without one `gap` is asked everywhere
   /// @param largest_move  m: no vertex goes on by more, whatever came near; what is left to go is
   ///                      gone in the frames after
-  /// @param others  bodies among what presses; what they point to is read during this call alone
-  TouchReport advance(TouchState& state, const GapQuery& gap, const NearQuery& near = {},
+  /// @param given   forces of other bodies on this one, N, its frame: no unknowns. At vertices that
+  ///                the tables know, each at most once; kMostGiven at most
+  TouchReport advance(TouchState& state, const Obstacles& obstacles,
                       double largest_move = std::numeric_limits<double>::infinity(),
-                      const OtherBodies& others = {});
+                      std::span<const VertexForce> given = {});
 
   /// The load that a state bears, to be answered exactly. False: there is none, or an answer is
   /// still being blended in. Allocates nothing once `asked` has had its room.

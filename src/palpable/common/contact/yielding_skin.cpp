@@ -110,23 +110,27 @@ void YieldingSkin::bear(std::span<const VertexForce> forces) {
   give_->linear.fill(forces, give_->u);
 }
 
-bool YieldingSkin::gap_at(const Vector3f& place, SurfaceGap& gap) const {
+void YieldingSkin::find_gaps(std::span<const Vector3f> places, std::span<SurfaceGap> gaps) const {
+  for (std::size_t k = 0; k < places.size(); ++k) gaps[k] = gap_of(places[k]);
+}
+
+SurfaceGap YieldingSkin::gap_of(const Vector3f& place) const {
+  SurfaceGap gap;
   const auto found = surface_.nearest(place, kDeepInside);
-  if (!found || !(found->distance < kGapReach)) return false;
+  if (!found || !(found->distance < kGapReach)) return gap;
   const RoundedSkin skin = surface_.rounded_at(*found);
   gap.distance = found->distance;
   gap.normal = skin.normal;
   gap.curvature = skin.curvature;
-  gap.softness = 0;
-  gap.on = {gap.on.body, surface_.corners(found->triangle), found->weights, 0};
-  if (!give_ || !give_->bears) return true;
+  gap.on = {-1, surface_.corners(found->triangle), found->weights, 0};
+  if (!give_ || !give_->bears) return gap;
   Vector3f moved = Vector3f::Zero();
   const Give::Shares shares = give_->shares_of(gap.on);
   for (std::size_t k = 0; k < shares.count; ++k) {
     moved += shares.of[k].weight * give_->u.col(shares.of[k].vertex);
   }
   gap.on.given_way = -gap.normal.dot(moved);
-  return true;
+  return gap;
 }
 
 bool YieldingSkin::find(const Vector3f& place, OtherSkin& on) const {
@@ -137,7 +141,8 @@ bool YieldingSkin::find(const Vector3f& place, OtherSkin& on) const {
   return true;
 }
 
-void YieldingSkin::add_compliance(std::span<const YieldingPoint> points, std::span<double> W) {
+void YieldingSkin::add_compliance(std::span<const YieldingPoint> points,
+                                  std::span<double> W) const {
   if (!give_) return;
   Give& give = *give_;
   give.bring(points);

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "palpable/common/contact/moving_surface.h"
-#include "palpable/common/contact/other_bodies.h"
+#include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/surface_gap.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/common/response/compliance.h"
@@ -21,13 +21,13 @@
 
 namespace palpable {
 
-/// Allocates in its constructor.
-class YieldingSkin {
+/// Allocates in its constructor. OtherSkin::body of its gaps is not set.
+class YieldingSkin : public Obstacles {
  public:
   /// @param skin    closed; at rest
   /// @param tables  outlive this; null: a skin that moves, but does not give way
   YieldingSkin(const SurfaceMesh& skin, const TouchTables* tables);
-  ~YieldingSkin();
+  ~YieldingSkin() override;
   YieldingSkin(YieldingSkin&&) noexcept;
 
   [[nodiscard]] bool gives_way() const { return give_ != nullptr; }
@@ -39,14 +39,16 @@ class YieldingSkin {
 
   [[nodiscard]] const MovingSurface& surface() const { return surface_; }
 
-  /// Its gap at a place, both in its own frame; OtherSkin::body is not set. False where it is
-  /// farther than kGapReach, or deeper than 20 mm.
-  bool gap_at(const Eigen::Vector3f& place, SurfaceGap& gap) const;
+  /// In its own frame; infinite also where a place is deeper inside than 20 mm.
+  void find_gaps(std::span<const Eigen::Vector3f> places,
+                 std::span<SurfaceGap> gaps) const override;
+  [[nodiscard]] bool may_be_within(const Eigen::Vector3f& place, float reach) const override {
+    return surface_.may_be_within(place, reach);
+  }
+  /// By its tables. @param points  on this skin, normals in its frame
+  void add_compliance(std::span<const YieldingPoint> points, std::span<double> W) const override;
   /// What is nearest to a place, 20 mm away at most; false: nothing.
   bool find(const Eigen::Vector3f& place, OtherSkin& on) const;
-
-  /// As YieldQuery. @param points  on this skin, normals in its frame
-  void add_compliance(std::span<const YieldingPoint> points, std::span<double> W);
 
   /// A force at a place of the skin, as forces at vertices that the tables know: appended.
   void add_shares(const OtherSkin& on, const Eigen::Vector3f& force,
@@ -54,6 +56,7 @@ class YieldingSkin {
 
  private:
   struct Give;  // by the tables
+  [[nodiscard]] SurfaceGap gap_of(const Eigen::Vector3f& place) const;
   MovingSurface surface_;
   std::unique_ptr<Give> give_;
 };

@@ -295,7 +295,8 @@ std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
       a * t * t.transpose() + b * (t * s.transpose() + s * t.transpose()) + c * s * s.transpose();
   const Vector3f normal = (n + slope).normalized();
   const Eigen::Matrix3f across = Eigen::Matrix3f::Identity() - normal * normal.transpose();
-  return SurfaceShape{found->distance, normal, across * K * across, ball.sigma, found->known};
+  return SurfaceShape{found->distance, normal,       across * K * across,
+                      ball.sigma,      found->known, ball.unseen_for};
 }
 
 std::optional<NearestOnObject> ObjectSurface::nearest_by_brute_force(const Vector3f& x) const {

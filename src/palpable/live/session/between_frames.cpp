@@ -51,7 +51,7 @@ void BetweenFrames::begin(const AnsweredFrame& frame) {
   ahead_ = 0;
   state_ = frame.state;
   surface_.build(frame.balls, region_, camera_);
-  contact_.find_touches(state_, surface_, {}, touches_);
+  contact_.find_touches(state_, &surface_, {}, touches_);
 }
 
 void BetweenFrames::advance(double ahead) {
@@ -66,8 +66,8 @@ void BetweenFrames::advance(double ahead) {
     return;
   }
   const double largest = std::max(share * SkinContact::kMove, 2 * surface_.moved());
-  contact_.solver().advance(state_, gaps_to(surface_), near_to(surface_), largest);
-  contact_.find_touches(state_, surface_, {}, touches_);
+  contact_.solver().advance(state_, surface_, largest);
+  contact_.find_touches(state_, &surface_, {}, touches_);
 }
 
 }  // namespace palpable

@@ -1,7 +1,5 @@
 #include "palpable/live/session/modal_bodies.h"
 
-#include "palpable/common/contact/skin_contact.h"
-
 #include <cstddef>
 
 namespace palpable {
@@ -18,8 +16,7 @@ std::vector<ModalMember> bodies_of(const std::vector<ModalBodies::Member>& membe
 ModalBodies::ModalBodies(const std::vector<Member>& members)
     : members_(members), contact_(bodies_of(members)), states_(members.size()) {
   for (const Member& member : members_) {
-    gaps_.push_back(gaps_to(*member.seen));
-    near_.push_back(near_to(*member.seen));
+    seen_.push_back(member.seen);
     const SurfaceMesh& rest = member.body.body->surface;
     skins_.push_back(rest.vertices.cast<float>());
     rest_normals_.emplace_back(3, skins_.back().cols());
@@ -34,7 +31,7 @@ ModalBodies::ModalBodies(const std::vector<Member>& members)
 }
 
 void ModalBodies::advance() {
-  report_ = contact_.advance(states_, gaps_, near_);
+  report_ = contact_.advance(states_, seen_);
   for (std::size_t k = 0; k < members_.size(); ++k) {
     skins_[k] = contact_.place(static_cast<int>(k), states_[k]);
   }
@@ -55,7 +52,7 @@ void ModalBodies::find_touches(int member, std::vector<Touch>& touches) {
     const int by = force.by < 0 ? -1 : members_[static_cast<std::size_t>(force.by)].number;
     points.push_back({now, now - before, force.force, force.at.area, by});
   }
-  patches_[k].find(*members_[k].seen, touches);
+  patches_[k].find(members_[k].seen, touches);
 }
 
 void ModalBodies::reconstruct(int member, const SceneExtras& extras, SceneBody& shown) {

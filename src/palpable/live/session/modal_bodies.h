@@ -5,6 +5,7 @@
 
 #include "palpable/common/contact/contact_pressure.h"
 #include "palpable/common/contact/modal_contact.h"
+#include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/pressing_surface.h"
 #include "palpable/common/contact/touch.h"
 #include "palpable/common/contact/touch_patches.h"
@@ -39,8 +40,7 @@ class ModalBodies {
   std::vector<Member> members_;
   ModalContact contact_;
   std::vector<ModalState> states_;
-  std::vector<GapQuery> gaps_;
-  std::vector<NearQuery> near_;
+  std::vector<const Obstacles*> seen_;   // what presses each
   std::vector<Eigen::Matrix3Xf> skins_;  // where they are now, m
   // Of each at rest: normals, von Mises stress and its components (SceneBody::cauchy), Pa.
   std::vector<Eigen::Matrix3Xf> rest_normals_;

@@ -39,8 +39,8 @@ struct Pressed {
   TouchState state;
   TouchReport report;
   std::vector<std::byte> said;
-  GapQuery gap = test::gap_to_ball(Vector3f(0, 0, 0.017f), 0.02f);
-  GapQuery nothing = [](const Vector3f&, SurfaceGap&) { return false; };
+  test::GapFunction gap = test::gap_to_ball(Vector3f(0, 0, 0.017f), 0.02f);
+  test::GapFunction nothing = test::nothing_near();
 
   // A kReady, and the right answer to the probe.
   void say_hello(float probe_factor = 1) {
@@ -82,7 +82,7 @@ struct Pressed {
     wanted.description = folder / "said";
     return std::move(Refiner::start(wanted).value());
   }
-  void frame(Refiner& refiner, const GapQuery& seen) {
+  void frame(Refiner& refiner, const test::GapFunction& seen) {
     refiner.begin_frame(solver, state);
     report = solver.advance(state, seen);
     refiner.end_frame(solver, state, report);

@@ -78,10 +78,9 @@ std::optional<Problem> wrong_setting(const SessionSettings& s) {
 struct RememberedBody : SessionBody {
   using SessionBody::SessionBody;
 
-  int modal = -1;  // its place among those that are answered by their energy; -1: it is none
   std::vector<Touch> touches;
   HiddenAtStart hidden;
-  Eigen::Matrix3Xf shape;  // (3 x V) m, as it was shown last; of ContactKind::kPaper alone
+  Eigen::Matrix3Xf shape;  // (3 x V) m, as it was shown last, where a law asks for it
 };
 
 AnswerSettings answer_settings(const SessionSettings& s, const DepthCamera& camera,
@@ -147,12 +146,15 @@ void Session::Parts::gather_modal() {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     RememberedBody& body = *bodies[k];
     if (body.answer.modal() == nullptr) continue;
-    body.modal = static_cast<int>(members.size());
     members.push_back({{&body.answer.body(), body.answer.modal(), body.world_from_body},
                        &body.answer.surface(),
                        static_cast<int>(k)});
   }
-  if (!members.empty()) modal.emplace(members);
+  if (members.empty()) return;
+  modal.emplace(members);
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    bodies[static_cast<std::size_t>(members[m].number)]->answer.join(*modal, static_cast<int>(m));
+  }
 }
 
 // Bodies with tables, and all that may stand in their way.
@@ -163,7 +165,11 @@ void Session::Parts::gather_pressing() {
     all.push_back(body->answer.among_others(body->world_from_body));
     any |= all.back().contact != nullptr;
   }
-  if (any && bodies.size() > 1) together.emplace(all);
+  if (!any || bodies.size() < 2) return;
+  together.emplace(all);
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    bodies[k]->answer.join(*together, static_cast<int>(k));
+  }
 }
 
 // Forgets what was learnt of the room: what is seen from now on is the room in which the body
@@ -245,7 +251,7 @@ void Session::Parts::find_what_presses(const Scene& scene) {
 // none
 int Session::Parts::gather_others(std::size_t of) {
   others.clear();
-  if (settings.contact != ContactKind::kPaper) return -1;
+  if (!bodies[of]->answer.asks_for_others()) return -1;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const RememberedBody& other = *bodies[k];
     const bool pressed = !other.touches.empty() && other.touches.front().by < 0;
@@ -279,14 +285,8 @@ void Session::Parts::find_touches(Scene& scene) {
   }
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     RememberedBody& body = *bodies[k];
-    if (body.modal >= 0) {
-      modal->find_touches(body.modal, body.touches);
-    } else if (together && body.answer.is_anywhere()) {
-      body.answer.find_touches(*together, static_cast<int>(k), body.touches);
-    } else {
-      const int by = gather_others(k);
-      body.answer.find_touches(scene.time, others, by, body.touches);
-    }
+    const int by = gather_others(k);
+    body.answer.find_touches(scene.time, others, by, body.touches);
     for (Touch& touch : body.touches) {
       touch.body = static_cast<int>(k);
       scene.touches.push_back(touch);
@@ -329,16 +329,10 @@ void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
   }
   const StageTimer timer(scene.times, "evaluate");
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    const RememberedBody& body = *bodies[k];
-    if (body.modal >= 0) {
-      modal->reconstruct(body.modal, extras, scene.bodies[k]);
-    } else {
-      bodies[k]->answer.reconstruct(body.touches, extras, scene.bodies[k]);
-    }
-    if (settings.contact == ContactKind::kPaper && bodies.size() > 1) {
-      bodies[k]->shape = scene.bodies[k].vertices;
-    }
-    if (together && !body.answer.is_anywhere()) {
+    RememberedBody& body = *bodies[k];
+    body.answer.reconstruct(body.touches, extras, scene.bodies[k]);
+    if (body.answer.asks_for_others() && bodies.size() > 1) body.shape = scene.bodies[k].vertices;
+    if (together && !together->is_answered(static_cast<int>(k))) {
       together->move_obstacle(static_cast<int>(k), scene.bodies[k].vertices);
     }
   }

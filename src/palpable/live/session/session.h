@@ -87,7 +87,7 @@ class Session {
 
   /// From now on exact answers are taken up where the first body is touched anywhere.
   void refine_with(Refiner refiner);
-  /// Null without refine_with().
+  /// Null without refine_with(), and where tables do not answer the first body.
   [[nodiscard]] Refiner* refiner();
   [[nodiscard]] const Refiner* refiner() const;
 

@@ -1,0 +1,35 @@
+/// @file
+/// Exact capsules as obstacles: what a game or a haptic device has instead of a camera.
+#pragma once
+
+#include "palpable/common/contact/obstacles.h"
+#include "palpable/common/contact/surface_gap.h"
+#include "palpable/common/geometry/capsule.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// The distance to the nearest of some capsules.
+class CapsuleObstacles : public Obstacles {
+ public:
+  /// @param capsules  body frame; keeps its memory
+  void set(std::span<const Capsule> capsules);
+
+  void find_gaps(std::span<const Eigen::Vector3f> places,
+                 std::span<SurfaceGap> gaps) const override;
+  [[nodiscard]] bool may_be_within(const Eigen::Vector3f& place, float reach) const override;
+
+ private:
+  [[nodiscard]] SurfaceGap gap_of(const Eigen::Vector3f& place) const;
+
+  std::vector<CapsuleField> fields_;
+  std::vector<Eigen::AlignedBox3f> boxes_;
+  Eigen::AlignedBox3f box_;  // of all
+};
+
+}  // namespace palpable

@@ -1,0 +1,179 @@
+#include "palpable/live/session/body_laws.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/reduced/pressed_surface.h"
+
+#include <array>
+#include <cstddef>
+
+namespace palpable {
+namespace {
+
+void make_room(const RestShape& rest, const SceneExtras& extras, SceneBody& shown) {
+  shown.vertices.resize(3, rest.vertices.cols());
+  shown.normals.resize(3, rest.vertices.cols());
+  shown.von_mises.resize(rest.von_mises.size());
+  shown.cauchy.resize(extras.components ? rest.cauchy.size() : 0);
+  shown.contact_pressure.clear();
+}
+
+// Of a body that can take but one press at a time.
+void show_press(const ReducedBody& body, const RestShape& rest, const std::vector<Touch>& touches,
+                const SceneExtras& extras, SceneBody& shown) {
+  shown.stated_error.reset();
+  if (touches.empty()) {
+    rest.show(extras, shown);
+    return;
+  }
+  make_room(rest, extras, shown);
+  const Touch& touch = touches.front();
+  const std::array mu{static_cast<double>(touch.site), touch.level};
+  press_surface(body, rest.vertices, mu, shown.vertices, shown.normals, shown.von_mises,
+                shown.cauchy);
+}
+
+}  // namespace
+
+std::string_view name_of(ContactKind kind) {
+  switch (kind) {
+    case ContactKind::kAnywhere:
+      return "anywhere";
+    case ContactKind::kSite:
+      return "site";
+    case ContactKind::kPaper:
+      break;
+  }
+  return "paper";
+}
+
+RestShape::RestShape(const ReducedBody& body)
+    : vertices(body.surface.vertices.cast<float>()),
+      normals(3, vertices.cols()),
+      von_mises(static_cast<std::size_t>(vertices.cols()), 0.0f),
+      cauchy(6 * von_mises.size(), 0.0f) {
+  vertex_normals(vertices, body.surface.triangles, normals);
+}
+
+void RestShape::show(const SceneExtras& extras, SceneBody& shown) const {
+  shown.vertices = vertices;
+  shown.normals = normals;
+  shown.von_mises = von_mises;
+  shown.cauchy.resize(extras.components ? cauchy.size() : 0);
+  if (extras.components) shown.cauchy = cauchy;
+  shown.contact_pressure.clear();
+}
+
+TablesLaw::TablesLaw(const ReducedBody& body, const TouchTables& tables,
+                     const TouchSettings& settings, RestShape& rest)
+    : body_(&body), tables_(&tables), contact_(body.surface, body.fixed, tables, settings) {
+  contact_.stress(state_, rest.von_mises, rest.cauchy);
+}
+
+void TablesLaw::join(PressingBodies& together, int number) {
+  together_ = &together;
+  number_ = number;
+}
+
+PressingBodies::Body TablesLaw::among_others(const ReducedBody& body, const ObjectSurface& seen) {
+  PressingBodies::Body one{&body.surface};
+  one.tables = tables_;
+  one.contact = &contact_;
+  one.state = &state_;
+  one.seen = &seen;
+  return one;
+}
+
+void TablesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touches) {
+  stated_.reset();
+  if (together_ != nullptr) {
+    together_->find_touches(number_, touches);
+    is_moved_ = !together_->is_at_rest(number_);
+    if (is_moved_) stated_ = together_->report_of(number_).stated;
+    return;
+  }
+  touches.clear();
+  is_moved_ = false;
+  if (refiner) refiner->begin_frame(contact_.solver(), state_);
+  const TouchReport report = contact_.advance(state_, pressing.seen, touches);
+  if (refiner) refiner->end_frame(contact_.solver(), state_, report);
+  stated_ = report.stated;
+}
+
+void TablesLaw::reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
+                            const SceneExtras& extras, SceneBody& shown) {
+  shown.stated_error = stated_;
+  if (touches.empty() && !is_moved_) {
+    rest.show(extras, shown);
+    if (extras.contact_pressure) shown.contact_pressure.resize(rest.von_mises.size(), 0.0f);
+    return;
+  }
+  make_room(rest, extras, shown);
+  contact_.place(state_, shown.vertices);
+  vertex_normals(shown.vertices, body_->surface.triangles, shown.normals);
+  contact_.stress(state_, shown.von_mises, shown.cauchy);
+  if (extras.contact_pressure) {
+    contact_.find_pressure(shown.vertices, shown.normals, shown.contact_pressure);
+  }
+}
+
+void ModesLaw::join(ModalBodies& together, int member) {
+  together_ = &together;
+  member_ = member;
+}
+
+void ModesLaw::find_touches(const Pressing&, std::vector<Touch>& touches) {
+  PALPABLE_EXPECT(together_ != nullptr, "bodies in modes are answered together");
+  together_->find_touches(member_, touches);
+}
+
+void ModesLaw::reconstruct(const RestShape&, const std::vector<Touch>&, const SceneExtras& extras,
+                           SceneBody& shown) {
+  PALPABLE_EXPECT(together_ != nullptr, "bodies in modes are answered together");
+  together_->reconstruct(member_, extras, shown);
+}
+
+void SitesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touches) {
+  touches.clear();
+  state_ = law_.advance(state_, pressing.seen, pressing.time);
+  if (state_.touch) touches.push_back(*state_.touch);
+}
+
+void SitesLaw::reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
+                           const SceneExtras& extras, SceneBody& shown) {
+  show_press(*body_, rest, touches, extras, shown);
+}
+
+PaperLaw::PaperLaw(const ReducedBody& body, const Eigen::AlignedBox3d& region,
+                   const PaperSettings& settings)
+    : body_(&body),
+      settings_(settings),
+      nodes_(body, settings.nodes),
+      seen_(settings.distance, region, settings.release_distance, settings.voxel) {}
+
+void PaperLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touches) {
+  touches.clear();
+  nodes_.deform(state_, *body_);
+  const int last = static_cast<int>(body_->levels().size()) - 1;
+  seen_.reserve(pressing.seen.cloud_room());
+  seen_.build(pressing.seen.cloud());
+  std::optional<NearestNode> nearest = nearest_node(nodes_, seen_);
+  const bool is_real = nearest && nearest->distance < settings_.release_distance;
+  const bool by_other = !is_real && !pressing.others.empty();
+  if (by_other) {
+    seen_.build(pressing.others);
+    nearest = nearest_node(nodes_, seen_);
+  }
+  state_ = advance_as_printed(state_, nearest, last, settings_);
+  if (auto touch = touch_of(state_, *body_)) {
+    if (by_other) touch->by = pressing.by;
+    touches.push_back(*touch);
+  }
+}
+
+void PaperLaw::reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
+                           const SceneExtras& extras, SceneBody& shown) {
+  show_press(*body_, rest, touches, extras, shown);
+}
+
+}  // namespace palpable
