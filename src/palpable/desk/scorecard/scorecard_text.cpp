@@ -83,18 +83,17 @@ std::string depth_table(const ImageScores& images) {
 }
 
 // What somebody wants to know first: how far off what was answered is, where it could be judged.
-std::string in_short(const DeformedScores& deformed, const char* body) {
+std::string in_short(const DeformedScores& deformed, const std::string& body) {
   const auto& shape = deformed.displacement_error;
   const auto& force = deformed.force_error;
   if (!deformed.deformed_frames || !shape) return {};
   std::string text = fmt::format(
-      "in short: {}against full finite elements, in {} frames, the shape is off by {:.0f} % in "
-      "half of the frames "
-      "({:.0f} % in 9 of 10)",
+      "in short: {}what was answered from the camera's pictures, against full finite elements "
+      "under "
+      "the true hand ({} frames): shape off by {:.0f} % in the median ({:.0f} % in 9 of 10)",
       body, *deformed.deformed_frames, 100 * shape->median, 100 * shape->p90);
   if (force) {
-    text +=
-        fmt::format(", the force by {:.0f} % ({:.0f} %)", 100 * force->median, 100 * force->p90);
+    text += fmt::format(", force by {:.0f} % ({:.0f} %)", 100 * force->median, 100 * force->p90);
   }
   return text + "\n";
 }
@@ -136,7 +135,7 @@ std::string text_of(const Scorecard& scores) {
   text += line("rows out of line, at worst", scores.row_error_px, " px", 2);
   if (scores.bodies.empty()) text += in_short(scores.deformed, "");
   for (const BodyScores& body : scores.bodies) {
-    text += in_short(body.deformed, (body.name + ", ").c_str());
+    text += in_short(body.deformed, body.name + ": ");
   }
   return text;
 }
