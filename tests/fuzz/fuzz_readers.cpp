@@ -9,6 +9,7 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/fnv1a.h"
 #include "tests/fuzz/fuzz_reader.h"
+#include "tests/support/sanitizers.h"
 
 #include <fmt/format.h>
 
@@ -35,7 +36,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef PALPABLE_ASAN
 constexpr bool kSanitized = true;  // takes terabytes of addresses, and its time
 #else
 constexpr bool kSanitized = false;

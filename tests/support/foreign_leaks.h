@@ -2,7 +2,9 @@
 /// Memory that a driver takes and does not give back is not our leak.
 #pragma once
 
-#if defined(__SANITIZE_ADDRESS__)
+#include "tests/support/sanitizers.h"
+
+#ifdef PALPABLE_ASAN
 #include <sanitizer/lsan_interface.h>
 #endif
 
@@ -13,7 +15,7 @@ namespace palpable::test {
 /// cannot name (and so not suppress) a library that is gone.
 class IgnoreForeignLeaks {
  public:
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef PALPABLE_ASAN
   IgnoreForeignLeaks() { __lsan_disable(); }
   ~IgnoreForeignLeaks() { __lsan_enable(); }
 #else

@@ -3,26 +3,11 @@
 #include "tests/support/sanitizer_names.h"
 
 #include "tests/support/full_disk.h"
+#include "tests/support/sanitizers.h"
 
 bool palpable::test::sanitizer_names_are_here() { return true; }
 
 #define PALPABLE_SEEN extern "C" __attribute__((visibility("default")))
-
-// GCC defines macros, Clang has features.
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define PALPABLE_ASAN
-#endif
-#if __has_feature(thread_sanitizer)
-#define PALPABLE_TSAN
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__)
-#define PALPABLE_ASAN
-#endif
-#if defined(__SANITIZE_THREAD__)
-#define PALPABLE_TSAN
-#endif
 
 #ifdef PALPABLE_ASAN
 // LeakSanitizer asks for this name before it looks.

@@ -344,7 +344,7 @@ bool ContactProblem::solve(std::span<ContactCandidate> candidates, std::span<con
   for (std::size_t p = given; p < m; ++p) {
     W[p * m + p] += (step.softness + static_cast<double>(candidates[p].softness)) * mean;
   }
-  if (step.obstacles != nullptr) add_yielding(candidates, *step.obstacles);
+  add_yielding(candidates, step.obstacles);
   for (std::size_t p = 0; p < m; ++p) f[p] = candidates[p].pressing;
   if (given > 0) take_out_given(candidates, given);
   if (!complementarity_.solve(W.first(n * n), q.subspan(given), f.subspan(given))) return false;

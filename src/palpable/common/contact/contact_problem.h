@@ -46,11 +46,11 @@ struct ContactCandidate {
 };
 
 struct ContactStep {
-  double shift = 0;       ///< m, added to the gaps: the object is taken back by it
-  double softness = 0;    ///< see TouchSettings
-  bool turning = true;    ///< false: normals stay as they are
-  std::size_t given = 0;  ///< so many candidates, the first, have forces that are no unknowns
-  const Obstacles* obstacles = nullptr;  ///< what presses: its compliance is added; null: none
+  double shift = 0;            ///< m, added to the gaps: the object is taken back by it
+  double softness = 0;         ///< see TouchSettings
+  bool turning = true;         ///< false: normals stay as they are
+  std::size_t given = 0;       ///< so many candidates, the first, have forces that are no unknowns
+  const Obstacles& obstacles;  ///< what presses: its compliance is added to W
 };
 
 /// Holds the memory of its solves, which allocate nothing.

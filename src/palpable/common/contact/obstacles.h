@@ -43,7 +43,7 @@ class Obstacles {
 
   /// Adds to W how much farther away each point's obstacle moves by a force of 1 N at each other
   /// point, along their normals: the compliance of what is pressed. By default nothing gives way.
-  /// @param points  with `on` as find_gaps() gave it
+  /// @param points  each with the SurfaceGap::on that find_gaps() wrote for its place
   /// @param W       (m x m) m/N, row by row; the lower triangle is read
   virtual void add_compliance(std::span<const YieldingPoint> points, std::span<double> W) const {
     (void)points;

@@ -38,27 +38,15 @@ double farthest_apart(const Matrix3Xf& a, const Matrix3Xf& b) {
 // What presses a body: what is seen, or the skin of another one, whichever is nearer.
 class PressingBodies::AroundBody : public Obstacles {
  public:
-  AroundBody(const PressingBodies& all, int body) : all_(&all), body_(body) {
-    constexpr std::size_t m = TouchSolver::kMostPoints;
-    places_.reserve(m);
-    others_.reserve(m);
-    of_one_.reserve(m);
-    which_of_one_.reserve(m);
-    yield_.resize(m * m);
-  }
+  AroundBody(PressingBodies& all, int body) : all_(&all), body_(body) {}
 
   void find_gaps(std::span<const Vector3f> places, std::span<SurfaceGap> gaps) const override;
   [[nodiscard]] bool may_be_within(const Vector3f& place, float reach) const override;
   void add_compliance(std::span<const YieldingPoint> points, std::span<double> W) const override;
 
  private:
-  const PressingBodies* all_;
+  PressingBodies* all_;  // whose memory it works in: bodies are answered one after the other
   int body_;
-  mutable std::vector<Vector3f> places_;           // in another body's frame,
-  mutable std::vector<SurfaceGap> others_;         // and the gaps to it
-  mutable std::vector<YieldingPoint> of_one_;      // points before one body,
-  mutable std::vector<std::size_t> which_of_one_;  // and which
-  mutable std::vector<double> yield_;              // of these
 };
 
 // One of the bodies.
@@ -117,7 +105,13 @@ PressingBodies::PressingBodies(const std::vector<Body>& bodies) {
     if (part(k).has_answer()) part(k).around.emplace(*this, k);
   }
   pair_up();
-  moved_.reserve(2 * TouchSolver::kMostPoints);
+  constexpr std::size_t m = TouchSolver::kMostPoints;
+  moved_.reserve(2 * m);
+  places_.reserve(m);
+  gaps_.reserve(m);
+  of_one_.reserve(m);
+  which_of_one_.reserve(m);
+  yield_.resize(m * m);
 }
 PressingBodies::~PressingBodies() = default;
 
@@ -146,13 +140,14 @@ void PressingBodies::AroundBody::find_gaps(std::span<const Vector3f> places,
   all_->part(body_).body.obstacles->find_gaps(places, gaps);
   for (const Pair& pair : all_->pairs_) {
     if (pair.points != body_ || !pair.is_near) continue;
-    places_.clear();
-    for (const Vector3f& place : places) places_.push_back(pair.to_skin * place);
-    others_.resize(places.size());
-    all_->part(pair.skin).skin.find_gaps(places_, others_);
+    std::vector<Vector3f>& on_skin = all_->places_;
+    on_skin.clear();
+    for (const Vector3f& place : places) on_skin.push_back(pair.to_skin * place);
+    all_->gaps_.resize(places.size());
+    all_->part(pair.skin).skin.find_gaps(on_skin, all_->gaps_);
     const Eigen::Matrix3f turn = pair.to_skin.linear();
     for (std::size_t k = 0; k < places.size(); ++k) {
-      SurfaceGap& other = others_[k];
+      SurfaceGap& other = all_->gaps_[k];
       other.distance += pair.overlap;
       if (!(other.distance < gaps[k].distance)) continue;
       other.normal = turn.transpose() * other.normal;
@@ -174,24 +169,24 @@ bool PressingBodies::AroundBody::may_be_within(const Vector3f& place, float reac
 void PressingBodies::AroundBody::add_compliance(std::span<const YieldingPoint> points,
                                                 std::span<double> W) const {
   const std::size_t m = points.size();
+  std::vector<YieldingPoint>& of_one = all_->of_one_;
+  std::vector<std::size_t>& which = all_->which_of_one_;
   for (const Pair& pair : all_->pairs_) {
     const Part& other = all_->part(pair.skin);
     if (pair.points != body_ || !pair.is_near || !other.skin.gives_way()) continue;
-    of_one_.clear();
-    which_of_one_.clear();
+    of_one.clear();
+    which.clear();
     for (std::size_t p = 0; p < m; ++p) {
       if (points[p].on.body != pair.skin) continue;
-      of_one_.push_back({points[p].on, pair.to_skin.linear() * points[p].normal});
-      which_of_one_.push_back(p);
+      of_one.push_back({points[p].on, pair.to_skin.linear() * points[p].normal});
+      which.push_back(p);
     }
-    const std::size_t n = of_one_.size();
-    const std::span<double> yield(yield_.data(), n * n);
+    const std::size_t n = of_one.size();
+    const std::span<double> yield(all_->yield_.data(), n * n);
     std::fill(yield.begin(), yield.end(), 0.0);
-    other.skin.add_compliance(of_one_, yield);
+    other.skin.add_compliance(of_one, yield);
     for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) {
-        W[which_of_one_[i] * m + which_of_one_[j]] += yield[i * n + j];
-      }
+      for (std::size_t j = 0; j <= i; ++j) { W[which[i] * m + which[j]] += yield[i * n + j]; }
     }
   }
 }

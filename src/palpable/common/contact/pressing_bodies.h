@@ -96,7 +96,12 @@ class PressingBodies {
   std::vector<Pair> pairs_;
   double move_ = 0;  // m that a vertex may go in this frame
   PressingReport report_;
-  std::vector<Eigen::Vector3f> moved_;  // of pressed points
+  std::vector<Eigen::Vector3f> moved_;     // of pressed points
+  std::vector<Eigen::Vector3f> places_;    // of points in another body's frame,
+  std::vector<SurfaceGap> gaps_;           // and their gaps to it
+  std::vector<YieldingPoint> of_one_;      // points before one body,
+  std::vector<std::size_t> which_of_one_;  // and which
+  std::vector<double> yield_;              // of these
 };
 
 }  // namespace palpable

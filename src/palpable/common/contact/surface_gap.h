@@ -28,7 +28,7 @@ enum class Known {
 
 /// The signed distance of a place from the nearest obstacle, to second order.
 struct SurfaceGap {
-  /// m, negative inside; infinite: there is none within kGapReach
+  /// m, negative inside the obstacle; infinite where no obstacle is within kGapReach
   float distance = std::numeric_limits<float>::infinity();
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the obstacle
   /// Second derivative of the distance, 1/m: a ball of radius r has (1 - n n^T) / r.

@@ -413,7 +413,7 @@ double TouchSolver::Work::iterate(const Obstacles& obstacles, double shift, Cros
   // the step is a shorter one, not a wrong one.
   const auto solve = [&](const NonlinearAnswer* answer, bool turning) {
     return problem.solve(pressed, field, answer,
-                         {shift, settings.softness, turning, given.size(), &obstacles});
+                         {shift, settings.softness, turning, given.size(), obstacles});
   };
   stuck = true;
   if (!solve(tangent, true) && !solve(tangent, false) && !solve(nullptr, false)) return 0;

@@ -21,7 +21,8 @@
 
 namespace palpable {
 
-/// Allocates in its constructor. OtherSkin::body of its gaps is not set.
+/// Allocates in its constructor. The gaps that it tells leave OtherSkin::body at -1: the number of
+/// a body is known only to whoever has several of them.
 class YieldingSkin : public Obstacles {
  public:
   /// @param skin    closed; at rest
@@ -39,13 +40,15 @@ class YieldingSkin : public Obstacles {
 
   [[nodiscard]] const MovingSurface& surface() const { return surface_; }
 
-  /// In its own frame; infinite also where a place is deeper inside than 20 mm.
+  /// Places and gaps are in the frame of this body. A place that lies deeper than 20 mm inside has
+  /// an infinite gap, as one that lies farther than kGapReach outside.
   void find_gaps(std::span<const Eigen::Vector3f> places,
                  std::span<SurfaceGap> gaps) const override;
   [[nodiscard]] bool may_be_within(const Eigen::Vector3f& place, float reach) const override {
     return surface_.may_be_within(place, reach);
   }
-  /// By its tables. @param points  on this skin, normals in its frame
+  /// Adds the compliance that the tables know; without tables, nothing.
+  /// @param points  on this skin, normals in its frame
   void add_compliance(std::span<const YieldingPoint> points, std::span<double> W) const override;
   /// What is nearest to a place, 20 mm away at most; false: nothing.
   bool find(const Eigen::Vector3f& place, OtherSkin& on) const;

@@ -36,9 +36,7 @@ ContactKind BodyAnswer::contact() const {
   return std::visit([](const auto& law) { return law.kKind; }, law_);
 }
 
-bool BodyAnswer::asks_for_others() const {
-  return std::visit([](const auto& law) { return law.asks_for_others(); }, law_);
-}
+bool BodyAnswer::asks_for_others() const { return std::holds_alternative<PaperLaw>(law_); }
 
 const ModalTables* BodyAnswer::modal() const {
   const auto* law = std::get_if<ModesLaw>(&law_);
@@ -74,7 +72,7 @@ void BodyAnswer::reconstruct(const std::vector<Touch>& touches, const SceneExtra
 
 PressingBodies::Body BodyAnswer::among_others(const Rigid3& world_from_body) {
   PressingBodies::Body body{&body_.surface};
-  if (auto* law = std::get_if<TablesLaw>(&law_)) body = law->among_others(body_, surface_);
+  if (auto* law = std::get_if<TablesLaw>(&law_)) body = law->among_others(surface_);
   body.world_from_body = world_from_body;
   return body;
 }

@@ -14,6 +14,7 @@
 #include "palpable/live/seen_object/object_surface.h"
 #include "palpable/live/session/body_laws.h"
 #include "palpable/live/session/refiner.h"
+#include "palpable/live/session/rest_shape.h"
 #include "palpable/live/session/scene.h"
 
 #include <Eigen/Core>
@@ -39,7 +40,7 @@ struct AnswerSettings {
 class BodyAnswer {
  public:
   BodyAnswer(TouchableBody body, const AnswerSettings& settings);
-  BodyAnswer(const BodyAnswer&) = delete;  // its law knows where the body is
+  BodyAnswer(const BodyAnswer&) = delete;  // its law points to the body
   BodyAnswer& operator=(const BodyAnswer&) = delete;
 
   /// The part of the image in which things that matter to the body may be seen.
@@ -50,13 +51,15 @@ class BodyAnswer {
   /// @param shows  of each pixel what it shows (PressingMask)
   void look(const SeenFrame& seen, const MaskImage& shows, const Rigid3& camera_from_body);
 
-  /// One frame's touches, the strongest first. Bodies that are answered together are so before.
+  /// One frame's touches, the strongest first. Of bodies that were joined the contact of the frame
+  /// must have been solved before, by what they were joined to.
   /// @param time     s, of the frame
-  /// @param others   m, body frame: points of another body's skin, for a law that asks_for_others()
+  /// @param others   m, body frame: points of another body's skin, if asks_for_others()
   /// @param by       number of the body that they are of
   /// @param touches  overwritten
   void find_touches(double time, std::span<const Eigen::Vector3f> others, int by,
                     std::vector<Touch>& touches);
+  /// Whether the law reads the points of another body's skin.
   [[nodiscard]] bool asks_for_others() const;
 
   /// Shape, normals, stress and stated error of the touches found last.
@@ -76,7 +79,8 @@ class BodyAnswer {
   [[nodiscard]] ContactKind contact() const;
   /// What others are to know to press it, and to be pressed by it where its tables answer.
   [[nodiscard]] PressingBodies::Body among_others(const Rigid3& world_from_body);
-  /// If its law is that of tables, or of modes: it is answered together with others from now on.
+  /// From now on `together` solves the body's contact, and that of others with it. Nothing happens
+  /// if the body has another law than TablesLaw (first function) or ModesLaw (second).
   void join(PressingBodies& together, int number);
   void join(ModalBodies& together, int member);
 

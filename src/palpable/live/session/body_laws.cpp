@@ -5,20 +5,11 @@
 #include "palpable/common/reduced/pressed_surface.h"
 
 #include <array>
-#include <cstddef>
 
 namespace palpable {
 namespace {
 
-void make_room(const RestShape& rest, const SceneExtras& extras, SceneBody& shown) {
-  shown.vertices.resize(3, rest.vertices.cols());
-  shown.normals.resize(3, rest.vertices.cols());
-  shown.von_mises.resize(rest.von_mises.size());
-  shown.cauchy.resize(extras.components ? rest.cauchy.size() : 0);
-  shown.contact_pressure.clear();
-}
-
-// Of a body that can take but one press at a time.
+// The shape of a body that takes one press at a time, from its separated displacement.
 void show_press(const ReducedBody& body, const RestShape& rest, const std::vector<Touch>& touches,
                 const SceneExtras& extras, SceneBody& shown) {
   shown.stated_error.reset();
@@ -26,7 +17,7 @@ void show_press(const ReducedBody& body, const RestShape& rest, const std::vecto
     rest.show(extras, shown);
     return;
   }
-  make_room(rest, extras, shown);
+  rest.make_room(extras, shown);
   const Touch& touch = touches.front();
   const std::array mu{static_cast<double>(touch.site), touch.level};
   press_surface(body, rest.vertices, mu, shown.vertices, shown.normals, shown.von_mises,
@@ -47,23 +38,6 @@ std::string_view name_of(ContactKind kind) {
   return "paper";
 }
 
-RestShape::RestShape(const ReducedBody& body)
-    : vertices(body.surface.vertices.cast<float>()),
-      normals(3, vertices.cols()),
-      von_mises(static_cast<std::size_t>(vertices.cols()), 0.0f),
-      cauchy(6 * von_mises.size(), 0.0f) {
-  vertex_normals(vertices, body.surface.triangles, normals);
-}
-
-void RestShape::show(const SceneExtras& extras, SceneBody& shown) const {
-  shown.vertices = vertices;
-  shown.normals = normals;
-  shown.von_mises = von_mises;
-  shown.cauchy.resize(extras.components ? cauchy.size() : 0);
-  if (extras.components) shown.cauchy = cauchy;
-  shown.contact_pressure.clear();
-}
-
 TablesLaw::TablesLaw(const ReducedBody& body, const TouchTables& tables,
                      const TouchSettings& settings, RestShape& rest)
     : body_(&body), tables_(&tables), contact_(body.surface, body.fixed, tables, settings) {
@@ -75,8 +49,8 @@ void TablesLaw::join(PressingBodies& together, int number) {
   number_ = number;
 }
 
-PressingBodies::Body TablesLaw::among_others(const ReducedBody& body, const ObjectSurface& seen) {
-  PressingBodies::Body one{&body.surface};
+PressingBodies::Body TablesLaw::among_others(const ObjectSurface& seen) {
+  PressingBodies::Body one{&body_->surface};
   one.tables = tables_;
   one.contact = &contact_;
   one.state = &state_;
@@ -108,7 +82,7 @@ void TablesLaw::reconstruct(const RestShape& rest, const std::vector<Touch>& tou
     if (extras.contact_pressure) shown.contact_pressure.resize(rest.von_mises.size(), 0.0f);
     return;
   }
-  make_room(rest, extras, shown);
+  rest.make_room(extras, shown);
   contact_.place(state_, shown.vertices);
   vertex_normals(shown.vertices, body_->surface.triangles, shown.normals);
   contact_.stress(state_, shown.von_mises, shown.cauchy);

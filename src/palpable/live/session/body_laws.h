@@ -1,11 +1,10 @@
 /// @file
-/// The contact laws of a session: how one body answers what presses it. A body has one of four
-/// (BodyLaw); all of them do the same two things in a frame:
+/// The contact laws of a session. A law decides which forces act on a body that something presses,
+/// and what shape the body then has. Each body has one of four laws (BodyLaw), and each law has two
+/// functions, which the session calls once a frame, one after the other:
 ///
-///     find_touches()   what is seen -> touches, and the body's state
-///     reconstruct()    the state -> shape, normals, stress and stated error
-///
-///   V  surface vertices
+///     find_touches()   computes forces and state of the body from the surface that presses it
+///     reconstruct()    computes shape, normals, stress and stated error from that state
 #pragma once
 
 #include "palpable/common/contact/cloud_distance.h"
@@ -21,6 +20,7 @@
 #include "palpable/live/seen_object/object_surface.h"
 #include "palpable/live/session/modal_bodies.h"
 #include "palpable/live/session/refiner.h"
+#include "palpable/live/session/rest_shape.h"
 #include "palpable/live/session/scene.h"
 
 #include <Eigen/Core>
@@ -44,46 +44,36 @@ enum class ContactKind {
 /// "anywhere", "site" or "paper".
 [[nodiscard]] std::string_view name_of(ContactKind kind);
 
-/// A body that nothing presses.
-struct RestShape {
-  explicit RestShape(const ReducedBody& body);
-  /// Shape, normals and stress; contact pressure is emptied.
-  void show(const SceneExtras& extras, SceneBody& shown) const;
-
-  Eigen::Matrix3Xf vertices, normals;  ///< (3 x V) m
-  std::vector<float> von_mises;        ///< (V) Pa
-  std::vector<float> cauchy;           ///< (6V) Pa, as SceneBody::cauchy
-};
-
-/// What a law is told in a frame.
+/// What presses a body in one frame: the input of find_touches().
 struct Pressing {
-  const ObjectSurface& seen;  ///< of real things, body frame
+  const ObjectSurface& seen;  ///< the surface of real things, body frame
   double time = 0;            ///< s, of the frame
-  /// m, body frame: points of another body's skin; for a law that asks_for_others().
+  /// m, body frame: points of another body's skin. PaperLaw alone reads them.
   std::span<const Eigen::Vector3f> others;
   int by = -1;  ///< the number of that body
 };
 
-/// Nothing enters the skin, anywhere, by tables of touch (contact/skin_contact.h).
+/// Unilateral contact all over the skin, solved with the body's tables of touch
+/// (contact/skin_contact.h).
 class TablesLaw {
  public:
   static constexpr ContactKind kKind = ContactKind::kAnywhere;
-  /// @param rest  its stress is filled: tables may hold one of the preload
+  /// @param rest  gets the stress of the preload, which the tables may hold
   TablesLaw(const ReducedBody& body, const TouchTables& tables, const TouchSettings& settings,
             RestShape& rest);
 
-  /// The body is answered together with others from now on, as number `number` of them.
+  /// From now on `together` solves the contact of this body and of others, in which the body has
+  /// this number; find_touches() reads what was solved.
   void join(PressingBodies& together, int number);
-  /// What the others are to know of it; what it points to stays where it is.
-  [[nodiscard]] PressingBodies::Body among_others(const ReducedBody& body,
-                                                  const ObjectSurface& seen);
+  /// The body as `together` needs it, without its pose. It points to parts of this law, which must
+  /// not be moved afterwards.
+  [[nodiscard]] PressingBodies::Body among_others(const ObjectSurface& seen);
 
   void find_touches(const Pressing& pressing, std::vector<Touch>& touches);
   void reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
                    const SceneExtras& extras, SceneBody& shown);
-  [[nodiscard]] static constexpr bool asks_for_others() { return false; }
 
-  std::optional<Refiner> refiner;  ///< exact answers, taken up where there is one
+  std::optional<Refiner> refiner;  ///< gives exact answers, which are taken up; none: tables alone
   [[nodiscard]] const TouchState& state() const { return state_; }
   [[nodiscard]] const TouchTables& tables() const { return *tables_; }
 
@@ -92,25 +82,25 @@ class TablesLaw {
   const TouchTables* tables_;
   SkinContact contact_;
   TouchState state_;
-  bool is_moved_ = false;  // though nothing may touch it: it is on its way back
+  // Answered together with others and not at rest, though nothing may touch it in this frame.
+  bool is_moved_ = false;
   std::optional<StatedError> stated_;
   PressingBodies* together_ = nullptr;
   int number_ = -1;
 };
 
-/// Nothing enters the skin of bodies whose energy is known in modes; all of them are answered
-/// together (modal_bodies.h).
+/// Unilateral contact all over the skin of a body whose energy is known in modes. ModalBodies
+/// solves it for all such bodies of a session at once; this law reads what was solved.
 class ModesLaw {
  public:
   static constexpr ContactKind kKind = ContactKind::kAnywhere;
   explicit ModesLaw(const ModalTables& tables) : tables_(&tables) {}
-  /// @param member  its place among them
+  /// @param member  the body's place among those of `together`
   void join(ModalBodies& together, int member);
 
   void find_touches(const Pressing& pressing, std::vector<Touch>& touches);
   void reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
                    const SceneExtras& extras, SceneBody& shown);
-  [[nodiscard]] static constexpr bool asks_for_others() { return false; }
   [[nodiscard]] const ModalTables& tables() const { return *tables_; }
 
  private:
@@ -119,7 +109,8 @@ class ModesLaw {
   int member_ = -1;
 };
 
-/// At the body's sites, one at a time (contact/press_law.h).
+/// One press at a time, at the nearest of the sites that the body was baked for; its level follows
+/// from the measured depth of the press (contact/press_law.h).
 class SitesLaw {
  public:
   static constexpr ContactKind kKind = ContactKind::kSite;
@@ -129,7 +120,6 @@ class SitesLaw {
   void find_touches(const Pressing& pressing, std::vector<Touch>& touches);
   void reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
                    const SceneExtras& extras, SceneBody& shown);
-  [[nodiscard]] static constexpr bool asks_for_others() { return false; }
 
  private:
   const ReducedBody* body_;
@@ -137,8 +127,8 @@ class SitesLaw {
   PressState state_;
 };
 
-/// Algorithm 1 as printed (contact/paper_contact.h). Where nothing real is near, the skin of
-/// another body presses (paper Sec. 5.1: one way).
+/// Algorithm 1 of the paper as printed (contact/paper_contact.h). Where no real thing is near, the
+/// skin of another body presses, and is not pressed back (paper Sec. 5.1).
 class PaperLaw {
  public:
   static constexpr ContactKind kKind = ContactKind::kPaper;
@@ -148,7 +138,6 @@ class PaperLaw {
   void find_touches(const Pressing& pressing, std::vector<Touch>& touches);
   void reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
                    const SceneExtras& extras, SceneBody& shown);
-  [[nodiscard]] static constexpr bool asks_for_others() { return true; }
 
  private:
   const ReducedBody* body_;

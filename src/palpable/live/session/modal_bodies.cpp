@@ -17,16 +17,13 @@ ModalBodies::ModalBodies(const std::vector<Member>& members)
     : members_(members), contact_(bodies_of(members)), states_(members.size()) {
   for (const Member& member : members_) {
     seen_.push_back(member.seen);
-    const SurfaceMesh& rest = member.body.body->surface;
-    skins_.push_back(rest.vertices.cast<float>());
-    rest_normals_.emplace_back(3, skins_.back().cols());
-    rest_stress_.emplace_back(static_cast<std::size_t>(skins_.back().cols()));
-    rest_cauchy_.emplace_back(6 * rest_stress_.back().size());
+    RestShape& rest = rest_.emplace_back(*member.body.body);
+    skins_.push_back(rest.vertices);
     patches_.emplace_back(2 * ModalContact::kMostPoints);
-    pressures_.emplace_back(rest);
-    const int k = static_cast<int>(rest_stress_.size()) - 1;
-    contact_.normals(k, {}, rest_normals_.back());
-    contact_.stress(k, {}, rest_stress_.back(), rest_cauchy_.back());
+    pressures_.emplace_back(member.body.body->surface);
+    const int k = static_cast<int>(rest_.size()) - 1;
+    contact_.normals(k, {}, rest.normals);
+    contact_.stress(k, {}, rest.von_mises, rest.cauchy);
   }
 }
 
@@ -58,18 +55,13 @@ void ModalBodies::find_touches(int member, std::vector<Touch>& touches) {
 void ModalBodies::reconstruct(int member, const SceneExtras& extras, SceneBody& shown) {
   const auto k = static_cast<std::size_t>(member);
   shown.stated_error.reset();
-  shown.vertices = skins_[k];
-  shown.cauchy.resize(extras.components ? rest_cauchy_[k].size() : 0);
-  shown.contact_pressure.clear();
   if (states_[k].q.isZero(0)) {  // what stands about costs a copy
-    shown.normals = rest_normals_[k];
-    shown.von_mises = rest_stress_[k];
-    if (extras.components) shown.cauchy = rest_cauchy_[k];
-    if (extras.contact_pressure) shown.contact_pressure.resize(rest_stress_[k].size(), 0.0f);
+    rest_[k].show(extras, shown);
+    if (extras.contact_pressure) shown.contact_pressure.resize(rest_[k].von_mises.size(), 0.0f);
     return;
   }
-  shown.normals.resize(3, skins_[k].cols());
-  shown.von_mises.resize(static_cast<std::size_t>(skins_[k].cols()));
+  rest_[k].make_room(extras, shown);
+  shown.vertices = skins_[k];
   contact_.normals(member, states_[k], shown.normals);
   contact_.stress(member, states_[k], shown.von_mises, shown.cauchy);
   if (extras.contact_pressure) {

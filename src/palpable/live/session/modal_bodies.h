@@ -9,6 +9,7 @@
 #include "palpable/common/contact/pressing_surface.h"
 #include "palpable/common/contact/touch.h"
 #include "palpable/common/contact/touch_patches.h"
+#include "palpable/live/session/rest_shape.h"
 #include "palpable/live/session/scene.h"
 
 #include <vector>
@@ -42,9 +43,7 @@ class ModalBodies {
   std::vector<ModalState> states_;
   std::vector<const Obstacles*> seen_;   // what presses each
   std::vector<Eigen::Matrix3Xf> skins_;  // where they are now, m
-  // Of each at rest: normals, von Mises stress and its components (SceneBody::cauchy), Pa.
-  std::vector<Eigen::Matrix3Xf> rest_normals_;
-  std::vector<std::vector<float>> rest_stress_, rest_cauchy_;
+  std::vector<RestShape> rest_;
   std::vector<TouchPatches> patches_;  // of the frame answered last
   std::vector<ContactPressure> pressures_;
   ModalReport report_;
