@@ -35,8 +35,8 @@ struct BodiesAnswer {
 };
 
 /// Plays all frames of the clip with the hand's own capsules.
-/// @throws Error for a body with neither tables of touch nor an energy in modes, for bodies of both
-///         kinds, and naming what of the clip is missing
+/// @throws Error for a body with neither tables of touch nor an energy in modes, and
+///         naming what of the clip is missing
 [[nodiscard]] BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies,
                                             const std::filesystem::path& clip);
 

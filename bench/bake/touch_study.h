@@ -4,8 +4,8 @@
 #pragma once
 
 #include "palpable/bake/touch_bake/skin_response.h"
-#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/response/compliance.h"
+#include "palpable/common/response/touch_solver.h"
 
 #include <cstdint>
 #include <vector>

@@ -4,13 +4,18 @@
 ///
 ///     G_ij = softness exp(-|x_i - x_j| / length) 1
 ///
-/// as elastic_sheet.h has it.
+/// as elastic_sheet.h has it; or the part of it in its leading eigenvectors, of which a body in
+/// modes is made, too.
 #pragma once
 
+#include "palpable/common/base/row_kernels.h"
 #include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/reduced/reduced_body.h"
 #include "palpable/common/response/touch_tables.h"
+#include "tests/support/bodies.h"
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <cstdint>
@@ -28,10 +33,53 @@ class ElasticCushion {
   std::vector<std::uint8_t> fixed;
   TouchTables tables;  ///< linear, all near, without a shell
 
-  ElasticCushion() : skin(sphere_surface(Eigen::Vector3d::Zero(), kWide, 3)) {
+  /// @param leading  eigenvectors of the compliance that are kept; 0: all
+  explicit ElasticCushion(int leading = 0)
+      : skin(sphere_surface(Eigen::Vector3d::Zero(), kWide, 3)) {
     skin.vertices.row(2) *= kHigh / kWide;
     const int V = skin.vertex_count();
     fixed.assign(static_cast<std::size_t>(V), 0);
+    compliance_ = Eigen::MatrixXd::NullaryExpr(V, V, [&](Eigen::Index v, Eigen::Index w) {
+      return kSoftness * std::exp(-(skin.vertices.col(v) - skin.vertices.col(w)).norm() / kLength);
+    });
+    if (leading > 0) keep_leading(leading);
+    make_tables();
+  }
+
+  /// m/N, in every direction.
+  [[nodiscard]] double compliance(int v, int w) const { return compliance_(v, w); }
+
+  /// The same body by its energy, 1/2 q . q, in three modes for each eigenvector; without a shell.
+  /// @pre leading > 0
+  [[nodiscard]] ReducedBody in_modes() const {
+    ReducedBody body = pressed_ball();  // whose fields no contact reads
+    body.surface = skin;
+    body.fixed = fixed;
+    const Eigen::Index k = eigenvectors_.cols(), n = 3 * k, pairs = n * (n + 1) / 2;
+    SeveralLoads several;
+    several.energy = {Eigen::VectorXd::Zero(pairs), Eigen::MatrixXd::Zero(pairs, n),
+                      Eigen::MatrixXd::Zero(pairs, pairs)};
+    several.modes = Eigen::MatrixXf::Zero(3 * eigenvectors_.rows(), n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      several.energy.K[pair_row(i, i)] = 1;
+      for (Eigen::Index v = 0; v < eigenvectors_.rows(); ++v) {
+        several.modes(3 * v + i % 3, i) = static_cast<float>(eigenvectors_(v, i / 3));
+      }
+    }
+    body.several = several;
+    return body;
+  }
+
+ private:
+  // eigenvectors_ times the roots of their eigenvalues, and the compliance that is left.
+  void keep_leading(int count) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(compliance_);
+    eigenvectors_ = solver.eigenvectors().rightCols(count) *
+                    solver.eigenvalues().tail(count).cwiseSqrt().asDiagonal();
+    compliance_ = eigenvectors_ * eigenvectors_.transpose();
+  }
+  void make_tables() {
+    const int V = skin.vertex_count();
     tables.point_spacing = 0.0025;
     ComplianceTable& table = tables.compliance;
     table.vertices = V;
@@ -57,10 +105,7 @@ class ElasticCushion {
     table.first.push_back(V * V);
   }
 
-  /// m/N, in every direction.
-  [[nodiscard]] double compliance(int v, int w) const {
-    return kSoftness * std::exp(-(skin.vertices.col(v) - skin.vertices.col(w)).norm() / kLength);
-  }
+  Eigen::MatrixXd compliance_, eigenvectors_;  // (V x V) m/N, (V x k) sqrt(m/N)
 };
 
 }  // namespace palpable::test

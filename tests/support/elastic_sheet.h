@@ -6,6 +6,7 @@
 /// is positive definite whatever the points (Matern's covariance of order 1/2).
 #pragma once
 
+#include "palpable/common/base/row_kernels.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/common/response/touch_tables.h"
 

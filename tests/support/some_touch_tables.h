@@ -3,6 +3,7 @@
 /// but all fit together: for files.
 #pragma once
 
+#include "palpable/common/base/row_kernels.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/common/response/touch_tables.h"
 

@@ -4,8 +4,8 @@
 #include "palpable/bake/touch_bake/exact_answer.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/write_all.h"
-#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/response/exact_messages.h"
+#include "palpable/common/response/touch_solver.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -2,6 +2,7 @@
 
 #include "palpable/bake/separate/dense_algebra.h"
 #include "palpable/common/base/parallel_work.h"
+#include "palpable/common/base/row_kernels.h"
 
 #include <Eigen/Cholesky>
 

@@ -3,8 +3,8 @@
 #include "palpable/bake/touch_bake/touch_difference.h"
 #include "palpable/bake/touch_bake/touch_scenes.h"
 #include "palpable/common/base/parallel_work.h"
-#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/geometry/digest.h"
+#include "palpable/common/response/touch_solver.h"
 
 #include <array>
 #include <cstddef>

@@ -2,8 +2,8 @@
 
 #include "palpable/bake/separate/dense_algebra.h"
 #include "palpable/common/base/contract.h"
+#include "palpable/common/base/row_kernels.h"
 #include "palpable/common/geometry/skin_points.h"
-#include "palpable/common/response/row_kernels.h"
 
 #include <Eigen/Geometry>
 

@@ -1,5 +1,5 @@
 /// @file
-/// How far the answer to touch by a body's tables (contact/touch_solver.h) is from full finite
+/// How far the answer to touch by a body's tables (response/touch_solver.h) is from full finite
 /// elements with contact (solid/contact.h) on the same mesh, with the same contact points.
 #pragma once
 
@@ -7,8 +7,8 @@
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/bake/touch_bake/touch_scenes.h"
 #include "palpable/common/contact/obstacles.h"
-#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/response/held_out_touch.h"
+#include "palpable/common/response/touch_solver.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

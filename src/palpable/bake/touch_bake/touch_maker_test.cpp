@@ -1,7 +1,7 @@
 #include "palpable/bake/touch_bake/touch_maker.h"
 
-#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/response/shell_stress.h"
+#include "palpable/common/response/touch_solver.h"
 #include "tests/support/allocations.h"
 #include "tests/support/ball_gap.h"
 #include "tests/support/standing_rubber.h"

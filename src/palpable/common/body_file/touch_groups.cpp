@@ -1,7 +1,7 @@
 #include "palpable/common/body_file/touch_groups.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/response/row_kernels.h"
+#include "palpable/common/base/row_kernels.h"
 
 #include <algorithm>
 #include <cmath>

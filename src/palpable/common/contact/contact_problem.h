@@ -1,113 +1,105 @@
 /// @file
-/// One step of Newton's method for unilateral contact: from the present gaps, forces and compliance
-/// to new forces.
+/// One iteration of Newton's method for unilateral, frictionless contact: from gaps and compliance
+/// of the contacts to their normal forces.
 ///
-///   m  candidates, points that may press     r  modes of a region
-///   n  slots of the compliance: vertices, some of them the candidates'
-///   N  (m x 3n) normals times the points' weights
+///   m  contacts     t  tangential directions of those that press a round obstacle
+///   N  (m x 3P) their normals, at the places of the bodies; -N at the foot on another body
+///   J  the bodies' tangents (ContactBody::add_compliance())
 ///
-/// The displacement changes by J dF with J = G + U H U^T, and the gap by its component along the
-/// normal. Another body that presses gives way by its own compliance, which is added to W
-/// (obstacles.h). Where a point slides along a round object, by t = T du, its normal turns by D
-/// t with D = force times curvature, in the two tangential directions T. Put into the balance this
-/// gives
+///     W f + q >= 0,    f >= 0,    f_i (W f + q)_i = 0,        W = N J N^T + c,   q = g - N J f_now
 ///
-///     W = N J N^T + G_nt M G_nt^T,     M = D (1 - G_tt D)^-1,     G_nt = N G T^T, G_tt = T G T^T
+/// with c the compliance of the skin under a point. A contact that slides along a round obstacle,
+/// by t = T du, has its normal turned by D t, with D = force times curvature; put into the balance
+/// this adds
+///
+///     W += G_nt M G_nt^T,     M = D (1 - G_tt D)^-1,     G_nt = N J T^T, G_tt = T J T^T
+///
+/// A force of friction would stand here: T holds the tangents, and its law joins the two lines
+/// above.
 #pragma once
 
 #include "palpable/common/contact/complementarity.h"
-#include "palpable/common/contact/obstacles.h"
-#include "palpable/common/contact/surface_gap.h"
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/contact/contact_body.h"
 
 #include <Eigen/Core>
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 namespace palpable {
 
-/// A contact point that may press.
-struct ContactCandidate {
-  int point = 0;                                      ///< of the skin
-  std::array<int, 3> vertices{};                      ///< its corners, of the skin,
-  std::array<int, 3> local{-1, -1, -1};               ///< among the vertices that take part,
-  std::array<int, 3> slots{};                         ///< and in the compliance
-  Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< of the corners
-  float distance = 0;                                 ///< m, its gap now
-  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
-  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  ///< 1/m
-  double pressing = 0;                                  ///< N, along the normal
-  float softness = 0;                                   ///< see SurfaceGap
-  Eigen::Vector3f force = Eigen::Vector3f::Zero();      ///< N, all of it
-  OtherSkin on;                                         ///< what it may press, if that is a body
+/// A contact point that may press an obstacle or another body.
+struct Contact {
+  int body = 0;                                       ///< of the solver's
+  int point = 0;                                      ///< contact point of that body
+  int by = -1;                                        ///< the other body; -1: an obstacle
+  Foot foot;                                          ///< on the other body
+  std::size_t place = kNoPlace;                       ///< of the point, on `body`
+  std::size_t on_foot = kNoPlace;                     ///< of the foot, on `by`
+  float distance = 0;                                 ///< m, the gap now
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, away from what presses; of `body`
+  Eigen::Vector3f foot_normal = Eigen::Vector3f::UnitZ();  ///< the same in the frame of `by`
+  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();     ///< 1/m
+  float softness = 0;                                      ///< SurfaceGap::softness
+  double area = 0;                                         ///< m^2 that the point stands for
+  double pressing = 0;                                     ///< N, along the normal
+  Eigen::Vector3f force = Eigen::Vector3f::Zero();         ///< N, all of it; frame of `body`
+  /// m, frame of `by`: the point from the foot, and the gap, when the foot was found.
+  Eigen::Vector3f anchor = Eigen::Vector3f::Zero();
+  float anchor_gap = 0;
+  float slid = 0;  ///< m along the other skin, since the foot was found
+
+  static constexpr std::size_t kNoPlace = static_cast<std::size_t>(-1);
+};
+
+/// A body of a problem.
+struct ProblemBody {
+  ContactBody* body = nullptr;
+  std::vector<UnitForce> normals, tangents;  ///< of the present problem
 };
 
 struct ContactStep {
-  double shift = 0;            ///< m, added to the gaps: the object is taken back by it
-  double softness = 0;         ///< see TouchSettings
-  bool turning = true;         ///< false: normals stay as they are
-  std::size_t given = 0;       ///< so many candidates, the first, have forces that are no unknowns
-  const Obstacles& obstacles;  ///< what presses: its compliance is added to W
+  double shift = 0;     ///< m, added to the gaps of obstacles, which are taken back by it
+  bool turning = true;  ///< false: normals keep their direction
+  ContactBody::Tangent tangent = ContactBody::Tangent::kFull;
 };
 
 /// Holds the memory of its solves, which allocate nothing.
 class ContactProblem {
  public:
-  /// @param compliance  (3n x 3n) G, m/N, symmetric; outlives this. 3n is a multiple of 16
-  /// @param most_points of one problem
-  /// @param most_modes  of a region
-  ContactProblem(const Eigen::MatrixXf& compliance, int most_points, int most_modes);
+  /// @param most  contacts of one problem
+  explicit ContactProblem(int most);
 
-  /// New forces of all candidates.
-  /// @param field   (3n) m: G times the loads now, from which `answer` was evaluated
-  /// @return false if the problem has no answer: the forces are as before
-  bool solve(std::span<ContactCandidate> candidates, std::span<const float> field,
-             const NonlinearAnswer* answer, const ContactStep& step);
+  /// New forces of all contacts.
+  /// @param bodies  by their number; they were linearised
+  /// @return false if the problem has no solution: the forces are as before
+  bool solve(std::span<Contact> contacts, std::span<ProblemBody> bodies, const ContactStep& step);
 
  private:
-  struct Turning {  // a candidate that presses a round object
-    int candidate = 0;
+  struct Turning {  // a contact that presses a round obstacle
+    std::size_t contact = 0;
     Eigen::Vector3f t1 = Eigen::Vector3f::Zero(), t2 = Eigen::Vector3f::Zero();
   };
-  // The candidates of one blob, rising, and where their mode rows begin.
-  struct BlobRows {
-    std::size_t first = 0, last = 0;  // in order_
-    std::size_t at = 0;               // in mode_rows_ and turned_
-  };
-  void add_row(const ContactCandidate& candidate, const Eigen::Vector3f& direction,
-               std::span<float> row) const;
-  void find_mode_rows(std::span<const ContactCandidate> candidates, const NonlinearAnswer& answer);
-  void find_expected_gaps(std::span<const ContactCandidate> candidates,
-                          std::span<const float> field, const NonlinearAnswer* answer,
-                          double shift);
-  void assemble(std::span<const ContactCandidate> candidates, const NonlinearAnswer* answer);
-  void find_turning(std::span<const ContactCandidate> candidates);
-  bool add_turning(std::span<const ContactCandidate> candidates, std::span<const float> field);
+  void assemble(std::span<const Contact> contacts, std::span<ProblemBody> bodies,
+                const ContactStep& step);
+  void find_softness(std::span<const Contact> contacts, std::span<const ProblemBody> bodies);
+  void find_turning(std::span<const Contact> contacts);
+  void assemble_tangential(std::span<const Contact> contacts, std::span<ProblemBody> bodies);
+  bool add_turning(std::span<const Contact> contacts, std::span<ProblemBody> bodies);
   void bound_turning(std::size_t t);
-  void add_yielding(std::span<const ContactCandidate> candidates, const Obstacles& obstacles);
-  void take_out_given(std::span<const ContactCandidate> candidates, std::size_t given);
+  [[nodiscard]] const Eigen::Vector3f& tangent(std::size_t i) const {
+    return i % 2 == 0 ? turning_[i / 2].t1 : turning_[i / 2].t2;
+  }
 
-  const Eigen::MatrixXf& G_;
   Complementarity complementarity_;
-  std::size_t width_, most_modes_;         // 3n, r
-  std::vector<float> rows_;                // (m x width) G N^T
-  std::vector<float> mode_rows_, turned_;  // (m x r) N U, (m x r) N U H, blob by blob
-  std::vector<std::size_t> order_;         // (m) candidates, blob by blob
-  std::vector<BlobRows> blobs_;
-  std::vector<int> blob_;                  // (m) whose modes a candidate's row is of; -1: none
-  std::vector<float> turned_code_, sums_;  // (r), (m)
-  std::vector<double> W_, q_, f_;          // (m x m), (m)
-  std::vector<YieldingPoint> yielding_;    // y of the candidates, before other bodies,
-  std::vector<std::size_t> of_yielding_;   // and which
-  std::vector<double> yield_;              // (y x y)
-  std::vector<Turning> turning_;           // t of them
-  std::vector<float> tangent_row_;         // (width) G T^T
-  std::vector<float> Gnt_, M_;             // (m x 2t), (2t x 2t), rows padded to 16
-  std::vector<double> Gtt_, D_, scratch_, solved_;  // (2t x 2t)
-  std::vector<double> tu_, x_, y_;                  // (2t)
+  std::vector<double> W_, q_, f_;                   // (m x m), (m)
+  std::vector<double> softness_;                    // (m) m/N, c
+  std::vector<Turning> turning_;                    // t / 2 of them
+  std::vector<float> sums_;                         // (m)
+  std::vector<float> Gnt_, M_;                      // (m x t), (t x t), rows padded to 16
+  std::vector<double> Gtt_, D_, scratch_, solved_;  // (t x t)
+  std::vector<double> qt_, x_, y_;                  // (t) free displacement; scratch
 };
 
 }  // namespace palpable

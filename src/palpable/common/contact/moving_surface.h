@@ -57,6 +57,8 @@ class MovingSurface {
   [[nodiscard]] std::vector<int> sharp_vertices() const;
   /// Unit, outwards: of the faces around, by their angles.
   [[nodiscard]] Eigen::Vector3f vertex_normal(int v) const;
+  [[nodiscard]] Eigen::Index vertex_count() const { return vertices_.cols(); }              ///< V
+  [[nodiscard]] Eigen::Vector3f vertex(int v) const { return vertices_.col(v).head<3>(); }  ///< m
   [[nodiscard]] Eigen::Vector3i corners(int triangle) const { return triangles_.col(triangle); }
   [[nodiscard]] Eigen::AlignedBox3f bounds() const {
     const Box& all = boxes_.front();
@@ -83,7 +85,6 @@ class MovingSurface {
   void find_corners();
   void find_adjacent();
   void look_into(int box, const Eigen::Array4f& x, Best& best) const;
-  [[nodiscard]] Eigen::Vector3f vertex(int v) const { return vertices_.col(v).head<3>(); }
   [[nodiscard]] Eigen::Vector3f face_normal(int triangle) const;
   [[nodiscard]] Eigen::Vector3f normal_at(int triangle, const Eigen::Vector3f& weights) const;
   [[nodiscard]] Eigen::Vector3f normal_around(int v, const Eigen::Vector3f& way,

@@ -1,23 +1,24 @@
 #include "palpable/common/contact/near_points.h"
 
+#include "palpable/common/geometry/element_order.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 namespace palpable {
 namespace {
 
-using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
-constexpr float kClusterRadius = 0.006f;  // m
-// A heap's points may lie farther from its middle than at rest, where the skin is stretched.
+// The points of a cluster may lie farther from its middle than at rest, where the skin is
+// stretched.
 constexpr float kStretch = 1.3f;
-// m: so far from where it was asked last a gap is told by its normal and curvature. What that
-// leaves out is of the third order: 2e-6 m at a pencil's tip.
+// m: up to so far from where a gap was queried, normal and curvature give it. What that leaves out
+// is of the third order: 2e-6 m at the tip of a pencil.
 constexpr float kSameGap = 0.0003f;
-constexpr float kBetweenSkins = 0.003f;  // m between points
-constexpr float kRootOf2 = 1.41421356f;
+constexpr std::size_t kClustersOfBlock = 16;
 
 }  // namespace
 
@@ -31,79 +32,105 @@ bool is_point_needed(float level, float bend, float entry, float coarsest, float
   // Where each point has another within s the ball of radius 1/bend enters by s^2 bend / 4,
   // roughly.
   const float enough = bend > 0 ? std::min(coarsest, std::sqrt(4 * entry / bend)) : coarsest;
-  return level > 0 ? level * kRootOf2 > enough : enough < finest;
+  return level > 0 ? level * std::numbers::sqrt2_v<float> > enough : enough < finest;
 }
 
-NearPoints::NearPoints(const TouchSkin& skin, double entry)
-    : skin_(skin),
-      entry_(static_cast<float>(entry)),
-      heaps_(skin.rest(), skin.points(), skin.places(), skin.levels(), kClusterRadius),
-      found_(skin.points().size()) {
-  asked_.reserve(found_.size());
-  told_.reserve(found_.size());
-  of_asked_.reserve(found_.size());
+NearPoints::NearPoints(ContactBody& body)
+    : body_(body),
+      points_(body.contact_points()),
+      entry_(static_cast<float>(body.limits().entry)),
+      known_(points_.points.size()) {
+  queried_.reserve(known_.size());
+  returned_.reserve(known_.size());
+  of_queried_.reserve(known_.size());
+  for (std::size_t p = 0; p < points_.points.size(); ++p) {
+    // A level is that of the next finer set.
+    if (points_.levels[p] * std::numbers::sqrt2_v < float >> points_.between) {
+      between_.push_back(static_cast<int>(p));
+    }
+  }
+  if (points_.clusters != nullptr) arrange_clusters(points_.clusters->clusters());
 }
 
-void NearPoints::find_gaps(std::span<const int> points, std::span<const Vector3f> places,
-                           const Obstacles& obstacles, float far, std::span<SurfaceGap> answers) {
-  asked_.clear();
-  of_asked_.clear();
+// Clusters that lie beside each other stand beside each other, in blocks.
+void NearPoints::arrange_clusters(std::span<const SkinCluster> clusters) {
+  if (clusters.empty()) return;
+  Eigen::Matrix3Xd middles(3, std::ssize(clusters));
+  for (Eigen::Index k = 0; k < middles.cols(); ++k) {
+    middles.col(k) =
+        body_.shape_at_vertex(clusters[static_cast<std::size_t>(k)].vertex).cast<double>();
+  }
+  for (const int k : order_along_curve(middles)) {
+    if (clusters_.size() % kClustersOfBlock == 0) {
+      const int at = static_cast<int>(clusters_.size());
+      blocks_.push_back({at, at, 0});
+    }
+    clusters_.push_back(clusters[static_cast<std::size_t>(k)]);
+    blocks_.back().last = static_cast<int>(clusters_.size());
+    blocks_.back().radius = std::max(blocks_.back().radius, clusters_.back().radius);
+  }
+}
+
+void NearPoints::find_gaps(std::span<const int> points, std::span<const Vector3f> positions,
+                           const Obstacles& obstacles, float far, std::span<SurfaceGap> gaps) {
+  queried_.clear();
+  of_queried_.clear();
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const Found& last = found_[static_cast<std::size_t>(points[k])];
-    const float moved = (places[k] - last.place).norm();
-    // A distance falls by no more than its place has moved; an infinite one tells nothing of it.
+    const Known& last = known_[static_cast<std::size_t>(points[k])];
+    const float moved = (positions[k] - last.position).norm();
+    // A distance decreases by no more than its point has moved.
     const bool stays_far = std::isfinite(last.gap.distance) && last.gap.distance - moved > far;
     if (last.frame == frame_ && (moved < kSameGap || stays_far)) continue;
-    asked_.push_back(places[k]);
-    of_asked_.push_back(points[k]);
+    queried_.push_back(positions[k]);
+    of_queried_.push_back(points[k]);
   }
-  told_.resize(asked_.size());
-  if (!asked_.empty()) obstacles.find_gaps(asked_, told_);
-  for (std::size_t k = 0; k < asked_.size(); ++k) {
-    Found& found = found_[static_cast<std::size_t>(of_asked_[k])];
-    found.frame = frame_;
-    found.place = asked_[k];
-    found.gap = told_[k].is_told() ? told_[k] : SurfaceGap();
+  returned_.resize(queried_.size());
+  if (!queried_.empty()) obstacles.find_gaps(queried_, returned_);
+  for (std::size_t k = 0; k < queried_.size(); ++k) {
+    Known& known = known_[static_cast<std::size_t>(of_queried_[k])];
+    known.frame = frame_;
+    known.position = queried_[k];
+    known.gap = returned_[k].is_told() ? returned_[k] : SurfaceGap();
   }
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const Found& last = found_[static_cast<std::size_t>(points[k])];
-    SurfaceGap& answer = answers[k];
-    answer = last.gap;
+    const Known& last = known_[static_cast<std::size_t>(points[k])];
+    SurfaceGap& gap = gaps[k];
+    gap = last.gap;
     if (!std::isfinite(last.gap.distance)) continue;
-    const Vector3f way = places[k] - last.place;
+    const Vector3f way = positions[k] - last.position;
     const GapBeside beside = gap_beside(last.gap.normal, last.gap.curvature, way);
-    answer.distance += beside.farther;
-    answer.normal = beside.normal;
-    // Over a long way the curvature of a hollow would tell of a surface that is not there.
+    gap.distance += beside.farther;
+    gap.normal = beside.normal;
+    // Over a long way the curvature of a hollow would describe a surface that is not there.
     const float moved = way.norm();
-    if (moved >= kSameGap) answer.distance = std::max(answer.distance, last.gap.distance - moved);
+    if (moved >= kSameGap) gap.distance = std::max(gap.distance, last.gap.distance - moved);
   }
-}
-
-float NearPoints::bend_of(const SurfaceGap& seen) const {
-  if (seen.on.body < 0) return largest_curvature(seen.curvature);
-  return 4 * entry_ / (kBetweenSkins * kBetweenSkins);
 }
 
 bool NearPoints::is_needed(int point, float bend) const {
-  return is_point_needed(skin_.levels()[static_cast<std::size_t>(point)], bend, entry_,
-                         static_cast<float>(TouchSkin::kCoarsest),
-                         static_cast<float>(TouchSkin::kFinest));
+  return is_point_needed(points_.levels[static_cast<std::size_t>(point)], bend, entry_,
+                         points_.coarsest, points_.finest);
 }
 
-// Whether all points of a heap are farther than `band`, for sure.
-bool NearPoints::is_far(const SkinCluster& heap, const Matrix3Xf& u, float band,
-                        const Obstacles& obstacles) const {
-  const Vector3f middle = skin_.rest().col(heap.vertex) + u.col(heap.vertex);
-  return !obstacles.may_be_within(middle, band + kStretch * heap.radius);
+bool NearPoints::is_far(const Block& block, float band, const Obstacles& obstacles) const {
+  Eigen::AlignedBox3f middles;
+  for (int k = block.first; k < block.last; ++k) {
+    middles.extend(body_.shape_at_vertex(clusters_[static_cast<std::size_t>(k)].vertex));
+  }
+  const float around = 0.5f * middles.diagonal().norm() + kStretch * block.radius;
+  return !obstacles.may_be_within(middles.center(), band + around);
 }
 
-bool NearPoints::is_near(int point, const Matrix3Xf& u, float band, const Obstacles& obstacles,
-                         SurfaceGap& seen) {
-  const Vector3f x = skin_.places().col(point) + skin_.moved(static_cast<std::size_t>(point), u);
+bool NearPoints::is_far(const SkinCluster& cluster, float band, const Obstacles& obstacles) const {
+  return !obstacles.may_be_within(body_.shape_at_vertex(cluster.vertex),
+                                  band + kStretch * cluster.radius);
+}
+
+bool NearPoints::is_near(int point, float band, const Obstacles& obstacles, SurfaceGap& gap) {
+  const Vector3f x = body_.shape_at(point);
   if (!obstacles.may_be_within(x, band)) return false;
-  find_gaps({&point, 1}, {&x, 1}, obstacles, band, {&seen, 1});
-  return seen.distance <= band;
+  find_gaps({&point, 1}, {&x, 1}, obstacles, band, {&gap, 1});
+  return gap.distance <= band;
 }
 
 }  // namespace palpable

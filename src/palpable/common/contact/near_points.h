@@ -1,22 +1,23 @@
 /// @file
-/// Which contact points of a skin are near the object in a shape of the skin, and what gap each
-/// has: asked as seldom as the answer allows.
+/// Search for the contact points of a body that are near an obstacle, in the body's shape, and the
+/// gap of each. The obstacles are queried as seldom as the result allows.
 ///
-/// A gap is asked again only where its point has moved by more than 0.3 mm within a frame; up to
-/// there its normal and curvature tell it. An object needs the more points the sharper it is
-/// (point_levels.h): of a heap of points (skin_clusters.h) the coarser ones are asked first, the
-/// finer ones only where something twice as sharp as those have seen would need them. Before
-/// another body's skin points are 3 mm apart.
+/// A gap is queried again only where its point has moved by more than 0.3 mm within a frame; up to
+/// there its normal and curvature give it. The sharper an obstacle, the more points it needs
+/// (point_levels.h): of a cluster of points (skin_clusters.h) the coarser ones are queried first,
+/// the finer ones only where an obstacle twice as sharp as found so far would need them. Clusters
+/// beside each other form blocks, of which most are far from everything.
 ///
-///   W  columns of a displacement, the vertices first     C  contact points
+///   C  contact points
 #pragma once
 
+#include "palpable/common/contact/contact_body.h"
 #include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/skin_clusters.h"
 #include "palpable/common/contact/surface_gap.h"
-#include "palpable/common/contact/touch_skin.h"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cstddef>
@@ -29,9 +30,9 @@ namespace palpable {
 /// The larger of the two curvatures of a surface, 1/m.
 [[nodiscard]] float largest_curvature(const Eigen::Matrix3f& K);
 
-/// Whether the points that are left without one are too far apart for an object there.
+/// Whether an obstacle could enter between the points that remain without one.
 /// @param level    of the point, m, and `coarsest`, `finest`: point_levels()
-/// @param bend     1/m, the object's largest curvature
+/// @param bend     1/m, the obstacle's largest curvature
 /// @param entry    m that it may enter between two points
 [[nodiscard]] bool is_point_needed(float level, float bend, float entry, float coarsest,
                                    float finest);
@@ -39,67 +40,86 @@ namespace palpable {
 /// Allocates in its constructor.
 class NearPoints {
  public:
-  /// @param skin   outlives this
-  /// @param entry  m, see TouchSettings
-  NearPoints(const TouchSkin& skin, double entry);
+  /// @param body  outlives this
+  explicit NearPoints(ContactBody& body);
 
-  /// What was told of gaps before is forgotten: the object is another one.
+  /// Forgets the gaps: a frame with other obstacles begins.
   void start() { ++frame_; }
 
-  /// The gaps of points, the obstacles being asked once for all of them.
-  /// @param points   of which
-  /// @param places   m, where each is now
-  /// @param far      m: where a point is farther for sure, that it is so may be all that is told
-  /// @param answers  as many, overwritten; of infinite distance where nothing is, or no number
-  void find_gaps(std::span<const int> points, std::span<const Eigen::Vector3f> places,
-                 const Obstacles& obstacles, float far, std::span<SurfaceGap> answers);
+  /// The gaps of points, with one query of the obstacles.
+  /// @param points     indices of contact points
+  /// @param positions  m, of each now
+  /// @param far        m: of a point that is farther for certain no more than that may be returned
+  /// @param gaps       as many, overwritten; an infinite distance where there is no obstacle, or
+  ///                   where what was returned is not finite
+  void find_gaps(std::span<const int> points, std::span<const Eigen::Vector3f> positions,
+                 const Obstacles& obstacles, float far, std::span<SurfaceGap> gaps);
 
-  /// Tells found(point, gap) the points that are nearer to the object than `band`, of those that an
-  /// object as sharp needs. @param u  (3 x W) m, as TouchSkin::face_as() knows it
+  /// Points of the shape that are nearer than `band` (m) to an obstacle, of those that an obstacle
+  /// as sharp needs. @param found  found(point, gap)
   template <class Found>
-  void for_each(const Eigen::Matrix3Xf& u, float band, const Obstacles& obstacles,
-                const Found& found) {
-    for (const SkinCluster& heap : heaps_.clusters()) {
-      if (is_far(heap, u, band, obstacles)) continue;
-      float sharpest = kUnseen;
-      for (int k = heap.first; k < heap.last; ++k) {
-        const int point = heaps_.order()[static_cast<std::size_t>(k)];
-        if (sharpest != kUnseen && !is_needed(point, kSharper * sharpest)) break;
-        SurfaceGap seen;
-        if (!is_near(point, u, band, obstacles, seen)) continue;
-        const float bend = bend_of(seen);
-        sharpest = std::max(sharpest, bend);
-        if (is_needed(point, bend)) found(point, seen);
+  void for_each(float band, const Obstacles& obstacles, const Found& found) {
+    for (const Block& block : blocks_) {
+      if (is_far(block, band, obstacles)) continue;
+      for (int k = block.first; k < block.last; ++k) {
+        search(clusters_[static_cast<std::size_t>(k)], band, obstacles, found);
       }
     }
   }
+  /// Whether an obstacle that may enter by `entry` (m) between two points needs this one.
+  [[nodiscard]] bool is_needed(int point, const Eigen::Matrix3f& curvature, float entry) const {
+    return is_point_needed(points_.levels[static_cast<std::size_t>(point)],
+                           largest_curvature(curvature), entry, points_.coarsest, points_.finest);
+  }
+  /// Contact points that are compared with the skins of other bodies.
+  [[nodiscard]] std::span<const int> between() const { return between_; }
 
  private:
   static constexpr float kSharper = 2;
   static constexpr float kUnseen = -std::numeric_limits<float>::infinity();
-  // As a gap was found in this frame.
-  struct Found {
+  // A gap as it was returned in this frame.
+  struct Known {
     int frame = -1;
-    Eigen::Vector3f place = Eigen::Vector3f::Zero();
-    SurfaceGap gap;  // infinite: nothing
+    Eigen::Vector3f position = Eigen::Vector3f::Zero();
+    SurfaceGap gap;  // infinite: no obstacle
   };
-  // 1/m: of another body's skin one for all places, so that points do not come and go as they
-  // slide over its triangles.
-  [[nodiscard]] float bend_of(const SurfaceGap& seen) const;
+  struct Block {
+    int first = 0, last = 0;  // clusters_[first] .. [last - 1]
+    float radius = 0;         // m, at rest: the largest of them
+  };
+  template <class Found>
+  void search(const SkinCluster& cluster, float band, const Obstacles& obstacles,
+              const Found& found) {
+    if (is_far(cluster, band, obstacles)) return;
+    float sharpest = kUnseen;
+    for (int k = cluster.first; k < cluster.last; ++k) {
+      const int point = points_.clusters->order()[static_cast<std::size_t>(k)];
+      if (sharpest != kUnseen && !is_needed(point, kSharper * sharpest)) break;
+      SurfaceGap gap;
+      if (!is_near(point, band, obstacles, gap)) continue;
+      const float bend = largest_curvature(gap.curvature);
+      sharpest = std::max(sharpest, bend);
+      if (is_needed(point, bend)) found(point, gap);
+    }
+  }
+  void arrange_clusters(std::span<const SkinCluster> clusters);
   [[nodiscard]] bool is_needed(int point, float bend) const;
-  [[nodiscard]] bool is_far(const SkinCluster& heap, const Eigen::Matrix3Xf& u, float band,
+  [[nodiscard]] bool is_far(const Block& block, float band, const Obstacles& obstacles) const;
+  [[nodiscard]] bool is_far(const SkinCluster& cluster, float band,
                             const Obstacles& obstacles) const;
-  bool is_near(int point, const Eigen::Matrix3Xf& u, float band, const Obstacles& obstacles,
-               SurfaceGap& seen);
+  bool is_near(int point, float band, const Obstacles& obstacles, SurfaceGap& gap);
 
-  const TouchSkin& skin_;
+  ContactBody& body_;
+  SkinPointSet points_;
   float entry_;
-  SkinClusters heaps_;
-  std::vector<Found> found_;  // (C)
+  std::vector<SkinCluster> clusters_;  // along a curve
+  std::vector<Block> blocks_;
+  std::vector<int> between_;
+  std::vector<Known> known_;  // (C)
   int frame_ = 0;
-  std::vector<Eigen::Vector3f> asked_;  // places of one call,
-  std::vector<SurfaceGap> told_;        // their gaps,
-  std::vector<int> of_asked_;           // and points
+  std::vector<Eigen::Vector3f> queried_;  // positions of one query,
+  std::vector<SurfaceGap> returned_;      // their gaps,
+  std::vector<int> of_queried_;           // and points
 };
 
 }  // namespace palpable

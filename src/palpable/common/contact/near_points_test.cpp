@@ -1,16 +1,14 @@
 #include "palpable/common/contact/near_points.h"
 
-#include "palpable/common/geometry/surface_mesh.h"
 #include "tests/support/ball_gap.h"
-#include "tests/support/some_touch_tables.h"
 #include "tests/support/test.h"
+#include "tests/support/touchable_ball.h"
 
 #include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -18,34 +16,18 @@
 namespace palpable {
 namespace {
 
-using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 using test::tolerance;
 
 constexpr double kEntry = 0.00025;  // m
 
-// A ball of 40 mm at rest, with points 2 mm apart.
-struct Ball {
-  SurfaceMesh surface = sphere_surface({0, 0, 0.04}, 0.04, 3);
-  TouchTables tables = test::some_touch_tables(surface, 1);
-  std::vector<std::uint8_t> fixed =
-      std::vector<std::uint8_t>(static_cast<std::size_t>(surface.vertex_count()), 0);
-  Matrix3Xf u = Matrix3Xf::Zero(3, surface.vertex_count());
-  TouchSkin skin = made();
-
-  TouchSkin made() {
-    tables.point_spacing = 0.002;
-    return {surface, fixed, tables};
-  }
-  [[nodiscard]] Vector3f place(int point) const {
-    return skin.places().col(point) + skin.moved(static_cast<std::size_t>(point), u);
-  }
+struct Ball : test::TouchableBall {
+  Ball() : TouchableBall(kEntry) {}
 };
 
-std::vector<int> told(NearPoints& near_points, const Ball& ball, float band,
-                      const Obstacles& obstacles) {
+std::vector<int> found_by(NearPoints& near_points, float band, const Obstacles& obstacles) {
   std::vector<int> points;
-  near_points.for_each(ball.u, band, obstacles, [&](int point, const SurfaceGap& seen) {
+  near_points.for_each(band, obstacles, [&](int point, const SurfaceGap& seen) {
     CHECK(seen.distance <= band);
     points.push_back(point);
   });
@@ -61,15 +43,15 @@ bool find_gap(NearPoints& near_points, int point, const Vector3f& x, const Obsta
 }
 
 // Asking every point.
-std::vector<int> near_by_all(const Ball& ball, float band, const test::GapFunction& gap) {
+std::vector<int> near_by_all(Ball& ball, float band, const test::GapFunction& gap) {
   std::vector<int> points;
-  for (int p = 0; p < static_cast<int>(ball.skin.points().size()); ++p) {
+  const SkinPointSet all = ball.body->contact_points();
+  for (int p = 0; p < static_cast<int>(all.points.size()); ++p) {
     SurfaceGap seen;
-    if (!gap(ball.place(p), seen) || seen.distance > band) continue;
+    if (!gap(ball.body->shape_at(p), seen) || seen.distance > band) continue;
     const float bend = largest_curvature(seen.curvature);
-    if (is_point_needed(ball.skin.levels()[static_cast<std::size_t>(p)], bend,
-                        static_cast<float>(kEntry), static_cast<float>(TouchSkin::kCoarsest),
-                        static_cast<float>(TouchSkin::kFinest))) {
+    if (is_point_needed(all.levels[static_cast<std::size_t>(p)], bend, static_cast<float>(kEntry),
+                        all.coarsest, all.finest)) {
       points.push_back(p);
     }
   }
@@ -93,34 +75,34 @@ TEST_CASE("a sharp object needs all points, a flat one the coarse ones", "[conta
   CHECK(is_point_needed(0.003f, pencil, entry, coarsest, finest));
 }
 
-TEST_CASE("heaps leave out no point that is near, of balls of any size", "[contact]") {
+TEST_CASE("clusters leave out no point that is near, of balls of any size", "[contact]") {
   Ball ball;
-  ball.u.row(0).setConstant(0.003f);  // the shape has moved, too
+  ball.state.u.row(0).setConstant(0.003f);  // the shape has moved, too
   for (const float radius : {0.0035f, 0.008f, 0.030f}) {
     for (const float band : {0.0f, 0.001f, 0.004f}) {
       INFO(radius << " " << band);
       const test::GapFunction gap = test::gap_to_ball({0.003f + 0.02f, 0, 0.074f + radius}, radius);
-      NearPoints near_points(ball.skin, kEntry);
+      NearPoints near_points(*ball.body);
       near_points.start();
       const test::GapFunction always(gap, [](const Vector3f&, float) { return true; });
-      const std::vector<int> points = told(near_points, ball, band, always);
+      const std::vector<int> points = found_by(near_points, band, always);
       CHECK(points == near_by_all(ball, band, gap));
       CHECK((band == 0.0f || !points.empty()));
       // A cheaper question asked first changes nothing.
-      NearPoints beside(ball.skin, kEntry);
+      NearPoints beside(*ball.body);
       beside.start();
       const test::GapFunction::Near near = [&](const Vector3f& x, float reach) {
         SurfaceGap seen;
-        return gap(x, seen) && seen.distance < reach;
+        return reach > kGapReach || (gap(x, seen) && seen.distance < reach);
       };
-      CHECK(told(beside, ball, band, test::GapFunction(gap, near)) == points);
+      CHECK(found_by(beside, band, test::GapFunction(gap, near)) == points);
     }
   }
 }
 
 TEST_CASE("a gap is asked once for a place, and told by its curvature beside it", "[contact]") {
   Ball ball;
-  NearPoints near_points(ball.skin, kEntry);
+  NearPoints near_points(*ball.body);
   near_points.start();
   const float radius = 0.008f;
   const test::GapFunction exact = test::gap_to_ball(Vector3f::Zero(), radius);
@@ -150,7 +132,7 @@ TEST_CASE("a gap is asked once for a place, and told by its curvature beside it"
 TEST_CASE("what stays far is not asked again, and told no nearer than it is for sure",
           "[contact]") {
   Ball ball;
-  NearPoints near_points(ball.skin, kEntry);
+  NearPoints near_points(*ball.body);
   near_points.start();
   int asked = 0;
   const test::GapFunction exact = test::gap_to_ball(Vector3f::Zero(), 0.008f);
@@ -183,7 +165,7 @@ TEST_CASE("the places of many points are asked in one call, those that are known
     }
   } obstacles;
   Ball ball;
-  NearPoints near_points(ball.skin, kEntry);
+  NearPoints near_points(*ball.body);
   near_points.start();
   const std::vector<int> points{3, 1, 7};
   std::vector<Vector3f> places{{0, 0, 0.009f}, {0, 0.01f, 0}, {0.05f, 0, 0}};
@@ -200,7 +182,7 @@ TEST_CASE("the places of many points are asked in one call, those that are known
 
 TEST_CASE("what is no number is nothing", "[contact]") {
   Ball ball;
-  NearPoints near_points(ball.skin, kEntry);
+  NearPoints near_points(*ball.body);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (int which = 0; which < 3; ++which) {
     near_points.start();

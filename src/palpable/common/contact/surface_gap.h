@@ -9,16 +9,6 @@
 
 namespace palpable {
 
-/// A place on the skin of another body that presses.
-struct OtherSkin {
-  int body = -1;                                      ///< a number that its solver knows; -1: none
-  Eigen::Vector3i corners = Eigen::Vector3i::Zero();  ///< of its triangle
-  Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< of these
-  /// m: how much farther away it is by the forces that press it now. Of a body that does not give
-  /// way: 0
-  float given_way = 0;
-};
-
 /// Where a point of an obstacle's surface comes from.
 enum class Known {
   kMeasured,  ///< seen in this frame, or exact
@@ -38,7 +28,6 @@ struct SurfaceGap {
   float softness = 0;
   Known known = Known::kMeasured;
   float unseen_for = 0;  ///< s since the obstacle was measured; 0: it is now
-  OtherSkin on;          ///< the place on another body, if the obstacle is one
 
   /// Whether there is an obstacle, and all of it numbers.
   [[nodiscard]] bool is_told() const {

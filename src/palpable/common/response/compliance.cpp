@@ -1,7 +1,7 @@
 #include "palpable/common/response/compliance.h"
 
 #include "palpable/common/base/contract.h"
-#include "palpable/common/response/row_kernels.h"
+#include "palpable/common/base/row_kernels.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 #include "palpable/common/response/region.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/base/row_kernels.h"
 #include "palpable/common/response/form_rows.h"
-#include "palpable/common/response/row_kernels.h"
 
 #include <algorithm>
 #include <cmath>

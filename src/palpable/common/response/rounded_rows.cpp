@@ -1,6 +1,6 @@
 #include "palpable/common/response/rounded_rows.h"
 
-#include "palpable/common/response/row_kernels.h"
+#include "palpable/common/base/row_kernels.h"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,6 @@ constexpr float kLargestRounded = 32767.0f;
 constexpr std::size_t kAtOnce = 8;  // rows that are read side by side
 
 }  // namespace
-
-std::size_t padded(std::size_t n) { return (n + kRowStep - 1) / kRowStep * kRowStep; }
 
 RoundedRows rounded(const RowsOfFloats& rows) {
   RoundedRows result;

@@ -2,7 +2,7 @@
 /// Tables of numbers in 16 bits.
 #pragma once
 
-#include "palpable/common/response/row_kernels.h"
+#include "palpable/common/base/row_kernels.h"
 
 #include <Eigen/Core>
 
@@ -42,8 +42,5 @@ using RowsOfFloats = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen:
 /// sum += sum_i factors_i row (first + i).
 void add_rows(const RoundedRows& rows, std::size_t first, std::span<const float> factors,
               std::span<float> sum);
-
-/// n rounded up to a whole number of rows' steps.
-[[nodiscard]] std::size_t padded(std::size_t n);
 
 }  // namespace palpable

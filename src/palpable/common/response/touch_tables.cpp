@@ -1,6 +1,6 @@
 #include "palpable/common/response/touch_tables.h"
 
-#include "palpable/common/response/row_kernels.h"
+#include "palpable/common/base/row_kernels.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #include "palpable/live/capi/c_session.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/response/touch_solver.h"
 #include "palpable/live/capi/guarded.h"
 
 #include <fmt/core.h>

@@ -61,6 +61,8 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
   result.frames_between_bodies = counts.between_bodies;
   result.deepest_between = counts.between;
   result.imbalance = counts.imbalance;
+  result.frames_held_back = counts.held_back;
+  result.frames_contacts_dropped = counts.dropped;
   result.site_changes = counts.site_changes;
   result.video_codec = output.codec();
   result.pictures = output.figures();

@@ -13,9 +13,9 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/contact/object_ball.h"
-#include "palpable/common/contact/skin_contact.h"
 #include "palpable/common/contact/touch.h"
-#include "palpable/common/contact/touch_state.h"
+#include "palpable/common/response/skin_contact.h"
+#include "palpable/common/response/touch_state.h"
 #include "palpable/live/seen_object/object_surface.h"
 #include "palpable/live/seen_object/surface_motion.h"
 #include "palpable/live/session/scene.h"

@@ -2,20 +2,21 @@
 
 #include "palpable/common/base/contract.h"
 
+#include <type_traits>
 #include <utility>
 
 namespace palpable {
 
-BodyAnswer::BodyAnswer(TouchableBody body, const AnswerSettings& settings)
+BodyAnswer::BodyAnswer(TouchableBody body, const AnswerSettings& settings, const BodyAnswer* twin)
     : body_(std::move(body.body)),
       tables_(std::move(body.touch)),
       modal_(std::move(body.modal)),
       rest_(body_),
       region_(box_of(body_.surface)),
       surface_(settings.surface),
-      law_(make_law(settings)) {}
+      law_(make_law(settings, twin)) {}
 
-BodyLaw BodyAnswer::make_law(const AnswerSettings& settings) {
+BodyLaw BodyAnswer::make_law(const AnswerSettings& settings, const BodyAnswer* twin) {
   if (settings.contact == ContactKind::kPaper) {
     return BodyLaw(std::in_place_type<PaperLaw>, body_, region_, settings.paper);
   }
@@ -23,7 +24,9 @@ BodyLaw BodyAnswer::make_law(const AnswerSettings& settings) {
     return BodyLaw(std::in_place_type<TablesLaw>, body_, *tables_, settings.touch, rest_);
   }
   if (settings.contact == ContactKind::kAnywhere && modal_) {
-    return BodyLaw(std::in_place_type<ModesLaw>, *modal_);
+    const ModesLaw* other = twin != nullptr ? std::get_if<ModesLaw>(&twin->law_) : nullptr;
+    const ModalBody* same = other != nullptr ? &other->modal_body() : nullptr;
+    return BodyLaw(std::in_place_type<ModesLaw>, body_, *modal_, same, rest_);
   }
   return BodyLaw(std::in_place_type<SitesLaw>, body_, settings.press);
 }
@@ -70,19 +73,57 @@ void BodyAnswer::reconstruct(const std::vector<Touch>& touches, const SceneExtra
   std::visit([&](auto& law) { law.reconstruct(rest_, touches, extras, shown); }, law_);
 }
 
-PressingBodies::Body BodyAnswer::among_others(const Rigid3& world_from_body) {
-  PressingBodies::Body body{&body_.surface};
-  if (auto* law = std::get_if<TablesLaw>(&law_)) body = law->among_others(surface_);
-  body.world_from_body = world_from_body;
-  return body;
+namespace {
+
+template <class Law>
+constexpr bool kGivesWay = std::is_same_v<Law, TablesLaw> || std::is_same_v<Law, ModesLaw>;
+
+}  // namespace
+
+bool BodyAnswer::gives_way() const {
+  return std::visit([](const auto& law) { return kGivesWay<std::decay_t<decltype(law)>>; }, law_);
 }
 
-void BodyAnswer::join(PressingBodies& together, int number) {
-  if (auto* law = std::get_if<TablesLaw>(&law_)) law->join(together, number);
+ContactBody& BodyAnswer::contact_body() {
+  return std::visit(
+      [this](auto& law) -> ContactBody& {
+        if constexpr (kGivesWay<std::decay_t<decltype(law)>>) {
+          return law.contact_body();
+        } else {
+          if (!obstacle_) obstacle_.emplace(body_.surface);
+          return *obstacle_;
+        }
+      },
+      law_);
 }
 
-void BodyAnswer::join(ModalBodies& together, int member) {
-  if (auto* law = std::get_if<ModesLaw>(&law_)) law->join(together, member);
+ContactSolver::Near BodyAnswer::near() const {
+  return std::visit(
+      [this](const auto& law) -> ContactSolver::Near {
+        if constexpr (kGivesWay<std::decay_t<decltype(law)>>) {
+          return {&surface_, law.largest_move(surface_)};
+        } else {
+          return {nullptr, 0};
+        }
+      },
+      law_);
+}
+
+void BodyAnswer::join(const ContactSolver& together, int number) {
+  std::visit(
+      [&](auto& law) {
+        if constexpr (kGivesWay<std::decay_t<decltype(law)>>) law.join(together, number);
+      },
+      law_);
+}
+
+ContactReport BodyAnswer::report() const {
+  const auto* law = std::get_if<TablesLaw>(&law_);
+  return law != nullptr ? law->report() : ContactReport();
+}
+
+void BodyAnswer::move_obstacle(const Eigen::Matrix3Xf& vertices) {
+  if (obstacle_) obstacle_->move(vertices);
 }
 
 void BodyAnswer::refine_with(Refiner refiner) {

@@ -5,6 +5,8 @@
 ///   V  surface vertices
 #pragma once
 
+#include "palpable/common/contact/contact_solver.h"
+#include "palpable/common/contact/fixed_skin.h"
 #include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/pixel_box.h"
@@ -39,7 +41,9 @@ struct AnswerSettings {
 /// Allocates nothing after the first frames.
 class BodyAnswer {
  public:
-  BodyAnswer(TouchableBody body, const AnswerSettings& settings);
+  /// @param twin  of the same make (are_twins()), or none: both read the same numbers; outlives
+  /// this
+  BodyAnswer(TouchableBody body, const AnswerSettings& settings, const BodyAnswer* twin = nullptr);
   BodyAnswer(const BodyAnswer&) = delete;  // its law points to the body
   BodyAnswer& operator=(const BodyAnswer&) = delete;
 
@@ -77,12 +81,19 @@ class BodyAnswer {
 
   /// The settings', or what the body has tables for.
   [[nodiscard]] ContactKind contact() const;
-  /// What others are to know to press it, and to be pressed by it where its tables answer.
-  [[nodiscard]] PressingBodies::Body among_others(const Rigid3& world_from_body);
-  /// From now on `together` solves the body's contact, and that of others with it. Nothing happens
-  /// if the body has another law than TablesLaw (first function) or ModesLaw (second).
-  void join(PressingBodies& together, int number);
-  void join(ModalBodies& together, int member);
+  /// Whether forces on the body move it all over its skin, so that others press it and it presses
+  /// them.
+  [[nodiscard]] bool gives_way() const;
+  /// The body for a solver of several. One that does not give way is an obstacle there.
+  [[nodiscard]] ContactBody& contact_body();
+  /// What is near the body in this frame, for that solver.
+  [[nodiscard]] ContactSolver::Near near() const;
+  /// From now on `together` solves the body's contact; in it the body has this number.
+  void join(const ContactSolver& together, int number);
+  /// How the contact of the frame went; nothing unless its own tables solved it.
+  [[nodiscard]] ContactReport report() const;
+  /// The obstacle is where the body is shown. Nothing happens if it gives way.
+  void move_obstacle(const Eigen::Matrix3Xf& vertices);
 
   /// Null unless the body is answered by its energy in modes.
   [[nodiscard]] const ModalTables* modal() const;
@@ -94,7 +105,7 @@ class BodyAnswer {
   [[nodiscard]] const ObjectSurface& surface() const { return surface_; }
 
  private:
-  [[nodiscard]] BodyLaw make_law(const AnswerSettings& settings);
+  [[nodiscard]] BodyLaw make_law(const AnswerSettings& settings, const BodyAnswer* twin);
 
   ReducedBody body_;
   std::optional<TouchTables> tables_;
@@ -103,6 +114,7 @@ class BodyAnswer {
   Eigen::AlignedBox3d region_;
   ObjectSurface surface_;
   BodyLaw law_;
+  std::optional<FixedSkin> obstacle_;  // where others need one
 };
 
 }  // namespace palpable

@@ -44,26 +44,20 @@ TablesLaw::TablesLaw(const ReducedBody& body, const TouchTables& tables,
   contact_.stress(state_, rest.von_mises, rest.cauchy);
 }
 
-void TablesLaw::join(PressingBodies& together, int number) {
+void TablesLaw::join(const ContactSolver& together, int number) {
   together_ = &together;
   number_ = number;
-}
-
-PressingBodies::Body TablesLaw::among_others(const ObjectSurface& seen) {
-  PressingBodies::Body one{&body_->surface};
-  one.tables = tables_;
-  one.contact = &contact_;
-  one.state = &state_;
-  one.seen = &seen;
-  return one;
+  contact_.solver().body().use(state_);
 }
 
 void TablesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touches) {
   stated_.reset();
   if (together_ != nullptr) {
-    together_->find_touches(number_, touches);
+    touches.clear();
     is_moved_ = !together_->is_at_rest(number_);
-    if (is_moved_) stated_ = together_->report_of(number_).stated;
+    if (!is_moved_) return;
+    contact_.find_touches(state_, &pressing.seen, together_->pressed_by_others(number_), touches);
+    stated_ = report_of(contact_.solver().body(), *together_, number_).stated;
     return;
   }
   touches.clear();
@@ -71,6 +65,7 @@ void TablesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touch
   if (refiner) refiner->begin_frame(contact_.solver(), state_);
   const TouchReport report = contact_.advance(state_, pressing.seen, touches);
   if (refiner) refiner->end_frame(contact_.solver(), state_, report);
+  report_ = report;
   stated_ = report.stated;
 }
 
@@ -91,20 +86,56 @@ void TablesLaw::reconstruct(const RestShape& rest, const std::vector<Touch>& tou
   }
 }
 
-void ModesLaw::join(ModalBodies& together, int member) {
+ModesLaw::ModesLaw(const ReducedBody& body, const ModalTables& tables, const ModalBody* twin,
+                   RestShape& rest)
+    : contact_body_(std::make_unique<ModalBody>(ModalMember{&body, &tables}, twin)),
+      state_(std::make_unique<ModalState>()),
+      patches_(4 * std::size_t{kMostPlacesWithOthers}),
+      pressure_(body.surface) {
+  contact_body_->use(*state_);
+  contact_body_->find_normals(*state_, rest.normals);
+  contact_body_->stress(*state_, rest.von_mises, rest.cauchy);
+}
+
+void ModesLaw::join(const ContactSolver& together, int number) {
   together_ = &together;
-  member_ = member;
+  number_ = number;
 }
 
-void ModesLaw::find_touches(const Pressing&, std::vector<Touch>& touches) {
-  PALPABLE_EXPECT(together_ != nullptr, "bodies in modes are answered together");
-  together_->find_touches(member_, touches);
+void ModesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touches) {
+  PALPABLE_EXPECT(together_ != nullptr, "a body in modes has joined a solver");
+  std::vector<PressedPoint>& points = patches_.points();
+  points.clear();
+  const SurfaceMesh& rest = contact_body_->member().body->surface;
+  const Eigen::Matrix3Xf& skin = contact_body_->place(*state_);
+  for (const PointForce& force : state_->forces) {
+    const SkinPoint& at = contact_body_->points()[static_cast<std::size_t>(force.point)];
+    const Eigen::Vector3f now = at.at(skin);
+    Eigen::Vector3f before = Eigen::Vector3f::Zero();
+    for (std::size_t c = 0; c < 3; ++c) {
+      before += at.weights[static_cast<int>(c)] * rest.vertices.col(at.corners[c]).cast<float>();
+    }
+    points.push_back({now, now - before, force.force, at.area, force.by});
+  }
+  for (const PressedPoint& point : together_->pressed_by_others(number_)) points.push_back(point);
+  patches_.find(&pressing.seen, touches);
 }
 
-void ModesLaw::reconstruct(const RestShape&, const std::vector<Touch>&, const SceneExtras& extras,
-                           SceneBody& shown) {
-  PALPABLE_EXPECT(together_ != nullptr, "bodies in modes are answered together");
-  together_->reconstruct(member_, extras, shown);
+void ModesLaw::reconstruct(const RestShape& rest, const std::vector<Touch>&,
+                           const SceneExtras& extras, SceneBody& shown) {
+  shown.stated_error.reset();
+  if (state_->q.isZero(0)) {  // what stands about costs a copy
+    rest.show(extras, shown);
+    if (extras.contact_pressure) shown.contact_pressure.resize(rest.von_mises.size(), 0.0f);
+    return;
+  }
+  rest.make_room(extras, shown);
+  shown.vertices = contact_body_->place(*state_);
+  contact_body_->find_normals(*state_, shown.normals);
+  contact_body_->stress(*state_, shown.von_mises, shown.cauchy);
+  if (extras.contact_pressure) {
+    pressure_.spread(patches_, shown.vertices, shown.normals, shown.contact_pressure);
+  }
 }
 
 void SitesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touches) {

@@ -8,17 +8,19 @@
 #pragma once
 
 #include "palpable/common/contact/cloud_distance.h"
+#include "palpable/common/contact/contact_pressure.h"
+#include "palpable/common/contact/contact_solver.h"
 #include "palpable/common/contact/paper_contact.h"
 #include "palpable/common/contact/press_law.h"
-#include "palpable/common/contact/pressing_bodies.h"
-#include "palpable/common/contact/skin_contact.h"
 #include "palpable/common/contact/touch.h"
-#include "palpable/common/contact/touch_state.h"
+#include "palpable/common/contact/touch_patches.h"
 #include "palpable/common/reduced/reduced_body.h"
+#include "palpable/common/response/modal_body.h"
+#include "palpable/common/response/skin_contact.h"
 #include "palpable/common/response/stated_error.h"
+#include "palpable/common/response/touch_state.h"
 #include "palpable/common/response/touch_tables.h"
 #include "palpable/live/seen_object/object_surface.h"
-#include "palpable/live/session/modal_bodies.h"
 #include "palpable/live/session/refiner.h"
 #include "palpable/live/session/rest_shape.h"
 #include "palpable/live/session/scene.h"
@@ -26,6 +28,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -54,7 +58,7 @@ struct Pressing {
 };
 
 /// Unilateral contact all over the skin, solved with the body's tables of touch
-/// (contact/skin_contact.h).
+/// (response/skin_contact.h).
 class TablesLaw {
  public:
   static constexpr ContactKind kKind = ContactKind::kAnywhere;
@@ -62,16 +66,22 @@ class TablesLaw {
   TablesLaw(const ReducedBody& body, const TouchTables& tables, const TouchSettings& settings,
             RestShape& rest);
 
-  /// From now on `together` solves the contact of this body and of others, in which the body has
-  /// this number; find_touches() reads what was solved.
-  void join(PressingBodies& together, int number);
-  /// The body as `together` needs it, without its pose. It points to parts of this law, which must
-  /// not be moved afterwards.
-  [[nodiscard]] PressingBodies::Body among_others(const ObjectSurface& seen);
+  /// The body, which `together` solves with others.
+  [[nodiscard]] ContactBody& contact_body() { return contact_.solver().body(); }
+  /// From now on `together` solves the contact of this body, its number `number`; find_touches()
+  /// reads what was solved. The law must not be moved afterwards.
+  void join(const ContactSolver& together, int number);
+  /// m that a vertex may move in a frame.
+  [[nodiscard]] double largest_move(const PressingSurface& seen) const {
+    return SkinContact::largest_move(seen);
+  }
 
   void find_touches(const Pressing& pressing, std::vector<Touch>& touches);
   void reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
                    const SceneExtras& extras, SceneBody& shown);
+
+  /// How the contact of the frame went, where no other solver was joined.
+  [[nodiscard]] const ContactReport& report() const { return report_; }
 
   std::optional<Refiner> refiner;  ///< gives exact answers, which are taken up; none: tables alone
   [[nodiscard]] const TouchState& state() const { return state_; }
@@ -84,29 +94,42 @@ class TablesLaw {
   TouchState state_;
   // Answered together with others and not at rest, though nothing may touch it in this frame.
   bool is_moved_ = false;
+  ContactReport report_;
   std::optional<StatedError> stated_;
-  PressingBodies* together_ = nullptr;
+  const ContactSolver* together_ = nullptr;
   int number_ = -1;
 };
 
-/// Unilateral contact all over the skin of a body whose energy is known in modes. ModalBodies
-/// solves it for all such bodies of a session at once; this law reads what was solved.
+/// Unilateral contact all over the skin of a body whose energy is known in modes
+/// (response/modal_body.h). A solver that it joins solves it; this law reads what was solved.
 class ModesLaw {
  public:
   static constexpr ContactKind kKind = ContactKind::kAnywhere;
-  explicit ModesLaw(const ModalTables& tables) : tables_(&tables) {}
-  /// @param member  the body's place among those of `together`
-  void join(ModalBodies& together, int member);
+  /// @param twin  another body of the same make, or none (are_twins())
+  /// @param rest  gets the stress at rest
+  ModesLaw(const ReducedBody& body, const ModalTables& tables, const ModalBody* twin,
+           RestShape& rest);
+
+  // As those of TablesLaw.
+  [[nodiscard]] ContactBody& contact_body() { return *contact_body_; }
+  void join(const ContactSolver& together, int number);
+  [[nodiscard]] double largest_move(const PressingSurface&) const {
+    return std::numeric_limits<double>::infinity();
+  }
 
   void find_touches(const Pressing& pressing, std::vector<Touch>& touches);
   void reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
                    const SceneExtras& extras, SceneBody& shown);
-  [[nodiscard]] const ModalTables& tables() const { return *tables_; }
+  [[nodiscard]] const ModalTables& tables() const { return *contact_body_->member().tables; }
+  [[nodiscard]] const ModalBody& modal_body() const { return *contact_body_; }
 
  private:
-  const ModalTables* tables_;
-  ModalBodies* together_ = nullptr;
-  int member_ = -1;
+  std::unique_ptr<ModalBody> contact_body_;
+  std::unique_ptr<ModalState> state_;
+  TouchPatches patches_;  // of the frame answered last
+  ContactPressure pressure_;
+  const ContactSolver* together_ = nullptr;
+  int number_ = -1;
 };
 
 /// One press at a time, at the nearest of the sites that the body was baked for; its level follows

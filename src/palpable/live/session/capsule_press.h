@@ -4,10 +4,10 @@
 #pragma once
 
 #include "palpable/common/contact/capsule_obstacles.h"
-#include "palpable/common/contact/skin_contact.h"
 #include "palpable/common/contact/touch.h"
-#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/geometry/capsule.h"
+#include "palpable/common/response/skin_contact.h"
+#include "palpable/common/response/touch_solver.h"
 #include "palpable/common/response/touchable_body.h"
 #include "palpable/live/session/scene.h"
 

@@ -12,8 +12,8 @@
 #pragma once
 
 #include "palpable/common/base/child_process.h"
-#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/response/exact_messages.h"
+#include "palpable/common/response/touch_solver.h"
 
 #include <Eigen/Core>
 

@@ -1,10 +1,9 @@
 #include "palpable/live/session/session.h"
 
 #include "palpable/common/base/contract.h"
-#include "palpable/common/contact/pressing_bodies.h"
+#include "palpable/common/contact/contact_solver.h"
 #include "palpable/common/geometry/pixel_box.h"
 #include "palpable/live/session/hidden_at_start.h"
-#include "palpable/live/session/modal_bodies.h"
 #include "palpable/live/slam/slam.h"
 
 #include <fmt/core.h>
@@ -103,10 +102,10 @@ struct Session::Parts {
         pressing(camera.noise(), settings.pressing) {
     const AnswerSettings how = answer_settings(settings, camera, format);
     for (PlacedBody& body : placed) {
-      bodies.push_back(std::make_unique<RememberedBody>(std::move(body), how));
+      const BodyAnswer* twin = twin_of(body.body);
+      bodies.push_back(std::make_unique<RememberedBody>(std::move(body), how, twin));
     }
-    gather_modal();
-    gather_pressing();
+    solve_together();
     forget_room();
   }
 
@@ -115,8 +114,8 @@ struct Session::Parts {
     return *bodies[static_cast<std::size_t>(number)];
   }
 
-  void gather_modal();
-  void gather_pressing();
+  [[nodiscard]] const BodyAnswer* twin_of(const TouchableBody& body) const;
+  void solve_together();
   void forget_room();
   void place_camera(Scene& scene, const SlamFrame& found);
   void find_what_is_hidden(Scene& scene);
@@ -129,8 +128,8 @@ struct Session::Parts {
   DepthNoise noise;
   Slam slam;
   std::vector<std::unique_ptr<RememberedBody>> bodies;
-  std::optional<ModalBodies> modal;
-  std::optional<PressingBodies> together;  // bodies with tables, where others stand
+  std::optional<ContactSolver> together;  // of bodies that give way, and of what stands beside them
+  std::vector<ContactSolver::Near> near;  // what is near each in this frame
 
   std::optional<AnchoredScene> anchored;
   LookedAt looked_at = LookedAt::kNothing;  // with what the mask of this frame was compared
@@ -141,32 +140,30 @@ struct Session::Parts {
   std::vector<Eigen::Vector3f> others;  // of gather_others()
 };
 
-void Session::Parts::gather_modal() {
-  std::vector<ModalBodies::Member> members;
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
-    RememberedBody& body = *bodies[k];
-    if (body.answer.modal() == nullptr) continue;
-    members.push_back({{&body.answer.body(), body.answer.modal(), body.world_from_body},
-                       &body.answer.surface(),
-                       static_cast<int>(k)});
+// One of the bodies with the same modes as this one; null: there is none.
+const BodyAnswer* Session::Parts::twin_of(const TouchableBody& body) const {
+  if (!body.modal) return nullptr;
+  for (const auto& other : bodies) {
+    const ModalTables* modal = other->answer.modal();
+    if (modal != nullptr && are_twins({&other->answer.body(), modal}, {&body.body, &*body.modal})) {
+      return &other->answer;
+    }
   }
-  if (members.empty()) return;
-  modal.emplace(members);
-  for (std::size_t m = 0; m < members.size(); ++m) {
-    bodies[static_cast<std::size_t>(members[m].number)]->answer.join(*modal, static_cast<int>(m));
-  }
+  return nullptr;
 }
 
-// Bodies with tables, and all that may stand in their way.
-void Session::Parts::gather_pressing() {
-  std::vector<PressingBodies::Body> all;
-  bool any = false;
+// The contact of several bodies is solved together if any gives way; that of one in modes as well,
+// by the same solver. A single body with tables is solved by its law.
+void Session::Parts::solve_together() {
+  const bool any_gives_way = std::any_of(bodies.begin(), bodies.end(),
+                                         [](const auto& body) { return body->answer.gives_way(); });
+  const bool is_single = bodies.size() == 1 && bodies.front()->answer.modal() == nullptr;
+  if (!any_gives_way || is_single) return;
+  std::vector<ContactSolver::Member> members;
   for (const auto& body : bodies) {
-    all.push_back(body->answer.among_others(body->world_from_body));
-    any |= all.back().contact != nullptr;
+    members.push_back({&body->answer.contact_body(), body->world_from_body});
   }
-  if (!any || bodies.size() < 2) return;
-  together.emplace(all);
+  together.emplace(members);
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     bodies[k]->answer.join(*together, static_cast<int>(k));
   }
@@ -272,21 +269,26 @@ void Session::Parts::find_touches(Scene& scene) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     bodies[k]->answer.look(scene.seen, *shows, scene.bodies[k].camera_from_body);
   }
-  scene.between = scene.imbalance = 0;
-  if (modal) {
-    modal->advance();
-    scene.between = modal->report().between;
-    scene.imbalance = modal->report().imbalance;
-  }
+  scene.between = scene.imbalance = scene.held_back = 0;
+  scene.contacts_dropped = 0;
   if (together) {
-    const PressingReport& report = together->advance();
-    scene.between = std::max(scene.between, report.between);
-    scene.imbalance = std::max(scene.imbalance, report.imbalance);
+    near.clear();
+    for (const auto& body : bodies) near.push_back(body->answer.near());
+    const ContactReport report = together->advance(near);
+    scene.between = report.between;
+    scene.imbalance = report.imbalance;
+    scene.held_back = report.held_back;
+    scene.contacts_dropped = report.dropped;
   }
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     RememberedBody& body = *bodies[k];
     const int by = gather_others(k);
     body.answer.find_touches(scene.time, others, by, body.touches);
+    if (!together) {
+      const ContactReport report = body.answer.report();
+      scene.held_back = std::max(scene.held_back, report.held_back);
+      scene.contacts_dropped += report.dropped;
+    }
     for (Touch& touch : body.touches) {
       touch.body = static_cast<int>(k);
       scene.touches.push_back(touch);
@@ -332,9 +334,7 @@ void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
     RememberedBody& body = *bodies[k];
     body.answer.reconstruct(body.touches, extras, scene.bodies[k]);
     if (body.answer.asks_for_others() && bodies.size() > 1) body.shape = scene.bodies[k].vertices;
-    if (together && !together->is_answered(static_cast<int>(k))) {
-      together->move_obstacle(static_cast<int>(k), scene.bodies[k].vertices);
-    }
+    body.answer.move_obstacle(scene.bodies[k].vertices);
   }
 }
 

@@ -29,11 +29,12 @@ struct PlacedBody {
 
 /// A body of a running session.
 struct SessionBody {
-  SessionBody(PlacedBody placed, const AnswerSettings& settings)
+  /// @param twin  as that of BodyAnswer
+  SessionBody(PlacedBody placed, const AnswerSettings& settings, const BodyAnswer* twin)
       : world_from_body(placed.world_from_body),
         name(placed.shown_name()),
         color(placed.color),
-        answer(std::move(placed.body), settings) {}
+        answer(std::move(placed.body), settings, twin) {}
 
   Rigid3 world_from_body;    ///< as PlacedBody's
   std::string name;          ///< PlacedBody::shown_name()

@@ -1,4 +1,4 @@
-#include "palpable/common/contact/touch_solver.h"
+#include "palpable/common/response/touch_solver.h"
 #include "palpable/common/response/touchable_body.h"
 #include "tests/support/ball_gap.h"
 #include "tests/support/dented_sphere.h"

@@ -4,6 +4,7 @@
 ///   W  nodes of the shell     V  the first of them: vertices that the tables know
 #pragma once
 
+#include "palpable/common/contact/point_forces.h"
 #include "palpable/common/response/refinement.h"
 
 #include <Eigen/Core>
@@ -11,13 +12,6 @@
 #include <vector>
 
 namespace palpable {
-
-/// The force at one contact point.
-struct PointForce {
-  int point = 0;                                    ///< index into TouchSolver::points()
-  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, on the body
-  int by = -1;                                      ///< OtherSkin::body of what presses
-};
 
 /// All that is remembered from frame to frame. The default is a body at rest.
 struct TouchState {

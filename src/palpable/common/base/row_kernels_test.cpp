@@ -1,4 +1,4 @@
-#include "palpable/common/response/row_kernels.h"
+#include "palpable/common/base/row_kernels.h"
 
 #include "tests/support/test.h"
 

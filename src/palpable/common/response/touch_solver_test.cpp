@@ -1,4 +1,4 @@
-#include "palpable/common/contact/touch_solver.h"
+#include "palpable/common/response/touch_solver.h"
 
 #include "tests/support/allocations.h"
 #include "tests/support/ball_gap.h"
@@ -467,94 +467,5 @@ TEST_CASE("asking whether anything is near first changes nothing that counts", "
 }
 
 // Of the contact points of a state whose first corner lies left of the middle, or of the others.
-std::vector<PointForce> forces_of_side(const Sheet& sheet, const TouchSolver& solver,
-                                       const TouchState& state, bool left) {
-  std::vector<PointForce> forces;
-  for (const PointForce& at : state.forces) {
-    const int v = solver.points()[static_cast<std::size_t>(at.point)].corners[0];
-    if ((sheet.body.skin.vertices(0, v) < 0) == left) forces.push_back(at);
-  }
-  return forces;
-}
-
-TEST_CASE("given forces press as those of a thing do, and contact is solved under them",
-          "[contact][others]") {
-  const Sheet sheet;
-  TouchSolver solver = sheet.solver();
-  const Vector3f here(-0.012f, 0, 0), there(0.012f, 0.004f, 0);
-  TouchState both, given;
-  const GapFunction here_gap = ball(0.01f, 0.002f, here), there_gap = ball(0.01f, 0.003f, there);
-  const GapFunction each_side([&](const Vector3f& x, SurfaceGap& gap) {
-    return x.x() < 0 ? here_gap(x, gap) : there_gap(x, gap);
-  });
-  for (int frame = 0; frame < 3; ++frame) solver.advance(both, each_side);
-  // The left ball's forces are given, where it is not.
-  std::vector<VertexForce> left;
-  for (const PointForce& at : forces_of_side(sheet, solver, both, true)) {
-    const SkinPoint& point = solver.points()[static_cast<std::size_t>(at.point)];
-    for (std::size_t k = 0; k < 3; ++k) {
-      left.push_back({point.corners[k], point.weights[static_cast<int>(k)] * at.force});
-    }
-  }
-  REQUIRE(left.size() >= 6);
-  add_up_by_vertex(left);
-  const GapFunction right_side(
-      [&](const Vector3f& x, SurfaceGap& gap) { return x.x() >= 0 && there_gap(x, gap); });
-  for (int frame = 0; frame < 3; ++frame) solver.advance(given, right_side, 1, left);
-  CHECK(apart(given.u, both.u) < tolerance(4e-6, "m: the last steps of Newton's method"));
-  // What is given is not of the state.
-  CHECK(forces_of_side(sheet, solver, given, true).empty());
-  const GapFunction nothing = test::nothing_near();
-  CHECK(test::allocations_during([&] { solver.advance(given, nothing, 1, left); }) == 0);
-  solver.advance(given, test::nothing_near());
-  CHECK(given.u.isZero(0));
-}
-
-TEST_CASE("an obstacle that gives way is pressed as far as a softer one", "[contact][others]") {
-  const Sheet sheet;
-  // A ball on springs, one below each point, of so many m/N.
-  constexpr double kSpring = 0.003;
-  TouchSolver solver = sheet.solver();
-  struct OnSprings : GapFunction {
-    using GapFunction::GapFunction;
-    void add_compliance(std::span<const YieldingPoint> points, std::span<double> W) const override {
-      for (std::size_t p = 0; p < points.size(); ++p) W[p * points.size() + p] += kSpring;
-    }
-  };
-  const GapFunction as_it_was = ball(0.02f, 0.003f);
-  TouchState state;
-  const OnSprings ball_of_3([&](const Vector3f& x, SurfaceGap& gap) {
-    gap.on.body = 3;
-    return as_it_was(x, gap);
-  });
-  solver.advance(state, ball_of_3, 1);
-  REQUIRE(state.forces.size() >= 3);
-  SurfaceGap gap;
-  for (const PointForce& force : state.forces) {
-    CHECK(force.by == 3);
-    const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
-    REQUIRE(as_it_was(point.at(sheet.body.skin.vertices.cast<float>()) + point.at(state.u), gap));
-    const double way = kSpring * static_cast<double>(force.force.dot(gap.normal));
-    CHECK(static_cast<double>(-gap.distance) ==
-          Approx(way).margin(tolerance(2e-5, "m: the last step of Newton's method")));
-  }
-  // Told where the springs have gone, the same forces are the answer again.
-  const TouchState before = state;
-  const OnSprings ball_that_went([&](const Vector3f& x, SurfaceGap& at) {
-    at.on.body = 3;
-    if (!as_it_was(x, at)) return false;
-    for (const PointForce& force : before.forces) {
-      const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
-      const Vector3f place = point.at(sheet.body.skin.vertices.cast<float>()) + point.at(before.u);
-      if ((place - x).norm() > 1e-3f) continue;
-      at.on.given_way = static_cast<float>(kSpring) * force.force.norm();
-      at.distance += at.on.given_way;
-    }
-    return true;
-  });
-  solver.advance(state, ball_that_went, 1);
-  CHECK(apart(state.u, before.u) < tolerance(2e-5, "m: the last step of Newton's method"));
-}
-
 }  // namespace
 }  // namespace palpable

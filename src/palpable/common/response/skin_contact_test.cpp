@@ -1,4 +1,4 @@
-#include "palpable/common/contact/skin_contact.h"
+#include "palpable/common/response/skin_contact.h"
 
 #include "tests/support/allocations.h"
 #include "tests/support/elastic_sheet.h"

@@ -1,5 +1,5 @@
-#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/response/refinement.h"
+#include "palpable/common/response/touch_solver.h"
 #include "tests/support/allocations.h"
 #include "tests/support/ball_gap.h"
 #include "tests/support/elastic_sheet.h"

@@ -1,4 +1,4 @@
-#include "palpable/common/contact/touch_skin.h"
+#include "palpable/common/response/touch_skin.h"
 
 #include "palpable/common/contact/point_levels.h"
 
@@ -64,6 +64,30 @@ void TouchSkin::face_as(const Matrix3Xf& u) {
   moved_ = rest_ + u.leftCols(rest_.cols());
   vertex_normals(moved_, coarse_triangles_, turn_);
   turn_ -= normals_;
+}
+
+ForceShares TouchSkin::shares_of(const Foot& foot) const {
+  ForceShares shares;
+  const auto add = [&](int vertex, float weight) {
+    if (weight > 0) shares.of[shares.count++] = {vertex, weight};
+  };
+  for (int k = 0; k < 3; ++k) {
+    if (!is_carried()) {
+      add(foot.corners[k], foot.weights[k]);
+      continue;
+    }
+    const SkinPoint& on = carried_[static_cast<std::size_t>(foot.corners[k])].on;
+    for (std::size_t c = 0; c < 3; ++c) {
+      add(on.corners[c], foot.weights[k] * on.weights[static_cast<int>(c)]);
+    }
+  }
+  return shares;
+}
+
+Eigen::Vector3f TouchSkin::rest_at(const Foot& foot) const {
+  return foot.weights[0] * skin_.col(foot.corners[0]) +
+         foot.weights[1] * skin_.col(foot.corners[1]) +
+         foot.weights[2] * skin_.col(foot.corners[2]);
 }
 
 void TouchSkin::place(const Matrix3Xf& u, Matrix3Xf& skin) const {

@@ -1,4 +1,4 @@
-#include "palpable/common/contact/touch_skin.h"
+#include "palpable/common/response/touch_skin.h"
 
 #include "palpable/common/geometry/surface_distance.h"
 #include "tests/support/some_touch_tables.h"

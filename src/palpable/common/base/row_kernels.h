@@ -13,6 +13,11 @@ namespace palpable {
 /// Rows have a multiple of this many numbers.
 inline constexpr std::size_t kRowStep = 16;
 
+/// n, rounded up to whole steps.
+[[nodiscard]] constexpr std::size_t padded(std::size_t n) {
+  return (n + kRowStep - 1) / kRowStep * kRowStep;
+}
+
 struct RowKernels {
   const char* name = "";
 

@@ -1,4 +1,4 @@
-#include "palpable/common/contact/skin_contact.h"
+#include "palpable/common/response/skin_contact.h"
 
 #include <algorithm>
 #include <cstddef>

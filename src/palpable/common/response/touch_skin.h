@@ -6,6 +6,7 @@
 ///   C  contact points, of the body's skin     W >= V  columns of displacements
 #pragma once
 
+#include "palpable/common/contact/contact_body.h"
 #include "palpable/common/geometry/skin_points.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/common/response/carried_skin.h"
@@ -13,12 +14,24 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace palpable {
+
+/// A share of a force on the body's skin: a vertex that the tables know, and how much of it.
+struct ForceShare {
+  int vertex = 0;
+  float weight = 0;
+};
+/// Those of one place: three corners, or three for each corner of a skin that is carried.
+struct ForceShares {
+  std::array<ForceShare, 9> of{};
+  std::size_t count = 0;
+};
 
 class TouchSkin {
  public:
@@ -49,6 +62,11 @@ class TouchSkin {
   [[nodiscard]] Eigen::Vector3f moved(std::size_t point, const Eigen::Matrix3Xf& u) const {
     return points_[point].at(u) + lifted(point);
   }
+
+  /// Which vertices of the tables a force at a place of the body's skin acts on.
+  [[nodiscard]] ForceShares shares_of(const Foot& foot) const;
+  /// m, at rest.
+  [[nodiscard]] Eigen::Vector3f rest_at(const Foot& foot) const;
 
   /// (3 x F) m: where the body's skin is by a displacement as face_as() has got it.
   void place(const Eigen::Matrix3Xf& u, Eigen::Matrix3Xf& skin) const;

@@ -2,7 +2,7 @@
 // compiled once for each instruction set, and the best one is chosen when the program runs. It is
 // compiled without contraction of a * b + c (CMakeLists.txt), which would differ between them.
 
-#include "palpable/common/response/row_kernels.h"
+#include "palpable/common/base/row_kernels.h"
 
 #include "palpable/common/base/simd_targets.h"
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "palpable/common/response/row_kernels.cpp"
+#define HWY_TARGET_INCLUDE "palpable/common/base/row_kernels.cpp"
 // What each file of Highway needs first:
 #include <hwy/foreach_target.h>
 // clang-format off

@@ -1,6 +1,6 @@
 /// @file
 /// The default contact law: nothing that is seen may enter the skin, anywhere, however many things
-/// there are (contact/touch_solver.h). Here the solver is told of the surface that was seen
+/// there are (response/touch_solver.h). Here the solver is told of the surface that was seen
 /// (pressing_surface.h), and its forces are told to people, as a list of touches.
 ///
 /// What one camera sees is uncertain by sigma. A point's gap is therefore given a compliance of its
@@ -14,8 +14,8 @@
 #include "palpable/common/contact/pressing_surface.h"
 #include "palpable/common/contact/touch.h"
 #include "palpable/common/contact/touch_patches.h"
-#include "palpable/common/contact/touch_solver.h"
 #include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/response/touch_solver.h"
 
 #include <Eigen/Core>
 
@@ -43,7 +43,8 @@ class SkinContact {
   static constexpr double kMove = 0.00375;
   /// That, or as far as what presses was seen to move.
   [[nodiscard]] static double largest_move(const PressingSurface& seen);
-  /// The touches of a state that another one than advance() brought about (pressing_bodies.h).
+  /// The touches of a state that another one than advance() brought about
+  /// (contact/contact_solver.h).
   /// @param seen    says which of it is assumed, or held; null: all is measured
   /// @param others  where other bodies' contact points press this one
   void find_touches(const TouchState& state, const Obstacles* seen,

@@ -1,0 +1,199 @@
+/// @file
+/// A deformable body as the contact solver sees it (contact_solver.h): contact points on its skin,
+/// their positions, and the compliance with which they move under forces.
+///
+///          ContactSolver                         ContactBody
+///     ┌──────────────────────┐   positions   ┌───────────────────────────────────────────┐
+///     │ candidates, gaps     │ ◄──────────── │ shape and present displacement            │
+///     │ W, q of one step     │ ◄──────────── │ tangent: n_i J n_j, free displacement     │
+///     │ forces f             │ ────────────► │ displacement under f                      │
+///     └──────────────────────┘               └───────────────────────────────────────────┘
+///                                              TablesBody: tables of touch, float
+///                                              ModalBody: energy in modes, double
+///                                              FixedSkin: an obstacle, does not give way
+///
+/// A frame has steps, a step has iterations of Newton's method. Two displacements are
+/// distinguished: the *shape* is the displacement of the whole skin, computed now and then, in
+/// which candidates are searched; *positions* follow every iteration, of the few points that take
+/// part.
+///
+///   C  contact points     F  vertices of the body's skin     P  places that take part in a step
+#pragma once
+
+#include "palpable/common/contact/moving_surface.h"
+#include "palpable/common/contact/point_forces.h"
+#include "palpable/common/contact/skin_clusters.h"
+#include "palpable/common/geometry/skin_points.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// The points of a skin at which obstacles are searched.
+struct SkinPointSet {
+  std::span<const SkinPoint> points;  ///< (C)
+  std::span<const float> levels;      ///< (C) point_levels.h
+  const SkinClusters* clusters = nullptr;
+  float coarsest = 0;  ///< m between the points that the flattest obstacle needs
+  float finest = 0;    ///< m between those that the sharpest obstacle needs
+  float between = 0;   ///< m between those that are compared with the skins of other bodies
+};
+
+/// How contact is solved on a body. Of bodies that are solved together the smallest steps and the
+/// largest counts hold.
+struct ContactLimits {
+  double band = 0;            ///< m: points nearer than this to an obstacle may press
+  double largest_step = 0;    ///< m that an obstacle advances in one step
+  int most_steps = 1;         ///< of a frame; what is deeper is reached in later frames
+  int iterations = 1;         ///< of Newton's method, in each step but the last
+  int last_iterations = 1;    ///< in the last step
+  double tolerance = 0;       ///< m: iterations end when no point that takes part moves more
+  double entry = 0;           ///< m that a round obstacle may enter between two contact points
+  double largest_change = 0;  ///< m that one iteration may move a point
+  /// Iterations that move points farther than the one before are shortened.
+  bool damped = true;
+  /// An iteration takes in the points that the one before could have brought to an obstacle, and
+  /// not all within a share of a step.
+  bool narrows = false;
+  /// Where more points than these are near obstacles, sharp obstacles are given fewer of them; 0:
+  /// as many as there is room for are kept, the nearest ones.
+  int thins_above = 0;
+};
+
+/// A force of 1 N at a place that takes part.
+struct UnitForce {
+  std::size_t row = 0;                                  ///< of the system: which contact it is of
+  std::size_t place = 0;                                ///< (P)
+  Eigen::Vector3f direction = Eigen::Vector3f::Zero();  ///< unit, body frame
+};
+
+/// What a place begins a step with.
+struct PlaceLoad {
+  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, body frame
+  float entry = 0;                                  ///< m that the obstacle enters there
+};
+
+/// The point of a skin that is nearest to a contact point of another body: where that one's force
+/// acts back.
+struct Foot {
+  Eigen::Vector3i corners = Eigen::Vector3i::Zero();  ///< of a triangle of the F vertices
+  Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< of these, sum 1
+};
+
+/// Places that take part in a step, at most: of a body alone, and of one that is solved with
+/// others.
+inline constexpr int kMostPlaces = 256, kMostPlacesWithOthers = 512;
+
+/// Functions are called in the order in which they stand here. Nothing but the first frame of a
+/// state allocates.
+class ContactBody {
+ public:
+  virtual ~ContactBody() = default;
+
+  [[nodiscard]] virtual SkinPointSet contact_points() const = 0;
+  [[nodiscard]] virtual const ContactLimits& limits() const = 0;
+
+  /// From now on the body is solved with others, which need places of their own. Allocates.
+  virtual void make_room_for_others() = 0;
+
+  /// The shape becomes that of the state.
+  virtual void begin_frame() = 0;
+  /// Whether the state is the unloaded body. @pre begin_frame()
+  [[nodiscard]] virtual bool is_at_rest() const = 0;
+  /// Those of the state, rising by point, then by PointForce::by. The solver reads them when it
+  /// begins a step and replaces them when it ends one.
+  [[nodiscard]] virtual std::vector<PointForce>& forces() = 0;
+
+  // --- shape
+
+  /// m, of a contact point.
+  [[nodiscard]] virtual Eigen::Vector3f shape_at(int point) = 0;
+  /// m, of a vertex that is the middle of a cluster of contact points (skin_clusters.h).
+  [[nodiscard]] virtual Eigen::Vector3f shape_at_vertex(int vertex) = 0;
+  /// m, of a place on the skin; to first order that of position().
+  [[nodiscard]] virtual Eigen::Vector3f shape_at(const Foot& foot) = 0;
+  [[nodiscard]] virtual Eigen::Vector3f rest_at(const Foot& foot) const = 0;
+  /// Unit, outwards, of the skin at a contact point; 0 where it is not known.
+  [[nodiscard]] virtual Eigen::Vector3f normal_at(int point) = 0;
+  /// Holds the skin.
+  [[nodiscard]] virtual Eigen::AlignedBox3f bounds() = 0;
+  /// Signed distances to the skin.
+  [[nodiscard]] virtual const MovingSurface& surface() = 0;
+
+  // --- a step
+
+  /// The places of the next step: none, then those that are added. False: there is no room for one
+  /// more. A place's number is how many were added before it.
+  virtual void clear_places() = 0;
+  virtual bool add_place(int point) = 0;
+  virtual bool add_place(const Foot& foot) = 0;
+  /// The places that were added take part from now on, under these forces.
+  /// @param loads  (P)
+  /// @param last   the frame's last step, which is computed to the full
+  virtual void begin_step(std::span<const PlaceLoad> loads, bool last) = 0;
+
+  /// m, of a place now.
+  [[nodiscard]] virtual Eigen::Vector3f position(std::size_t place) const = 0;
+
+  // --- an iteration
+
+  enum class Tangent {
+    kFull,
+    kSafe  ///< positive definite for certain, where kFull may not be
+  };
+  /// Computes the tangent at the present displacement. False: there is none.
+  virtual bool linearise() = 0;
+  /// Adds what normal forces of 1 N do to each other's gaps, and the free displacement, that
+  /// without any force, by the tangent:
+  ///
+  ///     W_ij += d_i . J d_j  (m/N)        q_i += d_i . (u_free - u)  (m)
+  ///
+  /// @param forces  rising rows
+  /// @param W       (rows x m), row by row; the lower triangle is written
+  virtual void add_compliance(std::span<const UnitForce> forces, Tangent tangent,
+                              std::span<double> W, std::size_t m, std::span<double> q) = 0;
+  /// The same for tangential forces, against the normal ones of the last call and each other.
+  /// @param forces   rising rows, of the t tangential ones
+  /// @param W_nt     (m x wide) normal against tangential
+  /// @param W_tt     (t x t)
+  /// @param q_t      (t)
+  virtual void add_tangential(std::span<const UnitForce> forces, std::span<float> W_nt,
+                              std::size_t wide, std::span<double> W_tt, std::span<double> q_t) = 0;
+  /// m/N, of the skin under one contact point, which the tangent does not hold.
+  /// @param area      m^2 that the point stands for
+  /// @param softness  SurfaceGap::softness
+  /// @param is_foot   the body is the one that is pressed by another body's point
+  [[nodiscard]] virtual double skin_compliance(double area, float softness, bool is_foot) const = 0;
+  /// The step of Newton's method under new forces. @param forces  (P) N
+  virtual void find_step(std::span<const Eigen::Vector3f> forces) = 0;
+  /// Moves the places by a share of the step. May be called again with a smaller share.
+  /// @param forces  (P) N, that share of the way from those before the iteration
+  /// @return m that the place moved that moved most, since linearise()
+  virtual double move(std::span<const Eigen::Vector3f> forces, double share) = 0;
+
+  // --- end of a step
+
+  /// The shape becomes that of the present forces. @param all  with what only the stress needs
+  virtual void form_shape(bool all) = 0;
+  /// Whether form_shape() moved a vertex by more than `way` (m) from the shape of the state.
+  [[nodiscard]] virtual bool has_moved(double way) const = 0;
+  /// The state takes over what was computed, the shape included if it was formed.
+  /// @param is_free  no obstacle is near, and iterations have ended
+  virtual void keep(bool is_free) = 0;
+
+  // --- end of a frame
+
+  /// All steps are kept. @param penetration  m, of obstacles at the deepest contact point
+  virtual void end_frame(double penetration) = 0;
+  /// m that the vertex moved that moved most, since begin_frame().
+  [[nodiscard]] virtual double moved() const = 0;
+  /// The state goes back to this share of its way since begin_frame(), its forces likewise.
+  virtual void hold_back(double share) = 0;
+};
+
+}  // namespace palpable

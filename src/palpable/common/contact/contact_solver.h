@@ -1,0 +1,87 @@
+/// @file
+/// One frame of contact: unilateral and frictionless, of deformable bodies with obstacles and with
+/// each other.
+///
+///     g_i >= 0,   f_i >= 0,   g_i f_i = 0          at every contact i, with
+///
+///     g_i   gap: signed distance of a contact point from what is near it, m
+///     f_i   normal force, N: on the body at the point, and the opposite one on the other body
+///
+/// How a force comes about:
+///
+///     ┌───────────────┐ 1  contact points near an obstacle, or near another body's skin
+///     │ search        │    near_points.h, moving_surface.h
+///     └──────┬────────┘
+///     ┌──────▼────────┐ 2  an obstacle that came deeper than a step is taken back, and advances
+///     │ step          │    step by step
+///     └──────┬────────┘
+///     ┌──────▼────────┐ 3  gaps in the present shape: one query for all points
+///     │ gaps          │    obstacles.h, surface_gap.h
+///     └──────┬────────┘
+///     ┌──────▼────────┐ 4  W f + q >= 0, f >= 0, complementary: the forces
+///     │ problem       │    contact_problem.h (Coulomb's law would join it there),
+///     complementarity.h └──────┬────────┘ ┌──────▼────────┐ 5  the bodies move under them; on to 3
+///     until nothing moves │ bodies        │    contact_body.h └──────┬────────┘ ┌──────▼────────┐
+///     6  of the last step: the whole skin, and on to 1 where it enters something │ shape         │
+///     └───────────────┘
+///
+/// Bodies whose skins are near each other are solved together: a contact between two of them has
+/// the compliance of both, and forces on both that are opposite to the last digit.
+#pragma once
+
+#include "palpable/common/contact/contact_body.h"
+#include "palpable/common/contact/contact_frame.h"
+#include "palpable/common/contact/obstacles.h"
+#include "palpable/common/contact/touch_patches.h"
+#include "palpable/common/geometry/rigid.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// Advancing allocates nothing once states have had their room.
+class ContactSolver {
+ public:
+  struct Member {
+    ContactBody* body = nullptr;  ///< with a state, when advance() is called; outlives the solver
+    Rigid3 world_from_body = Rigid3::Identity();
+  };
+  /// What is near a member in a frame.
+  struct Near {
+    const Obstacles* obstacles = nullptr;  ///< other members apart, in its frame; null: none
+    /// m: no vertex moves by more; what is left of its way is made up in the frames after. Of
+    /// bodies that are solved together the largest holds.
+    double largest_move = std::numeric_limits<double>::infinity();
+  };
+  explicit ContactSolver(const std::vector<Member>& members);
+  ~ContactSolver();
+  ContactSolver(ContactSolver&&) noexcept;
+
+  /// The states in which nothing enters a body. Pure: the same states and gaps give the same bytes.
+  /// @param near  of each member
+  ContactReport advance(std::span<const Near> near);
+
+  // Of a member, and of the frame advanced last:
+
+  /// Of it and those that were solved with it.
+  [[nodiscard]] const ContactReport& report_of(int member) const;
+  /// m, of obstacles at its deepest contact point.
+  [[nodiscard]] double penetration_of(int member) const;
+  /// Where contact points of other members press it.
+  [[nodiscard]] std::span<const PressedPoint> pressed_by_others(int member) const;
+  /// Nothing presses it, and its shape is that at rest.
+  [[nodiscard]] bool is_at_rest(int member) const;
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace palpable

@@ -1,0 +1,135 @@
+/// @file
+/// A body with tables of touch as the contact solver sees it: displacement as a series in the
+/// forces, from the tables.
+///
+///     u(f) = G f + what regions add + what patches do to each other + exact corrections
+///
+/// with G from compliance.h, regions and patches from nonlinear_answer.h, corrections from
+/// refinement.h. The tangent is J = G + U H U^T, with U the modes of the regions and H what their
+/// displacement grows by.
+///
+///   V  vertices that the tables know, of the skin or of a coarser one that carries it
+///   F  vertices of the body's skin, V where it is not carried
+///   W  nodes of the shell     C  contact points     P  places that take part in a step
+#pragma once
+
+#include "palpable/common/contact/contact_body.h"
+#include "palpable/common/geometry/skin_points.h"
+#include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/response/compliance.h"
+#include "palpable/common/response/stated_error.h"
+#include "palpable/common/response/touch_state.h"
+#include "palpable/common/response/touch_tables.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+struct TouchSettings {
+  double band = 0.0025;           ///< m: points nearer than this may press
+  double largest_step = 0.00125;  ///< m an object goes on in one step
+  int most_steps = 12;            ///< of a frame; what is deeper is reached in later frames
+  int iterations = 3;             ///< of Newton's method, of each step
+  int last_iterations = 10;       ///< of the last one, in all its rounds; then it is held back
+  double tolerance = 2e-5;        ///< m: the last iteration moved no touched vertex by more
+  /// m a round object may enter between two contact points: flat ones are given fewer points.
+  double entry = 2e-5;
+  /// Of a point's own compliance, added to it: neighbours that move together share a force. What is
+  /// left of it as penetration is force times that.
+  double softness = 0.01;
+  bool nonlinear = true;  ///< false: the linear answer, in the present shape
+  int blend_frames = 6;   ///< over which an exact answer is taken up
+};
+
+/// What a state says of its own error.
+struct TablesReport {
+  int patches = 0;        ///< of load, which regions answered for
+  double last_share = 0;  ///< of the series' last order, see NonlinearAnswer
+  ErrorSigns signs;       ///< 0 without force
+  /// What they say; nothing without force, or where the tables' held-out touches give no scale.
+  std::optional<StatedError> stated;
+};
+
+/// Allocates in its constructor, and when a state is used for the first time.
+class TablesBody final : public ContactBody {
+ public:
+  static constexpr int kMostVertices = 192;  ///< of the contact points of a step; as many of feet
+
+  /// @param skin    (F vertices) the body's, at rest
+  /// @param fixed   (F) 1 where the support holds the vertex
+  /// @param tables  of the skin; outlive this
+  TablesBody(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
+             const TouchTables& tables, const TouchSettings& settings);
+  ~TablesBody() override;
+
+  /// Frames advance this state from now on. It outlives its use.
+  void use(TouchState& state);
+
+  [[nodiscard]] std::span<const SkinPoint> points() const;       ///< (C) on the V vertices
+  [[nodiscard]] const Eigen::Matrix3Xf& points_at_rest() const;  ///< (3 x C) m
+
+  /// Of the frame advanced last.
+  [[nodiscard]] const TablesReport& report() const;
+
+  // Of any state. These allocate nothing; not while another thread uses this.
+
+  /// Where the body's skin is, (3 x F) m.
+  void place(const TouchState& state, Eigen::Matrix3Xf& skin);
+  /// How far the points of a state's forces have moved, m, force by force.
+  void find_moved(const TouchState& state, std::vector<Eigen::Vector3f>& moved);
+  /// The stress on the skin. @param von_mises  (F) Pa  @param cauchy  (6F) Pa, or empty
+  /// @pre the tables have a shell
+  void stress(const TouchState& state, std::span<float> von_mises, std::span<float> cauchy);
+  /// As TouchSolver::ask() and the functions that follow it there.
+  bool ask(const TouchState& state, AskedLoad& asked);
+  bool refine(TouchState& state, const AskedLoad& asked, const Eigen::Matrix3Xf& exact) const;
+  void probe(AskedLoad& asked);
+
+  // ContactBody
+  [[nodiscard]] SkinPointSet contact_points() const override;
+  [[nodiscard]] const ContactLimits& limits() const override;
+  void make_room_for_others() override;
+  void begin_frame() override;
+  [[nodiscard]] bool is_at_rest() const override;
+  [[nodiscard]] std::vector<PointForce>& forces() override;
+  [[nodiscard]] Eigen::Vector3f shape_at(int point) override;
+  [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override;
+  [[nodiscard]] Eigen::Vector3f shape_at(const Foot& foot) override;
+  [[nodiscard]] Eigen::Vector3f rest_at(const Foot& foot) const override;
+  [[nodiscard]] Eigen::Vector3f normal_at(int point) override;
+  [[nodiscard]] Eigen::AlignedBox3f bounds() override;
+  [[nodiscard]] const MovingSurface& surface() override;
+  void clear_places() override;
+  bool add_place(int point) override;
+  bool add_place(const Foot& foot) override;
+  void begin_step(std::span<const PlaceLoad> loads, bool last) override;
+  [[nodiscard]] Eigen::Vector3f position(std::size_t place) const override;
+  bool linearise() override;
+  void add_compliance(std::span<const UnitForce> forces, Tangent tangent, std::span<double> W,
+                      std::size_t m, std::span<double> q) override;
+  void add_tangential(std::span<const UnitForce> forces, std::span<float> W_nt, std::size_t wide,
+                      std::span<double> W_tt, std::span<double> q_t) override;
+  [[nodiscard]] double skin_compliance(double area, float softness, bool is_foot) const override;
+  void find_step(std::span<const Eigen::Vector3f>) override {}
+  double move(std::span<const Eigen::Vector3f> forces, double share) override;
+  void form_shape(bool all) override;
+  [[nodiscard]] bool has_moved(double way) const override;
+  void keep(bool is_free) override;
+  void end_frame(double penetration) override;
+  [[nodiscard]] double moved() const override;
+  void hold_back(double share) override;
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace palpable

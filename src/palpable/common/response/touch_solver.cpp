@@ -1,0 +1,32 @@
+#include "palpable/common/response/touch_solver.h"
+
+#include <array>
+
+namespace palpable {
+
+TouchReport report_of(const TablesBody& body, const ContactSolver& solver, int member) {
+  TouchReport report;
+  static_cast<ContactReport&>(report) = solver.report_of(member);
+  report.penetration = solver.penetration_of(member);
+  const TablesReport& tables = body.report();
+  report.blobs = tables.patches;
+  report.last_share = tables.last_share;
+  report.signs = tables.signs;
+  if (!(report.held_back > 0)) report.stated = tables.stated;
+  return report;
+}
+
+TouchSolver::TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
+                         const TouchTables& tables, const TouchSettings& settings)
+    : body_(std::make_unique<TablesBody>(skin, fixed, tables, settings)),
+      solver_({{body_.get(), Rigid3::Identity()}}) {}
+
+TouchReport TouchSolver::advance(TouchState& state, const Obstacles& obstacles,
+                                 double largest_move) {
+  body_->use(state);
+  const std::array near{ContactSolver::Near{&obstacles, largest_move}};
+  solver_.advance(near);
+  return report_of(*body_, solver_, 0);
+}
+
+}  // namespace palpable
