@@ -9,6 +9,12 @@
 ///
 /// Where the surface of the union faces the camera it was *measured*; its other side is *assumed*.
 ///
+///     depth, colour ──► PressingMask ──► Silhouette ──► medial_balls, creases ──► HeldBalls ──┐
+///                       which pixels     outlines of    the balls                 those seen  │
+///                       may press        things                                   before      │
+///                                                                                             ▼
+///     ContactSolver ◄── gaps ── ObjectSurface (PressingSurface, an Obstacles) ◄── BallTree ◄ ─┘
+///
 /// Body frame, metres. The distance is exact in a band around the surface and unknown outside.
 ///
 /// `palpable bench surface` judges it against true things.
