@@ -44,8 +44,8 @@ struct SkinPointSet {
   float between = 0;   ///< m between those that are compared with the skins of other bodies
 };
 
-/// How contact is solved on a body. Of bodies that are solved together the smallest steps and the
-/// largest counts hold.
+/// How contact is solved on a body. Bodies that are solved together use the smallest lengths of all
+/// of them, the largest band and the largest counts.
 struct ContactLimits {
   double band = 0;            ///< m: points nearer than this to an obstacle may press
   double largest_step = 0;    ///< m that an obstacle advances in one step
@@ -55,15 +55,31 @@ struct ContactLimits {
   double tolerance = 0;       ///< m: iterations end when no point that takes part moves more
   double entry = 0;           ///< m that a round obstacle may enter between two contact points
   double largest_change = 0;  ///< m that one iteration may move a point
-  /// Iterations that move points farther than the one before are shortened.
+  /// Whether an iteration that moves points farther than the one before is shortened. Without it
+  /// two sets of points may press in turn for ever.
   bool damped = true;
-  /// An iteration takes in the points that the one before could have brought to an obstacle, and
-  /// not all within a share of a step.
+  /// Whether an iteration solves only for points that the iteration before moved as far as their
+  /// gap, instead of all within a share of largest_step: fewer unknowns, the same forces.
   bool narrows = false;
-  /// Where more points than these are near obstacles, sharp obstacles are given fewer of them; 0:
-  /// as many as there is room for are kept, the nearest ones.
+  /// Contact points near obstacles above which their spacing is made coarser; 0: never, the nearest
+  /// ones are kept.
   int thins_above = 0;
 };
+
+/// The part of the limits that a kind of body's settings have by the same names; the rest is
+/// default.
+template <class Settings>
+[[nodiscard]] ContactLimits limits_from(const Settings& s) {
+  ContactLimits limits;
+  limits.band = s.band;
+  limits.largest_step = s.largest_step;
+  limits.most_steps = s.most_steps;
+  limits.iterations = s.iterations;
+  limits.last_iterations = s.last_iterations;
+  limits.tolerance = s.tolerance;
+  limits.entry = s.entry;
+  return limits;
+}
 
 /// A force of 1 N at a place that takes part.
 struct UnitForce {
@@ -76,13 +92,6 @@ struct UnitForce {
 struct PlaceLoad {
   Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, body frame
   float entry = 0;                                  ///< m that the obstacle enters there
-};
-
-/// The point of a skin that is nearest to a contact point of another body: where that one's force
-/// acts back.
-struct Foot {
-  Eigen::Vector3i corners = Eigen::Vector3i::Zero();  ///< of a triangle of the F vertices
-  Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< of these, sum 1
 };
 
 /// Places that take part in a step, at most: of a body alone, and of one that is solved with
@@ -115,9 +124,11 @@ class ContactBody {
   [[nodiscard]] virtual Eigen::Vector3f shape_at(int point) = 0;
   /// m, of a vertex that is the middle of a cluster of contact points (skin_clusters.h).
   [[nodiscard]] virtual Eigen::Vector3f shape_at_vertex(int vertex) = 0;
-  /// m, of a place on the skin; to first order that of position().
-  [[nodiscard]] virtual Eigen::Vector3f shape_at(const Foot& foot) = 0;
-  [[nodiscard]] virtual Eigen::Vector3f rest_at(const Foot& foot) const = 0;
+  /// m, of a foot: the place on this skin, by the F vertices, that is nearest to a contact point of
+  /// another body, and at which that one's force acts back. Linear in the displacement, as
+  /// position() is.
+  [[nodiscard]] virtual Eigen::Vector3f shape_at(const SkinPoint& foot) = 0;
+  [[nodiscard]] virtual Eigen::Vector3f rest_at(const SkinPoint& foot) const = 0;
   /// Unit, outwards, of the skin at a contact point; 0 where it is not known.
   [[nodiscard]] virtual Eigen::Vector3f normal_at(int point) = 0;
   /// Holds the skin.
@@ -131,7 +142,7 @@ class ContactBody {
   /// more. A place's number is how many were added before it.
   virtual void clear_places() = 0;
   virtual bool add_place(int point) = 0;
-  virtual bool add_place(const Foot& foot) = 0;
+  virtual bool add_place(const SkinPoint& foot) = 0;
   /// The places that were added take part from now on, under these forces.
   /// @param loads  (P)
   /// @param last   the frame's last step, which is computed to the full
@@ -148,8 +159,8 @@ class ContactBody {
   };
   /// Computes the tangent at the present displacement. False: there is none.
   virtual bool linearise() = 0;
-  /// Adds what normal forces of 1 N do to each other's gaps, and the free displacement, that
-  /// without any force, by the tangent:
+  /// Adds the compliance among normal forces, and the free displacement (that without any force),
+  /// by the tangent:
   ///
   ///     W_ij += d_i . J d_j  (m/N)        q_i += d_i . (u_free - u)  (m)
   ///
@@ -157,7 +168,8 @@ class ContactBody {
   /// @param W       (rows x m), row by row; the lower triangle is written
   virtual void add_compliance(std::span<const UnitForce> forces, Tangent tangent,
                               std::span<double> W, std::size_t m, std::span<double> q) = 0;
-  /// The same for tangential forces, against the normal ones of the last call and each other.
+  /// Adds the compliance between tangential forces and the normal forces of the last call, that
+  /// among tangential forces, and their free displacement. Units as those of add_compliance().
   /// @param forces   rising rows, of the t tangential ones
   /// @param W_nt     (m x wide) normal against tangential
   /// @param W_tt     (t x t)

@@ -11,35 +11,37 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kHalvings = 4;  // of an iteration that moves a point too far
-// Of a step of the obstacles: points that are farther, and do not press, take no part in an
-// iteration. One that an obstacle enters all the same does in the next.
+// How often an iteration that moves a point too far is halved before it is given up.
+constexpr int kHalvings = 4;
+// Ratio to ContactLimits::largest_step: a point with a larger gap and no force is left out of an
+// iteration. If the iteration moves it into an obstacle, the next one includes it.
 constexpr double kTakesPart = 0.4;
-// And at least, where what takes part narrows (ContactLimits::narrows).
+// Ratio to the same: the smallest gap that leaves a point out where ContactLimits::narrows.
 constexpr double kLeastReach = 0.02;
-// Searches of a frame's last step for points that its solution enters though they were too far to
-// take part, and for feet that have slid.
+// Largest number of searches in the last step of a frame. With fewer, points that the solution
+// moved into an obstacle, and feet that have slid, are mended only in the next frame.
 constexpr int kRounds = 3;
-// Of the band: what is entered by less waits for the next frame.
+// Ratio to ContactLimits::band: a point that entered less deep is left to the next frame.
 constexpr double kEntered = 0.04;
-// Of a step: a solution whose last iteration moved a point by more has not converged, and is
-// approached by no more than so many steps.
+// Ratio to ContactLimits::largest_step: if the last iteration moved a point farther, the solution
+// has not converged. The bodies then move by kUnsettledSteps largest steps at most.
 constexpr double kUnsettled = 0.4;
 constexpr int kUnsettledSteps = 3;
-// Of an iteration's step, at least, where iterations do not converge.
+// Smallest share of an iteration that damping (ContactLimits::damped) leaves.
 constexpr float kLeastShare = 0.25f;
-// So often what an obstacle may enter by is doubled, where there are too many candidates.
+// How often ContactLimits::entry is doubled to reduce the number of contact points.
 constexpr int kCoarser = 8;
-// Cosine of the angle between two skins' normals up to which they lie on each other.
+// Cosines of the angle between two skins' normals. Below kFacing (46 degrees) the skins do not lie
+// on each other. From kAlmostFlat (14 degrees) to kFlat (8) the normal of the contact point gains
+// weight in that of the contact.
 constexpr float kFacing = 0.7f;
-// And from which, and up to which, the normal of the point has a part in that of a contact away
-// from edges: 14 and 8 degrees.
 constexpr float kAlmostFlat = 0.97f, kFlat = 0.99f;
-// m along another skin, up to which a contact keeps its plane there.
+// m: a contact that slides farther along another skin is given a new tangent plane there.
 constexpr float kSamePlane = 0.0003f;
-// And up to which its force acts back at the foot that was found first.
+// m: a contact that slides farther in a step is given a new foot, at which its force acts back.
 constexpr float kSameFoot = 0.0005f;
-constexpr double kLeastArea = 1e-8;  // m^2 that a point stands for
+// m^2: smallest area of a contact point, by whose root the compliance under it is divided.
+constexpr double kLeastArea = 1e-8;
 
 void set_gap(Contact& contact, const SurfaceGap& gap) {
   contact.distance = gap.distance;
@@ -52,15 +54,17 @@ bool is_same(const Contact& a, const Contact& b) {
   return a.body == b.body && a.point == b.point && a.by == b.by;
 }
 
-float edge_distance_of(const ContactPart& part, const Foot& foot) {
+// m, of a place of a skin from its nearest edge.
+float edge_distance_of(const ContactPart& part, const SkinPoint& place) {
   float sum = 0;
-  for (int k = 0; k < 3; ++k) {
-    sum += foot.weights[k] * part.edge_distance[static_cast<std::size_t>(foot.corners[k])];
+  for (std::size_t k = 0; k < 3; ++k) {
+    sum += place.weights[static_cast<int>(k)] *
+           part.edge_distance[static_cast<std::size_t>(place.corners[k])];
   }
   return sum;
 }
 
-// What of a skin is nearest; nothing farther than `band` outside.
+// The place of a skin that is nearest to x; nothing if x is farther outside than `band`, m.
 std::optional<NearestOnSkin> nearest_on(const MovingSurface& skin, const Vector3f& x, float band) {
   const Eigen::AlignedBox3f bounds = skin.bounds();
   if (!(bounds.squaredExteriorDistance(x) < band * band)) return std::nullopt;
@@ -70,14 +74,13 @@ std::optional<NearestOnSkin> nearest_on(const MovingSurface& skin, const Vector3
   return found;
 }
 
-// Which way two skins press each other, in the other's frame: along the other's normal. Where that
-// has an edge, which lies on the face of the point, along the normal of the face.
+// Direction of the force between two skins, in the frame of the other one: the other skin's normal.
+// Where the other skin has an edge that lies on the face around the point, the normal of that face.
 Vector3f normal_between(ContactPart& part, int point, ContactPart& other,
                         const NearestOnSkin& found, const SkinPair& pair) {
   const MovingSurface& surface = other.body->surface();
   const Vector3f normal = surface.rounded_at(found).normal;
-  const Foot there{surface.corners(found.triangle), found.weights};
-  const float from_edge = edge_distance_of(other, there);
+  const float from_edge = edge_distance_of(other, surface.place_of(found));
   const SkinPointSet points = part.body->contact_points();
   const Vector3f against = -(pair.skin_from_points.linear() * part.body->normal_at(point));
   const float facing = against.dot(normal);
@@ -89,9 +92,8 @@ Vector3f normal_between(ContactPart& part, int point, ContactPart& other,
   const float flatness = std::clamp((facing - kAlmostFlat) / (kFlat - kAlmostFlat), 0.0f, 1.0f);
   const float share = std::max(nearness, flatness);
   if (!(share > 0)) return normal;
-  const SkinPoint& at = points.points[static_cast<std::size_t>(point)];
-  const Foot here{{at.corners[0], at.corners[1], at.corners[2]}, at.weights};
-  const float own_weight = share * edge_distance_of(part, here);
+  const float own_weight =
+      share * edge_distance_of(part, points.points[static_cast<std::size_t>(point)]);
   if (!(own_weight + from_edge > 0)) return normal;
   return (own_weight * against + from_edge * normal).normalized();
 }
@@ -114,15 +116,14 @@ ContactFrame::ContactFrame(std::span<ContactPart> parts, int most)
     part.loads.reserve(most_ + 1);
     part.place_forces.reserve(most_ + 1);
   }
-  contacts_.reserve(2 * all);
-  found_.reserve(2 * all);
-  for (auto* list : {&feet_before_, &pressed_}) list->reserve(all);
+  for (auto* list : {&contacts_, &found_}) list->reserve(all + most_);
+  for (auto* list : {&feet_before_, &pressed_}) list->reserve(most_);
   of_pressed_.reserve(most_);
   forces_before_.resize(most_);
   is_contact_.resize(largest, 0);
-  asked_points_.reserve(most_);
-  of_asked_.reserve(most_);
-  asked_at_.reserve(most_);
+  queried_points_.reserve(most_);
+  of_queried_.reserve(most_);
+  queried_at_.reserve(most_);
   gaps_.reserve(most_);
 }
 
@@ -208,10 +209,11 @@ void ContactFrame::search_between(const SkinPair& pair) {
     contact.body = pair.points;
     contact.point = point;
     contact.by = pair.skin;
-    contact.foot = {surface.corners(found->triangle), found->weights};
+    contact.foot = surface.place_of(*found);
     const auto area = static_cast<double>(points.points[static_cast<std::size_t>(point)].area);
     const auto spacing = static_cast<double>(points.between);
-    // Of few points each stands for more of the skin.
+    // Points that are compared with other skins lie farther apart than all contact points, so each
+    // represents a larger area.
     contact.area = std::max(area, spacing * spacing);
     take_plane(contact, *found, x - other.body->shape_at(contact.foot), pair);
     contact.distance = contact.anchor_gap;
@@ -219,8 +221,8 @@ void ContactFrame::search_between(const SkinPair& pair) {
   }
 }
 
-// Those of the shape with which the frame began that are near the obstacles where they are taken
-// back to: what they press goes away from them, and little else comes near on the way.
+// Chooses, of the contacts found in the shape with which the frame began, those near the obstacles
+// at their present step. Pressed points move away from the obstacles, and few others come near.
 void ContactFrame::choose_found(double shift) {
   contacts_.clear();
   for (const Contact& c : found_) {
@@ -229,8 +231,8 @@ void ContactFrame::choose_found(double shift) {
   }
 }
 
-// Where an obstacle leaves, the skin follows it over more than the band, and points that were too
-// far to take part may enter it. Those of the shape just formed join the contacts. False: there are
+// A skin that springs back after an obstacle left may move by more than the band, so that points
+// which were no contacts enter an obstacle. Adds those of the shape just formed. False: there are
 // none.
 bool ContactFrame::add_entered(double shift) {
   const std::size_t known = contacts_.size();
@@ -255,7 +257,8 @@ bool ContactFrame::add_entered(double shift) {
   return contacts_.size() > known;
 }
 
-// The contacts between bodies in the shapes just formed. False: they are where iterations had them.
+// Searches the contacts between bodies again in the shapes just formed. False: their gaps are those
+// of the last iteration, and the contacts are unchanged.
 bool ContactFrame::find_feet_again() {
   const bool has_slid = std::any_of(contacts_.begin(), contacts_.end(), [](const Contact& c) {
     return c.by >= 0 && c.pressing > 0 && c.slid > kSameFoot;
@@ -298,7 +301,8 @@ bool ContactFrame::find_feet_again() {
   return false;
 }
 
-// Fewer points before sharp obstacles, where a body wants no more.
+// Makes the contact points of a body coarser until they are no more than
+// ContactLimits::thins_above.
 void ContactFrame::thin(int body) {
   const ContactLimits& limits = part(body).body->limits();
   const auto is_of_body = [body](const Contact& c) { return c.body == body && c.by < 0; };
@@ -347,8 +351,8 @@ void ContactFrame::keep_nearest() {
 
 // --- iterations
 
-// The forces of the states at the contacts; those at points that are none any more are dropped.
-// @param goes_on  the contacts have forces of the round before
+// Gives the contacts the forces of the states, and numbers their places. A force at a point that is
+// no contact any more is dropped. @param goes_on  the contacts keep the forces of the round before
 void ContactFrame::take_up(double shift, bool goes_on) {
   for (const int k : members_) {
     part(k).loads.assign(part(k).places, {});
@@ -373,7 +377,7 @@ void ContactFrame::take_up(double shift, bool goes_on) {
   }
 }
 
-// The solution for the contacts, from the states' forces.
+// Iterates until the contacts' forces and gaps are complementary, at most `most` times.
 void ContactFrame::settle(double shift, bool last, bool goes_on, int most) {
   take_up(shift, goes_on);
   for (const int k : members_) part(k).body->begin_step(part(k).loads, last);
@@ -395,22 +399,22 @@ void ContactFrame::settle(double shift, bool last, bool goes_on, int most) {
 // Gaps of a body's contact points to its obstacles, in one query.
 void ContactFrame::find_gaps_of(int body, double shift) {
   ContactPart& one = part(body);
-  asked_points_.clear();
-  of_asked_.clear();
-  asked_at_.clear();
+  queried_points_.clear();
+  of_queried_.clear();
+  queried_at_.clear();
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = contacts_[k];
     if (c.body != body || c.by >= 0) continue;
-    asked_points_.push_back(c.point);
-    of_asked_.push_back(k);
-    asked_at_.push_back(one.body->position(c.place));
+    queried_points_.push_back(c.point);
+    of_queried_.push_back(k);
+    queried_at_.push_back(one.body->position(c.place));
   }
-  if (asked_points_.empty()) return;
-  gaps_.resize(asked_points_.size());
+  if (queried_points_.empty()) return;
+  gaps_.resize(queried_points_.size());
   const auto far = static_cast<float>(2 * kTakesPart * limits_.largest_step - shift);
-  one.near.find_gaps(asked_points_, asked_at_, *one.obstacles, far, gaps_);
-  for (std::size_t k = 0; k < of_asked_.size(); ++k) {
-    Contact& c = contacts_[of_asked_[k]];
+  one.near.find_gaps(queried_points_, queried_at_, *one.obstacles, far, gaps_);
+  for (std::size_t k = 0; k < of_queried_.size(); ++k) {
+    Contact& c = contacts_[of_queried_[k]];
     if (std::isfinite(gaps_[k].distance)) {
       set_gap(c, gaps_[k]);
     } else {
@@ -419,8 +423,8 @@ void ContactFrame::find_gaps_of(int body, double shift) {
   }
 }
 
-// The gap of a contact between bodies, by the plane where its point was last. One that has slid
-// gets another plane: of the other body's shape, moved as far as the foot has moved since.
+// Computes the gap of a contact between bodies from its tangent plane, which moves with the foot. A
+// contact that has slid gets a new plane, from the other body's shape moved as far as the foot has.
 void ContactFrame::find_gap_between(Contact& c) {
   const SkinPair& pair = pair_of(c);
   ContactPart& other = part(c.by);
@@ -451,7 +455,7 @@ void ContactFrame::find_gaps(double shift) {
   }
 }
 
-// Those that press, or may do so next.
+// Chooses the contacts of an iteration: those that press, or may press after it.
 void ContactFrame::choose_pressed(double shift) {
   pressed_.clear();
   of_pressed_.clear();
@@ -482,7 +486,7 @@ bool ContactFrame::solve_problem(double shift) {
   return true;
 }
 
-// To a share of the way from the forces before.
+// Reduces the change of the forces in this iteration to a share of it.
 void ContactFrame::go_back(float share) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     Contact& c = contacts_[k];
@@ -538,7 +542,7 @@ void ContactFrame::run_last_step(double shift, int most) {
   bool goes_on = false;
   for (int round = 0;; ++round) {
     report_.rounds = round + 1;
-    // What slides between bodies changes more than a few points that entered.
+    // With other bodies each search may change many contacts, so it gets iterations of its own.
     if (!pairs_.empty()) most = report_.iterations + limits_.last_iterations;
     settle(shift, true, goes_on, most - report_.iterations);
     for (const int k : members_) part(k).body->form_shape(true);
@@ -551,12 +555,13 @@ void ContactFrame::run_last_step(double shift, int most) {
       is_entered_ = true;
       return;
     }
-    // Feet that have slid change little; a skin that went into an obstacle has gone too far.
+    // Slid feet change the solution little, so it goes on from its forces; a skin that entered an
+    // obstacle has moved too far, so it starts again from the state.
     goes_on = !entered;
   }
 }
 
-// The states take over forces and displacements.
+// Hands forces and displacements to the states of the bodies.
 void ContactFrame::end_step(bool last) {
   // Those that entered last and were not solved have no position.
   std::erase_if(contacts_, [](const Contact& c) { return c.place == Contact::kNoPlace; });
@@ -583,7 +588,7 @@ void ContactFrame::end_step(bool last) {
   }
 }
 
-// What lies farther than a body may move in one frame is left to the next ones.
+// Limits how far each body moves in this frame; the rest of its way is left to later frames.
 void ContactFrame::end_frame(double largest_move) {
   for (const int k : members_) part(k).body->end_frame(part(k).penetration);
   const bool settled =
@@ -597,7 +602,8 @@ void ContactFrame::end_frame(double largest_move) {
     part(k).share_gone = moved > largest_move ? largest_move / moved : 1;
     report_.held_back = std::max(report_.held_back, moved - largest_move);
   }
-  // Of bodies that press each other the same share, so that their forces stay opposite.
+  // Bodies that press each other go the same share of their way, so that their forces stay
+  // opposite.
   for (bool is_new = true; is_new;) {
     is_new = false;
     for (const Contact& c : contacts_) {

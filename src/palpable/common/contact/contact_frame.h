@@ -70,12 +70,13 @@ class ContactFrame {
   ContactReport solve(std::span<const int> members, std::span<const SkinPair> pairs,
                       double largest_move);
 
+  /// The pair of a contact between bodies.
+  [[nodiscard]] const SkinPair& pair_of(const Contact& contact) const;
   /// Those of the frame solved last, before anything was held back.
   [[nodiscard]] std::span<const Contact> contacts() const { return contacts_; }
 
  private:
   [[nodiscard]] ContactPart& part(int k) const { return parts_[static_cast<std::size_t>(k)]; }
-  [[nodiscard]] const SkinPair& pair_of(const Contact& contact) const;
   void begin(std::span<const int> members, std::span<const SkinPair> pairs);
   void add_contact(int body, int point, const SurfaceGap& gap);
   void search(double shift);
@@ -119,12 +120,12 @@ class ContactFrame {
   std::vector<Contact> pressed_;         // those that take part in an iteration,
   std::vector<std::size_t> of_pressed_;  // and which
   std::vector<Eigen::Vector3f> forces_before_;
-  std::vector<ProblemBody> bodies_;        // by their number
-  std::vector<char> is_contact_;           // by point, of one body
-  std::vector<int> asked_points_;          // of one body: points whose gaps are asked for,
-  std::vector<std::size_t> of_asked_;      // their contacts,
-  std::vector<Eigen::Vector3f> asked_at_;  // positions
-  std::vector<SurfaceGap> gaps_;           // and gaps
+  std::vector<ProblemBody> bodies_;          // by their number
+  std::vector<char> is_contact_;             // by point, of one body
+  std::vector<int> queried_points_;          // of one body: points whose gaps are queried,
+  std::vector<std::size_t> of_queried_;      // their contacts,
+  std::vector<Eigen::Vector3f> queried_at_;  // positions
+  std::vector<SurfaceGap> gaps_;             // and gaps
 };
 
 }  // namespace palpable

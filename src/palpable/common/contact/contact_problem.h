@@ -34,7 +34,7 @@ struct Contact {
   int body = 0;                                       ///< of the solver's
   int point = 0;                                      ///< contact point of that body
   int by = -1;                                        ///< the other body; -1: an obstacle
-  Foot foot;                                          ///< on the other body
+  SkinPoint foot;                                     ///< on the other body
   std::size_t place = kNoPlace;                       ///< of the point, on `body`
   std::size_t on_foot = kNoPlace;                     ///< of the foot, on `by`
   float distance = 0;                                 ///< m, the gap now

@@ -10,7 +10,6 @@ namespace palpable {
 namespace {
 
 using Eigen::AlignedBox3f;
-using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
@@ -56,7 +55,7 @@ struct ContactSolver::Work {
   void find_groups();
   void solve(int group);
   void find_pressed();
-  double imbalance() const;
+  [[nodiscard]] double imbalance() const;
 
   std::vector<Member> members;
   std::vector<ContactPart> parts;
@@ -86,8 +85,9 @@ ContactSolver::Work::Work(const std::vector<ContactSolver::Member>& all) {
   }
 }
 
-// Of two bodies the first one's contact points, before the other one's skin. Where the other has
-// edges, or the first no points, the other one's, too: an edge may lie between two points.
+// Of each two bodies, compares the contact points of the first with the skin of the second. The
+// points of the second are compared with the first one's skin, too, if the second has edges, which
+// may lie between two points of the first, or if the first has no points.
 void ContactSolver::Work::pair_up() {
   for (ContactPart& part : parts) part.edge_distance = distances_from_edges(part.body->surface());
   const int count = static_cast<int>(parts.size());
@@ -181,29 +181,28 @@ void ContactSolver::Work::solve(int group) {
     member.pressed_before.swap(member.pressed);
     member.pressed.clear();
   }
-  const ContactReport report = frame->solve(solved, solved_pairs, largest_move);
+  ContactReport report = frame->solve(solved, solved_pairs, largest_move);
   if (!solved_pairs.empty()) find_pressed();
+  report.imbalance = imbalance();
   for (const int k : solved) {
     Member& member = members[static_cast<std::size_t>(k)];
     member.report = report;
-    member.report.imbalance = imbalance();
     member.is_at_rest = parts[static_cast<std::size_t>(k)].body->forces().empty() &&
                         member.pressed.empty() && !(report.held_back > 0);
   }
 }
 
-// Where other members' points press; of what was held back the share that was gone.
+// Collects where the points of other members press. Forces on a body that was held back are those
+// between the frame before and this one.
 void ContactSolver::Work::find_pressed() {
   for (const Contact& c : frame->contacts()) {
     if (c.by < 0 || !(c.pressing > 0)) continue;
     ContactBody& other = *parts[static_cast<std::size_t>(c.by)].body;
-    const SkinPair& pair = *std::find_if(
-        solved_pairs.begin(), solved_pairs.end(),
-        [&](const SkinPair& one) { return one.points == c.body && one.skin == c.by; });
     const auto share = static_cast<float>(parts[static_cast<std::size_t>(c.by)].share_gone);
     const Vector3f x = other.shape_at(c.foot);
     members[static_cast<std::size_t>(c.by)].pressed.push_back(
-        {x, x - other.rest_at(c.foot), -share * (pair.skin_from_points.linear() * c.force),
+        {x, x - other.rest_at(c.foot),
+         -share * (frame->pair_of(c).skin_from_points.linear() * c.force),
          static_cast<float>(c.area), c.body});
   }
   for (const int k : solved) {

@@ -25,8 +25,8 @@
 ///     6  of the last step: the whole skin, and on to 1 where it enters something │ shape         │
 ///     └───────────────┘
 ///
-/// Bodies whose skins are near each other are solved together: a contact between two of them has
-/// the compliance of both, and forces on both that are opposite to the last digit.
+/// Bodies whose skins are near each other are solved together. A contact between two of them has
+/// the compliance of both; the forces on the two are equal and opposite.
 #pragma once
 
 #include "palpable/common/contact/contact_body.h"

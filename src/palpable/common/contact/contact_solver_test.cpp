@@ -38,23 +38,27 @@ double apart(const Matrix3Xf& a, const Matrix3Xf& b) {
 
 TEST_CASE("a pressed cushion presses the one below, which presses back as hard",
           "[contact][bodies]") {
+  // By tables with all of the compliance, else with what both kinds can hold.
   for (const std::vector<Kind>& kinds :
        {std::vector{T, T}, std::vector{M, M}, std::vector{T, M}, std::vector{M, T}}) {
-    Stack stack(kinds, kApart, kLeading);
+    const bool is_whole = kinds == std::vector{T, T};
+    const int leading = is_whole ? 0 : kLeading;
+    Stack stack(kinds, kApart, leading);
     for (const double depth : {0.0015, 0.003, 0.0045, 0.006}) {
       stack.press(depth);
       INFO(depth << " m, kinds " << static_cast<int>(kinds[0]) << static_cast<int>(kinds[1]));
       CHECK(stack.report.imbalance < tolerance(1e-6, "N: rounding"));
-      CHECK(stack.report.between < tolerance(6e-5, "m: softness, a hundredth of how it gives way"));
+      CHECK(stack.report.between < tolerance(5e-5, "m: softness, a hundredth of how it gives way"));
       CHECK(stack.entry(0) < tolerance(1.5e-4, "m: points 3 mm apart on a dent of this size"));
     }
     const Vector3d down = stack.force(1, true), up = stack.force(0, true);
-    CHECK(down.z() < -0.4);
+    CHECK(down.z() < (is_whole ? -0.5 : -0.4));
     CHECK((down + up).norm() < tolerance(1e-6, "N: rounding"));
-    CHECK(stack.layers[1]->largest_move() > 0.001);
+    CHECK(stack.layers[1]->largest_move() > (is_whole ? 0.0015 : 0.001));
     // By itself the upper one gives way more easily.
-    Stack alone(kinds, 0.02, kLeading);
+    Stack alone(kinds, 0.02, leading);
     alone.press(0.006);
+    CHECK(alone.report.rounds == 1);
     CHECK(alone.force(1, true).isZero(0));
     CHECK(-stack.force(0, false).z() > -1.1 * alone.force(0, false).z());
   }

@@ -22,12 +22,15 @@ class FixedSkin final : public ContactBody {
  public:
   /// @param skin  closed; at rest
   explicit FixedSkin(const SurfaceMesh& skin)
-      : rest_(skin.vertices.cast<float>()), surface_(skin) {}
+      : rest_(skin.vertices.cast<float>()), now_at_(rest_), surface_(skin) {}
 
   /// Where it is from now on. @param vertices  (3 x V) m
   void move(const Eigen::Matrix3Xf& vertices) {
     const bool moves = vertices != rest_;
-    if (moves || has_moved_) surface_.move(vertices);
+    if (moves || has_moved_) {
+      now_at_ = vertices;
+      surface_.move(vertices);
+    }
     has_moved_ = moves;
   }
 
@@ -41,25 +44,19 @@ class FixedSkin final : public ContactBody {
   [[nodiscard]] bool is_at_rest() const override { return !has_moved_; }
   [[nodiscard]] std::vector<PointForce>& forces() override { return forces_; }
   [[nodiscard]] Eigen::Vector3f shape_at(int) override { return no_point(); }
-  [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override {
-    return surface_.vertex(vertex);
+  [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override { return now_at_.col(vertex); }
+  [[nodiscard]] Eigen::Vector3f shape_at(const SkinPoint& foot) override {
+    return foot.at(now_at_);
   }
-  [[nodiscard]] Eigen::Vector3f shape_at(const Foot& foot) override {
-    return foot.weights[0] * surface_.vertex(foot.corners[0]) +
-           foot.weights[1] * surface_.vertex(foot.corners[1]) +
-           foot.weights[2] * surface_.vertex(foot.corners[2]);
-  }
-  [[nodiscard]] Eigen::Vector3f rest_at(const Foot& foot) const override {
-    return foot.weights[0] * rest_.col(foot.corners[0]) +
-           foot.weights[1] * rest_.col(foot.corners[1]) +
-           foot.weights[2] * rest_.col(foot.corners[2]);
+  [[nodiscard]] Eigen::Vector3f rest_at(const SkinPoint& foot) const override {
+    return foot.at(rest_);
   }
   [[nodiscard]] Eigen::Vector3f normal_at(int) override { return no_point(); }
   [[nodiscard]] Eigen::AlignedBox3f bounds() override { return surface_.bounds(); }
   [[nodiscard]] const MovingSurface& surface() override { return surface_; }
   void clear_places() override { next_.clear(); }
   bool add_place(int) override { return false; }
-  bool add_place(const Foot& foot) override {
+  bool add_place(const SkinPoint& foot) override {
     next_.push_back(shape_at(foot));
     return true;
   }
@@ -87,7 +84,7 @@ class FixedSkin final : public ContactBody {
   }
   static constexpr ContactLimits kNoLimits{};
 
-  Eigen::Matrix3Xf rest_;
+  Eigen::Matrix3Xf rest_, now_at_;  // (3 x V) m
   MovingSurface surface_;
   bool has_moved_ = false;
   std::vector<PointForce> forces_;

@@ -4,6 +4,7 @@
 ///   V  vertices     T  triangles
 #pragma once
 
+#include "palpable/common/geometry/skin_points.h"
 #include "palpable/common/geometry/surface_mesh.h"
 
 #include <Eigen/Core>
@@ -57,6 +58,11 @@ class MovingSurface {
   [[nodiscard]] std::vector<int> sharp_vertices() const;
   /// Unit, outwards: of the faces around, by their angles.
   [[nodiscard]] Eigen::Vector3f vertex_normal(int v) const;
+  /// The same place, as a mean of its triangle's corners; without an area.
+  [[nodiscard]] SkinPoint place_of(const NearestOnSkin& found) const {
+    const Eigen::Vector3i c = corners(found.triangle);
+    return {{c[0], c[1], c[2]}, found.weights, 0};
+  }
   [[nodiscard]] Eigen::Index vertex_count() const { return vertices_.cols(); }              ///< V
   [[nodiscard]] Eigen::Vector3f vertex(int v) const { return vertices_.col(v).head<3>(); }  ///< m
   [[nodiscard]] Eigen::Vector3i corners(int triangle) const { return triangles_.col(triangle); }

@@ -4,9 +4,9 @@
 ///
 /// A gap is queried again only where its point has moved by more than 0.3 mm within a frame; up to
 /// there its normal and curvature give it. The sharper an obstacle, the more points it needs
-/// (point_levels.h): of a cluster of points (skin_clusters.h) the coarser ones are queried first,
-/// the finer ones only where an obstacle twice as sharp as found so far would need them. Clusters
-/// beside each other form blocks, of which most are far from everything.
+/// (point_levels.h). Within a cluster of points (skin_clusters.h) the coarsest are queried first;
+/// finer ones only while an obstacle twice as sharp as the sharpest found there would need them.
+/// Neighbouring clusters form blocks; a block far from all obstacles is skipped with one query.
 ///
 ///   C  contact points
 #pragma once

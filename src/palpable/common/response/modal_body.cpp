@@ -45,14 +45,7 @@ constexpr int kShifts = 20;
 constexpr int kEnoughPoints = 160;
 
 ContactLimits modal_limits(const ModalSettings& s) {
-  ContactLimits limits;
-  limits.band = s.band;
-  limits.largest_step = s.largest_step;
-  limits.most_steps = s.most_steps;
-  limits.iterations = s.iterations;
-  limits.last_iterations = s.last_iterations;
-  limits.tolerance = s.tolerance;
-  limits.entry = s.entry;
+  ContactLimits limits = limits_from(s);
   limits.largest_change = s.largest_move;
   limits.damped = false;
   limits.thins_above = kEnoughPoints;
@@ -218,8 +211,6 @@ void ModalBody::find_rows(const SkinPoint& at, Eigen::Ref<Eigen::MatrixXf> rows)
   }
 }
 
-Vector3f ModalBody::rest_of(const SkinPoint& at) const { return at.at(rest_); }
-
 // --- frame
 
 void ModalBody::begin_frame() {
@@ -269,18 +260,6 @@ Vector3f ModalBody::shape_at(int point) {
   return points_[static_cast<std::size_t>(point)].at(skin());
 }
 
-Vector3f ModalBody::shape_at(const Foot& foot) {
-  const Matrix3Xf& x = skin();
-  return foot.weights[0] * x.col(foot.corners[0]) + foot.weights[1] * x.col(foot.corners[1]) +
-         foot.weights[2] * x.col(foot.corners[2]);
-}
-
-Vector3f ModalBody::rest_at(const Foot& foot) const {
-  return foot.weights[0] * rest_.col(foot.corners[0]) +
-         foot.weights[1] * rest_.col(foot.corners[1]) +
-         foot.weights[2] * rest_.col(foot.corners[2]);
-}
-
 Vector3f ModalBody::normal_at(int point) {
   const SkinPoint& at = points_[static_cast<std::size_t>(point)];
   const MovingSurface& now = surface();
@@ -294,15 +273,9 @@ Vector3f ModalBody::normal_at(int point) {
 
 // --- a step
 
-bool ModalBody::add_place(int point) {
+bool ModalBody::add_place(const SkinPoint& place) {
   if (next_.size() == most_places_) return false;
-  next_.push_back(points_[static_cast<std::size_t>(point)]);
-  return true;
-}
-
-bool ModalBody::add_place(const Foot& foot) {
-  if (next_.size() == most_places_) return false;
-  next_.push_back({{foot.corners[0], foot.corners[1], foot.corners[2]}, foot.weights, 0});
+  next_.push_back(place);
   return true;
 }
 
@@ -310,7 +283,7 @@ void ModalBody::begin_step(std::span<const PlaceLoad>, bool) {
   now_.assign(next_.begin(), next_.end());
   for (std::size_t p = 0; p < now_.size(); ++p) {
     const auto P = static_cast<Index>(p);
-    now_at_rest_.col(P) = rest_of(now_[p]);
+    now_at_rest_.col(P) = now_[p].at(rest_);
     find_rows(now_[p], place_rows_.middleCols(3 * P, 3));
   }
 }

@@ -99,14 +99,16 @@ class ModalBody final : public ContactBody {
   [[nodiscard]] std::vector<PointForce>& forces() override { return state_->forces; }
   [[nodiscard]] Eigen::Vector3f shape_at(int point) override;
   [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override { return skin().col(vertex); }
-  [[nodiscard]] Eigen::Vector3f shape_at(const Foot& foot) override;
-  [[nodiscard]] Eigen::Vector3f rest_at(const Foot& foot) const override;
+  [[nodiscard]] Eigen::Vector3f shape_at(const SkinPoint& foot) override { return foot.at(skin()); }
+  [[nodiscard]] Eigen::Vector3f rest_at(const SkinPoint& foot) const override {
+    return foot.at(rest_);
+  }
   [[nodiscard]] Eigen::Vector3f normal_at(int point) override;
   [[nodiscard]] Eigen::AlignedBox3f bounds() override;
   [[nodiscard]] const MovingSurface& surface() override;
   void clear_places() override { next_.clear(); }
-  bool add_place(int point) override;
-  bool add_place(const Foot& foot) override;
+  bool add_place(int point) override { return add_place(points_[static_cast<std::size_t>(point)]); }
+  bool add_place(const SkinPoint& place) override;
   void begin_step(std::span<const PlaceLoad> loads, bool last) override;
   [[nodiscard]] Eigen::Vector3f position(std::size_t place) const override;
   bool linearise() override;
@@ -133,7 +135,6 @@ class ModalBody final : public ContactBody {
   void sum(const Eigen::MatrixXf& F, float* u) const;
   void find_rows(const SkinPoint& at, Eigen::Ref<Eigen::MatrixXf> rows) const;
   void find_column(const UnitForce& force, Eigen::Ref<Eigen::VectorXd> column) const;
-  [[nodiscard]] Eigen::Vector3f rest_of(const SkinPoint& at) const;
   [[nodiscard]] double distance_to(const Probes& probes) const;
 
   ModalMember member_;

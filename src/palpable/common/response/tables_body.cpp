@@ -39,14 +39,7 @@ int most_modes(const TouchTables& tables) {
 }
 
 ContactLimits tables_limits(const TouchSettings& s) {
-  ContactLimits limits;
-  limits.band = s.band;
-  limits.largest_step = s.largest_step;
-  limits.most_steps = s.most_steps;
-  limits.iterations = s.iterations;
-  limits.last_iterations = s.last_iterations;
-  limits.tolerance = s.tolerance;
-  limits.entry = s.entry;
+  ContactLimits limits = limits_from(s);
   limits.largest_change = kLargestChange * s.largest_step;
   return limits;
 }
@@ -283,7 +276,7 @@ Vector3f TablesBody::shape_at_vertex(int vertex) {
   return work_->rest.col(vertex) + work_->shape->col(vertex);
 }
 
-Vector3f TablesBody::shape_at(const Foot& foot) {
+Vector3f TablesBody::shape_at(const SkinPoint& foot) {
   const Work& w = *work_;
   Vector3f x = w.skin.rest_at(foot);
   const ForceShares shares = w.skin.shares_of(foot);
@@ -293,7 +286,7 @@ Vector3f TablesBody::shape_at(const Foot& foot) {
   return x;
 }
 
-Vector3f TablesBody::rest_at(const Foot& foot) const { return work_->skin.rest_at(foot); }
+Vector3f TablesBody::rest_at(const SkinPoint& foot) const { return work_->skin.rest_at(foot); }
 
 Vector3f TablesBody::normal_at(int point) {
   Work& w = *work_;
@@ -382,7 +375,7 @@ bool TablesBody::add_place(int point) {
   return work_->add(place);
 }
 
-bool TablesBody::add_place(const Foot& foot) {
+bool TablesBody::add_place(const SkinPoint& foot) {
   Place place;
   place.is_foot = true;
   place.at_rest = work_->skin.rest_at(foot);

@@ -102,14 +102,14 @@ class TablesBody final : public ContactBody {
   [[nodiscard]] std::vector<PointForce>& forces() override;
   [[nodiscard]] Eigen::Vector3f shape_at(int point) override;
   [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override;
-  [[nodiscard]] Eigen::Vector3f shape_at(const Foot& foot) override;
-  [[nodiscard]] Eigen::Vector3f rest_at(const Foot& foot) const override;
+  [[nodiscard]] Eigen::Vector3f shape_at(const SkinPoint& foot) override;
+  [[nodiscard]] Eigen::Vector3f rest_at(const SkinPoint& foot) const override;
   [[nodiscard]] Eigen::Vector3f normal_at(int point) override;
   [[nodiscard]] Eigen::AlignedBox3f bounds() override;
   [[nodiscard]] const MovingSurface& surface() override;
   void clear_places() override;
   bool add_place(int point) override;
-  bool add_place(const Foot& foot) override;
+  bool add_place(const SkinPoint& foot) override;
   void begin_step(std::span<const PlaceLoad> loads, bool last) override;
   [[nodiscard]] Eigen::Vector3f position(std::size_t place) const override;
   bool linearise() override;

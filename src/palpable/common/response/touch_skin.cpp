@@ -66,28 +66,23 @@ void TouchSkin::face_as(const Matrix3Xf& u) {
   turn_ -= normals_;
 }
 
-ForceShares TouchSkin::shares_of(const Foot& foot) const {
+ForceShares TouchSkin::shares_of(const SkinPoint& foot) const {
   ForceShares shares;
   const auto add = [&](int vertex, float weight) {
     if (weight > 0) shares.of[shares.count++] = {vertex, weight};
   };
-  for (int k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float weight = foot.weights[static_cast<int>(k)];
     if (!is_carried()) {
-      add(foot.corners[k], foot.weights[k]);
+      add(foot.corners[k], weight);
       continue;
     }
     const SkinPoint& on = carried_[static_cast<std::size_t>(foot.corners[k])].on;
     for (std::size_t c = 0; c < 3; ++c) {
-      add(on.corners[c], foot.weights[k] * on.weights[static_cast<int>(c)]);
+      add(on.corners[c], weight * on.weights[static_cast<int>(c)]);
     }
   }
   return shares;
-}
-
-Eigen::Vector3f TouchSkin::rest_at(const Foot& foot) const {
-  return foot.weights[0] * skin_.col(foot.corners[0]) +
-         foot.weights[1] * skin_.col(foot.corners[1]) +
-         foot.weights[2] * skin_.col(foot.corners[2]);
 }
 
 void TouchSkin::place(const Matrix3Xf& u, Matrix3Xf& skin) const {

@@ -6,7 +6,6 @@
 ///   C  contact points, of the body's skin     W >= V  columns of displacements
 #pragma once
 
-#include "palpable/common/contact/contact_body.h"
 #include "palpable/common/geometry/skin_points.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/common/response/carried_skin.h"
@@ -64,9 +63,9 @@ class TouchSkin {
   }
 
   /// Which vertices of the tables a force at a place of the body's skin acts on.
-  [[nodiscard]] ForceShares shares_of(const Foot& foot) const;
+  [[nodiscard]] ForceShares shares_of(const SkinPoint& foot) const;
   /// m, at rest.
-  [[nodiscard]] Eigen::Vector3f rest_at(const Foot& foot) const;
+  [[nodiscard]] Eigen::Vector3f rest_at(const SkinPoint& foot) const { return foot.at(skin_); }
 
   /// (3 x F) m: where the body's skin is by a displacement as face_as() has got it.
   void place(const Eigen::Matrix3Xf& u, Eigen::Matrix3Xf& skin) const;

@@ -56,8 +56,7 @@ struct TouchReport : ContactReport {
 /// A body that is touched. Advancing allocates nothing once a state has had its room.
 class TouchSolver {
  public:
-  static constexpr int kMostPoints = palpable::kMostPlaces;        ///< that may press at a time
-  static constexpr int kMostVertices = TablesBody::kMostVertices;  ///< of their triangles
+  static constexpr int kMostPoints = palpable::kMostPlaces;  ///< that may press at a time
 
   /// @param skin    (F vertices) the body's, at rest
   /// @param fixed   (F) 1 where the support holds the vertex

@@ -88,8 +88,8 @@ struct LiveSummary {
   int frames_between_bodies = 0;  ///< in which bodies pressed each other
   double deepest_between = 0;     ///< m, of bodies into each other; "deepest_between_m"
   double imbalance = 0;           ///< N, of the forces between them; "imbalance_n"
-  /// In which a body had yet to move: its contact had not converged, or it came too far for a
-  /// frame.
+  /// Frames at whose end a body had some of its way still to go: contact had not converged, or an
+  /// obstacle came farther than a body may move in one frame.
   int frames_held_back = 0;
   int frames_contacts_dropped =
       0;  ///< in which more points were near something than there is room for

@@ -13,7 +13,7 @@
 ///                       which pixels     outlines of    the balls                 those seen  │
 ///                       may press        things                                   before      │
 ///                                                                                             ▼
-///     ContactSolver ◄── gaps ── ObjectSurface (PressingSurface, an Obstacles) ◄── BallTree ◄ ─┘
+///     ContactSolver ◄── gaps ── ObjectSurface (PressingSurface, an Obstacles) ◄── BallTree ◄──┘
 ///
 /// Body frame, metres. The distance is exact in a band around the surface and unknown outside.
 ///

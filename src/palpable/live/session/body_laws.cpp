@@ -88,28 +88,27 @@ void TablesLaw::reconstruct(const RestShape& rest, const std::vector<Touch>& tou
 
 ModesLaw::ModesLaw(const ReducedBody& body, const ModalTables& tables, const ModalBody* twin,
                    RestShape& rest)
-    : contact_body_(std::make_unique<ModalBody>(ModalMember{&body, &tables}, twin)),
-      state_(std::make_unique<ModalState>()),
+    : contact_body_(ModalMember{&body, &tables}, twin),
       patches_(4 * std::size_t{kMostPlacesWithOthers}),
       pressure_(body.surface) {
-  contact_body_->use(*state_);
-  contact_body_->find_normals(*state_, rest.normals);
-  contact_body_->stress(*state_, rest.von_mises, rest.cauchy);
+  contact_body_.find_normals(state_, rest.normals);
+  contact_body_.stress(state_, rest.von_mises, rest.cauchy);
 }
 
 void ModesLaw::join(const ContactSolver& together, int number) {
   together_ = &together;
   number_ = number;
+  contact_body_.use(state_);
 }
 
 void ModesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touches) {
   PALPABLE_EXPECT(together_ != nullptr, "a body in modes has joined a solver");
   std::vector<PressedPoint>& points = patches_.points();
   points.clear();
-  const SurfaceMesh& rest = contact_body_->member().body->surface;
-  const Eigen::Matrix3Xf& skin = contact_body_->place(*state_);
-  for (const PointForce& force : state_->forces) {
-    const SkinPoint& at = contact_body_->points()[static_cast<std::size_t>(force.point)];
+  const SurfaceMesh& rest = contact_body_.member().body->surface;
+  const Eigen::Matrix3Xf& skin = contact_body_.place(state_);
+  for (const PointForce& force : state_.forces) {
+    const SkinPoint& at = contact_body_.points()[static_cast<std::size_t>(force.point)];
     const Eigen::Vector3f now = at.at(skin);
     Eigen::Vector3f before = Eigen::Vector3f::Zero();
     for (std::size_t c = 0; c < 3; ++c) {
@@ -124,15 +123,15 @@ void ModesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touche
 void ModesLaw::reconstruct(const RestShape& rest, const std::vector<Touch>&,
                            const SceneExtras& extras, SceneBody& shown) {
   shown.stated_error.reset();
-  if (state_->q.isZero(0)) {  // what stands about costs a copy
+  if (state_.q.isZero(0)) {  // what stands about costs a copy
     rest.show(extras, shown);
     if (extras.contact_pressure) shown.contact_pressure.resize(rest.von_mises.size(), 0.0f);
     return;
   }
   rest.make_room(extras, shown);
-  shown.vertices = contact_body_->place(*state_);
-  contact_body_->find_normals(*state_, shown.normals);
-  contact_body_->stress(*state_, shown.von_mises, shown.cauchy);
+  shown.vertices = contact_body_.place(state_);
+  contact_body_.find_normals(state_, shown.normals);
+  contact_body_.stress(state_, shown.von_mises, shown.cauchy);
   if (extras.contact_pressure) {
     pressure_.spread(patches_, shown.vertices, shown.normals, shown.contact_pressure);
   }

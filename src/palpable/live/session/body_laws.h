@@ -29,7 +29,6 @@
 #include <Eigen/Geometry>
 
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -111,7 +110,7 @@ class ModesLaw {
            RestShape& rest);
 
   // As those of TablesLaw.
-  [[nodiscard]] ContactBody& contact_body() { return *contact_body_; }
+  [[nodiscard]] ContactBody& contact_body() { return contact_body_; }
   void join(const ContactSolver& together, int number);
   [[nodiscard]] double largest_move(const PressingSurface&) const {
     return std::numeric_limits<double>::infinity();
@@ -120,12 +119,12 @@ class ModesLaw {
   void find_touches(const Pressing& pressing, std::vector<Touch>& touches);
   void reconstruct(const RestShape& rest, const std::vector<Touch>& touches,
                    const SceneExtras& extras, SceneBody& shown);
-  [[nodiscard]] const ModalTables& tables() const { return *contact_body_->member().tables; }
-  [[nodiscard]] const ModalBody& modal_body() const { return *contact_body_; }
+  [[nodiscard]] const ModalTables& tables() const { return *contact_body_.member().tables; }
+  [[nodiscard]] const ModalBody& modal_body() const { return contact_body_; }
 
  private:
-  std::unique_ptr<ModalBody> contact_body_;
-  std::unique_ptr<ModalState> state_;
+  ModalBody contact_body_;
+  ModalState state_;
   TouchPatches patches_;  // of the frame answered last
   ContactPressure pressure_;
   const ContactSolver* together_ = nullptr;
