@@ -5,12 +5,9 @@
 
 #include "palpable/common/contact/contact_body.h"
 #include "palpable/common/contact/contact_problem.h"
-#include "palpable/common/contact/near_points.h"
-#include "palpable/common/contact/obstacles.h"
-#include "palpable/common/contact/surface_gap.h"
+#include "palpable/common/contact/contact_search.h"
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 #include <cstddef>
 #include <span>
@@ -34,29 +31,6 @@ struct ContactReport {
   double held_back = 0;
 };
 
-/// A body, and what is near it.
-struct ContactPart {
-  explicit ContactPart(ContactBody& the_body);
-
-  ContactBody* body;
-  const Obstacles* obstacles = nullptr;  ///< in its frame; null: none
-  NearPoints near;
-  std::vector<float>
-      edge_distance;             ///< (F) m, of a vertex from the nearest edge at rest, 1 at most
-  std::size_t places = 0;        ///< that were added for the next step
-  std::vector<PlaceLoad> loads;  ///< of these
-  std::vector<Eigen::Vector3f> place_forces;  ///< likewise, N
-  double penetration = 0;                     ///< m, as ContactReport, of this body
-  double share_gone = 1;                      ///< of its way in the frame; less: it was held back
-};
-
-/// Contact points of one body before the skin of another.
-struct SkinPair {
-  int points = 0, skin = 0;  ///< bodies
-  Eigen::Isometry3f skin_from_points = Eigen::Isometry3f::Identity();
-  float overlap = 0;  ///< m, added to gaps: by so much they stand in each other at rest
-};
-
 /// Its memory is used again in each frame.
 class ContactFrame {
  public:
@@ -71,31 +45,20 @@ class ContactFrame {
                       double largest_move);
 
   /// The pair of a contact between bodies.
-  [[nodiscard]] const SkinPair& pair_of(const Contact& contact) const;
+  [[nodiscard]] const SkinPair& pair_of(const Contact& contact) const {
+    return search_.pair_of(contact);
+  }
   /// Those of the frame solved last, before anything was held back.
-  [[nodiscard]] std::span<const Contact> contacts() const { return contacts_; }
+  [[nodiscard]] std::span<const Contact> contacts() const { return search_.contacts(); }
 
  private:
   [[nodiscard]] ContactPart& part(int k) const { return parts_[static_cast<std::size_t>(k)]; }
   void begin(std::span<const int> members, std::span<const SkinPair> pairs);
-  void add_contact(int body, int point, const SurfaceGap& gap);
-  void search(double shift);
-  void search_between(const SkinPair& pair);
-  void take_plane(Contact& contact, const NearestOnSkin& found, const Eigen::Vector3f& from_foot,
-                  const SkinPair& pair);
-  void find_gap_between(Contact& contact);
-  void choose_found(double shift);
-  bool add_entered(double shift);
-  bool find_feet_again();
-  void thin(int body);
-  bool add_places(const Contact& contact);
-  void keep_nearest();
+  void find_places();
   void take_up(double shift, bool goes_on);
   void settle(double shift, bool last, bool goes_on, int most);
   double iterate(double shift, float share);
   bool solve_problem(double shift);
-  void find_gaps(double shift);
-  void find_gaps_of(int body, double shift);
   void choose_pressed(double shift);
   void go_back(float share);
   void fill_place_forces();
@@ -105,6 +68,7 @@ class ContactFrame {
 
   std::span<ContactPart> parts_;
   std::size_t most_;
+  ContactSearch search_;
   ContactProblem problem_;
   std::span<const int> members_;
   std::span<const SkinPair> pairs_;
@@ -114,18 +78,10 @@ class ContactFrame {
   bool is_stuck_ = false;    // no step of the last iteration could be made
   bool is_entered_ = false;  // by points that do not take part
 
-  std::vector<Contact> contacts_;
-  std::vector<Contact> found_;           // all of them in the shape with which a frame begins
-  std::vector<Contact> feet_before_;     // those between bodies of the round before
   std::vector<Contact> pressed_;         // those that take part in an iteration,
   std::vector<std::size_t> of_pressed_;  // and which
   std::vector<Eigen::Vector3f> forces_before_;
-  std::vector<ProblemBody> bodies_;          // by their number
-  std::vector<char> is_contact_;             // by point, of one body
-  std::vector<int> queried_points_;          // of one body: points whose gaps are queried,
-  std::vector<std::size_t> of_queried_;      // their contacts,
-  std::vector<Eigen::Vector3f> queried_at_;  // positions
-  std::vector<SurfaceGap> gaps_;             // and gaps
+  std::vector<ProblemBody> bodies_;  // by their number
 };
 
 }  // namespace palpable

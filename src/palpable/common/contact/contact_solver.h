@@ -9,21 +9,24 @@
 ///
 /// How a force comes about:
 ///
-///     ┌───────────────┐ 1  contact points near an obstacle, or near another body's skin
-///     │ search        │    near_points.h, moving_surface.h
-///     └──────┬────────┘
-///     ┌──────▼────────┐ 2  an obstacle that came deeper than a step is taken back, and advances
-///     │ step          │    step by step
-///     └──────┬────────┘
-///     ┌──────▼────────┐ 3  gaps in the present shape: one query for all points
-///     │ gaps          │    obstacles.h, surface_gap.h
-///     └──────┬────────┘
-///     ┌──────▼────────┐ 4  W f + q >= 0, f >= 0, complementary: the forces
-///     │ problem       │    contact_problem.h (Coulomb's law would join it there),
-///     complementarity.h └──────┬────────┘ ┌──────▼────────┐ 5  the bodies move under them; on to 3
-///     until nothing moves │ bodies        │    contact_body.h └──────┬────────┘ ┌──────▼────────┐
-///     6  of the last step: the whole skin, and on to 1 where it enters something │ shape         │
-///     └───────────────┘
+///     ┌────────────┐  which contact points are near an obstacle or near another skin
+///  ┌─►│ 1 search   │  contact_search.h, near_points.h, moving_surface.h
+///  │  └─────┬──────┘
+///  │  ┌─────▼──────┐  an obstacle that is deeper than one step is taken back,
+///  │  │ 2 step     │  and advances step by step: contact_frame.h
+///  │  └─────┬──────┘
+///  │  ┌─────▼──────┐  gaps g at the present positions, all points in one query:
+///  │  │ 3 gaps   ◄─┼─┐ obstacles.h, surface_gap.h
+///  │  └─────┬──────┘ │
+///  │  ┌─────▼──────┐ │ forces f: W f + q >= 0, f >= 0, complementary: contact_problem.h
+///  │  │ 4 problem  │ │ (a law of friction would be solved here), complementarity.h
+///  │  └─────┬──────┘ │
+///  │  ┌─────▼──────┐ │ the bodies move under f, and again until no point moves:
+///  │  │ 5 bodies   ├─┘ contact_body.h
+///  │  └─────┬──────┘
+///  │  ┌─────▼──────┐  after the last step the whole skin is formed; again from 1 if points of
+///  └──┤ 6 shape    │  it have entered something: contact_body.h
+///     └────────────┘
 ///
 /// Bodies whose skins are near each other are solved together. A contact between two of them has
 /// the compliance of both; the forces on the two are equal and opposite.

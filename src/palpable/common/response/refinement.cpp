@@ -30,6 +30,27 @@ float correction_weight(float work, float shared, float asked) {
   return s * s * k * k * k * k;
 }
 
+std::array<float, 2> Refinement::weights_under(std::span<const VertexForce> loads,
+                                               const Eigen::Ref<const Matrix3Xf>& at_loads) const {
+  std::array<float, 2> found{};
+  if (!acts()) return found;
+  float work = 0;
+  std::array<float, 2> shared{};
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    const Vector3f& f = loads[i].force;
+    work += f.dot(at_loads.col(static_cast<Eigen::Index>(i)));
+    for (std::size_t k = 0; k < shared.size(); ++k) {
+      const ExactCorrection& c = corrections[k];
+      if (c.work > 0) shared[k] += f.dot(c.linear.col(loads[i].vertex));
+    }
+  }
+  const std::array share{1 - blended, blended};
+  for (std::size_t k = 0; k < shared.size(); ++k) {
+    found[k] = share[k] * correction_weight(work, shared[k], corrections[k].work);
+  }
+  return found;
+}
+
 bool Refinement::take_up(const AskedLoad& asked, const Matrix3Xf& exact) {
   const Eigen::Index V = asked.linear.cols();
   const float off = (exact - asked.tables).leftCols(V).norm();

@@ -8,9 +8,8 @@
 ///
 ///     u(f) = u_tables(f) + w(f) c,    c = u_exact(f_0) - u_tables(f_0)
 ///
-///     w = s^2 k^4                     s = f . G f_0 / f_0 . G f_0            how much of f_0 is in
-///     f
-///                                     k = (f . G f_0)^2 / (f . G f  f_0 . G f_0)       how alike
+///     w = s^2 k^4     s = f . G f_0 / f_0 . G f_0                     how much of f_0 is in f
+///                     k = (f . G f_0)^2 / (f . G f  f_0 . G f_0)      how alike they are
 ///
 /// Forces are compared by the work that they do on each other's displacements: one that moves on to
 /// the next contact point is nearly the same. w(f_0) = 1, and w = 0 at rest; docs/touch.md has the
@@ -23,6 +22,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace palpable {
@@ -50,6 +50,11 @@ struct Refinement {
 
   /// Whether any correction may act.
   [[nodiscard]] bool acts() const { return corrections[0].work > 0 || corrections[1].work > 0; }
+
+  /// How much of each correction acts under loads.
+  /// @param at_loads  (3 x loads) m, G f at their vertices
+  [[nodiscard]] std::array<float, 2> weights_under(
+      std::span<const VertexForce> loads, const Eigen::Ref<const Eigen::Matrix3Xf>& at_loads) const;
 
   /// The exact answer to a load becomes the correction that comes. False: it is so far from the
   /// tables' that the load was more than the body bears; nothing is changed.

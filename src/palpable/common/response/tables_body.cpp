@@ -6,6 +6,8 @@
 #include "palpable/common/response/linear_field.h"
 #include "palpable/common/response/nonlinear_answer.h"
 #include "palpable/common/response/shell_stress.h"
+#include "palpable/common/response/step_places.h"
+#include "palpable/common/response/tables_tangent.h"
 #include "palpable/common/response/touch_skin.h"
 
 #include <algorithm>
@@ -32,10 +34,10 @@ constexpr float kBetweenSkins = 0.003f;
 // Forces of a state that was held back: those of two frames.
 constexpr std::size_t kMostForces = 2 * std::size_t{kMostPlacesWithOthers};
 
-int most_modes(const TouchTables& tables) {
+std::size_t most_modes(const TouchTables& tables) {
   int most = 16;
   for (const RegionTable& region : tables.regions) most = std::max(most, region.mode_count());
-  return most;
+  return static_cast<std::size_t>(most);
 }
 
 ContactLimits tables_limits(const TouchSettings& s) {
@@ -43,32 +45,6 @@ ContactLimits tables_limits(const TouchSettings& s) {
   limits.largest_change = kLargestChange * s.largest_step;
   return limits;
 }
-
-// A place that takes part: vertices that the tables know, with weights.
-struct Place {
-  ForceShares shares;
-  Vector3f at_rest = Vector3f::Zero();  // m, and what a height over a coarser skin adds
-  std::array<int, 9> local{};           // of the shares, among the vertices that take part,
-  std::array<int, 9> slots{};           // and in the compliance
-  bool is_foot = false;                 // of another body's contact point
-};
-
-// direction . field at a place, whose field has three values a slot.
-float along(const Place& place, const Vector3f& direction, const float* field) {
-  float sum = 0;
-  for (std::size_t k = 0; k < place.shares.count; ++k) {
-    const float* at = field + 3 * place.slots[k];
-    sum += place.shares.of[k].weight *
-           (direction[0] * at[0] + direction[1] * at[1] + direction[2] * at[2]);
-  }
-  return sum;
-}
-
-// Vertices of places, each once in the order in which they were added.
-struct PlaceList {
-  std::vector<Place> places;
-  std::vector<int> vertices;
-};
 
 }  // namespace
 
@@ -92,6 +68,7 @@ struct TablesBody::Work {
   SurfaceMesh rest_skin;                                 // of which it is made
   Matrix3Xf placed;                                      // (3 x F) m
   bool is_surface_old = true;
+  Eigen::AlignedBox3f bounds;  // of the shape; empty: not known
 
   // The frame.
   TouchState* state = nullptr;
@@ -107,48 +84,34 @@ struct TablesBody::Work {
   Matrix3Xf no_displacement;          // (3 x W)
 
   // The step.
-  PlaceList next, now;               // places of the next step, and those that take part
-  std::vector<int> local_of_vertex;  // (V) in next.vertices; -1: not among them
-  std::vector<VertexForce> loads;    // at now.vertices
-  std::vector<float> weights;        // of these, for choosing patches
-  std::vector<float> field;          // (3 x slots of the cache) G f
-  Matrix3Xf here, before;            // (3 x vertices) displacement now, and at linearise()
-  std::size_t most_places = 0;
-  int most_vertices = 0;  // of all places,
-  int own_vertices = 0;   // and so many of next.vertices are of contact points
+  StepPlaces next;                 // places of the next step
+  std::vector<Place> places;       // those that take part in the present one,
+  std::vector<int> vertices;       // and their vertices
+  std::vector<VertexForce> loads;  // at these
+  std::vector<float> weights;      // of these, for choosing patches
+  std::vector<float> field;        // (3 x slots of the cache) G f
+  Matrix3Xf here, before;          // (3 x vertices) displacement now, and at linearise()
   bool is_last = false;
   int iteration = 0;
 
-  // The tangent: rows of unit forces.
-  struct PatchRows {                  // of one patch, rising, and where its mode rows begin
-    std::size_t first = 0, last = 0;  // in order
-    std::size_t at = 0;               // in mode_rows and turned
-  };
-  std::size_t width = 0, modes_wide;     // 3 slots, r of the largest region
-  std::vector<float> rows;               // (P x width) G d
-  std::vector<float> mode_rows, turned;  // (P x r) d U, d U H, patch by patch
-  std::vector<std::size_t> order;        // (P) unit forces, patch by patch
-  std::vector<PatchRows> patches;
-  std::vector<int> patch_of;             // (P) whose modes a row is of; -1: none
-  std::vector<float> turned_code, sums;  // (r), (P)
-  std::vector<float> tangent_row;        // (width)
-  std::vector<UnitForce> normals;        // of the last add_compliance()
-  double mean = 0;                       // m/N, of the places' own compliance
+  TablesTangent tangent;
 
   Work(const SurfaceMesh& surface_mesh, std::span<const std::uint8_t> fixed,
        const TouchTables& the_tables, const TouchSettings& the_settings);
 
-  void make_room(int places, int vertices);
+  void make_room(int most_places, int most_vertices);
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
-  bool add(const Place& place);
   void choose_patches(std::span<const PlaceLoad> entries);
   void find_displacements(CrossTerms cross);
-  void weigh_corrections();
-  void add_row(const Place& place, const Vector3f& direction, std::span<float> row) const;
-  void find_mode_rows(std::span<const UnitForce> forces);
-  void add_modes(std::span<const UnitForce> forces, std::span<double> W, std::size_t m,
-                 std::span<double> q);
+  [[nodiscard]] TablesAt tables_now(Tangent kind) {
+    const bool by_regions = kind == Tangent::kFull && is_nonlinear();
+    return {places, *cache, field, by_regions ? &nonlinear : nullptr};
+  }
   void fill_shape(Eigen::Index nodes);
+  void forget_surface() {
+    is_surface_old = true;
+    bounds.setEmpty();
+  }
   void set_loads(std::span<const Vector3f> forces);
   [[nodiscard]] CrossTerms cross_terms() const {
     return is_last && iteration <= kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore;
@@ -175,42 +138,31 @@ TablesBody::Work::Work(const SurfaceMesh& surface_mesh, std::span<const std::uin
       linear(3, rest.cols()),
       without_cross(3, rest.cols()),
       no_displacement(ahead),
-      local_of_vertex(static_cast<std::size_t>(rest.cols()), -1),
-      modes_wide(static_cast<std::size_t>(most_modes(tables))) {
+      next(static_cast<std::size_t>(rest.cols())),
+      tangent(most_modes(tables)) {
   shape = &no_displacement;
   if (skin.is_carried()) {
     carrying_stress.resize(static_cast<std::size_t>(rest.cols()));
     carrying_tensors.resize(6 * carrying_stress.size());
   }
   if (tables.shell.nodes() > 0) shell.emplace(tables.shell, static_cast<int>(rest.cols()));
-  patches.reserve(NonlinearAnswer::kMostBlobs);
-  turned_code.resize(modes_wide);
   make_room(kMostPlaces, kMostVertices);
 }
 
-void TablesBody::Work::make_room(int places, int vertices) {
-  most_places = static_cast<std::size_t>(places);
-  most_vertices = vertices;
-  cache.emplace(compliance, vertices);
-  width = static_cast<std::size_t>(cache->blocks().rows());
-  PALPABLE_EXPECT(width == padded(width), "a compliance has whole rows' steps");
-  for (PlaceList* list : {&next, &now}) {
-    list->places.reserve(most_places);
-    list->vertices.reserve(static_cast<std::size_t>(vertices));
-  }
-  loads.reserve(static_cast<std::size_t>(vertices));
-  weights.reserve(static_cast<std::size_t>(vertices));
-  here.resize(3, vertices);
-  before.resize(3, vertices);
+void TablesBody::Work::make_room(int most_places, int most_vertices) {
+  const auto P = static_cast<std::size_t>(most_places);
+  const auto S = static_cast<std::size_t>(most_vertices);
+  cache.emplace(compliance, most_vertices);
+  const auto width = static_cast<std::size_t>(cache->blocks().rows());
+  next.make_room(P, S, kMostVertices);
+  tangent.make_room(P, width);
+  places.reserve(P);
+  vertices.reserve(S);
+  loads.reserve(S);
+  weights.reserve(S);
+  here.resize(3, most_vertices);
+  before.resize(3, most_vertices);
   field.resize(width);
-  tangent_row.resize(width);
-  rows.resize(most_places * width);
-  mode_rows.resize(most_places * modes_wide);
-  turned.resize(most_places * modes_wide);
-  order.resize(most_places);
-  patch_of.resize(most_places);
-  sums.resize(most_places);
-  normals.reserve(most_places);
 }
 
 TablesBody::TablesBody(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
@@ -254,7 +206,7 @@ void TablesBody::begin_frame() {
   w.skin.face_as(state.u);
   w.shape = &state.u;
   w.is_formed = false;
-  w.is_surface_old = true;
+  w.forget_surface();
   w.began = state.u;
   w.forces_began.start(state.forces);
 }
@@ -302,13 +254,14 @@ Vector3f TablesBody::normal_at(int point) {
 }
 
 Eigen::AlignedBox3f TablesBody::bounds() {
-  const Work& w = *work_;
+  Work& w = *work_;
   if (w.skin.is_carried()) return surface().bounds();
-  Eigen::AlignedBox3f box;
-  for (Eigen::Index v = 0; v < w.rest.cols(); ++v) {
-    box.extend(Vector3f(w.rest.col(v) + w.shape->col(v)));
+  if (w.bounds.isEmpty()) {
+    for (Eigen::Index v = 0; v < w.rest.cols(); ++v) {
+      w.bounds.extend(Vector3f(w.rest.col(v) + w.shape->col(v)));
+    }
   }
-  return box;
+  return w.bounds;
 }
 
 const MovingSurface& TablesBody::surface() {
@@ -328,38 +281,7 @@ const MovingSurface& TablesBody::surface() {
 
 // --- a step
 
-void TablesBody::clear_places() {
-  Work& w = *work_;
-  for (const int v : w.next.vertices) w.local_of_vertex[static_cast<std::size_t>(v)] = -1;
-  w.next.vertices.clear();
-  w.next.places.clear();
-  w.own_vertices = 0;
-}
-
-// Whether its vertices find room.
-bool TablesBody::Work::add(const Place& place) {
-  const std::span shares(place.shares.of.data(), place.shares.count);
-  const auto missing = std::count_if(shares.begin(), shares.end(), [&](const ForceShare& share) {
-    return local_of_vertex[static_cast<std::size_t>(share.vertex)] < 0;
-  });
-  const int more = static_cast<int>(missing);
-  if (next.places.size() == most_places ||
-      static_cast<int>(next.vertices.size()) + more > most_vertices ||
-      (!place.is_foot && own_vertices + more > kMostVertices)) {
-    return false;
-  }
-  if (!place.is_foot) own_vertices += more;
-  next.places.push_back(place);
-  for (std::size_t k = 0; k < shares.size(); ++k) {
-    int& local = local_of_vertex[static_cast<std::size_t>(shares[k].vertex)];
-    if (local < 0) {
-      local = static_cast<int>(next.vertices.size());
-      next.vertices.push_back(shares[k].vertex);
-    }
-    next.places.back().local[k] = local;
-  }
-  return true;
-}
+void TablesBody::clear_places() { work_->next.clear(); }
 
 bool TablesBody::add_place(int point) {
   const Work& w = *work_;
@@ -372,7 +294,7 @@ bool TablesBody::add_place(int point) {
   for (std::size_t k = 0; k < 3; ++k) {
     place.shares.of[k] = {at.corners[k], at.weights[static_cast<int>(k)]};
   }
-  return work_->add(place);
+  return work_->next.add(place);
 }
 
 bool TablesBody::add_place(const SkinPoint& foot) {
@@ -380,20 +302,20 @@ bool TablesBody::add_place(const SkinPoint& foot) {
   place.is_foot = true;
   place.at_rest = work_->skin.rest_at(foot);
   place.shares = work_->skin.shares_of(foot);
-  return work_->add(place);
+  return work_->next.add(place);
 }
 
 void TablesBody::begin_step(std::span<const PlaceLoad> loads, bool last) {
   Work& w = *work_;
-  w.now.places.assign(w.next.places.begin(), w.next.places.end());
-  w.now.vertices.assign(w.next.vertices.begin(), w.next.vertices.end());
+  w.places.assign(w.next.places().begin(), w.next.places().end());
+  w.vertices.assign(w.next.vertices().begin(), w.next.vertices().end());
   w.is_last = last;
   w.iteration = 0;
-  w.cache->bring(w.now.vertices);
+  w.cache->bring(w.vertices);
   w.loads.clear();
-  for (const int v : w.now.vertices) w.loads.push_back({v, Vector3f::Zero()});
-  for (std::size_t p = 0; p < w.now.places.size(); ++p) {
-    Place& place = w.now.places[p];
+  for (const int v : w.vertices) w.loads.push_back({v, Vector3f::Zero()});
+  for (std::size_t p = 0; p < w.places.size(); ++p) {
+    Place& place = w.places[p];
     for (std::size_t k = 0; k < place.shares.count; ++k) {
       const ForceShare& share = place.shares.of[k];
       place.slots[k] = w.cache->slot_of(share.vertex);
@@ -406,18 +328,18 @@ void TablesBody::begin_step(std::span<const PlaceLoad> loads, bool last) {
 
 // What presses decides; before the first touch what is deepest in the obstacle.
 void TablesBody::Work::choose_patches(std::span<const PlaceLoad> entries) {
-  weights.assign(now.vertices.size(), 0.0f);
+  weights.assign(vertices.size(), 0.0f);
   float pressing = 0;
   for (const VertexForce& load : loads) pressing += load.force.norm();
   const float per_m = pressing > 0 ? 0.1f * pressing / static_cast<float>(settings.band) : 1.0f;
-  for (std::size_t p = 0; p < now.places.size(); ++p) {
-    const Place& place = now.places[p];
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    const Place& place = places[p];
     for (std::size_t k = 0; k < place.shares.count; ++k) {
       weights[static_cast<std::size_t>(place.local[k])] +=
           place.shares.of[k].weight * (entries[p].force.norm() + per_m * entries[p].entry);
     }
   }
-  nonlinear.choose_blobs(now.vertices, weights, state->regions);
+  nonlinear.choose_blobs(vertices, weights, state->regions);
 }
 
 // Of all vertices that take part, under the present loads.
@@ -430,51 +352,25 @@ void TablesBody::Work::find_displacements(CrossTerms cross) {
     const float* of_load = cache->blocks().col(3 * cache->slot_of(load.vertex)).data();
     best_row_kernels().add_float_rows(of_load, field.size(), {load.force.data(), 3}, field);
   }
-  for (std::size_t i = 0; i < now.vertices.size(); ++i) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
     here.col(static_cast<Eigen::Index>(i)) =
-        Eigen::Map<const Vector3f>(field.data() + 3 * cache->slot_of(now.vertices[i]));
+        Eigen::Map<const Vector3f>(field.data() + 3 * cache->slot_of(vertices[i]));
   }
-  weigh_corrections();
-  for (std::size_t i = 0; i < now.vertices.size(); ++i) {
+  const auto n = static_cast<Eigen::Index>(vertices.size());
+  correcting = state->refinement.weights_under(loads, here.leftCols(n));
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
     auto u = here.col(static_cast<Eigen::Index>(i));
-    if (is_nonlinear()) u += nonlinear.displacement_at(now.vertices[i]);
+    if (is_nonlinear()) u += nonlinear.displacement_at(vertices[i]);
     for (std::size_t k = 0; k < correcting.size(); ++k) {
       if (correcting[k] > 0) {
-        u += correcting[k] * state->refinement.corrections[k].field.col(now.vertices[i]);
+        u += correcting[k] * state->refinement.corrections[k].field.col(vertices[i]);
       }
     }
   }
 }
 
-// How far each correction holds under the present loads. @pre `here` is their linear answer
-void TablesBody::Work::weigh_corrections() {
-  const Refinement& refinement = state->refinement;
-  correcting.fill(0.0f);
-  if (!refinement.acts()) return;
-  float work = 0;
-  std::array<float, 2> shared{};
-  for (std::size_t i = 0; i < loads.size(); ++i) {
-    const Vector3f& f = loads[i].force;
-    work += f.dot(here.col(static_cast<Eigen::Index>(i)));
-    for (std::size_t k = 0; k < shared.size(); ++k) {
-      const ExactCorrection& c = refinement.corrections[k];
-      if (c.work > 0) shared[k] += f.dot(c.linear.col(now.vertices[i]));
-    }
-  }
-  const std::array blended{1 - refinement.blended, refinement.blended};
-  for (std::size_t k = 0; k < shared.size(); ++k) {
-    correcting[k] = blended[k] * correction_weight(work, shared[k], refinement.corrections[k].work);
-  }
-}
-
 Vector3f TablesBody::position(std::size_t place) const {
-  const Work& w = *work_;
-  const Place& p = w.now.places[place];
-  Vector3f x = p.at_rest;
-  for (std::size_t k = 0; k < p.shares.count; ++k) {
-    x += p.shares.of[k].weight * w.here.col(p.local[k]);
-  }
-  return x;
+  return position_of(work_->places[place], work_->here);
 }
 
 // --- an iteration
@@ -482,140 +378,30 @@ Vector3f TablesBody::position(std::size_t place) const {
 bool TablesBody::linearise() {
   Work& w = *work_;
   ++w.iteration;
-  const auto n = static_cast<Eigen::Index>(w.now.vertices.size());
+  const auto n = static_cast<Eigen::Index>(w.vertices.size());
   w.before.leftCols(n) = w.here.leftCols(n);
   return true;
 }
 
-// row = G times a force of 1 N at a place.
-void TablesBody::Work::add_row(const Place& place, const Vector3f& direction,
-                               std::span<float> row) const {
-  std::fill(row.begin(), row.end(), 0.0f);
-  for (std::size_t k = 0; k < place.shares.count; ++k) {
-    const float weight = place.shares.of[k].weight;
-    if (weight == 0) continue;
-    const Vector3f force = weight * direction;
-    best_row_kernels().add_float_rows(
-        cache->blocks().data() + static_cast<std::size_t>(3 * place.slots[k]) * width, width,
-        {force.data(), 3}, row);
-  }
-}
-
-// mode_rows and turned of unit forces, patch by patch.
-void TablesBody::Work::find_mode_rows(std::span<const UnitForce> forces) {
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const ForceShares& shares = now.places[forces[i].place].shares;
-    const auto* heaviest = std::max_element(
-        shares.of.begin(), shares.of.begin() + shares.count,
-        [](const ForceShare& a, const ForceShare& b) { return a.weight < b.weight; });
-    patch_of[i] = nonlinear.blob_of(heaviest->vertex);
-  }
-  patches.clear();
-  std::size_t next_row = 0;
-  for (int patch = 0; patch < nonlinear.blob_count(); ++patch) {
-    const auto r = static_cast<std::size_t>(nonlinear.region_of(patch).mode_count());
-    PatchRows of_patch{next_row, next_row, next_row * modes_wide};
-    for (std::size_t i = 0; i < forces.size(); ++i) {
-      if (patch_of[i] != patch) continue;
-      const Place& place = now.places[forces[i].place];
-      const std::size_t at = of_patch.at + (next_row - of_patch.first) * r;
-      const std::span<float> row(mode_rows.data() + at, r);
-      std::fill(row.begin(), row.end(), 0.0f);
-      for (std::size_t k = 0; k < place.shares.count; ++k) {
-        const auto [vertex, weight] = place.shares.of[k];
-        if (weight != 0) nonlinear.add_mode_row(patch, vertex, weight * forces[i].direction, row);
-      }
-      nonlinear.times(patch, row, {turned.data() + at, r});
-      order[next_row++] = i;
-    }
-    of_patch.last = next_row;
-    patches.push_back(of_patch);
-  }
-}
-
-// What the regions add to W and q.
-void TablesBody::Work::add_modes(std::span<const UnitForce> forces, std::span<double> W,
-                                 std::size_t m, std::span<double> q) {
-  find_mode_rows(forces);
-  for (int patch = 0; patch < nonlinear.blob_count(); ++patch) {
-    const PatchRows& of_patch = patches[static_cast<std::size_t>(patch)];
-    const std::span<const float> code = nonlinear.code(patch);
-    const std::span<float> turned_now(turned_code.data(), code.size());
-    nonlinear.times(patch, code, turned_now);
-    best_row_kernels().dots_floats(mode_rows.data() + of_patch.at, of_patch.last - of_patch.first,
-                                   turned_now, sums.data());
-    for (std::size_t i = of_patch.first; i < of_patch.last; ++i) {
-      q[forces[order[i]].row] -= static_cast<double>(sums[i - of_patch.first]);
-    }
-    const std::size_t r = code.size();
-    for (std::size_t i = 0; i < of_patch.last - of_patch.first; ++i) {
-      best_row_kernels().dots_floats(mode_rows.data() + of_patch.at, i + 1,
-                                     {turned.data() + of_patch.at + i * r, r}, sums.data());
-      double* row = W.data() + forces[order[of_patch.first + i]].row * m;
-      for (std::size_t j = 0; j <= i; ++j) {
-        row[forces[order[of_patch.first + j]].row] += static_cast<double>(sums[j]);
-      }
-    }
-  }
-}
-
 void TablesBody::add_compliance(std::span<const UnitForce> forces, Tangent tangent,
                                 std::span<double> W, std::size_t m, std::span<double> q) {
-  Work& w = *work_;
-  w.normals.assign(forces.begin(), forces.end());
-  const auto place_of = [&](const UnitForce& f) -> const Place& { return w.now.places[f.place]; };
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const UnitForce& f = forces[i];
-    const std::span<float> row(w.rows.data() + i * w.width, w.width);
-    w.add_row(place_of(f), f.direction, row);
-    q[f.row] -= static_cast<double>(along(place_of(f), f.direction, w.field.data()));
-    for (std::size_t j = 0; j <= i; ++j) {
-      W[f.row * m + forces[j].row] +=
-          static_cast<double>(along(place_of(forces[j]), forces[j].direction, row.data()));
-    }
-  }
-  if (tangent == Tangent::kFull && w.is_nonlinear()) w.add_modes(forces, W, m, q);
-  w.mean = 0;
-  for (const UnitForce& f : forces) {
-    w.mean += W[f.row * m + f.row] / static_cast<double>(forces.size());
-  }
+  work_->tangent.add_compliance(work_->tables_now(tangent), forces, W, m, q);
 }
 
-// By the linear answer alone: the turning of normals is a small part of the tangent.
 void TablesBody::add_tangential(std::span<const UnitForce> forces, std::span<float> W_nt,
                                 std::size_t wide, std::span<double> W_tt, std::span<double> q_t) {
-  Work& w = *work_;
-  const std::size_t t = q_t.size();
-  const auto place_of = [&](const UnitForce& f) -> const Place& { return w.now.places[f.place]; };
-  for (std::size_t p = 0; p < w.normals.size(); ++p) {
-    float* to = W_nt.data() + w.normals[p].row * wide;
-    for (const UnitForce& f : forces) {
-      to[f.row] += along(place_of(f), f.direction, w.rows.data() + p * w.width);
-    }
-  }
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const UnitForce& f = forces[i];
-    w.add_row(place_of(f), f.direction, w.tangent_row);
-    for (std::size_t j = 0; j <= i; ++j) {
-      const UnitForce& other = forces[j];
-      const auto value =
-          static_cast<double>(along(place_of(other), other.direction, w.tangent_row.data()));
-      W_tt[f.row * t + other.row] += value;
-      if (i != j) W_tt[other.row * t + f.row] += value;
-    }
-    q_t[f.row] -= static_cast<double>(along(place_of(f), f.direction, w.field.data()));
-  }
+  work_->tangent.add_tangential(work_->tables_now(Tangent::kSafe), forces, W_nt, wide, W_tt, q_t);
 }
 
 double TablesBody::skin_compliance(double, float softness, bool is_foot) const {
   if (is_foot) return 0;
-  return (work_->settings.softness + static_cast<double>(softness)) * work_->mean;
+  return (work_->settings.softness + static_cast<double>(softness)) * work_->tangent.mean();
 }
 
 void TablesBody::Work::set_loads(std::span<const Vector3f> forces) {
   for (VertexForce& load : loads) load.force.setZero();
-  for (std::size_t p = 0; p < now.places.size(); ++p) {
-    const Place& place = now.places[p];
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    const Place& place = places[p];
     for (std::size_t k = 0; k < place.shares.count; ++k) {
       loads[static_cast<std::size_t>(place.local[k])].force +=
           place.shares.of[k].weight * forces[p];
@@ -627,7 +413,7 @@ double TablesBody::move(std::span<const Vector3f> forces, double) {
   Work& w = *work_;
   w.set_loads(forces);
   w.find_displacements(w.cross_terms());
-  const auto n = static_cast<Eigen::Index>(w.now.vertices.size());
+  const auto n = static_cast<Eigen::Index>(w.vertices.size());
   if (n == 0) return 0;
   return static_cast<double>(
       (w.here.leftCols(n) - w.before.leftCols(n)).colwise().norm().maxCoeff());
@@ -661,7 +447,7 @@ void TablesBody::form_shape(bool all) {
   w.fill_shape(all ? w.ahead.cols() : w.rest.cols());
   w.shape = &w.ahead;
   w.is_formed = true;
-  w.is_surface_old = true;
+  w.forget_surface();
 }
 
 bool TablesBody::has_moved(double way) const {
@@ -689,7 +475,7 @@ void TablesBody::keep(bool) {
 void TablesBody::end_frame(double penetration) {
   Work& w = *work_;
   w.report = {w.nonlinear.blob_count(), static_cast<double>(w.nonlinear.last_share()), {}, {}};
-  const bool has_feet = std::any_of(w.now.places.begin(), w.now.places.end(),
+  const bool has_feet = std::any_of(w.places.begin(), w.places.end(),
                                     [](const Place& place) { return place.is_foot; });
   if (w.state->forces.empty() && !has_feet) return;
   double all = 0, beyond = 0, between = 0, largest = 0;
@@ -726,7 +512,7 @@ void TablesBody::hold_back(double share) {
   const auto s = static_cast<float>(share);
   state.u = w.began + s * (state.u - w.began);
   w.forces_began.hold_back(state.forces, s);
-  w.is_surface_old = true;
+  w.forget_surface();
 }
 
 // --- any state

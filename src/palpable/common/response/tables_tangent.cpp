@@ -1,0 +1,161 @@
+#include "palpable/common/response/tables_tangent.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/row_kernels.h"
+
+#include <algorithm>
+
+namespace palpable {
+namespace {
+
+using Eigen::Vector3f;
+
+// direction . field at a force's place. @param field  three values a slot
+float along(const TablesAt& at, const UnitForce& force, std::span<const float> field) {
+  const Place& place = at.places[force.place];
+  const Vector3f& d = force.direction;
+  float sum = 0;
+  for (std::size_t k = 0; k < place.shares.count; ++k) {
+    const float* u = field.data() + 3 * place.slots[k];
+    sum += place.shares.of[k].weight * (d[0] * u[0] + d[1] * u[1] + d[2] * u[2]);
+  }
+  return sum;
+}
+
+}  // namespace
+
+TablesTangent::TablesTangent(std::size_t most_modes)
+    : modes_wide_(most_modes), turned_code_(most_modes) {
+  patches_.reserve(NonlinearAnswer::kMostBlobs);
+}
+
+void TablesTangent::make_room(std::size_t most_places, std::size_t width) {
+  PALPABLE_EXPECT(width == padded(width), "a compliance has whole rows' steps");
+  width_ = width;
+  tangent_row_.resize(width);
+  rows_.resize(most_places * width);
+  mode_rows_.resize(most_places * modes_wide_);
+  turned_.resize(most_places * modes_wide_);
+  order_.resize(most_places);
+  patch_of_.resize(most_places);
+  sums_.resize(most_places);
+  normals_.reserve(most_places);
+}
+
+// row = G times a unit force.
+void TablesTangent::fill_row(const TablesAt& at, const UnitForce& unit,
+                             std::span<float> row) const {
+  const Place& place = at.places[unit.place];
+  std::fill(row.begin(), row.end(), 0.0f);
+  for (std::size_t k = 0; k < place.shares.count; ++k) {
+    const float weight = place.shares.of[k].weight;
+    if (weight == 0) continue;
+    const Vector3f force = weight * unit.direction;
+    const float* blocks = at.compliance.blocks().data();
+    best_row_kernels().add_float_rows(
+        blocks + static_cast<std::size_t>(3 * place.slots[k]) * width_, width_, {force.data(), 3},
+        row);
+  }
+}
+
+// mode_rows_ and turned_ of unit forces, patch by patch.
+void TablesTangent::find_mode_rows(const TablesAt& at, std::span<const UnitForce> forces) {
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const ForceShares& shares = at.places[forces[i].place].shares;
+    const auto* heaviest = std::max_element(
+        shares.of.begin(), shares.of.begin() + shares.count,
+        [](const ForceShare& a, const ForceShare& b) { return a.weight < b.weight; });
+    patch_of_[i] = at.regions->blob_of(heaviest->vertex);
+  }
+  patches_.clear();
+  std::size_t next_row = 0;
+  for (int patch = 0; patch < at.regions->blob_count(); ++patch) {
+    const auto r = static_cast<std::size_t>(at.regions->region_of(patch).mode_count());
+    PatchRows of_patch{next_row, next_row, next_row * modes_wide_};
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      if (patch_of_[i] != patch) continue;
+      const Place& place = at.places[forces[i].place];
+      const std::size_t start = of_patch.at + (next_row - of_patch.first) * r;
+      const std::span<float> row(mode_rows_.data() + start, r);
+      std::fill(row.begin(), row.end(), 0.0f);
+      for (std::size_t k = 0; k < place.shares.count; ++k) {
+        const auto [vertex, weight] = place.shares.of[k];
+        if (weight != 0) at.regions->add_mode_row(patch, vertex, weight * forces[i].direction, row);
+      }
+      at.regions->times(patch, row, {turned_.data() + start, r});
+      order_[next_row++] = i;
+    }
+    of_patch.last = next_row;
+    patches_.push_back(of_patch);
+  }
+}
+
+// What the regions add to W and q.
+void TablesTangent::add_modes(const TablesAt& at, std::span<const UnitForce> forces,
+                              std::span<double> W, std::size_t m, std::span<double> q) {
+  find_mode_rows(at, forces);
+  for (int patch = 0; patch < at.regions->blob_count(); ++patch) {
+    const PatchRows& of_patch = patches_[static_cast<std::size_t>(patch)];
+    const std::span<const float> code = at.regions->code(patch);
+    const std::span<float> turned_now(turned_code_.data(), code.size());
+    at.regions->times(patch, code, turned_now);
+    best_row_kernels().dots_floats(mode_rows_.data() + of_patch.at, of_patch.last - of_patch.first,
+                                   turned_now, sums_.data());
+    for (std::size_t i = of_patch.first; i < of_patch.last; ++i) {
+      q[forces[order_[i]].row] -= static_cast<double>(sums_[i - of_patch.first]);
+    }
+    const std::size_t r = code.size();
+    for (std::size_t i = 0; i < of_patch.last - of_patch.first; ++i) {
+      best_row_kernels().dots_floats(mode_rows_.data() + of_patch.at, i + 1,
+                                     {turned_.data() + of_patch.at + i * r, r}, sums_.data());
+      double* row = W.data() + forces[order_[of_patch.first + i]].row * m;
+      for (std::size_t j = 0; j <= i; ++j) {
+        row[forces[order_[of_patch.first + j]].row] += static_cast<double>(sums_[j]);
+      }
+    }
+  }
+}
+
+void TablesTangent::add_compliance(const TablesAt& at, std::span<const UnitForce> forces,
+                                   std::span<double> W, std::size_t m, std::span<double> q) {
+  normals_.assign(forces.begin(), forces.end());
+  // Other bodies may have added theirs to W before.
+  mean_ = 0;
+  const auto count = static_cast<double>(forces.size());
+  for (const UnitForce& f : forces) mean_ -= W[f.row * m + f.row] / count;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const UnitForce& f = forces[i];
+    const std::span<float> row(rows_.data() + i * width_, width_);
+    fill_row(at, f, row);
+    q[f.row] -= static_cast<double>(along(at, f, at.field));
+    for (std::size_t j = 0; j <= i; ++j) {
+      W[f.row * m + forces[j].row] += static_cast<double>(along(at, forces[j], row));
+    }
+  }
+  if (at.regions != nullptr) add_modes(at, forces, W, m, q);
+  for (const UnitForce& f : forces) mean_ += W[f.row * m + f.row] / count;
+}
+
+void TablesTangent::add_tangential(const TablesAt& at, std::span<const UnitForce> forces,
+                                   std::span<float> W_nt, std::size_t wide, std::span<double> W_tt,
+                                   std::span<double> q_t) {
+  const std::size_t t = q_t.size();
+  for (std::size_t p = 0; p < normals_.size(); ++p) {
+    float* to = W_nt.data() + normals_[p].row * wide;
+    const std::span<const float> row(rows_.data() + p * width_, width_);
+    for (const UnitForce& f : forces) to[f.row] += along(at, f, row);
+  }
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const UnitForce& f = forces[i];
+    fill_row(at, f, tangent_row_);
+    for (std::size_t j = 0; j <= i; ++j) {
+      const UnitForce& other = forces[j];
+      const auto value = static_cast<double>(along(at, other, tangent_row_));
+      W_tt[f.row * t + other.row] += value;
+      if (i != j) W_tt[other.row * t + f.row] += value;
+    }
+    q_t[f.row] -= static_cast<double>(along(at, f, at.field));
+  }
+}
+
+}  // namespace palpable

@@ -1,0 +1,75 @@
+/// @file
+/// The tangent of a body with tables among unit forces at its places: how much the displacement
+/// along one grows by the other.
+///
+///     J = G + sum over patches  U H U^T
+///
+/// with G from compliance.h; U the modes of a patch's region, and H = dz/dl what their coordinates
+/// z grow by a load l on them (nonlinear_answer.h).
+///
+///   P  places     r  modes of a region     w  3 slots of the compliance cache
+#pragma once
+
+#include "palpable/common/contact/contact_body.h"
+#include "palpable/common/response/compliance_cache.h"
+#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/step_places.h"
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// What a tangent is taken at.
+struct TablesAt {
+  std::span<const Place> places;      ///< (P)
+  const ComplianceCache& compliance;  ///< with the places' vertices
+  std::span<const float> field;       ///< (w) m, G f
+  /// Evaluated under the loads of the places; null: the linear tables alone.
+  NonlinearAnswer* regions = nullptr;
+};
+
+/// Allocates in its constructor and in make_room().
+class TablesTangent {
+ public:
+  /// @param most_modes  r of the largest region
+  explicit TablesTangent(std::size_t most_modes);
+  /// @param width  w
+  void make_room(std::size_t most_places, std::size_t width);
+
+  /// As ContactBody::add_compliance().
+  void add_compliance(const TablesAt& at, std::span<const UnitForce> forces, std::span<double> W,
+                      std::size_t m, std::span<double> q);
+  /// As ContactBody::add_tangential(), by the linear tables alone: the turning of normals is a
+  /// small part of the tangent.
+  void add_tangential(const TablesAt& at, std::span<const UnitForce> forces, std::span<float> W_nt,
+                      std::size_t wide, std::span<double> W_tt, std::span<double> q_t);
+  /// m/N, of the last add_compliance(): the mean over the forces' own compliance.
+  [[nodiscard]] double mean() const { return mean_; }
+
+ private:
+  struct PatchRows {                  // of one patch, rising, and where its mode rows begin
+    std::size_t first = 0, last = 0;  // in order_
+    std::size_t at = 0;               // in mode_rows_ and turned_
+  };
+  void fill_row(const TablesAt& at, const UnitForce& force, std::span<float> row) const;
+  void find_mode_rows(const TablesAt& at, std::span<const UnitForce> forces);
+  void add_modes(const TablesAt& at, std::span<const UnitForce> forces, std::span<double> W,
+                 std::size_t m, std::span<double> q);
+
+  std::size_t modes_wide_, width_ = 0;
+  std::vector<float> rows_;                // (P x w) G d
+  std::vector<float> mode_rows_, turned_;  // (P x r) d U, d U H, patch by patch
+  std::vector<std::size_t> order_;         // (P) unit forces, patch by patch
+  std::vector<PatchRows> patches_;
+  std::vector<int> patch_of_;              // (P) whose modes a row is of; -1: none
+  std::vector<float> turned_code_, sums_;  // (r), (P)
+  std::vector<float> tangent_row_;         // (w)
+  std::vector<UnitForce> normals_;         // of the last add_compliance()
+  double mean_ = 0;
+};
+
+}  // namespace palpable
