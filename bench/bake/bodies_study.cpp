@@ -89,6 +89,11 @@ class Players {
   }
   [[nodiscard]] bool is_anything_near() const { return report_.candidates > 0; }
   [[nodiscard]] const ContactReport& report() const { return report_; }
+  [[nodiscard]] bool is_touched_by_hand(std::size_t k) const {
+    const std::vector<PointForce>& forces = parts_[k]->contact_body().forces();
+    return std::any_of(forces.begin(), forces.end(),
+                       [](const PointForce& at) { return at.by < 0; });
+  }
   // N, scene frame.
   [[nodiscard]] Vector3d by_others(std::size_t k) const {
     Vector3d sum = Vector3d::Zero();
@@ -243,7 +248,10 @@ BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::
             Eigen::Map<const Eigen::VectorXf>(found.data(), std::ssize(found)).cast<double>();
         answer.stress.push_back((stress - true_skin.values).norm() / true_skin.values.norm());
       }
-      if (k == pressed) continue;  // on the others nothing but bodies acts
+      // The truth has one force for each body: that of other bodies where no hand touches it.
+      if (k == pressed || truth.hands.contacts[at].touching || players.is_touched_by_hand(k)) {
+        continue;
+      }
       const Vector3d true_force = bodies[k].scene_from_body.linear() * line->second.force;
       const bool here = touching(k), truly = true_force.norm() > kTouches;
       answer.touching += here;

@@ -23,15 +23,17 @@ struct StudiedBody {
 struct BodiesAnswer {
   std::vector<double> displacement;         ///< relative L2 over each body's skin
   std::vector<double> stress;               ///< von Mises, likewise
-  std::vector<double> between_force;        ///< relative, of what bodies do to each other
+  std::vector<double> between_force;        ///< relative, on a body that no hand touches
   std::vector<double> between_penetration;  ///< m, of all frames in which they do
   std::vector<double> milliseconds;         ///< CPU, of all frames in which something presses
   std::vector<double> milliseconds_alone;   ///< likewise of the body that the hand presses, alone
   std::vector<double> milliseconds_three;   ///< and with two more that stand about
   int frames = 0;                           ///< with a truth
-  int touching = 0, touching_true = 0;  ///< of these, in which bodies touch each other: here, truly
-  int disagree = 0;                     ///< and in which one says so and the other does not
-  double imbalance = 0;                 ///< N, the largest
+  /// Of these, in which bodies touch each other, here and truly, while no hand touches one of the
+  /// two.
+  int touching = 0, touching_true = 0;
+  int disagree = 0;      ///< and in which one says so and the other does not
+  double imbalance = 0;  ///< N, the largest
 };
 
 /// Plays all frames of the clip with the hand's own capsules.

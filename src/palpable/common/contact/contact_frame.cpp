@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3f;
 
 // How often an iteration that moves a point too far is halved before it is given up.
-constexpr int kHalvings = 4;
+constexpr int kHalvings = 6;
 // Ratio to ContactLimits::largest_step: the smallest gap that leaves a point out where
 // ContactLimits::narrows.
 constexpr double kLeastReach = 0.02;
