@@ -27,9 +27,8 @@ class Complementarity {
   /// @param W  (m x m) row by row, symmetric positive definite; the lower triangle is read
   /// @param q  (m)
   /// @param f  (m) in: a guess; out: the answer
-  /// @return whether it ended within its steps; else f is 0 where it would pull, the best known,
-  /// and
-  ///         0 everywhere if W is not positive definite
+  /// @return whether it converged; else f is the best known, 0 where it would pull, and 0
+  ///         everywhere if W is not positive definite
   /// @throws ContractViolation for more points than the constructor was told
   bool solve(std::span<const double> W, std::span<const double> q, std::span<double> f);
 

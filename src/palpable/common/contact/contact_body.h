@@ -41,7 +41,7 @@ struct SkinPointSet {
   const SkinClusters* clusters = nullptr;
   float coarsest = 0;  ///< m between the points that the flattest obstacle needs
   float finest = 0;    ///< m between those that the sharpest obstacle needs
-  float between = 0;   ///< m between those that are compared with the skins of other bodies
+  float between = 0;   ///< m between those that are searched on other bodies' skins
 };
 
 /// How contact is solved on a body. Bodies that are solved together use the smallest lengths of all
@@ -58,8 +58,8 @@ struct ContactLimits {
   /// Whether an iteration that moves points farther than the one before is shortened. Without it
   /// two sets of points may press in turn for ever.
   bool damped = true;
-  /// Whether an iteration solves only for points that the iteration before moved as far as their
-  /// gap, instead of all within a share of largest_step: fewer unknowns, the same forces.
+  /// Whether an iteration leaves out points whose gap exceeds what the iteration before moved,
+  /// instead of a fixed share of largest_step: fewer unknowns, the same forces.
   bool narrows = false;
   /// Contact points near obstacles above which their spacing is made coarser; 0: never, the nearest
   /// ones are kept.
@@ -91,7 +91,7 @@ struct UnitForce {
 /// What a place begins a step with.
 struct PlaceLoad {
   Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, body frame
-  float entry = 0;                                  ///< m that the obstacle enters there
+  float entry = 0;                                  ///< m that the obstacle penetrates there
 };
 
 /// Places that take part in a step, at most: of a body alone, and of one that is solved with
@@ -170,18 +170,20 @@ class ContactBody {
                               std::span<double> W, std::size_t m, std::span<double> q) = 0;
   /// Adds the compliance between tangential forces and the normal forces of the last call, that
   /// among tangential forces, and their free displacement. Units as those of add_compliance().
+  /// Contacts with curved obstacles use it: their normals turn (contact_problem.h).
   /// @param forces   rising rows, of the t tangential ones
-  /// @param W_nt     (m x wide) normal against tangential
+  /// @param W_nt     (m x wide) normal against tangential, rows padded to `wide` >= t
   /// @param W_tt     (t x t)
   /// @param q_t      (t)
   virtual void add_tangential(std::span<const UnitForce> forces, std::span<float> W_nt,
                               std::size_t wide, std::span<double> W_tt, std::span<double> q_t) = 0;
-  /// m/N, of the skin under one contact point, which the tangent does not hold.
+  /// m/N, the local compliance of the skin under a contact point, which the tangent lacks.
   /// @param area      m^2 that the point stands for
   /// @param softness  SurfaceGap::softness
   /// @param is_foot   the body is the one that is pressed by another body's point
   [[nodiscard]] virtual double skin_compliance(double area, float softness, bool is_foot) const = 0;
-  /// The step of Newton's method under new forces. @param forces  (P) N
+  /// The step of Newton's method under new forces, which move() then makes. A body whose
+  /// displacement is a function of the forces does nothing here. @param forces  (P) N
   virtual void find_step(std::span<const Eigen::Vector3f> forces) = 0;
   /// Moves the places by a share of the step. May be called again with a smaller share.
   /// @param forces  (P) N, that share of the way from those before the iteration
@@ -190,12 +192,14 @@ class ContactBody {
 
   // --- end of a step
 
-  /// The shape becomes that of the present forces. @param all  with what only the stress needs
+  /// The shape becomes that of the present forces.
+  /// @param all  also of the inner nodes, which only the stress needs
   virtual void form_shape(bool all) = 0;
   /// Whether form_shape() moved a vertex by more than `way` (m) from the shape of the state.
   [[nodiscard]] virtual bool has_moved(double way) const = 0;
   /// The state takes over what was computed, the shape included if it was formed.
-  /// @param is_free  no obstacle is near, and iterations have ended
+  /// @param is_free  no contact is near, and the iteration has converged: the state may be cleared
+  ///                 of rounding errors
   virtual void keep(bool is_free) = 0;
 
   // --- end of a frame

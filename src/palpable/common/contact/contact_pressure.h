@@ -5,12 +5,13 @@
 /// A force at a point stands for the skin as far as the next pressed point, s away, and vertices
 /// are h apart: it is shared among the vertices within r = 1.5 max(s, h) that face it,
 ///
-///     f_v = sum_i |f_i| w_iv / sum_v w_iv,    w_iv = A_v (1 - |x_v - x_i|^2 / r^2),    p_v = f_v /
-///     A_v
+///     f_v = sum_i |f_i| w_iv / sum_v w_iv,    w_iv = A_v (1 - |x_v - x_i|^2 / r^2)
+///     p_v = f_v / A_v
 ///
 /// with A_v a third of the triangles around v, all in the present shape. So sum_v p_v A_v is the
-/// sum of all forces; nothing sharper than the mesh or the points is told. No friction: forces
-/// stand on the skin, and p is what a film between skin and thing would measure.
+/// sum of all forces; nothing finer than the mesh or the points is resolved. Without friction
+/// forces are normal to the skin, and p is what a pressure film between skin and object would
+/// measure.
 ///
 ///   V  vertices of the skin
 #pragma once

@@ -56,7 +56,7 @@ bool solve_in_place(double* A, std::size_t n, double* B, std::size_t columns) {
 ContactProblem::ContactProblem(int most) : complementarity_(most) {
   const auto m = static_cast<std::size_t>(most);
   W_.resize(m * m);
-  for (auto* vector : {&q_, &f_, &softness_}) vector->resize(m);
+  for (auto* vector : {&q_, &f_, &local_}) vector->resize(m);
   sums_.resize(m);
   turning_.reserve(m);
   constexpr std::size_t t = 2 * kMostTurning;
@@ -85,14 +85,14 @@ void ContactProblem::assemble(std::span<const Contact> contacts, std::span<Probl
   }
 }
 
-void ContactProblem::find_softness(std::span<const Contact> contacts,
-                                   std::span<const ProblemBody> bodies) {
+void ContactProblem::find_local_compliance(std::span<const Contact> contacts,
+                                           std::span<const ProblemBody> bodies) {
   for (std::size_t p = 0; p < contacts.size(); ++p) {
     const Contact& c = contacts[p];
-    softness_[p] =
+    local_[p] =
         bodies[static_cast<std::size_t>(c.body)].body->skin_compliance(c.area, c.softness, false);
     if (c.by < 0) continue;
-    softness_[p] +=
+    local_[p] +=
         bodies[static_cast<std::size_t>(c.by)].body->skin_compliance(c.area, c.softness, true);
   }
 }
@@ -210,10 +210,10 @@ bool ContactProblem::solve(std::span<Contact> contacts, std::span<ProblemBody> b
   assemble(contacts, bodies, step);
   turning_.clear();
   if (step.turning) find_turning(contacts);
-  find_softness(contacts, bodies);
+  find_local_compliance(contacts, bodies);
   if (!add_turning(contacts, bodies)) return false;
   for (std::size_t p = 0; p < m; ++p) {
-    W[p * m + p] += softness_[p];
+    W[p * m + p] += local_[p];
     f[p] = contacts[p].pressing;
   }
   if (!complementarity_.solve(W, q, f)) return false;

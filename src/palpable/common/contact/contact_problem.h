@@ -2,20 +2,23 @@
 /// One iteration of Newton's method for unilateral, frictionless contact: from gaps and compliance
 /// of the contacts to their normal forces.
 ///
-///   m  contacts     t  tangential directions of those that press a round obstacle
-///   N  (m x 3P) their normals, at the places of the bodies; -N at the foot on another body
-///   J  the bodies' tangents (ContactBody::add_compliance())
+///   m  contacts     P  places of the bodies
+///   N  (m x 3P) the contacts' normals; the opposite ones at the feet on other bodies
+///   T  (2 for each contact with a curved obstacle, x 3P) tangential directions
+///   J  the bodies' tangents, m/N (ContactBody::add_compliance())
 ///
-///     W f + q >= 0,    f >= 0,    f_i (W f + q)_i = 0,        W = N J N^T + c,   q = g - N J f_now
+///     W f + q >= 0,    f >= 0,    f_i (W f + q)_i = 0,        W = N J N^T + c,   q = g + N (u_free
+///     - u)
 ///
-/// with c the compliance of the skin under a point. A contact that slides along a round obstacle,
-/// by t = T du, has its normal turned by D t, with D = force times curvature; put into the balance
-/// this adds
+/// with u_free the displacement without forces by the tangent, and c the local compliance of the
+/// skin under a point. A contact that slides by T du along an obstacle of curvature K has its
+/// normal turned by K T du, and its force by D T du, with D = f K. Put into the equilibrium, this
+/// adds
 ///
 ///     W += G_nt M G_nt^T,     M = D (1 - G_tt D)^-1,     G_nt = N J T^T, G_tt = T J T^T
 ///
-/// A force of friction would stand here: T holds the tangents, and its law joins the two lines
-/// above.
+/// Friction would be added here: T holds the tangents, G_tt and G_nt their compliance; Coulomb's
+/// cone joins the complementarity conditions.
 #pragma once
 
 #include "palpable/common/contact/complementarity.h"
@@ -60,7 +63,7 @@ struct ProblemBody {
 };
 
 struct ContactStep {
-  double shift = 0;     ///< m, added to the gaps of obstacles, which are taken back by it
+  double shift = 0;     ///< m, added to gaps of obstacles: how far load steps move them back
   bool turning = true;  ///< false: normals keep their direction
   ContactBody::Tangent tangent = ContactBody::Tangent::kFull;
 };
@@ -83,7 +86,8 @@ class ContactProblem {
   };
   void assemble(std::span<const Contact> contacts, std::span<ProblemBody> bodies,
                 const ContactStep& step);
-  void find_softness(std::span<const Contact> contacts, std::span<const ProblemBody> bodies);
+  void find_local_compliance(std::span<const Contact> contacts,
+                             std::span<const ProblemBody> bodies);
   void find_turning(std::span<const Contact> contacts);
   void assemble_tangential(std::span<const Contact> contacts, std::span<ProblemBody> bodies);
   bool add_turning(std::span<const Contact> contacts, std::span<ProblemBody> bodies);
@@ -94,7 +98,7 @@ class ContactProblem {
 
   Complementarity complementarity_;
   std::vector<double> W_, q_, f_;                   // (m x m), (m)
-  std::vector<double> softness_;                    // (m) m/N, c
+  std::vector<double> local_;                       // (m) m/N, c
   std::vector<Turning> turning_;                    // t / 2 of them
   std::vector<float> sums_;                         // (m)
   std::vector<float> Gnt_, M_;                      // (m x t), (t x t), rows padded to 16

@@ -46,7 +46,7 @@ struct ContactPart {
 struct SkinPair {
   int points = 0, skin = 0;  ///< bodies
   Eigen::Isometry3f skin_from_points = Eigen::Isometry3f::Identity();
-  float overlap = 0;  ///< m, added to gaps: by so much they stand in each other at rest
+  float overlap = 0;  ///< m, added to gaps: how deep the shapes at rest stand in each other
 };
 
 /// Its memory is used again in each frame.

@@ -9,24 +9,32 @@
 ///
 /// How a force comes about:
 ///
-///     ┌────────────┐  which contact points are near an obstacle or near another skin
-///  ┌─►│ 1 search   │  contact_search.h, near_points.h, moving_surface.h
-///  │  └─────┬──────┘
-///  │  ┌─────▼──────┐  an obstacle that is deeper than one step is taken back,
-///  │  │ 2 step     │  and advances step by step: contact_frame.h
-///  │  └─────┬──────┘
-///  │  ┌─────▼──────┐  gaps g at the present positions, all points in one query:
-///  │  │ 3 gaps   ◄─┼─┐ obstacles.h, surface_gap.h
-///  │  └─────┬──────┘ │
-///  │  ┌─────▼──────┐ │ forces f: W f + q >= 0, f >= 0, complementary: contact_problem.h
-///  │  │ 4 problem  │ │ (a law of friction would be solved here), complementarity.h
-///  │  └─────┬──────┘ │
-///  │  ┌─────▼──────┐ │ the bodies move under f, and again until no point moves:
-///  │  │ 5 bodies   ├─┘ contact_body.h
-///  │  └─────┬──────┘
-///  │  ┌─────▼──────┐  after the last step the whole skin is formed; again from 1 if points of
-///  └──┤ 6 shape    │  it have entered something: contact_body.h
-///     └────────────┘
+///       ┌────────────┐  which contact points are near an obstacle or near another skin
+///    ┌─►│ 1 search   │  contact_search.h, near_points.h, moving_surface.h
+///    │  └─────┬──────┘
+///    │  ┌─────▼──────┐  obstacles that are deeper than one step are moved back by a shift,
+///    │  │ 2 step     │◄──┐ and advance step by step: contact_frame.h
+///    │  └─────┬──────┘   │
+///    │  ┌─────▼──────┐   │  gaps g at the present positions: to obstacles in one query
+///    │  │ 3 gaps     │◄┐ │  (obstacles.h), to skins by tangent planes (contact_search.h)
+///    │  └─────┬──────┘ │ │
+///    │  ┌─────▼──────┐ │ │  forces f: W f + q >= 0, f >= 0, complementary: contact_problem.h
+///    │  │ 4 problem  │ │ │  (friction would be added there), complementarity.h
+///    │  └─────┬──────┘ │ │
+///    │  ┌─────▼──────┐ │ │  the bodies move under f: contact_body.h; back to 3 until no point
+///    │  │ 5 bodies   ├─┴─┘  moves, then to 2 for the next step
+///    │  └─────┬──────┘
+///    │  ┌─────▼──────┐  after the last step the whole skin is formed; back to 1, at most
+///    └──┤ 6 shape    │  twice, if other points have entered something
+///       └────────────┘
+///
+/// One contact, with an obstacle and between bodies a and b:
+///
+///        obstacle                            b ─────────────x_b──────────  foot, presses with f
+///       ───────────┬──                                       ▲
+///                g │  n, out of the obstacle             g   │  n, out of b
+///       ───────────▼──                                       ▼
+///     a ─────────x_a───  point, pressed by f n      a ──────x_a──────────  point, pressed by f n
 ///
 /// Bodies whose skins are near each other are solved together. A contact between two of them has
 /// the compliance of both; the forces on the two are equal and opposite.

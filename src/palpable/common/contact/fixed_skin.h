@@ -1,6 +1,6 @@
 /// @file
-/// A skin that does not give way: an obstacle for the contact points of other bodies, which moves
-/// as it is told.
+/// A body that does not deform under forces: contact points of other bodies press its skin, whose
+/// vertices are prescribed.
 ///
 ///   V  vertices
 #pragma once

@@ -17,7 +17,7 @@
 
 namespace palpable {
 
-/// m: so deep inside the skin of one body another's is looked for.
+/// m: the deepest penetration between two bodies that is detected.
 inline constexpr float kDeepInside = 0.02f;
 
 /// What of the skin is nearest to a place.

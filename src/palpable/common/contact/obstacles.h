@@ -16,17 +16,17 @@
 
 namespace palpable {
 
-/// Queries allocate nothing once as many places were asked before. Not to be asked by two threads
-/// at a time.
+/// Queries allocate nothing once as many positions were queried before. Not to be used by two
+/// threads at a time.
 class Obstacles {
  public:
   virtual ~Obstacles() = default;
 
-  /// The gap of each place. Asked once an iteration of Newton's method, for all contact points that
-  /// may press; before that place by place, to find these. What is no number counts as nothing.
+  /// The gap of each position. Called once in each iteration of Newton's method, for all contacts;
+  /// before that point by point, to find these. A gap that is not finite counts as no obstacle.
   /// @param places  m, body frame
   /// @param gaps    as many, overwritten; SurfaceGap::distance is infinite where nothing is within
-  ///                kGapReach
+  ///                kGapReach, or an implementation's shorter reach
   virtual void find_gaps(std::span<const Eigen::Vector3f> places,
                          std::span<SurfaceGap> gaps) const = 0;
 

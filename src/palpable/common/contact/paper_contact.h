@@ -14,11 +14,10 @@
 /// - a full press needs as many frames as there are levels, however fast the hand is;
 /// - the distance has no sign: a hand deep inside is as far away as one outside.
 ///
-/// The paper does not say which nodes it queries nor in which shape. Ours have the deformed shape,
-/// and are the middles of the sites ("the most salient features", Sec. 3.4) or all nodes of the
-/// skin
-/// ("finite element nodes on the boundary, a subset of them", Sec. 2.4); then the site is pressed
-/// that is nearest to the node at rest, since only sites have been solved.
+/// The paper does not say which nodes it queries nor in which shape. Ours are in the deformed
+/// shape: the middles of the sites ("the most salient features", Sec. 3.4) or all nodes of the skin
+/// ("finite element nodes on the boundary, a subset of them", Sec. 2.4). With all nodes the site
+/// nearest to the node at rest is pressed, since only sites have been solved.
 #pragma once
 
 #include "palpable/common/contact/cloud_distance.h"
@@ -104,7 +103,7 @@ struct NearestNode {
                                             const std::optional<NearestNode>& nearest,
                                             int last_step, const PaperSettings& settings);
 
-/// The state in the terms of the default law; nothing at rest.
+/// The state as a touch, as other laws return it; nothing at rest.
 [[nodiscard]] std::optional<Touch> touch_of(const PaperState& state, const ReducedBody& body);
 
 }  // namespace palpable

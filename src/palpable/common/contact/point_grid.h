@@ -1,5 +1,5 @@
 /// @file
-/// Points found by place: of few that are near one another's, without looking at all.
+/// A hash grid of points: finds those near a position without testing all.
 #pragma once
 
 #include <Eigen/Core>

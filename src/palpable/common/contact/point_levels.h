@@ -14,9 +14,9 @@
 
 namespace palpable {
 
-/// (C) m, of each point: in the set of all points whose number is `s` or more each other point of
-/// the skin has one within s, on its own side of the body. The sets are nested: a point that a flat
-/// object needs is there for a sharp one, too. 0 of those that only the finest set has.
+/// (C) m, the level of each point. The points of level s or more cover the skin: every contact
+/// point has one of them within s, on its own side of the body. The sets are nested: a point that a
+/// flat object needs also serves a sharp one. 0: the point belongs to the finest set alone.
 /// @param coarsest, finest  m: the largest and the smallest s, each 1/sqrt(2) of the one before
 [[nodiscard]] std::vector<float> point_levels(const SurfaceMesh& skin,
                                               std::span<const SkinPoint> points, double coarsest,

@@ -1,6 +1,6 @@
 /// @file
-/// The default contact law: the load level that puts the touched skin on the measured surface
-/// (paper Sec. 4: "displacements are related to the module of the applied load").
+/// The law of sites, for a body without tables: the load level that puts the touched skin on the
+/// measured surface (paper Sec. 4: "displacements are related to the module of the applied load").
 ///
 /// Algorithm 1 counts levels up and down (paper_contact.h has it literally). It never uses the
 /// measured displacement that Sec. 4 promises, needs as many frames as there are levels for a full

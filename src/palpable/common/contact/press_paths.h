@@ -1,5 +1,5 @@
 /// @file
-/// Where the skin of a body goes when a site is pressed: the table that the default contact law
+/// Where the skin of a body goes when a site is pressed: the table that the law of sites
 /// looks up (design: "level over depth is strictly monotone and tabulated").
 ///
 ///   S  sites     L  levels of the body's level axis, level 0 included     n_s  points of site s

@@ -46,8 +46,8 @@ struct SurfaceShape {
 /// Queries allocate nothing.
 class PressingSurface : public Obstacles {
  public:
-  /// A gap is told up to band(), is_within() for any reach. SurfaceGap::softness is sigma / 10 mm:
-  /// a surface that is known to 10 mm doubles the compliance of a contact point.
+  /// A gap is finite up to band(), which is less than kGapReach. SurfaceGap::softness is sigma / 10
+  /// mm: a surface that is known to 10 mm doubles the compliance of a contact point.
   void find_gaps(std::span<const Eigen::Vector3f> places,
                  std::span<SurfaceGap> gaps) const override;
   [[nodiscard]] bool may_be_within(const Eigen::Vector3f& place, float reach) const override;

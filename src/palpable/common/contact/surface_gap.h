@@ -1,5 +1,5 @@
 /// @file
-/// The gap between a place and what presses the body there.
+/// The gap between a position and the nearest obstacle.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,15 +16,15 @@ enum class Known {
   kUnknown    ///< seen in an earlier frame, hidden or without depth in this one
 };
 
-/// The signed distance of a place from the nearest obstacle, to second order.
+/// The signed distance of a position from the nearest obstacle, to second order.
 struct SurfaceGap {
   /// m, negative inside the obstacle; infinite where no obstacle is within kGapReach
   float distance = std::numeric_limits<float>::infinity();
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the obstacle
   /// Second derivative of the distance, 1/m: a ball of radius r has (1 - n n^T) / r.
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();
-  /// Of the point's own compliance, added to it, beside TouchSettings::softness: what is seen
-  /// uncertainly presses softly.
+  /// Additional compliance of the contact as a ratio to the body's own at the point, beside
+  /// TouchSettings::softness: an obstacle that is seen with uncertainty presses softly.
   float softness = 0;
   Known known = Known::kMeasured;
   float unseen_for = 0;  ///< s since the obstacle was measured; 0: it is now
@@ -35,12 +35,12 @@ struct SurfaceGap {
   }
 };
 
-/// What a gap is at a place beside the one that it was told for, to second order.
+/// The gap beside the position for which it was queried, to second order.
 struct GapBeside {
-  float farther = 0;       ///< m, than there
+  float farther = 0;       ///< m, the change of the distance
   Eigen::Vector3f normal;  ///< unit
 };
-/// @param way  m, from the place that normal and curvature (SurfaceGap) were told for
+/// @param way  m, from the position at which normal and curvature (SurfaceGap) were queried
 [[nodiscard]] inline GapBeside gap_beside(const Eigen::Vector3f& normal,
                                           const Eigen::Matrix3f& curvature,
                                           const Eigen::Vector3f& way) {
@@ -48,6 +48,7 @@ struct GapBeside {
   return {normal.dot(way) + 0.5f * way.dot(turn), (normal + turn).normalized()};
 }
 
-inline constexpr float kGapReach = 0.012f;  ///< m
+/// m: Obstacles return gaps up to this distance at most.
+inline constexpr float kGapReach = 0.012f;
 
 }  // namespace palpable

@@ -1,10 +1,9 @@
 /// @file
-/// Forces at points of a skin, told to people: neighbours that are pushed the same way are one
-/// touch.
+/// Forces at points of a skin as touches: neighbours that are pushed in the same direction are one.
 ///
-/// Of a flat object few points are asked (contact/point_levels.h), each for more of the skin than
-/// it stands for itself. Where a pressed point's nearest neighbour is s away, it stands for s^2,
-/// and neighbours are those within 1.5 s.
+/// Near a flat object few points take part (point_levels.h), each for a larger part of the skin.
+/// Where a pressed point's nearest neighbour is s away, it stands for s^2, and neighbours are those
+/// within 1.5 s.
 #pragma once
 
 #include "palpable/common/contact/obstacles.h"

@@ -1,7 +1,7 @@
 /// @file
-/// The default contact law: nothing that is seen may enter the skin, anywhere, however many things
-/// there are (response/touch_solver.h). Here the solver is told of the surface that was seen
-/// (pressing_surface.h), and its forces are told to people, as a list of touches.
+/// The law of a body with tables: nothing that is seen may enter the skin, anywhere, however many
+/// things there are (response/touch_solver.h). The solver is given the surface that was seen
+/// (pressing_surface.h), and its forces are returned as a list of touches.
 ///
 /// What one camera sees is uncertain by sigma. A point's gap is therefore given a compliance of its
 /// own beside the body's: neighbours that are off by a sigma share a force instead of fighting for

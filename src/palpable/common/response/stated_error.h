@@ -1,12 +1,13 @@
 /// @file
-/// How far the shown state is from full finite elements, as far as the state itself tells: three
-/// signs that cost next to nothing, added up with fixed weights, times one factor for each body
-/// that its held-out touches give (held_out_touch.h).
+/// An estimate of the state's error against full finite elements: three indicators that the state
+/// gives at next to no cost, added up with fixed weights, times one factor for each body that its
+/// held-out touches give (held_out_touch.h).
 ///
 ///     stated = factor * ( a entry + b beyond + c cross )
 ///
-/// A slip is in no sign: where the body could as well stand otherwise against the same thing, as a
-/// rim on a ridge, the answer may be the other of the two states, with every sign as small.
+/// No indicator detects a snap to another equilibrium: where two states of the body are possible
+/// against the same object, as of a rim on a ridge, the solution may be the other one of the two
+/// with every indicator as small.
 #pragma once
 
 #include <optional>

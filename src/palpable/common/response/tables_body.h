@@ -42,8 +42,8 @@ struct TouchSettings {
   double tolerance = 2e-5;        ///< m: the last iteration moved no touched vertex by more
   /// m a round object may enter between two contact points: flat ones are given fewer points.
   double entry = 2e-5;
-  /// Of a point's own compliance, added to it: neighbours that move together share a force. What is
-  /// left of it as penetration is force times that.
+  /// Ratio to a point's own compliance, added to it: neighbours that move together share a force.
+  /// It leaves a penetration of force times the added compliance.
   double softness = 0.01;
   bool nonlinear = true;  ///< false: the linear answer, in the present shape
   int blend_frames = 6;   ///< over which an exact answer is taken up

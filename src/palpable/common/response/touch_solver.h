@@ -7,12 +7,16 @@
 /// The conditions and how they are solved are in contact/contact_solver.h, u(f) is in
 /// tables_body.h.
 ///
-///     ┌─ TouchSolver ───────────────────────────────────────────────┐
-///     │  ContactSolver ── positions, compliance ◄── TablesBody      │      Compliance        G
-///     │  common/contact ── forces ────────────────►  u(f), stress ──┼───►  NonlinearAnswer   U, H
-///     └───────▲─────────────────────────────────────────────────────┘      Refinement, ShellStress
-///             │ gaps
-///         Obstacles
+///     Obstacles ── gaps ──► ContactSolver (common/contact)
+///                                 │ forces ▼   ▲ positions, compliance
+///               ┌─────────────────┴────────────────┐
+///          TablesBody  u(f) by tables         ModalBody  energy in modes, W(q)
+///           ├─ Compliance       G              ├─ ModalTables  W, and the skin's modes
+///           ├─ NonlinearAnswer  regions        └─ ModalStress  stress
+///           ├─ Refinement       corrections
+///           └─ ShellStress      stress
+///
+/// TouchSolver is ContactSolver with one TablesBody, for programs without a session.
 ///
 ///   V  vertices that the tables know, of the skin or of a coarser one that carries it
 ///   F  vertices of the body's skin, V where it is not carried

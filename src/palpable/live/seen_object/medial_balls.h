@@ -64,7 +64,8 @@ struct BallRegion {
   Rigid3 region_from_camera = Rigid3::Identity();
   /// A ball is left out when the seen point of its pixel lies outside; m.
   Eigen::AlignedBox3f box{Eigen::Vector3f::Constant(-1e6f), Eigen::Vector3f::Constant(1e6f)};
-  /// A ball may be left out when it cannot reach in here; m. Who needs that asks the ball.
+  /// A ball that cannot reach into this may be left out; m. Not all such balls are: where it
+  /// matters, test the ball.
   Eigen::AlignedBox3f reached = box;
 };
 

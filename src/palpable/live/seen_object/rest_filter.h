@@ -14,9 +14,9 @@
 /// frame; it is told by all cells around together, whose shift scatters by a fifth of one cell's:
 ///
 ///     shift = max( |sum of (depth now - average)| / pixels,  |d| )        from creeps to flows
-///     d = (sum of n n^T over the outline's pixels)^-1 (sum of n over those that came, less those
-///         that went)                                                      n: outward in the
-///         picture
+///     d = (sum of n n^T over the outline's pixels)^-1 (sum of n over those that came - those gone)
+///
+/// with n the outline's normal, outward in the picture,
 ///
 /// so that the average lags by less than settings.flows.
 #pragma once
