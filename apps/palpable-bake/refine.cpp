@@ -3,7 +3,7 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
-#include "palpable/bake/pipeline/exact_service.h"
+#include "palpable/bake/pipeline/solution_service.h"
 #include "palpable/common/base/error.h"
 
 #include <csignal>
@@ -25,7 +25,8 @@ void refine(const std::string& description) {
   // What libraries print is no answer.
   const int out = ::dup(STDOUT_FILENO);
   ::dup2(STDERR_FILENO, STDOUT_FILENO);
-  if (!answer_loads([&] { return exact_body(read_description(description)); }, STDIN_FILENO, out)) {
+  if (!serve_full_solutions([&] { return exact_body(read_description(description)); }, STDIN_FILENO,
+                            out)) {
     throw Error("refine: what came is no load of " + description);
   }
 }
@@ -41,7 +42,7 @@ void add_refine(Command app) {
       .type_name("BODY.toml");
   command.footer(
       "Loads come on standard input, answers go to standard output, in binary\n"
-      "(src/palpable/common/response/exact_messages.h).\n"
+      "(src/palpable/common/response/solution_messages.h).\n"
       "Example: palpable live bunny.palpable --refine bodies/bunny-demo.toml --source synthetic "
       "--out out");
   command.callback([description] { refine(*description); });

@@ -7,7 +7,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/body_file/body_file.h"
-#include "palpable/common/reduced/press_answer.h"
+#include "palpable/common/reduced/press_response.h"
 
 #include <fmt/core.h>
 
@@ -29,7 +29,7 @@ void press(const PressOptions& options) {
   const ReducedBody body = value_or_throw(read_pressable_body(options.body));
   const std::vector<PlacedLoad> loads = parse_loads(body, options.loads);
   const auto S = static_cast<int>(body.sites.size());
-  const PressAnswer answer = answer_loads(body, loads);
+  const PressResponse answer = find_press_response(body, loads);
   const Eigen::Map<const Eigen::Matrix3Xf> u(answer.displacement.data(), 3,
                                              body.surface.vertex_count());
   Eigen::Index vertex = 0;

@@ -38,7 +38,7 @@ void bench_bodies(const BenchBodiesOptions& options) {
     if (described[k].scale != 1) body = scaled(body, described[k].scale);
     bodies.push_back({described[k].name, std::move(body), poses[k]});
   }
-  const BodiesAnswer answer = answer_of_bodies(bodies, options.clip);
+  const BodiesResult answer = compare_bodies(bodies, options.clip);
   Json figures{{"frames", answer.frames},
                {"u_error_median", at(answer.displacement, 0.5)},
                {"u_error_p90", at(answer.displacement, 0.9)},

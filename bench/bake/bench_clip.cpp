@@ -34,7 +34,7 @@ constexpr std::array<std::pair<const char*, double ClipFrame::*>, 4> kErrors{
      {"force_error", &ClipFrame::force},
      {"von_mises_error", &ClipFrame::von_mises}}};
 
-Json frames_of(const ClipAnswer& answer) {
+Json frames_of(const ClipResult& answer) {
   Json frames = Json::array();
   for (const ClipFrame& frame : answer.frames) {
     Json line{{"frame", frame.frame}};
@@ -44,7 +44,7 @@ Json frames_of(const ClipAnswer& answer) {
   return frames;
 }
 
-Json clip_figures(const ClipAnswer& answer) {
+Json clip_figures(const ClipResult& answer) {
   Json figures{{"frames", answer.frames.size()}, {"frames_unseen", answer.unseen}};
   for (const auto& [name, error] : kErrors) {
     std::vector<double> values;
@@ -61,7 +61,7 @@ Json clip_figures(const ClipAnswer& answer) {
   return figures;
 }
 
-void add(ClipAnswer& all, const ClipAnswer& one) {
+void add(ClipResult& all, const ClipResult& one) {
   all.frames.insert(all.frames.end(), one.frames.begin(), one.frames.end());
   all.milliseconds.insert(all.milliseconds.end(), one.milliseconds.begin(), one.milliseconds.end());
   all.unseen += one.unseen;
@@ -71,10 +71,10 @@ void add(ClipAnswer& all, const ClipAnswer& one) {
 void bench_clip(const BenchClipOptions& options) {
   const TouchableBody body = value_or_throw(read_pressable_touchable_body(options.body));
   const TrueHand hand = options.true_depth ? TrueHand::kDepth : TrueHand::kCapsules;
-  ClipAnswer all;
+  ClipResult all;
   Json each = Json::object();
   for (const std::string& clip : options.clips) {
-    const ClipAnswer answer = answer_to_true_hand(body, clip, hand, kDeep);
+    const ClipResult answer = compare_with_true_hand(body, clip, hand, kDeep);
     each[clip] = clip_figures(answer);
     each[clip]["by_frame"] = frames_of(answer);
     add(all, answer);

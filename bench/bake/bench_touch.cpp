@@ -99,7 +99,7 @@ Json scenes_of(const std::vector<TouchDifference>& all) {
                       {"beyond", d.report.signs.beyond},
                       {"cross", d.report.signs.cross},
                       {"candidates", d.report.candidates},
-                      {"blobs", d.report.blobs},
+                      {"patches", d.report.patches},
                       {"ms", d.milliseconds}});
   }
   return scenes;

@@ -169,7 +169,7 @@ class Players {
 
 }  // namespace
 
-BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::path& clip) {
+BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::path& clip) {
   std::vector<Truth> truths;
   std::vector<const StudiedBody*> all;
   for (const StudiedBody& body : bodies) {
@@ -202,7 +202,7 @@ BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::
   }
   Players three({all[pressed], &aside[0], &aside[1]});
 
-  BodiesAnswer answer;
+  BodiesResult answer;
   for (int frame = 0; frame < truths.front().hands.frame_count(); ++frame) {
     const auto at = static_cast<std::size_t>(frame);
     std::vector<std::unique_ptr<ObstacleGaps>> gaps;

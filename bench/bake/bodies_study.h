@@ -20,7 +20,7 @@ struct StudiedBody {
 };
 
 /// How the answer compares, frame by frame where there is a truth.
-struct BodiesAnswer {
+struct BodiesResult {
   std::vector<double> displacement;         ///< relative L2 over each body's skin
   std::vector<double> stress;               ///< von Mises, likewise
   std::vector<double> between_force;        ///< relative, on a body that no hand touches
@@ -39,7 +39,7 @@ struct BodiesAnswer {
 /// Plays all frames of the clip with the hand's own capsules.
 /// @throws Error for a body with neither tables of touch nor an energy in modes, and
 ///         naming what of the clip is missing
-[[nodiscard]] BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies,
-                                            const std::filesystem::path& clip);
+[[nodiscard]] BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies,
+                                          const std::filesystem::path& clip);
 
 }  // namespace palpable

@@ -114,8 +114,8 @@ Answer to_depth(const TouchableBody& body, const fs::path& clip, const ClipHands
 
 }  // namespace
 
-ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, TrueHand hand,
-                               double depth) {
+ClipResult compare_with_true_hand(const TouchableBody& body, const fs::path& clip, TrueHand hand,
+                                  double depth) {
   if (!body.touch) throw Error("the body has no tables of touch; palpable inspect says why");
   const SurfaceMesh& rest = body.body.surface;
   const fs::path deformed = clip / "truth/deformed";
@@ -132,7 +132,7 @@ ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, 
   Matrix3Xd before = Matrix3Xd::Zero(3, rest.vertex_count());
   Eigen::Matrix3Xf skin(3, rest.vertex_count());
   std::vector<float> stress(static_cast<std::size_t>(rest.vertex_count()));
-  ClipAnswer answer;
+  ClipResult answer;
   for (int frame = 0; frame < hands.frame_count(); ++frame) {
     const auto begin = std::chrono::steady_clock::now();
     const TouchReport report = to_hand.advance(frame, state);

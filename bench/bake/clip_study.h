@@ -19,7 +19,7 @@ struct ClipFrame {
   double von_mises = 0;  ///< worst vertex against the largest
 };
 
-struct ClipAnswer {
+struct ClipResult {
   std::vector<ClipFrame> frames;     ///< those that are scored and deep enough, in their order
   std::vector<double> milliseconds;  ///< of all frames in which something is near
   int unseen = 0;                    ///< frames left out: no camera sees what touches (kDepth)
@@ -36,8 +36,8 @@ enum class TrueHand {
 /// @param body   with tables; the one that was filmed
 /// @param depth  m: of the undeformed body; shallower frames are not compared
 /// @throws Error naming the file that is missing or of another body
-[[nodiscard]] ClipAnswer answer_to_true_hand(const TouchableBody& body,
-                                             const std::filesystem::path& clip, TrueHand hand,
-                                             double depth);
+[[nodiscard]] ClipResult compare_with_true_hand(const TouchableBody& body,
+                                                const std::filesystem::path& clip, TrueHand hand,
+                                                double depth);
 
 }  // namespace palpable

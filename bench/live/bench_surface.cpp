@@ -230,7 +230,7 @@ Counts play_film(const SurfaceBenchOptions& options, const std::string& name,
   LiveSettings settings;
   settings.images.device = (film.folder / "frames").string();
   LiveRun run = open_live(judge.body, settings);
-  const ObjectSurface& surface = run.loop.session.body().answer.surface();
+  const ObjectSurface& surface = run.loop.session.body().response.surface();
   ObjectSurface timed(surface.settings());
   Frame frame;
   std::optional<Vector3d> held;

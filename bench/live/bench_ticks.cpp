@@ -109,7 +109,7 @@ struct Truth {
       : ticks(std::max(1, static_cast<int>(std::lround(rate * kFrame)))),
         region(box_of(session.body().model().surface)),
         contact(session.body().model().surface, session.body().model().fixed,
-                *session.body().answer.tables(), session.settings().touch),
+                *session.body().response.tables(), session.settings().touch),
         skin(3, session.body().model().surface.vertex_count()) {}
 
   void advance(const std::vector<ObjectBall>& balls, const Vector3f& camera) {
@@ -131,7 +131,7 @@ struct Follower {
   explicit Follower(const Session& session)
       : between(session), skin(3, session.body().model().surface.vertex_count()), held(skin) {}
 
-  void begin(const AnsweredFrame& frame) {
+  void begin(const SolvedFrame& frame) {
     between.begin(frame);
     between.place(held);
     held_force = force_of(frame.state);
@@ -166,7 +166,7 @@ void bench_ticks(TicksBenchOptions options) {
   const Matrix3Xf rest = session.body().model().surface.vertices.cast<float>();
   Truth truth(session, options.rate);
   Follower by_camera(session), by_hand(session);
-  AnsweredFrame seen, exact;
+  SolvedFrame seen, exact;
   std::vector<double> ms;
   ProgressBar bar;
   LiveLoop loop(setup.run, options.live.frames);

@@ -5,7 +5,7 @@
 
 #include "palpable/common/contact/capsule_obstacles.h"
 #include "palpable/common/contact/contact_solver.h"
-#include "palpable/common/contact/fixed_skin.h"
+#include "palpable/common/contact/prescribed_skin.h"
 #include "palpable/common/response/modal_body.h"
 #include "palpable/common/response/tables_body.h"
 #include "tests/support/elastic_cushion.h"
@@ -43,7 +43,7 @@ struct Layer {
   ModalTables modal_tables;
   std::unique_ptr<TablesBody> tables;
   std::unique_ptr<ModalBody> modes;
-  std::unique_ptr<FixedSkin> fixed;
+  std::unique_ptr<PrescribedSkin> fixed;
   TouchState state;
   ModalState modal_state;
 
@@ -63,7 +63,7 @@ struct Layer {
           std::make_unique<ModalBody>(ModalMember{&*in_modes, &modal_tables}, nullptr, as_tables);
       modes->use(modal_state);
     } else {
-      fixed = std::make_unique<FixedSkin>(cushion.skin);
+      fixed = std::make_unique<PrescribedSkin>(cushion.skin);
     }
   }
   [[nodiscard]] ContactBody& body() const {

@@ -27,7 +27,7 @@ struct TiltedPair {
   GrayImage right;
 };
 
-/// Blobs, blurred until they can be interpolated; CV_32FC1, wider than the pair.
+/// Patches, blurred until they can be interpolated; CV_32FC1, wider than the pair.
 inline cv::Mat blurred_blobs(unsigned seed) {
   cv::RNG random(seed);
   cv::Mat image(kTiltedHeight, kTiltedWidth + 200, CV_32FC1);

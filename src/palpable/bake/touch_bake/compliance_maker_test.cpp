@@ -3,7 +3,7 @@
 #include "palpable/bake/solid/modal_forms.h"
 #include "palpable/bake/touch_bake/region_maker.h"
 #include "palpable/bake/touch_bake/touch_maker.h"
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_response.h"
 #include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 
@@ -150,10 +150,10 @@ TEST_CASE("modes keep their rows of the inner nodes: they are orthonormal in the
   // What is asked for the skin alone is the same to the last bit.
   const std::vector<RegionTable> regions{region};
   const RegionMap map(made.skin.skin().vertices.cast<float>(), regions, 0.018);
-  NonlinearAnswer answer(compliance, regions, map, cross);
+  NonlinearResponse answer(compliance, regions, map, cross);
   const std::vector<int> vertices{region.vertex};
   const std::vector<float> weights{1.0f};
-  answer.choose_blobs(vertices, weights, {});
+  answer.choose_patches(vertices, weights, {});
   const std::vector<VertexForce> loads{{region.vertex, {-0.3f, 0.1f, 0.0f}}};
   answer.evaluate(loads);
   const int V = made.skin.vertex_count();

@@ -1,7 +1,7 @@
 #include "palpable/bake/touch_bake/region_maker.h"
 
 #include "palpable/bake/touch_bake/compliance_maker.h"
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_response.h"
 #include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 
@@ -47,10 +47,10 @@ struct Column {
     const std::vector<RegionTable> regions{region};
     const RegionMap map(skin.skin().vertices.cast<float>(), regions, 0.018);
     const CrossTable none;
-    NonlinearAnswer answer(compliance, regions, map, none);
+    NonlinearResponse answer(compliance, regions, map, none);
     std::vector<int> vertices;
     for (const VertexForce& load : loads) vertices.push_back(load.vertex);
-    answer.choose_blobs(vertices, std::vector<float>(vertices.size(), 1.0f), {});
+    answer.choose_patches(vertices, std::vector<float>(vertices.size(), 1.0f), {});
     answer.evaluate(loads);
     answer.find_far_targets();
     Matrix3Xf u = Matrix3Xf::Zero(3, skin.shell_count());

@@ -1,7 +1,7 @@
 #include "palpable/bake/touch_bake/touch_difference.h"
 
 #include "palpable/bake/solid/stress.h"
-#include "palpable/bake/touch_bake/exact_answer.h"
+#include "palpable/bake/touch_bake/full_solution.h"
 
 #include <algorithm>
 #include <chrono>
@@ -160,9 +160,9 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
     TouchState rests = refinements > 0 ? state : TouchState();
     const ObstacleGaps gaps(obstacle_at(scene, depth));
     for (int k = 1; k <= refinements; ++k) {
-      AskedLoad asked;
-      if (touch.ask(rests, asked)) {
-        const auto exact = exact_answer(solver, skin, preloaded, asked.forces);
+      RequestedLoad asked;
+      if (touch.request(rests, asked)) {
+        const auto exact = full_solution(solver, skin, preloaded, asked.forces);
         if (exact) (void)touch.refine(rests, asked, *exact);
       }
       do report = touch.advance(rests, ExactObstacles(gaps));

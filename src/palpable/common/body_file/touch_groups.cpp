@@ -192,8 +192,8 @@ void write_group(hid_t group, const std::vector<HeldOutTouch>& touches) {
   write_column(group, "things", things);
   write_table(group, "values", values.data(), touches.size(), kHeldOutValues.size());
   // Beside the others, so that programs from before it was told still read the file.
-  const auto is_told = [](const HeldOutTouch& touch) { return touch.unscaled_error.has_value(); };
-  if (touches.empty() || !std::all_of(touches.begin(), touches.end(), is_told)) return;
+  const auto is_known = [](const HeldOutTouch& touch) { return touch.unscaled_error.has_value(); };
+  if (touches.empty() || !std::all_of(touches.begin(), touches.end(), is_known)) return;
   std::vector<double> told;
   for (const HeldOutTouch& touch : touches) told.push_back(*touch.unscaled_error);
   write_column(group, "unscaled_error", told);

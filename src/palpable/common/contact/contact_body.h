@@ -10,7 +10,7 @@
 ///     └──────────────────────┘               └───────────────────────────────────────────┘
 ///                                              TablesBody: tables of touch, float
 ///                                              ModalBody: energy in modes, double
-///                                              FixedSkin: an obstacle, does not give way
+///                                              PrescribedSkin: an obstacle, does not give way
 ///
 /// A frame has steps, a step has iterations of Newton's method. Two displacements are
 /// distinguished: the *shape* is the displacement of the whole skin, computed now and then, in
@@ -209,7 +209,7 @@ class ContactBody {
   /// m that the vertex moved that moved most, since begin_frame().
   [[nodiscard]] virtual double moved() const = 0;
   /// The state goes back to this share of its way since begin_frame(), its forces likewise.
-  virtual void hold_back(double share) = 0;
+  virtual void limit_step(double share) = 0;
 };
 
 }  // namespace palpable

@@ -262,12 +262,12 @@ void ContactFrame::end_frame(double largest_move) {
       !is_stuck_ && !is_entered_ && report_.last_change <= kUnsettled * limits_.largest_step;
   if (!settled) {
     largest_move = std::min(largest_move, kUnsettledSteps * limits_.largest_step);
-    report_.held_back = report_.last_change;
+    report_.left_to_move = report_.last_change;
   }
   for (const int k : members_) {
     const double moved = part(k).body->moved();
     part(k).share_gone = moved > largest_move ? largest_move / moved : 1;
-    report_.held_back = std::max(report_.held_back, moved - largest_move);
+    report_.left_to_move = std::max(report_.left_to_move, moved - largest_move);
   }
   // Bodies that press each other go the same share of their way, so that their forces stay
   // opposite.
@@ -281,7 +281,7 @@ void ContactFrame::end_frame(double largest_move) {
     }
   }
   for (const int k : members_) {
-    if (part(k).share_gone < 1) part(k).body->hold_back(part(k).share_gone);
+    if (part(k).share_gone < 1) part(k).body->limit_step(part(k).share_gone);
   }
 }
 

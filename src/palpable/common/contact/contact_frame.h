@@ -28,7 +28,7 @@ struct ContactReport {
   double imbalance = 0;    ///< N, of the forces between bodies: what does not cancel out
   /// m, that a vertex has yet to move: beyond the largest move of a frame, or by the last iteration
   /// where iterations have not converged.
-  double held_back = 0;
+  double left_to_move = 0;
 };
 
 /// Its memory is used again in each frame.

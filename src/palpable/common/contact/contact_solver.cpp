@@ -143,7 +143,7 @@ void ContactSolver::Work::find_groups() {
     largest_move = std::max(largest_move, member.largest_move);
     member.group = static_cast<int>(k);
     member.is_awake =
-        !parts[k].body->is_at_rest() || member.report.held_back > 0 || is_obstacle_near(k);
+        !parts[k].body->is_at_rest() || member.report.left_to_move > 0 || is_obstacle_near(k);
   }
   const float beside = kBesideBody + std::min(kFastest, static_cast<float>(largest_move));
   for (bool is_new = true; is_new;) {
@@ -188,7 +188,7 @@ void ContactSolver::Work::solve(int group) {
     Member& member = members[static_cast<std::size_t>(k)];
     member.report = report;
     member.is_at_rest = parts[static_cast<std::size_t>(k)].body->forces().empty() &&
-                        member.pressed.empty() && !(report.held_back > 0);
+                        member.pressed.empty() && !(report.left_to_move > 0);
   }
 }
 
@@ -271,7 +271,7 @@ ContactReport ContactSolver::advance(std::span<const Near> near) {
     all.penetration = std::max(all.penetration, one.penetration);
     all.between = std::max(all.between, one.between);
     all.imbalance = std::max(all.imbalance, one.imbalance);
-    all.held_back = std::max(all.held_back, one.held_back);
+    all.left_to_move = std::max(all.left_to_move, one.left_to_move);
   }
   return all;
 }

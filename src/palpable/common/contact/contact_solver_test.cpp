@@ -177,7 +177,7 @@ TEST_CASE("a skin that does not give way is an obstacle, and moves as it is told
 TEST_CASE("a frame says how it ended", "[contact][bodies]") {
   Stack converged({T});
   converged.press(0.001);
-  CHECK(converged.report.held_back == 0);
+  CHECK(converged.report.left_to_move == 0);
   CHECK(converged.report.dropped == 0);
   CHECK(converged.report.last_change < 2e-5);
 
@@ -185,8 +185,8 @@ TEST_CASE("a frame says how it ended", "[contact][bodies]") {
   one_iteration.last_iterations = 1;
   Stack unsettled({T}, kApart, 0, one_iteration);
   unsettled.press(0.0012);
-  CHECK(unsettled.report.held_back > 0);  // its first iteration moved points by millimetres
-  CHECK(unsettled.report.held_back == unsettled.report.last_change);
+  CHECK(unsettled.report.left_to_move > 0);  // its first iteration moved points by millimetres
+  CHECK(unsettled.report.left_to_move == unsettled.report.last_change);
 
   // So many steps, and the rest in the frames to come.
   TouchSettings few_steps;
@@ -201,7 +201,7 @@ TEST_CASE("a frame says how it ended", "[contact][bodies]") {
   const std::array near{ContactSolver::Near{&deep, 0.001}};
   slow.report = slow.solver->advance(near);
   CHECK(slow.layers[0]->largest_move() == Approx(0.001).margin(1e-7));
-  CHECK(slow.report.held_back > 0);
+  CHECK(slow.report.left_to_move > 0);
 
   // A plate over the whole cushion has more points than there is room for.
   const test::GapFunction plate([](const Vector3f& x, SurfaceGap& gap) {

@@ -90,7 +90,7 @@ void NearPoints::find_gaps(std::span<const int> points, std::span<const Vector3f
     Known& known = known_[static_cast<std::size_t>(of_queried_[k])];
     known.frame = frame_;
     known.position = queried_[k];
-    known.gap = returned_[k].is_told() ? returned_[k] : SurfaceGap();
+    known.gap = returned_[k].is_known() ? returned_[k] : SurfaceGap();
   }
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Known& last = known_[static_cast<std::size_t>(points[k])];

@@ -4,16 +4,16 @@
 
 namespace palpable {
 
-ForcesBegun::ForcesBegun(std::size_t most) : most_(most) {
+ForcesAtStart::ForcesAtStart(std::size_t most) : most_(most) {
   begun_.reserve(most);
   mixed_.reserve(2 * most);
 }
 
-void ForcesBegun::start(const std::vector<PointForce>& forces) {
+void ForcesAtStart::start(const std::vector<PointForce>& forces) {
   begun_.assign(forces.begin(), forces.end());
 }
 
-void ForcesBegun::hold_back(std::vector<PointForce>& forces, float share) {
+void ForcesAtStart::limit_step(std::vector<PointForce>& forces, float share) {
   mixed_.clear();
   auto begun = begun_.begin();
   const auto add_begun = [&] {

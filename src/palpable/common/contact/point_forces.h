@@ -23,15 +23,15 @@ struct PointForce {
 
 /// Remembers the forces with which a frame begins, to go back towards them. Allocates in its
 /// constructor.
-class ForcesBegun {
+class ForcesAtStart {
  public:
   /// @param most  forces of a state that was held back: the least are dropped
-  explicit ForcesBegun(std::size_t most);
+  explicit ForcesAtStart(std::size_t most);
 
   /// @pre at most as many forces as the constructor was told, in order
   void start(const std::vector<PointForce>& forces);
   /// forces <- begun + share (forces - begun).
-  void hold_back(std::vector<PointForce>& forces, float share);
+  void limit_step(std::vector<PointForce>& forces, float share);
 
  private:
   std::size_t most_;

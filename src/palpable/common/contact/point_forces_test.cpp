@@ -31,11 +31,11 @@ std::vector<PointForce> forces_at(std::initializer_list<int> points) {
 }  // namespace
 
 TEST_CASE("forces that are held back go a share of the way", "[contact]") {
-  ForcesBegun begun(kMost);
+  ForcesAtStart begun(kMost);
   begun.start(forces_at({1, 4}));
   std::vector<PointForce> forces = forces_at({2, 4});
   forces.back().force *= 3;
-  CHECK(test::allocations_during([&] { begun.hold_back(forces, 0.25f); }) == 0);
+  CHECK(test::allocations_during([&] { begun.limit_step(forces, 0.25f); }) == 0);
   REQUIRE(forces.size() == 3);
   const std::array wanted{std::pair(1, 0.75f), std::pair(2, 0.5f), std::pair(4, 6.0f)};
   for (std::size_t k = 0; k < wanted.size(); ++k) {
@@ -45,10 +45,10 @@ TEST_CASE("forces that are held back go a share of the way", "[contact]") {
 }
 
 TEST_CASE("what two things do to one point stays apart", "[contact]") {
-  ForcesBegun begun(kMost);
+  ForcesAtStart begun(kMost);
   begun.start({{3, Vector3f(0, 0, 1), -1}, {3, Vector3f(0, 0, 2), 1}});
   std::vector<PointForce> forces{{3, Vector3f(0, 0, 5), 1}};
-  begun.hold_back(forces, 0.5f);
+  begun.limit_step(forces, 0.5f);
   REQUIRE(forces.size() == 2);
   CHECK(forces[0].by == -1);
   CHECK(forces[0].force.z() == 0.5f);
@@ -57,10 +57,10 @@ TEST_CASE("what two things do to one point stays apart", "[contact]") {
 }
 
 TEST_CASE("of more forces than there is room for the least are dropped", "[contact]") {
-  ForcesBegun begun(kMost);
+  ForcesAtStart begun(kMost);
   begun.start(forces_at({1, 3, 5}));
   std::vector<PointForce> forces = forces_at({2, 4, 6});
-  begun.hold_back(forces, 0.5f);
+  begun.limit_step(forces, 0.5f);
   REQUIRE(forces.size() == kMost);
   CHECK(forces.front().point == 3);
 }

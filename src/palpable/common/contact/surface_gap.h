@@ -30,7 +30,7 @@ struct SurfaceGap {
   float unseen_for = 0;  ///< s since the obstacle was measured; 0: it is now
 
   /// Whether there is an obstacle, and all of it numbers.
-  [[nodiscard]] bool is_told() const {
+  [[nodiscard]] bool is_known() const {
     return std::isfinite(distance) && normal.allFinite() && curvature.allFinite();
   }
 };

@@ -77,7 +77,7 @@ FormRows::FormRows(const SymmetricForm& form)
 
 void FormRows::add_cubic(std::span<const float> a, float factor, std::span<float> pairs) const {
   PALPABLE_EXPECT(a.size() == rows_.scale.size() && pairs.size() == rows_.width,
-                  "a code of the form's variables, and room for all pairs");
+                  "coordinates of the form's variables, and room for all pairs");
   std::array<float, 8> factors;
   for (std::size_t first = 0; first < a.size(); first += factors.size()) {
     const std::size_t count = std::min(factors.size(), a.size() - first);

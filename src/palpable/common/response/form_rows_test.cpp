@@ -50,7 +50,7 @@ struct Form {
   }
 };
 
-std::vector<float> some_code(int n, unsigned seed) {
+std::vector<float> some_coordinates(int n, unsigned seed) {
   auto random = test::random_case(seed);
   std::normal_distribution<float> entry;
   std::vector<float> a(static_cast<std::size_t>(n));
@@ -64,7 +64,7 @@ TEST_CASE("a form's leading part is the form where the other variables are 0",
           "[response][forms]") {
   const SymmetricForm form = rounded(5, 3, Form(5, 3, 8).distinct);
   const FormRows all(form), some(leading(form, 3));
-  const std::vector<float> a = some_code(3, 9);
+  const std::vector<float> a = some_coordinates(3, 9);
   std::vector<float> with_zeros = a;
   with_zeros.resize(5, 0.0f);
   std::vector<float> P(all.width(), 0.0f), P_some(some.width(), 0.0f), q(5), q_some(3);
@@ -82,7 +82,7 @@ TEST_CASE("a cubic form's matrix is the sum over all its coefficients", "[respon
   const int n = 5;
   const Form form(n, 3, 1);
   const FormRows rows(rounded(n, 3, form.distinct));
-  const std::vector<float> a = some_code(n, 2);
+  const std::vector<float> a = some_coordinates(n, 2);
   std::vector<float> pairs(rows.width(), 0.0f), matrix(n * 7, 0.25f);
   rows.add_cubic(a, -0.5f, pairs);
   add_to_matrix(pairs, n, 7, matrix);
@@ -102,7 +102,7 @@ TEST_CASE("a contraction with a matrix is the sum over all pairs", "[response][f
   const int n = 6;
   const Form form(n, 3, 3);
   const FormRows rows(rounded(n, 3, form.distinct));
-  const std::vector<float> a = some_code(n, 4), b = some_code(n, 5);
+  const std::vector<float> a = some_coordinates(n, 4), b = some_coordinates(n, 5);
   std::vector<float> P(rows.width(), 0.0f), vector(6);
   add_pairs(a, 1.0f, P);
   add_pairs(b, -0.7f, P);
@@ -119,11 +119,11 @@ TEST_CASE("a contraction with a matrix is the sum over all pairs", "[response][f
   }
 }
 
-TEST_CASE("a quartic form with one code twice is a matrix", "[response][forms]") {
+TEST_CASE("a quartic form with one vector twice is a matrix", "[response][forms]") {
   const int n = 5;
   const Form form(n, 4, 6);
   const FormRows rows(rounded(n, 4, form.distinct));
-  const std::vector<float> a = some_code(n, 7);
+  const std::vector<float> a = some_coordinates(n, 7);
   std::vector<float> P(rows.width(), 0.0f), pairs(rows.width()), matrix(25, 0.0f);
   add_pairs(a, 1.0f, P);
   rows.contract(P, pairs);
@@ -156,7 +156,7 @@ TEST_CASE("forms of one variable are numbers", "[response][forms]") {
 TEST_CASE("contractions allocate nothing", "[response][frame loop]") {
   const FormRows cubic(rounded(16, 3, Form(16, 3, 1).distinct));
   const FormRows quartic(rounded(16, 4, Form(16, 4, 1).distinct));
-  const std::vector<float> a = some_code(16, 1);
+  const std::vector<float> a = some_coordinates(16, 1);
   std::vector<float> pairs(cubic.width()), vector(16), matrix(256), others(cubic.width());
   CHECK(test::allocations_during([&] {
           cubic.add_cubic(a, 1, pairs);

@@ -405,11 +405,11 @@ void ModalBody::keep(bool is_free) {
 
 double ModalBody::moved() const { return distance_to(probes_begun_); }
 
-void ModalBody::hold_back(double share) {
+void ModalBody::limit_step(double share) {
   step_ = q_begun_ + share * (q_ - q_begun_);
   set_q(step_);
   state_->q = q_;
-  forces_begun_.hold_back(state_->forces, static_cast<float>(share));
+  forces_begun_.limit_step(state_->forces, static_cast<float>(share));
 }
 
 // --- any state

@@ -124,7 +124,7 @@ class ModalBody final : public ContactBody {
   void keep(bool is_free) override;
   void end_frame(double) override {}
   [[nodiscard]] double moved() const override;
-  void hold_back(double share) override;
+  void limit_step(double share) override;
 
  private:
   using Probes = Eigen::Matrix3Xf;
@@ -168,7 +168,7 @@ class ModalBody final : public ContactBody {
   Eigen::AlignedBox3f box_;
 
   Eigen::VectorXd q_begun_, q_linearised_;  // (n) when the frame, and when the iteration began
-  ForcesBegun forces_begun_{2 * std::size_t{kMostPlacesWithOthers}};
+  ForcesAtStart forces_begun_{2 * std::size_t{kMostPlacesWithOthers}};
   std::size_t most_places_ = 0;
   std::vector<SkinPoint> next_, now_;       // places of the next step, and those that take part
   Eigen::Matrix3Xf now_at_rest_;            // (3 x P) m

@@ -39,7 +39,7 @@ struct Sheet {
   ElasticSheet body;
   TouchSettings settings;
   TouchState state;
-  AskedLoad asked;
+  RequestedLoad asked;
   Sheet() { settings.softness = 1e-6; }
   [[nodiscard]] TouchSolver solver() const {
     return {body.skin, body.fixed, body.tables, settings};
@@ -49,7 +49,7 @@ struct Sheet {
   void refine(TouchSolver& solver, const test::GapFunction& gap, int times = 1) {
     solver.advance(state, gap);
     for (int k = 0; k < times; ++k) {
-      REQUIRE(solver.ask(state, asked));
+      REQUIRE(solver.request(state, asked));
       REQUIRE(solver.refine(state, asked, exact()));
       for (int frame = 0; frame < settings.blend_frames; ++frame) solver.advance(state, gap);
     }
@@ -95,7 +95,7 @@ TEST_CASE("exact answers bring the contact of the exact body", "[contact]") {
   // A body that is softer everywhere takes the same shape under a smaller force.
   CHECK(sheet.force() / by_tables == Approx(before).margin(tolerance(0.002, "four answers")));
   CHECK(apart(sheet.state.u, shape) < tolerance(4e-5, "m: twice the last step's"));
-  REQUIRE(solver.ask(sheet.state, sheet.asked));
+  REQUIRE(solver.request(sheet.state, sheet.asked));
   CHECK(apart(sheet.state.u, sheet.exact()) <
         tolerance(1e-5, "m: the state bears what the exact body bears"));
 }
@@ -105,19 +105,19 @@ TEST_CASE("an exact answer comes in frame by frame", "[contact]") {
   TouchSolver solver = sheet.solver();
   const test::GapFunction gap = ball(0.003f);
   solver.advance(sheet.state, gap);
-  REQUIRE(solver.ask(sheet.state, sheet.asked));
+  REQUIRE(solver.request(sheet.state, sheet.asked));
   REQUIRE(solver.refine(sheet.state, sheet.asked, sheet.exact()));
   double before = sheet.force();
   const double first = before;
   double largest = 0;
   for (int frame = 0; frame < sheet.settings.blend_frames; ++frame) {
     // Until it is in, no other load is asked for.
-    CHECK(!solver.ask(sheet.state, sheet.asked));
+    CHECK(!solver.request(sheet.state, sheet.asked));
     solver.advance(sheet.state, gap);
     largest = std::max(largest, std::abs(sheet.force() - before));
     before = sheet.force();
   }
-  CHECK(solver.ask(sheet.state, sheet.asked));
+  CHECK(solver.request(sheet.state, sheet.asked));
   CHECK(largest < 0.3 * std::abs(before - first));
 }
 
@@ -156,23 +156,23 @@ TEST_CASE("an answer far from the tables' is refused and changes nothing", "[con
   Sheet sheet;
   TouchSolver solver = sheet.solver();
   solver.advance(sheet.state, ball(0.003f));
-  REQUIRE(solver.ask(sheet.state, sheet.asked));
+  REQUIRE(solver.request(sheet.state, sheet.asked));
   const Matrix3Xf far = 2 * sheet.asked.tables;
   Matrix3Xf broken = sheet.asked.tables;
   broken(0, 0) = std::numeric_limits<float>::quiet_NaN();
   for (const Matrix3Xf& answer : {far, broken}) {
     CHECK(!solver.refine(sheet.state, sheet.asked, answer));
     CHECK(!sheet.state.refinement.acts());
-    CHECK(solver.ask(sheet.state, sheet.asked));
+    CHECK(solver.request(sheet.state, sheet.asked));
   }
 }
 
 TEST_CASE("nothing is asked of a body at rest", "[contact]") {
   Sheet sheet;
   TouchSolver solver = sheet.solver();
-  CHECK(!solver.ask(sheet.state, sheet.asked));
+  CHECK(!solver.request(sheet.state, sheet.asked));
   solver.advance(sheet.state, ball(-0.005f));
-  CHECK(!solver.ask(sheet.state, sheet.asked));
+  CHECK(!solver.request(sheet.state, sheet.asked));
 }
 
 TEST_CASE("refined frames allocate nothing and are the same again", "[contact]") {
@@ -186,7 +186,7 @@ TEST_CASE("refined frames allocate nothing and are the same again", "[contact]")
     gaps.push_back(ball(0.0032f, 0.0003f * static_cast<float>(frame)));
   const auto go_on = [&] {
     for (const test::GapFunction& gap : gaps) {
-      if (solver.ask(sheet.state, sheet.asked))
+      if (solver.request(sheet.state, sheet.asked))
         (void)solver.refine(sheet.state, sheet.asked, exact);
       solver.advance(sheet.state, gap);
     }

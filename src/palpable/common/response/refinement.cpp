@@ -51,7 +51,7 @@ std::array<float, 2> Refinement::weights_under(std::span<const VertexForce> load
   return found;
 }
 
-bool Refinement::take_up(const AskedLoad& asked, const Matrix3Xf& exact) {
+bool Refinement::take_up(const RequestedLoad& asked, const Matrix3Xf& exact) {
   const Eigen::Index V = asked.linear.cols();
   const float off = (exact - asked.tables).leftCols(V).norm();
   if (!(off <= kMostCorrection * exact.leftCols(V).norm())) return false;
@@ -81,7 +81,7 @@ void add_up_by_vertex(std::vector<VertexForce>& forces) {
   forces.resize(kept + 1);
 }
 
-void make_probe(LinearField& field, int vertices, int nodes, AskedLoad& probe) {
+void make_probe(LinearField& field, int vertices, int nodes, RequestedLoad& probe) {
   probe.forces.clear();
   for (int k = 0; k < kProbes; ++k) {
     const int v = vertices * k / kProbes;
@@ -99,7 +99,7 @@ void make_probe(LinearField& field, int vertices, int nodes, AskedLoad& probe) {
   probe.linear = probe.tables.leftCols(vertices);
 }
 
-bool is_of_probed_body(const AskedLoad& probe, const Matrix3Xf& exact) {
+bool is_of_probed_body(const RequestedLoad& probe, const Matrix3Xf& exact) {
   const Eigen::Index V = probe.linear.cols();
   return exact.cols() == probe.tables.cols() &&
          (exact.leftCols(V) - probe.linear).norm() <= kSameBody * probe.linear.norm();

@@ -28,7 +28,7 @@
 namespace palpable {
 
 /// A load whose exact answer is wanted, and what is known of it.
-struct AskedLoad {
+struct RequestedLoad {
   std::vector<VertexForce> forces;  ///< each vertex once, rising
   Eigen::Matrix3Xf tables;          ///< (3 x W) m, the tables' answer
   Eigen::Matrix3Xf linear;          ///< (3 x V) m, G f_0
@@ -59,7 +59,7 @@ struct Refinement {
   /// The exact answer to a load becomes the correction that comes. False: it is so far from the
   /// tables' that the load was more than the body bears; nothing is changed.
   /// @param exact  (3 x W) m
-  [[nodiscard]] bool take_up(const AskedLoad& asked, const Eigen::Matrix3Xf& exact);
+  [[nodiscard]] bool take_up(const RequestedLoad& asked, const Eigen::Matrix3Xf& exact);
 };
 
 /// Each vertex once, rising, with the sum of its forces. @pre forces is not empty
@@ -67,8 +67,8 @@ void add_up_by_vertex(std::vector<VertexForce>& forces);
 
 /// A load all over the skin, so small that its answer is the linear one; what the exact answer is
 /// to agree with, if it is this body's.
-void make_probe(LinearField& field, int vertices, int nodes, AskedLoad& probe);
-[[nodiscard]] bool is_of_probed_body(const AskedLoad& probe, const Eigen::Matrix3Xf& exact);
+void make_probe(LinearField& field, int vertices, int nodes, RequestedLoad& probe);
+[[nodiscard]] bool is_of_probed_body(const RequestedLoad& probe, const Eigen::Matrix3Xf& exact);
 
 /// w of a load f.
 /// @param work    f . G f, N m

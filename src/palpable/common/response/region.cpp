@@ -19,7 +19,7 @@ float squared(std::span<const float> x) {
 
 }  // namespace
 
-RegionAnswer::RegionAnswer(int most_modes, int most_leading) {
+RegionResponse::RegionResponse(int most_modes, int most_leading) {
   const auto r = static_cast<std::size_t>(most_modes), s = static_cast<std::size_t>(most_leading);
   q_.resize(r);
   shortened_.resize(r);
@@ -30,7 +30,7 @@ RegionAnswer::RegionAnswer(int most_modes, int most_leading) {
   third_matrix_.resize(s * s);
 }
 
-void RegionAnswer::evaluate(const RegionForms& region, std::span<const float> a) {
+void RegionResponse::evaluate(const RegionForms& region, std::span<const float> a) {
   const Orders orders = evaluate_series(region, a);
   last_share_ = orders.last_share();
   if (!(last_share_ > kSeriesEnd)) return;
@@ -40,22 +40,22 @@ void RegionAnswer::evaluate(const RegionForms& region, std::span<const float> a)
   for (std::size_t k = 0; k < size_; ++k) q_[k] /= s;
 }
 
-float RegionAnswer::Orders::last_share() const {
+float RegionResponse::Orders::last_share() const {
   return first + second > 0 ? third / (first + second) : 0.0f;
 }
 
-// The s at which the code s a has this share: s^2 third / (first + s second).
-float RegionAnswer::Orders::shortened_to(float share) const {
+// The s at which the coordinates s a has this share: s^2 third / (first + s second).
+float RegionResponse::Orders::shortened_to(float share) const {
   const float b = share * second;
   return (b + std::sqrt(b * b + 4 * third * share * first)) / (2 * third);
 }
 
-RegionAnswer::Orders RegionAnswer::evaluate_series(const RegionForms& region,
-                                                   std::span<const float> a) {
+RegionResponse::Orders RegionResponse::evaluate_series(const RegionForms& region,
+                                                       std::span<const float> a) {
   const auto r = static_cast<std::size_t>(region.cubic.variables());
   const auto s = static_cast<std::size_t>(region.quartic.variables());
   PALPABLE_EXPECT(a.size() == r && r <= q_.size() && s * s <= third_matrix_.size(),
-                  "a code of the region, and room for it");
+                  "coordinates of the region, and room for it");
   size_ = r;
   const std::span<float> H(matrix_.data(), r * r), pairs(pairs_.data(), region.cubic.width());
   std::fill(H.begin(), H.end(), 0.0f);
@@ -90,7 +90,7 @@ RegionAnswer::Orders RegionAnswer::evaluate_series(const RegionForms& region,
   return {std::sqrt(squared(a)), std::sqrt(second), std::sqrt(last)};
 }
 
-void RegionAnswer::times(std::span<const float> x, std::span<float> result) const {
+void RegionResponse::times(std::span<const float> x, std::span<float> result) const {
   // H is symmetric: its rows are its columns, and sums of them need no sums across a vector.
   std::fill(result.begin(), result.end(), 0.0f);
   best_row_kernels().add_float_rows(matrix_.data(), size_, x, result);

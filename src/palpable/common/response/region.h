@@ -6,8 +6,9 @@
 ///   f  shapes of what they do far away, a multiple of 16
 ///
 /// The modes U are orthonormal in the body's stiffness, U^T K U = 1. A load f near the region's
-/// middle has the code a = U^T f; K^-1 f itself is not taken from the modes (compliance.h has it
-/// exactly). With the third and fourth derivatives A and B of the stored energy in the modes,
+/// middle has the coordinates a = U^T f; K^-1 f itself is not taken from the modes (compliance.h
+/// has it exactly). With the third and fourth derivatives A and B of the stored energy in the
+/// modes,
 ///
 ///     q_2 = - 1/2 A(a, a)                               r modes
 ///     q_3 = - A(a, q_2) - 1/6 B(a, a, a) = - 1/6 E(a, a, a),   E = B - 3 sym(A A)    s modes
@@ -64,18 +65,18 @@ struct RegionForms {
 inline constexpr float kSeriesEnd = 0.25f;
 
 /// Room for one region's answer; its memory is used again.
-class RegionAnswer {
+class RegionResponse {
  public:
   /// @param most_modes    r of the largest region
   /// @param most_leading  s of the largest
-  RegionAnswer(int most_modes, int most_leading);
+  RegionResponse(int most_modes, int most_leading);
 
-  /// q = q_2 + q_3 and H at a code. @param a  (r)
+  /// q = q_2 + q_3 and H at modal coordinates a. @param a  (r)
   void evaluate(const RegionForms& region, std::span<const float> a);
 
   [[nodiscard]] std::span<const float> q() const { return {q_.data(), size_}; }  ///< (r)
-  /// |q_3| / (|a| + |q_2|) of this code, in the stiffness' norm: how near the series is to its
-  /// end, or how far beyond it.
+  /// |q_3| / (|a| + |q_2|) at these coordinates, in the stiffness' norm: how near the series is to
+  /// its end, or how far beyond it.
   [[nodiscard]] float last_share() const { return last_share_; }
   /// result = H x, both (r).
   void times(std::span<const float> x, std::span<float> result) const;

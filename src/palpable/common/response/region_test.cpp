@@ -76,7 +76,7 @@ struct Forms {
   }
 };
 
-VectorXd some_code() {
+VectorXd some_coordinates() {
   VectorXd a(kModes);
   for (int k = 0; k < kModes; ++k) a[k] = 0.3 * std::cos(1.7 * k + 0.4);
   return a;
@@ -84,10 +84,10 @@ VectorXd some_code() {
 
 TEST_CASE("a region's answer is the second and third order of its energy", "[response]") {
   const Forms forms;
-  RegionAnswer answer(kModes, kLeading);
-  const VectorXd a = some_code();
-  const Eigen::VectorXf code = a.cast<float>();
-  answer.evaluate(forms.region(), {code.data(), kModes});
+  RegionResponse answer(kModes, kLeading);
+  const VectorXd a = some_coordinates();
+  const Eigen::VectorXf coordinates = a.cast<float>();
+  answer.evaluate(forms.region(), {coordinates.data(), kModes});
   const VectorXd expected = forms.q(a);
   for (int k = 0; k < kModes; ++k) {
     CHECK(std::abs(static_cast<double>(answer.q()[static_cast<std::size_t>(k)]) - expected[k]) <
@@ -97,10 +97,10 @@ TEST_CASE("a region's answer is the second and third order of its energy", "[res
 
 TEST_CASE("a region's H is the derivative of its answer, and symmetric", "[response]") {
   const Forms forms;
-  RegionAnswer answer(kModes, kLeading);
-  const VectorXd a = some_code();
-  const Eigen::VectorXf code = a.cast<float>();
-  answer.evaluate(forms.region(), {code.data(), kModes});
+  RegionResponse answer(kModes, kLeading);
+  const VectorXd a = some_coordinates();
+  const Eigen::VectorXf coordinates = a.cast<float>();
+  answer.evaluate(forms.region(), {coordinates.data(), kModes});
   Eigen::MatrixXf H(kModes, kModes);
   for (int k = 0; k < kModes; ++k) {
     const Eigen::VectorXf unit = Eigen::VectorXf::Unit(kModes, k);
@@ -118,9 +118,9 @@ TEST_CASE("a region's H is the derivative of its answer, and symmetric", "[respo
 
 TEST_CASE("a region tells how large its last order is", "[response]") {
   const Forms forms;
-  RegionAnswer answer(kModes, kLeading);
-  const Eigen::VectorXf code = some_code().cast<float>(), small = 0.1f * code;
-  answer.evaluate(forms.region(), {code.data(), kModes});
+  RegionResponse answer(kModes, kLeading);
+  const Eigen::VectorXf coordinates = some_coordinates().cast<float>(), small = 0.1f * coordinates;
+  answer.evaluate(forms.region(), {coordinates.data(), kModes});
   const float share = answer.last_share();
   answer.evaluate(forms.region(), {small.data(), kModes});
   // |q_3| falls with the third power, |a| + |q_2| nearly with the first.
@@ -130,10 +130,10 @@ TEST_CASE("a region tells how large its last order is", "[response]") {
 
 TEST_CASE("beyond its series' end a region's answer goes on along the ray", "[response]") {
   const Forms forms;
-  RegionAnswer answer(kModes, kLeading);
+  RegionResponse answer(kModes, kLeading);
   const auto q_at = [&](float size) {
-    const Eigen::VectorXf code = size * some_code().cast<float>();
-    answer.evaluate(forms.region(), {code.data(), kModes});
+    const Eigen::VectorXf coordinates = size * some_coordinates().cast<float>();
+    answer.evaluate(forms.region(), {coordinates.data(), kModes});
     return Eigen::VectorXf(Eigen::Map<const Eigen::VectorXf>(answer.q().data(), kModes));
   };
   float end = 1;  // of the series, by size

@@ -4,7 +4,7 @@
 #include "palpable/common/base/row_kernels.h"
 #include "palpable/common/response/compliance_cache.h"
 #include "palpable/common/response/linear_field.h"
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_response.h"
 #include "palpable/common/response/shell_stress.h"
 #include "palpable/common/response/step_places.h"
 #include "palpable/common/response/tables_tangent.h"
@@ -59,7 +59,7 @@ struct TablesBody::Work {
   Compliance compliance;
   LinearField linear_field;
   RegionMap map;
-  NonlinearAnswer nonlinear;
+  NonlinearResponse nonlinear;
   std::optional<ComplianceCache> cache;
   std::optional<ShellStress> shell;
   std::vector<float> carrying_stress, carrying_tensors;  // (V), (6V) Pa of a coarser skin
@@ -76,7 +76,7 @@ struct TablesBody::Work {
   const Matrix3Xf* shape = nullptr;
   bool is_formed = false;
   Matrix3Xf began;  // (3 x W) m
-  ForcesBegun forces_began{kMostForces};
+  ForcesAtStart forces_at_start{kMostForces};
   TablesReport report;
   std::array<float, 2> correcting{};  // weights of the state's corrections, under these loads
   Matrix3Xf linear, without_cross;    // (3 x V) the shape without the tables' beyond, and
@@ -201,14 +201,14 @@ void TablesBody::begin_frame() {
     state.forces.clear();
     state.forces.reserve(kMostForces);
     state.regions.clear();
-    state.regions.reserve(NonlinearAnswer::kMostBlobs);
+    state.regions.reserve(NonlinearResponse::kMostPatches);
   }
   w.skin.face_as(state.u);
   w.shape = &state.u;
   w.is_formed = false;
   w.forget_surface();
   w.began = state.u;
-  w.forces_began.start(state.forces);
+  w.forces_at_start.start(state.forces);
 }
 
 bool TablesBody::is_at_rest() const {
@@ -339,7 +339,7 @@ void TablesBody::Work::choose_patches(std::span<const PlaceLoad> entries) {
           place.shares.of[k].weight * (entries[p].force.norm() + per_m * entries[p].entry);
     }
   }
-  nonlinear.choose_blobs(vertices, weights, state->regions);
+  nonlinear.choose_patches(vertices, weights, state->regions);
 }
 
 // Of all vertices that take part, under the present loads.
@@ -474,7 +474,7 @@ void TablesBody::keep(bool) {
 // What the state says of its own error, by what was added up to its shape.
 void TablesBody::end_frame(double penetration) {
   Work& w = *work_;
-  w.report = {w.nonlinear.blob_count(), static_cast<double>(w.nonlinear.last_share()), {}, {}};
+  w.report = {w.nonlinear.patch_count(), static_cast<double>(w.nonlinear.last_share()), {}, {}};
   const bool has_feet = std::any_of(w.places.begin(), w.places.end(),
                                     [](const Place& place) { return place.is_foot; });
   if (w.state->forces.empty() && !has_feet) return;
@@ -506,12 +506,12 @@ double TablesBody::moved() const {
       (work_->state->u.leftCols(V) - work_->began.leftCols(V)).colwise().norm().maxCoeff());
 }
 
-void TablesBody::hold_back(double share) {
+void TablesBody::limit_step(double share) {
   Work& w = *work_;
   TouchState& state = *w.state;
   const auto s = static_cast<float>(share);
   state.u = w.began + s * (state.u - w.began);
-  w.forces_began.hold_back(state.forces, s);
+  w.forces_at_start.limit_step(state.forces, s);
   w.forget_surface();
 }
 
@@ -546,7 +546,7 @@ void TablesBody::stress(const TouchState& state, std::span<float> von_mises,
   if (!cauchy.empty()) w.skin.spread(tensors, 6, cauchy);
 }
 
-bool TablesBody::ask(const TouchState& state, AskedLoad& asked) {
+bool TablesBody::request(const TouchState& state, RequestedLoad& asked) {
   Work& w = *work_;
   asked.forces.clear();
   if (state.forces.empty() || state.refinement.blended < 1) return false;
@@ -569,12 +569,13 @@ bool TablesBody::ask(const TouchState& state, AskedLoad& asked) {
   return true;
 }
 
-void TablesBody::probe(AskedLoad& asked) {
+void TablesBody::probe(RequestedLoad& asked) {
   make_probe(work_->linear_field, static_cast<int>(work_->rest.cols()), work_->compliance.nodes(),
              asked);
 }
 
-bool TablesBody::refine(TouchState& state, const AskedLoad& asked, const Matrix3Xf& exact) const {
+bool TablesBody::refine(TouchState& state, const RequestedLoad& asked,
+                        const Matrix3Xf& exact) const {
   PALPABLE_EXPECT(exact.cols() == work_->compliance.nodes() &&
                       asked.tables.cols() == exact.cols() &&
                       asked.linear.cols() == work_->rest.cols(),

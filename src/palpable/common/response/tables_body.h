@@ -4,7 +4,7 @@
 ///
 ///     u(f) = G f + what regions add + what patches do to each other + exact corrections
 ///
-/// with G from compliance.h, regions and patches from nonlinear_answer.h, corrections from
+/// with G from compliance.h, regions and patches from nonlinear_response.h, corrections from
 /// refinement.h. The tangent is J = G + U H U^T, with U the modes of the regions and H what their
 /// displacement grows by.
 ///
@@ -52,7 +52,7 @@ struct TouchSettings {
 /// What a state says of its own error.
 struct TablesReport {
   int patches = 0;        ///< of load, which regions answered for
-  double last_share = 0;  ///< of the series' last order, see NonlinearAnswer
+  double last_share = 0;  ///< of the series' last order, see NonlinearResponse
   ErrorSigns signs;       ///< 0 without force
   /// What they say; nothing without force, or where the tables' held-out touches give no scale.
   std::optional<StatedError> stated;
@@ -88,10 +88,10 @@ class TablesBody final : public ContactBody {
   /// The stress on the skin. @param von_mises  (F) Pa  @param cauchy  (6F) Pa, or empty
   /// @pre the tables have a shell
   void stress(const TouchState& state, std::span<float> von_mises, std::span<float> cauchy);
-  /// As TouchSolver::ask() and the functions that follow it there.
-  bool ask(const TouchState& state, AskedLoad& asked);
-  bool refine(TouchState& state, const AskedLoad& asked, const Eigen::Matrix3Xf& exact) const;
-  void probe(AskedLoad& asked);
+  /// As TouchSolver::request() and the functions that follow it there.
+  bool request(const TouchState& state, RequestedLoad& asked);
+  bool refine(TouchState& state, const RequestedLoad& asked, const Eigen::Matrix3Xf& exact) const;
+  void probe(RequestedLoad& asked);
 
   // ContactBody
   [[nodiscard]] SkinPointSet contact_points() const override;
@@ -125,7 +125,7 @@ class TablesBody final : public ContactBody {
   void keep(bool is_free) override;
   void end_frame(double penetration) override;
   [[nodiscard]] double moved() const override;
-  void hold_back(double share) override;
+  void limit_step(double share) override;
 
  private:
   struct Work;

@@ -25,8 +25,8 @@ float along(const TablesAt& at, const UnitForce& force, std::span<const float> f
 }  // namespace
 
 TablesTangent::TablesTangent(std::size_t most_modes)
-    : modes_wide_(most_modes), turned_code_(most_modes) {
-  patches_.reserve(NonlinearAnswer::kMostBlobs);
+    : modes_wide_(most_modes), turned_coordinates_(most_modes) {
+  patches_.reserve(NonlinearResponse::kMostPatches);
 }
 
 void TablesTangent::make_room(std::size_t most_places, std::size_t width) {
@@ -65,11 +65,11 @@ void TablesTangent::find_mode_rows(const TablesAt& at, std::span<const UnitForce
     const auto* heaviest = std::max_element(
         shares.of.begin(), shares.of.begin() + shares.count,
         [](const ForceShare& a, const ForceShare& b) { return a.weight < b.weight; });
-    patch_of_[i] = at.regions->blob_of(heaviest->vertex);
+    patch_of_[i] = at.regions->patch_of(heaviest->vertex);
   }
   patches_.clear();
   std::size_t next_row = 0;
-  for (int patch = 0; patch < at.regions->blob_count(); ++patch) {
+  for (int patch = 0; patch < at.regions->patch_count(); ++patch) {
     const auto r = static_cast<std::size_t>(at.regions->region_of(patch).mode_count());
     PatchRows of_patch{next_row, next_row, next_row * modes_wide_};
     for (std::size_t i = 0; i < forces.size(); ++i) {
@@ -94,17 +94,17 @@ void TablesTangent::find_mode_rows(const TablesAt& at, std::span<const UnitForce
 void TablesTangent::add_modes(const TablesAt& at, std::span<const UnitForce> forces,
                               std::span<double> W, std::size_t m, std::span<double> q) {
   find_mode_rows(at, forces);
-  for (int patch = 0; patch < at.regions->blob_count(); ++patch) {
+  for (int patch = 0; patch < at.regions->patch_count(); ++patch) {
     const PatchRows& of_patch = patches_[static_cast<std::size_t>(patch)];
-    const std::span<const float> code = at.regions->code(patch);
-    const std::span<float> turned_now(turned_code_.data(), code.size());
-    at.regions->times(patch, code, turned_now);
+    const std::span<const float> coordinates = at.regions->coordinates(patch);
+    const std::span<float> turned_now(turned_coordinates_.data(), coordinates.size());
+    at.regions->times(patch, coordinates, turned_now);
     best_row_kernels().dots_floats(mode_rows_.data() + of_patch.at, of_patch.last - of_patch.first,
                                    turned_now, sums_.data());
     for (std::size_t i = of_patch.first; i < of_patch.last; ++i) {
       q[forces[order_[i]].row] -= static_cast<double>(sums_[i - of_patch.first]);
     }
-    const std::size_t r = code.size();
+    const std::size_t r = coordinates.size();
     for (std::size_t i = 0; i < of_patch.last - of_patch.first; ++i) {
       best_row_kernels().dots_floats(mode_rows_.data() + of_patch.at, i + 1,
                                      {turned_.data() + of_patch.at + i * r, r}, sums_.data());

@@ -5,14 +5,14 @@
 ///     J = G + sum over patches  U H U^T
 ///
 /// with G from compliance.h; U the modes of a patch's region, and H = dz/dl what their coordinates
-/// z grow by a load l on them (nonlinear_answer.h).
+/// z grow by a load l on them (nonlinear_response.h).
 ///
 ///   P  places     r  modes of a region     w  3 slots of the compliance cache
 #pragma once
 
 #include "palpable/common/contact/contact_body.h"
 #include "palpable/common/response/compliance_cache.h"
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_response.h"
 #include "palpable/common/response/step_places.h"
 
 #include <Eigen/Core>
@@ -29,7 +29,7 @@ struct TablesAt {
   const ComplianceCache& compliance;  ///< with the places' vertices
   std::span<const float> field;       ///< (w) m, G f
   /// Evaluated under the loads of the places; null: the linear tables alone.
-  NonlinearAnswer* regions = nullptr;
+  NonlinearResponse* regions = nullptr;
 };
 
 /// Allocates in its constructor and in make_room().
@@ -65,10 +65,10 @@ class TablesTangent {
   std::vector<float> mode_rows_, turned_;  // (P x r) d U, d U H, patch by patch
   std::vector<std::size_t> order_;         // (P) unit forces, patch by patch
   std::vector<PatchRows> patches_;
-  std::vector<int> patch_of_;              // (P) whose modes a row is of; -1: none
-  std::vector<float> turned_code_, sums_;  // (r), (P)
-  std::vector<float> tangent_row_;         // (w)
-  std::vector<UnitForce> normals_;         // of the last add_compliance()
+  std::vector<int> patch_of_;                     // (P) whose modes a row is of; -1: none
+  std::vector<float> turned_coordinates_, sums_;  // (r), (P)
+  std::vector<float> tangent_row_;                // (w)
+  std::vector<UnitForce> normals_;                // of the last add_compliance()
   double mean_ = 0;
 };
 

@@ -9,10 +9,10 @@ TouchReport report_of(const TablesBody& body, const ContactSolver& solver, int m
   static_cast<ContactReport&>(report) = solver.report_of(member);
   report.penetration = solver.penetration_of(member);
   const TablesReport& tables = body.report();
-  report.blobs = tables.patches;
+  report.patches = tables.patches;
   report.last_share = tables.last_share;
   report.signs = tables.signs;
-  if (!(report.held_back > 0)) report.stated = tables.stated;
+  if (!(report.left_to_move > 0)) report.stated = tables.stated;
   return report;
 }
 

@@ -12,7 +12,7 @@
 ///               ┌─────────────────┴────────────────┐
 ///          TablesBody  u(f) by tables         ModalBody  energy in modes, W(q)
 ///           ├─ Compliance       G              ├─ ModalTables  W, and the skin's modes
-///           ├─ NonlinearAnswer  regions        └─ ModalStress  stress
+///           ├─ NonlinearResponse  regions        └─ ModalStress  stress
 ///           ├─ Refinement       corrections
 ///           └─ ShellStress      stress
 ///
@@ -46,8 +46,8 @@ namespace palpable {
 
 /// How one frame went.
 struct TouchReport : ContactReport {
-  int blobs = 0;          ///< patches of load that regions answered for
-  double last_share = 0;  ///< of the series' last order, see NonlinearAnswer
+  int patches = 0;        ///< patches of load that regions answered for
+  double last_share = 0;  ///< of the series' last order, see NonlinearResponse
   ErrorSigns signs;       ///< of the state's own error; 0 without force
   /// What they say; nothing without force, of a state that is held back, or where the tables'
   /// held-out touches give no scale.
@@ -82,20 +82,20 @@ class TouchSolver {
   /// The load that a state bears, to be answered exactly. False: there is none, or an answer is
   /// still being blended in. Allocates nothing once `asked` has had its room.
   /// @pre the state was not held back
-  [[nodiscard]] bool ask(const TouchState& state, AskedLoad& asked) {
-    return body_->ask(state, asked);
+  [[nodiscard]] bool request(const TouchState& state, RequestedLoad& asked) {
+    return body_->request(state, asked);
   }
   /// Takes up the exact answer to a load, over the frames to come. False: it is so far from the
   /// tables' that the load was more than the body bears; nothing is changed.
   /// @param exact  (3 x W) m
-  bool refine(TouchState& state, const AskedLoad& asked, const Eigen::Matrix3Xf& exact) const {
+  bool refine(TouchState& state, const RequestedLoad& asked, const Eigen::Matrix3Xf& exact) const {
     return body_->refine(state, asked, exact);
   }
 
   /// A load all over the skin, so small that its answer is the linear one; what the exact answer is
   /// to agree with, if it is this body's.
-  void probe(AskedLoad& asked) { body_->probe(asked); }
-  [[nodiscard]] static bool agrees(const AskedLoad& probe, const Eigen::Matrix3Xf& exact) {
+  void probe(RequestedLoad& asked) { body_->probe(asked); }
+  [[nodiscard]] static bool agrees(const RequestedLoad& probe, const Eigen::Matrix3Xf& exact) {
     return is_of_probed_body(probe, exact);
   }
 

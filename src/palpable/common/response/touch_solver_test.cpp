@@ -213,7 +213,7 @@ TEST_CASE("no vertex moves farther in a frame than it may, and the rest is made 
       const TouchReport report = solver.advance(state, gap, kMost);
       CHECK(apart(state.u, before) < kMost + tolerance(1e-6, "m: rounding"));
       if (frame == 0) CHECK(apart(state.u, before) > 0.9 * kMost);
-      if (frame == 3) CHECK(report.held_back == 0.0);
+      if (frame == 3) CHECK(report.left_to_move == 0.0);
     }
     CHECK(apart(state.u, target) < tolerance(4e-5, "m: twice the last step's"));
   };
@@ -239,7 +239,7 @@ TEST_CASE("an answer that a frame's iterations do not reach is held back, and re
   const TouchReport first = solver.advance(state, ball(0.02f, 0.001f));
   CHECK(first.iterations == 1);
   REQUIRE(first.last_change > 0.0005);
-  CHECK(first.held_back > 0);
+  CHECK(first.left_to_move > 0);
   CHECK_FALSE(first.stated.has_value());
   for (int frame = 0; frame < 10; ++frame) solver.advance(state, ball(0.02f, 0.001f));
   CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));

@@ -9,7 +9,7 @@
 #include "palpable/common/response/coarse_skin.h"
 #include "palpable/common/response/compliance.h"
 #include "palpable/common/response/held_out_touch.h"
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_response.h"
 #include "palpable/common/response/region.h"
 #include "palpable/common/response/shell_table.h"
 

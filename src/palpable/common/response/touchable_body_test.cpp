@@ -1,6 +1,6 @@
 #include "palpable/common/response/touchable_body.h"
 
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_response.h"
 #include "palpable/common/response/shell_stress.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/some_touch_tables.h"
@@ -28,10 +28,10 @@ TEST_CASE("orders two and three and the stress scale with the body", "[response]
     const Compliance compliance(body.touch->compliance);
     const RegionMap map(body.body.surface.vertices.cast<float>(), body.touch->regions,
                         body.touch->region_reach);
-    NonlinearAnswer answer(compliance, body.touch->regions, map, body.touch->cross);
+    NonlinearResponse answer(compliance, body.touch->regions, map, body.touch->cross);
     const int v = body.touch->regions[1].vertex;
-    answer.choose_blobs(std::array{v}, std::array{1.0f}, {});
-    REQUIRE(answer.blob_count() == 1);
+    answer.choose_patches(std::array{v}, std::array{1.0f}, {});
+    REQUIRE(answer.patch_count() == 1);
     answer.evaluate(std::array{VertexForce{v, size * size * Vector3f(1, 2, -5)}});
     answer.find_far_targets();
     Matrix3Xf u = Matrix3Xf::Zero(3, compliance.nodes());

@@ -139,7 +139,7 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
     live["deepest_between_m"] = summary.deepest_between;
     live["imbalance_n"] = summary.imbalance;
   }
-  live["frames_held_back"] = summary.frames_held_back;
+  live["frames_step_limited"] = summary.frames_step_limited;
   live["frames_contacts_dropped"] = summary.frames_contacts_dropped;
   live["site_changes"] = summary.site_changes;
   live["video_codec"] = summary.video_codec;

@@ -90,7 +90,7 @@ struct LiveSummary {
   double imbalance = 0;           ///< N, of the forces between them; "imbalance_n"
   /// Frames at whose end a body had some of its way still to go: contact had not converged, or an
   /// obstacle came farther than a body may move in one frame.
-  int frames_held_back = 0;
+  int frames_step_limited = 0;
   int frames_contacts_dropped =
       0;  ///< in which more points were near something than there is room for
   int site_changes = 0;

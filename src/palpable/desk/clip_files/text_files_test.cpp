@@ -461,7 +461,7 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   "frames_touching": 1,
   "first_touch_frame": 2,
   "deepest_press_m": 0.004,
-  "frames_held_back": 0,
+  "frames_step_limited": 0,
   "frames_contacts_dropped": 0,
   "site_changes": 0,
   "video_codec": "avc1",

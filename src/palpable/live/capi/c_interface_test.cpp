@@ -307,7 +307,7 @@ TEST_CASE("frames fed through C give the bytes of the C++ loop", "[capi]") {
   CHECK(std::memcmp(skin.von_mises, loop.scene.bodies[0].von_mises.data(),
                     sizeof(float) * static_cast<std::size_t>(skin.vertex_count)) == 0);
   CHECK((skin.contact_pressure == nullptr) ==
-        (loop.session.body(0).answer.contact() != ContactKind::kAnywhere));
+        (loop.session.body(0).response.contact() != ContactKind::kAnywhere));
   CHECK(skin.triangles[4] == loop.session.body().model().surface.triangles(1, 1));
   auto depth = sized<palpable_depth>();
   REQUIRE(palpable_get_depth(session, &depth) == PALPABLE_OK);

@@ -92,7 +92,7 @@ void palpable_session::answer_capsules(std::span<const palpable_capsule> capsule
   }
   const palpable::TouchReport report =
       press_->advance(in_body_, pressed_.bodies.front(), pressed_.touches);
-  left_to_go = std::max(report.held_back, report.penetration);
+  left_to_go = std::max(report.left_to_move, report.penetration);
   ++frames;
   time = frames;
   is_broken = false;

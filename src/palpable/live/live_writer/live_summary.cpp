@@ -33,8 +33,8 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
   for (int k = 0; k < session.body_count(); ++k) {
     LiveSummary::Body& body = result.bodies.emplace_back();
     body.name = session.body(k).name;
-    body.contact = name_of(session.body(k).answer.contact());
-    body.takes_reactions = session.body(k).answer.contact() == ContactKind::kAnywhere;
+    body.contact = name_of(session.body(k).response.contact());
+    body.takes_reactions = session.body(k).response.contact() == ContactKind::kAnywhere;
     body.camera_from_body =
         session.body(k).world_from_body;  // the first frame's camera is the world
   }
@@ -61,7 +61,7 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
   result.frames_between_bodies = counts.between_bodies;
   result.deepest_between = counts.between;
   result.imbalance = counts.imbalance;
-  result.frames_held_back = counts.held_back;
+  result.frames_step_limited = counts.left_to_move;
   result.frames_contacts_dropped = counts.dropped;
   result.site_changes = counts.site_changes;
   result.video_codec = output.codec();

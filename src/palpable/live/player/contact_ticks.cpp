@@ -133,7 +133,7 @@ void ContactTicks::answer_frame() {
 }
 
 // With the next frame, before anything of the one before it is forgotten.
-void ContactTicks::compare(const AnsweredFrame& next) {
+void ContactTicks::compare(const SolvedFrame& next) {
   if (!told_to_the_end_ || between_.state().forces.empty() || next.state.forces.empty()) return;
   between_.place(next.state, skin_);
   ++figures_.frames;

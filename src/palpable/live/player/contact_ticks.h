@@ -77,14 +77,14 @@ class ContactTicks {
   void run();
   void answer_frame();
   [[nodiscard]] bool is_due(double ahead, double begin);
-  void compare(const AnsweredFrame& next);
+  void compare(const SolvedFrame& next);
 
   Settings settings_;
   std::function<void(const ContactTick&)> tell_;
   BetweenFrames between_;
-  AnsweredFrame taken_;  // filled by the thread that answers frames, then swapped in
+  SolvedFrame taken_;  // filled by the thread that answers frames, then swapped in
   // Of the thread.
-  AnsweredFrame frame_;
+  SolvedFrame frame_;
   Eigen::Matrix3Xf skin_, skin_of_frame_, skin_at_end_;  // m
   bool told_to_the_end_ = false;  // skin_at_end_ is where the next frame is expected
   double off_ = 0, off_held_ = 0;
@@ -93,7 +93,7 @@ class ContactTicks {
 
   std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;
-  AnsweredFrame waiting_;
+  SolvedFrame waiting_;
   bool is_waiting_ = false, is_busy_ = false;  // a frame; the thread with one
   bool cuts_ = false;                          // the frame's ticks that are left
   bool ends_ = false;

@@ -17,7 +17,7 @@ void LiveCounts::add(const Scene& scene) {
     const double rows = std::abs(scene.seen.row_error_px);
     if (!std::isnan(rows)) rows_off_px = std::max(rows_off_px, rows);
   }
-  held_back += scene.held_back > 0;
+  left_to_move += scene.left_to_move > 0;
   dropped += scene.contacts_dropped > 0;
   if (scene.touches.empty()) return;
   ++touching;

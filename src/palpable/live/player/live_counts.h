@@ -26,8 +26,8 @@ struct LiveCounts {
   double between = 0;              ///< m, deepest of bodies into each other (Scene::between)
   double imbalance = 0;            ///< N, largest (Scene::imbalance)
 
-  int held_back = 0;  ///< frames with Scene::held_back
-  int dropped = 0;    ///< frames with Scene::contacts_dropped
+  int left_to_move = 0;  ///< frames with Scene::left_to_move
+  int dropped = 0;       ///< frames with Scene::contacts_dropped
 
   std::vector<float> densities;      ///< of the answered frames (SeenFrame::density)
   std::vector<int> few_depths;       ///< numbers of the frames with DepthTrouble::kFewDepths

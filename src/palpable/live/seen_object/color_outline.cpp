@@ -156,7 +156,7 @@ bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x,
 }
 
 // The room within two pixels of outlines that colours tell.
-void ColorOutline::mark_told(const SeenFrame& seen, const PixelBox& box, MaskImage& shows) {
+void ColorOutline::mark_known(const SeenFrame& seen, const PixelBox& box, MaskImage& shows) {
   for (const Place& at : band_) {
     if (shows(at.x, at.y) != kShowsPresser ||
         !compared(seen, shows, at.x / kColorCell, at.y / kColorCell).tells) {
@@ -196,7 +196,7 @@ void ColorOutline::trim(const SeenFrame& seen, const PixelBox& box, MaskImage& s
         });
     if (is_beside && is_room(seen, shows, at.x, at.y)) shows(at.x, at.y) = kShowsRoom;
   }
-  mark_told(seen, box, shows);
+  mark_known(seen, box, shows);
   for (const Place& at : band_) in_band_(at.x, at.y) = 0;
   for (const std::size_t at : asked_) cells_[at].is_summed = cells_[at].is_compared = false;
   asked_.clear();

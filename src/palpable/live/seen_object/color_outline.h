@@ -69,7 +69,7 @@ class ColorOutline {
   void find_band(const PixelBox& box, const MaskImage& shows);
   const Cell& summed(const SeenFrame& seen, const MaskImage& shows, int i, int j);
   const Cell& compared(const SeenFrame& seen, const MaskImage& shows, int i, int j);
-  void mark_told(const SeenFrame& seen, const PixelBox& box, MaskImage& shows);
+  void mark_known(const SeenFrame& seen, const PixelBox& box, MaskImage& shows);
   [[nodiscard]] bool is_room(const SeenFrame& seen, const MaskImage& shows, int x, int y);
   [[nodiscard]] std::size_t index(int i, int j) const {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(across_) +

@@ -13,24 +13,24 @@ constexpr double kUsual = 1.0 / 30;
 
 const TouchTables& tables_of(const Session& session) {
   PALPABLE_EXPECT(!BetweenFrames::trouble_of(session), "one body, that its tables answer");
-  return *session.body().answer.tables();
+  return *session.body().response.tables();
 }
 
 }  // namespace
 
-void AnsweredFrame::take(const Session& session, const Scene& scene) {
+void SolvedFrame::take(const Session& session, const Scene& scene) {
   number = scene.number;
   time = scene.time;
-  const std::span<const ObjectBall> seen = session.body().answer.surface().balls();
+  const std::span<const ObjectBall> seen = session.body().response.surface().balls();
   balls.assign(seen.begin(), seen.end());
   camera = scene.bodies.front().camera_from_body.inverse().translation().cast<float>();
-  state = session.body().answer.touched();
+  state = session.body().response.touched();
 }
 
 std::optional<Problem> BetweenFrames::trouble_of(const Session& session) {
   if (session.body_count() != 1)
     return Problem{"of several bodies none is answered between frames"};
-  if (session.body().answer.tables() == nullptr) {
+  if (session.body().response.tables() == nullptr) {
     return Problem{"only a body with tables of touch is answered between frames"};
   }
   if (session.refiner() != nullptr) {
@@ -43,9 +43,9 @@ BetweenFrames::BetweenFrames(const Session& session)
     : region_(box_of(session.body().model().surface)),
       contact_(session.body().model().surface, session.body().model().fixed, tables_of(session),
                session.settings().touch),
-      surface_(session.body().answer.surface().settings()) {}
+      surface_(session.body().response.surface().settings()) {}
 
-void BetweenFrames::begin(const AnsweredFrame& frame) {
+void BetweenFrames::begin(const SolvedFrame& frame) {
   motion_.add(frame.balls, frame.camera, frame.time);
   camera_ = frame.camera;
   ahead_ = 0;

@@ -30,7 +30,7 @@
 namespace palpable {
 
 /// What is known when a frame has been answered. Plain data, for another thread.
-struct AnsweredFrame {
+struct SolvedFrame {
   int number = 0;
   double time = 0;                                   ///< s
   std::vector<ObjectBall> balls;                     ///< body frame
@@ -55,7 +55,7 @@ class BetweenFrames {
   explicit BetweenFrames(const Session& session);
 
   /// Goes on from here.
-  void begin(const AnsweredFrame& frame);
+  void begin(const SolvedFrame& frame);
   /// s between that frame and the one before it; 0: it is the first, or was long after.
   [[nodiscard]] double interval() const { return motion_.interval(); }
 

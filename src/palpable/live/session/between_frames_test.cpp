@@ -28,7 +28,7 @@ double farthest(const Eigen::Matrix3Xf& a, const Eigen::Matrix3Xf& b) {
 struct Pressed {
   FrameLoop loop = test::touchable_sphere_loop();
   BetweenFrames between{loop.session};
-  AnsweredFrame answered;
+  SolvedFrame answered;
 
   void press(int frame, double depth) {
     loop.process(test::frame_with_finger(frame, depth));

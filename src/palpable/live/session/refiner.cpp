@@ -71,11 +71,11 @@ void Refiner::begin_frame(TouchSolver& solver, TouchState& state) {
 
 void Refiner::end_frame(TouchSolver& solver, const TouchState& state, const TouchReport& report) {
   if (stage_ == Stage::kRepeats) {
-    asked_now_ = step_.asked && solver.ask(state, asked_);
+    asked_now_ = step_.asked && solver.request(state, asked_);
     counts_.asked += asked_now_;
     return;
   }
-  if (stage_ != Stage::kIdle || report.held_back > 0 || !solver.ask(state, asked_)) return;
+  if (stage_ != Stage::kIdle || report.left_to_move > 0 || !solver.request(state, asked_)) return;
   ++counts_.asked;
   asked_now_ = true;
   asked_at_ = frame_;
@@ -125,7 +125,7 @@ void Refiner::read(const ExactMessage& message, TouchSolver& solver) {
   const auto nodes = static_cast<Eigen::Index>(message.count);
   const bool fits = nodes == 0 || nodes == asked_.tables.cols();
   if (is_answer && fits && stage_ == Stage::kIsProbed) {
-    if (nodes > 0) message.read_answer(exact_);
+    if (nodes > 0) message.read_solution(exact_);
     if (nodes == 0 || !TouchSolver::agrees(asked_, exact_)) return end("it is of another body");
     stage_ = Stage::kIdle;
     return;
@@ -133,7 +133,7 @@ void Refiner::read(const ExactMessage& message, TouchSolver& solver) {
   if (is_answer && fits && stage_ == Stage::kAsked && !answered_) {
     answered_ = true;
     if (nodes > 0) {
-      message.read_answer(exact_);
+      message.read_solution(exact_);
     } else {
       exact_.resize(3, 0);
     }

@@ -12,7 +12,7 @@
 #pragma once
 
 #include "palpable/common/base/child_process.h"
-#include "palpable/common/response/exact_messages.h"
+#include "palpable/common/response/solution_messages.h"
 #include "palpable/common/response/touch_solver.h"
 
 #include <Eigen/Core>
@@ -99,7 +99,7 @@ class Refiner {
   int frame_ = 0, asked_at_ = 0;
   bool dropped_ = false;   // the answer on its way is too late
   bool answered_ = false;  // it is there: `exact_`, of no columns where it was refused
-  AskedLoad asked_;
+  RequestedLoad asked_;
   Eigen::Matrix3Xf exact_;
   bool asked_now_ = false;
   bool took_up_now_ = false;

@@ -44,27 +44,27 @@ struct Pressed {
 
   // A kReady, and the right answer to the probe.
   void say_hello(float probe_factor = 1) {
-    AskedLoad probe;
+    RequestedLoad probe;
     solver.probe(probe);
     std::vector<std::byte> bytes;
     write_ready(static_cast<int>(probe.tables.cols()), bytes);
     say(bytes);
-    write_answer(1, Matrix3Xf(probe_factor * probe.tables), bytes);
+    write_solution(1, Matrix3Xf(probe_factor * probe.tables), bytes);
     say(bytes);
   }
   // What the program does then to answer the first load: an eighth more than the tables.
   std::string answer() {
     TouchState pressed;
-    AskedLoad asked;
+    RequestedLoad asked;
     std::vector<std::byte> bytes;
     solver.probe(asked);
     write_load(1, asked.forces, bytes);
     std::size_t heard = bytes.size();
     solver.advance(pressed, gap);
-    REQUIRE(solver.ask(pressed, asked));
+    REQUIRE(solver.request(pressed, asked));
     write_load(2, asked.forces, bytes);
     heard += bytes.size();
-    write_answer(2, Matrix3Xf(1.125f * asked.tables), bytes);
+    write_solution(2, Matrix3Xf(1.125f * asked.tables), bytes);
     write_file(folder / "answer", bytes);
     return "head -c " + std::to_string(heard) + " > /dev/null\ncat '" +
            (folder / "answer").string() + "'\n" + kStays;
@@ -214,7 +214,7 @@ TEST_CASE("whoever dies, talks rubbish or knows another body is told of once, an
       {"what it says is no answer",
        [&](Pressed& p) {
          p.say_hello();
-         write_answer(2, Matrix3Xf::Zero(3, 5).eval(), bytes);
+         write_solution(2, Matrix3Xf::Zero(3, 5).eval(), bytes);
          p.say(bytes);
        },
        kStays},

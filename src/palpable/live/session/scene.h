@@ -65,8 +65,8 @@ struct Scene {
   double between = 0;    ///< m, of bodies into each other, at the points that press
   double imbalance = 0;  ///< N, of the forces between bodies: what one bears and the other does not
   /// m: how far a body has yet to move, where its contact did not converge or it came too far for
-  /// one frame (ContactReport::held_back); the largest.
-  double held_back = 0;
+  /// one frame (ContactReport::left_to_move); the largest.
+  double left_to_move = 0;
   int contacts_dropped = 0;  ///< contact points near something, for which there was no room
   TrackedPose camera;        ///< identity and kFixed when nothing is tracked
   /// 255 where something moves, of the depth's size. Empty when that is not looked for, or when the

@@ -82,8 +82,8 @@ struct RememberedBody : SessionBody {
   Eigen::Matrix3Xf shape;  // (3 x V) m, as it was shown last, where a law asks for it
 };
 
-AnswerSettings answer_settings(const SessionSettings& s, const DepthCamera& camera,
-                               const FrameFormat& format) {
+ResponseSettings response_settings(const SessionSettings& s, const DepthCamera& camera,
+                                   const FrameFormat& format) {
   return {.contact = s.contact,
           .surface = fitted(s.surface, camera, format, s.depth.matcher),
           .touch = s.touch,
@@ -100,9 +100,9 @@ struct Session::Parts {
         noise(camera.noise()),
         slam(camera, {.track = s.track, .map = s.map}),
         pressing(camera.noise(), settings.pressing) {
-    const AnswerSettings how = answer_settings(settings, camera, format);
+    const ResponseSettings how = response_settings(settings, camera, format);
     for (PlacedBody& body : placed) {
-      const BodyAnswer* twin = twin_of(body.body);
+      const BodyResponse* twin = twin_of(body.body);
       bodies.push_back(std::make_unique<RememberedBody>(std::move(body), how, twin));
     }
     solve_together();
@@ -114,7 +114,7 @@ struct Session::Parts {
     return *bodies[static_cast<std::size_t>(number)];
   }
 
-  [[nodiscard]] const BodyAnswer* twin_of(const TouchableBody& body) const;
+  [[nodiscard]] const BodyResponse* twin_of(const TouchableBody& body) const;
   void solve_together();
   void forget_room();
   void place_camera(Scene& scene, const SlamFrame& found);
@@ -141,12 +141,13 @@ struct Session::Parts {
 };
 
 // One of the bodies with the same modes as this one; null: there is none.
-const BodyAnswer* Session::Parts::twin_of(const TouchableBody& body) const {
+const BodyResponse* Session::Parts::twin_of(const TouchableBody& body) const {
   if (!body.modal) return nullptr;
   for (const auto& other : bodies) {
-    const ModalTables* modal = other->answer.modal();
-    if (modal != nullptr && are_twins({&other->answer.body(), modal}, {&body.body, &*body.modal})) {
-      return &other->answer;
+    const ModalTables* modal = other->response.modal();
+    if (modal != nullptr &&
+        are_twins({&other->response.body(), modal}, {&body.body, &*body.modal})) {
+      return &other->response;
     }
   }
   return nullptr;
@@ -155,17 +156,17 @@ const BodyAnswer* Session::Parts::twin_of(const TouchableBody& body) const {
 // The contact of several bodies is solved together if any gives way; that of one in modes as well,
 // by the same solver. A single body with tables is solved by its law.
 void Session::Parts::solve_together() {
-  const bool any_gives_way = std::any_of(bodies.begin(), bodies.end(),
-                                         [](const auto& body) { return body->answer.gives_way(); });
-  const bool is_single = bodies.size() == 1 && bodies.front()->answer.modal() == nullptr;
+  const bool any_gives_way = std::any_of(
+      bodies.begin(), bodies.end(), [](const auto& body) { return body->response.gives_way(); });
+  const bool is_single = bodies.size() == 1 && bodies.front()->response.modal() == nullptr;
   if (!any_gives_way || is_single) return;
   std::vector<ContactSolver::Member> members;
   for (const auto& body : bodies) {
-    members.push_back({&body->answer.contact_body(), body->world_from_body});
+    members.push_back({&body->response.contact_body(), body->world_from_body});
   }
   together.emplace(members);
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    bodies[k]->answer.join(*together, static_cast<int>(k));
+    bodies[k]->response.join(*together, static_cast<int>(k));
   }
 }
 
@@ -215,8 +216,8 @@ void Session::Parts::find_what_is_hidden(Scene& scene) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     RememberedBody& body = *bodies[k];
     scene.bodies[k].hidden_since_start =
-        body.hidden.look(seen.depth, seen.depth_camera, noise, body.answer.body().surface.vertices,
-                         scene.bodies[k].camera_from_body);
+        body.hidden.look(seen.depth, seen.depth_camera, noise,
+                         body.response.body().surface.vertices, scene.bodies[k].camera_from_body);
   }
 }
 
@@ -226,8 +227,8 @@ void Session::Parts::find_what_presses(const Scene& scene) {
   const SeenFrame& seen = scene.seen;
   PixelBox box;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    box = united(box, bodies[k]->answer.box_of_interest(scene.bodies[k].camera_from_body,
-                                                        seen.depth_camera));
+    box = united(box, bodies[k]->response.box_of_interest(scene.bodies[k].camera_from_body,
+                                                          seen.depth_camera));
   }
   box = grown(box, kBeside, seen.depth_camera);
   const bool lost = scene.camera.state == TrackState::kLost;
@@ -248,7 +249,7 @@ void Session::Parts::find_what_presses(const Scene& scene) {
 // none
 int Session::Parts::gather_others(std::size_t of) {
   others.clear();
-  if (!bodies[of]->answer.asks_for_others()) return -1;
+  if (!bodies[of]->response.asks_for_others()) return -1;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const RememberedBody& other = *bodies[k];
     const bool pressed = !other.touches.empty() && other.touches.front().by < 0;
@@ -267,26 +268,26 @@ int Session::Parts::gather_others(std::size_t of) {
 void Session::Parts::find_touches(Scene& scene) {
   scene.touches.clear();
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    bodies[k]->answer.look(scene.seen, *shows, scene.bodies[k].camera_from_body);
+    bodies[k]->response.look(scene.seen, *shows, scene.bodies[k].camera_from_body);
   }
-  scene.between = scene.imbalance = scene.held_back = 0;
+  scene.between = scene.imbalance = scene.left_to_move = 0;
   scene.contacts_dropped = 0;
   if (together) {
     near.clear();
-    for (const auto& body : bodies) near.push_back(body->answer.near());
+    for (const auto& body : bodies) near.push_back(body->response.near());
     const ContactReport report = together->advance(near);
     scene.between = report.between;
     scene.imbalance = report.imbalance;
-    scene.held_back = report.held_back;
+    scene.left_to_move = report.left_to_move;
     scene.contacts_dropped = report.dropped;
   }
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     RememberedBody& body = *bodies[k];
     const int by = gather_others(k);
-    body.answer.find_touches(scene.time, others, by, body.touches);
+    body.response.find_touches(scene.time, others, by, body.touches);
     if (!together) {
-      const ContactReport report = body.answer.report();
-      scene.held_back = std::max(scene.held_back, report.held_back);
+      const ContactReport report = body.response.report();
+      scene.left_to_move = std::max(scene.left_to_move, report.left_to_move);
       scene.contacts_dropped += report.dropped;
     }
     for (Touch& touch : body.touches) {
@@ -332,9 +333,9 @@ void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
   const StageTimer timer(scene.times, "evaluate");
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     RememberedBody& body = *bodies[k];
-    body.answer.reconstruct(body.touches, extras, scene.bodies[k]);
-    if (body.answer.asks_for_others() && bodies.size() > 1) body.shape = scene.bodies[k].vertices;
-    body.answer.move_obstacle(scene.bodies[k].vertices);
+    body.response.reconstruct(body.touches, extras, scene.bodies[k]);
+    if (body.response.asks_for_others() && bodies.size() > 1) body.shape = scene.bodies[k].vertices;
+    body.response.move_obstacle(scene.bodies[k].vertices);
   }
 }
 
@@ -351,15 +352,15 @@ void Session::keep(const SceneExtras& extras) { parts_->extras = extras; }
 const SceneExtras& Session::kept() const { return parts_->extras; }
 
 void Session::refine_with(Refiner refiner) {
-  parts_->bodies.front()->answer.refine_with(std::move(refiner));
+  parts_->bodies.front()->response.refine_with(std::move(refiner));
 }
-Refiner* Session::refiner() { return parts_->bodies.front()->answer.refiner(); }
-const Refiner* Session::refiner() const { return parts_->body(0).answer.refiner(); }
+Refiner* Session::refiner() { return parts_->bodies.front()->response.refiner(); }
+const Refiner* Session::refiner() const { return parts_->body(0).response.refiner(); }
 
 std::vector<PlacedBody> Session::take_bodies() {
   std::vector<PlacedBody> taken;
   for (const auto& body : parts_->bodies) {
-    taken.push_back({body->answer.take_body(), body->world_from_body, body->name, body->color});
+    taken.push_back({body->response.take_body(), body->world_from_body, body->name, body->color});
   }
   return taken;
 }

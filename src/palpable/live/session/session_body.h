@@ -6,7 +6,7 @@
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/common/reduced/reduced_body.h"
 #include "palpable/common/response/touchable_body.h"
-#include "palpable/live/session/body_answer.h"
+#include "palpable/live/session/body_response.h"
 
 #include <optional>
 #include <string>
@@ -29,20 +29,20 @@ struct PlacedBody {
 
 /// A body of a running session.
 struct SessionBody {
-  /// @param twin  as that of BodyAnswer
-  SessionBody(PlacedBody placed, const AnswerSettings& settings, const BodyAnswer* twin)
+  /// @param twin  as that of BodyResponse
+  SessionBody(PlacedBody placed, const ResponseSettings& settings, const BodyResponse* twin)
       : world_from_body(placed.world_from_body),
         name(placed.shown_name()),
         color(placed.color),
-        answer(std::move(placed.body), settings, twin) {}
+        response(std::move(placed.body), settings, twin) {}
 
   Rigid3 world_from_body;    ///< as PlacedBody's
   std::string name;          ///< PlacedBody::shown_name()
   std::optional<Rgb> color;  ///< as PlacedBody's
-  BodyAnswer answer;         ///< what presses the body, its touches and its shape
+  BodyResponse response;     ///< what presses the body, its touches and its shape
 
   /// The body at rest, as it was baked.
-  [[nodiscard]] const ReducedBody& model() const { return answer.body(); }
+  [[nodiscard]] const ReducedBody& model() const { return response.body(); }
 };
 
 }  // namespace palpable

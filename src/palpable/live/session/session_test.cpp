@@ -41,7 +41,7 @@ FrameLoop make_loop(const SessionSettings& settings = kEverythingPresses) {
 
 TEST_CASE("a body with tables is touched where the finger is, not at a site", "[session]") {
   FrameLoop loop = touchable_sphere_loop();
-  CHECK(loop.session.body().answer.contact() == ContactKind::kAnywhere);
+  CHECK(loop.session.body().response.contact() == ContactKind::kAnywhere);
   const Eigen::Matrix3Xf rest = loop.session.body().model().surface.vertices.cast<float>();
   for (int n = 0; n < 3; ++n) CHECK(loop.process(frame_with_finger(n, -0.03)).touches.empty());
   CHECK(loop.scene.bodies[0].vertices == rest);
@@ -60,7 +60,7 @@ TEST_CASE("a body with tables is touched where the finger is, not at a site", "[
   float deepest = 0;
   for (Eigen::Index v = 0; v < rest.cols(); ++v) {
     const auto found =
-        loop.session.body().answer.surface().nearest(pressed.bodies[0].vertices.col(v));
+        loop.session.body().response.surface().nearest(pressed.bodies[0].vertices.col(v));
     if (found) deepest = std::max(deepest, -found->distance);
   }
   CHECK(deepest < 1e-3f);
@@ -76,12 +76,12 @@ TEST_CASE("tables are not asked where somebody wants the sites", "[session]") {
   SessionSettings settings = kEverythingPresses;
   settings.contact = ContactKind::kSite;
   FrameLoop loop = touchable_sphere_loop(settings);
-  CHECK(loop.session.body().answer.contact() == ContactKind::kSite);
+  CHECK(loop.session.body().response.contact() == ContactKind::kSite);
   for (int n = 0; n < 4; ++n) loop.process(frame_with_finger(n, 0.008));
   REQUIRE(loop.scene.touches.size() == 1);
   CHECK(loop.scene.touches[0].site == 0);
   // A body without tables has nothing else.
-  CHECK(make_loop().session.body().answer.contact() == ContactKind::kSite);
+  CHECK(make_loop().session.body().response.contact() == ContactKind::kSite);
 }
 
 TEST_CASE("a touched body with tables gives the same bytes again, and allocates nothing",
@@ -181,7 +181,7 @@ TEST_CASE("a body with an energy in modes gives way to a finger, and takes no me
   bodies.push_back({TouchableBody(ball, {}, tables), sphere_pose(), "ball"});
   FrameLoop loop =
       value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), kEverythingPresses));
-  CHECK(loop.session.body().answer.contact() == ContactKind::kAnywhere);
+  CHECK(loop.session.body().response.contact() == ContactKind::kAnywhere);
   for (int n = 0; n < 3; ++n) loop.process(frame_with_finger(n, -0.03));
   for (int n = 3; n < 7; ++n) loop.process(frame_with_finger(n, 0.002 * (n - 2)));
   REQUIRE_FALSE(loop.scene.touches.empty());
@@ -259,7 +259,7 @@ constexpr SceneExtras kAllExtras{.components = true, .contact_pressure = true};
 // That it adds up to the forces of the scene's touches; of a body with sites alone none is known.
 void check_contact_pressure(const FrameLoop& loop) {
   const SceneBody& body = loop.scene.bodies[0];
-  if (loop.session.body(0).answer.contact() != ContactKind::kAnywhere) {
+  if (loop.session.body(0).response.contact() != ContactKind::kAnywhere) {
     CHECK(body.contact_pressure.empty());
     return;
   }

@@ -58,7 +58,7 @@ void FingerPress::rest() {
 
 void FingerPress::advance(std::span<const Capsule> capsules) {
   const TouchReport report = solver_.advance(capsules, shown_, touches_);
-  held_back_ = report.held_back > kSettled ? report.held_back : 0;
+  left_to_move_ = report.left_to_move > kSettled ? report.left_to_move : 0;
 }
 
 double FingerPress::push() const { return level_ * deepest_; }

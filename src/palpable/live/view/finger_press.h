@@ -40,7 +40,7 @@ class FingerPress {
   /// Takes it away.
   void rest();
   /// The state is not there yet: another press() at the same place goes on.
-  [[nodiscard]] bool moving() const { return held_back_ > 0; }
+  [[nodiscard]] bool moving() const { return left_to_move_ > 0; }
 
   [[nodiscard]] double level() const { return level_; }
   [[nodiscard]] double force() const;              ///< N, of all touches together
@@ -70,7 +70,7 @@ class FingerPress {
   Eigen::Matrix3Xf normals_at_rest_;
   Place place_;
   double level_ = 0;
-  double held_back_ = 0;  // m
+  double left_to_move_ = 0;  // m
   SceneBody shown_;
   std::vector<Touch> touches_;
 };

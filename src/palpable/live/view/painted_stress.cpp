@@ -23,7 +23,7 @@ bool knows_stress(const Session& session, int number) {
 }
 
 bool knows_contact(const Session& session, int number) {
-  return session.body(number).answer.contact() == ContactKind::kAnywhere;
+  return session.body(number).response.contact() == ContactKind::kAnywhere;
 }
 
 void painted_stress(SceneShow::Field field, SceneShow::Component component,

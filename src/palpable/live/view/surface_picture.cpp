@@ -97,7 +97,7 @@ void SurfacePicture::gather_balls(const Session& session) {
   for (int k = 0; k < session.body_count(); ++k) {
     const Eigen::Isometry3f first_from_body =
         (session.body().world_from_body.inverse() * session.body(k).world_from_body).cast<float>();
-    for (ObjectBall ball : session.body(k).answer.surface().balls()) {
+    for (ObjectBall ball : session.body(k).response.surface().balls()) {
       if (k > 0) ball.centre = first_from_body * ball.centre;
       balls_.push_back(ball);
     }

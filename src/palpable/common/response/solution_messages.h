@@ -13,7 +13,7 @@
 ///     kSorry   from the answerer, instead: it cannot do this body. count bytes of text say why
 #pragma once
 
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_response.h"
 
 #include <Eigen/Core>
 
@@ -36,7 +36,7 @@ struct ExactMessage {
   /// @pre kind is kLoad. @param forces  overwritten
   void read_load(std::vector<VertexForce>& forces) const;
   /// @pre kind is kAnswer, and count is above 0. @param field  (3 x W), overwritten
-  void read_answer(Eigen::Matrix3Xf& field) const;
+  void read_solution(Eigen::Matrix3Xf& field) const;
   [[nodiscard]] std::string_view text() const;  ///< @pre kind is kSorry
 };
 
@@ -45,8 +45,8 @@ void write_ready(int nodes, std::vector<std::byte>& bytes);
 void write_load(std::uint32_t number, std::span<const VertexForce> forces,
                 std::vector<std::byte>& bytes);
 /// @param field  (3 x W); nothing: the body does not bear the load
-void write_answer(std::uint32_t number, const std::optional<Eigen::Matrix3Xf>& field,
-                  std::vector<std::byte>& bytes);
+void write_solution(std::uint32_t number, const std::optional<Eigen::Matrix3Xf>& field,
+                    std::vector<std::byte>& bytes);
 void write_sorry(std::string_view why, std::vector<std::byte>& bytes);
 
 /// Messages out of a stream of bytes that comes in pieces. Allocates in its constructor only.

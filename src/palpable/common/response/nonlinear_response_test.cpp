@@ -1,4 +1,4 @@
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_response.h"
 
 #include "tests/support/allocations.h"
 #include "tests/support/elastic_sheet.h"
@@ -39,9 +39,9 @@ SymmetricForm some_form(int variables, int degree, unsigned seed) {
 
 // A_x(c, c).
 VectorXd contracted(const FormRows& cubic, const VectorXd& c) {
-  const Eigen::VectorXf code = c.cast<float>();
+  const Eigen::VectorXf coordinates = c.cast<float>();
   std::vector<float> P(cubic.width(), 0.0f), result(kModes);
-  add_pairs({code.data(), kModes}, 1.0f, P);
+  add_pairs({coordinates.data(), kModes}, 1.0f, P);
   cubic.contract(P, result);
   return Eigen::Map<Eigen::VectorXf>(result.data(), kModes).cast<double>();
 }
@@ -94,13 +94,13 @@ TEST_CASE("each patch of load is answered by its region, near by its modes and f
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
   const CrossTable none;
-  NonlinearAnswer answer(body.compliance, body.regions, map, none);
+  NonlinearResponse answer(body.compliance, body.regions, map, none);
   const std::array vertices{14, 154};
-  answer.choose_blobs(vertices, std::array{1.0f, 2.0f}, {});
-  REQUIRE(answer.blob_count() == 2);
+  answer.choose_patches(vertices, std::array{1.0f, 2.0f}, {});
+  REQUIRE(answer.patch_count() == 2);
   CHECK(answer.regions()[0] == 1);  // the heavier one first
-  CHECK(answer.blob_of(154) == 0);
-  CHECK(answer.blob_of(14) == 1);
+  CHECK(answer.patch_of(154) == 0);
+  CHECK(answer.patch_of(14) == 1);
   const std::array loads{VertexForce{14, Vector3f(0.3f, 0, 1)},
                          VertexForce{154, Vector3f(0, 1, 2)}};
   answer.evaluate(loads);
@@ -113,13 +113,13 @@ TEST_CASE("each patch of load is answered by its region, near by its modes and f
     CHECK((answer.displacement_at(v) - all.col(v)).norm() <= 1e-5f * all.norm());
   }
   // Where one region is near and the other far: modes of the one, far shapes of the other.
-  for (int blob = 0; blob < 2; ++blob) {
-    const RegionTable& region = answer.region_of(blob);
+  for (int patch = 0; patch < 2; ++patch) {
+    const RegionTable& region = answer.region_of(patch);
     const VectorXd q =
-        Eigen::Map<const Eigen::VectorXf>(answer.q(blob).data(), kModes).cast<double>();
+        Eigen::Map<const Eigen::VectorXf>(answer.q(patch).data(), kModes).cast<double>();
     const int own = body.compliance.cluster_of(region.vertex);
     const VectorXd targets = as_numbers(region.far_shapes) * (as_numbers(region.far_shares) * q);
-    for (const int v : {blob == 0 ? 14 : 154}) {  // far from this region
+    for (const int v : {patch == 0 ? 14 : 154}) {  // far from this region
       const auto rank = static_cast<Eigen::Index>(body.compliance.rank());
       Eigen::Index row = 0;
       for (int c = 0; c < body.compliance.cluster_of(v); ++c) {
@@ -128,9 +128,9 @@ TEST_CASE("each patch of load is answered by its region, near by its modes and f
       const Eigen::VectorXf at_v = targets.segment(row, rank).cast<float>();
       const std::span<const float> target(at_v.data(), body.compliance.rank());
       const Vector3f far = body.compliance.beyond_at(v, target);
-      const RegionTable& other = answer.region_of(1 - blob);
+      const RegionTable& other = answer.region_of(1 - patch);
       const VectorXd q_other =
-          Eigen::Map<const Eigen::VectorXf>(answer.q(1 - blob).data(), kModes).cast<double>();
+          Eigen::Map<const Eigen::VectorXf>(answer.q(1 - patch).data(), kModes).cast<double>();
       const auto at = std::find(other.vertices.begin(), other.vertices.end(), v);
       const Eigen::Vector3d near_part =
           as_numbers(other.modes).middleRows(3 * (at - other.vertices.begin()), 3) * q_other;
@@ -140,12 +140,12 @@ TEST_CASE("each patch of load is answered by its region, near by its modes and f
   }
 }
 
-TEST_CASE("a blob's code and slope are those of its modes", "[response]") {
+TEST_CASE("a patch's coordinates and slope are those of its modes", "[response]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
-  NonlinearAnswer answer(body.compliance, body.regions, map, body.cross);
-  answer.choose_blobs(std::array{14}, std::array{1.0f}, {});
-  REQUIRE(answer.blob_count() == 1);
+  NonlinearResponse answer(body.compliance, body.regions, map, body.cross);
+  answer.choose_patches(std::array{14}, std::array{1.0f}, {});
+  REQUIRE(answer.patch_count() == 1);
   const auto u_at = [&](const Vector3f& force) {
     answer.evaluate(std::array{VertexForce{14, force}});
     return answer.displacement_at(15).cast<double>().eval();
@@ -169,16 +169,16 @@ TEST_CASE("a blob's code and slope are those of its modes", "[response]") {
   CHECK((by_tangent - slope).norm() <= tolerance(0.01, "the step's square, floats") * slope.norm());
 }
 
-TEST_CASE("what two blobs do to each other is the cross terms' product, and of one there is none",
+TEST_CASE("what two patches do to each other is the cross terms' product, and of one there is none",
           "[response]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
   const CrossTable none;
-  NonlinearAnswer with(body.compliance, body.regions, map, body.cross);
-  NonlinearAnswer without(body.compliance, body.regions, map, none);
+  NonlinearResponse with(body.compliance, body.regions, map, body.cross);
+  NonlinearResponse without(body.compliance, body.regions, map, none);
   const std::array both{VertexForce{14, Vector3f(1, 0, 2)}, VertexForce{154, Vector3f(0, 2, 1)}};
-  for (NonlinearAnswer* answer : {&with, &without}) {
-    answer->choose_blobs(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+  for (NonlinearResponse* answer : {&with, &without}) {
+    answer->choose_patches(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
     answer->evaluate(both);
   }
   // - A_x(c_0, c_1): the mixed part of - 1/2 A_x(c, c).
@@ -193,13 +193,13 @@ TEST_CASE("what two blobs do to each other is the cross terms' product, and of o
         (with.displacement_at(v) - without.displacement_at(v)).cast<double>();
     CHECK((found - expected).norm() <= tolerance(2e-3, "floats, 16 bits") * (X * q).norm());
   }
-  for (NonlinearAnswer* answer : {&with, &without}) {
-    answer->choose_blobs(std::array{14}, std::array{1.0f}, {});
+  for (NonlinearResponse* answer : {&with, &without}) {
+    answer->choose_patches(std::array{14}, std::array{1.0f}, {});
     answer->evaluate(std::array{both[0]});
   }
   CHECK(with.displacement_at(80) == without.displacement_at(80));
   CHECK(test::allocations_during([&] {
-          with.choose_blobs(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+          with.choose_patches(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
           with.evaluate(both);
         }) == 0);
 }
@@ -207,20 +207,20 @@ TEST_CASE("what two blobs do to each other is the cross terms' product, and of o
 TEST_CASE("of cross terms with many modes the leading ones are taken", "[response]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
-  constexpr int kMany = NonlinearAnswer::kCrossModes + 32;
+  constexpr int kMany = NonlinearResponse::kCrossModes + 32;
   CrossTable many, few;
   const MatrixXd X = some_numbers(3 * body.compliance.vertices(), kMany, 0.1, 77);
   many.modes = rounded(RowsOfFloats(X.cast<float>()));
   many.cubic = some_form(kMany, 3, 78);
-  few = leading(many, NonlinearAnswer::kCrossModes);
-  CHECK(few.cubic.variables == NonlinearAnswer::kCrossModes);
+  few = leading(many, NonlinearResponse::kCrossModes);
+  CHECK(few.cubic.variables == NonlinearResponse::kCrossModes);
   CHECK((as_numbers(few.modes) - as_numbers(many.modes).leftCols(few.cubic.variables)).isZero(0));
   CHECK(leading(few, kMany).modes.values == few.modes.values);
-  NonlinearAnswer one(body.compliance, body.regions, map, many);
-  NonlinearAnswer other(body.compliance, body.regions, map, few);
+  NonlinearResponse one(body.compliance, body.regions, map, many);
+  NonlinearResponse other(body.compliance, body.regions, map, few);
   const std::array both{VertexForce{14, Vector3f(1, 0, 2)}, VertexForce{154, Vector3f(0, 2, 1)}};
-  for (NonlinearAnswer* answer : {&one, &other}) {
-    answer->choose_blobs(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+  for (NonlinearResponse* answer : {&one, &other}) {
+    answer->choose_patches(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
     answer->evaluate(both);
   }
   CHECK(one.displacement_at(80) == other.displacement_at(80));
@@ -235,13 +235,13 @@ TEST_CASE("where two loads cancel far away, so does what each of them does there
   X = as_numbers(body.cross.modes);
   const RegionMap map(body.vertices, body.regions, 0.010);
   const CrossTable none;
-  NonlinearAnswer with(body.compliance, body.regions, map, body.cross);
-  NonlinearAnswer without(body.compliance, body.regions, map, none);
+  NonlinearResponse with(body.compliance, body.regions, map, body.cross);
+  NonlinearResponse without(body.compliance, body.regions, map, none);
   const FormRows cubic(body.cross.cubic);
   const auto cross_at = [&](int vertex, float size) -> Eigen::Vector3d {
     const Vector3f force = size * Vector3f(1, 0, 2);
-    for (NonlinearAnswer* answer : {&with, &without}) {
-      answer->choose_blobs(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+    for (NonlinearResponse* answer : {&with, &without}) {
+      answer->choose_patches(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
       answer->evaluate(std::array{VertexForce{14, force}, VertexForce{154, -force}});
     }
     return (with.displacement_at(vertex) - without.displacement_at(vertex)).cast<double>();

@@ -1,4 +1,4 @@
-#include "palpable/common/response/exact_messages.h"
+#include "palpable/common/response/solution_messages.h"
 
 #include "tests/support/allocations.h"
 #include "tests/support/test.h"
@@ -40,8 +40,8 @@ TEST_CASE("messages come back as they were written, in pieces of any size", "[re
   const auto add = [&] { all.insert(all.end(), one.begin(), one.end()); };
   write_ready(40, one), add();
   write_load(7, some_load(), one), add();
-  write_answer(7, some_field(), one), add();
-  write_answer(8, std::nullopt, one), add();
+  write_solution(7, some_field(), one), add();
+  write_solution(8, std::nullopt, one), add();
   write_sorry("no such file", one), add();
   for (const std::size_t at_a_time :
        {std::size_t{1}, std::size_t{31}, std::size_t{1000}, kLargest}) {
@@ -60,7 +60,7 @@ TEST_CASE("messages come back as they were written, in pieces of any size", "[re
       }
       if (m.kind == ExactMessage::Kind::kAnswer && m.number == 7) {
         Eigen::Matrix3Xf field;
-        m.read_answer(field);
+        m.read_solution(field);
         CHECK(field == some_field());
       }
       if (m.kind == ExactMessage::Kind::kAnswer && m.number == 8) CHECK(m.count == 0);

@@ -1,4 +1,4 @@
-#include "palpable/common/reduced/press_answer.h"
+#include "palpable/common/reduced/press_response.h"
 
 #include "palpable/common/base/error.h"
 #include "tests/support/bodies.h"
@@ -13,10 +13,10 @@ namespace {
 constexpr int kBall = 6;  // sites of the ball; its reaction comes after them
 
 TEST_CASE("one press is answered with its depth, its displacement and its stress",
-          "[reduced][press_answer]") {
+          "[reduced][press_response]") {
   const ReducedBody body = test::pressed_ball(0.05, 0.01);
   const std::array<PlacedLoad, 1> press{PlacedLoad{4, 0.5}};
-  const PressAnswer answer = answer_loads(body, press);
+  const PressResponse answer = find_press_response(body, press);
   REQUIRE(answer.depth.size() == 1);
   // The patch's weighted mean as it was baked; level 0.5 is the third of five.
   CHECK(answer.depth[0] == Approx(body.press_depth(2, 4)).epsilon(1e-6));
@@ -27,22 +27,22 @@ TEST_CASE("one press is answered with its depth, its displacement and its stress
 }
 
 TEST_CASE("several loads are answered together, without a stress, and refused by a body for one",
-          "[reduced][press_answer]") {
+          "[reduced][press_response]") {
   const ReducedBody single = test::pressed_ball(0.05, 0.01, 1);
   const std::array<PlacedLoad, 2> loads{PlacedLoad{4, 0.6}, PlacedLoad{kBall, 0.8}};
-  CHECK_THROWS_AS(answer_loads(single, loads), Error);
+  CHECK_THROWS_AS(find_press_response(single, loads), Error);
   const ReducedBody body = test::with_several(single);
-  const PressAnswer answer = answer_loads(body, loads);
+  const PressResponse answer = find_press_response(body, loads);
   REQUIRE(answer.depth.size() == 2);
   CHECK(answer.depth[0] > 0);
   CHECK_FALSE(answer.largest_von_mises.has_value());
   CHECK(answer.error == body.several->error_worst);
   // One load where the body only pushes back is no press at a site.
   const std::array<PlacedLoad, 1> reaction{PlacedLoad{kBall, 0.8}};
-  CHECK_FALSE(answer_loads(body, reaction).largest_von_mises.has_value());
+  CHECK_FALSE(find_press_response(body, reaction).largest_von_mises.has_value());
   // Beyond what the body was made for.
   const std::array<PlacedLoad, 2> too_much{PlacedLoad{4, 0.8}, PlacedLoad{0, 0.8}};
-  CHECK_THROWS_AS(answer_loads(body, too_much), Error);
+  CHECK_THROWS_AS(find_press_response(body, too_much), Error);
 }
 
 }  // namespace

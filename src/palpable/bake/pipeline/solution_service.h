@@ -1,5 +1,5 @@
 /// @file
-/// Answers loads exactly, one after the other, for a live run (response/exact_messages.h).
+/// Answers loads exactly, one after the other, for a live run (response/solution_messages.h).
 #pragma once
 
 #include "palpable/bake/describe/body_description.h"
@@ -19,6 +19,7 @@ namespace palpable {
 /// @param make_body  takes seconds
 /// @param in, out    file descriptors
 /// @return false where what came is no load of this body, or the output is closed
-bool answer_loads(const std::function<std::unique_ptr<FullBody>()>& make_body, int in, int out);
+bool serve_full_solutions(const std::function<std::unique_ptr<FullBody>()>& make_body, int in,
+                          int out);
 
 }  // namespace palpable

@@ -1,10 +1,10 @@
-#include "palpable/bake/pipeline/exact_service.h"
+#include "palpable/bake/pipeline/solution_service.h"
 
 #include "palpable/bake/describe/touch_mesh.h"
-#include "palpable/bake/touch_bake/exact_answer.h"
+#include "palpable/bake/touch_bake/full_solution.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/write_all.h"
-#include "palpable/common/response/exact_messages.h"
+#include "palpable/common/response/solution_messages.h"
 #include "palpable/common/response/touch_solver.h"
 
 #include <algorithm>
@@ -31,10 +31,11 @@ bool are_on(const SkinResponse& skin, const std::vector<VertexForce>& forces) {
 std::unique_ptr<FullBody> exact_body(const BodyDescription& description) {
   const BodyProblem problem = pose_for_touch(description);
   return std::make_unique<FullBody>(problem.model, problem.mesh.boundary, problem.preload,
-                                    EquilibriumSettings{.tolerance = kExactAnswerTolerance});
+                                    EquilibriumSettings{.tolerance = kFullSolutionTolerance});
 }
 
-bool answer_loads(const std::function<std::unique_ptr<FullBody>()>& make_body, int in, int out) {
+bool serve_full_solutions(const std::function<std::unique_ptr<FullBody>()>& make_body, int in,
+                          int out) {
   std::vector<std::byte> bytes;
   std::unique_ptr<FullBody> body;
   try {
@@ -55,9 +56,9 @@ bool answer_loads(const std::function<std::unique_ptr<FullBody>()>& make_body, i
       if (message->kind != ExactMessage::Kind::kLoad) return false;
       message->read_load(forces);
       if (!are_on(body->skin, forces)) return false;
-      write_answer(message->number,
-                   exact_answer(body->solver, body->skin, body->presses.preloaded(), forces),
-                   bytes);
+      write_solution(message->number,
+                     full_solution(body->solver, body->skin, body->presses.preloaded(), forces),
+                     bytes);
       if (!write_all(out, bytes)) return false;
     }
     if (messages.broken()) return false;

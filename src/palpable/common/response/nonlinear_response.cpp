@@ -1,4 +1,4 @@
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_response.h"
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/row_kernels.h"
@@ -70,8 +70,9 @@ CrossTable leading(const CrossTable& table, int modes) {
   return result;
 }
 
-NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const RegionTable> regions,
-                                 const RegionMap& map, const CrossTable& cross)
+NonlinearResponse::NonlinearResponse(const Compliance& compliance,
+                                     std::span<const RegionTable> regions, const RegionMap& map,
+                                     const CrossTable& cross)
     : compliance_(compliance), regions_(regions), map_(map), cross_(leading(cross, kCrossModes)) {
   int most_modes = 0, most_leading = 0;
   for (const RegionTable& region : regions) {
@@ -90,18 +91,18 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
       own_cluster_[region * C + index(compliance.cluster_of(v))] = 1;
     }
   }
-  chosen_.reserve(kMostBlobs);
-  blob_of_vertex_.assign(index(compliance.vertices()), -1);
+  chosen_.reserve(kMostPatches);
+  patch_of_vertex_.assign(index(compliance.vertices()), -1);
   asked_.reserve(index(compliance.vertices()));
-  answers_.assign(kMostBlobs, RegionAnswer(most_modes, most_leading));
+  answers_.assign(kMostPatches, RegionResponse(most_modes, most_leading));
   score_.resize(regions.size());
   most_modes_ = index(most_modes);
-  codes_.resize(kMostBlobs * most_modes_);
+  coordinates_.resize(kMostPatches * most_modes_);
   far_targets_.resize(C * k);
-  far_code_.resize(most_shapes);
+  far_coordinates_.resize(most_shapes);
   arriving_.resize(k);
-  cross_codes_.resize((kMostBlobs + 1) * x);
-  cross_codes_before_.resize(kMostBlobs * x);
+  cross_coordinates_.resize((kMostPatches + 1) * x);
+  cross_coordinates_before_.resize(kMostPatches * x);
   cross_cubic_ = FormRows(cross_.cubic);
   pairs_.resize(cross_cubic_.width());
   for (const RegionTable& region : regions) {
@@ -112,12 +113,12 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
 }
 
 // The region that covers most of the weight that is left, -1 if none covers any.
-int NonlinearAnswer::next_region(std::span<const int> vertices, std::span<const float> weights,
-                                 std::span<const int> before) {
+int NonlinearResponse::next_region(std::span<const int> vertices, std::span<const float> weights,
+                                   std::span<const int> before) {
   std::fill(score_.begin(), score_.end(), 0.0f);
   const float farthest = kJoins * static_cast<float>(map_.reach());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (!(weights[i] > 0) || blob_of_vertex_[vertices[i]] >= 0) continue;
+    if (!(weights[i] > 0) || patch_of_vertex_[vertices[i]] >= 0) continue;
     for (const RegionAtVertex& near : map_.at(vertices[i])) {
       const float share = std::min(1.0f, near.distance / farthest);
       score_[index(near.region)] += weights[i] * (1 - kEdge * share * share);
@@ -131,41 +132,42 @@ int NonlinearAnswer::next_region(std::span<const int> vertices, std::span<const 
   return static_cast<int>(best - score_.begin());
 }
 
-void NonlinearAnswer::choose_blobs(std::span<const int> vertices, std::span<const float> weights,
-                                   std::span<const int> before) {
-  for (const int v : asked_) blob_of_vertex_[v] = -1;
+void NonlinearResponse::choose_patches(std::span<const int> vertices,
+                                       std::span<const float> weights,
+                                       std::span<const int> before) {
+  for (const int v : asked_) patch_of_vertex_[v] = -1;
   asked_.assign(vertices.begin(), vertices.end());
   std::fill(asked_cluster_.begin(), asked_cluster_.end(), char{0});
   for (const int v : vertices) asked_cluster_[index(compliance_.cluster_of(v))] = 1;
   chosen_.clear();
-  while (chosen_.size() < kMostBlobs) {
+  while (chosen_.size() < kMostPatches) {
     const int region = next_region(vertices, weights, before);
     if (region < 0) break;
-    const int blob = static_cast<int>(chosen_.size());
+    const int patch = static_cast<int>(chosen_.size());
     chosen_.push_back(region);
     for (const int v : vertices) {
       for (const RegionAtVertex& near : map_.at(v)) {
-        if (near.region == region && blob_of_vertex_[v] < 0) blob_of_vertex_[v] = blob;
+        if (near.region == region && patch_of_vertex_[v] < 0) patch_of_vertex_[v] = patch;
       }
     }
   }
   for (const int v : vertices) {
-    if (blob_of_vertex_[v] >= 0) continue;
-    for (std::size_t b = 0; b < chosen_.size() && blob_of_vertex_[v] < 0; ++b) {
-      if (row_of(chosen_[b], v) >= 0) blob_of_vertex_[v] = static_cast<int>(b);
+    if (patch_of_vertex_[v] >= 0) continue;
+    for (std::size_t b = 0; b < chosen_.size() && patch_of_vertex_[v] < 0; ++b) {
+      if (row_of(chosen_[b], v) >= 0) patch_of_vertex_[v] = static_cast<int>(b);
     }
   }
 }
 
-int NonlinearAnswer::row_of(int region, int vertex) const {
+int NonlinearResponse::row_of(int region, int vertex) const {
   const std::vector<int>& known = regions_[index(region)].vertices;
   const auto at = std::lower_bound(known.begin(), known.end(), vertex);
   return at != known.end() && *at == vertex ? static_cast<int>(at - known.begin()) : -1;
 }
 
-bool NonlinearAnswer::add_mode_row(int blob, int vertex, const Vector3f& direction,
-                                   std::span<float> row) const {
-  const int region = chosen_[index(blob)];
+bool NonlinearResponse::add_mode_row(int patch, int vertex, const Vector3f& direction,
+                                     std::span<float> row) const {
+  const int region = chosen_[index(patch)];
   const int at = row_of(region, vertex);
   if (at < 0) return false;
   const RoundedRows& modes = regions_[index(region)].modes;
@@ -173,26 +175,27 @@ bool NonlinearAnswer::add_mode_row(int blob, int vertex, const Vector3f& directi
   return true;
 }
 
-void NonlinearAnswer::evaluate(std::span<const VertexForce> loads, CrossTerms cross) {
+void NonlinearResponse::evaluate(std::span<const VertexForce> loads, CrossTerms cross) {
   std::fill(far_targets_.begin(), far_targets_.end(), 0.0f);
   last_share_ = 0;
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const RegionTable& region = regions_[index(chosen_[b])];
-    const std::span<float> code(codes_.data() + b * most_modes_, index(region.mode_count()));
-    std::fill(code.begin(), code.end(), 0.0f);
+    const std::span<float> coordinates(coordinates_.data() + b * most_modes_,
+                                       index(region.mode_count()));
+    std::fill(coordinates.begin(), coordinates.end(), 0.0f);
     for (const VertexForce& load : loads) {
-      if (blob_of_vertex_[load.vertex] == static_cast<int>(b) && !load.force.isZero(0)) {
-        add_mode_row(static_cast<int>(b), load.vertex, load.force, code);
+      if (patch_of_vertex_[load.vertex] == static_cast<int>(b) && !load.force.isZero(0)) {
+        add_mode_row(static_cast<int>(b), load.vertex, load.force, coordinates);
       }
     }
-    answers_[b].evaluate({cubic_[index(chosen_[b])], quartic_[index(chosen_[b])]}, code);
+    answers_[b].evaluate({cubic_[index(chosen_[b])], quartic_[index(chosen_[b])]}, coordinates);
     last_share_ = std::max(last_share_, answers_[b].last_share());
     add_far_targets(chosen_[b], answers_[b].q(), asked_cluster_);
   }
   if (has_cross_terms() && cross == CrossTerms::kAnew) evaluate_cross_terms(loads);
 }
 
-void NonlinearAnswer::find_far_targets() {
+void NonlinearResponse::find_far_targets() {
   std::fill(far_targets_.begin(), far_targets_.end(), 0.0f);
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     add_far_targets(chosen_[b], answers_[b].q(), every_cluster_);
@@ -200,20 +203,20 @@ void NonlinearAnswer::find_far_targets() {
 }
 
 // What the region's modes do in those of the clusters that are not its own.
-void NonlinearAnswer::add_far_targets(int region, std::span<const float> q,
-                                      std::span<const char> clusters) {
+void NonlinearResponse::add_far_targets(int region, std::span<const float> q,
+                                        std::span<const char> clusters) {
   const RegionTable& table = regions_[index(region)];
   const std::size_t C = index(compliance_.clusters()), k = compliance_.rank();
-  const std::span<float> code(far_code_.data(), table.far_count());
-  best_row_kernels().dots(table.far_shares.row(0), code.size(), q, code.data());
-  for (std::size_t j = 0; j < code.size(); ++j) code[j] *= table.far_shares.scale[j];
+  const std::span<float> coordinates(far_coordinates_.data(), table.far_count());
+  best_row_kernels().dots(table.far_shares.row(0), coordinates.size(), q, coordinates.data());
+  for (std::size_t j = 0; j < coordinates.size(); ++j) coordinates[j] *= table.far_shares.scale[j];
   std::size_t row = 0;
   for (std::size_t to = 0; to < C; ++to) {
     if (own_cluster_[index(region) * C + to] != 0) continue;
     const std::size_t first = row;
     row += k;
     if (clusters[to] == 0) continue;
-    best_row_kernels().dots(table.far_shapes.row(first), k, code, arriving_.data());
+    best_row_kernels().dots(table.far_shapes.row(first), k, coordinates, arriving_.data());
     float* target = far_targets_.data() + to * k;
     for (std::size_t i = 0; i < k; ++i) {
       target[i] += table.far_shapes.scale[first + i] * arriving_[i];
@@ -221,33 +224,33 @@ void NonlinearAnswer::add_far_targets(int region, std::span<const float> q,
   }
 }
 
-bool NonlinearAnswer::has_cross_terms() const {
+bool NonlinearResponse::has_cross_terms() const {
   return chosen_.size() > 1 && cross_.cubic.variables > 0;
 }
 
-void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
+void NonlinearResponse::evaluate_cross_terms(std::span<const VertexForce> loads) {
   const std::size_t x = cross_.modes.width;
-  std::fill(cross_codes_.begin(), cross_codes_.end(), 0.0f);
+  std::fill(cross_coordinates_.begin(), cross_coordinates_.end(), 0.0f);
   const auto code_of = [&](std::size_t b) {
-    return std::span<float>(cross_codes_.data() + b * x, x);
+    return std::span<float>(cross_coordinates_.data() + b * x, x);
   };
   for (const VertexForce& load : loads) {
-    const int blob = blob_of_vertex_[load.vertex];
-    if (blob < 0 || load.force.isZero(0)) continue;
-    add_rows(cross_.modes, 3 * index(load.vertex), {load.force.data(), 3}, code_of(index(blob)));
+    const int patch = patch_of_vertex_[load.vertex];
+    if (patch < 0 || load.force.isZero(0)) continue;
+    add_rows(cross_.modes, 3 * index(load.vertex), {load.force.data(), 3}, code_of(index(patch)));
   }
   const std::size_t count = chosen_.size() * x;
-  if (cross_blobs_ == chosen_.size()) {
+  if (cross_patches_ == chosen_.size()) {
     float change = 0, all = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      const float by = cross_codes_[i] - cross_codes_before_[i];
+      const float by = cross_coordinates_[i] - cross_coordinates_before_[i];
       change += by * by;
-      all += cross_codes_[i] * cross_codes_[i];
+      all += cross_coordinates_[i] * cross_coordinates_[i];
     }
     if (change <= kSameLoads * kSameLoads * all) return;
   }
-  cross_blobs_ = chosen_.size();
-  std::copy_n(cross_codes_.begin(), count, cross_codes_before_.begin());
+  cross_patches_ = chosen_.size();
+  std::copy_n(cross_coordinates_.begin(), count, cross_coordinates_before_.begin());
   std::fill(pairs_.begin(), pairs_.end(), 0.0f);
   const std::span<float> sum = code_of(chosen_.size());
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
@@ -258,7 +261,7 @@ void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
   cross_cubic_.contract(pairs_, cross_q_);
   // What is of the second order is small, or the order says nothing.
   float first = 0, second = 0;
-  for (std::size_t i = 0; i < count; ++i) first += cross_codes_[i] * cross_codes_[i];
+  for (std::size_t i = 0; i < count; ++i) first += cross_coordinates_[i] * cross_coordinates_[i];
   for (const float q : cross_q_) second += q * q;
   const float most = kCrossEnd * kCrossEnd * first;
   if (second > most) {
@@ -266,7 +269,7 @@ void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
   }
 }
 
-Vector3f NonlinearAnswer::displacement_at(int vertex) const {
+Vector3f NonlinearResponse::displacement_at(int vertex) const {
   const std::size_t k = compliance_.rank();
   Vector3f u = compliance_.beyond_at(
       vertex, std::span(far_targets_).subspan(index(compliance_.cluster_of(vertex)) * k, k));
@@ -278,7 +281,7 @@ Vector3f NonlinearAnswer::displacement_at(int vertex) const {
   return u;
 }
 
-void NonlinearAnswer::add_near(Eigen::Ref<Matrix3Xf> u) const {
+void NonlinearResponse::add_near(Eigen::Ref<Matrix3Xf> u) const {
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const RegionTable& region = regions_[index(chosen_[b])];
     for (std::size_t k = 0; k < region.vertices.size() && region.vertices[k] < u.cols(); ++k) {
@@ -287,7 +290,7 @@ void NonlinearAnswer::add_near(Eigen::Ref<Matrix3Xf> u) const {
   }
 }
 
-void NonlinearAnswer::add_cross(Eigen::Ref<Matrix3Xf> u) const {
+void NonlinearResponse::add_cross(Eigen::Ref<Matrix3Xf> u) const {
   if (!has_cross_terms()) return;
   for (int v = 0; v < u.cols(); ++v) u.col(v) += at_node(cross_.modes, index(v), cross_q_);
 }

@@ -1,4 +1,4 @@
-#include "palpable/bake/touch_bake/exact_answer.h"
+#include "palpable/bake/touch_bake/full_solution.h"
 
 #include "palpable/common/base/contract.h"
 
@@ -9,9 +9,9 @@ namespace palpable {
 using Eigen::Index;
 using Eigen::Matrix3Xd;
 
-std::optional<Eigen::Matrix3Xf> exact_answer(const EquilibriumSolver& solver,
-                                             const SkinResponse& skin, const Preloaded* preloaded,
-                                             std::span<const VertexForce> forces) {
+std::optional<Eigen::Matrix3Xf> full_solution(const EquilibriumSolver& solver,
+                                              const SkinResponse& skin, const Preloaded* preloaded,
+                                              std::span<const VertexForce> forces) {
   Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * Index{skin.vertex_count()});
   for (const VertexForce& f : forces) {
     PALPABLE_EXPECT(0 <= f.vertex && f.vertex < skin.vertex_count(), "forces act on the skin");

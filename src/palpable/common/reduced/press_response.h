@@ -12,7 +12,7 @@
 
 namespace palpable {
 
-struct PressAnswer {
+struct PressResponse {
   std::vector<double> depth;                ///< m, how far each load's place moves along it
   std::vector<float> displacement;          ///< (3V) m
   std::optional<double> largest_von_mises;  ///< Pa; not known under several loads
@@ -22,6 +22,7 @@ struct PressAnswer {
 /// One load at a site is answered by the separated fields, everything else by LoadedBody.
 /// @param loads  at least one
 /// @throws Error when the body does not answer these loads, with what it does answer
-[[nodiscard]] PressAnswer answer_loads(const ReducedBody& body, std::span<const PlacedLoad> loads);
+[[nodiscard]] PressResponse find_press_response(const ReducedBody& body,
+                                                std::span<const PlacedLoad> loads);
 
 }  // namespace palpable

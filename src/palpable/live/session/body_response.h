@@ -6,7 +6,7 @@
 #pragma once
 
 #include "palpable/common/contact/contact_solver.h"
-#include "palpable/common/contact/fixed_skin.h"
+#include "palpable/common/contact/prescribed_skin.h"
 #include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/pixel_box.h"
@@ -29,7 +29,7 @@
 namespace palpable {
 
 /// How touches are answered.
-struct AnswerSettings {
+struct ResponseSettings {
   ContactKind contact = ContactKind::kAnywhere;
   ObjectSurfaceSettings surface{};
   TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of what a camera knows
@@ -39,13 +39,14 @@ struct AnswerSettings {
 
 /// Remembers its state from frame to frame. Where nothing presses it costs next to nothing.
 /// Allocates nothing after the first frames.
-class BodyAnswer {
+class BodyResponse {
  public:
   /// @param twin  of the same make (are_twins()), or none: both read the same numbers; outlives
   /// this
-  BodyAnswer(TouchableBody body, const AnswerSettings& settings, const BodyAnswer* twin = nullptr);
-  BodyAnswer(const BodyAnswer&) = delete;  // its law points to the body
-  BodyAnswer& operator=(const BodyAnswer&) = delete;
+  BodyResponse(TouchableBody body, const ResponseSettings& settings,
+               const BodyResponse* twin = nullptr);
+  BodyResponse(const BodyResponse&) = delete;  // its law points to the body
+  BodyResponse& operator=(const BodyResponse&) = delete;
 
   /// The part of the image in which things that matter to the body may be seen.
   [[nodiscard]] PixelBox box_of_interest(const Rigid3& camera_from_body,
@@ -105,7 +106,7 @@ class BodyAnswer {
   [[nodiscard]] const ObjectSurface& surface() const { return surface_; }
 
  private:
-  [[nodiscard]] BodyLaw make_law(const AnswerSettings& settings, const BodyAnswer* twin);
+  [[nodiscard]] BodyLaw make_law(const ResponseSettings& settings, const BodyResponse* twin);
 
   ReducedBody body_;
   std::optional<TouchTables> tables_;
@@ -114,7 +115,7 @@ class BodyAnswer {
   Eigen::AlignedBox3d region_;
   ObjectSurface surface_;
   BodyLaw law_;
-  std::optional<FixedSkin> obstacle_;  // where others need one
+  std::optional<PrescribedSkin> obstacle_;  // where others need one
 };
 
 }  // namespace palpable

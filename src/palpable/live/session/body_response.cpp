@@ -1,4 +1,4 @@
-#include "palpable/live/session/body_answer.h"
+#include "palpable/live/session/body_response.h"
 
 #include "palpable/common/base/contract.h"
 
@@ -7,7 +7,8 @@
 
 namespace palpable {
 
-BodyAnswer::BodyAnswer(TouchableBody body, const AnswerSettings& settings, const BodyAnswer* twin)
+BodyResponse::BodyResponse(TouchableBody body, const ResponseSettings& settings,
+                           const BodyResponse* twin)
     : body_(std::move(body.body)),
       tables_(std::move(body.touch)),
       modal_(std::move(body.modal)),
@@ -16,7 +17,7 @@ BodyAnswer::BodyAnswer(TouchableBody body, const AnswerSettings& settings, const
       surface_(settings.surface),
       law_(make_law(settings, twin)) {}
 
-BodyLaw BodyAnswer::make_law(const AnswerSettings& settings, const BodyAnswer* twin) {
+BodyLaw BodyResponse::make_law(const ResponseSettings& settings, const BodyResponse* twin) {
   if (settings.contact == ContactKind::kPaper) {
     return BodyLaw(std::in_place_type<PaperLaw>, body_, region_, settings.paper);
   }
@@ -31,45 +32,45 @@ BodyLaw BodyAnswer::make_law(const AnswerSettings& settings, const BodyAnswer* t
   return BodyLaw(std::in_place_type<SitesLaw>, body_, settings.press);
 }
 
-TouchableBody BodyAnswer::take_body() {
+TouchableBody BodyResponse::take_body() {
   return TouchableBody(std::move(body_), std::move(tables_), std::move(modal_));
 }
 
-ContactKind BodyAnswer::contact() const {
+ContactKind BodyResponse::contact() const {
   return std::visit([](const auto& law) { return law.kKind; }, law_);
 }
 
-bool BodyAnswer::asks_for_others() const { return std::holds_alternative<PaperLaw>(law_); }
+bool BodyResponse::asks_for_others() const { return std::holds_alternative<PaperLaw>(law_); }
 
-const ModalTables* BodyAnswer::modal() const {
+const ModalTables* BodyResponse::modal() const {
   const auto* law = std::get_if<ModesLaw>(&law_);
   return law != nullptr ? &law->tables() : nullptr;
 }
 
-const TouchTables* BodyAnswer::tables() const {
+const TouchTables* BodyResponse::tables() const {
   const auto* law = std::get_if<TablesLaw>(&law_);
   return law != nullptr ? &law->tables() : nullptr;
 }
 
-PixelBox BodyAnswer::box_of_interest(const Rigid3& camera_from_body,
-                                     const PinholeCamera& camera) const {
+PixelBox BodyResponse::box_of_interest(const Rigid3& camera_from_body,
+                                       const PinholeCamera& camera) const {
   return surface_.box_of_interest(region_, camera_from_body, camera);
 }
 
-void BodyAnswer::look(const SeenFrame& seen, const MaskImage& shows,
-                      const Rigid3& camera_from_body) {
+void BodyResponse::look(const SeenFrame& seen, const MaskImage& shows,
+                        const Rigid3& camera_from_body) {
   surface_.build(seen.depth, shows, seen.depth_camera, camera_from_body.inverse(), region_,
                  seen.time);
 }
 
-void BodyAnswer::find_touches(double time, std::span<const Eigen::Vector3f> others, int by,
-                              std::vector<Touch>& touches) {
+void BodyResponse::find_touches(double time, std::span<const Eigen::Vector3f> others, int by,
+                                std::vector<Touch>& touches) {
   const Pressing pressing{surface_, time, others, by};
   std::visit([&](auto& law) { law.find_touches(pressing, touches); }, law_);
 }
 
-void BodyAnswer::reconstruct(const std::vector<Touch>& touches, const SceneExtras& extras,
-                             SceneBody& shown) {
+void BodyResponse::reconstruct(const std::vector<Touch>& touches, const SceneExtras& extras,
+                               SceneBody& shown) {
   std::visit([&](auto& law) { law.reconstruct(rest_, touches, extras, shown); }, law_);
 }
 
@@ -80,11 +81,11 @@ constexpr bool kGivesWay = std::is_same_v<Law, TablesLaw> || std::is_same_v<Law,
 
 }  // namespace
 
-bool BodyAnswer::gives_way() const {
+bool BodyResponse::gives_way() const {
   return std::visit([](const auto& law) { return kGivesWay<std::decay_t<decltype(law)>>; }, law_);
 }
 
-ContactBody& BodyAnswer::contact_body() {
+ContactBody& BodyResponse::contact_body() {
   return std::visit(
       [this](auto& law) -> ContactBody& {
         if constexpr (kGivesWay<std::decay_t<decltype(law)>>) {
@@ -97,7 +98,7 @@ ContactBody& BodyAnswer::contact_body() {
       law_);
 }
 
-ContactSolver::Near BodyAnswer::near() const {
+ContactSolver::Near BodyResponse::near() const {
   return std::visit(
       [this](const auto& law) -> ContactSolver::Near {
         if constexpr (kGivesWay<std::decay_t<decltype(law)>>) {
@@ -109,7 +110,7 @@ ContactSolver::Near BodyAnswer::near() const {
       law_);
 }
 
-void BodyAnswer::join(const ContactSolver& together, int number) {
+void BodyResponse::join(const ContactSolver& together, int number) {
   std::visit(
       [&](auto& law) {
         if constexpr (kGivesWay<std::decay_t<decltype(law)>>) law.join(together, number);
@@ -117,31 +118,31 @@ void BodyAnswer::join(const ContactSolver& together, int number) {
       law_);
 }
 
-ContactReport BodyAnswer::report() const {
+ContactReport BodyResponse::report() const {
   const auto* law = std::get_if<TablesLaw>(&law_);
   return law != nullptr ? law->report() : ContactReport();
 }
 
-void BodyAnswer::move_obstacle(const Eigen::Matrix3Xf& vertices) {
+void BodyResponse::move_obstacle(const Eigen::Matrix3Xf& vertices) {
   if (obstacle_) obstacle_->move(vertices);
 }
 
-void BodyAnswer::refine_with(Refiner refiner) {
+void BodyResponse::refine_with(Refiner refiner) {
   if (auto* law = std::get_if<TablesLaw>(&law_)) law->refiner.emplace(std::move(refiner));
 }
 
-const TouchState& BodyAnswer::touched() const {
+const TouchState& BodyResponse::touched() const {
   const auto* law = std::get_if<TablesLaw>(&law_);
   PALPABLE_EXPECT(law != nullptr, "tables remember a state");
   return law->state();
 }
 
-const Refiner* BodyAnswer::refiner() const {
+const Refiner* BodyResponse::refiner() const {
   const auto* law = std::get_if<TablesLaw>(&law_);
   return law != nullptr && law->refiner ? &*law->refiner : nullptr;
 }
 
-Refiner* BodyAnswer::refiner() {
+Refiner* BodyResponse::refiner() {
   auto* law = std::get_if<TablesLaw>(&law_);
   return law != nullptr && law->refiner ? &*law->refiner : nullptr;
 }

@@ -1,8 +1,8 @@
-#include "palpable/bake/pipeline/exact_service.h"
+#include "palpable/bake/pipeline/solution_service.h"
 
-#include "palpable/bake/touch_bake/exact_answer.h"
+#include "palpable/bake/touch_bake/full_solution.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/response/exact_messages.h"
+#include "palpable/common/response/solution_messages.h"
 #include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 
@@ -30,7 +30,7 @@ class Service {
     REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends) == 0);
     here_ = ends[0];
     thread_ = std::thread([this, make_body = std::move(make_body), there = ends[1]] {
-      result_ = answer_loads(make_body, there, there);
+      result_ = serve_full_solutions(make_body, there, there);
       ::close(there);
     });
   }
@@ -85,8 +85,8 @@ TEST_CASE("the service answers loads one after the other as the solver does", "[
     REQUIRE(answer.kind == ExactMessage::Kind::kAnswer);
     CHECK(answer.number == number);
     Eigen::Matrix3Xf field;
-    answer.read_answer(field);
-    CHECK(field == exact_answer(body->solver, body->skin, nullptr, load).value());
+    answer.read_solution(field);
+    CHECK(field == full_solution(body->solver, body->skin, nullptr, load).value());
   }
   write_load(10, std::vector<VertexForce>{{top, {0, 0, -1e6f}}}, bytes);
   service.send(bytes);

@@ -18,10 +18,10 @@
 namespace palpable {
 
 /// Allocates in its constructor.
-class FixedSkin final : public ContactBody {
+class PrescribedSkin final : public ContactBody {
  public:
   /// @param skin  closed; at rest
-  explicit FixedSkin(const SurfaceMesh& skin)
+  explicit PrescribedSkin(const SurfaceMesh& skin)
       : rest_(skin.vertices.cast<float>()), now_at_(rest_), surface_(skin) {}
 
   /// Where it is from now on. @param vertices  (3 x V) m
@@ -75,7 +75,7 @@ class FixedSkin final : public ContactBody {
   void keep(bool) override { forces_.clear(); }
   void end_frame(double) override {}
   [[nodiscard]] double moved() const override { return 0; }
-  void hold_back(double) override {}
+  void limit_step(double) override {}
 
  private:
   static Eigen::Vector3f no_point() {

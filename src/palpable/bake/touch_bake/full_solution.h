@@ -8,7 +8,7 @@
 
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/bake/touch_bake/skin_response.h"
-#include "palpable/common/response/nonlinear_answer.h"
+#include "palpable/common/response/nonlinear_response.h"
 
 #include <Eigen/Core>
 
@@ -18,15 +18,15 @@
 namespace palpable {
 
 /// The relative residual that is enough: a hundredth of what tables leave out.
-inline constexpr double kExactAnswerTolerance = 1e-4;
+inline constexpr double kFullSolutionTolerance = 1e-4;
 
 /// (3 x W) m, how far the shell's nodes move under these forces from where nothing presses; nothing
 /// where the body does not bear them. A pure function of its arguments.
 /// @param solver     of the model that `skin` belongs to
 /// @param preloaded  what acts already; nullptr: nothing
-[[nodiscard]] std::optional<Eigen::Matrix3Xf> exact_answer(const EquilibriumSolver& solver,
-                                                           const SkinResponse& skin,
-                                                           const Preloaded* preloaded,
-                                                           std::span<const VertexForce> forces);
+[[nodiscard]] std::optional<Eigen::Matrix3Xf> full_solution(const EquilibriumSolver& solver,
+                                                            const SkinResponse& skin,
+                                                            const Preloaded* preloaded,
+                                                            std::span<const VertexForce> forces);
 
 }  // namespace palpable

@@ -1,4 +1,4 @@
-#include "palpable/common/reduced/press_answer.h"
+#include "palpable/common/reduced/press_response.h"
 
 #include "palpable/common/base/contract.h"
 
@@ -8,12 +8,12 @@
 namespace palpable {
 namespace {
 
-PressAnswer under_one(const ReducedBody& body, const PlacedLoad& load) {
+PressResponse under_one(const ReducedBody& body, const PlacedLoad& load) {
   const std::array<double, 2> mu{static_cast<double>(load.place), load.level};
-  PressAnswer answer{{press_depth_of_level(body, load.place, load.level)},
-                     std::vector<float>(body.displacement.value_count()),
-                     {},
-                     body.error.displacement_worst};
+  PressResponse answer{{press_depth_of_level(body, load.place, load.level)},
+                       std::vector<float>(body.displacement.value_count()),
+                       {},
+                       body.error.displacement_worst};
   std::vector<float> stress(2 * answer.displacement.size()), of_mises(stress.size() / 6);
   body.displacement.evaluate(mu, answer.displacement);
   body.stress.evaluate(mu, stress);
@@ -22,11 +22,11 @@ PressAnswer under_one(const ReducedBody& body, const PlacedLoad& load) {
   return answer;
 }
 
-PressAnswer under_several(const ReducedBody& body, std::span<const PlacedLoad> loads) {
+PressResponse under_several(const ReducedBody& body, std::span<const PlacedLoad> loads) {
   LoadedBody loaded = value_or_throw(LoadedBody::make(body));
   const LoadedBody::Answer found = loaded.solve(loads);
   if (!found.ok()) throw Error(refusal_text(body, found, loads));
-  PressAnswer answer;
+  PressResponse answer;
   answer.displacement.resize(body.displacement.value_count());
   loaded.displacement(answer.displacement);
   for (const PlacedLoad& load : loads) answer.depth.push_back(loaded.press_depth(load.place));
@@ -36,7 +36,7 @@ PressAnswer under_several(const ReducedBody& body, std::span<const PlacedLoad> l
 
 }  // namespace
 
-PressAnswer answer_loads(const ReducedBody& body, std::span<const PlacedLoad> loads) {
+PressResponse find_press_response(const ReducedBody& body, std::span<const PlacedLoad> loads) {
   PALPABLE_EXPECT(!loads.empty(), "a body at rest is no answer");
   const bool at_one_site = loads.size() == 1 && loads[0].place < std::ssize(body.sites);
   return at_one_site ? under_one(body, loads[0]) : under_several(body, loads);

@@ -1,4 +1,4 @@
-#include "palpable/bake/touch_bake/exact_answer.h"
+#include "palpable/bake/touch_bake/full_solution.h"
 
 #include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
@@ -15,7 +15,7 @@ using test::tolerance;
 TEST_CASE("the exact answer to a load is its series, as far as that goes", "[touch_bake]") {
   const SolidModel model =
       test::standing_rubber(box_tets({-0.03, -0.025, 0}, {0.03, 0.025, 0.04}, 6, 5, 4));
-  const EquilibriumSolver solver(model, {.tolerance = kExactAnswerTolerance});
+  const EquilibriumSolver solver(model, {.tolerance = kFullSolutionTolerance});
   const SkinResponse skin(model, boundary_of(model.mesh));
   int top = 0;
   for (int v = 0; v < skin.vertex_count(); ++v)
@@ -31,7 +31,7 @@ TEST_CASE("the exact answer to a load is its series, as far as that goes", "[tou
   const VectorXd u_2 = -body.linear(body.second_force(u_1));
   const VectorXd u_3 = -body.linear(body.third_force(u_1, u_2));
   const auto error = [&](const VectorXd& u) {
-    const auto exact = exact_answer(solver, skin, nullptr, load(0.5f));
+    const auto exact = full_solution(solver, skin, nullptr, load(0.5f));
     REQUIRE(exact);
     REQUIRE(exact->cols() == skin.shell_count());
     const VectorXd wanted = skin.in_shell(u);
@@ -42,11 +42,11 @@ TEST_CASE("the exact answer to a load is its series, as far as that goes", "[tou
   CHECK(two < 0.5 * one);
   CHECK(three < 0.5 * two);
 
-  CHECK_FALSE(exact_answer(solver, skin, nullptr, {}));
-  CHECK_FALSE(exact_answer(solver, skin, nullptr, load(1e6f)));
+  CHECK_FALSE(full_solution(solver, skin, nullptr, {}));
+  CHECK_FALSE(full_solution(solver, skin, nullptr, load(1e6f)));
   const int held = static_cast<int>(std::find(skin.fixed().begin(), skin.fixed().end(), 1) -
                                     skin.fixed().begin());
-  CHECK_FALSE(exact_answer(solver, skin, nullptr, std::vector<VertexForce>{{held, {0, 0, 1}}}));
+  CHECK_FALSE(full_solution(solver, skin, nullptr, std::vector<VertexForce>{{held, {0, 0, 1}}}));
 }
 
 }  // namespace

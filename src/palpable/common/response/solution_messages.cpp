@@ -1,4 +1,4 @@
-#include "palpable/common/response/exact_messages.h"
+#include "palpable/common/response/solution_messages.h"
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/fnv1a.h"
@@ -68,7 +68,7 @@ void ExactMessage::read_load(std::vector<VertexForce>& forces) const {
   }
 }
 
-void ExactMessage::read_answer(Eigen::Matrix3Xf& field) const {
+void ExactMessage::read_solution(Eigen::Matrix3Xf& field) const {
   PALPABLE_EXPECT(kind == Kind::kAnswer && count > 0, "only an answer has a field");
   field.resize(3, static_cast<Eigen::Index>(count));
   std::memcpy(field.data(), payload.data(), payload.size());
@@ -98,8 +98,8 @@ void write_load(std::uint32_t number, std::span<const VertexForce> forces,
          bytes);
 }
 
-void write_answer(std::uint32_t number, const std::optional<Eigen::Matrix3Xf>& field,
-                  std::vector<std::byte>& bytes) {
+void write_solution(std::uint32_t number, const std::optional<Eigen::Matrix3Xf>& field,
+                    std::vector<std::byte>& bytes) {
   const std::size_t nodes = field ? static_cast<std::size_t>(field->cols()) : 0;
   bytes.resize(sizeof(Header) + nodes * 3 * sizeof(float));
   if (nodes > 0)
