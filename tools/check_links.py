@@ -40,7 +40,7 @@ def main():
     wrong = [f"{file} links {name}, which belongs to the bake half" for name in needed if FORBIDDEN.match(name)]
     names = output_of("nm", "-C", file)
     if "palpable::" not in names:
-        sys.exit(f"check_links: {file} was stripped: nobody can tell what it holds")
+        sys.exit(f"check_links: {file} was stripped: what it holds cannot be read")
     wrong += [f"{file} holds palpable::{name}, which belongs to the bake half"
               for name in sorted(set(BAKE_HALF.findall(names)))]
     for header in headers:

@@ -58,25 +58,32 @@ def sources_of(changed, known):
     return lines
 
 
+def compiled_files(path):
+    """The files that an entry of the database compiles: itself, or those of a module that is compiled as one."""
+    if "/Unity/" not in str(path):
+        return [path]
+    return [Path(name) for name in re.findall(r'^#include "(.+)"', path.read_text(), re.MULTILINE)]
+
+
 def commands():
-    """{file from the root: (folder, words of its compilation without what only GCC knows)}"""
+    """{file from the root: (folder, words of its compilation without sanitizers and precompiled headers)}"""
     found = {}
     for entry in json.loads(DATABASE.read_text()):
-        path = Path(entry["file"])
-        if ROOT not in path.parents or ROOT / "build" in path.parents:
-            continue
         words = shlex.split(entry["command"])
-        while not re.search(r"(g\+\+|c\+\+)[\d.-]*$", words[0]):
+        while not re.search(r"(g\+\+|c\+\+|clang\+\+)[\d.-]*$", words[0]):
             words = words[1:]  # env, ccache
         kept, skip = [], False
         for at, word in enumerate(words):
             if skip:
                 skip = False
-            elif word == "-include" and "cmake_pch" in words[at + 1]:
+            elif word == "-Xclang" or (word == "-include" and "cmake_pch" in words[at + 1]):
                 skip = True
             elif word not in SKIPPED_OPTIONS and not word.startswith(("-fsanitize", "-fno-sanitize", "--param=")):
                 kept.append(word)
-        found[str(path.relative_to(ROOT))] = (entry["directory"], kept)
+        for path in compiled_files(Path(entry["file"])):
+            if ROOT in path.parents and ROOT / "build" not in path.parents:
+                to_file = [str(path) if word == entry["file"] else word for word in kept]
+                found[str(path.relative_to(ROOT))] = (entry["directory"], to_file)
     return found
 
 

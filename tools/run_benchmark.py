@@ -17,7 +17,7 @@ hand is kept too. --only without a name runs nothing and writes the tables anew.
 --data (default ../shared/data) are played by the same commands; those with a true camera path are scored for
 it. Then: tools/write_results.py.
 
-Seeds from 1000 on are held out: nobody tunes to them. --fresh draws one for each sequence, prints them, and
+Seeds from 1000 on are held out: they are not used for tuning. --fresh draws one for each sequence, prints them, and
 writes its figures into chain-fresh.json beside the others.
 """
 import argparse
@@ -39,7 +39,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 HELD_OUT = range(1000, 1_000_000)  # seeds
 
-# Places are where a person might put the body; nobody has measured them. {data} and {work} are folders;
+# Places are where a person might put the body; they were not measured. {data} and {work} are folders;
 # "intrinsics" is written to {work}/intrinsics.txt; "poses": the set states its true camera path.
 REAL = {
     "hands_squirrel": {"folder": "hands_squirrel", "place": "-0.125 0.063 0.667 0 29 0", "words": []},

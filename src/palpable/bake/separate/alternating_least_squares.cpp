@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// x of min |B - x A^T| given B A and A^T A.
+// The x that minimises |B - x A^T|, from B A and A^T A.
 MatrixXd least_squares(const MatrixXd& BA, MatrixXd AtA) {
   AtA.diagonal().array() += 1e-13 * AtA.trace() / static_cast<double>(AtA.rows());
   return AtA.ldlt().solve(BA.transpose()).transpose();
@@ -32,7 +32,8 @@ bool improve_all_functions(const SnapshotTensor& A, SeparatedTensor& separated, 
     const MatrixXd others = parameter_products(G, A.sizes, static_cast<Index>(j));
     G[j] = least_squares(sums_over_others(T.cwiseProduct(others), A.sizes, j), gram);
     for (Index i = 0; i < G[j].cols(); ++i) {
-      // The size may go: each least squares answer that follows, F's at last, finds its own.
+      // The length can be dropped: the least squares solutions after this one, the last of them for
+      // F, determine their own scale.
       const double length = G[j].col(i).norm();
       if (length > 0.0) G[j].col(i) /= length;
     }

@@ -1,6 +1,7 @@
 /// @file
-/// Which of OpenBLAS's kernels a processor should have. On one that is younger than it is, OpenBLAS
-/// takes those of 2004, a quarter of the speed (Debian 12's 0.3.21 on Xeons from 2023).
+/// Chooses OpenBLAS's kernels for a processor. On a processor that is newer than the library,
+/// OpenBLAS falls back to its kernels of 2004, which run at a quarter of the speed (seen with
+/// Debian 12's 0.3.21 on Xeons from 2023).
 #pragma once
 
 namespace palpable {
@@ -10,13 +11,13 @@ struct VectorUnits {
   bool avx512 = false;  ///< F, DQ, BW and VL
 };
 
-/// The kernels to ask for with OPENBLAS_CORETYPE, or null where OpenBLAS's own choice is right or
-/// nothing better is known.
-/// @param chosen  by OpenBLAS
+/// The value to set OPENBLAS_CORETYPE to, or null if OpenBLAS's own choice is right or no better
+/// one is known.
+/// @param chosen  name of the kernels that OpenBLAS chose by itself
 [[nodiscard]] const char* better_blas_kernels(const char* chosen, const VectorUnits& units);
 
-/// The same for this processor and the OpenBLAS that is linked. It reads the variable before
-/// main(), so a program has to be started again with it.
+/// The same for this processor and the linked OpenBLAS. OpenBLAS reads the variable before main(),
+/// so the program has to set it and start itself again.
 [[nodiscard]] const char* better_blas_kernels();
 
 }  // namespace palpable

@@ -44,7 +44,7 @@ VectorXd CoordinateReduction::left(const MatrixXd& gram) const {
   const MatrixXd own = Q.C * scale.asDiagonal();
   MatrixXd left = own;
   subtract_product(modes.F, parameter_products(modes.G, sizes), left);
-  // What the coordinates leave out is at right angles to what they hold.
+  // The part that the coordinates leave out is orthogonal to the part that they represent.
   const VectorXd outside = gram.diagonal() - own.colwise().squaredNorm().transpose();
   return left.colwise().squaredNorm().transpose() + outside.cwiseMax(0.0);
 }
@@ -86,7 +86,8 @@ CoordinateReduction reduce_in_coordinates(const MatrixXd& gram, const std::vecto
         parameter_products(std::vector<MatrixXd>(scales.begin(), scales.end()), axes).col(0);
   }
   result.Q = pod_coordinates(gram, result.scale, kCoordinatesShare * settings.tolerance);
-  // Errors of coordinates and of what they leave out are at right angles.
+  // The error within the coordinates and the part that they leave out are orthogonal, so that their
+  // squares add up.
   const double out = result.Q.lost * result.Q.lost, in = 1.0 - out;
   const ReductionGoal goal{std::sqrt((settings.tolerance * settings.tolerance - out) / in),
                            settings.max_modes};

@@ -1,6 +1,6 @@
 /// @file
-/// A method on a table of snapshots of which only the Gram matrix is known. Shapes:
-/// snapshot_tensor.h; r POD coordinates.
+/// Runs a reduction method on a table of snapshots of which only the Gram matrix is known. Shapes:
+/// snapshot_tensor.h; r is the number of POD coordinates.
 #pragma once
 
 #include "palpable/bake/separate/pod_coordinates.h"
@@ -8,24 +8,24 @@
 
 namespace palpable {
 
-/// The part of the tolerance that the change of coordinates may take.
+/// Share of the tolerance that the truncation to POD coordinates may use up.
 inline constexpr double kCoordinatesShare = 0.01;
 
 struct CoordinateReduction {
-  PodCoordinates Q;        ///< of the snapshots divided by `scale`
-  Eigen::VectorXd scale;   ///< (K) 1, or with own norms what each is divided by
-  SeparatedTensor modes;   ///< F in coordinates (r x m); G over the snapshots as they are
-  Eigen::VectorXd errors;  ///< (m) in the norm of the divided snapshots
-  bool reached = false;
-  std::vector<int> ranks;              ///< kHosvd
-  std::optional<double> bound;         ///< kHosvd
-  Eigen::MatrixXd left_by_modes = {};  ///< Separation::left of the divided snapshots
+  PodCoordinates Q;             ///< of the scaled snapshots, those divided by `scale`
+  Eigen::VectorXd scale;        ///< (K) divisor of each snapshot; 1 without weight_snapshots
+  SeparatedTensor modes;        ///< F in coordinates (r x m); G reproduces the unscaled snapshots
+  Eigen::VectorXd errors;       ///< (m) after 1, 2, ... modes, in the norm of the scaled snapshots
+  bool reached = false;         ///< the tolerance, before max_modes
+  std::vector<int> ranks;       ///< kHosvd
+  std::optional<double> bound;  ///< kHosvd
+  Eigen::MatrixXd left_by_modes = {};  ///< Separation::left of the scaled snapshots
 
-  /// (N x m) is A times this.
+  /// (K x m) The functions of space (N x m) are A times this.
   [[nodiscard]] Eigen::MatrixXd combination() const;
-  /// (K) squares of what is left of each snapshot.
+  /// (K) squared norm of each snapshot's residual.
   [[nodiscard]] Eigen::VectorXd left(const Eigen::MatrixXd& gram) const;
-  /// (m x K) the same after 1, 2, ... modes; kHosvd: functions of space.
+  /// (m x K) the same after 1, 2, ... modes; with kHosvd after 1, 2, ... functions of space.
   [[nodiscard]] Eigen::MatrixXd course(const Eigen::MatrixXd& gram) const;
 };
 
@@ -36,8 +36,8 @@ struct CoordinateReduction {
                                                         const ReductionSettings& settings,
                                                         const Progress& progress = {});
 
-/// What kPerSite does with each site: with one parameter left the best modes are known (kPod); with
-/// more, each has functions of its own (kPgd).
+/// The settings with which kPerSite reduces each site. If one parameter remains beside the site,
+/// POD gives the best modes (kPod); if several remain, each gets functions of its own (kPgd).
 [[nodiscard]] ReductionSettings settings_of_one_site(const ReductionSettings& settings,
                                                      const std::vector<int>& sizes);
 

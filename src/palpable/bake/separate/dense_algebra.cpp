@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-// LAPACK of the same library; it has no header of its own in Debian's OpenBLAS. Lengths of the
-// letters are what Fortran passes behind all others.
+// LAPACK of the same library, for which Debian's OpenBLAS has no header. Fortran passes the length
+// of each character argument after all other arguments.
 extern "C" {
 void dgesdd_(const char* job, const int* m, const int* n, double* a, const int* lda, double* s,
              double* u, const int* ldu, double* vt, const int* ldvt, double* work, const int* lwork,
@@ -27,7 +27,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// OpenBLAS's own threads: work is divided above it.
+// OpenBLAS gets one thread: the callers divide work among threads.
 [[maybe_unused]] const bool kOneThread = (openblas_set_num_threads(1), true);
 
 int size(Index n) { return static_cast<int>(n); }

@@ -1,14 +1,15 @@
 /// @file
-/// Products and factors of dense matrices by OpenBLAS and its LAPACK: ten times Eigen's speed for
-/// tables of snapshots, since programs here are compiled for every x86-64. One thread: the same
-/// bits on a machine of the same kind.
+/// Products and factorisations of dense matrices by OpenBLAS and its LAPACK. For tables of
+/// snapshots they are ten times as fast as Eigen, since our programs are compiled for every x86-64
+/// and Eigen chooses its vector instructions at compile time. One thread, so that the results are
+/// the same to the bit on machines of the same kind.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace palpable {
 
-/// The lower triangle of gram += A^T A; what is above it stays.
+/// gram += A^T A in the lower triangle, with the diagonal; the rest of `gram` is unchanged.
 void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& A, Eigen::MatrixXd& gram);
 
 /// A B

@@ -37,7 +37,8 @@ TEST_CASE("OpenBLAS's products are Eigen's", "[separate][dense]") {
   CHECK_THROWS_AS(times(A, D), ContractViolation);
 }
 
-TEST_CASE("LAPACK's factors make up the matrix they are of", "[separate][dense]") {
+TEST_CASE("the product of LAPACK's factors is the matrix that was factorised",
+          "[separate][dense]") {
   auto random = random_case(2);
   for (const auto& [rows, columns] : {std::pair{9, 4}, {4, 9}, {5, 5}, {1, 3}}) {
     const MatrixXd A = random_matrix(rows, columns, random);

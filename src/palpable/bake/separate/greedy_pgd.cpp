@@ -61,7 +61,7 @@ SeparatedTensor GreedyPgd::best_rank_one() const {
       const MatrixXd others = parameter_products(g, sizes, static_cast<Index>(j));
       g[j] = sums_over_others(t.cwiseProduct(others.col(0)), sizes, j);
       const double length = g[j].norm();
-      if (length == 0.0) break;  // nothing is left to find
+      if (length == 0.0) break;  // the residual has no part along these functions
       g[j] /= length;
     }
     f = left_ * parameter_products(g, sizes);
@@ -83,7 +83,7 @@ Separation greedy_pgd(const SnapshotTensor& snapshots, const ReductionGoal& goal
   Separation result;
   std::vector<double> errors;
   std::vector<VectorXd> left;
-  // Done as the error falls from 1 to the tolerance, on a logarithmic scale.
+  // Progress is measured by the decades by which the error has fallen from 1 towards the tolerance.
   const double total = -std::log10(goal.tolerance);
   while (static_cast<int>(errors.size()) < goal.max_modes && !result.reached) {
     greedy.add_mode();

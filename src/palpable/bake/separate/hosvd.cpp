@@ -13,12 +13,12 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// A tensor (R x n_1 ... n_p) with sizes that change as directions are cut.
+// A tensor (R x n_1 ... n_p) whose sizes change as directions are truncated.
 struct Table {
   MatrixXd values;         // (R x K)
   std::vector<int> sizes;  // (p)
 
-  // Steps between neighbours along parameter j: K = before n after.
+  // The products of the sizes before and after parameter j: K = before * n_j * after.
   [[nodiscard]] std::pair<Index, Index> around(std::size_t j) const {
     Index before = 1, after = 1;
     for (std::size_t l = 0; l < j; ++l) before *= sizes[l];
@@ -57,7 +57,8 @@ Table fold(const MatrixXd& fibres, Table table, std::size_t j) {
   return table;
 }
 
-// The first columns of V, so many that what they leave is at most `allowed`; its square is added.
+// The smallest number of leading columns of V for which the norm of the singular values that are
+// cut off is at most `allowed`. Adds the square of that norm to `lost_squared`.
 MatrixXd cut(const MatrixXd& V, const Eigen::VectorXd& s, double allowed, double& lost_squared) {
   Index rank = s.size();
   double tail = 0;

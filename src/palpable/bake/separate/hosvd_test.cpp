@@ -15,7 +15,7 @@ using test::random_case;
 using test::random_matrix;
 using test::tolerance;
 
-// Term by term, with nothing of the code under test. Three parameters.
+// Expands a Tucker form of three parameters term by term, independently of the code under test.
 MatrixXd expand_by_hand(const Tucker& t, const std::vector<int>& n) {
   const std::vector<int> R = t.ranks();
   MatrixXd A = MatrixXd::Zero(t.U[0].rows(), n[0] * n[1] * n[2]);
@@ -70,7 +70,8 @@ TEST_CASE("HOSVD finds the ranks of a tensor that has them", "[separate][hosvd]"
   }
 }
 
-TEST_CASE("HOSVD's bases are orthonormal and its two factors say the same", "[separate][hosvd]") {
+TEST_CASE("HOSVD's bases are orthonormal and its two factors expand to the same tensor",
+          "[separate][hosvd]") {
   const std::vector<int> sizes{7, 6, 5};
   const SnapshotTensor tensor = test::hilbert(20, sizes);
   const Tucker tucker = hosvd(tensor, 1e-3, HosvdOrder::kSequential);

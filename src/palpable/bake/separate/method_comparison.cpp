@@ -17,13 +17,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// One block of modes, after 1, 2, ... of them.
+// Figures of one block after 1, 2, ... m of its modes.
 struct Course {
-  MatrixXd left;              // (m x K) squares of what is left of its snapshots
-  VectorXd parameter_values;  // (m)
+  MatrixXd left;              // (m x K) squared norm of each snapshot's residual
+  VectorXd parameter_values;  // (m) how many numbers the functions of the parameters hold
 };
 
-// The numbers in the functions of the parameters; of a Tucker form with i functions of space.
+// How many numbers the functions of the parameters hold at i modes; for a Tucker form with i
+// functions of space the core is included.
 double parameter_values(const CoordinateReduction& found, const std::vector<int>& sizes, Index i) {
   double values = 0;
   if (found.ranks.empty()) {
@@ -38,7 +39,7 @@ double parameter_values(const CoordinateReduction& found, const std::vector<int>
   return values + core;
 }
 
-// Adds a block of modes to the figures.
+// Reduces one block and adds its modes and errors to the figures.
 Course add_block(const MatrixXd& gram, const std::vector<int>& sizes,
                  const ReductionSettings& settings, const Progress& progress,
                  MethodFigures& figures) {
@@ -64,7 +65,7 @@ Course add_block(const MatrixXd& gram, const std::vector<int>& sizes,
   return course;
 }
 
-// All blocks with up to i modes each. @param whole  (K) squares of the snapshots
+// The figures with up to i modes in each block. @param whole  (K) squared norms of the snapshots
 MethodStep step_of(const std::vector<Course>& blocks, const VectorXd& whole, Index i) {
   MethodStep step{.modes = static_cast<int>(i)};
   const Index K = whole.size(), n = K / static_cast<Index>(blocks.size());

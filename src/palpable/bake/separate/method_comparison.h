@@ -1,5 +1,6 @@
 /// @file
-/// All methods on one table of snapshots: how many modes, bytes and errors each.
+/// Compares the reduction methods on one table of snapshots: number of modes, bytes and errors of
+/// each.
 #pragma once
 
 #include "palpable/bake/separate/reduction.h"
@@ -10,12 +11,13 @@
 
 namespace palpable {
 
-/// Bytes of so many modes at n values each, single precision, functions of parameters included.
+/// Bytes, in single precision, of `columns` modes of n values each and the functions of their
+/// parameters.
 [[nodiscard]] inline double mode_bytes(Eigen::Index n, int columns, double parameter_values) {
   return 4.0 * (static_cast<double>(n) * columns + parameter_values);
 }
 
-/// What a method would have been, stopped earlier.
+/// The figures of a method if it had stopped at a smaller number of modes.
 struct MethodStep {
   int modes = 0;                ///< as MethodFigures::modes; kHosvd: functions of space
   int columns = 0;              ///< of all blocks
@@ -25,23 +27,26 @@ struct MethodStep {
 
 struct MethodFigures {
   ReductionMethod method = ReductionMethod::kPerSite;
-  int modes = 0;                ///< kPerSite: the most of one sample of the first parameter
+  int modes = 0;                ///< kPerSite: the largest number of modes of a block
   int columns = 0;              ///< of all blocks
   double parameter_values = 0;  ///< numbers in the functions of parameters; kHosvd: and in the core
   std::vector<int> ranks = {};  ///< kHosvd
   bool reached = false;
-  Eigen::VectorXd errors = {};               ///< as Reduction::errors
-  double pooled = 0, median = 0, worst = 0;  ///< of snapshots in their own norms, the last two
-  double seconds = 0;                        ///< by the clock, from the Gram matrix on
-  std::vector<MethodStep> steps = {};        ///< after 1, 2, ... modes
+  Eigen::VectorXd errors = {};  ///< as Reduction::errors
+  /// Relative errors: over all snapshots together; median and largest of the single snapshots, each
+  /// relative to its own norm.
+  double pooled = 0, median = 0, worst = 0;
+  double seconds = 0;                  ///< wall time, without that for the Gram matrix
+  std::vector<MethodStep> steps = {};  ///< after 1, 2, ... modes
 
-  /// Bytes of the modes at n values each, single precision, functions of parameters included.
+  /// mode_bytes() of this method's modes at n values each.
   [[nodiscard]] double bytes(Eigen::Index n) const {
     return mode_bytes(n, columns, parameter_values);
   }
 };
 
-/// From the Gram matrix alone: in POD coordinates (pod_coordinates.h) everything is known.
+/// Computes the figures from the Gram matrix alone, which determines all errors in POD coordinates
+/// (pod_coordinates.h).
 /// @param gram   (K x K) lower triangle, gram_of()
 /// @param sizes  (p) of the tensor, p >= 2
 /// @throws as reduce()

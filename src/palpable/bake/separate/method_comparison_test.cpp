@@ -15,7 +15,7 @@ using test::random_case;
 using test::random_weights;
 using test::tolerance;
 
-TEST_CASE("what a method would do, told from the Gram matrix, is what it does",
+TEST_CASE("the figures of a method from the Gram matrix alone are those of its reduction",
           "[separate][reduction]") {
   const SnapshotTensor snapshots = dents(60, 9, 6);
   auto random = random_case(1);
@@ -27,28 +27,29 @@ TEST_CASE("what a method would do, told from the Gram matrix, is what it does",
       const ReductionSettings settings{
           .method = *method_named(name), .tolerance = 1e-3, .weight_snapshots = own};
       const Reduction done = reduce(rows_of(snapshots), w, settings);
-      const MethodFigures told = try_method(gram, snapshots.sizes, settings);
-      CHECK(told.modes == done.most_modes());
-      CHECK(told.columns == done.total_modes());
-      CHECK(told.ranks == done.ranks);
-      CHECK(told.reached);
-      CHECK(std::abs(told.pooled - done.error) <= tolerance(1e-7, "what the Gram matrix drops"));
-      CHECK(std::abs(told.worst - done.snapshot_errors.maxCoeff()) <=
+      const MethodFigures predicted = try_method(gram, snapshots.sizes, settings);
+      CHECK(predicted.modes == done.most_modes());
+      CHECK(predicted.columns == done.total_modes());
+      CHECK(predicted.ranks == done.ranks);
+      CHECK(predicted.reached);
+      CHECK(std::abs(predicted.pooled - done.error) <=
+            tolerance(1e-7, "what the Gram matrix drops"));
+      CHECK(std::abs(predicted.worst - done.snapshot_errors.maxCoeff()) <=
             tolerance(1e-6, "what the Gram matrix drops, of the smallest snapshot"));
-      CHECK(told.median <= told.worst);
-      CHECK(told.bytes(180) == 4.0 * (180.0 * told.columns + told.parameter_values));
-      CHECK(told.parameter_values > 0.0);
-      REQUIRE(static_cast<int>(told.steps.size()) == told.modes);
+      CHECK(predicted.median <= predicted.worst);
+      CHECK(predicted.bytes(180) == 4.0 * (180.0 * predicted.columns + predicted.parameter_values));
+      CHECK(predicted.parameter_values > 0.0);
+      REQUIRE(static_cast<int>(predicted.steps.size()) == predicted.modes);
       for (Index i = 0; i < done.pooled_course.size(); ++i) {
-        const MethodStep& step = told.steps[i];
+        const MethodStep& step = predicted.steps[i];
         CHECK(step.modes == i + 1);
         CHECK(std::abs(step.pooled - done.pooled_course[i]) <=
               tolerance(1e-7, "what the Gram matrix drops"));
         CHECK(std::abs(step.worst - done.course.row(i).maxCoeff()) <=
               tolerance(1e-6, "what the Gram matrix drops, of the smallest snapshot"));
       }
-      CHECK(told.steps.back().columns == told.columns);
-      CHECK(told.steps.back().parameter_values == told.parameter_values);
+      CHECK(predicted.steps.back().columns == predicted.columns);
+      CHECK(predicted.steps.back().parameter_values == predicted.parameter_values);
     }
   }
 }

@@ -32,7 +32,7 @@ Separation pod(const SnapshotTensor& snapshots, const ReductionGoal& goal) {
   const ThinSvd svd = thin_svd(snapshots.values);
   const double whole = svd.s.norm();
   if (!(whole > 0.0)) throw Error("all snapshots are zero: there is nothing to reduce");
-  // From the smallest up: small parts are not lost in the sum.
+  // Summed from the smallest value upwards, so that rounding does not lose the small ones.
   VectorXd errors(svd.s.size());
   double tail = 0;
   for (Index m = svd.s.size(); m-- > 0;) {
@@ -58,7 +58,8 @@ RandomisedPod randomised_pod(const SnapshotRows& snapshots, const VectorXd& weig
   const Index l = std::min({Index{settings.rank} + settings.oversampling, N, K});
   const Index rank = std::min<Index>(settings.rank, l);
   const VectorXd root = weights.cwiseSqrt();
-  // Made anew where it is needed: it is as large as twice the basis. (2 l x count)
+  // (2 l x count) Columns of Psi, generated again whenever they are needed: stored, Psi would take
+  // twice the memory of the basis.
   const Index tests = std::min(2 * l, N);
   const auto Psi = [&](Index first, Index count) {
     return random_matrix(tests, count, settings.seed + 1 + static_cast<std::uint64_t>(first));
@@ -85,7 +86,7 @@ RandomisedPod randomised_pod(const SnapshotRows& snapshots, const VectorXd& weig
     for (const auto& [first, count] : blocks) {
       Psi_Q += times(Psi(first, count), Q.middleRows(first, count));
     }
-    // Its pseudo-inverse: well conditioned, having twice as many rows as columns.
+    // The pseudo-inverse of Psi Q, which is well conditioned: it has twice as many rows as columns.
     const ThinSvd tested = thin_svd(Psi_Q);
     const VectorXd inverse = (tested.s.array() > 1e-12 * tested.s[0])
                                  .select(tested.s.cwiseInverse(), VectorXd::Zero(tested.s.size()));

@@ -1,6 +1,6 @@
 /// @file
-/// Proper orthogonal decomposition: the best sum of m modes there is (Eckart and Young 1936), all
-/// parameters taken together. Shapes: snapshot_tensor.h.
+/// Proper orthogonal decomposition: the best approximation by a sum of m modes (Eckart and Young
+/// 1936), all parameters taken together. Shapes: snapshot_tensor.h.
 #pragma once
 
 #include "palpable/bake/separate/snapshot_tensor.h"
@@ -9,7 +9,8 @@
 
 namespace palpable {
 
-/// A = U S V^T by LAPACK, cut where the tail of the singular values is below the tolerance:
+/// A = U S V^T by LAPACK, truncated at the first m where the tail of the singular values is below
+/// the tolerance:
 ///
 ///     | A - A_m |^2 = s_{m+1}^2 + s_{m+2}^2 + ...
 ///
@@ -18,8 +19,8 @@ namespace palpable {
 [[nodiscard]] Separation pod(const SnapshotTensor& snapshots, const ReductionGoal& goal);
 
 struct RandomisedPodSettings {
-  int rank = 100;          ///< modes that are looked for
-  int oversampling = 20;   ///< random directions beyond them
+  int rank = 100;          ///< modes that are computed
+  int oversampling = 20;   ///< random directions beyond `rank`; more lower the error
   int passes = 2;          ///< over the store: 1 or 2
   std::uint64_t seed = 1;  ///< the same seed gives the same modes
 };
@@ -27,17 +28,22 @@ struct RandomisedPodSettings {
 /// A randomised POD in one or two passes over a table that need not fit into memory, in the norm
 /// |a|_w^2 = sum_n w_n a_n^2.
 ///
-///     pass 1   Y = A Omega     (N x l), Omega random (K x l), l = rank + oversampling; Q R = Y
-///     pass 2   B = Q^T A       (l x K), and the SVD of B     (Halko, Martinsson, Tropp
-///     2011, 4.1, 5.1) or       W = Psi A       (2 l x K) in the same pass 1, and B = (Psi Q)^+ W
-///     instead
-///                                                          (Tropp, Yurtsever, Udell, Cevher 2017)
+///     pass 1      Y = A Omega      (N x l), Omega random (K x l), l = rank + oversampling
+///                 Q R = Y          (N x l)
+///     pass 2      B = Q^T A        (l x K)
+///     or, in the same pass 1,
+///                 W = Psi A        (2 l x K), Psi random (2 l x N)
+///                 B = (Psi Q)^+ W  (l x K)
 ///
-/// Memory: N l and 3 l K doubles and a block of rows. Two passes: error within a few per cent of
-/// the best at that rank where singular values fall fast; one pass: within a factor of about three.
+/// and the SVD of B. Two passes: Halko, Martinsson, Tropp 2011, 4.1 and 5.1; one pass: Tropp,
+/// Yurtsever, Udell, Cevher 2017.
+///
+/// Memory: N l and 3 l K doubles and a block of rows. With two passes the error is within a few per
+/// cent of the best at that rank if the singular values fall fast; with one pass, within a factor
+/// of about three.
 struct RandomisedPod {
   Eigen::MatrixXd Q;  ///< (N x rank) orthonormal in the weighted norm
-  Eigen::MatrixXd C;  ///< (rank x K) coordinates: A ~= Q C; rows are orthogonal, by size
+  Eigen::MatrixXd C;  ///< (rank x K) coordinates: A ~= Q C; rows orthogonal, largest norm first
 };
 
 /// @throws Error if values are not finite

@@ -87,8 +87,9 @@ TEST_CASE("a randomised POD of a slowly falling tensor is near the best one", "[
                                                {.rank = 8, .oversampling = 8, .passes = passes});
     return (found.Q * found.C - tensor.values).norm();
   };
-  // Halko, Martinsson, Tropp 2011, theorem 10.5: (1 + k / (p - 1))^1/2 = 1.5 in the mean, before
-  // the oversampled directions are cut; the second bound is Tropp et al. 2017, theorem 4.3.
+  // Two passes: Halko, Martinsson, Tropp 2011, theorem 10.5: (1 + k / (p - 1))^1/2 = 1.5 on
+  // average, before the oversampled directions are cut off. One pass: Tropp et al. 2017,
+  // theorem 4.3.
   CHECK(error(2) <= tolerance(1.5, "theorem 10.5") * best);
   CHECK(error(1) <= tolerance(3.0, "theorem 4.3, with twice the tests") * best);
   CHECK(error(2) >= best);

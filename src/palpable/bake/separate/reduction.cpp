@@ -29,8 +29,8 @@ constexpr std::array<std::pair<ReductionMethod, std::string_view>, 6> kNames{
      {ReductionMethod::kCp, "cp"},
      {ReductionMethod::kHosvd, "hosvd"}}};
 
-// From the squares of what is left of each snapshot and of the whole of it; `course` (m x K) is
-// what was left after 1, 2, ... modes.
+// Fills in the errors. @param lost, whole  (K) squared norms of each snapshot's residual and of the
+// snapshot. @param course  (m x K) squared norm of each residual after 1, 2, ... modes
 void set_errors(const VectorXd& lost, const VectorXd& whole, MatrixXd course, Reduction& result) {
   course.row(course.rows() - 1) = lost.transpose();
   result.pooled_course = (course.rowwise().sum() / whole.sum()).cwiseSqrt();
@@ -46,7 +46,9 @@ void set_errors(const VectorXd& lost, const VectorXd& whole, MatrixXd course, Re
   result.snapshot_errors = result.course.bottomRows(1).transpose();
 }
 
-// (K) squares of what modes leave of snapshots (N x K) read from somewhere, and of the whole.
+// Adds the weighted squared norm of each snapshot to `whole` and that of its residual to `lost`,
+// for some snapshots or some of their rows. @param table  (K x m) products of the functions of
+// parameters
 void measure(const MatrixXd& A, const MatrixXd& F, const MatrixXd& table, const VectorXd& w,
              Eigen::Ref<VectorXd> lost, Eigen::Ref<VectorXd> whole) {
   MatrixXd left = A;
@@ -65,15 +67,17 @@ MatrixXd table_of(const SeparatedTensor& separated) {
 
 struct Block {
   SeparatedTensor separated;
-  VectorXd errors, lost, whole;
+  VectorXd errors;       // (m) relative, after 1, 2, ... modes
+  VectorXd lost, whole;  // (K) squared norms of each snapshot's residual and of the snapshot
   bool reached = false;
-  MatrixXd course = {};  // (m x K) what is left of each, squared, after 1, 2, ... modes
+  MatrixXd course = {};  // (m x K) squared norm of each residual after 1, 2, ... modes
 };
 
-// Above this, snapshots are read in blocks of rows and never held together.
-constexpr double kTableInMemory = 2e9;  // bytes; a third of that is used
+// Bytes of a table of snapshots above which it is read in blocks of rows and only its Gram matrix
+// is kept. Below, a third of the table is kept in memory (site_bases.h).
+constexpr double kTableInMemory = 2e9;
 
-// All snapshots as one separated tensor.
+// Reduces all snapshots to one separated tensor.
 Block reduce_to_one(const SnapshotRows& snapshots, const VectorXd& weights,
                     const ReductionSettings& settings, const Progress& progress,
                     Reduction& result) {
@@ -245,7 +249,7 @@ std::vector<SeparatedTensor> as_blocks(const SeparatedTensor& joint, int n_1,
                                        const VectorXd& weights, double lose) {
   PALPABLE_EXPECT(joint.G.size() == 1 && joint.G[0].rows() % n_1 == 0, "all parameters together");
   const Index n = joint.G[0].rows() / n_1;
-  // The norm of F g is that of R g, with R^T R = F^T W F.
+  // The weighted norm of F g equals the norm of R g, with R^T R = F^T W F.
   MatrixXd gram = MatrixXd::Zero(joint.F.cols(), joint.F.cols());
   add_gram(weights.cwiseSqrt().asDiagonal() * joint.F, gram);
   const SymmetricEigen eigen = symmetric_eigen(gram);

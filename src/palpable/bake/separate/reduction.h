@@ -1,6 +1,6 @@
 /// @file
-/// A table of snapshots in, a separated field out: all methods behind one function. Which is which,
-/// with equations and sources: docs/reduction.md. Shapes: snapshot_tensor.h.
+/// Turns a table of snapshots into a separated field; all methods are behind one function.
+/// docs/reduction.md describes them with equations and sources. Shapes: snapshot_tensor.h.
 #pragma once
 
 #include "palpable/bake/separate/snapshot_tensor.h"
@@ -14,7 +14,7 @@
 namespace palpable {
 
 enum class ReductionMethod {
-  kPerSite,  ///< for each sample of the first parameter a block of modes of its own
+  kPerSite,  ///< a block of modes of its own for each sample of the first parameter (the site)
   kPgd,      ///< greedy PGD, a function of each parameter (paper Sec. 3.2)
   kPgd2,     ///< greedy PGD in two factors: space, and all parameters together
   kPod,      ///< singular value decomposition
@@ -22,9 +22,9 @@ enum class ReductionMethod {
   kHosvd     ///< ST-HOSVD (Tucker)
 };
 
-/// What a reduction is asked for unless somebody says otherwise. Of the per-site form: what keeps
-/// held-out levels of a body within 1e-3 of each field's own norm, and von Mises stress within 5e-3
-/// of its own maximum (docs/reduction.md); of the others the paper's.
+/// The default tolerance of a method. For kPerSite it is the one that keeps held-out levels of a
+/// body within 1e-3 of each field's own norm, and von Mises stress within 5e-3 of its own maximum
+/// (docs/reduction.md); for the other methods it is the paper's.
 [[nodiscard]] double default_tolerance(ReductionMethod method);
 
 /// "per-site", "pgd", "pgd2", "pod", "cp", "hosvd"
@@ -34,46 +34,51 @@ enum class ReductionMethod {
 
 struct ReductionSettings {
   ReductionMethod method = ReductionMethod::kPerSite;
-  /// Relative error that is asked for: pooled over all snapshots, or with kPerSite over those of
-  /// each site; at least 1e-6.
+  /// Relative error at which the method stops, over all snapshots together, or with kPerSite over
+  /// those of each site; at least 1e-6.
   double tolerance = 1e-3;
-  int max_modes = 300;  ///< with kPerSite of each site
-  /// Each snapshot is divided by its own norm first, so that small presses count as much as large
-  /// ones; with several functions per mode, by the nearest separated norm (separated_norms()). The
-  /// tolerance and `errors` are then in that norm; `error` and `snapshot_errors` never are.
+  int max_modes = 300;  ///< with kPerSite: of each site
+  /// Divide each snapshot by its own norm first, so that small presses count as much as large ones;
+  /// for methods with several functions per mode, by the nearest separated norm
+  /// (separated_norms()). The tolerance and Reduction::errors then refer to the divided snapshots;
+  /// Reduction::error and Reduction::snapshot_errors always refer to the original ones.
   bool weight_snapshots = false;
 };
 
-/// What is left of a tensor: modes, and how much they give up.
+/// The modes that stand for a tensor, and their errors.
 struct Reduction {
-  /// One separated tensor; with kPerSite one for each sample of the first parameter, over the
-  /// others. Of kPgd2, kPod and kHosvd the functions G are one table over all parameters together.
+  /// One separated tensor; with kPerSite one for each sample of the first parameter, over the other
+  /// parameters. With kPgd2, kPod and kHosvd G is one table over all parameters together.
   std::vector<SeparatedTensor> blocks;
-  /// (m) after 1, 2, ... modes, relative and pooled; with kPerSite the worst site's, all with that
-  /// many modes. kHosvd: none.
+  /// (m) relative error over all snapshots after 1, 2, ... modes; with kPerSite that of the worst
+  /// site when each site has that many modes. Empty with kHosvd.
   Eigen::VectorXd errors;
   bool reached = false;  ///< the tolerance, before max_modes
-  /// Relative pooled error from the snapshots themselves and not from the course of the algorithm;
-  /// and that of each snapshot in its own norm (K), 0 for a zero snapshot.
+  /// Relative error over all snapshots, computed from the snapshots themselves instead of the
+  /// algorithm's own residuals.
   double error = 0;
+  /// (K) error of each snapshot relative to its own norm; 0 for a zero snapshot.
   Eigen::VectorXd snapshot_errors;
-  /// (m) and (m x K) the same after 1, 2, ... modes: with kPerSite so many of each site, with
-  /// kHosvd of space. From the course of the algorithm but for the last, which are those above.
+  /// (m) and (m x K) `error` and `snapshot_errors` after 1, 2, ... modes: with kPerSite of each
+  /// site, with kHosvd of space. They come from the algorithm's residuals, except for the last
+  /// entries, which equal `error` and `snapshot_errors`.
   Eigen::VectorXd pooled_course;
   Eigen::MatrixXd course;
   std::vector<int> ranks;       ///< kHosvd only: space, then each parameter
-  std::optional<double> bound;  ///< kHosvd only: what the error cannot exceed, in the weighted norm
+  std::optional<double> bound;  ///< kHosvd only: upper bound of the error in the weighted norm
 
-  [[nodiscard]] int most_modes() const;   ///< of one block
+  [[nodiscard]] int most_modes() const;   ///< of the block that has the most
   [[nodiscard]] int total_modes() const;  ///< of all blocks
 };
 
 /// Reduces in the norm |a|_w^2 = sum_n w_n a_n^2: with nodal volumes as weights, an integral over
-/// the body. Reads the snapshots of one sample of the first parameter at a time, twice, and keeps
-/// about a third of the table (site_bases.h); tables above 2 GB are read in blocks of rows of about
-/// 200 MB instead. With kPerSite once, N K / n_1 values at a time. Methods work in POD coordinates
-/// (pod_coordinates.h), those of kPerSite in each site's own; a hundredth of the tolerance goes
-/// there.
+/// the body.
+///
+/// kPerSite reads the table once, N K / n_1 values at a time. The other methods read it twice, one
+/// sample of the first parameter at a time, and keep about a third of it in memory (site_bases.h);
+/// tables above 2 GB they read in blocks of rows of about 200 MB instead. All methods work in POD
+/// coordinates (pod_coordinates.h), kPerSite in those of each site; 1 % of the tolerance is spent
+/// on that change of coordinates.
 ///
 /// Deterministic: no random numbers, one thread.
 /// @param weights  (N) > 0
@@ -82,14 +87,14 @@ struct Reduction {
 [[nodiscard]] Reduction reduce(const SnapshotRows& snapshots, const Eigen::VectorXd& weights,
                                const ReductionSettings& settings, const Progress& progress = {});
 
-/// Modes over all parameters together, as one block for each sample of the first parameter, so that
-/// somebody who evaluates one sample needs few of them. Each is cut where it changes by less than
-/// the part `lose` of itself, in the weighted norm.
+/// Converts modes over all parameters together into one block for each sample of the first
+/// parameter, so that evaluating one sample needs few modes. Each block is truncated to the
+/// smallest number of modes whose relative error in the weighted norm is at most `lose`.
 /// @param joint  G is one (n_1 n x m) table
 [[nodiscard]] std::vector<SeparatedTensor> as_blocks(const SeparatedTensor& joint, int n_1,
                                                      const Eigen::VectorXd& weights, double lose);
 
-/// (N x K) what the modes say the snapshots are. @param sizes  of the tensor
+/// (N x K) the snapshots as the modes reproduce them. @param sizes  (p) n_j of the tensor
 [[nodiscard]] Eigen::MatrixXd expand(const Reduction& reduction, const std::vector<int>& sizes);
 
 }  // namespace palpable

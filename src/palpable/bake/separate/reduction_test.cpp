@@ -26,7 +26,7 @@ constexpr ReductionMethod kAll[] = {ReductionMethod::kPerSite, ReductionMethod::
                                     ReductionMethod::kPgd2,    ReductionMethod::kPod,
                                     ReductionMethod::kCp,      ReductionMethod::kHosvd};
 
-// (K) squares of what is left of each snapshot and of the whole, term by term.
+// (K) squared norms of each snapshot's residual and of the snapshot, term by term.
 std::pair<VectorXd, VectorXd> squares(const MatrixXd& A, const MatrixXd& reduced,
                                       const VectorXd& w) {
   VectorXd lost = VectorXd::Zero(A.cols()), whole = lost;
@@ -87,7 +87,8 @@ TEST_CASE("no method beats POD's number of modes, and PGD in two factors has it"
 TEST_CASE("with blocks every site meets the tolerance, and with as few modes as POD needs for it",
           "[separate][reduction]") {
   SnapshotTensor snapshots = dents(60, 5, 6);
-  // A site that is a thousand times smaller: a pooled error would not see it.
+  // One site's fields are a thousand times smaller: an error over all snapshots together would not
+  // show that this site is badly reduced.
   snapshots.values.middleCols(2 * 6, 6) *= 1e-3;
   const VectorXd w = VectorXd::Ones(60);
   const Reduction result = reduce(rows_of(snapshots), w, {.tolerance = 1e-3});
@@ -122,7 +123,7 @@ TEST_CASE("the errors of blocks are those of the worst site at each number of mo
   }
 }
 
-TEST_CASE("the course of a reduction says what one that stops earlier leaves of each snapshot",
+TEST_CASE("the course of a reduction holds the errors of reductions that stop earlier",
           "[separate][reduction]") {
   const SnapshotTensor snapshots = dents(60, 9, 6);
   auto random = random_case(4);
@@ -136,7 +137,8 @@ TEST_CASE("the course of a reduction says what one that stops earlier leaves of 
       REQUIRE(full.pooled_course.size() == full.most_modes());
       CHECK(full.course.bottomRows(1).transpose() == full.snapshot_errors);
       CHECK(full.pooled_course.tail(1)[0] == full.error);
-      // CP sweeps once more where it must stop, and the ranks of a Tucker form belong together.
+      // Not true of CP, which runs all its sweeps when it may add no further mode, nor of a Tucker
+      // form, whose ranks are chosen together.
       if (method == ReductionMethod::kCp || method == ReductionMethod::kHosvd) continue;
       for (int m = 1; m < full.most_modes(); ++m) {
         settings.max_modes = m;
@@ -151,8 +153,7 @@ TEST_CASE("the course of a reduction says what one that stops earlier leaves of 
   }
 }
 
-TEST_CASE("blocks over a further parameter have functions of level and of it",
-          "[separate][reduction]") {
+TEST_CASE("blocks over two parameters have functions of each of the two", "[separate][reduction]") {
   const SnapshotTensor flat = dents(50, 4, 6);
   const std::vector<int> sizes{4, 6, 3};
   SnapshotTensor snapshots{MatrixXd(50, 4 * 6 * 3), sizes};
@@ -173,7 +174,7 @@ TEST_CASE("blocks over a further parameter have functions of level and of it",
   CHECK((expand(result, sizes) - snapshots.values).norm() <= 1e-3 * snapshots.values.norm());
 }
 
-TEST_CASE("modes of all parameters together become blocks that say the same",
+TEST_CASE("modes over all parameters together become blocks that reproduce the same snapshots",
           "[separate][reduction]") {
   const SnapshotTensor snapshots = dents(60, 5, 6);
   auto random = random_case(4);
@@ -212,7 +213,8 @@ TEST_CASE("weighted by their own norms, small snapshots are as accurate as large
     };
     CHECK(worst(true).maxCoeff() < 0.6 * worst(false).maxCoeff());
     if (method == ReductionMethod::kPod) {
-      // One table of functions: the scale is exact, and the tolerance is the mean of own errors.
+      // With one table of functions the scale is exact, and the tolerance bounds the root mean
+      // square of the snapshots' own relative errors.
       const VectorXd own = worst(true);
       CHECK(std::sqrt(own.squaredNorm() / static_cast<double>(own.size())) <= 3e-3);
     }

@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::tolerance;
 
-TEST_CASE("products of snapshots through a basis of each site are those of the snapshots",
+TEST_CASE("products of snapshots computed through the bases of sites are those of the snapshots",
           "[separate][reduction]") {
   SnapshotTensor snapshots = test::dents(90, 7, 8);
   snapshots.values.middleCols(3 * 8, 8).setZero();

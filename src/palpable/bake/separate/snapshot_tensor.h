@@ -1,5 +1,5 @@
 /// @file
-/// Tables of snapshots over several parameters, and sums of separated modes that stand for them.
+/// Tables of snapshots over several parameters, and sums of separated modes that approximate them.
 ///
 /// Letters used for shapes in this file and in those of the methods:
 ///   N    values in one snapshot (3 or 6 per node; or coordinates in a basis)
@@ -21,8 +21,8 @@ struct SnapshotTensor {
   std::vector<int> sizes;  ///< (p) n_j, each >= 1
 };
 
-/// The same table where it need not fit into memory: read in blocks of rows, or the snapshots of
-/// one sample of the first parameter at a time.
+/// The same table when it need not fit into memory: it is read in blocks of rows, or in blocks of
+/// the snapshots of one sample of the first parameter.
 struct SnapshotRows {
   Eigen::Index values = 0;  ///< N
   std::vector<int> sizes;   ///< (p) n_j
@@ -38,29 +38,30 @@ struct SeparatedTensor {
   std::vector<Eigen::MatrixXd> G;  ///< (p) of (n_j x m), columns of unit length
 };
 
-/// When a method may stop.
+/// A method stops when it has reached the tolerance or the number of modes.
 struct ReductionGoal {
-  double tolerance = 1e-3;  ///< relative error |A - A_m| / |A|, all snapshots pooled
-  int max_modes = 300;      ///< or at this many modes
+  double tolerance = 1e-3;  ///< relative error |A - A_m| / |A| over all snapshots together
+  int max_modes = 300;
 };
 
-/// What a method makes of a tensor, in the plain (Euclidean) norm of its values.
+/// The result of a method; errors are in the plain (Euclidean) norm of the tensor's values.
 struct Separation {
   SeparatedTensor separated;
-  /// (m) relative error after 1, 2, ... modes. Where functions are updated, those of a reduction
-  /// stopped at i modes are not the first i of a longer one.
+  /// (m) relative error after 1, 2, ... modes. With methods that update all functions, the modes of
+  /// a reduction that stops at i modes are not the first i modes of a longer one.
   Eigen::VectorXd errors;
   bool reached = false;  ///< the tolerance, before max_modes
-  /// (m x K) squares of what is left of each snapshot after 1, 2, ... modes. Empty where the first
-  /// i modes are what a reduction stopped at i would have found.
+  /// (m x K) squared norm of each snapshot's residual after 1, 2, ... modes. Empty with methods for
+  /// which the first i modes are those of a reduction that stops at i.
   Eigen::MatrixXd left = {};
 };
 
 /// K
 [[nodiscard]] Eigen::Index snapshot_count(const std::vector<int>& sizes);
 
-/// (K x m) column i is G_i^1 (x) ... (x) G_i^p in the order of the snapshots; `skip` leaves one
-/// parameter's function out (as if it were 1), which makes the least squares problem for it.
+/// (K x m) column i is the Kronecker product of G_i^1 ... G_i^p, in the order of the snapshots. The
+/// function of parameter `skip` is replaced by 1: that gives the coefficients of the least squares
+/// problem for this function.
 [[nodiscard]] Eigen::MatrixXd parameter_products(const std::vector<Eigen::MatrixXd>& G,
                                                  const std::vector<int>& sizes,
                                                  Eigen::Index skip = -1);
@@ -69,16 +70,18 @@ struct Separation {
 [[nodiscard]] Eigen::MatrixXd sums_over_others(const Eigen::MatrixXd& T,
                                                const std::vector<int>& sizes, std::size_t j);
 
-/// Unit columns of G, the largest value positive; the size goes into F.
+/// Scales the columns of G to unit length with their largest value positive, and multiplies the
+/// columns of F by the factors that were divided out.
 void normalise(Eigen::MatrixXd& F, Eigen::MatrixXd& G);
 
-/// (N x K) what the modes say the snapshots are.
+/// (N x K) the snapshots as the modes reproduce them.
 [[nodiscard]] Eigen::MatrixXd expand(const SeparatedTensor& separated);
 
-/// A table in memory, as one that is read. @param snapshots  outlives the answer
+/// Gives access to a table in memory in the form of a table that is read. @param snapshots  must
+/// outlive the returned value
 [[nodiscard]] SnapshotRows rows_of(const SnapshotTensor& snapshots);
 
-/// Calls visit(first, rows) for all rows in turn, in blocks of up to 200 MB.
+/// Calls visit(first, rows) for all rows in order, in blocks of up to 200 MB.
 void for_blocks(const SnapshotRows& snapshots,
                 const std::function<void(Eigen::Index first, const Eigen::MatrixXd& rows)>& visit);
 

@@ -24,7 +24,7 @@ Index basis_size(const SparseAxis& axis) {
   return axis.basis == SparseAxis::Basis::kNodal ? axis.choices : axis.highest_degree + 1;
 }
 
-// What a mode of this degree may use of an axis.
+// How many of an axis's basis functions a mode of this degree may use.
 Index used(const SparseAxis& axis, int degree) {
   return axis.basis == SparseAxis::Basis::kNodal ? axis.choices
                                                  : std::min<Index>(degree + 1, basis_size(axis));
@@ -50,7 +50,7 @@ struct Mode {
   std::vector<VectorXd> a;  // (p) of (b_j), zero beyond the mode's degree
 };
 
-// (T) the product of the mode's functions, but one axis's.
+// (T) the product of the mode's functions at the samples, without that of axis `skip`.
 VectorXd products_of(const Mode& mode, const Tables& tables, Index skip = -1) {
   VectorXd product = VectorXd::Ones(tables[0].cols());
   for (std::size_t j = 0; j < tables.size(); ++j) {
@@ -60,7 +60,8 @@ VectorXd products_of(const Mode& mode, const Tables& tables, Index skip = -1) {
   return product;
 }
 
-// Alternating directions for one mode of the residual R (N x T), from these coefficients.
+// Fits one mode to the residual R (N x T) by alternating directions. @param starts  (p) of (b_j)
+// coefficients to begin with. @param sizes  (p) how many basis functions of each axis may be used
 Mode fit_mode(const MatrixXd& R, const Tables& tables, const std::vector<VectorXd>& starts,
               const std::vector<Index>& sizes, const SparseSettings& settings) {
   const std::size_t p = tables.size();
@@ -69,7 +70,7 @@ Mode fit_mode(const MatrixXd& R, const Tables& tables, const std::vector<VectorX
   Mode mode{R.col(largest).normalized(), starts};
   double size = 0;
   for (int pass = 0; pass < settings.max_passes; ++pass) {
-    const VectorXd t = R.transpose() * mode.F;  // what is to be met along F
+    const VectorXd t = R.transpose() * mode.F;  // (T) the residual's component along F
     for (std::size_t j = 0; j < p; ++j) {
       const VectorXd w = products_of(mode, tables, static_cast<Index>(j));
       const MatrixXd rows = tables[j].topRows(sizes[j]) * w.asDiagonal();
@@ -94,7 +95,7 @@ Mode fit_mode(const MatrixXd& R, const Tables& tables, const std::vector<VectorX
   return mode;
 }
 
-// The model while it grows.
+// A model to which modes are added one by one.
 class Growing {
  public:
   Growing(const MatrixXd& values, Tables tables, const SparseSettings& settings)
@@ -116,7 +117,7 @@ class Growing {
     update_space();
   }
 
-  // (T' x m) of samples whose basis functions are given.
+  // (T' x m) products of the modes' functions at T' samples, whose basis functions are given.
   [[nodiscard]] MatrixXd functions(const Tables& tables, Index skip = -1) const {
     MatrixXd G = MatrixXd::Ones(tables[0].cols(), F_.cols());
     for (std::size_t j = 0; j < tables.size(); ++j) {
@@ -131,13 +132,13 @@ class Growing {
   [[nodiscard]] const std::vector<MatrixXd>& coefficients() const { return coefficients_; }
 
  private:
-  // Coefficients of all modes on one axis, together: those that each mode may use.
+  // Fits the coefficients of all modes on one axis together, those that each mode may use.
   void update_axis(std::size_t j) {
     const Index m = F_.cols(), T = values_.cols();
     const MatrixXd W = functions(tables_, static_cast<Index>(j));  // (T x m)
     const MatrixXd gram = F_.transpose() * F_;
     const MatrixXd t = transposed_times(F_, values_);  // (m x T)
-    std::vector<std::pair<Index, Index>> unknowns;     // mode, function
+    std::vector<std::pair<Index, Index>> unknowns;     // mode, basis function
     for (Index i = 0; i < m; ++i) {
       for (Index b = 0; b < sizes_[i][j]; ++b) unknowns.emplace_back(i, b);
     }
@@ -163,7 +164,7 @@ class Growing {
 
   void update_space() {
     const MatrixXd G = functions(tables_);  // (T x m)
-    // Functions of any size: brought to one before the ridge judges them.
+    // The functions are scaled to unit length first: the ridge is to act on all of them alike.
     const VectorXd lengths = G.colwise().norm().cwiseMax(1e-300);
     const MatrixXd unit = G * lengths.cwiseInverse().asDiagonal();
     MatrixXd normal = unit.transpose() * unit;
@@ -182,31 +183,31 @@ class Growing {
   std::vector<std::vector<Index>> sizes_;
 };
 
-// Moves samples from `ask` to `learn` until each choice among those that are asked about is one of
-// those that are learnt from: of a choice that was never seen nothing can be said, and the error of
-// such samples would hide what further modes gain.
-void learn_every_choice(const std::vector<SparseAxis>& axes, const Tables& tables,
-                        std::vector<Index>& learn, std::vector<Index>& ask) {
+// Moves samples from `left_out` to `training` until each choice among the left-out samples also
+// occurs among the training samples. A model cannot predict a choice that was not in its training
+// samples, and the error of such samples would hide what further modes gain.
+void train_on_every_choice(const std::vector<SparseAxis>& axes, const Tables& tables,
+                           std::vector<Index>& training, std::vector<Index>& left_out) {
   for (std::size_t j = 0; j < axes.size(); ++j) {
     if (axes[j].basis != SparseAxis::Basis::kNodal) continue;
-    VectorXd times_learnt = tables[j](Eigen::all, learn).rowwise().sum();
+    VectorXd times_trained = tables[j](Eigen::all, training).rowwise().sum();
     std::vector<Index> left;
-    for (const Index k : ask) {
-      const bool known = times_learnt.dot(tables[j].col(k)) > 0.0;
-      if (!known) times_learnt += tables[j].col(k);
-      (known ? left : learn).push_back(k);
+    for (const Index k : left_out) {
+      const bool known = times_trained.dot(tables[j].col(k)) > 0.0;
+      if (!known) times_trained += tables[j].col(k);
+      (known ? left : training).push_back(k);
     }
-    ask = std::move(left);
+    left_out = std::move(left);
   }
 }
 
-// A part of the samples to learn from, and the rest to be asked about.
+// The samples that a model is trained on, and the left-out ones that it is tested on.
 struct Fold {
-  MatrixXd learn_values, ask_values;
-  Tables learn, ask;
+  MatrixXd training_values, left_out_values;
+  Tables training, left_out;
 };
 
-// Folds that may be asked about something.
+// The folds that have left-out samples.
 std::vector<Fold> make_folds(const MatrixXd& values, const Tables& tables,
                              const std::vector<SparseAxis>& axes, const SparseSettings& settings) {
   const Index T = values.cols();
@@ -218,12 +219,14 @@ std::vector<Fold> make_folds(const MatrixXd& values, const Tables& tables,
   }
   std::vector<Fold> folds;
   for (int f = 0; f < settings.folds; ++f) {
-    std::vector<Index> learn, ask;
-    for (Index k = 0; k < T; ++k) { (k % settings.folds == f ? ask : learn).push_back(order[k]); }
-    learn_every_choice(axes, tables, learn, ask);
-    if (ask.empty()) continue;
-    folds.push_back({values(Eigen::all, learn), values(Eigen::all, ask), columns_of(tables, learn),
-                     columns_of(tables, ask)});
+    std::vector<Index> training, left_out;
+    for (Index k = 0; k < T; ++k) {
+      (k % settings.folds == f ? left_out : training).push_back(order[k]);
+    }
+    train_on_every_choice(axes, tables, training, left_out);
+    if (left_out.empty()) continue;
+    folds.push_back({values(Eigen::all, training), values(Eigen::all, left_out),
+                     columns_of(tables, training), columns_of(tables, left_out)});
   }
   return folds;
 }
@@ -265,8 +268,8 @@ VectorXd SparsePgd::functions(const VectorXd& mu) const {
 
 namespace {
 
-// A model that grows on all samples, and one for each fold that never sees the fold's own: what
-// those leave of it decides which degrees are used and when to stop.
+// One growing model for each fold, trained without the fold's own samples. Its error on those
+// samples decides which degrees are used and when to stop.
 class CrossValidation {
  public:
   CrossValidation(const MatrixXd& values, const Tables& tables, const std::vector<SparseAxis>& axes,
@@ -275,17 +278,18 @@ class CrossValidation {
     if (folds_.empty()) {
       throw Error("no sample can be left out to be predicted: each has a choice of its own");
     }
-    for (const Fold& fold : folds_) asked_ += fold.ask_values.squaredNorm();
+    for (const Fold& fold : folds_) left_out_squared_ += fold.left_out_values.squaredNorm();
     for (const SparseAxis& axis : axes) {
       starts_.emplace_back(axis.basis == SparseAxis::Basis::kNodal
                                ? VectorXd::Ones(basis_size(axis))
                                : VectorXd(VectorXd::Unit(basis_size(axis), 0)));
     }
-    learning_.reserve(folds_.size());
-    for (const Fold& fold : folds_) learning_.emplace_back(fold.learn_values, fold.learn, settings);
+    models_.reserve(folds_.size());
+    for (const Fold& fold : folds_)
+      models_.emplace_back(fold.training_values, fold.training, settings);
   }
 
-  // The lowest polynomial of each axis; of choices the same value each.
+  // Coefficients to begin with: the lowest polynomial of each axis; for choices, all values equal.
   [[nodiscard]] const std::vector<VectorXd>& starts() const { return starts_; }
 
   [[nodiscard]] std::vector<Index> sizes_of(const std::vector<int>& degrees) const {
@@ -294,12 +298,12 @@ class CrossValidation {
     return sizes;
   }
 
-  // Raises the degrees, one at a time, as long as that leaves less of the unseen samples when a
-  // mode of these degrees is added.
+  // Raises the degrees, one at a time, while a further mode of the raised degrees lowers the error
+  // on the left-out samples.
   [[nodiscard]] std::vector<int> raised(std::vector<int> degrees) const {
-    std::vector<MatrixXd> unseen_now;
-    for (std::size_t f = 0; f < folds_.size(); ++f) unseen_now.push_back(unseen(f));
-    double best = predicted(degrees, unseen_now);
+    std::vector<MatrixXd> residuals_now;
+    for (std::size_t f = 0; f < folds_.size(); ++f) residuals_now.push_back(left_out_residual(f));
+    double best = predicted(degrees, residuals_now);
     for (bool raised = true; raised;) {
       raised = false;
       std::vector<int> best_degrees = degrees;
@@ -307,7 +311,7 @@ class CrossValidation {
         if (axes_[j].basis == SparseAxis::Basis::kNodal) continue;
         std::vector<int> candidate = degrees;
         if (++candidate[j] > axes_[j].highest_degree) continue;
-        const double lost = predicted(candidate, unseen_now);
+        const double lost = predicted(candidate, residuals_now);
         if (lost < (1.0 - settings_.least_gain) * best) {
           best = lost;
           best_degrees = candidate;
@@ -319,34 +323,35 @@ class CrossValidation {
     return degrees;
   }
 
-  // Adds a mode to each fold's model. @returns what is left of all unseen samples, relative
+  // Adds a mode to each fold's model. @returns relative error over all left-out samples
   double add_mode(const std::vector<Index>& sizes) {
     for (std::size_t f = 0; f < folds_.size(); ++f) {
-      learning_[f].add(fit_mode(learning_[f].left(), folds_[f].learn, starts_, sizes, settings_),
-                       sizes);
+      models_[f].add(fit_mode(models_[f].left(), folds_[f].training, starts_, sizes, settings_),
+                     sizes);
     }
     double lost = 0;
-    for (std::size_t f = 0; f < folds_.size(); ++f) lost += unseen(f).squaredNorm();
-    return asked_ > 0.0 ? std::sqrt(lost / asked_) : 0.0;
+    for (std::size_t f = 0; f < folds_.size(); ++f) lost += left_out_residual(f).squaredNorm();
+    return left_out_squared_ > 0.0 ? std::sqrt(lost / left_out_squared_) : 0.0;
   }
 
  private:
-  // What fold f's model leaves of the samples that it has not seen.
-  [[nodiscard]] MatrixXd unseen(std::size_t f) const {
-    MatrixXd left = folds_[f].ask_values;
-    subtract_product(learning_[f].F(), learning_[f].functions(folds_[f].ask), left);
+  // Residual of fold f's model on the samples left out for it.
+  [[nodiscard]] MatrixXd left_out_residual(std::size_t f) const {
+    MatrixXd left = folds_[f].left_out_values;
+    subtract_product(models_[f].F(), models_[f].functions(folds_[f].left_out), left);
     return left;
   }
 
-  // The square of what is left of unseen samples when a mode of these degrees is added to each
-  // fold's model.
+  // Squared norm of the residual on the left-out samples if a mode of these degrees is added to
+  // each fold's model.
   [[nodiscard]] double predicted(const std::vector<int>& degrees,
-                                 const std::vector<MatrixXd>& unseen_now) const {
+                                 const std::vector<MatrixXd>& residuals_now) const {
     const std::vector<Index> sizes = sizes_of(degrees);
     double lost = 0;
     for (std::size_t f = 0; f < folds_.size(); ++f) {
-      const Mode mode = fit_mode(learning_[f].left(), folds_[f].learn, starts_, sizes, settings_);
-      lost += (unseen_now[f] - mode.F * products_of(mode, folds_[f].ask).transpose()).squaredNorm();
+      const Mode mode = fit_mode(models_[f].left(), folds_[f].training, starts_, sizes, settings_);
+      lost += (residuals_now[f] - mode.F * products_of(mode, folds_[f].left_out).transpose())
+                  .squaredNorm();
     }
     return lost;
   }
@@ -354,9 +359,9 @@ class CrossValidation {
   const std::vector<SparseAxis>& axes_;
   const SparseSettings& settings_;
   std::vector<Fold> folds_;
-  double asked_ = 0;  // the square of all samples that are unseen somewhere
+  double left_out_squared_ = 0;  // squared norm of the left-out samples of all folds
   std::vector<VectorXd> starts_;
-  std::vector<Growing> learning_;
+  std::vector<Growing> models_;
 };
 
 // The basis functions of each axis at the samples.

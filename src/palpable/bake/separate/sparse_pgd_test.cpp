@@ -93,9 +93,9 @@ TEST_CASE("choices have values of their own in sparse PGD", "[separate][sparse]"
   CHECK(model.functions(mu).isZero(0.0));
 }
 
-TEST_CASE("a choice is asked about only where another sample of it was learnt",
+TEST_CASE("a choice is left out only if another sample of it is in the training samples",
           "[separate][sparse]") {
-  // Twelve choices with two samples each: of some both lie in one fold.
+  // Twelve choices with two samples each; both samples of some choices fall into the same fold.
   auto random = random_case(4);
   const MatrixXd F = test::random_matrix(6, 1, random);
   MatrixXd points(2, 24), values(6, 24);
@@ -108,7 +108,7 @@ TEST_CASE("a choice is asked about only where another sample of it was learnt",
       {.name = "site", .basis = SparseAxis::Basis::kNodal, .choices = 12}};
   CHECK(sparse_pgd(values, points, axes).validation_errors[0] <=
         tolerance(1e-2, "alternation stops early"));
-  // One sample each: none can be predicted.
+  // With one sample of each choice none can be predicted.
   const std::vector<Index> even{0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22};
   CHECK_THROWS_AS(sparse_pgd(values(Eigen::all, even), points(Eigen::all, even), axes), Error);
 }

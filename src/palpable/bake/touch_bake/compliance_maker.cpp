@@ -19,17 +19,17 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-constexpr int kSamples = 640;        // vertices whose loads the bases are made from
-constexpr int kSecondSamples = 240;  // and those around which loads are answered in second order
-constexpr double kPatch = 0.007;     // m, radius of the latter
-constexpr int kTogether = 48;        // loads of one piece of work: three batches of the factor
-// Of the mean square of targets, which are off by 2e-5 of the largest: what they hold below that is
-// rounding.
+constexpr int kSamples = 640;        // vertices with point loads, for the bases
+constexpr int kSecondSamples = 240;  // vertices with pressure patches, for the second order
+constexpr double kPatch = 0.007;     // m, radius of these patches
+constexpr int kTogether = 48;        // loads of one work item: three batches of the factor
+// Ridge of the fit of R, as a ratio to the mean square of the targets. Targets are rounded to 2e-5
+// of the largest; a smaller ridge would fit that rounding.
 constexpr double kInnerRidge = 1e-8;
-constexpr double kLargest = 32767.0;
-constexpr double kNowhere = 1e9;  // m
+constexpr double kLargest = 32767.0;  // the 16-bit number that stands for a vertex's largest entry
+constexpr double kNowhere = 1e9;      // m: a position that is never the nearest
 
-// What of the table is settled before any load is answered, and where numbers go.
+// The parts of the table that are known before any solve, and where its numbers are stored.
 struct Plan {
   ComplianceTable table;
   std::vector<int> middles;               // (C) vertices
@@ -39,7 +39,7 @@ struct Plan {
   std::vector<std::size_t> near_first;    // (V) where the nine rows of a vertex begin
 };
 
-// The numbers of a part of `fields`: of these nodes, of which `first` is the field's first.
+// The rows of `fields` that belong to these nodes. @param first  the node of the first three rows
 template <class Fields>
 Fields rows_of_fields(const Fields& fields, const std::vector<int>& nodes, int first = 0) {
   Fields rows(3 * static_cast<Index>(nodes.size()), fields.cols());
@@ -50,8 +50,8 @@ Fields rows_of_fields(const Fields& fields, const std::vector<int>& nodes, int f
   return rows;
 }
 
-// Each inner node to the cluster of the vertex nearest to it that is not held: a held one tells
-// nothing of what moves beside it.
+// Assigns each inner node to the cluster of the nearest vertex that is not held: the displacement
+// of a held vertex is zero and says nothing about that of the node beside it.
 void find_inner_nodes(const SkinResponse& skin, Plan& plan) {
   Eigen::Matrix3Xd X = skin.skin().vertices;
   for (int v = 0; v < skin.vertex_count(); ++v) {
@@ -74,7 +74,7 @@ void find_clusters(const SkinResponse& skin, const ComplianceSettings& settings,
   plan.table.clusters = static_cast<int>(plan.middles.size());
   plan.members.resize(plan.middles.size());
   plan.near.resize(plan.middles.size());
-  double largest = 0;  // m, from a middle
+  double largest = 0;  // m: of the distances of free vertices from their cluster's middle
   for (int v = 0; v < skin.vertex_count(); ++v) {
     int best = 0;
     double least = std::numeric_limits<double>::infinity();
@@ -124,16 +124,16 @@ void make_room(Plan& plan, int rank) {
   table.couplings.values.assign(table.couplings.scale.size() * table.couplings.width, 0);
 }
 
-// What loads spread over the skin do, in the first order and then, of other loads, in the second;
-// each field divided by its norm on the skin.
+// Displacements under loads spread over the skin: those of the first order, then those of the
+// second order under other loads. Each field is divided by its norm on the skin.
 struct Samples {
-  std::vector<int> vertices;  // three fields each
-  Index linear = 0;           // fields of the first order
+  std::vector<int> vertices;  // at which the loads act; three fields for each
+  Index linear = 0;           // number of fields of the first order; they come first
   MatrixXd skin;              // (3V x loads)
   Eigen::MatrixXf inner;      // (3 (W - V) x loads)
 };
 
-// (3V x 3) pressure on the skin around a vertex, along its normal and askew.
+// (3V x 3) three loads on the skin around a vertex: along its normal, and tilted in two directions.
 MatrixXd patches_at(const SkinResponse& skin, int vertex) {
   constexpr double kAskew = 0.5;
   const Vector3d in = -skin.mean_normal(vertex, kPatch);
@@ -148,7 +148,7 @@ MatrixXd patches_at(const SkinResponse& skin, int vertex) {
   return loads;
 }
 
-// (3N x loads) the second order of the answer to each of these loads.
+// (3N x loads) the displacement of second order under each of these loads.
 MatrixXd second_order(const LoadResponse& body, const MatrixXd& loads) {
   const MatrixXd u = body.linear(loads);
   MatrixXd force(u.rows(), u.cols());
@@ -171,7 +171,7 @@ Samples sample_fields(const SkinResponse& skin, const ComplianceSettings& settin
   constexpr Index kVertices = kTogether / 3;  // of one piece
   const Index linear_pieces = (linear + kVertices - 1) / kVertices;
   const Index pieces = linear_pieces + (samples - linear + kVertices - 1) / kVertices;
-  const auto look_at = [&](int piece) {
+  const auto solve_piece = [&](int piece) {
     const bool is_linear = piece < linear_pieces;
     const Index first =
         is_linear ? piece * kVertices : linear + (piece - linear_pieces) * kVertices;
@@ -196,11 +196,11 @@ Samples sample_fields(const SkinResponse& skin, const ComplianceSettings& settin
     }
   };
   work_in_parallel(static_cast<int>(pieces), settings.threads, "touch: what is far away", progress,
-                   look_at);
+                   solve_piece);
   return all;
 }
 
-// Sets to 0 what loads near a cluster do.
+// Sets the fields of loads near a cluster to 0.
 template <class Fields>
 void clear_near(const Samples& samples, int cluster, const Plan& plan, Fields& here) {
   const std::vector<int>& near = plan.near[cluster];
@@ -210,7 +210,7 @@ void clear_near(const Samples& samples, int cluster, const Plan& plan, Fields& h
   }
 }
 
-// (3V x k) P, cluster by cluster, of the first fields.
+// (3V x k) P, cluster by cluster, from the first `fields` of the samples.
 MatrixXd skin_bases(const Samples& samples, Index fields, int rank, const Plan& plan) {
   MatrixXd P = MatrixXd::Zero(samples.skin.rows(), rank);
   for (int c = 0; c < plan.table.clusters; ++c) {
@@ -227,8 +227,9 @@ MatrixXd skin_bases(const Samples& samples, Index fields, int rank, const Plan& 
   return P;
 }
 
-// (3 (W - V) x k) R, cluster by cluster, of the first fields: the least squares of what loads far
-// away do at a cluster's inner nodes against their targets there. @param P  (3V x k) as it is kept
+// (3 (W - V) x k) R, cluster by cluster, from the first `fields` of the samples: the least squares
+// fit of the displacements that far loads cause at a cluster's inner nodes by their targets there.
+// @param P  (3V x k) after rounding, as the table stores it
 MatrixXd inner_bases(const Samples& samples, Index fields, const MatrixXd& P, const Plan& plan) {
   MatrixXd R = MatrixXd::Zero(samples.inner.rows(), P.cols());
   for (int c = 0; c < plan.table.clusters; ++c) {
@@ -239,7 +240,7 @@ MatrixXd inner_bases(const Samples& samples, Index fields, const MatrixXd& P, co
     MatrixXd gram = times(targets, targets.transpose());
     gram.diagonal().array() += kInnerRidge * gram.trace() / static_cast<double>(gram.rows()) +
                                std::numeric_limits<double>::min();
-    // What is near has no targets, and is left out by that.
+    // The fields of near loads have zero targets, so that they do not contribute to the product.
     const MatrixXd inside = rows_of_fields(samples.inner, plan.inner[c], plan.table.vertices)
                                 .leftCols(fields)
                                 .cast<double>();
@@ -252,7 +253,7 @@ MatrixXd inner_bases(const Samples& samples, Index fields, const MatrixXd& P, co
   return R;
 }
 
-// (3W x k) P and, below it, R, of the first fields.
+// (3W x k) P and, below it, R, from the first `fields` of the samples.
 RoundedRows bases(const Samples& samples, Index fields, int rank, const Plan& plan) {
   RoundedRows all = rounded(skin_bases(samples, fields, rank, plan).cast<float>());
   const RoundedRows inner =
@@ -262,7 +263,8 @@ RoundedRows bases(const Samples& samples, Index fields, int rank, const Plan& pl
   return all;
 }
 
-// S_cd for all d > c that are far. @param u  (3W x 3 n_c) what unit loads at c's vertices do
+// Stores S_cd for all d > c that are far from c.
+// @param u  (3W x 3 n_c) m/N, displacements under unit loads at c's vertices
 void keep_couplings(const MatrixXd& u, const MatrixXd& P, int c, Plan& plan) {
   ComplianceTable& table = plan.table;
   const MatrixXd mine = rows_of_fields(P, plan.members[c]);
@@ -282,7 +284,7 @@ void keep_couplings(const MatrixXd& u, const MatrixXd& P, int c, Plan& plan) {
   }
 }
 
-// The nine rows of one vertex, from its three answers. @param u  (3W x 3) m/N
+// Stores the nine rows of one vertex. @param u  (3W x 3) m/N, displacements under its unit loads
 void keep_near(const Eigen::Ref<const MatrixXd>& u, int vertex, Plan& plan) {
   ComplianceTable& table = plan.table;
   const auto first = static_cast<std::size_t>(table.first[vertex]);

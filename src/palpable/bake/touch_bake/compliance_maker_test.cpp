@@ -46,7 +46,7 @@ struct Made {
 TetMesh column() { return box_tets({0, 0, 0}, {0.03, 0.03, 0.09}, 4, 4, 12); }
 
 // G f at the first n nodes, by the table.
-Matrix3Xf answer(const Compliance& compliance, int vertex, const Vector3f& force, int n) {
+Matrix3Xf response(const Compliance& compliance, int vertex, const Vector3f& force, int n) {
   const std::size_t k = compliance.rank();
   const auto C = static_cast<std::size_t>(compliance.clusters());
   std::vector<float> source(k, 0.0f), targets(k * C, 0.0f);
@@ -62,7 +62,7 @@ Matrix3Xf answer(const Compliance& compliance, int vertex, const Vector3f& force
   return u;
 }
 
-TEST_CASE("the table answers at the inner nodes as the full body does, near and far",
+TEST_CASE("the table gives the displacement of inner nodes as the full body does, near and far",
           "[touch_bake]") {
   const Made made(column());
   const int V = made.skin.vertex_count(), W = made.skin.shell_count();
@@ -76,7 +76,7 @@ TEST_CASE("the table answers at the inner nodes as the full body does, near and 
     load.segment<3>(3 * Index{vertex}) = force.cast<double>();
     const MatrixXd exact =
         made.skin.in_shell(made.skin.body().linear(made.skin.at_nodes(load))).reshaped(3, W);
-    const Matrix3Xf found = answer(made.compliance, vertex, force, W);
+    const Matrix3Xf found = response(made.compliance, vertex, force, W);
     double near = 0, far = 0, near_size = 0, far_size = 0;  // sums of squares, of inner nodes
     for (int n = V; n < W; ++n) {
       const double error = (found.col(n).cast<double>() - exact.col(n)).squaredNorm();
@@ -88,14 +88,15 @@ TEST_CASE("the table answers at the inner nodes as the full body does, near and 
     REQUIRE((near_size > 0 && far_size > 0));
     CHECK(std::sqrt(near / near_size) < tolerance(2e-4, "16 bits"));
     CHECK(std::sqrt(far / far_size) < tolerance(0.02, "32 columns of a cluster"));
-    // What is asked for the skin alone is the same to the last bit.
-    CHECK(answer(made.compliance, vertex, force, V) == found.leftCols(V));
+    // Evaluating the skin alone gives the same bits.
+    CHECK(response(made.compliance, vertex, force, V) == found.leftCols(V));
   }
 }
 
 TEST_CASE("an inner node belongs to the cluster of the nearest vertex that is not held",
           "[touch_bake]") {
-  // Nodes above its floor are nearer to that than to its walls.
+  // A block on a held floor: inner nodes just above the floor are nearer to its held vertices than
+  // to the walls.
   const Made made(box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 6, 5, 4));
   const int V = made.skin.vertex_count();
   for (int n = V; n < made.skin.shell_count(); ++n) {
@@ -112,7 +113,7 @@ TEST_CASE("an inner node belongs to the cluster of the nearest vertex that is no
   }
 }
 
-// The full fields of modes whose rows are those of all nodes of the shell.
+// (3N x modes) fields on the whole mesh, from rows for the nodes of the shell; 0 at other nodes.
 MatrixXd fields_of(const SkinResponse& skin, const RoundedRows& rows) {
   const MatrixXd in_shell = as_numbers(rows);
   MatrixXd fields = MatrixXd::Zero(skin.body().free_mask().size(), in_shell.cols());
@@ -147,23 +148,23 @@ TEST_CASE("modes keep their rows of the inner nodes: they are orthonormal in the
     CHECK((gram - MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff() <
           tolerance(0.004, "16 bits of each row, times the stiffness of short edges"));
   }
-  // What is asked for the skin alone is the same to the last bit.
+  // Evaluating the skin alone gives the same bits.
   const std::vector<RegionTable> regions{region};
   const RegionMap map(made.skin.skin().vertices.cast<float>(), regions, 0.018);
-  NonlinearResponse answer(compliance, regions, map, cross);
+  NonlinearResponse response(compliance, regions, map, cross);
   const std::vector<int> vertices{region.vertex};
   const std::vector<float> weights{1.0f};
-  answer.choose_patches(vertices, weights, {});
+  response.choose_patches(vertices, weights, {});
   const std::vector<VertexForce> loads{{region.vertex, {-0.3f, 0.1f, 0.0f}}};
-  answer.evaluate(loads);
+  response.evaluate(loads);
   const int V = made.skin.vertex_count();
   Matrix3Xf all = Matrix3Xf::Zero(3, W), skin = Matrix3Xf::Zero(3, V);
-  answer.add_near(all);
-  answer.add_cross(all);
-  answer.add_near(skin);
-  answer.add_cross(skin);
+  response.add_near(all);
+  response.add_cross(all);
+  response.add_near(skin);
+  response.add_cross(skin);
   CHECK(skin == all.leftCols(V));
-  const Eigen::Map<const Eigen::VectorXf> q(answer.q(0).data(), region.mode_count());
+  const Eigen::Map<const Eigen::VectorXf> q(response.q(0).data(), region.mode_count());
   const VectorXd exact = as_numbers(region.modes) * q.cast<double>();
   CHECK((all.reshaped().cast<double>() - exact).cwiseAbs().maxCoeff() <
         tolerance(1e-5, "single precision") * exact.tail(3 * Index{W - V}).cwiseAbs().maxCoeff());

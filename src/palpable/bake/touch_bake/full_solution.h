@@ -17,13 +17,14 @@
 
 namespace palpable {
 
-/// The relative residual that is enough: a hundredth of what tables leave out.
+/// Relative residual at which the solution counts as found: a hundredth of the tables' error.
 inline constexpr double kFullSolutionTolerance = 1e-4;
 
-/// (3 x W) m, how far the shell's nodes move under these forces from where nothing presses; nothing
-/// where the body does not bear them. A pure function of its arguments.
+/// (3 x W) m, displacement of the shell's nodes under these forces from the state without contact.
+/// Nothing if there is no load or the solver finds no equilibrium under it. A pure function of its
+/// arguments.
 /// @param solver     of the model that `skin` belongs to
-/// @param preloaded  what acts already; nullptr: nothing
+/// @param preloaded  loads that act already, such as weight; nullptr: none
 [[nodiscard]] std::optional<Eigen::Matrix3Xf> full_solution(const EquilibriumSolver& solver,
                                                             const SkinResponse& skin,
                                                             const Preloaded* preloaded,

@@ -12,7 +12,7 @@ namespace {
 using Eigen::VectorXd;
 using test::tolerance;
 
-TEST_CASE("the exact answer to a load is its series, as far as that goes", "[touch_bake]") {
+TEST_CASE("the full-order solution agrees with the series up to its third order", "[touch_bake]") {
   const SolidModel model =
       test::standing_rubber(box_tets({-0.03, -0.025, 0}, {0.03, 0.025, 0.04}, 6, 5, 4));
   const EquilibriumSolver solver(model, {.tolerance = kFullSolutionTolerance});
@@ -23,7 +23,8 @@ TEST_CASE("the exact answer to a load is its series, as far as that goes", "[tou
   const auto load = [&](float newton) {
     return std::vector<VertexForce>{{top, {0.5f * newton, 0, -newton}}};
   };
-  // Three orders of a force that moves the vertex by some millimetres.
+  // The first three orders of the displacement under a force that moves the vertex by some
+  // millimetres.
   VectorXd force = VectorXd::Zero(3 * skin.vertex_count());
   force.segment<3>(3 * top) = load(0.5f)[0].force.cast<double>();
   const LoadResponse& body = skin.body();

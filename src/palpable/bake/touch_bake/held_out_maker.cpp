@@ -23,7 +23,8 @@ struct Wanted {
   double depth = 0;  // m
 };
 
-// What is held cannot give way: no contact has an answer where a thing goes through it.
+// Whether an obstacle at this depth would lie inside a held vertex. Held vertices cannot move away,
+// so the contact problem then has no solution.
 bool presses_support(const SkinResponse& skin, const TouchScene& scene, double depth) {
   const ObstacleGaps gaps(obstacle_at(scene, depth));
   for (int v = 0; v < skin.vertex_count(); ++v) {
@@ -32,10 +33,10 @@ bool presses_support(const SkinResponse& skin, const TouchScene& scene, double d
   return false;
 }
 
-// The first scenes of a thing that have an answer to the largest depth.
+// The first `count` scenes of a thing that do not press the support at the largest depth.
 std::vector<TouchScene> scenes_of(const SkinResponse& skin, PressingThing thing, int count,
                                   const HeldOutSettings& settings) {
-  constexpr int kDrawn = 4;  // of them one at least has an answer
+  constexpr int kDrawn = 4;  // scenes drawn for each wanted one; at least one should be usable
   std::vector<TouchScene> scenes = touch_scenes(skin, thing, kDrawn * count, settings.seed);
   std::erase_if(scenes, [&](const TouchScene& scene) {
     return presses_support(skin, scene, settings.largest_depth);
@@ -63,7 +64,7 @@ std::vector<Wanted> wanted_touches(const SkinResponse& skin, const HeldOutSettin
   return all;
 }
 
-// Differences of NaN say that the full solver stopped before its depth.
+// A touch whose differences are NaN: the full solver stopped before its depth.
 HeldOutTouch not_followed(const Wanted& wanted) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   return {wanted.scene.thing, wanted.depth, kNone, kNone, kNone, 0.0};
@@ -74,7 +75,7 @@ HeldOutTouch not_followed(const Wanted& wanted) {
 std::uint64_t held_out_key(const TouchKeys& keys, const TouchTables& tables,
                            const HeldOutSettings& settings) {
   const auto& [count, least_depth, largest_depth, seed, threads] = settings;
-  constexpr int kRevision = 2;  // 2: with what the state tells of its own error
+  constexpr int kRevision = 2;  // 2: HeldOutTouch::unscaled_error was added
   Digest digest(keys.compliance);
   digest.add(kRevision);
   digest.add(seed);

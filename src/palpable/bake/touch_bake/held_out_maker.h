@@ -17,25 +17,26 @@
 namespace palpable {
 
 struct HeldOutSettings {
-  int count = 20;                ///< of touches: a finger, a palm, a rim, a finger, ...
+  int count = 20;                ///< touches: a finger, a palm, a rim, a finger, ...
   double least_depth = 0.002;    ///< m
-  double largest_depth = 0.008;  ///< m; depths lie evenly at random between the two
+  double largest_depth = 0.008;  ///< m; depths are uniformly random between the two
   std::uint64_t seed = 20;
   int threads = 1;
 };
 
-/// What the touches are computed from, as TouchKeys::held_out.
+/// TouchKeys::held_out: identifies everything that the touches are computed from.
 /// @param keys  of the tables
 [[nodiscard]] std::uint64_t held_out_key(const TouchKeys& keys, const TouchTables& tables,
                                          const HeldOutSettings& settings);
 
-/// In the order of their numbers; those that the full solver cannot follow to their depth are left
-/// out. The same on any number of threads, and whether touches were kept or solved.
+/// The touches in the order of their numbers, without those that the full solver cannot follow to
+/// their depth. The result does not depend on the number of threads, nor on which touches were read
+/// from the store.
 /// @param solver     of the model that `skin` belongs to
-/// @param preloaded  as `skin` was made with
-/// @param keys       with held_out_key(); each touch is kept as soon as it is solved, and looked
-///                   for first
-/// @param store      nullptr: nowhere
+/// @param preloaded  the one that `skin` was constructed with
+/// @param keys       with held_out_key(); used with `store`
+/// @param store      where touches are looked up first, and stored as soon as each is solved;
+///                   nullptr: every touch is solved, and none is stored
 [[nodiscard]] std::vector<HeldOutTouch> make_held_out(
     const EquilibriumSolver& solver, const SkinResponse& skin, const Preloaded* preloaded,
     const TouchTables& tables, const HeldOutSettings& settings, const Progress& progress = {},

@@ -21,19 +21,24 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kTilt = 0.5;              // largest tangential part of a load's direction
-constexpr double kPointSpacing = 0.0011;   // m: of the points at which pressure is summed
-constexpr double kFloor = 0.05;            // of the pressure at the rim, so that no load is empty
-constexpr double kOtherSide = -0.2;        // cosine between normals: the other side of an ear
-constexpr double kLeastEigenvalue = 1e-9;  // of the largest: below, a mode is rounding
+constexpr double kTilt = 0.5;             // largest tangential part, ratio to the normal part
+constexpr double kPointSpacing = 0.0011;  // m, between the points at which pressure is summed
+// Pressure at the rim of a load, ratio to that in its middle: no load is zero at all its points.
+constexpr double kFloor = 0.05;
+// Points whose normal has a smaller cosine with the load's lie on the other side of a thin part,
+// such as an ear, and get no pressure.
+constexpr double kOtherSide = -0.2;
+// Modes with a smaller eigenvalue, as a ratio to the largest, are rounding and are left out.
+constexpr double kLeastEigenvalue = 1e-9;
 
-// Random loads near a vertex, (3V x k).
+// (3V x k) random loads near a vertex.
 MatrixXd some_loads(const SkinResponse& skin, int middle, const RegionSettings& settings) {
   std::mt19937_64 random(static_cast<std::uint64_t>(middle) + 1);
   std::uniform_real_distribution<double> share(0, 1);
   std::vector<int> near;
   for (int v = 0; v < skin.vertex_count(); ++v) {
-    // Both sides of an ear, and the walls of a cleft: what presses there presses both.
+    // By plain distance, so that both sides of an ear and both walls of a cleft are included:
+    // obstacles press them together.
     if (skin.fixed()[v] == 0 &&
         (skin.skin().vertices.col(v) - skin.skin().vertices.col(middle)).norm() < settings.reach) {
       near.push_back(v);
@@ -57,7 +62,7 @@ MatrixXd some_loads(const SkinResponse& skin, int middle, const RegionSettings& 
     const Vector3d t = out.unitOrthogonal();
     const Vector3d direction =
         (-out + tilt * (std::cos(angle) * t + std::sin(angle) * out.cross(t))).normalized();
-    loads.middleRows(3 * Index{at}, 3).col(k) = 1e-9 * direction;  // never nothing
+    loads.middleRows(3 * Index{at}, 3).col(k) = 1e-9 * direction;  // N: keeps the load nonzero
     for (const SkinPoint& point : points) {
       const double r = static_cast<double>((point.at(X) - X.col(at)).norm()) / R;
       const bool other_side =
@@ -73,14 +78,14 @@ MatrixXd some_loads(const SkinResponse& skin, int middle, const RegionSettings& 
   return loads;
 }
 
-// Fields with their forces K u: single precision halves the memory.
+// Displacement fields u and their forces K u, in single precision to halve the memory.
 struct Snapshots {
-  Eigen::MatrixXf u, force;  // (3N x 2k) of k loads: first the linear answers, then second orders
+  Eigen::MatrixXf u, force;  // (3N x 2k) for k loads: the first orders, then the second orders
 
   [[nodiscard]] auto second_forces() const { return force.rightCols(force.cols() / 2); }
 };
 
-// The answers to the loads in the first and second order, each of energy 1.
+// The displacements of first and second order under the loads, each scaled to u . K u = 1.
 Snapshots snapshots_of(const SkinResponse& skin, const MatrixXd& loads) {
   const LoadResponse& body = skin.body();
   const Index k = loads.cols();
@@ -105,8 +110,8 @@ Snapshots snapshots_of(const SkinResponse& skin, const MatrixXd& loads) {
   return all;
 }
 
-// (3N x r) the leading directions of the snapshots in the stiffness' norm, orthonormal in it. Where
-// there are fewer the last ones are 0.
+// (3N x count) the leading directions of the snapshots in the stiffness' norm, orthonormal in it.
+// If the snapshots span fewer directions, the last columns are 0.
 MatrixXd leading_modes(const Snapshots& all, int count) {
   const MatrixXd u = all.u.cast<double>();
   MatrixXd gram = transposed_times(u, all.force.cast<double>());
@@ -127,7 +132,7 @@ MatrixXd leading_modes(const Snapshots& all, int count) {
   return modes;
 }
 
-// Clusters whose vertices lie near a vertex; its own one at least.
+// Clusters whose centroids lie within `radius` of a vertex, and always the vertex's own cluster.
 std::vector<int> clusters_around(const SkinResponse& skin, const Compliance& compliance, int middle,
                                  double radius) {
   std::vector<int> found{compliance.cluster_of(middle)};
@@ -146,7 +151,7 @@ std::vector<int> clusters_around(const SkinResponse& skin, const Compliance& com
   return found;
 }
 
-// All nodes of clusters that are not far from all of these.
+// All nodes of clusters that are near at least one of these clusters.
 std::vector<int> nodes_around(const Compliance& compliance, const std::vector<int>& clusters) {
   std::vector<int> found;
   for (int v = 0; v < compliance.nodes(); ++v) {
@@ -158,7 +163,8 @@ std::vector<int> nodes_around(const Compliance& compliance, const std::vector<in
   return found;
 }
 
-// (C k x modes) the modes' targets in all clusters that have no node among these.
+// (k x clusters, modes) the modes' targets in all clusters that have no node among these: k rows
+// for each of those clusters.
 MatrixXd far_targets(const Compliance& compliance, const std::vector<int>& own_nodes,
                      const MatrixXd& in_shell) {
   const auto k = static_cast<Index>(compliance.rank());
@@ -181,12 +187,12 @@ MatrixXd far_targets(const Compliance& compliance, const std::vector<int>& own_n
   return targets;
 }
 
-// Targets of modes as shapes (rows x f) times shares (f x r). The shapes are the leading directions
-// of what fields with these codes do.
-// @param codes  (r x fields)
-void keep_far_shapes(const MatrixXd& targets, const MatrixXd& codes, int count,
+// Approximates the targets of the modes by shapes (rows x f) times shares (f x r). The shapes are
+// the leading directions of the targets of the fields with these modal coordinates.
+// @param coordinates  (r x fields)
+void keep_far_shapes(const MatrixXd& targets, const MatrixXd& coordinates, int count,
                      RegionTable& region) {
-  const MatrixXd fields = times(targets, codes);
+  const MatrixXd fields = times(targets, coordinates);
   MatrixXd gram = MatrixXd::Zero(fields.cols(), fields.cols());
   add_gram(fields, gram);
   const SymmetricEigen eigen = symmetric_eigen(gram);  // increasing
@@ -211,11 +217,11 @@ RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
                   "modes and far shapes by sixteens, and no more leading modes than there are");
   RegionTable region;
   region.vertex = vertex;
-  MatrixXd modes, second_codes;
+  MatrixXd modes, second_coordinates;
   {
     const Snapshots snapshots = snapshots_of(skin, some_loads(skin, vertex, settings));
     modes = leading_modes(snapshots, settings.modes);
-    second_codes = transposed_times(modes, snapshots.second_forces().cast<double>());
+    second_coordinates = transposed_times(modes, snapshots.second_forces().cast<double>());
   }
   const MatrixXd in_shell = skin.in_shell(modes);
   region.vertices =
@@ -226,7 +232,7 @@ RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
         in_shell.middleRows(3 * Index{region.vertices[k]}, 3).cast<float>();
   }
   region.modes = rounded(rows);
-  keep_far_shapes(far_targets(compliance, region.vertices, in_shell), second_codes,
+  keep_far_shapes(far_targets(compliance, region.vertices, in_shell), second_coordinates,
                   settings.far_shapes, region);
   const ModalForms made = forms.make(modes, settings.leading);
   region.cubic = rounded(made.modes, 3, made.cubic);

@@ -1,6 +1,6 @@
 /// @file
-/// Modes in which a body answers large loads near one place of its skin, and its energy in them
-/// (response/region.h).
+/// Computes a region: the modes for the response of a body to large loads near one position of its
+/// skin, and the stored energy in these modes (response/region.h).
 #pragma once
 
 #include "palpable/bake/solid/modal_forms.h"
@@ -13,27 +13,31 @@
 namespace palpable {
 
 struct RegionSettings {
-  double spacing = 0.014;  ///< m: no vertex is farther from the nearest region's middle
-  int most = 200;          ///< regions; on a larger skin they lie farther apart
-  double reach = 0.018;    ///< m: loads so near a region's middle are answered by it
+  double spacing = 0.014;  ///< m: largest distance of a vertex from the nearest region's middle
+  int most = 200;          ///< regions; on a skin that would need more they lie farther apart
+  double reach = 0.018;    ///< m: loads within this distance of its middle belong to a region
   int modes = 80;          ///< r, a multiple of 16
-  int leading = 24;        ///< s
-  int loads = 150;         ///< that the modes are made from
+  int leading = 24;        ///< s, modes with the third order
+  int loads = 150;         ///< number of random loads that the modes are made from
   double least_load = 0.0015, largest_load = 0.008;  ///< m, radii of those loads
-  double core = 0.014;  ///< m: its own clusters are those so near its middle and all near those
+  /// m: a region's own clusters, where its modes are stored, are those whose centroids are within
+  /// this distance of its middle, and all clusters near those. Elsewhere only far shapes are
+  /// stored.
+  double core = 0.014;
   int far_shapes = 16;  ///< f, a multiple of 16
 };
 
-/// The modes come from loads as things make them: pressure on discs of the sizes above, like that
-/// of a ball (1 - r^2 / R^2)^(1/2), at random places within the reach, tilted by up to half of the
-/// normal (frictionless contact presses along the object's normal, not the skin's), and from the
-/// second order of the answers to them. All count alike in the stiffness' norm; the leading ones of
-/// that set are the modes. The far shapes are the leading directions of what the second orders do
-/// in the clusters that are not the region's own.
+/// The modes come from random loads that resemble those of obstacles: pressure on discs of the
+/// radii above, distributed like that under a ball, (1 - r^2 / R^2)^(1/2), at random positions
+/// within the reach. Their directions are tilted from the skin's normal by a tangential part of up
+/// to a half, since frictionless contact presses along the obstacle's normal and not the skin's.
+/// The displacements of first and second order under these loads, each scaled to energy 1, form a
+/// set whose leading directions in the stiffness' norm are the modes. The far shapes are the
+/// leading directions of the second orders in the clusters that are not the region's own.
 ///
-/// @param vertex    the region's middle
-/// @param forms     of the same body and state
-/// @param compliance  its clusters, and their targets
+/// @param vertex      the region's middle
+/// @param forms       of the same body and state
+/// @param compliance  gives the clusters and the bases of their targets
 [[nodiscard]] RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
                                       const Compliance& compliance, int vertex,
                                       const RegionSettings& settings);

@@ -35,32 +35,32 @@ struct Column {
         .minCoeff(&vertex);
   }
 
-  // All clusters are its own where the core is large.
+  // With a large core all clusters are the region's own.
   [[nodiscard]] RegionTable region(double core) const {
     return make_region(skin, forms, compliance, vertex,
                        {.modes = 32, .leading = 8, .loads = 60, .core = core});
   }
 
-  // (3W) what is added to the linear answer by this region.
+  // (3W) m, the displacement that this region adds to the linear response.
   [[nodiscard]] VectorXd beyond_linear(const RegionTable& region,
                                        std::span<const VertexForce> loads) const {
     const std::vector<RegionTable> regions{region};
     const RegionMap map(skin.skin().vertices.cast<float>(), regions, 0.018);
     const CrossTable none;
-    NonlinearResponse answer(compliance, regions, map, none);
+    NonlinearResponse response(compliance, regions, map, none);
     std::vector<int> vertices;
     for (const VertexForce& load : loads) vertices.push_back(load.vertex);
-    answer.choose_patches(vertices, std::vector<float>(vertices.size(), 1.0f), {});
-    answer.evaluate(loads);
-    answer.find_far_targets();
+    response.choose_patches(vertices, std::vector<float>(vertices.size(), 1.0f), {});
+    response.evaluate(loads);
+    response.find_far_targets();
     Matrix3Xf u = Matrix3Xf::Zero(3, skin.shell_count());
-    compliance.add_beyond(answer.far_targets(), u);
-    answer.add_near(u);
+    compliance.add_beyond(response.far_targets(), u);
+    response.add_near(u);
     return u.reshaped().cast<double>();
   }
 };
 
-TEST_CASE("beyond its own clusters a region's field goes on", "[touch_bake]") {
+TEST_CASE("outside its own clusters a region's field continues in its far shapes", "[touch_bake]") {
   const Column column;
   const RegionTable region = column.region(0.014), all = column.region(1.0);
   const int W = column.skin.shell_count(), V = column.skin.vertex_count();

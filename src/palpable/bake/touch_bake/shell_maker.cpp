@@ -7,8 +7,8 @@
 namespace palpable {
 namespace {
 
-// Places in the mesh's or another list of what is in `some`; -1 elsewhere.
-std::vector<int> places_in(const std::vector<int>& some, int count) {
+// (count) for each number of the mesh its index in the list `some`; -1 if it is not in the list.
+std::vector<int> indices_in(const std::vector<int>& some, int count) {
   std::vector<int> place(static_cast<std::size_t>(count), -1);
   for (std::size_t k = 0; k < some.size(); ++k) place[some[k]] = static_cast<int>(k);
   return place;
@@ -26,7 +26,7 @@ ShellTable make_shell(const SkinResponse& skin) {
   shell.materials.push_back(model.material);
   for (const MaterialGroup& group : model.groups) shell.materials.push_back(group.material);
   const std::vector<int> groups = material_groups(model);
-  const std::vector<int> place = places_in(skin.shell_nodes(), mesh.node_count());
+  const std::vector<int> place = indices_in(skin.shell_nodes(), mesh.node_count());
   for (const int e : skin.shell_elements()) {
     shell.material_of.push_back(groups[e] + 1);
     for (const int n : mesh.tets.col(e)) shell.elements.push_back(place[n]);
@@ -34,7 +34,7 @@ ShellTable make_shell(const SkinResponse& skin) {
     for (const int n : mesh.edge_nodes.col(e)) shell.elements.push_back(place[n]);
   }
   const int Q = shell.points_of_element();
-  const std::vector<int> number = places_in(skin.shell_elements(), mesh.tet_count());
+  const std::vector<int> number = indices_in(skin.shell_elements(), mesh.tet_count());
   shell.first.push_back(0);
   for (int v = 0; v < skin.vertex_count(); ++v) {
     for (const StressRecovery::Term& term : skin.recovery().terms_of(skin.node_of(v))) {

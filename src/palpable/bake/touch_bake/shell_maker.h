@@ -1,5 +1,6 @@
 /// @file
-/// The shell of a body, from which the stress on its skin is computed (response/shell_table.h).
+/// Makes the shell of a body, from which the stress on its skin is computed
+/// (response/shell_table.h).
 #pragma once
 
 #include "palpable/bake/touch_bake/skin_response.h"
@@ -8,7 +9,8 @@
 
 namespace palpable {
 
-/// Elements in the order of the mesh; the recovery at the skin is that of the full solver.
+/// The elements are in the order of the mesh; the stress recovery at the skin is that of the full
+/// solver.
 [[nodiscard]] ShellTable make_shell(const SkinResponse& skin);
 
 }  // namespace palpable

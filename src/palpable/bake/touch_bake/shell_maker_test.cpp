@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using test::tolerance;
 
-// A block that stands on its lowest nodes; its upper half is of another rubber.
+// A block that stands on its lowest nodes; its upper half is made of another rubber.
 SolidModel block(bool quadratic) {
   SolidModel model = test::standing_rubber(
       quadratic ? with_edge_nodes(box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 4, 3, 3))
@@ -46,7 +46,7 @@ Matrix3Xd some_displacement(const SolidModel& model) {
   return u;
 }
 
-// At the skin's vertices, Pa.
+// Von Mises stress at the skin's vertices by the full recovery, Pa.
 VectorXd full_von_mises(const SkinResponse& skin, const Matrix3Xd& u) {
   const VectorXd nodal = von_mises(nodal_cauchy_stress(skin.body().model(), u));
   VectorXd on_skin(skin.vertex_count());
@@ -62,7 +62,7 @@ VectorXd shell_von_mises(const SkinResponse& skin, const Matrix3Xd& from_rest) {
   return Eigen::Map<const Eigen::VectorXf>(found.data(), skin.vertex_count()).cast<double>();
 }
 
-TEST_CASE("from the true displacement comes the stress of the full solver", "[touch_bake]") {
+TEST_CASE("the shell gives the full solver's stress for the true displacement", "[touch_bake]") {
   for (const bool quadratic : {false, true}) {
     INFO((quadratic ? "10 nodes" : "4 nodes"));
     const SolidModel model = block(quadratic);
@@ -75,7 +75,7 @@ TEST_CASE("from the true displacement comes the stress of the full solver", "[to
   }
 }
 
-TEST_CASE("a body that its weight has bent starts from that stress", "[touch_bake]") {
+TEST_CASE("a body deformed by its weight starts from the stress of that state", "[touch_bake]") {
   const SolidModel model = block(false);
   const EquilibriumSolver solver(model);
   Preloaded preloaded{Matrix3Xd::Zero(3, model.mesh.node_count()), {}};

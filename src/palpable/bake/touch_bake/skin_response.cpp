@@ -17,11 +17,12 @@ using Eigen::Vector3d;
 
 namespace {
 
-// What is added to the distance of vertices on two sides of a thin part.
+// Added to the distance of two vertices on opposite sides of a thin part.
 constexpr double kOtherSideWithin = 0.03;  // m
-constexpr double kApart = -0.2;            // cosine of the angle between their normals
+// Two vertices lie on opposite sides if the cosine between their normals is smaller.
+constexpr double kApart = -0.2;
 
-// Those whose stress the recovery at the skin's vertices reads.
+// The elements whose stress the recovery at the skin's vertices reads.
 std::vector<int> elements_of(const StressRecovery& recovery, const TetMesh& mesh,
                              const Boundary& boundary) {
   const int Q = mesh.is_quadratic() ? 4 : 1;

@@ -13,14 +13,14 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kFrame = 1.25e-3;  // m that a thing goes on in a frame, at most
+constexpr double kFrame = 1.25e-3;  // m, how far the obstacle advances in a frame
 
 double milliseconds_since(std::chrono::steady_clock::time_point begin) {
   return 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-// |F_a - F_b| / |F_b| of the resultants; of two things that press against each other, whose
-// resultants cancel, of the sums of norms.
+// |F_a - F_b| / |F_b|, F_b the true force. F is the resultant; for a squeeze, where the forces of
+// the two obstacles cancel, F is the sum of the norms of all forces.
 double force_difference(const TouchState& state, const Matrix3Xd& truth, bool squeeze) {
   Vector3d sum = Vector3d::Zero();
   double norms = 0;
@@ -34,7 +34,7 @@ double force_difference(const TouchState& state, const Matrix3Xd& truth, bool sq
   return (sum - true_sum).norm() / true_sum.norm();
 }
 
-// Of the capsules; of other parts, which come after them, nothing is known.
+// Bounding boxes of the capsules, which are the first parts of the obstacle; other parts have none.
 std::vector<Eigen::AlignedBox3f> boxes_of(const ObstacleGaps& gaps) {
   std::vector<Eigen::AlignedBox3f> boxes;
   for (const Capsule& capsule : gaps.obstacle().capsules) {
@@ -43,7 +43,7 @@ std::vector<Eigen::AlignedBox3f> boxes_of(const ObstacleGaps& gaps) {
   return boxes;
 }
 
-// Whether a part's box is as far as that.
+// Whether a part has a box and the box is at least `reach` (m) away from a position.
 bool is_farther(const std::vector<Eigen::AlignedBox3f>& boxes, int part,
                 const Eigen::Vector3f& place, float reach) {
   const auto box = static_cast<std::size_t>(part);
@@ -51,7 +51,7 @@ bool is_farther(const std::vector<Eigen::AlignedBox3f>& boxes, int part,
          !(boxes[box].squaredExteriorDistance(place) < reach * reach);
 }
 
-// The present answers of both.
+// Compares the present states of the tables (`touch`, `state`) and of the full solver (`walk`).
 TouchDifference difference_of(const SkinResponse& skin, const ContactWalk& walk, TouchSolver& touch,
                               const TouchState& state, const TouchScene& scene, double depth) {
   const Matrix3Xd u = true_displacement(skin, walk.now().displacement);
@@ -140,7 +140,8 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
     TouchReport report;
     double took = 0;
     while (depth < last) {
-      // The last frame ends where it is looked at; none is a sliver of one.
+      // The last frame ends at the depth that is compared; it takes up to 10 % more instead of
+      // leaving a very short frame.
       depth = last - depth < 1.1 * kFrame ? last : depth + kFrame;
       if (!walk.advance(depth)) return walk.why_stopped();
       const ObstacleGaps gaps(obstacle_at(scene, depth));
@@ -148,7 +149,7 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
       report = touch.advance(state, ExactObstacles(gaps));
       took = milliseconds_since(begin);
     }
-    const auto tell = [&](const TouchState& now, int refined) {
+    const auto report_difference = [&](const TouchState& now, int refined) {
       TouchDifference d = difference_of(skin, walk, touch, now, scene, depth);
       d.refined = refined;
       d.report = report;
@@ -156,18 +157,18 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
       d.milliseconds = took;
       found(d);
     };
-    tell(state, 0);
+    report_difference(state, 0);
     TouchState rests = refinements > 0 ? state : TouchState();
     const ObstacleGaps gaps(obstacle_at(scene, depth));
     for (int k = 1; k <= refinements; ++k) {
-      RequestedLoad asked;
-      if (touch.request(rests, asked)) {
-        const auto exact = full_solution(solver, skin, preloaded, asked.forces);
-        if (exact) (void)touch.refine(rests, asked, *exact);
+      RequestedLoad requested;
+      if (touch.request(rests, requested)) {
+        const auto full = full_solution(solver, skin, preloaded, requested.forces);
+        if (full) (void)touch.refine(rests, requested, *full);
       }
       do report = touch.advance(rests, ExactObstacles(gaps));
       while (rests.refinement.blended < 1);
-      tell(rests, k);
+      report_difference(rests, k);
     }
   }
   return {};

@@ -55,7 +55,7 @@ struct Touched {
   }
 };
 
-TEST_CASE("the tables of touch answer as full contact does, the linear ones less well",
+TEST_CASE("touch tables agree with full contact, and better than the linear table alone",
           "[touch_bake][long]") {
   Touched body;
   std::vector<double> nonlinear, linear;
@@ -63,7 +63,8 @@ TEST_CASE("the tables of touch answer as full contact does, the linear ones less
     INFO(name_of(thing));
     for (const TouchDifference& d : body.compare(thing, true)) {
       INFO(1e3 * d.touch.depth << " mm");
-      // A finger slips along the block's edge here, a little earlier than in the truth.
+      // In this scene a finger slips along the block's edge, a little earlier than in the
+      // full-order solution.
       CHECK(d.touch.displacement < tolerance(0.08, "of the one that slips; 0.03 of the others"));
       CHECK(d.touch.force < tolerance(0.05, "likewise"));
       CHECK(d.report.penetration < 2e-4);

@@ -19,11 +19,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-// The modes are smooth, and the cross terms small.
+// Sampling for the form of the cross terms. It is coarser than the default, since these modes are
+// smooth and the cross terms small.
 constexpr FormSampling kSmooth{.exact = 0.2, .neglect = 1e-3, .every = 8};
-constexpr double kNearPair = 0.035;  // m: every second pair of loads lies nearer than this
+constexpr double kNearPair = 0.035;  // m: every second pair of loads is closer together than this
 
-// Smooth patches at the places, three directions each, (3V x 3 places).
+// (3V x 3 places) smooth patches of load at the places, each in three directions.
 MatrixXd patches(const SkinResponse& skin, const std::vector<int>& places, double radius) {
   MatrixXd loads =
       MatrixXd::Zero(3 * Index{skin.vertex_count()}, 3 * static_cast<Index>(places.size()));
@@ -53,8 +54,8 @@ void scale_columns(MatrixXd& u, MatrixXd& force, const auto& size) {
 
 }  // namespace
 
-// A POD in the L2 norm: one in the norm of the stiffness would spend its modes on what is sharp,
-// and what patches do to each other from afar is smooth.
+// The modes are a POD in the L2 norm. A POD in the stiffness' norm would spend its modes on sharp
+// fields, but the interaction of distant patches is smooth.
 CrossTable make_cross_table(const SkinResponse& skin, const ModalFormMaker& forms,
                             const CrossSettings& settings) {
   CrossTable table;
@@ -119,13 +120,13 @@ ComplianceTable find_or_make_compliance(const SkinResponse& skin, const TouchBak
   return made;
 }
 
-constexpr int kCross = -1;  // among numbers of regions
+constexpr int kCross = -1;  // stands for the cross terms in a list of numbers of regions
 
-// Numbers of what is not kept; what is goes to `tables`.
-std::vector<int> look_for(const std::vector<int>& middles, const TouchBakeSettings& settings,
-                          const TouchKeys& keys, const TouchStore* store, TouchTables& tables) {
+// Reads what the store has into `tables`. @returns numbers of the regions (or kCross) that it lacks
+std::vector<int> read_stored(const std::vector<int>& middles, const TouchBakeSettings& settings,
+                             const TouchKeys& keys, const TouchStore* store, TouchTables& tables) {
   std::vector<int> missing;
-  // The cross terms are one more piece of work beside the regions, and the longest.
+  // The cross terms are one more work item beside the regions. It takes longest, so it comes first.
   if (settings.cross.modes > 0) {
     auto kept = store != nullptr ? store->find_cross(keys) : std::nullopt;
     if (kept) tables.cross = std::move(*kept);
@@ -153,7 +154,7 @@ TouchTables make_touch_tables(const SkinResponse& skin, const TouchBakeSettings&
   tables.compliance = find_or_make_compliance(skin, settings, keys, progress, store);
   const std::vector<int> middles =
       spread_vertices(skin, settings.regions.spacing, settings.regions.most);
-  const std::vector<int> missing = look_for(middles, settings, keys, store, tables);
+  const std::vector<int> missing = read_stored(middles, settings, keys, store, tables);
   if (missing.empty()) return tables;
   const std::size_t all = middles.size() + (settings.cross.modes > 0 ? 1 : 0);
   const auto there = static_cast<double>(all - missing.size());
@@ -161,7 +162,7 @@ TouchTables make_touch_tables(const SkinResponse& skin, const TouchBakeSettings&
     report(progress, {now.task, now.done + there, now.total + there, now.note});
   };
   const ModalFormMaker forms(skin.body().model(), skin.body().rest());
-  const Compliance asked(tables.compliance);
+  const Compliance compliance(tables.compliance);
   work_in_parallel(static_cast<int>(missing.size()), settings.threads,
                    "touch: large loads, region by region", with_those_kept, [&](int item) {
                      const int k = missing[static_cast<std::size_t>(item)];
@@ -170,7 +171,7 @@ TouchTables make_touch_tables(const SkinResponse& skin, const TouchBakeSettings&
                        if (store != nullptr) store->keep(keys, tables.cross);
                      } else {
                        RegionTable& region = tables.regions[static_cast<std::size_t>(k)];
-                       region = make_region(skin, forms, asked,
+                       region = make_region(skin, forms, compliance,
                                             middles[static_cast<std::size_t>(k)], settings.regions);
                        if (store != nullptr) store->keep(keys, region);
                      }

@@ -1,6 +1,6 @@
 /// @file
-/// All tables of touch of one body (response/touch_tables.h), in stages that can be used as soon as
-/// they are there: the linear answer first, then the regions, then what touches do to each other.
+/// Computes all touch tables of one body (response/touch_tables.h): the compliance first, then the
+/// regions and the cross terms between contact patches.
 #pragma once
 
 #include "palpable/bake/touch_bake/compliance_maker.h"
@@ -12,33 +12,36 @@
 
 namespace palpable {
 
-/// To be raised by whoever changes what the makers of tables answer for the same question: tables
-/// that are kept carry it, and those of another revision are made again.
+/// Revision of the makers of tables. Raise it with every change that makes them give other numbers
+/// for the same input: it is part of the key of stored tables, so that those of another revision
+/// are computed again.
 inline constexpr int kTouchRevision = 2;
 
 struct CrossSettings {
-  int modes = 192;        ///< a multiple of 16; 0: none
-  int places = 240;       ///< spread over the skin, of the loads that the modes are made from
-  int pairs = 700;        ///< of loads at two of them
-  double radius = 0.007;  ///< m, of a load
+  int modes = 192;        ///< a multiple of 16; 0: no cross terms
+  int places = 240;       ///< positions on the skin with loads that the modes are made from
+  int pairs = 700;        ///< pairs of these positions whose interaction enters the modes
+  double radius = 0.007;  ///< m, radius of a load
 };
 
 struct TouchBakeSettings {
   ComplianceSettings compliance{};
   RegionSettings regions{};
   CrossSettings cross{};
-  double point_spacing = 0.002;  ///< m, of contact points
+  double point_spacing = 0.002;  ///< m, between contact points
   int threads = 1;
 };
 
-/// Modes of the whole body in which patches of load act on each other.
+/// Modes of the whole body for the second-order interaction of contact patches, and the stored
+/// energy in these modes.
 [[nodiscard]] CrossTable make_cross_table(const SkinResponse& skin, const ModalFormMaker& forms,
                                           const CrossSettings& settings);
 
-/// The same bytes on any number of threads, and whether tables were kept or made.
-/// @param store  where each table is kept as soon as it is finished, and looked for first; nullptr:
-///               nowhere
-/// @throws Error as LoadResponse, and when a table cannot be kept
+/// Computes all tables but those in the store. The result is the same to the byte on any number of
+/// threads, and whether tables were computed or read from the store.
+/// @param store  where each table is looked up first and stored as soon as it is finished; nullptr:
+///               all tables are computed and none is stored
+/// @throws Error as LoadResponse, and when a table cannot be written
 [[nodiscard]] TouchTables make_touch_tables(const SkinResponse& skin,
                                             const TouchBakeSettings& settings,
                                             const Progress& progress = {},

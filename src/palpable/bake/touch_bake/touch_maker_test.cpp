@@ -34,7 +34,7 @@ test::GapFunction ball(float depth) {
   return test::gap_to_ball({0.022f, 0.024f, 0.04f + kRadius - depth}, kRadius);
 }
 
-TEST_CASE("a touched body shows its stress, in one frame of several steps, without allocating",
+TEST_CASE("the stress of a touched body is found in one frame of several steps, without allocating",
           "[touch_bake]") {
   const SolidModel model = block();
   const SkinResponse skin(model, boundary_of(model.mesh));
@@ -52,7 +52,7 @@ TEST_CASE("a touched body shows its stress, in one frame of several steps, witho
   REQUIRE(state.u.cols() == skin.shell_count());
   CHECK(test::allocations_during([&] { solver.stress(state, shown, tensors); }) == 0);
 
-  // The same forces on the whole mesh.
+  // The linear displacement of the whole mesh under the same forces.
   VectorXd load = VectorXd::Zero(3 * static_cast<Index>(V));
   for (const PointForce& force : state.forces) {
     const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];

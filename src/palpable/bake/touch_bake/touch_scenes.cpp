@@ -15,21 +15,24 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLowest = 0.15;        // of the height: lower down nothing is pressed
-constexpr double kNormalWidth = 0.012;  // m
-constexpr double kFar = 0.2;            // m from which a thing comes
-constexpr double kTouches = 2e-5;       // m
+constexpr double kLowest = 0.15;        // ratio to the height; vertices below are not pressed
+constexpr double kNormalWidth = 0.012;  // m, radius over which the skin's normal is averaged
+constexpr double kFar = 0.2;            // m, distance at which a thing starts
+constexpr double kTouches = 2e-5;       // m, gap below which it counts as touching
 
-// Of the skin's vertices and its triangles' middles.
+// The smallest gap of the skin's vertices and its triangles' centroids, m.
 double smallest_gap(const SurfaceMesh& mesh, const Obstacle& obstacle) {
   const ObstacleGaps gaps(obstacle);
   double smallest = std::numeric_limits<double>::infinity();
-  const auto look_at = [&](const Vector3d& x) { smallest = std::min(smallest, gaps.distance(x)); };
-  for (int v = 0; v < mesh.vertex_count(); ++v) look_at(mesh.vertices.col(v));
+  const auto include_point = [&](const Vector3d& x) {
+    smallest = std::min(smallest, gaps.distance(x));
+  };
+  for (int v = 0; v < mesh.vertex_count(); ++v) include_point(mesh.vertices.col(v));
   for (int t = 0; t < mesh.triangle_count(); ++t) {
-    look_at((mesh.vertices.col(mesh.triangles(0, t)) + mesh.vertices.col(mesh.triangles(1, t)) +
-             mesh.vertices.col(mesh.triangles(2, t))) /
-            3);
+    include_point((mesh.vertices.col(mesh.triangles(0, t)) +
+                   mesh.vertices.col(mesh.triangles(1, t)) +
+                   mesh.vertices.col(mesh.triangles(2, t))) /
+                  3);
   }
   return smallest;
 }
@@ -40,8 +43,8 @@ Obstacle shifted(const Obstacle& obstacle, const Vector3d& way) {
   return moved(obstacle, shift);
 }
 
-// Brought along `way` from afar until it just touches: as far as nothing is nearer, again and
-// again.
+// The obstacle moved along `way` from afar until it just touches the skin. Each step is 0.9 of the
+// smallest gap, so that it never enters the skin.
 Obstacle brought(const SurfaceMesh& skin, const Obstacle& obstacle, const Vector3d& way) {
   Obstacle now = shifted(obstacle, -kFar * way);
   for (double gone = 0; gone < 2 * kFar;) {
@@ -53,7 +56,8 @@ Obstacle brought(const SurfaceMesh& skin, const Obstacle& obstacle, const Vector
   return now;
 }
 
-// With its touching side at a place; `along` lies in the skin.
+// A thing whose touching side is at the position `at`. @param out  unit normal of the skin.
+// @param along  unit, tangent to the skin; sets the thing's orientation
 Obstacle thing_at(PressingThing thing, const Vector3d& at, const Vector3d& out,
                   const Vector3d& along) {
   const Vector3d across = out.cross(along);
@@ -95,7 +99,8 @@ Obstacle thing_at(PressingThing thing, const Vector3d& at, const Vector3d& out,
   return o;
 }
 
-// The vertex that lies best behind another, seen along its normal; -1: none.
+// The vertex on the opposite side of the body that is closest to the line from a vertex against its
+// normal; -1: none.
 int opposite(const SkinResponse& skin, int vertex, const Vector3d& normal) {
   const auto& X = skin.skin().vertices;
   int best = -1;

@@ -8,7 +8,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("things touch a body when they are brought to it, and enter it with their depth",
+TEST_CASE("things just touch a body at depth 0 and are inside it at larger depths",
           "[touch_bake]") {
   const SolidModel model =
       test::standing_rubber(box_tets({-0.03, -0.025, 0}, {0.03, 0.025, 0.04}, 10, 8, 7));

@@ -66,7 +66,7 @@ void write_file(const fs::path& file, std::string_view kind, std::uint64_t key,
   }
 }
 
-// Whether the file is there, whole and of this key; then `look` has read it.
+// Reads a file with `look`. @returns false if the file is missing, damaged or has another key
 bool read_file(const fs::path& file, std::string_view kind, std::uint64_t key,
                const std::function<void(hid_t)>& look) {
   std::error_code error;
@@ -95,8 +95,8 @@ std::optional<Table> find(const fs::path& file, std::uint64_t key) {
 
 }  // namespace
 
-// An added setting stops the compiler here: it is to be mixed in, or named as one that changes no
-// table.
+// A new setting breaks the structured bindings below: either add it to the digest, or only name it,
+// if it does not change the table.
 TouchKeys touch_keys(const SkinResponse& skin, const TouchBakeSettings& settings) {
   const SolidModel& model = skin.body().model();
   Digest body;
@@ -275,7 +275,7 @@ std::optional<TouchTables> TouchStore::find_listed(std::uint64_t of) const {
     if (!cross) return std::nullopt;
     tables.cross = std::move(*cross);
   }
-  // The tables are of use without them.
+  // The tables can be used without the held-out touches.
   if (keys.held_out != 0) {
     if (auto touches = find_held_out(keys)) tables.held_out = followed(*touches);
   }

@@ -1,6 +1,6 @@
 /// @file
-/// Tables of touch that are finished, one file each: a bake that was stopped goes on with them, and
-/// a description that was edited uses again what still holds (docs/snapshots.md).
+/// Stores finished touch tables, one file each. An interrupted bake continues with them, and after
+/// an edit of the description those that are still valid are used again (docs/snapshots.md).
 #pragma once
 
 #include "palpable/bake/touch_bake/skin_response.h"
@@ -17,36 +17,37 @@ namespace palpable {
 
 struct TouchBakeSettings;
 
-/// What each kind of table is computed from, as one number: revision of the makers, mesh, laws and
-/// constants, support, the state in which the body is, and the settings that the table hangs on.
+/// For each kind of table a digest of everything that it is computed from: revision of the makers,
+/// mesh, material laws and constants, support, preloaded state, and the settings that affect the
+/// table. A stored table is used only if its key is the same.
 struct TouchKeys {
   std::uint64_t compliance = 0;
-  std::uint64_t regions = 0;  ///< of one it also hangs on the vertex
+  std::uint64_t regions = 0;  ///< common to all; a region's own key also includes its vertex
   std::uint64_t cross = 0;
   std::uint64_t shell = 0;
-  std::uint64_t held_out = 0;  ///< of all these, see held_out_key(); 0: there are no touches
+  std::uint64_t held_out = 0;  ///< of the held-out touches, held_out_key(); 0: there are none
 
   [[nodiscard]] bool operator==(const TouchKeys&) const = default;
 };
 
-/// Of tables; of held-out touches there is no key yet.
+/// The keys of a body's tables. TouchKeys::held_out stays 0: it needs the finished tables.
 [[nodiscard]] TouchKeys touch_keys(const SkinResponse& skin, const TouchBakeSettings& settings);
 
-/// Held-out touches by their numbers: those that are solved.
+/// Held-out touches by their numbers; nothing for those that are not solved yet.
 using SolvedTouches = std::vector<std::optional<HeldOutTouch>>;
-/// What a body file has of them: those that the full solver could follow to their depth.
+/// The touches that go into a body file: those that the full solver could follow to their depth.
 [[nodiscard]] std::vector<HeldOutTouch> followed(const SolvedTouches& touches);
 
-/// A folder of such files. Each is written aside, synced and renamed, so that a file with its name
-/// is whole. Members may be called from several threads.
+/// A folder of stored tables. Each file is written under another name, synced and renamed, so that
+/// a file under its final name is always complete. Members may be called from several threads.
 class TouchStore {
  public:
-  /// The folder is made with the first file.
+  /// The folder is created with the first file.
   explicit TouchStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
-  /// A table that was kept; nothing where there is none, it is damaged, or of another key.
+  /// The stored table; nothing if there is none, it is damaged, or it has another key.
   [[nodiscard]] std::optional<ComplianceTable> find_compliance(const TouchKeys& keys) const;
   [[nodiscard]] std::optional<RegionTable> find_region(const TouchKeys& keys, int vertex) const;
   [[nodiscard]] std::optional<CrossTable> find_cross(const TouchKeys& keys) const;
@@ -60,15 +61,15 @@ class TouchStore {
   void keep(const TouchKeys& keys, const ShellTable& table) const;
   void keep(const TouchKeys& keys, const SolvedTouches& touches) const;
 
-  /// States that these tables are complete, for whoever knows no keys but that of a campaign:
-  /// `bake` does, `reduce` looks there.
-  /// @param of  what the campaign is computed from
+  /// Writes a list that names the keys of a campaign's complete tables. `bake` writes it, so that
+  /// `reduce`, which has only the key of the campaign, can find the tables.
+  /// @param of  the key of the campaign
   void keep_list(std::uint64_t of, const TouchKeys& keys, const TouchTables& tables) const;
-  /// The tables of that list; nothing if there is none, it is of another campaign, or a table that
-  /// it names is not there any more.
+  /// The tables on the list of a campaign; nothing if there is no list, it belongs to another
+  /// campaign, or one of its tables is missing.
   [[nodiscard]] std::optional<TouchTables> find_listed(std::uint64_t of) const;
 
-  /// Removes what killed processes have left of files that they were writing.
+  /// Removes incomplete files that killed processes have left behind.
   void remove_leftovers() const;
 
  private:

@@ -32,7 +32,7 @@ TouchKeys keys_of(const SolidModel& model, const TouchBakeSettings& settings = {
   return touch_keys(SkinResponse(model, boundary_of(model.mesh)), settings);
 }
 
-TEST_CASE("a table that was kept is found again, by its key alone", "[touch_bake][files]") {
+TEST_CASE("a stored table is found again only under its own key", "[touch_bake][files]") {
   const ScratchFolder folder("touch_store");
   const TouchTables tables = some_tables();
   const TouchKeys keys{1, 2, 3, 4};
@@ -55,7 +55,7 @@ TEST_CASE("a table that was kept is found again, by its key alone", "[touch_bake
   CHECK_FALSE(store.find_cross({1, 2, 7, 4}));
   CHECK_FALSE(store.find_shell({1, 2, 3, 7}));
   CHECK_FALSE(store.find_region(keys, tables.regions[0].vertex));
-  // Another region's file under this one's name is not this one.
+  // The file of another region under this region's name is not accepted.
   fs::copy_file(store.folder() / "region_000008.h5", store.folder() / "region_000001.h5");
   CHECK(tables.regions[0].vertex == 1);
   CHECK_FALSE(store.find_region(keys, 1));
@@ -101,7 +101,7 @@ TEST_CASE("a list says which tables belong to a campaign", "[touch_bake][files]"
   CHECK(found.point_spacing == tables.point_spacing);
   CHECK_FALSE(store.find_listed(12));
 
-  // Of a linear stage there are no others, though their files may be there.
+  // A list without regions and cross terms gives none, even if their files are there.
   tables.regions.clear();
   tables.cross = {};
   store.keep_list(11, keys, tables);
@@ -117,7 +117,7 @@ TEST_CASE("a list says which tables belong to a campaign", "[touch_bake][files]"
   CHECK_FALSE(store.find_listed(11));
 }
 
-TEST_CASE("touches that are solved so far are kept by their numbers", "[touch_bake][files]") {
+TEST_CASE("held-out touches solved so far are stored with their numbers", "[touch_bake][files]") {
   const ScratchFolder folder("touch_store");
   const TouchStore store(folder / "touch");
   TouchKeys keys{1, 2, 3, 4};
@@ -136,7 +136,7 @@ TEST_CASE("touches that are solved so far are kept by their numbers", "[touch_ba
   keys.held_out = 6;
   CHECK_FALSE(store.find_held_out(keys));
 
-  // With the list of tables, and without: those are of use alone.
+  // The list finds the tables with the touches, and also without them.
   const TouchTables tables = some_tables();
   keys.held_out = 5;
   store.keep(keys, tables.compliance);
@@ -149,10 +149,11 @@ TEST_CASE("touches that are solved so far are kept by their numbers", "[touch_ba
   CHECK(store.find_listed(11).value().held_out.empty());
 }
 
-TEST_CASE("what a killed process has left is removed, what grows is not", "[touch_bake][files]") {
+TEST_CASE("leftovers of killed processes are removed, files being written are not",
+          "[touch_bake][files]") {
   const ScratchFolder folder("touch_store");
   const TouchStore store(folder / "touch");
-  store.remove_leftovers();  // of a folder that is not there
+  store.remove_leftovers();  // the folder does not exist yet
   store.keep({1, 2, 3, 4}, some_tables().cross);
   const std::string growing = "cross.h5" + own_part_suffix();
   test::write_bytes(store.folder() / growing, "x");
@@ -170,7 +171,7 @@ TEST_CASE("a store that cannot be written is a clear error", "[touch_bake][error
                     Catch::Contains("touch"));
 }
 
-TEST_CASE("a table is made again when anything changes that it hangs on", "[touch_bake]") {
+TEST_CASE("a table's key changes with everything that the table is computed from", "[touch_bake]") {
   const SolidModel model = block();
   const TouchKeys keys = keys_of(model);
   CHECK(keys == keys_of(model));
@@ -205,7 +206,7 @@ TEST_CASE("a table is made again when anything changes that it hangs on", "[touc
     CHECK(changed.cross != keys.cross);
     CHECK(changed.shell != keys.shell);
   }
-  // Of the settings each mixes in its own, and regions the compliance's.
+  // Each key depends on the settings of its own table, that of regions also on the compliance's.
   const auto with = [&](auto change) {
     TouchBakeSettings settings;
     change(settings);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMegabyte = 1'000'000;
 
-// The deepest level of a text, and the line where the limit is passed.
+// Finds the line where the nesting of a text exceeds the limit.
 class Depth {
  public:
   void next_line() { ++line_; }
@@ -27,8 +27,8 @@ class Depth {
   std::size_t line_ = 1, passed_at_ = 0;
 };
 
-// Where the string that begins at `at` ends: behind its closing quotes; a string of one line ends
-// with the line, too (the parser refuses it there).
+// The position after the string that begins at `at`: behind its closing quotes. A one-line string
+// also ends at the end of its line, where the parser refuses it.
 std::size_t end_of_string(std::string_view text, std::size_t at, bool toml, Depth& depth) {
   const char quote = text[at];
   const bool escapes = quote == '"';
@@ -68,7 +68,7 @@ void measure_json(std::string_view text, Depth& depth) {
   }
 }
 
-// A key of dots, a.b.c, is a table in a table in a table; so is a heading [a.b.c].
+// A dotted key, a.b.c, counts as three nested tables; so does a heading [a.b.c].
 void measure_toml(std::string_view text, Depth& depth) {
   std::vector<std::size_t> outside;  // the depth around each open bracket
   std::size_t base = 0, dots = 0;
@@ -98,15 +98,15 @@ void measure_toml(std::string_view text, Depth& depth) {
   }
 }
 
-// Within a line each "key: " and each "- " may begin a block in the block before it, and a line
-// stands in one block at most for each column of its indentation. Brackets that close in a line
-// with quotes or a comment may stand in those, so they are not believed.
+// Overestimates the depth: each "key: " and each "- " of a line may open a block within the one
+// before it, and the line itself may be in one block for each column of its indentation. Closing
+// brackets in a line with quotes or a comment are not counted, since they may be part of those.
 void measure_yaml(std::string_view text, Depth& depth) {
   std::size_t open = 0;
   for (std::size_t begin = 0; begin < text.size() && !depth.passed();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string_view line = text.substr(begin, end - begin);
-    const bool believed = line.find_first_of("\"'#") == std::string_view::npos;
+    const bool counts_closing = line.find_first_of("\"'#") == std::string_view::npos;
     const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
     const bool comment = line.substr(first).starts_with('#');
     std::size_t blocks = open > 0 || comment ? 0 : first;
@@ -116,14 +116,14 @@ void measure_yaml(std::string_view text, Depth& depth) {
       if (c == ':' || (c == '-' && (last || line[i + 1] == ' ' || line[i + 1] == '-'))) ++blocks;
       if (c == '[' || c == '{') ++open;
       depth.see(blocks + open);
-      if ((c == ']' || c == '}') && believed && open > 0) --open;
+      if ((c == ']' || c == '}') && counts_closing && open > 0) --open;
     }
     depth.next_line();
     begin = end + 1;
   }
 }
 
-// Behind `mark`, counting lines on the way.
+// The position after the next `mark`, or the end of the text; counts the lines on the way.
 std::size_t behind(std::string_view text, std::size_t at, std::string_view mark, Depth& depth) {
   const std::size_t found = text.find(mark, at);
   const std::size_t end = found == std::string_view::npos ? text.size() : found + mark.size();
@@ -133,7 +133,7 @@ std::size_t behind(std::string_view text, std::size_t at, std::string_view mark,
   return end;
 }
 
-// Behind the > of the tag that begins at `at`; one within quotes is none.
+// The position after the > of the tag that begins at `at`; a > within quotes does not end the tag.
 std::size_t end_of_tag(std::string_view text, std::size_t at, Depth& depth) {
   char quote = '\0';
   for (; at < text.size(); ++at) {
@@ -182,13 +182,13 @@ std::size_t longest_text(Notation notation) {
     case Notation::kToml:
       return 16 * kMegabyte;  // a description with thousands of points
     case Notation::kJson:
-      return 256 * kMegabyte;  // the frames of a week
+      return 256 * kMegabyte;  // reports on a week of frames
     case Notation::kYaml:
       return kMegabyte;  // a calibration has two thousand bytes
     case Notation::kXml:
       break;
   }
-  return 2000 * kMegabyte;  // a mesh of ten million nodes in letters
+  return 2000 * kMegabyte;  // a mesh of ten million nodes as text
 }
 
 std::optional<Unparsable> why_not_parsed(std::string_view text, Notation notation) {

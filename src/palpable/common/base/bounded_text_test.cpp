@@ -16,7 +16,7 @@ TEST_CASE("real texts may be parsed", "[base][bounded_text]") {
     INFO(text);
     CHECK_FALSE(why_not_parsed(text, notation));
   };
-  // Each has more brackets, dots or quotes than the limit, but not within each other.
+  // Each text has more brackets, dots or quotes than the limit, but they are not nested.
   may("a = [" + repeated("0.5, ", 500) + "1.5]\n" + repeated("[[t]]\nx = {a.b = 1}\n", 200),
       Notation::kToml);
   may(repeated("s = \"[[[[{{{{ a.b.c.d.e\\\" [[[[\" # [[[[[[[ ]]]]\n", 100), Notation::kToml);

@@ -17,7 +17,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kEnds = 200;  // ms that one that has closed its output may take to end
+constexpr int kEnds = 200;  // ms: how long a child may take to end after it has closed its output
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 /// @file
-/// A program that this one starts and talks to: its standard input and output are one stream of
-/// bytes, its messages for people go where ours go.
+/// A child process with which this program exchanges bytes through the child's standard input and
+/// output. The child's standard error is that of this program.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -15,8 +15,9 @@
 
 namespace palpable {
 
-/// Ends with this object: killed if it still runs, and waited for. Nothing here allocates, blocks
-/// (but receive(), as long as it is told to) or raises SIGPIPE, except start() and how_it_ended().
+/// The destructor kills the child if it still runs, and waits for its end. Except for start() and
+/// how_it_ended(), no member allocates, blocks (receive() only for the given time) or raises
+/// SIGPIPE.
 class ChildProcess {
  public:
   [[nodiscard]] static Result<ChildProcess> start(const std::filesystem::path& program,
@@ -25,19 +26,19 @@ class ChildProcess {
   ChildProcess& operator=(ChildProcess&&) = delete;
   ~ChildProcess();
 
-  /// False where not all bytes are taken at once: it has ended, or does not read.
+  /// False if not all bytes were accepted at once: the child has ended, or does not read.
   [[nodiscard]] bool send(std::span<const std::byte> bytes);
-  /// How many bytes were there, at most as many as there is room for; 0: none came within `wait`
-  /// (s). Nothing: it has closed its output, and nothing comes any more.
+  /// Number of bytes received into `room`; 0 if none came within `wait` (s). Nothing if the child
+  /// has closed its output.
   [[nodiscard]] std::optional<std::size_t> receive(std::span<std::byte> room, double wait);
-  /// "with exit code 1", "by signal 11 (Segmentation fault)", "by closing its output": once
-  /// receive() has told that.
+  /// "with exit code 1", "by signal 11 (Segmentation fault)" or "by closing its output". To be
+  /// called after receive() has returned nothing.
   [[nodiscard]] std::string how_it_ended();
 
  private:
   ChildProcess(pid_t pid, int socket) : pid_(pid), socket_(socket) {}
 
-  pid_t pid_ = -1;  // -1: was waited for
+  pid_t pid_ = -1;  // -1: already waited for
   int socket_ = -1;
 };
 

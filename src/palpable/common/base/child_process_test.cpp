@@ -21,7 +21,7 @@ ChildProcess shell(const std::string& script) {
   return ChildProcess::start("/bin/sh", {"-c", script}).value();
 }
 
-// All that comes until so many bytes are there or the output is closed.
+// What the child writes, until `wanted` bytes have come or it closes its output.
 std::string received(ChildProcess& child, std::size_t wanted) {
   std::string text;
   std::array<std::byte, 7> room{};
@@ -45,7 +45,7 @@ TEST_CASE("a child answers what it is sent, piece by piece", "[base]") {
   CHECK(child.how_it_ended() == "with exit code 0");
 }
 
-TEST_CASE("a child's end is told, and sending to it does no harm", "[base]") {
+TEST_CASE("how a child ended is reported, and sending to it does no harm", "[base]") {
   std::array<std::byte, 8> room{};
   ChildProcess failing = shell("exit 3");
   CHECK(failing.receive(room, 5.0) == std::nullopt);
@@ -60,7 +60,7 @@ TEST_CASE("a child's end is told, and sending to it does no harm", "[base]") {
   CHECK(silent.how_it_ended() == "by closing its output");
 }
 
-TEST_CASE("one that does not read is sent no more than there is room for", "[base]") {
+TEST_CASE("sending to a child that does not read fails when the buffer is full", "[base]") {
   ChildProcess child = shell("exec sleep 100");
   const std::string much(1 << 16, 'x');
   int sent = 0;

@@ -1,5 +1,5 @@
 /// @file
-/// Processor time, which unlike wall time does not count what other programs took.
+/// Processor time. Unlike wall time it does not include the time that other programs took.
 #pragma once
 
 #include <ctime>

@@ -2,8 +2,8 @@
 /// How the two halves report input that is unusable and computations that fail.
 ///
 /// Offline (solid, bake, the programs' command lines) throws Error. The live half returns
-/// Result<T>, a value or a Problem; inside the frame loop even that is too costly, and ordinary
-/// values say it (no depth here, nothing near). For bugs of the caller see contract.h.
+/// Result<T>, a value or a Problem. Inside the frame loop even that is too costly: there, ordinary
+/// values stand for failures (no depth here, nothing near). For bugs of the caller see contract.h.
 #pragma once
 
 #include "palpable/common/base/contract.h"

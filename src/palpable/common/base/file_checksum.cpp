@@ -9,7 +9,7 @@
 namespace palpable {
 
 Result<std::uint64_t> file_checksum(const std::filesystem::path& path) {
-  constexpr std::size_t kPiece = std::size_t{1} << 20;  // bytes; part of what the checksum is
+  constexpr std::size_t kPiece = std::size_t{1} << 20;  // bytes; another size, another checksum
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return Problem{"no such file"};
   std::ifstream file(path, std::ios::binary);

@@ -1,5 +1,6 @@
 /// @file
-/// Rounds coordinates down. std::floor is a call on plain SSE2, and a voxel look-up needs three.
+/// Rounds coordinates down. With plain SSE2 std::floor is a function call, and a voxel look-up
+/// would need three of them.
 #pragma once
 
 namespace palpable {

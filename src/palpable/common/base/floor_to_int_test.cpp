@@ -8,7 +8,8 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("the whole number below is floor's, beside whole numbers and far out", "[base]") {
+TEST_CASE("floor_to_int agrees with std::floor next to whole numbers and for large ones",
+          "[base]") {
   const float below = std::numeric_limits<float>::lowest(), above = -below;
   for (int k = -70; k <= 70; ++k) {
     const auto at = static_cast<float>(k);

@@ -1,6 +1,6 @@
 /// @file
-/// A 64-bit checksum. It identifies meshes and bodies and shows whether a file is whole; it detects
-/// accidental changes, not deliberate ones.
+/// A 64-bit checksum. It identifies meshes and bodies and shows whether a file is complete; it
+/// detects accidental changes, not deliberate ones.
 #pragma once
 
 #include <cstdint>

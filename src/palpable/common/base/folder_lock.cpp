@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Those of `folder` and the folders around it that are missing, innermost first.
+// `folder` and the folders above it, as far as they are missing, innermost first.
 std::vector<fs::path> missing_folders(const fs::path& folder) {
   std::vector<fs::path> missing;
   std::error_code ignored;
@@ -30,7 +30,7 @@ std::vector<fs::path> missing_folders(const fs::path& folder) {
   return missing;
 }
 
-// Whether the folder is still there under its name, and not removed by who held it before.
+// Whether the opened folder still exists under its name: its previous holder may have removed it.
 bool is_still(int descriptor, const fs::path& folder) {
   struct stat opened {};
   struct stat named {};

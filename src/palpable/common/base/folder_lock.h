@@ -1,5 +1,5 @@
 /// @file
-/// One program at a time writes into a folder, or several that agree.
+/// A lock that lets one program at a time write into a folder, or several that cooperate.
 #pragma once
 
 #include <filesystem>
@@ -8,21 +8,21 @@
 namespace palpable {
 
 enum class Holding {
-  kAlone,
-  kWithOthers,  ///< several may hold it so, and none of them lets somebody hold it alone
+  kAlone,       ///< exclusive
+  kWithOthers,  ///< shared: excludes holders with kAlone, but not others with kWithOthers
 };
 
-/// Holds a folder, which is made where it is missing. The system holds the lock for the program and
-/// lets it go when the program ends, killed or not; there is no file that could stay behind. A
-/// file system that cannot lock folders (NFS) does not keep two programs apart.
+/// Locks a folder, and creates it if it is missing. The operating system releases the lock when the
+/// program ends, even if it is killed; no lock file can be left behind. On a file system that
+/// cannot lock folders (NFS) two programs are not kept apart.
 class FolderLock {
  public:
   /// @throws Error when another program, or another lock of this one, holds the folder and one of
-  /// the two wants to be alone, or when it cannot be made
+  /// the two is kAlone, or when the folder cannot be created
   explicit FolderLock(const std::filesystem::path& folder, Holding holding = Holding::kAlone);
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
-  /// Removes the folders that it made, where they are still empty.
+  /// Removes the folders that the constructor created, if they are still empty.
   ~FolderLock();
 
  private:

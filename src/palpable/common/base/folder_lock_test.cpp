@@ -25,7 +25,7 @@ TEST_CASE("a folder is held by one, until it lets go", "[base][folder_lock][refu
   CHECK(fs::is_empty(scratch.path()));
 }
 
-TEST_CASE("several that agree hold a folder together, and keep out who wants it alone",
+TEST_CASE("a folder may be locked by several with others, but then by none alone",
           "[base][folder_lock][refusal]") {
   const test::ScratchFolder scratch("folder_lock_shared");
   const auto refused = Catch::Contains("another run is writing into");
@@ -38,7 +38,7 @@ TEST_CASE("several that agree hold a folder together, and keep out who wants it 
   CHECK_THROWS_WITH(FolderLock(scratch.path(), Holding::kWithOthers), refused);
 }
 
-TEST_CASE("a folder that was made to be held goes where nothing was written into it",
+TEST_CASE("a folder that was created for its lock is removed again if nothing was written into it",
           "[base][folder_lock]") {
   const test::ScratchFolder scratch("folder_lock_made");
   {
@@ -58,7 +58,7 @@ TEST_CASE("a folder that was made to be held goes where nothing was written into
   CHECK_THROWS_AS(FolderLock(scratch / "file" / "c"), Error);
 }
 
-TEST_CASE("who is killed holds nothing any more", "[base][folder_lock]") {
+TEST_CASE("a killed process holds no lock any more", "[base][folder_lock]") {
   const test::ScratchFolder scratch("folder_lock_killed");
   int held[2];
   REQUIRE(::pipe(held) == 0);

@@ -18,7 +18,7 @@ namespace {
   throw Error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(reason)));
 }
 
-// 0, or errno.
+// @return 0, or errno
 int write_all(int descriptor, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
@@ -35,7 +35,7 @@ int write_all(int descriptor, std::string_view bytes) {
 
 GrowingFile::GrowingFile(const std::filesystem::path& path, std::filesystem::path called)
     : called_(std::move(called)) {
-  constexpr mode_t kAllMayReadAndWrite = 0666;  // less the user's umask
+  constexpr mode_t kAllMayReadAndWrite = 0666;  // minus the user's umask
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAllMayReadAndWrite);
   if (descriptor_ < 0) report_unwritable(called_, errno);
 }
@@ -51,7 +51,7 @@ void GrowingFile::append(std::string_view piece) {
     size_ += std::ssize(piece);
     return;
   }
-  // A device or a pipe cannot be cut, and keeps nothing.
+  // This fails for a device or a pipe, which has nothing that could be cut off.
   const bool cut =
       ::ftruncate(descriptor_, size_) == 0 && ::lseek(descriptor_, size_, SEEK_SET) == size_;
   static_cast<void>(cut);
@@ -60,7 +60,7 @@ void GrowingFile::append(std::string_view piece) {
 
 void GrowingFile::close() {
   if (descriptor_ < 0) return;
-  // Some file systems (NFS, quotas) say only now that there was no room.
+  // Some file systems (NFS, quotas) report a lack of space only now.
   if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR)
     report_unwritable(called_, errno);
 }

@@ -1,7 +1,7 @@
 /// @file
-/// Files that say at once when the disk does not take them. A stream of the standard library says
-/// it when its buffer happens to be full, or when it is closed, or, closed by its destructor,
-/// never.
+/// Files whose write errors, such as a full disk, are reported at once. A stream of the standard
+/// library reports them only when its buffer is full or when it is closed, and never if its
+/// destructor closes it.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,20 @@
 
 namespace palpable {
 
-/// A file that grows piece by piece. Each piece is in it as a whole or not at all: on a full disk
-/// the file ends with the piece before, so that what was written can be read.
+/// A file that grows piece by piece. Each piece is written as a whole or not at all: on a full disk
+/// the file ends with the piece before, so that it can be read.
 class GrowingFile {
  public:
-  /// Begins the file anew. @throws Error "FILE: cannot be written: REASON", as the others do
+  /// Opens the file and empties it. @throws Error "FILE: cannot be written: REASON", as all members
   explicit GrowingFile(const std::filesystem::path& path) : GrowingFile(path, path) {}
-  /// @param called  what messages call it, for a file that is to become that one
+  /// @param called  the file's name in messages: that to which it will be renamed later
   GrowingFile(const std::filesystem::path& path, std::filesystem::path called);
   GrowingFile(const GrowingFile&) = delete;
   GrowingFile& operator=(const GrowingFile&) = delete;
   ~GrowingFile();
 
-  /// With the system after this call: it outlives the program, killed or not.
+  /// After this call the operating system has the piece, so that it survives even if the program is
+  /// killed.
   void append(std::string_view piece);
   void close();
 

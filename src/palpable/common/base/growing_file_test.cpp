@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST_CASE("what was appended is in the file before it is closed", "[base][growing_file]") {
+TEST_CASE("an appended piece is in the file before the file is closed", "[base][growing_file]") {
   const test::ScratchFolder folder("growing_file");
   const fs::path path = folder / "lines";
   test::write_bytes(path, "an earlier and longer text");

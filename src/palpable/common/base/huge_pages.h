@@ -1,6 +1,6 @@
 /// @file
-/// Memory in pages of 2 MiB instead of 4 KiB, where the system has them. With small pages, random
-/// look-ups in a large container wait for the table of pages as often as for the container.
+/// Memory in pages of 2 MiB instead of 4 KiB, if the system offers them. With small pages, random
+/// look-ups in a large container wait for the page table as often as for the data.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ class HugePageAllocator {
   [[nodiscard]] T* allocate(std::size_t count) {
     void* memory = ::operator new (count * sizeof(T), std::align_val_t{kHugePage});
 #ifdef MADV_HUGEPAGE
-    madvise(memory, count * sizeof(T), MADV_HUGEPAGE);  // a hint: without it all is slower
+    madvise(memory, count * sizeof(T), MADV_HUGEPAGE);  // a hint; if ignored, access is slower
 #endif
     return static_cast<T*>(memory);
   }

@@ -11,7 +11,7 @@
 
 namespace palpable {
 
-// The same value as the library that writes it has it.
+// Converts values to those of nlohmann's library, which writes them.
 struct JsonWriter {
   static nlohmann::ordered_json of(const Json& json) {
     return std::visit([](const auto& value) { return of_value(value); }, json.value_);
@@ -35,7 +35,7 @@ struct JsonWriter {
 
 namespace {
 
-// Not deeper than kDeepestNesting.
+// Recursive; the text was checked to be nested at most kDeepestNesting deep.
 Json value_of(const nlohmann::ordered_json& parsed) {
   switch (parsed.type()) {
     case nlohmann::ordered_json::value_t::boolean:
@@ -87,7 +87,7 @@ Json::Json(std::initializer_list<Json> elements) {
   for (const Json& element : elements) {
     const Array& pair = element.values();
     const auto& key = std::get<std::string>(pair[0].value_);
-    if (!contains(key)) (*this)[key] = pair[1];  // of equal keys the first counts
+    if (!contains(key)) (*this)[key] = pair[1];  // the first of equal keys is kept
   }
 }
 
@@ -186,7 +186,7 @@ const Json::Object& Json::items() const {
 }
 
 std::string Json::dump(int indent) const {
-  // Names of files need not be UTF-8, which JSON is.
+  // JSON is UTF-8, but names of files need not be: invalid bytes are replaced.
   return JsonWriter::of(*this).dump(indent, ' ', false,
                                     nlohmann::ordered_json::error_handler_t::replace);
 }

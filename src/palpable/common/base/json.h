@@ -1,7 +1,7 @@
 /// @file
-/// JSON that programs print: values are put together here and written by nlohmann's library, whose
-/// header takes two seconds to compile and more to instantiate. Only json.cpp includes it. The keys
-/// of an object keep the order in which they came.
+/// JSON values for the output of programs. They are written by nlohmann's library, which only
+/// json.cpp includes: its header takes two seconds to compile and more to instantiate. The keys of
+/// an object keep the order in which they were added.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -22,7 +22,7 @@
 namespace palpable {
 
 /// null, a boolean, a number, a text, an array or an object. A number that is not finite is written
-/// as null, a byte that is no UTF-8 as U+FFFD.
+/// as null, a byte that is not valid UTF-8 as U+FFFD.
 class Json {
  public:
   using Array = std::vector<Json>;
@@ -52,23 +52,23 @@ class Json {
   Json(const std::array<T, N>& values) : value_(Array(values.begin(), values.end())) {}
   template <class T>
   Json(const std::map<std::string, T>& values) : value_(Object(values.begin(), values.end())) {}
-  /// An object when every element is a pair that begins with a text, {{"a", 1}, {"b", 2}}; else an
-  /// array.
+  /// An object if every element is a pair that begins with a text, {{"a", 1}, {"b", 2}}; otherwise
+  /// an array.
   Json(std::initializer_list<Json> elements);
 
-  /// An array, where braces would be read as an object.
+  /// An array, even of elements that braces alone would make an object.
   [[nodiscard]] static Json array(std::initializer_list<Json> elements = {});
   /// An object without keys.
   [[nodiscard]] static Json object();
-  /// What dump() wrote: numbers come back to the bit. A problem, without the name of a file, when
-  /// it is no JSON, or too long or nested too deep for a parser (bounded_text.h).
+  /// Reads a text such as dump() writes; numbers are restored to the bit. The problem, without a
+  /// file's name, says that the text is not JSON, or too long or nested too deep (bounded_text.h).
   [[nodiscard]] static Result<Json> parse(std::string_view text);
 
-  /// Of an object (null becomes one): the value of `key`, null at first.
+  /// The value of `key` in an object; a missing key is added with null, and null becomes an object.
   Json& operator[](std::string_view key);
-  /// @throws Error when it is no object that holds `key`
+  /// @throws Error if this is not an object that holds `key`
   const Json& operator[](std::string_view key) const;
-  /// @throws Error when it is no array of more than `index` values
+  /// @throws Error if this is not an array of more than `index` values
   const Json& operator[](int index) const;
   [[nodiscard]] bool contains(std::string_view key) const;
   /// Sets all keys of another object.
@@ -78,14 +78,14 @@ class Json {
 
   [[nodiscard]] bool is_null() const { return std::holds_alternative<std::nullptr_t>(value_); }
   [[nodiscard]] bool is_integer() const;
-  /// As double, int, std::string or bool. @throws Error when it holds another kind
+  /// The value as double, int, std::string or bool. @throws Error if it is of another kind
   template <class T>
   [[nodiscard]] T get() const;
-  /// The values of an array; none of what is no array.
+  /// The values of an array; empty if this is not an array.
   [[nodiscard]] Array::const_iterator begin() const { return values().begin(); }
   [[nodiscard]] Array::const_iterator end() const { return values().end(); }
   [[nodiscard]] std::size_t size() const { return values().size(); }
-  /// The keys and values of an object; none of what is no object.
+  /// The keys and values of an object; empty if this is not an object.
   [[nodiscard]] const Object& items() const;
 
   /// @param indent  spaces for each depth, a line for each value; negative: all in one line

@@ -9,7 +9,7 @@ namespace {
 
 struct Form {
   unsigned char mask, first;  // the first byte of a character of this length
-  std::uint32_t least;        // what is below has a shorter form
+  std::uint32_t least;        // smaller code points have a shorter form
 };
 constexpr std::array<Form, 4> kForms{
     {{0x80, 0x00, 0}, {0xe0, 0xc0, 0x80}, {0xf0, 0xe0, 0x800}, {0xf8, 0xf0, 0x10000}}};
@@ -20,7 +20,7 @@ bool is_allowed(std::uint32_t letter) {
          letter != 0xffff && letter <= 0x10ffff;
 }
 
-// Bytes of the character that `text` begins with; 0 if it is none that XML allows.
+// Number of bytes of the character that `text` begins with; 0 if it is not one that XML allows.
 std::size_t length_of_first(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   for (std::size_t length = 1; length <= kForms.size() && length <= text.size(); ++length) {

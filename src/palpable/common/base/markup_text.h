@@ -1,5 +1,5 @@
 /// @file
-/// Text between tags and in quotes, of XML and of HTML.
+/// Escapes text for XML and HTML, between tags and in quotes.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace palpable {
 
-/// & < > " as entities, so that a text stays text. What XML has no way to write, control characters
-/// and bytes that are no UTF-8, becomes U+FFFD: a reader would refuse the whole file for it.
+/// Replaces & < > " by entities. Control characters and bytes that are not valid UTF-8, which XML
+/// cannot hold and for which a reader would refuse the whole file, become U+FFFD.
 [[nodiscard]] std::string markup_text(std::string_view text);
 
 /// Whether markup_text() keeps every character.

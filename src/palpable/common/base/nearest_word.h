@@ -9,7 +9,7 @@
 namespace palpable {
 
 /// The candidate that needs the fewest edits (insert, drop, change or swap of letters) to become
-/// `word`; empty when none is near enough to be what was meant (a third of the letters, plus one).
+/// `word`; empty if all need more edits than a third of the letters plus one.
 [[nodiscard]] std::string nearest_word(std::string_view word,
                                        const std::vector<std::string>& candidates);
 

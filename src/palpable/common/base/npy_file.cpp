@@ -29,7 +29,7 @@ std::size_t count_of(const std::vector<std::size_t>& shape) {
   return count;
 }
 
-// The text behind 'key': in the header, up to the next comma that is not inside brackets.
+// The text after 'key': in the header, up to the next comma that is not inside brackets.
 std::string entry(const std::string& header, const std::string& key) {
   const std::size_t at = header.find("'" + key + "':");
   if (at == std::string::npos) return "";

@@ -1,5 +1,5 @@
 /// @file
-/// NumPy's own files (.npy): one array each.
+/// Reads and writes NumPy's files (.npy), which hold one array each.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,14 @@
 
 namespace palpable {
 
-/// Header of such a file.
+/// Header of a .npy file.
 struct NpyHeader {
   std::vector<std::size_t> shape;
   std::string type;               ///< as in the file, e.g. "<f8"
   bool column_by_column = false;  ///< Fortran's order: the first index runs fastest
   std::size_t begin = 0;          ///< byte at which the numbers begin
 
-  /// The product of the shape; SIZE_MAX when it is absurd (more than 2^31).
+  /// Number of values, the product of the shape; SIZE_MAX if it is 2^31 or more.
   [[nodiscard]] std::size_t count() const;
   /// Bytes of one number; 0 for a type that cannot be read.
   [[nodiscard]] std::size_t number_size() const;
@@ -29,12 +29,13 @@ struct NpyArray {
   std::vector<double> values;
 };
 
+/// Parses the header of a file's bytes.
 /// @param name  of the file, for messages
 /// @throws Error when the bytes do not begin with a header
 [[nodiscard]] NpyHeader npy_header(const std::string& bytes, const std::string& name);
 
 /// The numbers behind the header: little-endian floats or integers of 4 or 8 bytes.
-/// @throws Error for numbers of another type, and when there are fewer than the shape says
+/// @throws Error for numbers of another type, and if there are fewer than the shape requires
 [[nodiscard]] NpyArray npy_array(const NpyHeader& header, const std::string& bytes,
                                  const std::string& name);
 

@@ -20,7 +20,7 @@ namespace palpable {
 /// @param share   in [0, 1]
 [[nodiscard]] double percentile(std::vector<double> values, double share);
 
-/// The middle value, of an even number of values the upper of the middle two. Takes no memory.
+/// The middle value; for an even number of values the larger of the middle two. Allocates nothing.
 /// @param values  at least one, no NaN; their order is changed
 template <class T>
 [[nodiscard]] T upper_median(std::span<T> values) {

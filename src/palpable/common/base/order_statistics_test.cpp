@@ -31,7 +31,7 @@ TEST_CASE("the upper median is one of the values, of an even number the larger o
   CHECK(upper_median(one) == 7);
 }
 
-TEST_CASE("nothing has no percentile", "[base][errors]") {
+TEST_CASE("a percentile of no values is refused", "[base][errors]") {
   CHECK_THROWS_AS(percentile({}, 0.5), ContractViolation);
   CHECK_THROWS_AS(percentile({1}, 1.1), ContractViolation);
 }

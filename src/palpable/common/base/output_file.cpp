@@ -17,10 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As many links as Linux follows before it says that they run in a circle.
+// Links that are followed before they are taken for a circle, as in Linux.
 constexpr int kMostLinks = 40;
 
-constexpr mode_t kAllMayReadAndWrite = 0666;  // less the user's umask
+constexpr mode_t kAllMayReadAndWrite = 0666;  // minus the user's umask
 
 [[noreturn]] void refuse_unwritable(const fs::path& file, int reason) {
   throw Error(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(reason)));
@@ -31,19 +31,19 @@ void append_all(GrowingFile& file, std::initializer_list<std::string_view> piece
   file.close();
 }
 
-// Puts `aside` in the place of `file`, with its permissions if there is one.
+// Renames `aside` to `file`, and gives it the permissions of the former file if there is one.
 // @return 0, or errno
 int put_into_place(const fs::path& aside, const fs::path& file) {
   struct stat before {};
   if (::stat(file.c_str(), &before) == 0) {
     constexpr mode_t kPermissions = 07777;
-    // Not everybody may; the file's own permissions are no reason to lose what was written.
+    // This may be forbidden; then the new file has other permissions, but its content is kept.
     static_cast<void>(::chmod(aside.c_str(), before.st_mode & kPermissions) == 0);
   }
   return ::rename(aside.c_str(), file.c_str()) == 0 ? 0 : errno;
 }
 
-// @param output  as it was given, for the message
+// @throws Error if the folder of `at` does not exist. @param output  as given, for the message
 void expect_folder_above(const fs::path& output, const fs::path& at) {
   std::error_code error;
   // Fails where the working folder itself is gone.
@@ -100,7 +100,7 @@ fs::path behind_links(const fs::path& file) {
 void guard_output_file(const fs::path& output, const std::vector<fs::path>& inputs) {
   if (output.empty()) throw Error("the name of the output is empty");
   std::error_code error;
-  // Not of what behind_links() finds: the pipe behind /dev/stdout has no name.
+  // Of `output`, not of behind_links(output): the pipe behind /dev/stdout has no name.
   const fs::file_status status = fs::status(output, error);
   const fs::path file = behind_links(output);
   if (!fs::exists(status)) expect_folder_above(output, file);
@@ -125,7 +125,7 @@ void guard_output_file(const fs::path& output, const std::vector<fs::path>& inpu
 
 void guard_output_folder(const fs::path& output, const std::vector<fs::path>& inputs) {
   if (output.empty()) throw Error("the name of the output is empty");
-  // "out/" is "out", and stands in the folder above.
+  // "out/" means "out", which lies in the folder above.
   const fs::path folder = behind_links(output.has_filename() ? output : output.parent_path());
   expect_folder_above(output, folder);
   std::error_code error;

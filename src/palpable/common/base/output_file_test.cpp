@@ -129,7 +129,8 @@ TEST_CASE("what lies in a folder is known through links and dots", "[base][outpu
   CHECK_FALSE(lies_in(folder.path() / "ab", folder.path() / "a"));
 }
 
-TEST_CASE("a folder is made with those above it, or the reason is said", "[base][output_file]") {
+TEST_CASE("a folder is created with those above it, or the error gives the reason",
+          "[base][output_file]") {
   const test::ScratchFolder folder("make_folder");
   make_folder(folder.path() / "a" / "b");
   CHECK(fs::is_directory(folder.path() / "a" / "b"));
@@ -203,7 +204,7 @@ TEST_CASE("a file that is replaced keeps its permissions, and a link stays a lin
   CHECK(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
 }
 
-TEST_CASE("what is no file is not replaced by one", "[base][output_file][refusal]") {
+TEST_CASE("a pipe, device or folder is not replaced by a file", "[base][output_file][refusal]") {
   const test::ScratchFolder folder("no_file");
   fs::create_symlink("/dev/full", folder / "full");
   fs::create_symlink("circle", folder / "circle");
@@ -222,12 +223,12 @@ TEST_CASE("what is no file is not replaced by one", "[base][output_file][refusal
   CHECK(fs::is_symlink(folder / "circle"));
 }
 
-TEST_CASE("a file that nobody may write is kept", "[base][output_file][refusal]") {
+TEST_CASE("a write-protected file is kept", "[base][output_file][refusal]") {
   const test::ScratchFolder folder("write_protected");
   const fs::path file = folder / "file";
   write_whole_file(file, "mine");
   fs::permissions(file, fs::perms::owner_read);
-  if (::geteuid() == 0) {  // for whom there is no such file
+  if (::geteuid() == 0) {  // root may write to every file
     write_whole_file(file, "yours");
     return;
   }

@@ -1,5 +1,5 @@
 /// @file
-/// A loop whose items are worked on by several threads.
+/// A loop whose items are distributed over several threads.
 #pragma once
 
 #include "palpable/common/base/progress.h"
@@ -9,9 +9,9 @@
 
 namespace palpable {
 
-/// Calls work(0) .. work(count - 1), each once, in their order but several at a time. After an
-/// exception no further item begins, and the first one is thrown again.
-/// @param task      of the reports, one for each item that is done
+/// Calls work(0) .. work(count - 1), each once; calls begin in this order, but several run at a
+/// time. After an exception no further item begins, and the first exception is thrown again.
+/// @param task      name of the task in the progress reports, one for each finished item
 void work_in_parallel(int count, int threads, const std::string& task, const Progress& progress,
                       const std::function<void(int item)>& work);
 

@@ -8,14 +8,15 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("a growing file is told from what a process that ended has left", "[base][files]") {
+TEST_CASE("the unfinished file of a running process is distinguished from that of an ended one",
+          "[base][files]") {
   CHECK(is_part_of_running_process("site_0003.h5" + own_part_suffix()));
   CHECK_FALSE(is_part_of_running_process("site_0003.h5"));
   CHECK_FALSE(is_part_of_running_process("site_0003.h5.part-another-host-1"));
-  // Where a part's name would have the process.
+  // A name that has the process number at the right position but another text before it.
   const std::string no_part(own_part_suffix().rfind('-'), 'x');
   CHECK_FALSE(is_part_of_running_process(no_part + std::to_string(::getpid())));
-  // A number that was a process's a moment ago.
+  // The number of a process that has just ended.
   const pid_t ended = ::fork();
   if (ended == 0) ::_exit(0);
   REQUIRE(::waitpid(ended, nullptr, 0) == ended);

@@ -8,7 +8,7 @@
 namespace palpable {
 namespace {
 
-// Too little to extrapolate from.
+// Fraction of the work below which the time left is not extrapolated.
 constexpr double kLeastFraction = 0.02;
 
 }  // namespace

@@ -1,5 +1,5 @@
 /// @file
-/// How far long work is, in words: one line for a report (progress.h).
+/// Formats a progress report (progress.h) as one line of text.
 #pragma once
 
 #include "palpable/common/base/progress.h"
@@ -13,8 +13,9 @@ namespace palpable {
 
 /// The line for one report, without line end: task, bar or per cent, time left, note.
 /// @param bar_width  0: no bar   @param elapsed  seconds since the task began
-/// @param begun      fraction that was done already when the task began, 0 .. 1: of work that goes
-///                   on where it was stopped
+/// @param begun      fraction that was already done when the task began, 0 .. 1: more than 0 for
+/// work
+///                   that continues an interrupted run
 [[nodiscard]] std::string progress_line(const ProgressReport& report, double elapsed, int bar_width,
                                         double begun = 0);
 

@@ -9,7 +9,7 @@ namespace {
 
 using Catch::Matchers::Contains;
 
-TEST_CASE("durations are told in two units at most", "[base][progress]") {
+TEST_CASE("durations are given in at most two units", "[base][progress]") {
   CHECK(duration_text(0.4) == "0 s");
   CHECK(duration_text(59.4) == "59 s");
   CHECK(duration_text(59.6) == "1 min 00 s");
@@ -25,9 +25,9 @@ TEST_CASE("the time left follows from the part that is done", "[base][progress]"
   CHECK_THAT(progress_line({"solving", 12, 12, ""}, 30.0, 8), Contains("100 %  30 s"));
 }
 
-TEST_CASE("what an earlier run did says nothing about the time left of this one",
+TEST_CASE("the part done by an earlier run does not affect the estimate of the time left",
           "[base][progress]") {
-  // Half was there, a quarter more took 30 s: the last quarter takes as long.
+  // Half was done before; a further quarter took 30 s, so the last quarter takes as long.
   CHECK_THAT(progress_line({"solving", 9, 12, ""}, 30.0, 8, 0.5), Contains("30 s left"));
   CHECK_THAT(progress_line({"solving", 6, 12, ""}, 30.0, 8, 0.5), !Contains("left"));
 }

@@ -1,6 +1,7 @@
-// The loops over rows for whatever vector instructions there are, by Google Highway: this file is
-// compiled once for each instruction set, and the best one is chosen when the program runs. It is
-// compiled without contraction of a * b + c (CMakeLists.txt), which would differ between them.
+// The loops over rows for all sets of vector instructions, by Google Highway: this file is compiled
+// once for each instruction set, and the best one is chosen when the program runs. It is compiled
+// without contraction of a * b + c (CMakeLists.txt), which would give results that differ between
+// the instruction sets.
 
 #include "palpable/common/base/row_kernels.h"
 
@@ -11,7 +12,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpable/common/base/row_kernels.cpp"
-// What each file of Highway needs first:
+// Every file that uses Highway begins with these includes:
 #include <hwy/foreach_target.h>
 // clang-format off
 #include <hwy/highway.h>
@@ -22,7 +23,7 @@
 namespace palpable {
 namespace {
 
-// Halves are added to halves: the same tree for every width of vectors.
+// Adds one half of the sums to the other until one is left: the same tree for every vector width.
 inline float sum_of(std::array<float, kRowStep> partial) {
   for (std::size_t half = kRowStep / 2; half > 0; half /= 2) {
     for (std::size_t k = 0; k < half; ++k) partial[k] += partial[k + half];
@@ -119,14 +120,14 @@ HWY_ATTR inline void add_many(const Number* rows, std::size_t stride,
   }
 }
 
-// The 16 partial sums of a row's product, halves added to halves until four are left, which go to
-// `four`.
+// Writes the 16 partial sums of a row's dot product to `four`, after one half has been added to the
+// other until four are left.
 template <class Number>
 HWY_ATTR inline void dot_to_four(const Number* row, std::span<const float> vector, float* four) {
   const Floats d;
   const hn::CappedTag<float, 4> d4;
   const std::size_t lanes = hn::Lanes(d);
-  // As many as 16 lanes take: one of AVX-512, two of AVX2, four of SSE4.
+  // The vectors that hold 16 lanes: one with AVX-512, two with AVX2, four with SSE4.
   auto a = hn::Zero(d), b = a, c = a, e = a;
   for (std::size_t k = 0; k < vector.size(); k += kRowStep) {
     const float* v = vector.data() + k;
@@ -249,7 +250,8 @@ std::vector<RowKernels> find_kernels() {
   return kernels;
 }
 
-// Before main(): the first frame, too, allocates nothing, and no two threads choose at once.
+// Initialised before main(), so that the first frame does not allocate either, and no two threads
+// choose at the same time.
 const std::vector<RowKernels> kKernels = find_kernels();
 
 }  // namespace

@@ -1,7 +1,8 @@
 /// @file
-/// The inner loops of touching: sums and dot products over rows of numbers kept in 16 bits, once
-/// plain and once vectorised. All give the same bytes: a dot product is always 16 partial sums that
-/// are added up at the end in one order, and nothing is fused.
+/// The inner loops of the response to touch: sums and dot products over rows of 16-bit numbers,
+/// once plain and once for each set of vector instructions. All give the same bytes: a dot product
+/// is always made of 16 partial sums that are added up in the same order, and multiplications and
+/// additions are not fused.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +11,7 @@
 
 namespace palpable {
 
-/// Rows have a multiple of this many numbers.
+/// The length of a row is a multiple of this.
 inline constexpr std::size_t kRowStep = 16;
 
 /// n, rounded up to whole steps.
@@ -26,8 +27,8 @@ struct RowKernels {
   /// The same for a row of floats.
   void (*add_floats)(const float* row, float weight, std::span<float> sum);
 
-  /// sum_k += sum_i weight_i rows_(i, k), i rising: as add() for one row after the other, with
-  /// the sums kept in registers. @param stride  numbers from one row's beginning to the next one's
+  /// sum_k += sum_i weight_i rows_(i, k), i rising: the same as add() for one row after the other,
+  /// but with the sums in registers. @param stride  numbers between the beginnings of two rows
   void (*add_rows)(const std::int16_t* rows, std::size_t stride, std::span<const float> weights,
                    std::span<float> sum);
   /// The same for rows of floats.
@@ -42,8 +43,8 @@ struct RowKernels {
                       float* result);
 };
 
-/// All that this processor can run, the best first and the plain ones last. Chosen when the program
-/// runs, so that one program runs everywhere.
+/// The kernels that this processor can run, the fastest first and the plain ones last. They are
+/// found when the program starts, so that one program runs on every processor.
 [[nodiscard]] std::span<const RowKernels> row_kernels();
 /// The best of them.
 [[nodiscard]] inline const RowKernels& best_row_kernels() { return row_kernels().front(); }

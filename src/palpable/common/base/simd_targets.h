@@ -1,6 +1,6 @@
 /// @file
-/// Lists, before main(), loops that are compiled once for each instruction set (Google Highway).
-/// Only modules that link Highway can use it; this file holds nothing but templates.
+/// Collects functions that are compiled once for each instruction set (Google Highway). Only
+/// modules that link Highway can use it; this file contains only templates.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 namespace palpable {
 
 /// Calls `visit(name)` once for each of `targets` that is a set of vector instructions, in their
-/// order. During the call HWY_DYNAMIC_DISPATCH points at that set's functions; `name` is what
-/// Highway calls it. Afterwards Highway's choice, which is one for the whole program, is as it was.
+/// order. During the call HWY_DYNAMIC_DISPATCH refers to that set's functions; `name` is Highway's
+/// name of the set. Afterwards Highway's choice, which is global, is restored.
 ///
-/// Call it where a constant of a file is initialised: then no frame pays for the choice, and no two
-/// threads make it at once, which Highway does not guard against.
+/// Call it in the initialiser of a constant at namespace scope, which runs before main(): then no
+/// frame pays for it, and no two threads make the choice at the same time, which Highway does not
+/// guard against.
 ///
 /// @param targets  hwy::SupportedAndGeneratedTargets(): the best first
 template <class Visit>

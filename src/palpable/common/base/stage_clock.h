@@ -1,7 +1,7 @@
 /// @file
-/// How long the stages of a frame took: plain data that a frame may carry along.
+/// Wall times of the stages of a frame, as plain data that a frame can carry along.
 ///
-/// These classes alone read a clock in the frame loop; no result depends on the times.
+/// Only these classes read a clock in the frame loop; no result depends on the times.
 #pragma once
 
 #include "palpable/common/base/contract.h"

@@ -14,7 +14,7 @@ void prepare_standard_streams() {
   std::signal(SIGXFSZ, SIG_IGN);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
-    // Gets the lowest number that is free: this one.
+    // open() returns the lowest free number, which is this one.
     if (::open("/dev/null", O_RDWR) != stream) return;
   }
 }

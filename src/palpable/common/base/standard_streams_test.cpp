@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-// The exit code of a process of its own that does this.
+// Runs `work` in a process of its own and returns its exit code.
 int exit_code_of(const std::function<int()>& work) {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(work());
@@ -20,7 +20,7 @@ int exit_code_of(const std::function<int()>& work) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-TEST_CASE("the place of a closed stream is taken, so that no file gets its number", "[base]") {
+TEST_CASE("the number of a closed stream is occupied, so that no file gets it", "[base]") {
   const auto next_number = [](bool prepared) {
     ::close(STDOUT_FILENO);
     if (prepared) prepare_standard_streams();

@@ -10,12 +10,12 @@
 namespace palpable {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 64u << 20;  // bytes; ground truth of an hour has 40 MB
+constexpr std::uintmax_t kLargestFile = 64u << 20;  // bytes; an hour of ground truth takes 40 MB
 constexpr std::string_view kSeparators = " \t\r\n,;[]";
 
 template <class T>
 std::optional<T> whole_text(std::string_view text) {
-  if (text.starts_with('+')) {  // which from_chars does not know
+  if (text.starts_with('+')) {  // from_chars does not accept it
     text.remove_prefix(1);
     if (text.starts_with('-')) return std::nullopt;
   }

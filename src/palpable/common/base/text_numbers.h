@@ -1,5 +1,5 @@
 /// @file
-/// Numbers in small text files, read the same way whatever the locale.
+/// Reads numbers from small text files, independently of the locale.
 #pragma once
 
 #include <filesystem>
@@ -10,14 +10,14 @@
 
 namespace palpable {
 
-/// Nothing unless the whole text is one finite number; a leading + is allowed.
+/// Nothing if the text is not exactly one finite number; a leading + is allowed.
 [[nodiscard]] std::optional<double> to_number(std::string_view text);
 
-/// The same, but a number may also be nan or inf: in a column that nobody asks for, such as the
-/// normals of a scan.
+/// The same, but nan and inf are accepted: for columns that are not used, such as the normals of a
+/// scan.
 [[nodiscard]] std::optional<double> to_any_number(std::string_view text);
 
-/// Nothing unless the whole text is one whole number that fits; a leading + or - is allowed.
+/// Nothing if the text is not exactly one whole number that fits; a leading + or - is allowed.
 [[nodiscard]] std::optional<long long> to_whole_number(std::string_view text);
 
 /// All numbers of a text, separated by white space, commas, semicolons or square brackets. Nothing
@@ -27,8 +27,8 @@ namespace palpable {
 /// Whether a number is a whole count of pixels that an image may have in a row or column.
 [[nodiscard]] bool is_image_side(double pixels);
 
-/// The lines of a text file without '#' comments, line ends and empty lines. Nothing when it cannot
-/// be read or has more than 64 MB.
+/// The lines of a text file without '#' comments, line ends and empty lines. Nothing if the file
+/// cannot be read or has more than 64 MB.
 [[nodiscard]] std::optional<std::vector<std::string>> read_lines(const std::filesystem::path& path);
 
 }  // namespace palpable

@@ -32,7 +32,7 @@ TEST_CASE("a number may be one that is not finite where that is asked for", "[ba
   }
 }
 
-TEST_CASE("a whole number has no point, no room around it and fits 64 bits", "[base][text]") {
+TEST_CASE("a whole number has no point, no spaces around it and fits 64 bits", "[base][text]") {
   CHECK(to_whole_number("1403636579763555584") == 1403636579763555584LL);  // EuRoC's nanoseconds
   CHECK(to_whole_number("-12") == -12);
   CHECK(to_whole_number("007") == 7);

@@ -1,6 +1,6 @@
 /// @file
-/// Facts of the process and where it runs: memory, processor time, the machine, the day; reports
-/// state them beside their measurements.
+/// Facts about the process and its machine (memory, processor time, processor, date), which reports
+/// state beside their measurements.
 #pragma once
 
 #include <filesystem>
@@ -8,21 +8,21 @@
 
 namespace palpable {
 
-/// The most memory that this process ever held, bytes.
+/// The largest memory that this process has held so far, bytes.
 [[nodiscard]] double peak_memory();
 
-/// The time that processors have spent on this process, all threads together and the system's share
-/// too, s. Other processes that it started are not in it.
+/// Processor time of this process, s: of all threads, including the time in the system, without
+/// that of child processes.
 [[nodiscard]] double process_cpu();
 
 /// The processor's name in /proc/cpuinfo with the number of cores: "..., 2 cores".
 [[nodiscard]] std::string processor_name();
 
-/// The folder of the running program's file, where its companions lie.
-/// @throws Error where the system does not tell
+/// The folder of the running program's file, in which the files that belong to it lie.
+/// @throws Error if the system does not provide it
 [[nodiscard]] std::filesystem::path folder_of_program();
 
-/// Today by UTC, as in "2026-11-21".
+/// Today's date in UTC, such as "2026-11-21".
 [[nodiscard]] std::string date_today();
 
 }  // namespace palpable

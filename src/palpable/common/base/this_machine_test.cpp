@@ -8,7 +8,8 @@
 namespace palpable {
 namespace {
 
-// Works until the processor has spent so much on this process; a test that hangs if it never does.
+// Keeps the processor busy until this process has used `cpu` more seconds of processor time. The
+// test hangs if process_cpu() never rises.
 void work(double cpu) {
   const double begin = process_cpu();
   while (process_cpu() - begin < cpu) {}

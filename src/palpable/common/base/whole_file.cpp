@@ -11,7 +11,8 @@
 namespace palpable {
 namespace {
 
-// What the machine has, used or not: beyond it the system would end the program without a word.
+// The machine's memory, used or free. If a program allocates more, the system may kill it without
+// an error message.
 std::uintmax_t bytes_of_memory() {
   return static_cast<std::uintmax_t>(::sysconf(_SC_PHYS_PAGES)) *
          static_cast<std::uintmax_t>(::sysconf(_SC_PAGESIZE));

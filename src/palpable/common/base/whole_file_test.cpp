@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST_CASE("a file is read as it is, or the reason is said", "[base][whole_file]") {
+TEST_CASE("a file is read as it is, or the problem gives the reason", "[base][whole_file]") {
   const test::ScratchFolder folder("whole_file_read");
   const std::string bytes("a\0b\r\n\xff", 6);
   test::write_bytes(folder / "file", bytes);
@@ -28,7 +28,7 @@ TEST_CASE("a file is read as it is, or the reason is said", "[base][whole_file]"
 TEST_CASE("a file that is larger than memory is not begun", "[base][whole_file][refusal]") {
   const test::ScratchFolder folder("whole_file_large");
   test::write_bytes(folder / "film.stl", "");
-  fs::resize_file(folder / "film.stl", std::uintmax_t{1} << 43);  // of holes: takes no room
+  fs::resize_file(folder / "film.stl", std::uintmax_t{1} << 43);  // sparse: takes no disk space
   CHECK(read_whole_file(folder / "film.stl").problem().message ==
         "8796093 MB are more than there is memory for");
   CHECK(read_whole_file(folder / "film.stl", 16'000'000).problem().message ==

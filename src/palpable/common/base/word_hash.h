@@ -1,6 +1,6 @@
 /// @file
-/// A 64-bit checksum of large data: as fnv1a.h, but eight bytes at a time, so that a frame's
-/// images take a millisecond and not six. It detects accidental changes, not deliberate ones.
+/// A 64-bit checksum for large data: like fnv1a.h, but eight bytes at a time, so that the images of
+/// a frame take one millisecond instead of six. It detects accidental changes, not deliberate ones.
 #pragma once
 
 #include <bit>
@@ -13,11 +13,11 @@ namespace palpable {
 
 static_assert(std::endian::native == std::endian::little, "words are hashed as they lie in memory");
 
-/// Pieces one after the other. Each step can be undone, for a given word and for a given hash: so
-/// any one changed word changes the result.
+/// Hashes one piece after another. Each step is invertible, both in the word and in the hash before
+/// it, so that changing any one word changes the result.
 class WordHash {
  public:
-  /// A piece enters with its size: "ab" and "c" are not "a" and "bc".
+  /// The size of each piece is hashed, too: "ab" and "c" give another result than "a" and "bc".
   void add(const void* bytes, std::size_t count) {
     add_word(count);
     const char* at = static_cast<const char*>(bytes);
@@ -45,8 +45,8 @@ class WordHash {
   [[nodiscard]] std::uint64_t value() const { return value_; }
 
  private:
-  // The product carries a bit upwards only, the shift brings it down again: without it the signs of
-  // two numbers could change and cancel.
+  // The product moves changes towards higher bits only, and the shift brings them down again.
+  // Without the shift, changed signs (highest bits) of two numbers could cancel.
   void add_word(std::uint64_t word) {
     value_ = (value_ ^ word) * 0x9e3779b97f4a7c15U;
     value_ ^= value_ >> 32;

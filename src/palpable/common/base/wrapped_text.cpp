@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view kExample = "Example: ";
 
-// Columns on the screen: one for each code point.
+// Columns that a text takes on the screen: one for each code point.
 std::size_t columns(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) >> 6) != 2; }));
@@ -24,7 +24,8 @@ std::vector<std::string_view> words_of(std::string_view text) {
   return words;
 }
 
-// Where a command may be broken: not in quotes, nor between an option and its value.
+// The parts between which a command may be broken: not within quotes, nor between an option and its
+// value.
 std::vector<std::string_view> parts_of_command(std::string_view text) {
   std::vector<std::string_view> parts;
   std::size_t quotes = 0;
@@ -42,7 +43,7 @@ std::vector<std::string_view> parts_of_command(std::string_view text) {
   return parts;
 }
 
-// @param mark  at the end of each line that goes on
+// Joins words to lines. @param mark  appended to each line that is continued
 std::string joined(const std::vector<std::string_view>& words, std::size_t begin,
                    std::size_t indent, std::size_t width, std::string_view mark) {
   std::string text;
@@ -63,7 +64,7 @@ std::string joined(const std::vector<std::string_view>& words, std::size_t begin
   return text;
 }
 
-// Where the text of a line, or the last column of a row of a table, begins.
+// The column in which the text of a line, or the last column of a row of a table, begins.
 std::size_t text_begin(std::string_view line) {
   std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
   constexpr std::size_t kFarthest = 40;

@@ -1,5 +1,5 @@
 /// @file
-/// Text broken into lines that a terminal shows whole.
+/// Breaks text into lines that fit a terminal's width.
 #pragma once
 
 #include <cstddef>
@@ -8,20 +8,20 @@
 
 namespace palpable {
 
-/// Breaks at spaces, so that no line is wider than `width` columns; only a single word may be. A
-/// text that fits stays as it is, spaces within it too.
+/// Breaks a text at spaces, so that no line is wider than `width` columns unless a single word is.
+/// A text that fits is returned unchanged, with its spaces.
 /// @param text    one line, UTF-8
-/// @param begin   columns that are already taken in the first line
+/// @param begin   columns that are already occupied in the first line
 /// @param indent  spaces before each further line
 /// @return without a line break at the end
 [[nodiscard]] std::string wrapped(std::string_view text, std::size_t begin, std::size_t indent,
                                   std::size_t width);
 
-/// Lines, each wrapped on its own. The rest of a line goes below where its text begins, that of a
-/// row of a table ("  name   what it is") below its last column.
+/// Wraps each line of a text on its own. Continuation lines are indented to the beginning of the
+/// line's text, or of the last column in a row of a table ("  name   what it is").
 ///
-/// A line "Example: command" is broken with a backslash, as a shell wants it, so that it can be
-/// copied and run; an option stays beside its value.
+/// A line "Example: command" is broken with backslashes, so that it can be copied into a shell; an
+/// option and its value stay in one line.
 [[nodiscard]] std::string wrapped_lines(std::string_view text, std::size_t width);
 
 }  // namespace palpable

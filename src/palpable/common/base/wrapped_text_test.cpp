@@ -8,7 +8,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("a text is broken at spaces, and what goes on is indented", "[base][text]") {
+TEST_CASE("a text is broken at spaces, and continuation lines are indented", "[base][text]") {
   CHECK(wrapped("one two three four", 4, 4, 14) == "one two\n    three four");
   CHECK(wrapped("one two three four", 4, 2, 16) == "one two\n  three four");
   CHECK(wrapped("ten columns", 0, 0, 11) == "ten columns");

@@ -1,5 +1,5 @@
 /// @file
-/// All bytes into a file descriptor.
+/// Writes all bytes to a file descriptor.
 #pragma once
 
 #include <cerrno>
@@ -9,8 +9,8 @@
 
 namespace palpable {
 
-/// Goes on where a signal or a full pipe cut a write short. False when the other end is closed, or
-/// at any other error, which errno then tells.
+/// Continues after a signal or a full pipe has cut a write short. False if the other end is closed
+/// or at any other error, which is then in errno.
 [[nodiscard]] inline bool write_all(int descriptor, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());

@@ -1,12 +1,14 @@
 /// @file
-/// A fine skin that a coarser one carries: each of its points stands on a triangle of the other and
-/// keeps its distance from it.
+/// A fine skin that a coarser one carries: each point of the fine skin is attached to a triangle of
+/// the coarse skin and keeps its height over that triangle.
 ///
 ///     x = X + sum_k w_k u_k + h sum_k w_k (n_k - N_k)
 ///
-/// with the corners' weights w, displacements u and vertex normals n (N at rest), and h the height
-/// of X over the triangle along them. Continuous wherever the coarse skin is, and X where it is at
-/// rest; under a rotation by an angle a off by h a^2 / 2 or so.
+/// with X the point at rest, h its height along the interpolated normal, and of the triangle's
+/// corners k the weights w, displacements u and vertex normals n (N at rest). The map is continuous
+/// wherever the coarse skin is, and x = X while the coarse skin is at rest. A rotation R of the
+/// coarse skin is reproduced except for (R - 1) times the part of the height that lies beside sum_k
+/// w_k N_k.
 ///
 ///   V  vertices of the coarse skin
 #pragma once
@@ -19,28 +21,28 @@
 
 namespace palpable {
 
-/// Where a point of a fine skin stands.
+/// The triangle of the coarse skin that a point of the fine skin is attached to.
 struct CarriedPoint {
-  SkinPoint on;      ///< of the coarse skin; its area is not set
-  float height = 0;  ///< m, over it
+  SkinPoint on;      ///< position on the coarse skin; its area is not set
+  float height = 0;  ///< m, over that position
 
-  /// How far it has moved, m.
-  /// @param u     (3 x V or more) m, of the coarse skin
-  /// @param turn  (3 x V) n - N
+  /// The point's displacement, m.
+  /// @param u     (3 x V or more columns) m, displacement of the coarse skin
+  /// @param turn  (3 x V) n - N, by how much the coarse skin's vertex normals have turned
   [[nodiscard]] Eigen::Vector3f moved(const Eigen::Matrix3Xf& u,
                                       const Eigen::Matrix3Xf& turn) const {
     return on.at(u) + height * on.at(turn);
   }
 };
 
-/// A coarse skin at rest, on which points are stood.
+/// A coarse skin at rest, to which points are attached.
 class Carrier {
  public:
   explicit Carrier(const SurfaceMesh& coarse);
 
-  /// A point stands on the nearest triangle that faces its normal's way.
-  /// @param place   m, of the fine skin at rest
-  /// @param normal  of the fine skin there
+  /// Attaches a point to the nearest triangle whose normal agrees with the point's normal.
+  /// @param place   m, position on the fine skin at rest
+  /// @param normal  of the fine skin at that position
   [[nodiscard]] CarriedPoint stand(const Eigen::Vector3d& place,
                                    const Eigen::Vector3d& normal) const;
 

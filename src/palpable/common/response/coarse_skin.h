@@ -1,6 +1,6 @@
 /// @file
-/// A skin that is coarser than the body's, on which its tables of touch are: a fine skin moves with
-/// it (carried_skin.h).
+/// The coarser skin for which the tables of touch of a body with a fine skin are made. The fine
+/// skin moves with it (carried_skin.h).
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"
@@ -11,7 +11,7 @@
 namespace palpable {
 
 struct CoarseSkin {
-  SurfaceMesh surface;              ///< m, body frame, where presses begin
+  SurfaceMesh surface;              ///< m, body frame, in the state without contact
   std::vector<std::uint8_t> fixed;  ///< (V) 1 where the support holds the vertex
 };
 

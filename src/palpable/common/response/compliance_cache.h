@@ -1,6 +1,6 @@
 /// @file
-/// The compliance among the few vertices that touch, ready to be multiplied. A finger that slides
-/// brings some new vertices in each frame and keeps most: only what is new is computed.
+/// The compliance among the few vertices that take part in contact, as one matrix. A finger that
+/// slides brings a few new vertices in each frame: only their blocks are computed.
 #pragma once
 
 #include "palpable/common/response/compliance.h"
@@ -12,25 +12,26 @@
 
 namespace palpable {
 
-/// Values do not depend on what was asked before, only the time does. Allocates in its constructor.
+/// The values do not depend on earlier calls, only the time of a call does. Allocates in its
+/// constructor.
 class ComplianceCache {
  public:
   /// @param compliance  outlives this
-  /// @param most        vertices that are wanted at a time
+  /// @param most        vertices at a time
   ComplianceCache(const Compliance& compliance, int most);
 
-  /// Makes the blocks among all of these vertices available.
-  /// @pre no vertex twice, and at most as many as the constructor was told
+  /// Computes the blocks among these vertices that are missing.
+  /// @pre no vertex twice, and at most as many as the constructor was given
   void bring(std::span<const int> vertices);
 
-  /// Where a vertex that was brought has its rows.
+  /// The slot that holds the rows of a vertex of the last bring().
   [[nodiscard]] int slot_of(int vertex) const { return slot_of_vertex_[vertex]; }
-  /// Displacement of the vertex in slot i by a force at that in slot j, m/N.
+  /// Displacement of the vertex in slot i per force at the vertex in slot j, m/N.
   [[nodiscard]] Eigen::Matrix3f block(int i, int j) const {
     return blocks_.block<3, 3>(3 * i, 3 * j);
   }
-  /// All of them: row and column 3 i + d belong to component d at slot i. What slots that were not
-  /// brought have means nothing.
+  /// All blocks: row and column 3 i + d belong to component d at slot i. Slots without a vertex of
+  /// the last bring() hold arbitrary numbers.
   [[nodiscard]] const Eigen::MatrixXf& blocks() const { return blocks_; }
 
  private:
@@ -40,12 +41,12 @@ class ComplianceCache {
 
   const Compliance& compliance_;
   int most_;
-  std::vector<int> slot_of_vertex_;  // (V) -1: none
+  std::vector<int> slot_of_vertex_;  // (V) -1: in no slot
   std::vector<int> vertex_of_slot_;  // (most) -1: free
-  std::vector<char> wanted_;         // (most)
+  std::vector<char> wanted_;         // (most) 1: holds a vertex of this bring()
   std::vector<float> basis_;         // (3 most x k) rows of P
   Eigen::MatrixXf blocks_;           // (3 most x 3 most)
-  std::vector<char> has_target_;     // (most x C)
+  std::vector<char> has_target_;     // (most x C) 1: targets_ is computed
   std::vector<float> targets_;       // (most x C x 3 x k) of unit forces in x, y, z
 };
 

@@ -1,7 +1,7 @@
 /// @file
-/// The laws of hyperelasticity at eight points of a skin at a time, in single precision: what comes
-/// from 60 kPa is off by some 0.01 Pa. For files that are compiled without contraction of
-/// a * b + c (CMakeLists.txt), so that all processors give the same bytes.
+/// The laws of hyperelasticity at eight points of a skin at a time, in single precision: a stress
+/// of 60 kPa is off by some 0.01 Pa. For files that are compiled without contraction of a * b + c
+/// (CMakeLists.txt), so that all processors give the same bytes.
 #pragma once
 
 #include "palpable/common/material/law.h"
@@ -12,16 +12,18 @@
 
 namespace palpable {
 
-/// An element that is pressed to less of its volume is on its way to being turned inside out.
+/// Ratio to the volume at rest, at least which J is taken to be: an element below it is about to be
+/// turned inside out, and its stress would grow without bound.
 inline constexpr float kLeastVolume = 0.01f;
-/// Pa: more is no stress of a body; squares of it are numbers still.
+/// Pa: stresses are clipped to this, so that their squares stay finite in single precision.
 inline constexpr float kMostStress = 1e15f;
 
 using FloatPack = float __attribute__((vector_size(kPackSize * sizeof(float))));
 using IntPack = std::int32_t __attribute__((vector_size(kPackSize * sizeof(std::int32_t))));
 using WordPack = std::uint32_t __attribute__((vector_size(kPackSize * sizeof(std::uint32_t))));
 
-/// Eight floats that the laws' formulas take as a number: their constants are doubles.
+/// Eight floats with the arithmetic of one number, for the formulas of the laws, whose constants
+/// are doubles.
 struct Lanes {
   FloatPack v;
   PALPABLE_ALWAYS_INLINE Lanes& operator+=(const Lanes& b) {
@@ -45,8 +47,8 @@ PALPABLE_ALWAYS_INLINE Lanes operator/(double a, const Lanes& b) { return lanes(
 PALPABLE_ALWAYS_INLINE Lanes operator-(const Lanes& a, double b) { return a - lanes(b); }
 PALPABLE_ALWAYS_INLINE Lanes operator*(const Lanes& a, double b) { return a * lanes(b); }
 
-/// As those of tensor.h, to single precision: the rest of the series is below 3e-9 of its first
-/// term.
+/// logarithm() and inverse_cube_root() as in tensor.h, to single precision: the neglected terms of
+/// the series are below 3e-9 of its first term.
 PALPABLE_ALWAYS_INLINE Lanes logarithm(const Lanes& x) {
   const WordPack bits = (WordPack)x.v;
   const IntPack e = ((IntPack)(bits + (0x3f800000U - 0x3f3504f3U)) >> 23) - 127;
@@ -64,26 +66,27 @@ PALPABLE_ALWAYS_INLINE Lanes inverse_cube_root(const Lanes& x) {
   return {r};
 }
 
-/// As deformation() of law.h, with a volume that is not less than the least. Returns 1 / J.
+/// As deformation() of law.h, with J replaced by kLeastVolume where it is smaller. Returns 1 / J.
 PALPABLE_ALWAYS_INLINE Lanes bounded_deformation(const Tensor<Lanes>& F, Deformation<Lanes>& d) {
   d.F = F;
   const Tensor<Lanes> cofactor = cofactors(F);
   const Lanes J = F(0, 0) * cofactor(0, 0) + F(1, 0) * cofactor(1, 0) + F(2, 0) * cofactor(2, 0);
-  d.J = {J.v > kLeastVolume ? J.v : FloatPack{} + kLeastVolume};  // also where J is no number
+  d.J = {J.v > kLeastVolume ? J.v : FloatPack{} + kLeastVolume};  // also where J is NaN
   const Lanes shrunk = 1.0 / d.J;
   d.G = shrunk * cofactor;
   d.I1 = inner(F, F);
   return shrunk;
 }
 
-/// One instruction, where a file is compiled without errno of mathematics (CMakeLists.txt).
+/// Compiles to one instruction where errno of mathematical functions is turned off
+/// (CMakeLists.txt).
 PALPABLE_ALWAYS_INLINE FloatPack square_root(const FloatPack& x) {
   FloatPack root;
   for (int k = 0; k < kPackSize; ++k) root[k] = __builtin_sqrtf(x[k]);
   return root;
 }
 
-/// What is no number is the most.
+/// Clips to +- kMostStress; NaN becomes kMostStress.
 PALPABLE_ALWAYS_INLINE FloatPack bounded(FloatPack s) {
   s = s < kMostStress ? s : FloatPack{} + kMostStress;
   return s > -kMostStress ? s : FloatPack{} - kMostStress;
@@ -92,7 +95,7 @@ PALPABLE_ALWAYS_INLINE FloatPack bounded(FloatPack s) {
 /// Components of a symmetric tensor in the order xx yy zz xy yz zx.
 inline constexpr int kStressRow[6] = {0, 1, 2, 0, 1, 2}, kStressColumn[6] = {0, 1, 2, 1, 2, 0};
 
-/// sigma = P F^T / J, a number whatever F is. @param shrunk  1 / J  @param s  Pa, in that order
+/// sigma = P F^T / J, finite for any F. @param shrunk  1 / J  @param s  Pa, xx yy zz xy yz zx
 PALPABLE_ALWAYS_INLINE void push_forward(const Tensor<Lanes>& P, const Tensor<Lanes>& F,
                                          const Lanes& shrunk, FloatPack (&s)[6]) {
   for (int c = 0; c < 6; ++c) {
@@ -102,7 +105,7 @@ PALPABLE_ALWAYS_INLINE void push_forward(const Tensor<Lanes>& P, const Tensor<La
   }
 }
 
-/// sigma = (P(F) + F S) F^T / J, a number whatever F is.
+/// sigma = (P(F) + F S) F^T / J, finite for any F.
 /// @param S  Pa, added to the second Piola stress; xx yy zz xy yz zx
 /// @param s  Pa, likewise
 template <class Law>
@@ -120,7 +123,7 @@ PALPABLE_ALWAYS_INLINE void cauchy_stress(const Law& law, const Tensor<Lanes>& F
   push_forward(P, F, shrunk, s);
 }
 
-/// sigma = P(F) F^T / J, a number whatever F is. @param s  Pa, xx yy zz xy yz zx
+/// sigma = P(F) F^T / J, finite for any F. @param s  Pa, xx yy zz xy yz zx
 template <class Law>
 PALPABLE_ALWAYS_INLINE void cauchy_stress(const Law& law, const Tensor<Lanes>& F,
                                           FloatPack (&s)[6]) {

@@ -1,6 +1,6 @@
 /// @file
-/// Rows of four floats, three of them a vector, gathered into lanes of eight (float_lanes.h) and
-/// back. For files that are compiled without contraction of a * b + c.
+/// Conversion between vectors in rows of four floats and lanes of eight floats (float_lanes.h). For
+/// files that are compiled without contraction of a * b + c.
 #pragma once
 
 #include "palpable/common/response/float_lanes.h"
@@ -8,12 +8,12 @@
 namespace palpable {
 
 using Four = float __attribute__((vector_size(4 * sizeof(float))));
-/// The fourth number is 0.
+/// A vector; the fourth number is 0.
 struct alignas(16) FourRow {
   Four v;
 };
 
-/// The vectors of eight rows.
+/// Gathers the vectors of eight rows, by component.
 PALPABLE_ALWAYS_INLINE void gather(const FourRow* rows, const int (&n)[kPackSize],
                                    FloatPack (&u)[3]) {
   FloatPack two[4];  // rows k and k + 4
@@ -29,7 +29,7 @@ PALPABLE_ALWAYS_INLINE void gather(const FourRow* rows, const int (&n)[kPackSize
   u[2] = __builtin_shufflevector(z_01, z_23, 0, 1, 8, 9, 4, 5, 12, 13);
 }
 
-/// The other way, into eight rows one after the other.
+/// Stores eight vectors, given by component, in eight consecutive rows.
 PALPABLE_ALWAYS_INLINE void store_rows(const FloatPack (&u)[3], FourRow* to) {
   const FloatPack none{};
   // x y of rows 0 1 and 4 5, then of 2 3 and 6 7; z 0 likewise.

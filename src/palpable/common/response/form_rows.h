@@ -1,6 +1,6 @@
 /// @file
-/// Symmetric forms laid out to be multiplied with: long rows of pairs of indices, which vector
-/// instructions go along.
+/// Symmetric forms laid out for evaluation: long rows over pairs of indices, which suit vector
+/// instructions.
 ///
 ///   n  variables      p  pairs i <= j, ordered by i, then j: n (n + 1) / 2, padded to a multiple
 ///                        of 16 with zeros
@@ -8,7 +8,8 @@
 ///     cubic      n rows: row i has A_ijk for all pairs (j, k)
 ///     quartic    one row for each pair (i, j), with E_ijkl for all pairs (k, l)
 ///
-/// Three to six times the numbers that a body file keeps (symmetric_form.h), and ten times as fast.
+/// This layout has three to six times as many numbers as a body file stores (symmetric_form.h), and
+/// is ten times as fast.
 #pragma once
 
 #include "palpable/common/response/rounded_rows.h"
@@ -19,13 +20,13 @@
 
 namespace palpable {
 
-/// p of n variables.
+/// The number p of pairs of n variables, padded.
 [[nodiscard]] std::size_t pair_width(int variables);
 
-/// Nothing here allocates but the constructor.
+/// Only the constructor allocates.
 class FormRows {
  public:
-  FormRows() = default;  ///< of no variables
+  FormRows() = default;  ///< a form without variables
   explicit FormRows(const SymmetricForm& form);
 
   [[nodiscard]] int variables() const { return variables_; }
@@ -33,9 +34,9 @@ class FormRows {
 
   /// pairs += factor A(a, ., .) of a cubic form. @param a  (n)  @param pairs  (p)
   void add_cubic(std::span<const float> a, float factor, std::span<float> pairs) const;
-  /// The form with two places taken by a symmetric matrix P: for a cubic one (n) sum_jk A_ijk P_jk,
-  /// for a quartic one (p) sum_kl E_ijkl P_kl at the pairs (i, j).
-  /// @param P       (p) as add_pairs() makes it
+  /// The form with two of its arguments replaced by a symmetric matrix P: (n) sum_jk A_ijk P_jk of
+  /// a cubic form, (p) sum_kl E_ijkl P_kl at the pairs (i, j) of a quartic one.
+  /// @param P       (p) as add_pairs() lays it out
   void contract(std::span<const float> P, std::span<float> result) const;
 
  private:
@@ -43,11 +44,11 @@ class FormRows {
   RoundedRows rows_;
 };
 
-/// P += factor a a^T, with what stands beside the diagonal doubled: as contract() wants it.
+/// P += factor a a^T, off-diagonal entries doubled: the layout that contract() expects.
 /// @param P  (p)
 void add_pairs(std::span<const float> a, float factor, std::span<float> P);
 
-/// matrix += pairs, on both sides of the diagonal.
+/// matrix += pairs, symmetrically.
 /// @param stride  of the matrix's rows, >= n
 void add_to_matrix(std::span<const float> pairs, int n, std::size_t stride,
                    std::span<float> matrix);

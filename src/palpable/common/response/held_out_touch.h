@@ -1,6 +1,6 @@
 /// @file
-/// How good a body's tables of touch are, told with them: touches that no table is made from, each
-/// answered by the tables and by full finite elements with contact on the same mesh.
+/// The accuracy of a body's tables of touch, stored with them: touches that the tables were not
+/// made from, each solved by the tables and by full finite elements with contact on the same mesh.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace palpable {
 
-/// What presses. The numbers stand in body files.
+/// The obstacle of a touch. The enumerators' values are stored in body files.
 enum class PressingThing {
   kFinger,  ///< a tip of radius 8 mm
   kPencil,  ///< a tip of radius 3.5 mm
@@ -23,14 +23,14 @@ enum class PressingThing {
 inline constexpr int kPressingThings = 6;
 [[nodiscard]] std::string name_of(PressingThing thing);
 
-/// One touch. Differences are those of the tables' answer from the full one.
+/// One touch. Its differences are those of the tables' solution from the full-order solution.
 struct HeldOutTouch {
   PressingThing thing = PressingThing::kFinger;
-  double depth = 0;         ///< m that the thing has gone on since it just touched
+  double depth = 0;         ///< m that the obstacle has advanced since first contact
   double displacement = 0;  ///< relative L2 over the skin's vertices
-  double force = 0;         ///< of the resultant, relative; of a squeeze, of the norms' sum
-  double von_mises = 0;     ///< of the stress at the worst vertex, against the largest on the skin
-  /// What the state tells of its own error (stated_error.h); nothing in files made before it was.
+  double force = 0;         ///< relative, of the resultant; of a squeeze: of the sum of norms
+  double von_mises = 0;     ///< largest over the vertices, ratio to the largest stress
+  /// The state's error indicators, added up (stated_error.h); none in older body files.
   std::optional<double> unscaled_error = {};
 };
 
@@ -39,13 +39,13 @@ inline constexpr std::array<double HeldOutTouch::*, 4> kHeldOutValues{
     &HeldOutTouch::depth, &HeldOutTouch::displacement, &HeldOutTouch::force,
     &HeldOutTouch::von_mises};
 
-/// Its differences, as they are named in reports.
+/// The differences of a touch, with their names in reports.
 inline constexpr std::array<std::pair<const char*, double HeldOutTouch::*>, 3> kHeldOutDifferences{
     {{"displacement", &HeldOutTouch::displacement},
      {"force", &HeldOutTouch::force},
      {"von_mises", &HeldOutTouch::von_mises}}};
 
-/// Of several touches.
+/// The median and the largest of one difference over several touches.
 struct TouchErrors {
   double median = 0, worst = 0;
 };
@@ -59,7 +59,8 @@ struct TouchErrors {
 /// touches.
 [[nodiscard]] std::string held_out_text(const std::vector<HeldOutTouch>& touches);
 
-/// Why touches cannot be: a thing of no such number, a difference that is none; empty if they can.
+/// What is invalid in the touches: an unknown obstacle, a depth or a difference that is negative or
+/// not finite; empty if nothing is.
 [[nodiscard]] std::string trouble_of(const std::vector<HeldOutTouch>& touches);
 
 }  // namespace palpable

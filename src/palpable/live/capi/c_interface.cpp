@@ -32,7 +32,7 @@ namespace {
 
 constexpr std::size_t kMostBodies = 64;
 
-// Up to the last member that version 0.1 had: smaller ones never were.
+// Sizes of the structs in version 0.1, the first one: no caller has smaller ones.
 constexpr std::size_t kLeastSetup = offsetof(palpable_setup, full_resolution) + sizeof(int32_t);
 constexpr std::size_t kLeastImage = offsetof(palpable_image, stride) + sizeof(size_t);
 constexpr std::size_t kLeastFrame = offsetof(palpable_frame, left_to_go) + sizeof(double);
@@ -74,7 +74,7 @@ palpable_image checked(const palpable_image* image, const char* what,
   return taken;
 }
 
-// The time and the pose of a frame, and what the frames before allow.
+// The time and the pose that a caller gives with a frame, after they were checked.
 struct Moment {
   double time = 0;
   bool has_pose = false;
@@ -103,13 +103,13 @@ Moment checked_moment(const palpable_session& session, const double* world_from_
   return moment;
 }
 
-// Answers session.images.
-void answer(palpable_session& session, const Moment& moment) {
+// Processes session.images.
+void process(palpable_session& session, const Moment& moment) {
   if (session.frames == 0) session.first_time = moment.time;
   session.images.number = session.frames;
   session.images.time = moment.time - session.first_time;
   session.gives_poses = moment.has_pose;
-  session.answer_images(moment.has_pose ? &moment.pose : nullptr);
+  session.process_images(moment.has_pose ? &moment.pose : nullptr);
   session.time = moment.time;
   ++session.frames;
 }
@@ -216,7 +216,7 @@ palpable_status palpable_feed_stereo(palpable_session* session, const palpable_i
     const Moment moment = checked_moment(open, world_from_camera, time);
     palpable::copy_color(l, open.images.left);
     palpable::copy_color(r, open.images.right);
-    answer(open, moment);
+    process(open, moment);
   });
 }
 
@@ -238,7 +238,7 @@ palpable_status palpable_feed_depth(palpable_session* session, const palpable_im
     } else {
       palpable::draw_depth(open.images.depth, open.images.left);
     }
-    answer(open, moment);
+    process(open, moment);
   });
 }
 
@@ -254,7 +254,7 @@ palpable_status palpable_press(palpable_session* session, const palpable_capsule
       require(is_radius(c.radius_a) && is_radius(c.radius_b),
               "a capsule's radius is not within 0.1 mm and 100 m");
     }
-    open.answer_capsules({capsules, count});
+    open.process_capsules({capsules, count});
   });
 }
 
@@ -262,15 +262,15 @@ palpable_status palpable_get_frame(const palpable_session* session, palpable_fra
   return guarded([&] {
     const palpable_session& open = opened(session);
     const palpable::Scene& scene = open.scene();
-    palpable_frame told{};
-    told.time = open.time;
-    told.body_count = static_cast<int32_t>(open.bodies.size());
-    told.touch_count = static_cast<int32_t>(scene.touches.size());
-    told.camera = open.camera && open.frames > 0 ? state_of(scene.camera.state) : PALPABLE_STANDS;
-    told.wrong_pair = open.wrong_pair ? 1 : 0;
-    palpable::write_pose(scene.camera.world_from_camera, told.world_from_camera);
-    told.left_to_go = open.left_to_go;
-    hand_out(told, kLeastFrame, frame, "frame");
+    palpable_frame result{};
+    result.time = open.time;
+    result.body_count = static_cast<int32_t>(open.bodies.size());
+    result.touch_count = static_cast<int32_t>(scene.touches.size());
+    result.camera = open.camera && open.frames > 0 ? state_of(scene.camera.state) : PALPABLE_STANDS;
+    result.wrong_pair = open.wrong_pair ? 1 : 0;
+    palpable::write_pose(scene.camera.world_from_camera, result.world_from_camera);
+    result.left_to_go = open.left_to_go;
+    hand_out(result, kLeastFrame, frame, "frame");
   });
 }
 
@@ -279,17 +279,17 @@ palpable_status palpable_get_touch(const palpable_session* session, int32_t inde
   return guarded([&] {
     const std::vector<palpable::Touch>& touches = opened(session).scene().touches;
     const palpable::Touch& one = touches[checked_index(index, touches, "touch")];
-    palpable_touch told{};
-    told.body = one.body;
-    told.by = one.by;
-    write(one.point_in_body, told.point);
-    write(-one.direction, told.normal);
-    write(one.force * one.direction, told.force);
-    told.depth = one.press_depth;
-    told.area = one.area;
-    told.assumed = one.assumed;
-    told.unseen_for = one.unseen_for;
-    hand_out(told, kLeastTouch, touch, "touch");
+    palpable_touch result{};
+    result.body = one.body;
+    result.by = one.by;
+    write(one.point_in_body, result.point);
+    write(-one.direction, result.normal);
+    write(one.force * one.direction, result.force);
+    result.depth = one.press_depth;
+    result.area = one.area;
+    result.assumed = one.assumed;
+    result.unseen_for = one.unseen_for;
+    hand_out(result, kLeastTouch, touch, "touch");
   });
 }
 
@@ -300,21 +300,21 @@ palpable_status palpable_get_skin(const palpable_session* session, int32_t body,
     const std::size_t k = checked_index(body, open.bodies, "body");
     const palpable::SceneBody& shown = open.scene().bodies[k];
     const Eigen::Matrix3Xi& triangles = open.bodies[k].body->body.surface.triangles;
-    palpable_skin told{};
-    told.vertex_count = static_cast<int32_t>(shown.vertices.cols());
-    told.triangle_count = static_cast<int32_t>(triangles.cols());
-    told.vertices = shown.vertices.data();
-    told.normals = shown.normals.data();
-    told.von_mises = shown.von_mises.data();
-    told.triangles = triangles.data();
-    if (!shown.contact_pressure.empty()) told.contact_pressure = shown.contact_pressure.data();
-    palpable::write_pose(open.bodies[k].world_from_body, told.world_from_body);
-    palpable::write_pose(shown.camera_from_body, told.camera_from_body);
+    palpable_skin result{};
+    result.vertex_count = static_cast<int32_t>(shown.vertices.cols());
+    result.triangle_count = static_cast<int32_t>(triangles.cols());
+    result.vertices = shown.vertices.data();
+    result.normals = shown.normals.data();
+    result.von_mises = shown.von_mises.data();
+    result.triangles = triangles.data();
+    if (!shown.contact_pressure.empty()) result.contact_pressure = shown.contact_pressure.data();
+    palpable::write_pose(open.bodies[k].world_from_body, result.world_from_body);
+    palpable::write_pose(shown.camera_from_body, result.camera_from_body);
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-    told.stated_displacement_error =
+    result.stated_displacement_error =
         shown.stated_error ? shown.stated_error->displacement : kUnknown;
-    told.stated_stress_error = shown.stated_error ? shown.stated_error->von_mises : kUnknown;
-    hand_out(told, kLeastSkin, skin, "skin");
+    result.stated_stress_error = shown.stated_error ? shown.stated_error->von_mises : kUnknown;
+    hand_out(result, kLeastSkin, skin, "skin");
   });
 }
 
@@ -325,14 +325,14 @@ palpable_status palpable_get_depth(const palpable_session* session, palpable_dep
       throw Failure(PALPABLE_NOT_POSSIBLE, "no camera has measured a depth yet");
     }
     const palpable::SeenFrame& seen = open.scene().seen;
-    palpable_depth told{};
-    told.width = seen.depth.width();
-    told.height = seen.depth.height();
-    told.depth = seen.depth.data();
-    told.fx = seen.depth_camera.fx_px;
-    told.fy = seen.depth_camera.fy_px;
-    told.cx = seen.depth_camera.cx_px;
-    told.cy = seen.depth_camera.cy_px;
-    hand_out(told, kLeastDepth, depth, "depth");
+    palpable_depth result{};
+    result.width = seen.depth.width();
+    result.height = seen.depth.height();
+    result.depth = seen.depth.data();
+    result.fx = seen.depth_camera.fx_px;
+    result.fy = seen.depth_camera.fy_px;
+    result.cx = seen.depth_camera.cx_px;
+    result.cy = seen.depth_camera.cy_px;
+    hand_out(result, kLeastDepth, depth, "depth");
   });
 }

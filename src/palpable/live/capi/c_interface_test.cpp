@@ -32,7 +32,7 @@ using test::tolerance;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// A ball of 10 cm that stands on Z = 0 and gives way anywhere.
+// A ball of 10 cm diameter that stands on Z = 0 and can be pressed anywhere.
 const std::string& body_file() {
   static const test::ScratchFolder folder("c_interface");
   static const std::string path = [] {
@@ -53,7 +53,7 @@ Struct sized() {
   return empty;
 }
 
-// Handles that are given back.
+// A body's handle, freed by the destructor.
 struct Body {
   palpable_body* handle = nullptr;
   explicit Body(const std::string& path = body_file(), double scale = 1) {
@@ -65,7 +65,7 @@ struct Body {
   ~Body() { palpable_free_body(handle); }
 };
 
-// Where the body stands before it: Z up is the camera's -Y, tilted a little.
+// The body stands in front of the camera: its Z axis is the camera's -Y, tilted a little.
 Rigid3 camera_from_body() {
   Rigid3 pose = Rigid3::Identity();
   pose.linear() = (Eigen::AngleAxisd(0.5 - std::acos(0.0), Vector3d::UnitX()) *
@@ -129,7 +129,7 @@ Vector3d whole_force(const palpable_session* session) {
   return force;
 }
 
-// A finger of 8 mm on the top of the ball, `depth` inside.
+// A finger of radius 8 mm that penetrates the top of the ball by `depth`, m.
 palpable_capsule finger(double depth) {
   const double tip = 0.1 - depth + 0.008;
   return {{0, 0, tip}, {0.01, 0, tip + 0.1}, 0.008, 0.008};
@@ -137,7 +137,7 @@ palpable_capsule finger(double depth) {
 
 palpable_setup no_camera() { return sized<palpable_setup>(); }
 
-// Colour + depth, as the wall's camera sees it.
+// A colour and depth camera like the one that sees the synthetic wall.
 palpable_setup depth_camera() {
   const FrameFormat format = test::wall_format();
   palpable_setup setup = no_camera();
@@ -152,7 +152,7 @@ palpable_setup depth_camera() {
   return setup;
 }
 
-// The same finger before a wall, as a camera sees it, with the hand that it belongs to.
+// A picture of the same finger in front of a wall, with the hand that it belongs to.
 Frame frame_with_finger(int number, double depth) {
   const palpable_capsule c = finger(depth);
   const auto at = [&](const double x[3]) { return Vector3d(camera_from_body() * Vector3d(x)); };
@@ -221,7 +221,7 @@ TEST_CASE("a finger without any camera presses the skin down and lets it go agai
     const auto most =
         std::max_element(skin.contact_pressure, skin.contact_pressure + skin.vertex_count);
     CHECK(*most > 100.0f);
-    // There it presses: within a vertex's distance, 6 mm.
+    // The touch is where the contact pressure is largest, to the skin's resolution, 6 mm.
     CHECK((now.col(most - skin.contact_pressure).cast<double>() - Vector3d(touch.point)).norm() <
           0.006);
     CHECK(std::hypot(skin.normals[0], skin.normals[1], skin.normals[2]) == Approx(1));
@@ -276,7 +276,7 @@ TEST_CASE("a body at another scale is as stiff as the larger one of the same mat
   }
   large.radius_a = large.radius_b = 0.016;
   REQUIRE(palpable_press(one, &c, 1) == PALPABLE_OK);
-  // Its steps are as long as the other's: it may take another call.
+  // The step limit is the same for both bodies, so that the larger one needs more calls.
   for (int k = 0; k < 3; ++k) REQUIRE(palpable_press(two, &large, 1) == PALPABLE_OK);
   CHECK(whole_force(two).norm() ==
         Approx(4 * whole_force(one).norm()).epsilon(tolerance(0.05, "other contact points")));
@@ -331,7 +331,7 @@ TEST_CASE("a session that was reset gives the same bytes again", "[capi]") {
   }
 }
 
-// Colours of `color` in another order, with bytes between rows that mean nothing.
+// The colours of `color` in another order of channels, with unused bytes between the rows.
 std::vector<std::uint8_t> with_gaps(const ColorImage& color, const std::array<int, 4>& from,
                                     std::size_t bytes, std::size_t stride) {
   std::vector<std::uint8_t> pixels(stride * static_cast<std::size_t>(color.height()), 99);
@@ -349,7 +349,7 @@ std::vector<std::uint8_t> with_gaps(const ColorImage& color, const std::array<in
   return pixels;
 }
 
-// Two pictures of a wall with colours of noise, 20 px apart.
+// Two views of a wall with random colours, shifted by 20 px.
 ColorImage eye(int shift) {
   ColorImage image(320, 180);
   for (int y = 0; y < 180; ++y) {
@@ -412,7 +412,7 @@ TEST_CASE("a pair gives the wall's depth, whatever the order of its bytes and th
     if (layout.format == PALPABLE_GRAY8) continue;  // one channel of the three
     CHECK(std::memcmp(all.data(), of_rgb.data(), all.size_bytes()) == 0);
   }
-  // Eyes that are swapped are noticed.
+  // Swapped eyes are noticed.
   const Session session(stereo_camera());
   const palpable_image images[2] = {image_of(left), image_of(right)};
   REQUIRE(palpable_feed_stereo(session, &images[0], &images[1], nullptr, 0) == PALPABLE_OK);
@@ -537,7 +537,7 @@ TEST_CASE("two sessions on one body run on two threads and do not know of each o
   CHECK(touch_of(two).depth < touch_of(one).depth);
 }
 
-// ---- what is hostile ----
+// ---- invalid use ----
 
 TEST_CASE("null pointers are refused everywhere, and nothing crashes", "[capi][errors]") {
   palpable_body* body = nullptr;
@@ -610,7 +610,7 @@ TEST_CASE("what is asked of the wrong session, or of what is not there, is refus
   for (const int body : {-1, 1, 1 << 30}) {
     CHECK(palpable_get_skin(presses, body, &skin) == PALPABLE_WRONG_ARGUMENT);
   }
-  // A body without tables is pressed at its sites, which takes a camera.
+  // A body without tables is pressed at its sites, for which a session needs a camera.
   const Body plain("tests/data/ball_v1.palpable");
   const palpable_body* bodies[] = {plain.handle, plain.handle};
   palpable_session* session = nullptr;
@@ -778,7 +778,7 @@ TEST_CASE("depths and capsules that are no numbers press nothing", "[capi][error
     CHECK(palpable_press(presses, &bad, 1) == PALPABLE_WRONG_ARGUMENT);
     CHECK(frame_of(presses).touch_count == 0);
   }
-  // Things in which the whole body lies, and a thousand of them.
+  // Capsules that contain the whole body, first one, then a thousand.
   const palpable_capsule around{{0, 0, 0.05}, {0, 0, 0.05}, 1, 1};
   REQUIRE(palpable_press(presses, &around, 1) == PALPABLE_OK);
   CHECK(vertices_of(presses).allFinite());
@@ -801,7 +801,7 @@ TEST_CASE("a session in which something was thrown half way is refused until it 
   REQUIRE(palpable_reset(session) == PALPABLE_OK);
   CHECK(palpable_press(session, &c, 1) == PALPABLE_OK);
   CHECK(frame_of(session).touch_count == 1);
-  // Whatever it is, nothing gets past a C function.
+  // No exception leaves a C function.
   CHECK(guarded([] { throw 7; }) == PALPABLE_BROKEN);
   CHECK(guarded([] { throw std::bad_alloc(); }) == PALPABLE_NO_MEMORY);
   CHECK(guarded([] { throw ContractViolation(std::string(2000, 'x')); }) == PALPABLE_BROKEN);
@@ -814,7 +814,7 @@ TEST_CASE("poses that are no rotation and translation are refused", "[capi][erro
   CHECK(palpable_place_body(body.handle, good.data()) == PALPABLE_OK);
   for (std::size_t k = 0; k < 16; ++k) {
     for (const double wrong : {kNaN, 1e30, good[k] + 3}) {
-      if ((k == 3 || k == 7 || k == 11) && wrong == good[k] + 3) continue;  // another place
+      if ((k == 3 || k == 7 || k == 11) && wrong == good[k] + 3) continue;  // a valid position
       std::array<double, 16> bad = good;
       bad[k] = wrong;
       CHECK(palpable_place_body(body.handle, bad.data()) == PALPABLE_WRONG_ARGUMENT);

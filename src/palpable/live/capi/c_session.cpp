@@ -33,7 +33,7 @@ palpable_session::palpable_session(std::vector<palpable_body> the_bodies,
 }
 
 void palpable_session::reset() {
-  is_broken = true;  // until all of this is done
+  is_broken = true;  // until the reset is complete
   loop_.reset();
   press_.reset();
   pressed_ = {};
@@ -74,7 +74,7 @@ void palpable_session::show_rest(palpable::Scene& scene) const {
   }
 }
 
-void palpable_session::answer_images(const std::optional<Rigid3>* pose) {
+void palpable_session::process_images(const std::optional<Rigid3>* pose) {
   is_broken = true;
   const palpable::Scene& scene =
       pose != nullptr ? loop_->process(images, *pose) : loop_->process(images);
@@ -82,7 +82,7 @@ void palpable_session::answer_images(const std::optional<Rigid3>* pose) {
   is_broken = false;
 }
 
-void palpable_session::answer_capsules(std::span<const palpable_capsule> capsules) {
+void palpable_session::process_capsules(std::span<const palpable_capsule> capsules) {
   is_broken = true;
   const Rigid3 body_from_world = bodies.front().world_from_body.inverse();
   in_body_.clear();

@@ -1,5 +1,5 @@
 /// @file
-/// What stands behind the handles of palpable.h.
+/// The objects behind the handles of palpable.h.
 #pragma once
 
 #include "palpable/common/geometry/capsule.h"
@@ -19,42 +19,42 @@
 #include <span>
 #include <vector>
 
-/// Sessions share what was read.
+/// A body file that was read, and a pose. Sessions on the same body share the data.
 struct palpable_body {
   std::shared_ptr<const palpable::TouchableBody> body;
   palpable::Rigid3 world_from_body = palpable::Rigid3::Identity();
 };
 
-/// A camera's loop, or capsules that press one body: both fill a scene.
+/// Either the loop of a camera or capsules that press one body. Both fill a scene.
 struct palpable_session {
-  /// @param camera  nothing: there is none
-  /// @throws Failure when these bodies or numbers make no session
+  /// @param camera  empty for a session without a camera
+  /// @throws Failure when the bodies do not suit the session or FrameLoop rejects the settings
   palpable_session(std::vector<palpable_body> bodies, std::optional<palpable::CameraSetup> camera);
   palpable_session(const palpable_session&) = delete;
   palpable_session& operator=(const palpable_session&) = delete;
 
-  /// As if no frame had come yet.
+  /// Back to the state before the first frame.
   void reset();
 
-  /// Answers the images in `images`.
-  /// @param pose  of this frame, nothing where it is not known; null: the camera stands or is
-  ///              followed
-  void answer_images(const std::optional<palpable::Rigid3>* pose);
+  /// Processes the frame in `images`.
+  /// @param pose  null: the camera stands still or is followed. Else the pose of this frame, empty
+  ///              where it is unknown
+  void process_images(const std::optional<palpable::Rigid3>* pose);
   static constexpr std::size_t kMostCapsules = 4096;
-  void answer_capsules(std::span<const palpable_capsule> capsules);
+  void process_capsules(std::span<const palpable_capsule> capsules);
 
   [[nodiscard]] const palpable::Scene& scene() const { return loop_ ? loop_->scene : pressed_; }
 
   const std::vector<palpable_body> bodies;
   const std::optional<palpable::CameraSetup> camera;
 
-  palpable::Frame images;                                                  ///< the next ones
-  int frames = 0;                                                          ///< answered so far
-  double first_time = 0, time = std::numeric_limits<double>::quiet_NaN();  ///< s, the caller's
-  bool gives_poses = false;  ///< the caller does, since the first frame
+  palpable::Frame images;  ///< the next frame, filled by the caller
+  int frames = 0;          ///< processed so far
+  double first_time = 0, time = std::numeric_limits<double>::quiet_NaN();  ///< s, caller's clock
+  bool gives_poses = false;  ///< the caller passes a pose with every frame
   bool wrong_pair = false;
-  double left_to_go = 0;   ///< m
-  bool is_broken = false;  ///< something was thrown half way
+  double left_to_go = 0;   ///< m, palpable_frame::left_to_go
+  bool is_broken = false;  ///< a call was interrupted by an exception
 
  private:
   void show_rest(palpable::Scene& scene) const;

@@ -1,5 +1,5 @@
 /// @file
-/// Between C++ and C: exceptions become status and text, and structs may grow.
+/// The border between C++ and C: exceptions become status and text, and structs may grow.
 #pragma once
 
 #include "palpable/live/capi/palpable.h"
@@ -15,12 +15,12 @@
 
 namespace palpable {
 
-/// Keeps the text for palpable_last_error() of this thread, cut off after 511 bytes, and returns
+/// Stores the text for palpable_last_error() of this thread, truncated to 511 bytes, and returns
 /// the status. Allocates nothing.
 palpable_status failed(palpable_status status, std::string_view why);
 [[nodiscard]] const char* last_failure();
 
-/// Thrown inside of a C function for what is wrong with the call: nothing was changed.
+/// Thrown inside a C function when its arguments are invalid, before anything was changed.
 class Failure : public std::exception {
  public:
   Failure(palpable_status status, std::string why) : status_(status), why_(std::move(why)) {}
@@ -32,7 +32,7 @@ class Failure : public std::exception {
   std::string why_;
 };
 
-/// Runs a C function's content; whatever it throws becomes a status.
+/// Runs the content of a C function and converts every exception to a status.
 template <class Function>
 [[nodiscard]] palpable_status guarded(const Function& function) noexcept {
   try {
@@ -47,7 +47,7 @@ template <class Function>
   } catch (...) { return failed(PALPABLE_BROKEN, "an exception that is none of the library's"); }
 }
 
-/// No struct is larger: a size beyond was never set.
+/// Bytes. No struct of any version is larger; a larger `size` is an uninitialized one.
 inline constexpr std::size_t kLargestStruct = 4096;
 
 /// @throws Failure with PALPABLE_WRONG_ARGUMENT
@@ -55,9 +55,9 @@ inline void require(bool condition, const char* meaning) {
   if (!condition) throw Failure(PALPABLE_WRONG_ARGUMENT, meaning);
 }
 
-/// The size that a caller says its struct has.
-/// @param least  bytes that the first version had
-/// @throws Failure for none, or one with a size that no version has had
+/// The size that the caller states for its struct.
+/// @param least  bytes of the struct in the first version
+/// @throws Failure when the struct is null or its size is impossible
 template <class Struct>
 [[nodiscard]] std::size_t size_of_callers(const Struct* its, std::size_t least, const char* name) {
   if (its == nullptr) throw Failure(PALPABLE_WRONG_ARGUMENT, std::string(name) + " is null");
@@ -68,9 +68,9 @@ template <class Struct>
   return its->size;
 }
 
-/// The struct of a caller who may know more or fewer of its members: those that he does not know
-/// are 0.
-/// @throws Failure as size_of_callers(), and with members set that this version does not know
+/// Copies a caller's struct, which may be of an older or a newer version. Members that an older
+/// caller does not have become 0.
+/// @throws Failure as size_of_callers(), and when members are set that this version does not have
 template <class Struct>
 [[nodiscard]] Struct taken_in(const Struct* from, std::size_t least, const char* name) {
   const std::size_t size = size_of_callers(from, least, name);
@@ -86,7 +86,7 @@ template <class Struct>
   return into;
 }
 
-/// The other way: members that this version does not know become 0.
+/// Copies a result into the caller's struct. Members that this version does not have become 0.
 template <class Struct>
 void hand_out(const Struct& from, std::size_t least, Struct* into, const char* name) {
   const std::size_t size = size_of_callers(into, least, name);

@@ -10,7 +10,7 @@
 namespace palpable {
 namespace {
 
-// Bytes of a pixel; 0: no such format.
+// Bytes of a pixel; 0 for an unknown format.
 std::size_t bytes_of_pixel(int format) {
   switch (format) {
     case PALPABLE_GRAY8:
@@ -46,7 +46,7 @@ Rgb color_at(const std::uint8_t* pixel, int format) {
   }
 }
 
-// Up from 0 to 255 and down again while x goes on by 1.
+// A triangle wave: from 0 to 255 and back to 0 as x grows by 1.
 std::uint8_t rise_and_fall(float x) {
   const float within = x - std::floor(x);
   return static_cast<std::uint8_t>(255.0f * (1.0f - std::abs(2.0f * within - 1.0f)));

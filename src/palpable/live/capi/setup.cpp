@@ -17,13 +17,13 @@ namespace palpable {
 namespace {
 
 constexpr int kLeastSide = 16, kMostSide = 16384;  // px
-constexpr double kFarthest = 1e4;                  // m, of a place
+constexpr double kFarthest = 1e4;                  // m, largest coordinate of a pose's translation
 
 using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
 [[noreturn]] void refuse(const std::string& why) { throw Failure(PALPABLE_WRONG_ARGUMENT, why); }
 
-// An option of 0 or 1.
+// A setting that must be 0 or 1.
 bool is_on(int value, const char* name) {
   if (value != 0 && value != 1) refuse(fmt::format("setup.{} is {}, neither 0 nor 1", name, value));
   return value == 1;
@@ -102,7 +102,8 @@ CameraSetup camera_setup(const palpable_setup& setup) {
   }
   made.session.track = is_on(setup.follow_camera, "follow_camera");
   made.session.press_static = is_on(setup.press_static, "press_static");
-  // Where all presses before a camera that stands, nobody asks what was there before.
+  // The map tells what is new from what was always there. With press_static and a camera that
+  // stands still everything presses, so that no map is needed.
   made.session.map = made.session.track || !made.session.press_static;
   made.session.depth = depth_settings(setup);
   return made;

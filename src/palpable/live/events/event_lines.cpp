@@ -18,7 +18,7 @@ static_assert(static_cast<int>(TrackState::kLost) == 3, "kStates has the states 
 
 Json list_of(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
-// With the digits that it has in the lines of frames.
+// With the same digits as in the lines of frames.
 Json rows_of(const Rigid3& transform) {
   Json rows = Json::array();
   for (int row = 0; row < 4; ++row) {
@@ -46,14 +46,14 @@ std::vector<EventBody> event_bodies(const Session& session) {
 }
 
 std::string hello_line(const std::vector<EventBody>& bodies) {
-  Json told = Json::array();
+  Json listed = Json::array();
   for (const EventBody& body : bodies) {
-    told.push_back(Json{{"name", body.name},
-                        {"world_from_body", rows_of(body.world_from_body)},
-                        {"vertices", body.vertices},
-                        {"triangles", body.triangles},
-                        {"low", list_of(body.low)},
-                        {"high", list_of(body.high)}});
+    listed.push_back(Json{{"name", body.name},
+                          {"world_from_body", rows_of(body.world_from_body)},
+                          {"vertices", body.vertices},
+                          {"triangles", body.triangles},
+                          {"low", list_of(body.low)},
+                          {"high", list_of(body.high)}});
   }
   const Json hello{{"type", "hello"},
                    {"format", "palpable touch events"},
@@ -62,7 +62,7 @@ std::string hello_line(const std::vector<EventBody>& bodies) {
                    {"frames", Json{{"world", "the camera of the first frame"},
                                    {"camera", "X right, Y down, Z forward"},
                                    {"body", "that of the body's file"}}},
-                   {"bodies", told}};
+                   {"bodies", listed}};
   return hello.dump() + "\n";
 }
 
@@ -160,7 +160,7 @@ void EventLines::add_body(const Scene& scene, int number) {
   add("}");
 }
 
-// Of a body those that are its own.
+// Adds the touches on body `number` and skips those on other bodies.
 void EventLines::add_touches(std::span<const Touch> touches, int number) {
   add(",\"touches\":[");
   bool first = true;

@@ -1,6 +1,6 @@
 /// @file
-/// What is told of a run, as lines of JSON: one that says what the others mean, then one for each
-/// answered frame. docs/touch_events.md has the format.
+/// Events of a run as lines of JSON: a first line that describes the others, then one line for each
+/// processed frame. docs/touch_events.md has the format.
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
@@ -16,35 +16,35 @@
 
 namespace palpable {
 
-/// What does not change of a body while it is played.
+/// The properties of a body that stay constant during a session.
 struct EventBody {
   std::string name;
   Rigid3 world_from_body = Rigid3::Identity();  ///< the world is the first frame's camera
-  int vertices = 0, triangles = 0;              ///< of its skin
+  int vertices = 0, triangles = 0;              ///< of the skin
   /// m, body frame: the corners of the box around the skin at rest
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
 };
 
-/// A session's bodies, in its order.
+/// The bodies of a session, in the session's order.
 [[nodiscard]] std::vector<EventBody> event_bodies(const Session& session);
 
-/// The first line, its end included.
+/// The first line, with its line break.
 [[nodiscard]] std::string hello_line(const std::vector<EventBody>& bodies);
 
-/// Writes the lines of frames into memory that is used again: after the first touches it takes
-/// none.
+/// Formats the line of a frame. The text's memory is reused: after the first touches a line
+/// allocates nothing.
 class EventLines {
  public:
   explicit EventLines(const std::vector<EventBody>& bodies);
 
-  /// One line, its end included, until the next call. Points and forces have the digits that they
-  /// have in touches.jsonl; a number that is not finite becomes null.
-  /// @param scene  of the same bodies
+  /// Returns one line with its line break, valid until the next call. Points and forces have as
+  /// many digits as in touches.jsonl; a number that is not finite becomes null.
+  /// @param scene  with the bodies given to the constructor, in their order
   [[nodiscard]] std::string_view line_of(const Scene& scene);
 
-  /// The same of what was answered between two frames (player/contact_ticks.h).
-  /// @param frame    after which
-  /// @param tick     from 1 on
+  /// The same for the touches computed between two frames (player/contact_ticks.h).
+  /// @param frame    number of the frame before
+  /// @param tick     counted from 1 after each frame
   /// @param time     s, by the source's clock
   /// @param touches  of all bodies
   [[nodiscard]] std::string_view tick_line(int frame, int tick, double time,
@@ -60,7 +60,7 @@ class EventLines {
   void add_touches(std::span<const Touch> touches, int number);
   void add_touch(const Touch& touch, const Rigid3& world_from_body);
 
-  std::vector<std::string> names_;  // in quotes
+  std::vector<std::string> names_;  // JSON strings, with quotes
   std::vector<Rigid3> world_from_body_;
   std::string text_;
 };

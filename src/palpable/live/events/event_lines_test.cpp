@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-// Two bodies; the second one is turned a quarter about Z and stands elsewhere.
+// Two bodies; the second is rotated by a quarter turn about Z and displaced.
 std::vector<EventBody> two_bodies() {
   EventBody upper{.name = "up \"per\"", .vertices = 7, .triangles = 10};
   upper.low = {-1, -2, -3};
@@ -117,7 +117,7 @@ TEST_CASE("a frame's line has poses, touches in both frames, and stated errors",
   CHECK(touch["unseen_for"] == 0.5);
   CHECK_FALSE(touch.contains("by"));
   CHECK_FALSE(touch.contains("site"));
-  // A quarter about Z takes X to Y and Y to -X.
+  // A quarter turn about Z maps X to Y and Y to -X.
   CHECK(touch["world"]["point"] == json{1.0, 2.5, 3.0});
   CHECK(touch["world"]["force"] == json{2.0, 0.0, 0.0});
 }

@@ -24,19 +24,20 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kUnix = "unix:";
-constexpr int kMostWaiting = 64;  // that connected and were not let in yet
-// What one call does at most, so that no crowd and no flood delays a frame: a connection takes some
-// 20 us, 4 KiB some 1 us.
+constexpr int kMostWaiting = 64;  // connections that the system queues until they are accepted
+// Limits of one call, so that many clients or much input cannot delay a frame: accepting a
+// connection takes about 20 us, reading 4 KiB about 1 us.
 constexpr int kMostLetIn = 32;
 constexpr int kMostReads = 4;
-// What the system keeps for a client that does not read. More would only be older when it is read.
+// Bytes that the system buffers for a client that does not read. A larger buffer would only hold
+// lines that are outdated when they are read.
 constexpr int kSendBuffer = 64 * 1024;  // bytes
 constexpr std::string_view kFull =
     "{\"type\":\"refused\",\"reason\":\"as many clients as are served are connected already\"}\n";
 
 std::string reason() { return std::strerror(errno); }
 
-// A descriptor that is closed unless it is kept.
+// A file descriptor, closed by the destructor unless keep() was called.
 class Opened {
  public:
   explicit Opened(int descriptor) : descriptor_(descriptor) {}
@@ -56,16 +57,16 @@ int new_socket(int family) {
   return ::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
 }
 
-// The system's functions take all kinds of addresses by this type.
+// The type by which the system's functions take addresses of all kinds.
 template <class Address>
 auto* plain(Address& address) {
   return reinterpret_cast<sockaddr*>(&address);  // NOLINT(*-reinterpret-cast)
 }
 
-// Removes the file of a socket on which nobody listens. @throws Error for anything else there
+// Removes the file of a socket on which no process listens. @throws Error for anything else there
 void remove_dead(const fs::path& path, sockaddr_un& address) {
   struct stat there {};
-  if (::lstat(path.c_str(), &there) != 0) return;  // bind() says what else may be wrong
+  if (::lstat(path.c_str(), &there) != 0) return;  // bind() reports any other problem
   if (!S_ISSOCK(there.st_mode)) {
     throw Error(
         fmt::format("{}: is in the way and is no socket; name another file", path.string()));
@@ -107,7 +108,7 @@ EventServer::EventServer(const EventAddress& address, const EventServerSettings&
 
 EventServer::~EventServer() {
   for (Client& client : clients_) {
-    throw_away_input(client);  // closed over something unread, TCP takes back what was sent last
+    throw_away_input(client);  // TCP discards unsent data on close() if input is unread
     send_rest(client, client.took);
     ::close(client.descriptor);
   }
@@ -132,7 +133,8 @@ void EventServer::listen_at(const fs::path& path) {
   name.copy(address.sun_path, name.size());
   remove_dead(path, address);
   Opened opened(new_socket(AF_UNIX));
-  // The file is made with the descriptor's mode: there is no moment at which others may connect.
+  // fchmod() before bind() sets the mode of the file: there is no moment at which others may
+  // connect.
   if (opened.get() < 0 || ::fchmod(opened.get(), S_IRUSR | S_IWUSR) != 0 ||
       ::bind(opened.get(), plain(address), sizeof(address)) != 0) {
     throw Error(fmt::format("{}: cannot be listened on: {}", name, reason()));
@@ -156,7 +158,7 @@ void EventServer::listen_at_port(int port) {
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   address.sin_port = htons(static_cast<std::uint16_t>(port));
-  // Connections of an earlier run that are not forgotten yet are no hindrance.
+  // Permits the port although closed connections of an earlier run may still be in TIME_WAIT.
   const int yes = 1;
   ::setsockopt(opened.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
   socklen_t size = sizeof(address);
@@ -199,7 +201,7 @@ void EventServer::let_in(Clock::time_point now) {
     Opened opened(::accept4(listening_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (opened.get() < 0) {
       if (errno == ECONNABORTED || errno == EINTR) continue;
-      return;  // nobody else, or too many open files: then they wait on
+      return;  // none is waiting, or too many files are open: then they stay queued
     }
     if (client_count() == settings_.most_clients) make_room();
     if (client_count() == settings_.most_clients) {
@@ -208,7 +210,7 @@ void EventServer::let_in(Clock::time_point now) {
       continue;
     }
     ::setsockopt(opened.get(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof(kSendBuffer));
-    const int yes = 1;  // or TCP waits for more to send; of a Unix socket it is refused
+    const int yes = 1;  // send small lines at once; fails harmlessly for a Unix socket
     ::setsockopt(opened.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
     Client& client = clients_.emplace_back();
     client.descriptor = opened.keep();
@@ -219,8 +221,8 @@ void EventServer::let_in(Clock::time_point now) {
   }
 }
 
-// Who has closed its side of the connection may still read, but has most likely gone: nobody knows
-// before something is sent to it. Where another one wants its place it makes room.
+// A client that has closed its sending side may still read, but most likely it has ended; only
+// sending to it would tell. It is disconnected when another client needs its slot.
 void EventServer::make_room() {
   const auto quiet = std::find_if(clients_.begin(), clients_.end(),
                                   [](const Client& client) { return client.input_ended; });
@@ -240,7 +242,7 @@ void EventServer::send_to(Client& client, std::string_view line) {
   const auto written =
       fmt::format_to_n(begin.data(), begin.size(), "{{\"dropped\":{},", client.dropped);
   const std::string_view rest = line.substr(1);
-  // sendmsg() reads the pieces, though its type says that it may write.
+  // sendmsg() only reads the pieces, although iovec's type is not const.
   std::array<iovec, 2> pieces{
       {{begin.data(), written.size}, {const_cast<char*>(rest.data()), rest.size()}}};  // NOLINT
   msghdr message{};

@@ -1,9 +1,10 @@
 /// @file
-/// A socket on this machine that tells whoever connects what happens, a line of JSON at a time, and
-/// waits for nobody: every function returns at once, whatever clients do.
+/// A socket on this machine that sends lines of JSON to every client that connects. No function
+/// blocks, whatever clients do.
 ///
-/// A client that does not read fast enough loses whole lines, never part of one, and is told how
-/// many. What clients send is read and thrown away. docs/touch_events.md has what a client sees.
+/// A client that reads too slowly loses whole lines, never a part of one, and receives their
+/// number. Bytes that clients send are read and discarded. docs/touch_events.md describes the
+/// clients' side.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -18,10 +19,10 @@
 
 namespace palpable {
 
-/// Where to listen. Nothing outside of this machine can connect to either.
+/// The address to listen on, reachable from this machine only.
 struct EventAddress {
-  std::filesystem::path socket = {};  ///< of a Unix socket; empty: the port
-  int port = 0;                       ///< of 127.0.0.1; 0: any free one
+  std::filesystem::path socket = {};  ///< path of a Unix socket; empty: `port` is used
+  int port = 0;                       ///< on 127.0.0.1; 0: any free port
 };
 
 /// "unix:PATH", or a port from 0 to 65535; a problem when it is neither.
@@ -29,48 +30,49 @@ struct EventAddress {
 
 struct EventServerSettings {
   int most_clients = 16;
-  /// Who takes not one byte for so long while something waits for it is closed.
+  /// A client that has pending data and accepts none of it for this long is disconnected.
   std::chrono::steady_clock::duration patience = std::chrono::seconds(5);
 };
 
 struct EventCounts {
-  int clients = 0;                 ///< that were let in
-  int refused = 0;                 ///< because there were most_clients already
-  int closed_behind = 0;           ///< because they did not read
-  std::int64_t dropped_lines = 0;  ///< of all clients together
+  int clients = 0;                 ///< accepted connections
+  int refused = 0;                 ///< connections refused because of most_clients
+  int closed_behind = 0;           ///< clients disconnected because they did not read
+  std::int64_t dropped_lines = 0;  ///< sum over all clients
 };
 
-/// Belongs to one thread. Takes no memory per line, except for a client that does not take the
-/// whole of it.
+/// Used by one thread only. Sending a line allocates nothing, unless a client's socket accepts only
+/// a part of it.
 class EventServer {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Listens. Clients may connect, and wait to be let in.
+  /// Starts to listen. Clients may connect, but are accepted only after greet_with().
   ///
-  /// The file of a Unix socket belongs to the user alone (mode 0600). One on which nobody listens
-  /// any more, as a program that was killed leaves it, is replaced.
-  /// @throws Error when somebody listens there, or something else has the name
+  /// The file of a Unix socket belongs to the user alone (mode 0600). A file that a killed program
+  /// left, on which no process listens, is replaced.
+  /// @throws Error when a process listens there, or the path is something other than a socket
   explicit EventServer(const EventAddress& address, const EventServerSettings& settings = {});
   EventServer(const EventServer&) = delete;
   EventServer& operator=(const EventServer&) = delete;
-  /// Closes everything and removes the socket's file, if it is still this server's.
+  /// Closes all connections and removes the socket's file, unless another server has replaced it.
   ~EventServer();
 
-  /// For people and programs: "unix:PATH", or "127.0.0.1:PORT" with the port that was found.
+  /// The address in readable form: "unix:PATH", or "127.0.0.1:PORT" with the actual port.
   [[nodiscard]] const std::string& name() const { return name_; }
 
-  /// From now on clients are let in, and this is the first line that each gets, its end included.
+  /// Sets the first line for each client, with its line break. Clients are accepted from now on.
   void greet_with(std::string hello);
 
-  /// Lets clients in, sends what is left over of lines, closes those that do not read. Call it now
-  /// and then while there is nothing to send.
-  /// @param now  what patience is measured with
+  /// Accepts clients, sends the pending rest of lines and disconnects clients that do not read.
+  /// Must be called regularly also while there is nothing to send.
+  /// @param now  the time for the comparison with `patience`
   void serve(Clock::time_point now = Clock::now());
 
-  /// serve(), then a line to each client.
-  /// @param line  {...} with at least one key, its end included; each client gets it with
-  ///              "dropped" put in front of its keys: how many lines it lost before this one
+  /// Calls serve(), then sends a line to each client.
+  /// @param line  a JSON object with at least one key, and its line break. Each client gets it with
+  ///              a first key "dropped" added: the number of lines that this client lost before
+  ///              this one
   void send(std::string_view line, Clock::time_point now = Clock::now());
 
   [[nodiscard]] int client_count() const { return static_cast<int>(clients_.size()); }
@@ -79,11 +81,11 @@ class EventServer {
  private:
   struct Client {
     int descriptor = -1;
-    std::string unsent = {};   // the end of the last line that it was sent
-    std::size_t sent = 0;      // bytes of `unsent` that are on their way
-    Clock::time_point took{};  // when it took something, or nothing waited for it
-    std::int64_t dropped = 0;  // lines since the last one
-    bool input_ended = false;  // it has closed its side of the connection, or all of it
+    std::string unsent = {};   // the last line, if not all of it was sent
+    std::size_t sent = 0;      // bytes of `unsent` that were sent
+    Clock::time_point took{};  // last time at which it accepted bytes, or nothing was pending
+    std::int64_t dropped = 0;  // lines lost since the last one that was sent
+    bool input_ended = false;  // it has closed its sending side, or the whole connection
     bool gone = false;
   };
 
@@ -100,8 +102,8 @@ class EventServer {
   std::string name_;
   std::string hello_;
   int listening_ = -1;
-  std::filesystem::path socket_;  // the file to be removed; empty: none
-  dev_t device_ = 0;              // by which it is known again
+  std::filesystem::path socket_;  // the file to remove; empty: none
+  dev_t device_ = 0;              // with inode_: identifies the file that this server made
   ino_t inode_ = 0;
   std::vector<Client> clients_;
   EventCounts counts_;

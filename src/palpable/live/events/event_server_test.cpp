@@ -31,7 +31,7 @@ using std::chrono::seconds;
 
 constexpr const char* kHello = "{\"type\":\"hello\"}\n";
 
-// A program that connected, as small as one may be.
+// A minimal client.
 class Client {
  public:
   explicit Client(const std::string& name) {
@@ -46,7 +46,7 @@ class Client {
     port.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     if (!is_unix)
       port.sin_port = htons(static_cast<std::uint16_t>(std::stoi(name.substr(colon + 1))));
-    // A small buffer of its own, so that it is soon behind.
+    // A small receive buffer, so that it soon falls behind.
     const int size = 4096;
     ::setsockopt(descriptor_, SOL_SOCKET, SO_RCVBUF, &size, sizeof(size));
     REQUIRE((is_unix
@@ -60,7 +60,7 @@ class Client {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
 
-  // Whole lines that have come; what is no whole line waits for its end.
+  // The complete lines received so far; the beginning of an incomplete line is kept for later.
   std::vector<std::string> lines() {
     std::array<char, 65536> bytes{};
     ssize_t count = 0;
@@ -77,7 +77,7 @@ class Client {
   }
   [[nodiscard]] bool ended() const { return ended_; }
   [[nodiscard]] const std::string& half_line() const { return got_; }
-  // As much as the system takes.
+  // Sends as much as the system accepts. Returns the number of bytes.
   std::size_t flood() {
     const std::string bytes(65536, 'x');
     std::size_t sent = 0;
@@ -103,7 +103,7 @@ int open_files() {
   return static_cast<int>(std::distance(fs::directory_iterator("/proc/self/fd"), {}));
 }
 
-// A server that greets, on a Unix socket or on a free port.
+// A server that has its first line set, on a Unix socket or on a free port.
 struct Served {
   explicit Served(bool is_unix, const EventServerSettings& settings = {})
       : folder("event_server"),
@@ -118,7 +118,7 @@ TEST_CASE("whoever connects is greeted and gets every line from then on", "[even
   const bool is_unix = GENERATE(true, false);
   Served served(is_unix);
   EventServer& server = served.server;
-  server.send(line(0));  // nobody is there
+  server.send(line(0));  // no client is connected yet
   Client one(server.name());
   server.send(line(1));
   Client two(server.name());
@@ -169,10 +169,10 @@ TEST_CASE("a client that does not read loses whole lines, is told how many, and 
     }
   }
   CHECK(awake_got == kLines);
-  CHECK(server.counts().dropped_lines > kLines / 2);  // the system keeps some 1.6 MB at most
+  CHECK(server.counts().dropped_lines > kLines / 2);  // the system buffers 1.6 MB at most
   CHECK(server.client_count() == 2);
 
-  // Every number is there, or counted in the line after the gap.
+  // Every number was received, or is counted as dropped in the line after the gap.
   int next = 0;
   const auto read = [&] {
     for (const std::string& text : asleep.lines()) {
@@ -201,8 +201,8 @@ TEST_CASE("a client that takes nothing for five seconds is closed, and a slow on
   Client slow(server.name());
   Time now{};
   server.serve(now);
-  // Until the system keeps no more for either. How much that is depends on the system, and a port's
-  // goes on moving bytes from one of its ends to the other for a while.
+  // Fills the system's buffers of both clients. Their size depends on the system, and those of a
+  // TCP connection continue to move bytes from one end to the other for a while.
   for (int round = 1; round <= 10; ++round) {
     for (int i = 0; i < 1'000'000 && server.counts().dropped_lines < 2000 * round; ++i) {
       server.send(line(i), now);
@@ -270,7 +270,7 @@ TEST_CASE("one client more than are served is told so, and the next place is giv
   CHECK(server.counts().refused == 1);
 
   for (Client& client : clients) CHECK(client.lines().size() == 1);
-  clients.pop_back();  // it looks like one that has ended its sending alone
+  clients.pop_back();  // indistinguishable from a client that only ended its sending
   Client fifth(server.name());
   server.serve();
   CHECK(fifth.lines().size() == 1);
@@ -310,7 +310,7 @@ TEST_CASE("a client that is gone in the middle of a line is forgotten without a 
     for (int i = 0; i < 3000; ++i) server.send(line(i));
     CHECK(server.client_count() == 1);
   }
-  for (int i = 0; i < 3; ++i) server.send(line(i));  // SIGPIPE would end this program
+  for (int i = 0; i < 3; ++i) server.send(line(i));  // SIGPIPE would end the test program
   CHECK(server.client_count() == 0);
   CHECK(server.counts().closed_behind == 0);
 }
@@ -333,7 +333,7 @@ TEST_CASE("what a client sends is thrown away, and a flood of it delays nobody",
   Client other(server.name());
   server.serve();
   std::size_t sent = floods.flood();
-  const std::size_t held = sent;  // what the system keeps by itself
+  const std::size_t held = sent;  // bytes in the system's buffers
   CHECK(held > 0);
   for (int i = 0; i < 2000; ++i) {
     server.send(line(i));
@@ -378,7 +378,7 @@ TEST_CASE("a socket that a killed program left is replaced, and nothing else is"
           "[events][refusal]") {
   const test::ScratchFolder folder("event_server_stale");
   const fs::path path = folder / "s";
-  {  // A file to which nobody listens any more.
+  {  // A socket file on which no process listens any more.
     const EventServer first(EventAddress{.socket = path});
     fs::create_hard_link(path, folder / "stale");
   }
@@ -387,7 +387,7 @@ TEST_CASE("a socket that a killed program left is replaced, and nothing else is"
   second.greet_with(kHello);
   CHECK_THROWS_WITH(EventServer(EventAddress{.socket = folder / "stale"}),
                     Catch::Contains("stale: another program listens there; end it, or name"));
-  Client client(second.name());  // the refused one has taken nothing away
+  Client client(second.name());  // the refused server has removed nothing
   second.serve();
   second.serve();
   CHECK(client.lines().size() == 1);

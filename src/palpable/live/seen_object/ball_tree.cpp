@@ -10,16 +10,17 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Quartering 2^31 balls down to a block takes fewer than 16 levels; each leaves three boxes
-// waiting.
+// Size of the stack of a walk: dividing 2^31 balls by four down to blocks takes fewer than 16
+// levels, and each level leaves up to three boxes on the stack.
 constexpr std::size_t kMostWaiting = 64;
-// m: Eigen's roots of many numbers at once are off by less.
+// m: bound of the error of Eigen's vectorised square roots.
 constexpr float kRounding = 1e-7f;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-// Halves a range across its longest side; the first half is whole blocks.
+// Halves a range of order_ across the longest side of its box. The first half consists of full
+// blocks. @return the index at which the second half begins
 int BallTree::split(int begin, int end) {
   if (end - begin <= kBlock) return end;
   Eigen::AlignedBox3f box;
@@ -73,7 +74,7 @@ void BallTree::reserve(std::size_t balls) {
   balls_.reserve(balls);
   order_.reserve(balls);
   blocks_.reserve(balls / kBlock + 1);
-  nodes_.reserve(balls / kBlock + 1);  // each has two children at least, but for the only one
+  nodes_.reserve(balls / kBlock + 1);  // each node has two children or more, unless it is the root
 }
 
 void BallTree::build(std::span<const Ball> balls) {
@@ -92,14 +93,15 @@ void BallTree::build(std::span<const Ball> balls) {
   }
 }
 
-// Shows at_block() every block with a ball that may be nearer to x than `reach`, the nearest boxes
-// first. at_block() makes `reach` smaller as it finds balls.
+// Calls at_block() for every block with a ball that may be nearer to x than `reach`, in order of
+// the boxes' distances within each node. `reach` is a reference: at_block() lowers it as it finds
+// balls.
 template <class AtBlock>
 void BallTree::walk(const Vector3f& x, const float& reach, const AtBlock& at_block) const {
   if (nodes_.empty()) return;
   struct Waiting {
     int child;
-    float least;  // no ball in it can be nearer
+    float least;  // m, lower bound of the distances of its balls
   };
   std::array<Waiting, kMostWaiting> stack;
   std::size_t waiting = 0;
@@ -117,7 +119,7 @@ void BallTree::walk(const Vector3f& x, const float& reach, const AtBlock& at_blo
     const Eigen::Array4f dy = ((n.y - x.y()).abs() - n.half_y).max(0.0f);
     const Eigen::Array4f dz = ((n.z - x.z()).abs() - n.half_z).max(0.0f);
     const Eigen::Array4f least = (dx.square() + dy.square() + dz.square()).sqrt() - n.radius;
-    // The nearest one on top.
+    // Sorted, with the nearest one on top of the stack.
     const std::size_t bottom = waiting;
     for (int k = 0; k < 4; ++k) {
       if (!(least[k] < reach)) continue;
@@ -155,8 +157,9 @@ bool BallTree::is_any_within(const Vector3f& x, float reach) const {
   return wanted < reach;
 }
 
-// Of a ball whose middle is `out` from x along `across` and `beside` beside it no place of the
-// circle is nearer to that middle than sqrt(out^2 + (beside - spread)^2), which leaves out most.
+// With a ball's centre at x + out across + beside t, t a unit vector perpendicular to `across`, no
+// position of the circle is nearer to that centre than sqrt(out^2 + (beside - spread)^2). This
+// bound excludes most balls.
 std::array<float, 8> BallTree::distances_around(const Vector3f& x, const Vector3f& across,
                                                 float spread, std::span<const Vector3f, 8> places,
                                                 int ball) const {
@@ -172,7 +175,7 @@ std::array<float, 8> BallTree::distances_around(const Vector3f& x, const Vector3
   const Ball& known = balls_[static_cast<std::size_t>(ball)];
   Eight best = to(known.centre.x(), known.centre.y(), known.centre.z(), known.radius);
   float farthest = best.maxCoeff();
-  float reach = farthest + spread;  // a ball that is farther from x is so from all of them
+  float reach = farthest + spread;  // a ball farther from x than this is no nearest one
   walk(x, reach, [&](std::size_t block) {
     const Balls& b = blocks_[block];
     const Block dx = b.x - x.x(), dy = b.y - x.y(), dz = b.z - x.z();

@@ -1,5 +1,5 @@
 /// @file
-/// The union of many balls: which of them reaches nearest to a point.
+/// The signed distance of a point to the union of many balls, and the nearest ball.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,30 +19,32 @@ struct Ball {
 };
 
 struct NearestBall {
-  float distance = 0;  ///< to its surface, negative inside
-  int ball = 0;        ///< index into the balls that the tree was made of
+  float distance = 0;  ///< m, to its surface, negative inside
+  int ball = 0;        ///< index into the balls of which the tree was built
 };
 
-/// A tree of boxes over the balls' centres, four to a node. Building it again allocates nothing
-/// once it held as many.
+/// A tree of boxes around the balls' centres with four children for each node. Building it again
+/// allocates nothing once it held as many balls.
 class BallTree {
  public:
   void build(std::span<const Ball> balls);
-  /// Building it of so many allocates nothing.
+  /// Reserves memory: building a tree of up to this many balls then allocates nothing.
   void reserve(std::size_t balls);
 
-  /// min over balls of |x - centre| - radius, and which one; of equal ones any. Nothing when that
-  /// is `reach` or more. Exact (to a float's rounding).
+  /// The minimum over balls of |x - centre| - radius, and its ball; any one of equally near balls.
+  /// Nothing when the minimum is `reach` or more. Exact (to a float's rounding).
   [[nodiscard]] std::optional<NearestBall> nearest(const Eigen::Vector3f& x, float reach) const;
 
-  /// Whether nearest() finds any, to a float's rounding; told sooner.
+  /// Whether nearest() finds a ball, to a float's rounding; faster: it stops at the first one.
   [[nodiscard]] bool is_any_within(const Eigen::Vector3f& x, float reach) const;
 
-  /// The same distance at eight places around x; one walk for all.
-  /// @param x        m
-  /// @param across   unit: the places lie across it from x,
-  /// @param spread   m: and so far away
-  /// @param ball     one that is known to be near: nearest(x)'s
+  /// The distance of nearest() at eight positions on a circle around x, by one walk through the
+  /// tree.
+  /// @param x       m, the circle's centre
+  /// @param across  unit, perpendicular to the circle's plane
+  /// @param spread  m, the circle's radius
+  /// @param places  m, the positions
+  /// @param ball    a ball that is known to be near, such as that of nearest(x)
   /// @return (8) m
   [[nodiscard]] std::array<float, 8> distances_around(const Eigen::Vector3f& x,
                                                       const Eigen::Vector3f& across, float spread,
@@ -52,19 +54,20 @@ class BallTree {
   [[nodiscard]] std::span<const Ball> balls() const { return balls_; }
 
  private:
-  // As many balls lie beside each other in memory, and are looked at at once.
+  // Number of balls that are stored together and compared in one vector operation.
   static constexpr int kBlock = 8;
   using Block = Eigen::Array<float, kBlock, 1>;
   struct Balls {
-    Block x, y, z, radius;  // m; no ball: radius -infinity
+    Block x, y, z, radius;  // m; an unused entry has radius -infinity
     [[nodiscard]] Block distances(const Eigen::Vector3f& from) const {
       return ((x - from.x()).square() + (y - from.y()).square() + (z - from.z()).square()).sqrt() -
              radius;
     }
   };
-  // The four children's boxes of centres, and their largest radii. No child: radius -infinity.
+  // The boxes of centres and the largest radii of four children; a missing child has radius
+  // -infinity.
   struct Node {
-    Eigen::Array4f x, y, z;  // m, middles
+    Eigen::Array4f x, y, z;  // m, the middles of the boxes
     Eigen::Array4f half_x, half_y, half_z;
     Eigen::Array4f radius;
     std::array<int, 4> child{};  // a node, or ~block
@@ -76,8 +79,8 @@ class BallTree {
   void walk(const Eigen::Vector3f& x, const float& reach, const AtBlock& at_block) const;
 
   std::vector<Ball> balls_;
-  std::vector<int> order_;     // of the balls in blocks
-  std::vector<Balls> blocks_;  // ball order_[kBlock k + i] is number i of block k
+  std::vector<int> order_;     // the balls' indices in the order of the blocks
+  std::vector<Balls> blocks_;  // entry i of block k is ball order_[kBlock k + i]
   std::vector<Node> nodes_;
 };
 

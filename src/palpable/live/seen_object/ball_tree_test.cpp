@@ -25,7 +25,8 @@ std::vector<Ball> some_balls(int count) {
   return balls;
 }
 
-TEST_CASE("the nearest ball is that of a look at every one", "[seen_object][ball tree]") {
+TEST_CASE("the nearest ball is the one that a search of all balls finds",
+          "[seen_object][ball tree]") {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> place(-0.06f, 0.06f);
   for (const int count : {1, 2, 8, 9, 17, 40, 300}) {
@@ -55,7 +56,7 @@ TEST_CASE("the nearest ball is that of a look at every one", "[seen_object][ball
   CHECK_FALSE(none.is_any_within(Vector3f::Zero(), 1));
 }
 
-TEST_CASE("distances around a place are those of a look at every ball",
+TEST_CASE("distances around a position are those that a search of all balls finds",
           "[seen_object][ball tree]") {
   const std::vector<Ball> balls = some_balls(300);
   BallTree tree;

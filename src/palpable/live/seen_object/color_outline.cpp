@@ -10,10 +10,10 @@ namespace {
 
 constexpr int kColorCell = 8;  // px
 
-// A thing's shade at its outline, over that behind the band.
+// Bounds of a thing's brightness at its outline, as ratios to that of its inside.
 constexpr float kDarkestShade = 0.5F, kLightestShade = 1.2F;
-// Squares of the least spread, over three channels: what is farther from all shades of a thing has
-// another hue.
+// A colour has another hue than a thing if the sum of squared differences (three channels) from the
+// nearest shade of the thing exceeds this, in units of least_spread^2.
 constexpr float kOtherHue = 12;
 
 constexpr std::array<std::array<int, 2>, 4> kBesides{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
@@ -38,7 +38,7 @@ ColorOutline::Color ColorOutline::color_at(const SeenFrame& seen, int x, int y) 
           0.5F * static_cast<float>(a.b + b.b)};
 }
 
-// The pixels of things that are at most so many steps away from what the room shows.
+// Finds the pixels of things that are at most `band` steps away from the room.
 void ColorOutline::find_band(const PixelBox& box, const MaskImage& shows) {
   band_.clear();
   const int right = box.x + box.width, bottom = box.y + box.height;
@@ -69,19 +69,19 @@ void ColorOutline::find_band(const PixelBox& box, const MaskImage& shows) {
   }
 }
 
-// Sums over every second pixel of a cell.
+// The sums over every second pixel of a cell.
 const ColorOutline::Cell& ColorOutline::summed(const SeenFrame& seen, const MaskImage& shows, int i,
                                                int j) {
   Cell& cell = cells_[index(i, j)];
   if (cell.is_summed) return cell;
-  asked_.push_back(index(i, j));
+  summed_.push_back(index(i, j));
   cell.is_summed = true;
   cell.thing = cell.room = {};
   const int right = std::min(kColorCell * (i + 1), box_.x + box_.width);
   const int bottom = std::min(kColorCell * (j + 1), box_.y + box_.height);
   for (int y = std::max(kColorCell * j, box_.y); y < bottom; ++y) {
     for (int x = std::max(kColorCell * i, box_.x) + y % 2; x < right; x += 2) {
-      // What is given to the room while this goes on lies in the band.
+      // The band is left out: its pixels are the ones that trim() is reassigning.
       if (in_band_(x, y) != 0 || shows(x, y) == kShowsUnknown) continue;
       Side& side = shows(x, y) == kShowsPresser ? cell.thing : cell.room;
       const Color color = color_at(seen, x, y);
@@ -94,7 +94,7 @@ const ColorOutline::Cell& ColorOutline::summed(const SeenFrame& seen, const Mask
   return cell;
 }
 
-// How both sides look around a cell, and whether that tells them apart.
+// The colours of both sides around a cell, and whether they differ enough.
 const ColorOutline::Cell& ColorOutline::compared(const SeenFrame& seen, const MaskImage& shows,
                                                  int i, int j) {
   Cell& cell = cells_[index(i, j)];
@@ -128,7 +128,7 @@ const ColorOutline::Cell& ColorOutline::compared(const SeenFrame& seen, const Ma
   return cell;
 }
 
-// Whether a pixel looks as the room beside it does, and not as the thing.
+// Whether a pixel's colour is like that of the room beside it, and unlike every shade of the thing.
 bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x, int y) {
   const Cell& cell = compared(seen, shows, x / kColorCell, y / kColorCell);
   if (!cell.tells) return false;
@@ -140,7 +140,7 @@ bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x,
     from_room += b * b * cell.room_weight[c];
   }
   if (!(from_room < from_thing)) return false;
-  // Towards its outline a thing is darker or lighter than behind the band, in the same hue.
+  // Towards its outline a thing may be darker or lighter than inside, with the same hue.
   float along = 0, square = 0, off = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     along += color[c] * cell.thing_mean[c];
@@ -155,7 +155,7 @@ bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x,
   return off > kOtherHue * least;
 }
 
-// The room within two pixels of outlines that colours tell.
+// Marks the room within two pixels of outlines that were confirmed by colour.
 void ColorOutline::mark_known(const SeenFrame& seen, const PixelBox& box, MaskImage& shows) {
   for (const Place& at : band_) {
     if (shows(at.x, at.y) != kShowsPresser ||
@@ -183,11 +183,11 @@ void ColorOutline::trim(const SeenFrame& seen, const PixelBox& box, MaskImage& s
     across_ = (width + kColorCell - 1) / kColorCell, down_ = (height + kColorCell - 1) / kColorCell;
     cells_.assign(static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_), {});
     band_.reserve(shows.size());
-    asked_.reserve(cells_.size());
+    summed_.reserve(cells_.size());
   }
   box_ = box;
   find_band(box, shows);
-  // From the outline inwards, through what was given to the room.
+  // From the outline inwards: a pixel can go to the room only if a neighbour belongs to the room.
   for (const Place& at : band_) {
     const bool is_beside =
         std::any_of(kBesides.begin(), kBesides.end(), [&](const std::array<int, 2>& d) {
@@ -198,8 +198,8 @@ void ColorOutline::trim(const SeenFrame& seen, const PixelBox& box, MaskImage& s
   }
   mark_known(seen, box, shows);
   for (const Place& at : band_) in_band_(at.x, at.y) = 0;
-  for (const std::size_t at : asked_) cells_[at].is_summed = cells_[at].is_compared = false;
-  asked_.clear();
+  for (const std::size_t at : summed_) cells_[at].is_summed = cells_[at].is_compared = false;
+  summed_.clear();
 }
 
 }  // namespace palpable

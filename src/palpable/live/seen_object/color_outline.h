@@ -1,17 +1,17 @@
 /// @file
-/// Where a thing that presses ends, by its colours. On a desk without texture the matcher gives the
-/// desk beside a finger the finger's depth, up to 5 px wide and with confidence; a picture of it
-/// ends where the finger does.
+/// Corrects the outline of a presser by its colours. On a desk without texture the matcher gives
+/// the desk beside a finger the finger's depth, up to 5 px wide and with confidence; in the colour
+/// picture the finger ends where it really does.
 ///
-///        room | thing, by its depth         the outermost `band` px of what presses are asked:
-///     . . . . | b b b b b i i i i           does a pixel look as the room beside it does (.),
-///                                           and not as the thing behind the band (i)?
+///        room | thing, by its depth         the outermost `band` px of a thing (b) are tested: a
+///     . . . . | b b b b b i i i i           pixel goes to the room if its colour is like that of
+///                                           the room (.), and not like that of the inside (i)
 ///
-/// Of both sides mean and spread of the colours are taken over cells of 8 x 8 px, 3 x 3 cells
-/// around the pixel. What a thing shows at its outline may be shaded: half to 1.2 times its colour
-/// is its own, too, for skin in the shade is as brown as a desk. Where the two sides look alike, or
-/// a side shows all sorts of colours, or a thing is too thin to have an inside, nothing is decided:
-/// the outline stays the depth's.
+/// Mean and variance of the colours of both sides are taken over the 3 x 3 cells of 8 x 8 px around
+/// the pixel. A thing may be shaded at its outline: 0.5 to 1.2 times its colour counts as its own,
+/// too, because skin in the shade can be as brown as a desk. The outline of the depth is kept where
+/// the two sides have similar colours, where a side has many different colours, and where a thing
+/// is too thin to have an inside.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -26,22 +26,25 @@
 namespace palpable {
 
 struct ColorOutlineSettings {
-  int band = 6;  ///< px of the depth by which a thing is too wide at most; 0: nothing is asked
-  /// Grey levels: what one place's colours differ by at least, noise and shading.
+  /// px of the depth image: the width of the band that is tested, the largest width by which a
+  /// matcher makes things too wide. 0: nothing is corrected.
+  int band = 6;
+  /// Grey levels: the standard deviation that every side is taken to have at least, by noise and
+  /// shading.
   double least_spread = 6;
-  /// Spreads: the means of the two sides are so far apart at least.
+  /// The sides differ enough when their means are farther apart than this, in standard deviations.
   double apart = 3;
-  int fewest = 8;  ///< pixels of a side that say how it looks
+  int fewest = 8;  ///< samples of a side that are needed to know its colours
 };
 
-/// Keeps its memory.
+/// Corrects the outlines of pressers in a mask. Keeps its memory.
 class ColorOutline {
  public:
   /// @throws ContractViolation for settings out of their range
   explicit ColorOutline(const ColorOutlineSettings& settings = {});
 
-  /// Gives to the room what looks as it does along the outlines of what presses. Beside outlines at
-  /// which colours tell both sides apart the room becomes kShowsRoomByColor.
+  /// Gives pixels along the outlines of pressers to the room if they have the room's colour. Where
+  /// the two sides differ enough in colour, the room beside the outline becomes kShowsRoomByColor.
   /// @param shows  of the depth's size (geometry/image.h); changed inside the box alone
   void trim(const SeenFrame& seen, const PixelBox& box, MaskImage& shows);
 
@@ -56,8 +59,8 @@ class ColorOutline {
   struct Cell {
     bool is_summed = false, is_compared = false;
     Side thing, room;
-    // Of the 3 x 3 cells around it: whether colours tell the sides apart, their means, and the
-    // inverse squares of their spreads.
+    // Over the 3 x 3 cells around it: whether the sides differ enough, their means, and the inverse
+    // variances.
     bool tells = false;
     Color thing_mean{}, room_mean{}, thing_weight{}, room_weight{};
   };
@@ -83,7 +86,7 @@ class ColorOutline {
   GrayImage in_band_;          // not 0: the pixel lies in the band; all 0 between two calls
   std::vector<Place> band_;    // from the outline inwards
   std::vector<Cell> cells_;
-  std::vector<std::size_t> asked_;  // cells that were summed up
+  std::vector<std::size_t> summed_;  // cells whose sums are valid
 };
 
 }  // namespace palpable

@@ -16,8 +16,8 @@ constexpr PixelBox kAll{0, 0, kWidth, kHeight};
 constexpr PixelBox kThing{40, 30, 30, 40};
 constexpr Rgb kSkin{190, 140, 120}, kDesk{230, 230, 225};
 
-// A picture of twice the depth's size: a thing before a desk, with noise of `noise` grey levels on
-// the thing and of `texture` on the desk.
+// A picture of twice the depth's size: a thing before a desk. The standard deviation of the pixels
+// is `noise` grey levels on the thing and `texture` on the desk.
 ColorImage picture_of(const PixelBox& thing, const Rgb& skin, double noise, double texture) {
   std::mt19937_64 random = test::random_case(1);
   std::normal_distribution<double> normal;
@@ -37,7 +37,7 @@ ColorImage picture_of(const PixelBox& thing, const Rgb& skin, double noise, doub
   return picture;
 }
 
-// As a matcher's windows show a thing: so many px too wide.
+// A thing as a matcher's windows show it. @param too_wide  px by which it is too wide on each side
 MaskImage shown(const PixelBox& thing, int too_wide) {
   MaskImage shows(kWidth, kHeight, kShowsRoom);
   for (int y = thing.y - too_wide; y < thing.y + thing.height + too_wide; ++y) {
@@ -48,7 +48,7 @@ MaskImage shown(const PixelBox& thing, int too_wide) {
   return shows;
 }
 
-// Whether both show the same, however the room is known.
+// Whether both masks are equal apart from the kind of room (kShowsRoom or kShowsRoomByColor).
 bool show_alike(const MaskImage& a, const MaskImage& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](std::uint8_t x, std::uint8_t y) {
     return x == y || (shows_room(x) && shows_room(y));
@@ -61,12 +61,13 @@ SeenFrame seen(ColorImage picture) {
   return frame;
 }
 
-TEST_CASE("what looks as the desk beside a thing is the desk", "[seen_object][presses]") {
+TEST_CASE("pixels beside a thing that have the desk's colour are given to the desk",
+          "[seen_object][presses]") {
   ColorOutline outline;
   MaskImage shows = shown(kThing, 5);
   outline.trim(seen(picture_of(kThing, kSkin, 2, 2)), kAll, shows);
   CHECK(show_alike(shows, shown(kThing, 0)));
-  // All along the outline colours tell, and nowhere else.
+  // The room is marked as known by colour all along the outline, and nowhere else.
   constexpr PinholeCamera kPicture{kWidth, kHeight, 1, 1, 0, 0};
   const PixelBox around = grown(kThing, 1, kPicture), off = grown(kThing, 3, kPicture);
   for (int y = 0; y < kHeight; ++y) {
@@ -80,7 +81,7 @@ TEST_CASE("what looks as the desk beside a thing is the desk", "[seen_object][pr
 
 TEST_CASE("a finger's shaded rim is no desk, though the desk is as brown as it",
           "[seen_object][presses]") {
-  // Skin of 0.76 times its shade is nearer to the wood than to the skin in the light.
+  // Skin in the shade, 0.76 times as bright, is nearer to the wood's colour than to the lit skin's.
   constexpr Rgb kLight{220, 177, 155}, kShaded{167, 135, 118}, kWood{173, 138, 105};
   ColorImage picture = picture_of(kThing, kLight, 2, 0);
   std::mt19937_64 random = test::random_case(2);
@@ -106,24 +107,25 @@ TEST_CASE("a finger's shaded rim is no desk, though the desk is as brown as it",
       lost += (shows(x, y) == kShowsPresser) != (all(x, y) == kShowsPresser);
     }
   }
-  CHECK(lost <= 12);  // of 1,200: the outermost, by noise
+  CHECK(lost <= 12);  // of 1,200: some of the outermost pixels, because of noise
 }
 
-TEST_CASE("an outline stays the depth's where colours do not tell", "[seen_object][presses]") {
+TEST_CASE("the outline of the depth is kept where colours do not separate thing and room",
+          "[seen_object][presses]") {
   ColorOutline outline;
   MaskImage shows = shown(kThing, 5);
-  SECTION("thing and desk look alike") {
+  SECTION("thing and desk have the same colour") {
     outline.trim(seen(picture_of(kThing, {228, 226, 222}, 2, 2)), kAll, shows);
   }
-  SECTION("the desk shows all sorts of colours") {
+  SECTION("the desk has many colours") {
     outline.trim(seen(picture_of(kThing, kSkin, 2, 90)), kAll, shows);
   }
   SECTION("there is no picture") { outline.trim(SeenFrame{}, kAll, shows); }
-  SECTION("nothing is asked") {
+  SECTION("the band has no width") {
     ColorOutline({.band = 0}).trim(seen(picture_of(kThing, kSkin, 2, 2)), kAll, shows);
   }
   CHECK(shows == shown(kThing, 5));
-  // Too thin to have an inside that says how it looks.
+  // Too thin to have an inside of which the colours could be known.
   constexpr PixelBox kThin{50, 20, 4, 50};
   shows = shown(kThin, 2);
   outline.trim(seen(picture_of(kThin, kSkin, 2, 2)), kAll, shows);
@@ -131,7 +133,7 @@ TEST_CASE("an outline stays the depth's where colours do not tell", "[seen_objec
 }
 
 TEST_CASE(
-    "inside of the box alone outlines are asked, and nothing is allocated from the second "
+    "outlines are corrected inside of the box only, and nothing is allocated from the second "
     "frame on",
     "[seen_object][presses][frame loop]") {
   ColorOutline outline;

@@ -13,33 +13,34 @@ namespace {
 
 using Eigen::Vector2f;
 
-// Half a chord, as a share of the largest ball's radius. A finger's valley is wider; of a shorter
-// chord the sag is less than what noise makes.
+// Half a chord, as a ratio to the largest ball's radius. Longer chords do not fit into the valley
+// between two fingers; the sag of shorter ones is smaller than the noise.
 constexpr float kHalfChord = 1.0f / 3;
 constexpr int kLeastHalfChord = 2;  // px
 constexpr float kRoot = 1.41421356f;
 
-// The slanted ones last.
+// The directions of chords, diagonal ones last.
 constexpr std::array<std::pair<int, int>, 4> kPixelDirections{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
 
-// Places nearer to the box's rim are never hollow, so that all that are have eight neighbours.
+// px at the box's rim that are left out, so that every concave pixel has eight neighbours.
 constexpr int kRim = 2;
 
-constexpr int kChunk = 64;  // px of a row that are asked at once
+constexpr int kChunk = 64;  // px of a row that find_hollow() tests in one call
 
-// px round a place of a crease: what lies there of it says how it runs.
+// px around a pixel of a crease from which the crease's direction is found.
 constexpr int kAlong = 4;
 
-// px from the middle of a crease: the matcher smears what lies nearer over it.
+// px from the middle of a crease within which the matcher mixes the depths of both things.
 constexpr float kSmeared = 1.5f;
 
-// Of a thing of which only the far half of its section is seen, nothing can be said.
+// The least sine of the slope at a crease. Below it the crease would lie on the far half of the
+// thing's section, and the estimate of the hidden part diverges.
 constexpr double kLeastSine = -0.4;
 
-constexpr double kLeastSlopePixels = 8;  // of which a slope is taken
-constexpr std::size_t kSlopeRoom = 8;    // for one of so many pixels
+constexpr double kLeastSlopePixels = 8;  // needed to fit a slope
+constexpr std::size_t kSlopeRoom = 8;    // memory is reserved for one crease pixel in this many
 
-constexpr double kLeastSlopeSpread = 0.1;  // px^4, else the pixels are one line
+constexpr double kLeastSlopeSpread = 0.1;  // px^4; below it the pixels lie on one line
 
 }  // namespace
 
@@ -50,7 +51,7 @@ int Creases::px_at(float metres, float inverse_depth) const {
 void Creases::smooth(const DepthImage& depth, const Silhouette& silhouette) {
   const std::size_t width = static_cast<std::size_t>(box_.width);
   const std::size_t count = width * static_cast<std::size_t>(box_.height);
-  // The next box may be larger, and the first one with a crease, a line of a few pixels' width.
+  // Reserved for the whole image: the next box may be larger, and the first crease may come then.
   for (std::vector<float>* values : {&inverse_, &mean_}) values->reserve(depth.size());
   places_.reserve(depth.size());
   hollow_.reserve(depth.size());
@@ -79,10 +80,11 @@ void Creases::smooth(const DepthImage& depth, const Silhouette& silhouette) {
   }
 }
 
-// Whether the place is hollow: a chord through its neighbourhood passes before it, as one does in a
-// hollow sphere of most_radius at least. Under perspective the middle of a chord has the mean of
-// the inverse depths of its ends. In a sphere of radius R a chord of length l sags by l^2 / (8 R).
-void Creases::ask(int x, int y) {
+// Measures the sag at a pixel, the distance from a chord between two pixels on either side back to
+// the surface, and notes it if the surface is concave there with a radius below most_radius. In a
+// sphere of radius R the sag of a chord of length l is l^2 / (8 R). Under perspective the middle of
+// a chord has the mean of the inverse depths of its ends.
+void Creases::measure_sag(int x, int y) {
   const std::size_t at = index(x, y);
   const float z = 1 / mean_[at];
   const float half = kHalfChord * radius_ * fx_px_ * mean_[at];
@@ -98,7 +100,7 @@ void Creases::ask(int x, int y) {
       const auto away = static_cast<std::ptrdiff_t>(n) * (dx + dy * width);
       const float* middle = &mean_[at];
       const float w1 = *(middle - away), w2 = *(middle + away);
-      // Most places, without a division: z - 2 / (w1 + w2) <= across^2 / (8 R).
+      // Rejects most pixels without a division: z - 2 / (w1 + w2) <= across^2 / (8 R).
       if (shallow * (w1 + w2) <= 2 || w1 == 0 || w2 == 0) continue;
       const float along_ray = z - 2 / (w1 + w2), back = 1 / w1 - 1 / w2;
       const float length2 = across * across + back * back;
@@ -113,8 +115,8 @@ void Creases::ask(int x, int y) {
   }
 }
 
-// The hollow places that hang together with `first`. Of a group that is long enough the middles are
-// marked: those that no neighbour along their chord surpasses.
+// Gathers the concave pixels that are connected with `first`. If the group is long enough, marks
+// its middle line: the pixels whose sag is not exceeded by the neighbours along their chord.
 void Creases::gather(std::size_t first) {
   const auto width = static_cast<std::size_t>(box_.width);
   group_.clear();
@@ -146,7 +148,7 @@ void Creases::gather(std::size_t first) {
   }
 }
 
-// Unit, square to the line through the middles beside a place.
+// The unit vector perpendicular to the crease's middle line at a pixel.
 Vector2f Creases::across(int x0, int y0) const {
   double xx = 0, xy = 0, yy = 0;
   for (int y = std::max(0, y0 - kAlong); y <= std::min(box_.height - 1, y0 + kAlong); ++y) {
@@ -166,12 +168,12 @@ bool Creases::has_middle_near(int x, int y) const {
          (x + 1 < box_.width && places_[k + 1].is_middle);
 }
 
-// px, of a thing from the crease at (x0, y0) to its outline or the next crease. Nothing when that
-// lies outside the box or is wider than the largest ball.
+// The visible width (px) of a thing: from the crease at (x0, y0) to its outline or the next crease.
+// Nothing when that lies outside of the box or farther than the largest ball's diameter.
 std::optional<int> Creases::width_of(const Silhouette& silhouette, int x0, int y0,
                                      const Vector2f& away) const {
   const int most = px_at(2 * radius_, mean_[index(x0, y0)]);
-  constexpr int kFirst = 2;  // px: beside the crease
+  constexpr int kFirst = 2;  // px: the first pixel beside the crease
   float last = 0;
   for (int k = kFirst; k < most; ++k) {
     const int x = x0 + static_cast<int>(std::lround(static_cast<float>(k) * away.x()));
@@ -185,7 +187,8 @@ std::optional<int> Creases::width_of(const Silhouette& silhouette, int x0, int y
   return std::nullopt;
 }
 
-// A plane through what is seen half a chord beside the crease, as 1/Z, which is linear on planes.
+// Fits a plane to the pixels about half a chord beside the crease: 1/Z is linear in the picture for
+// a plane. Nothing if the thing's width is not known.
 std::optional<Creases::Side> Creases::side_of(const Silhouette& silhouette, int x0, int y0,
                                               const Vector2f& away) const {
   const std::optional<int> width = width_of(silhouette, x0, y0, away);
@@ -223,12 +226,13 @@ std::optional<Creases::Side> Creases::side_of(const Silhouette& silhouette, int 
   return side;
 }
 
+// How far (px) a thing continues behind the crease; see the head of the header.
 std::optional<float> Creases::hidden_px(const Silhouette& silhouette, int x, int y,
                                         const Vector2f& away) const {
   const std::optional<Side> side = side_of(silhouette, x, y, away);
   if (!side) return std::nullopt;
   if (side->at_px == 0) return 0.0f;
-  // Of the front's normal the part towards the crease; a thing may point away along it, too.
+  // The component of the front's normal towards the crease.
   const double sine =
       std::clamp(side->slope / std::sqrt(1 + side->along * side->along + side->slope * side->slope),
                  kLeastSine, 1.0);
@@ -252,7 +256,7 @@ void Creases::find(const DepthImage& depth, const PinholeCamera& camera,
   test.least_half_px = kLeastHalfChord;
   test.fx_px = fx_px_;
   test.eight_radii = 8 * radius_;
-  std::array<float, kChunk> is_asked;
+  std::array<float, kChunk> may_be_hollow;
   for (int y = kRim; y < box_.height - kRim; ++y) {
     const auto [begin, end] = silhouette.things_of_row(box_.y + y);
     const int last = std::min(box_.width - kRim, end - box_.x);
@@ -263,9 +267,9 @@ void Creases::find(const DepthImage& depth, const PinholeCamera& camera,
       test.before = first;
       test.after = box_.width - first - count;
       best_pixel_kernels().find_hollow(&mean_[index(first, y)], silhouette.row(box_.y + y) + first,
-                                       box_.width, count, test, is_asked.data());
+                                       box_.width, count, test, may_be_hollow.data());
       for (int k = 0; k < count; ++k) {
-        if (is_asked[static_cast<std::size_t>(k)] > 0) ask(first + k, y);
+        if (may_be_hollow[static_cast<std::size_t>(k)] > 0) measure_sag(first + k, y);
       }
     }
   }

@@ -1,6 +1,6 @@
 /// @file
-/// Where two things touch, beside or before each other, what is seen of them is hollow: fingers
-/// side by side have no outline between them, but a crease.
+/// Creases: lines at which two things touch, side by side or one before the other. The seen surface
+/// is concave there, but has no outline. Fingers side by side are separated by creases only.
 ///
 ///       beside                      one before the other        Z of a row of pixels,
 ///      .--.   .--.                  .--.                        the camera looks from above
@@ -8,12 +8,13 @@
 ///    |      v      |              |      v---.
 ///                                            |
 ///
-/// A crease parts things as an outline would (silhouette.h). Without that, four fingers count as
+/// A crease separates things as an outline does (silhouette.h). Without that, four fingers count as
 /// one wide thing, as deep as a palm.
 ///
-/// The thing behind goes on behind the one before it. How far, its slope beside the crease says, if
-/// its section is round: with v the width that is seen of it, from the crease to its outline, and s
-/// the sine of the angle at which it falls off to the crease, at the distance a from there,
+/// The thing behind continues behind the one before it. How far is found from its slope beside the
+/// crease, taking its section for a circle of radius r: with v the visible width, from the crease
+/// to the outline, and s the sine of the angle at which it falls off at the distance a from the
+/// crease,
 ///
 ///     s = 1 - (a + hidden) / r,   2 r = v + hidden     =>    hidden = (v (1 - s) - 2 a) / (1 + s)
 ///
@@ -35,38 +36,39 @@
 
 namespace palpable {
 
-/// Finds them. Keeps its memory.
+/// Finds the creases of a depth image. Keeps its memory.
 class Creases {
  public:
-  /// A crease is sharper than a ball of `most_radius` and at least as long as that ball is wide:
-  /// noise is hollow in specks. How hollow a place is, is asked of chords of 2/3 of most_radius;
-  /// nearer to an outline than half of one no crease is looked for.
+  /// Finds creases: groups of concave pixels that are curved more than a ball of `most_radius` and
+  /// are at least as long as that ball's diameter, because noise makes small concave specks.
+  /// Concavity is measured by chords 2/3 of most_radius long. Pixels nearer to an outline than half
+  /// a chord are left out.
   /// @param silhouette   of the same depth
   /// @param most_radius  m
   void find(const DepthImage& depth, const PinholeCamera& camera, const Silhouette& silhouette,
             double most_radius);
 
-  /// Those that find() found.
+  /// The result of the last find().
   [[nodiscard]] std::span<const CreasePixel> pixels() const { return pixels_; }
-  /// px, of the largest ball at the nearest of them; 0 without any.
+  /// The radius of the largest ball, px, at the nearest crease; 0 if there are no creases.
   [[nodiscard]] int radius_px() const { return radius_px_; }
 
  private:
   struct Place {
-    float sag = 0;               // m, of the deepest chord; 0: not hollow
-    std::uint8_t direction = 0;  // of that chord
-    bool gathered = false;
-    bool is_middle = false;
+    float sag = 0;               // m: how far the surface lies behind the deepest chord; 0: convex
+    std::uint8_t direction = 0;  // of that chord, index of kPixelDirections
+    bool gathered = false;       // already in a group
+    bool is_middle = false;      // on the crease's middle line
   };
-  // What is seen of one of the two things at a crease.
+  // The visible part of one of the two things at a crease.
   struct Side {
     int width_px = 0;  // from the crease to where it ends
-    double slope = 0;  // m/m, towards the crease backwards
-    double along = 0;  // the same along the crease
-    double at_px = 0;  // from the crease to where the slopes are those
+    double slope = 0;  // m/m, increase of the depth towards the crease
+    double along = 0;  // m/m, increase of the depth along the crease
+    double at_px = 0;  // from the crease to the middle of the pixels of which the slopes were taken
   };
   void smooth(const DepthImage& depth, const Silhouette& silhouette);
-  void ask(int x, int y);
+  void measure_sag(int x, int y);
   void gather(std::size_t first);
   [[nodiscard]] Eigen::Vector2f across(int x, int y) const;
   [[nodiscard]] std::optional<int> width_of(const Silhouette& silhouette, int x, int y,
@@ -85,14 +87,14 @@ class Creases {
     return x >= 0 && y >= 0 && x < box_.width && y < box_.height;
   }
 
-  // Pixels (x, y) of all functions above count from the box's corner.
+  // In all private functions, pixels (x, y) are relative to the box's corner.
   PixelBox box_;
   float fx_px_ = 0;
   float radius_ = 0;  // m
   int radius_px_ = 0;
   std::vector<float> inverse_;  // (B) 1/m, of each pixel alone; 0: no thing
   std::vector<float> mean_;     // (B) 1/m, over 3 x 3 px of one surface; 0: no thing
-  std::vector<Place> places_;   // (B) as they were made but while find() runs
+  std::vector<Place> places_;   // (B) reset to Place{} at the end of find()
   std::vector<std::size_t> hollow_, group_;
   std::vector<CreasePixel> pixels_;
 };

@@ -25,7 +25,8 @@ constexpr double kMostRadius = 0.0125;  // m
 // A finger straight down the picture at a distance of 0.4 m.
 Capsule finger(double x, double z, double radius) { return {{x, -0.2, z}, {x, 0.2, z}, radius}; }
 
-// The mean of 1/Z over 5 x 5 pixels of things, as a matcher's windows mix it, and noise.
+// The depth as a matcher gives it: 1/Z averaged over 5 x 5 pixels of things, with noise added.
+// @param noise  m, standard deviation
 DepthImage as_matched(const DepthImage& depth, double noise, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, noise);
@@ -66,14 +67,14 @@ TEST_CASE("two fingers side by side meet in one crease, and both end there",
     CHECK(std::abs(pixel.across.x()) == Approx(1).margin(0.02));
     for (const std::optional<float>& hidden : pixel.hidden) {
       REQUIRE(hidden.has_value());
-      CHECK(*hidden < 1.0f);  // of 14: a plane through four pixels stands for a slope
+      CHECK(*hidden < 1.0f);  // px; a finger is 14 px wide. The slope is that of a plane over 4 px
     }
   }
 }
 
-TEST_CASE("of a finger behind another the crease says how much is hidden",
+TEST_CASE("a crease tells how much of the finger behind another one is hidden",
           "[seen_object][creases]") {
-  // Of a section of 16 mm behind a finger that ends at x = 0, to one side of it.
+  // A finger 16 mm wide of which hidden_m lies behind another one, which ends at x = 0.
   for (const double hidden_m : {0.002, 0.005}) {
     INFO("hidden " << hidden_m);
     const DepthImage depth = test::depth_of(
@@ -86,7 +87,7 @@ TEST_CASE("of a finger behind another the crease says how much is hidden",
       REQUIRE(hidden.has_value());
       behind.push_back(static_cast<double>(*hidden));
     }
-    // A px is 0.4 m / 350. The crease's place is known to a pixel, which the width counts twice.
+    // A pixel is 0.4 m / 350 wide. The crease is located to a pixel, which enters the width twice.
     CHECK(upper_median(behind) == Approx(hidden_m * 350 / 0.4).margin(2.5));
   }
 }
@@ -128,7 +129,7 @@ TEST_CASE("four fingers side by side are as thick as fingers, though their valle
         errors.push_back(std::abs(static_cast<double>(found->distance)));
       }
     }
-    // As one wide thing of 25 mm they are off by 9.7 mm.
+    // If the hand were taken for one thing 25 mm thick, the median would be 9.7 mm.
     CHECK(upper_median(errors) < 0.002);
   }
 }

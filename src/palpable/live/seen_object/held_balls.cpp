@@ -11,15 +11,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-// m: what of the room is seen so much nearer than a ball's front hides it; less is noise.
+// m: room that is nearer than a ball's front by more than this hides the ball; less is noise.
 constexpr float kHides = 0.02f;
 
-// A thing of which more than this share of its balls is measured again has not vanished.
+// Things have vanished when fewer balls are measured than this share of the last frame's.
 constexpr double kStillSeen = 0.5;
 
 enum class Seen { kPresser, kRoom, kUnknown };
 
-// What pixel (u, v) says of a place at depth z.
+// What pixel (u, v) shows with respect to a position at depth z on its ray.
 Seen look(const DepthImage& depth, const MaskImage& shows, double u, double v, float z) {
   const int x = static_cast<int>(std::lround(u)), y = static_cast<int>(std::lround(v));
   if (x < 0 || y < 0 || x >= depth.width() || y >= depth.height()) return Seen::kUnknown;
@@ -28,6 +28,8 @@ Seen look(const DepthImage& depth, const MaskImage& shows, double u, double v, f
   return depth(x, y) < z - kHides ? Seen::kUnknown : Seen::kRoom;  // false for NaN
 }
 
+// Whether more of five pixels on the ball show something unknown than show the room, and none shows
+// a presser.
 bool is_unknown(const ObjectBall& ball, const DepthImage& depth, const MaskImage& shows,
                 const PinholeCamera& camera, const Rigid3& camera_from_body) {
   const Vector3d x = camera_from_body * ball.point.cast<double>();

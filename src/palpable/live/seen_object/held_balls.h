@@ -1,12 +1,14 @@
 /// @file
-/// What is no longer seen need not have left. A thing that was there a moment ago is
+/// Keeps the balls of a thing for a while after it is no longer measured. What the pixels of a ball
+/// of the last frame show now decides about it:
 ///
-///     here       something that presses is seen there, nearer or farther: it has become that
-///     gone       the room is seen there: what lay before it is free
-///     unknown    neither: a hole of the matcher, something before it, out of the picture
+///     a presser  at any depth: the ball is dropped, new balls stand for it
+///     the room   the space before the room is free: the ball is dropped
+///     unknown    a hole of the matcher, an occluder before it, or outside of the picture: the ball
+///                is held
 ///
-/// Unknown holds, so that a press does not drop to nothing for one frame without a measurement.
-/// After a while it fades, as balls that shrink.
+/// Holding keeps a press from dropping to nothing in a single frame without a measurement. After a
+/// while held balls fade: they shrink to nothing.
 #pragma once
 
 #include "palpable/common/contact/object_ball.h"
@@ -24,17 +26,19 @@ struct HoldSettings {
   double fade = 0.3;  ///< s in which it then shrinks to nothing; > 0
 };
 
+/// Adds the held balls of earlier frames to those of a frame.
 class HeldBalls {
  public:
   /// @throws ContractViolation for settings out of their range
   explicit HeldBalls(const HoldSettings& settings = {});
 
-  /// No frame of so many balls allocates anything.
+  /// Reserves memory: frames with up to this many balls then allocate nothing.
   void reserve(std::size_t balls) { before_.reserve(balls); }
 
-  /// Adds to `balls`, those of the frame at `time` (s), the ones of the frame before that are
-  /// unknown now. Of a thing that is seen, if only in part, nothing is held: it may have moved.
-  /// Allocates nothing once there were as many.
+  /// Adds held balls to `balls`, the balls measured in the frame at `time` (s). A frame with at
+  /// least half as many measured balls as the last one still shows the thing, which may have moved:
+  /// then none of the last frame's measured balls is held. Allocates nothing once there were as
+  /// many balls.
   /// @param depth, shows  as ObjectSurface::build; `shows` of the depth's size
   void recall(const DepthImage& depth, const MaskImage& shows, const PinholeCamera& camera,
               const Rigid3& camera_from_body, double time, std::vector<ObjectBall>& balls);

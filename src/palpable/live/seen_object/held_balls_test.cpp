@@ -28,7 +28,7 @@ std::vector<ObjectBall> finger() {
 }
 
 struct Held {
-  // One frame in which nothing of the finger is measured and all pixels show the same.
+  // Adds a frame in which nothing of the finger is measured, and all pixels show `what` at depth z.
   const std::vector<ObjectBall>& show(std::uint8_t what, float z = kNone) {
     const DepthImage depth(kCamera.width, kCamera.height, z);
     const MaskImage shows(kCamera.width, kCamera.height, what);
@@ -50,7 +50,7 @@ struct Held {
   double time = 0;
 };
 
-TEST_CASE("what nobody knows of is held as it was for 0.3 s, then it fades",
+TEST_CASE("balls of which nothing is known are held unchanged for 0.3 s, then they fade",
           "[seen_object][held]") {
   Held scene;
   scene.show_finger();
@@ -83,11 +83,11 @@ TEST_CASE("what was seen through is released at once, and stays so", "[seen_obje
   CHECK(scene.show(kShowsRoom, 0.8f).empty());
   CHECK(scene.show(kShowsUnknown).empty());
 
-  // Also after it was held for a while.
+  // Also after the balls were held for a while.
   scene.show_finger();
   REQUIRE(scene.show(kShowsUnknown).size() == 21);
   CHECK(scene.show(kShowsRoom, 0.8f).empty());
-  // A room without a depth is seen, too: it looks as it did.
+  // A pixel can show the room without a depth, because it looks as the room did.
   scene.show_finger();
   CHECK(scene.show(kShowsRoom).empty());
 }
@@ -105,7 +105,8 @@ TEST_CASE("where a thing that presses is measured now, nothing older is held",
   CHECK(scene.show(kShowsPresser, 0.5f).empty());
 }
 
-TEST_CASE("of a thing that is seen nothing is held: it may have moved", "[seen_object][held]") {
+TEST_CASE("nothing is held of a thing that is still seen: it may have moved",
+          "[seen_object][held]") {
   Held scene;
   scene.show_finger();
   const DepthImage depth(kCamera.width, kCamera.height, kNone);
@@ -114,7 +115,7 @@ TEST_CASE("of a thing that is seen nothing is held: it may have moved", "[seen_o
   balls.resize(15);
   scene.held.recall(depth, shows, kCamera, Rigid3::Identity(), scene.time, balls);
   CHECK(balls.size() == 15);
-  // But with less than half of it left it has vanished.
+  // When fewer than half of the balls are left, the thing has vanished.
   balls.resize(5);
   scene.held.recall(depth, shows, kCamera, Rigid3::Identity(), scene.time + kFrame, balls);
   CHECK(balls.size() == 20);

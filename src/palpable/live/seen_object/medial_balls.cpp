@@ -18,38 +18,43 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// A step towards the middle of a thing makes its disc grow by nearly its length. A neighbour whose
-// disc is larger by this share of the step holds the pixel's own. With 0.85 half of the balls are
-// left, but the corners of a cup are rounded off: it is missed in 25 of 172 frames instead of 2.
+// px per px: a neighbour's disc contains the pixel's own if it is larger by at least this ratio to
+// the step between them. (A step towards the middle of a thing enlarges the disc by nearly the
+// step's length.) Smaller values leave fewer balls: with 0.85 half of them, but the corners of a
+// cup are rounded off, and it is missed in 25 of 172 frames instead of 2.
 constexpr float kGrowth = 0.95f;
 
-// Pixels at the outline are the steepest and the worst matched. They are left out of a fit unless
-// nothing else is there.
+// Pixels nearer to the outline than min(kOutlinePx, kOutlineShare * the disc's radius) are left out
+// of a fit: there the surface is steepest and matched worst. Ratio, and px.
 constexpr float kOutlineShare = 0.4f;
 constexpr float kOutlinePx = 1.5f;
 
-// px by which the disc round the true middle is larger, at most, than that round its pixel.
+// px: the largest difference in radius of the disc around the true middle, which lies between
+// pixels, and that around its pixel.
 constexpr float kMostBeside = 0.75f;
 
-// Towards the end of a thing distances fall, and behind they do not; px per px.
+// px per px. A thing ends in a direction in which distances to the outline fall by kFalls or more,
+// while in the opposite direction they change by less than kFlat.
 constexpr float kFalls = 0.3f, kFlat = 0.3f;
 
-constexpr int kRowChunk = 64;  // px of a row that are asked at once
+constexpr int kRowChunk = 64;  // px of a row that find_middles() tests in one call
 
-constexpr float kThinnest = 1.0f / 3;  // px, a disc
+constexpr float kThinnest = 1.0f / 3;  // px, the least radius of a disc
 
-// The direction of a front must be known to about a tenth: a window that is one pixel wide says
-// nothing across.
-constexpr double kLeastWindowSpread = 0.4;  // px^2, variance of the pixels in the window
+// Least variance of the pixels of a fit (px^2), so that the slope is known to about a tenth: a
+// window that is one pixel wide does not determine the slope across.
+constexpr double kLeastWindowSpread = 0.4;
 constexpr int kLeastWindowPixels = 5;
 
-// A front that is seen flatter than this says little about how deep its thing is.
+// The cosine of the angle between ray and normal is taken to be at least this: 1 / cosine, by which
+// the depth of the centre is found, is too uncertain for steeper fronts.
 constexpr double kLeastFacing = 0.4;
 
-// Before a ball is fitted its middle is guessed to lie so many radii behind its pixel's point. The
-// fitted one lies up to 4 mm nearer to what it shall reach, of 41,000 balls of six films.
+// Before a ball is fitted, its centre is guessed to lie this number of radii behind the pixel's
+// point. Of 41,000 balls of six films, the fitted ones lay up to 4 mm nearer to the region than the
+// guess.
 constexpr float kRadiiBehind = 1.25f;
-constexpr float kGuess = 0.006f;  // m, by which the guess may be wrong
+constexpr float kGuess = 0.006f;  // m, tolerance of the guess
 
 struct Finder {
   const DepthImage& depth;
@@ -68,8 +73,8 @@ struct Finder {
     return static_cast<float>(camera.fx_px) * r / (z + r);
   }
 
-  // px, of the disc round a medial pixel. The true middle lies between pixels; there the outlines
-  // on both sides are equally far.
+  // The radius (px) of the disc around a medial pixel, corrected for the true middle, which lies
+  // between pixels: half the distance between the outlines on both sides.
   [[nodiscard]] float disc_of(int x, int y) const {
     const float here = silhouette.distance(x, y);
     const ToOutline mine = silhouette.to_outline(x, y);
@@ -82,7 +87,7 @@ struct Finder {
         const ToOutline theirs = silhouette.to_outline(x + dx, y + dy);
         const auto across = static_cast<float>(theirs.dx * mine.dx + theirs.dy * mine.dy);
         const float lengths = (here + 0.5f) * (other + 0.5f);
-        if (across > -0.8f * lengths) continue;  // not on the other side
+        if (across > -0.8f * lengths) continue;  // its outline is not on the opposite side
         const auto wx = static_cast<float>(dx + theirs.dx - mine.dx);
         const auto wy = static_cast<float>(dy + theirs.dy - mine.dy);
         widest = std::max(widest, std::sqrt(wx * wx + wy * wy) / 2 - 0.5f);
@@ -91,22 +96,23 @@ struct Finder {
     return std::min(widest, here + kMostBeside);
   }
 
-  // 1/m: the largest principal curvature of the front, positive where it bends away from the
-  // camera. Nothing where the window is not whole.
-  [[nodiscard]] std::optional<double> bends(int x, int y) const;
+  // The largest principal curvature of the front (1/m), positive where it curves away from the
+  // camera. Nothing where the window has pixels without depth.
+  [[nodiscard]] std::optional<double> largest_curvature(int x, int y) const;
 
-  // Sums over a window, of pixels at (du, dv) from its middle (px): 1, their inverse depth less
-  // 1/Z of the middle one, and the products of these with du and dv.
+  // Sums over a window, for pixels at (du, dv) from its middle (px): of 1, of e = 1/Z - 1/Z of the
+  // middle, and of their products with du and dv.
   struct Sums {
     double n = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;
     double e = 0, ue = 0, ve = 0, uue = 0, uve = 0, vve = 0;
   };
-  // Of the pixels of the middle one's surface whose distance is `least` px or more. What a thing
-  // whose section is a circle of `radius` falls off from its middle is taken out; 0: nothing is.
+  // Sums over the pixels of the middle one's surface whose distance to the outline is `least` px or
+  // more. @param radius  m: from each depth, the amount is subtracted by which a section that is a
+  // circle of this radius recedes from its middle; 0: nothing is subtracted
   [[nodiscard]] Sums sum_window(int x, int y, float least, float radius) const;
 
-  // px, from a medial pixel to the middle of the end of its thing, less than a step away: one step
-  // on, the distance to the outline has fallen by as much less than the step as the middle lies on.
+  // The offset (px) from a medial pixel to the middle of its thing's end, less than one step. A
+  // step towards the end lowers the distance to the outline by the step's length less that offset.
   [[nodiscard]] Eigen::Vector2f to_end(int x, int y) const {
     constexpr std::array<std::array<int, 2>, 8> kAround{
         {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
@@ -122,7 +128,8 @@ struct Finder {
     float flattest = kFlat;
     for (std::size_t k = 0; k < kAround.size(); ++k) {
       const float behind = std::abs(falls[(k + 4) % 8]);
-      // Of a slanted thing's middle, between pixels, one direction may fall, but not those beside.
+      // All three directions ahead must fall: on the middle line of a slanted thing, which lies
+      // between pixels, a single one may fall.
       const float ahead = std::min({falls[k], falls[(k + 1) % 8], falls[(k + 7) % 8]});
       if (behind >= flattest || ahead < kFalls) continue;
       flattest = behind;
@@ -132,11 +139,11 @@ struct Finder {
     return way;
   }
 
-  // The front of a round thing of radius `radius` at its middle: each pixel of the window says how
-  // deep that is, if the thing falls off to its outline like a circle. A plane through them, found
-  // as 1/Z = a + b du + c dv: under perspective a plane is linear for the inverse depth.
+  // Fits the ball of a thing whose section is a circle of `radius`: a plane through the depths that
+  // each pixel of the window gives for the section's middle, as 1/Z = a + b du + c dv, because
+  // under perspective the inverse depth of a plane is linear.
   // @param on      px, from the pixel to where the ball is wanted
-  // @param nearer  1/m, by which the front is nearer than it was measured
+  // @param nearer  1/m, added to the measured inverse depth (MedialBallSettings::too_far)
   [[nodiscard]] std::optional<MedialBall> ball_at(int x, int y, float disc, float radius,
                                                   const Eigen::Vector2f& on = {0, 0},
                                                   double nearer = 0) const {
@@ -152,7 +159,7 @@ struct Finder {
     if (determinant >= kLeastWindowSpread * std::max(cuu, cvv)) {
       b = (cvv * cuw - cuv * cvw) / determinant;
       c = (cuu * cvw - cuv * cuw) / determinant;
-    } else {  // a line of pixels: the slope along it alone
+    } else {  // the pixels form a line: only the slope along it
       const double trace = cuu + cvv;
       if (!(trace > kLeastWindowSpread)) return std::nullopt;
       const double along = (cuw * cuu + cvw * cuv) / (trace * trace);
@@ -169,8 +176,9 @@ struct Finder {
     // to the ray, completed so that the plane passes through the point itself.
     const double bx = b * camera.fx_px, by = c * camera.fy_px;
     const Vector3d normal = -Vector3d(bx, by, w - bx * ray.x() - by * ray.y()).normalized();
-    // On the ray, as deep as the front's slope has it: of a finger that points away from the camera
-    // the last disc shows its tip, while the normal of the front there leads back into its shaft.
+    // The centre lies on the ray, not along the normal: for a finger that points away from the
+    // camera the last disc shows its tip, but the normal of the front there leads back into its
+    // shaft.
     const double facing = std::max(kLeastFacing, -normal.dot(ray.normalized()));
     const Vector3d centre = ray / w + static_cast<double>(radius) / facing * ray.normalized();
     return MedialBall{
@@ -217,15 +225,15 @@ Finder::Sums Finder::sum_window(int x, int y, float least, float radius) const {
   return sums;
 }
 
-// How much the front of a wide part bends at a pixel: a quadric
+// Fits a quadric to the front of a wide part
 //     1/Z = a + b du + c dv + (p du^2 + 2 q du dv + r dv^2) / 2
 // by least squares over the window. Under perspective a plane has p = q = r = 0. With X_u, X_v the
-// steps on the front per pixel, its curvature is -c Q against G, G = (X_u X_v)^T (X_u X_v), and c
-// turns a step of 1/Z to one along the normal.
-std::optional<double> Finder::bends(int x, int y) const {
+// displacement on the front per pixel, G = (X_u X_v)^T (X_u X_v), Q = (p q; q r), and s the factor
+// from a change of 1/Z to a displacement along the normal, the curvature is -s G^-1 Q.
+std::optional<double> Finder::largest_curvature(int x, int y) const {
   const int reach = settings.reach;
   const int side = 2 * reach + 1;
-  constexpr float kAny = std::numeric_limits<float>::min();  // of a thing
+  constexpr float kAny = std::numeric_limits<float>::min();  // any pixel of a thing
   const Sums s = sum_window(x, y, kAny, 0);
   if (s.n < side * side) return std::nullopt;
   // On the full square the odd moments vanish.
@@ -299,16 +307,17 @@ void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
             std::max(1, static_cast<int>(static_cast<float>(settings.spacing) * most));
         double radius = settings.most_radius;
         if (x % stride != 0 || y % stride != 0 || !is_wanted(static_cast<float>(radius))) continue;
-        // Fingers side by side have no outline between them, but they bend.
-        if (const auto bend = find.bends(x, y); bend && *bend * radius > 1) {
-          radius = std::max(1 / *bend, settings.least_relief);
+        // Fingers side by side may have no outline between them, but their fronts are curved.
+        if (const auto curvature = find.largest_curvature(x, y);
+            curvature && *curvature * radius > 1) {
+          radius = std::max(1 / *curvature, settings.least_relief);
         }
         if (auto ball = find.ball_at(x, y, most, static_cast<float>(radius))) {
           balls.push_back(*ball);
         }
         continue;
       }
-      // Most need not be looked at closer: from the seen point a ball reaches no farther than this.
+      // Rejects most pixels early: a ball reaches no farther from the seen point than this.
       const float largest = std::clamp(distance + kMostBeside - fattening, kThinnest, most);
       const float farthest = (1 + kRadiiBehind) * radius_of(largest, z) + kGuess;
       if (region.reached.squaredExteriorDistance(to_region.point(x, y, z)) > farthest * farthest) {

@@ -17,17 +17,20 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// Of a ball's radius: over so much of the surface its shape is averaged.
+// Distance over which slope and curvature are taken by differences, as a ratio to the ball's
+// radius. Larger steps smooth the dents between balls, and edges as well.
 constexpr float kShapeStep = 0.5f;
 
-// Balls, and points of them, for which there is room from the start: a flat hand near the camera
-// makes 2,500, and no two frames of it as many. More are possible.
+// Number of balls, and of points of the cloud, for which memory is reserved at the start. A flat
+// hand near the camera makes 2,500, and their number varies from frame to frame. More are possible.
 constexpr std::size_t kBallRoom = 8192;
 
-// Of the sum of two builds' ways: between a whole thing's (1/2) and that of one cut off (1).
+// Factor from the sum of the displacements of two builds to moved(). For a thing seen as a whole
+// the right one is 1/2, their mean; for one that is cut off, which seems to move half as far, it
+// is 1.
 constexpr double kSeenMove = 2.0 / 3;
 
-constexpr float kAmid = 1e-6f;  // m: nearer to a ball's middle no direction leads out
+constexpr float kAmid = 1e-6f;  // m: nearer to a ball's centre than this, the normal is undefined
 constexpr float kHalfRoot = 0.70710678f;
 
 }  // namespace
@@ -91,9 +94,10 @@ void ObjectSurface::finish() {
   find_moved();
 }
 
-// A thing that moves by v reaches by d . v farther in direction d. Of one that the picture or the
-// region cuts off only the half that is seen does, which gives half of v. The mean of two builds is
-// taken, since an outline that flickers moves there and back.
+// Estimates how far things moved since the previous build. A thing that moves by v extends by d . v
+// farther in direction d, and v is the least-squares solution over 26 directions. If the picture or
+// the region cuts a thing off, only the directions of its visible half change, which gives v / 2.
+// Displacements of two builds are added, since an outline that flickers moves there and back.
 void ObjectSurface::find_moved() {
   static const std::array<Vector3f, 26> kDirections = [] {
     std::array<Vector3f, 26> directions;
@@ -130,7 +134,8 @@ void ObjectSurface::find_moved() {
   }
 }
 
-// The front of a ball that matters is not farther away than its diameter.
+// The box that holds the fronts of all balls that can reach into the region's band: a front is no
+// farther from its ball's surface than the ball's diameter.
 AlignedBox3d ObjectSurface::fronts_near(const AlignedBox3d& region) const {
   const Vector3d margin = Vector3d::Constant(settings_.band + 2 * settings_.balls.most_radius);
   return {region.min() - margin, region.max() + margin};
@@ -176,8 +181,8 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
   finish();
 }
 
-// The part of the image in which things near the region are seen, and as much beside them as their
-// balls are large: there their outlines matter.
+// The part of the image that shows pressers near the region, grown by the radius of the largest
+// ball in px: outlines up to that far away determine the radii of balls.
 PixelBox ObjectSurface::box_of_things(const DepthImage& depth, const MaskImage& shows,
                                       const PinholeCamera& camera, const PixelBox& interest,
                                       const RayToRegion& to_body,
@@ -245,7 +250,7 @@ void ObjectSurface::build(std::span<const ObjectBall> balls, const AlignedBox3d&
   finish();
 }
 
-NearestOnObject ObjectSurface::answer(const Vector3f& x, float distance, int index) const {
+NearestOnObject ObjectSurface::on_ball(const Vector3f& x, float distance, int index) const {
   const ObjectBall& ball = balls_[index];
   const bool faces_camera = (x - ball.centre).dot(camera_ - ball.centre) > 0.0f;
   return {distance, index,
@@ -257,7 +262,7 @@ NearestOnObject ObjectSurface::answer(const Vector3f& x, float distance, int ind
 std::optional<NearestOnObject> ObjectSurface::nearest(const Vector3f& x, float reach) const {
   const auto found = tree_.nearest(x, reach);
   if (!found) return std::nullopt;
-  return answer(x, found->distance, found->ball);
+  return on_ball(x, found->distance, found->ball);
 }
 
 std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
@@ -268,9 +273,9 @@ std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
   const Vector3f n = out.norm() > kAmid ? Vector3f(out.normalized()) : ball.normal;
   const float h = kShapeStep * ball.radius;
   const Vector3f t = n.unitOrthogonal(), s = n.cross(t);
-  // Along four directions of the tangent plane, 45 degrees apart: slope, and the curvature of the
-  // circle through the three values. On a sphere of radius R the mean of phi at +-h is higher than
-  // in the middle by d with (R + d)^2 = R^2 + h^2, so that 1/R = 2 d / (h^2 - d^2).
+  // Slope and curvature along four directions of the tangent plane, 45 degrees apart, from phi at x
+  // and at +-h. On a sphere of radius R the mean of phi at +-h exceeds phi at x by d with
+  // (R + d)^2 = R^2 + h^2, so that 1/R = 2 d / (h^2 - d^2).
   const std::array<Vector3f, 4> directions{t, ((t + s) * kHalfRoot).eval(), s,
                                            ((s - t) * kHalfRoot).eval()};
   std::array<Vector3f, 8> places;
@@ -287,7 +292,7 @@ std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
     const float d = (ahead + behind) / 2 - found->distance;
     bend[k] = 2 * d / (h * h - d * d);
   }
-  // A symmetric tensor (a b; b c) bends by a, (a + c)/2 + b, c, (a + c)/2 - b along the four.
+  // A symmetric tensor (a b; b c) has the curvatures a, (a + c)/2 + b, c, (a + c)/2 - b along them.
   const float mean = (bend[0] + bend[1] + bend[2] + bend[3]) / 4;
   const float a = mean + (bend[0] - bend[2]) / 2, c = mean - (bend[0] - bend[2]) / 2;
   const float b = (bend[1] - bend[3]) / 2;
@@ -310,7 +315,7 @@ std::optional<NearestOnObject> ObjectSurface::nearest_by_brute_force(const Vecto
     }
   }
   if (found < 0) return std::nullopt;
-  return answer(x, best, found);
+  return on_ball(x, best, found);
 }
 
 }  // namespace palpable

@@ -1,8 +1,8 @@
 /// @file
-/// The real world near a body as one camera sees it: a signed distance to the things that press
+/// The real world near a body as one camera sees it: a signed distance to the pressers
 /// (paper Sec. 3.4, the "level set" of Figs. 7 and 8).
 ///
-/// The camera sees only the front of a hand. What lies behind is told by how wide it is
+/// The camera sees only the front of a hand. Its other side is estimated from its width
 /// (medial_balls.h): the thing is a union of balls behind the middle of its silhouette,
 ///
 ///     phi(x) = min over balls  |x - centre| - radius           negative inside, m
@@ -17,7 +17,7 @@
 ///
 /// Body frame, metres. The distance is exact in a band around the surface and unknown outside.
 ///
-/// `palpable bench surface` judges it against true things.
+/// `palpable bench surface` compares it with the true shapes of synthetic things.
 #pragma once
 
 #include "palpable/common/contact/object_ball.h"
@@ -53,18 +53,19 @@ struct ObjectSurfaceSettings {
   MedialBallSettings balls{};
   RestFilterSettings rest{};
   HoldSettings hold{};
-  /// How far one pixel's depth scatters round the true one,
+  /// The standard deviation of one pixel's depth,
   ///     sigma(Z) = noise_constant + noise_linear Z + noise_quadratic Z^2    (m, 1, 1/m).
-  /// Disparity has a constant error, so stereo has the square alone.
+  /// Disparity has a constant error, so stereo has the quadratic term alone.
   double noise_constant = 0;
   double noise_linear = 0;
   double noise_quadratic = 0.006;
-  /// So many neighbouring pixels have one error: a matcher's windows overlap, and it smooths.
+  /// Number of neighbouring pixels that share one error, because a matcher's windows overlap and it
+  /// smooths: n pixels count as n / pixels_alike independent measurements.
   double pixels_alike = 6;
 };
 
-/// Built anew for each frame; keeps its memory, and has room for 8,192 balls from the start, so
-/// that building allocates nothing after the first frame.
+/// The signed distance. Built anew for each frame; keeps its memory, and has room for 8,192 balls
+/// from the start, so that building allocates nothing after the first frame.
 class ObjectSurface final : public PressingSurface {
  public:
   /// @throws ContractViolation if a step or reach is below 1, or a length is not positive
@@ -74,16 +75,15 @@ class ObjectSurface final : public PressingSurface {
   ///
   /// @param depth    Z in m, NaN where unknown: no depth, no thing. Zero, negative and infinite
   ///                 values count as unknown.
-  /// @param shows    of each pixel kShowsRoom..., kShowsPresser or kShowsUnknown
-  /// (geometry/image.h);
-  ///                 empty: what is measured presses, what is not is unknown
+  /// @param shows    for each pixel kShowsRoom..., kShowsPresser or kShowsUnknown
+  ///                 (geometry/image.h); empty: pixels with depth are pressers, the others unknown
   /// @param camera   of the depth image: same width and height
-  /// @param time     s, of the frame: what it neither sees nor sees through is held (held_balls.h)
+  /// @param time     s, of the frame; balls that are no longer seen are held by it (held_balls.h)
   void build(const DepthImage& depth, const MaskImage& shows, const PinholeCamera& camera,
              const Rigid3& body_from_camera, const Eigen::AlignedBox3d& region_in_body,
              double time = 0);
 
-  /// The part of the image in which things that matter to `region_in_body` may be seen.
+  /// The part of the image in which things may be seen whose balls can reach into `region_in_body`.
   [[nodiscard]] PixelBox box_of_interest(const Eigen::AlignedBox3d& region_in_body,
                                          const Rigid3& camera_from_body,
                                          const PinholeCamera& camera) const;
@@ -94,16 +94,17 @@ class ObjectSurface final : public PressingSurface {
              const Eigen::Vector3f& camera_in_body = Eigen::Vector3f::Zero());
 
   [[nodiscard]] std::span<const ObjectBall> balls() const override { return balls_; }
-  /// The cloud of Algorithm 1: the pixels that press near the region, thinned out by settings.step,
-  /// at the depth that this frame measured (not the average over frames, of which balls are made).
+  /// The point cloud of Algorithm 1: the pixels of pressers near the region, thinned out by
+  /// settings.step, at the depth measured in this frame (balls are made of averages over frames).
   [[nodiscard]] std::span<const Eigen::Vector3f> cloud() const { return cloud_; }
-  /// How many points the cloud of a depth image of this size can have, from the first build on.
+  /// The largest number of points that the cloud of a depth image of this size can have; known from
+  /// the first build on.
   [[nodiscard]] std::size_t cloud_room() const { return cloud_.capacity(); }
   [[nodiscard]] const ObjectSurfaceSettings& settings() const { return settings_; }
   [[nodiscard]] const Eigen::AlignedBox3f& bounds() const override { return bounds_; }
   [[nodiscard]] float band() const override { return static_cast<float>(settings_.band); }
-  /// From how far what is measured reaches in 26 directions, so that balls that come and go amid it
-  /// do not count.
+  /// Found from the extent of the measured fronts in 26 directions, so that balls that appear and
+  /// vanish inside of a thing have no influence.
   [[nodiscard]] double moved() const override { return moved_; }
 
   [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x,
@@ -117,7 +118,7 @@ class ObjectSurface final : public PressingSurface {
   }
   [[nodiscard]] std::optional<SurfaceShape> shape_at(const Eigen::Vector3f& x) const override;
 
-  /// The same as nearest() by looking at every ball: what it is tested against.
+  /// As nearest(), by a search of all balls; tests compare nearest() with it.
   [[nodiscard]] std::optional<NearestOnObject> nearest_by_brute_force(
       const Eigen::Vector3f& x) const;
 
@@ -127,7 +128,7 @@ class ObjectSurface final : public PressingSurface {
   void keep(const ObjectBall& ball);
   void finish();
   void find_moved();
-  [[nodiscard]] NearestOnObject answer(const Eigen::Vector3f& x, float distance, int index) const;
+  [[nodiscard]] NearestOnObject on_ball(const Eigen::Vector3f& x, float distance, int index) const;
 
   [[nodiscard]] const MaskImage& everything_measured(const DepthImage& depth);
   [[nodiscard]] PixelBox box_of_things(const DepthImage& depth, const MaskImage& shows,
@@ -149,14 +150,15 @@ class ObjectSurface final : public PressingSurface {
   std::vector<ObjectBall> balls_;
   std::vector<Eigen::Vector3f> cloud_;
   std::vector<Ball> bare_;
-  std::array<float, 26> reach_{};  // m, of the measured fronts in as many directions
-  bool measured_ = false;          // whether there are such
-  Eigen::Vector3f way_ = Eigen::Vector3f::Zero();  // m, half of it, since the build before
+  std::array<float, 26> reach_{};  // m, extent of the measured fronts along 26 directions
+  bool measured_ = false;          // whether any front was measured
+  // m, displacement since the previous build; about half of it for a thing that is cut off.
+  Eigen::Vector3f way_ = Eigen::Vector3f::Zero();
   double moved_ = 0;
   BallTree tree_;
   RestFilter rest_;
   HeldBalls held_;
-  MaskImage all_;  // what is shown where nobody says so
+  MaskImage all_;  // the mask that stands for an empty `shows`
 };
 
 }  // namespace palpable

@@ -24,11 +24,11 @@ using Eigen::Vector3f;
 using test::Capsule;
 using test::tolerance;
 
-// As the stereo chain gives it: f = 350 px at half resolution. 161 x 121 keeps the debug build
-// quick.
+// The focal length of the stereo chain at half resolution. Only 161 x 121 pixels, so that the debug
+// build is quick.
 constexpr PinholeCamera kCamera{161, 121, 350, 350, 80, 60};
 
-// A body frame that agrees with no axis of the camera, so that a swapped transform shows.
+// A body frame that is parallel to no axis of the camera, so that an inverted transform is noticed.
 Rigid3 some_pose() {
   Rigid3 body_from_camera = Rigid3::Identity();
   body_from_camera.linear() =
@@ -69,7 +69,8 @@ TEST_CASE("the front of a wide thing lies where it is seen, and its normals face
   CHECK(seen.cloud().size() > 1000);
 }
 
-// How far the guess of a finger is off, m, all round it and at its tip.
+// Errors of a finger's surface (m), around its shaft and at its tip; `covered` is the share of the
+// points that got a distance.
 struct FingerErrors {
   double median = 0, worst = 0, tip_median = 0;
   double covered = 0;
@@ -80,9 +81,9 @@ FingerErrors errors_of(const ObjectSurface& seen, const Capsule& finger,
   const Vector3d axis = (finger.b - finger.a).normalized();
   const Vector3d across = axis.unitOrthogonal(), other = axis.cross(across);
   std::vector<double> side, tip;
-  int asked = 0;
-  const auto ask = [&](const Vector3d& x, std::vector<double>& errors) {
-    ++asked;
+  int queried = 0;
+  const auto query = [&](const Vector3d& x, std::vector<double>& errors) {
+    ++queried;
     const auto found = seen.nearest((body_from_camera * x).cast<float>());
     if (found) errors.push_back(std::abs(static_cast<double>(found->distance)));
   };
@@ -90,15 +91,15 @@ FingerErrors errors_of(const ObjectSurface& seen, const Capsule& finger,
     const double angle = k * std::numbers::pi / 24;
     const Vector3d out = std::cos(angle) * across + std::sin(angle) * other;
     for (int i = 0; i <= 20; ++i) {
-      ask(finger.a + 0.04 * i / 20 * axis + finger.radius * out, side);
+      query(finger.a + 0.04 * i / 20 * axis + finger.radius * out, side);
     }
     for (int i = 1; i < 12; ++i) {
       const double up = i * std::numbers::pi / 24;
-      ask(finger.a + finger.radius * (std::cos(up) * out - std::sin(up) * axis), tip);
+      query(finger.a + finger.radius * (std::cos(up) * out - std::sin(up) * axis), tip);
     }
   }
   FingerErrors errors;
-  errors.covered = static_cast<double>(side.size() + tip.size()) / asked;
+  errors.covered = static_cast<double>(side.size() + tip.size()) / queried;
   errors.worst = *std::max_element(side.begin(), side.end());
   errors.median = upper_median(side);
   errors.tip_median = upper_median(tip);
@@ -106,8 +107,8 @@ FingerErrors errors_of(const ObjectSurface& seen, const Capsule& finger,
 }
 
 TEST_CASE("balls stand for the whole finger, on all sides", "[seen_object][object surface]") {
-  // A pencil, a finger and a thumb, across the view and pointing at the camera or away from it; the
-  // far end lies outside the region.
+  // A pencil, a finger and a thumb; perpendicular to the view, pointing at the camera, and away
+  // from it. Their far ends lie outside of the region.
   for (const double radius : {0.0035, 0.008, 0.012}) {
     for (const double tilt : {0.0, 0.5, 0.9, -0.5}) {
       INFO("radius " << radius << " tilt " << tilt);
@@ -137,14 +138,14 @@ TEST_CASE("what the camera sees is measured, the other side assumed",
              box_around({0, 0, 0.4}, 0.05));
   CHECK(seen.nearest(Vector3f(0, 0, 0.391f))->known == Known::kMeasured);
   CHECK(seen.nearest(Vector3f(0, 0, 0.409f))->known == Known::kAssumed);
-  // A frame later nobody knows anything.
+  // In the next frame nothing is measured.
   const DepthImage nothing(kCamera.width, kCamera.height, std::numeric_limits<float>::quiet_NaN());
   seen.build(nothing, {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.05), 1.0 / 30);
   CHECK(seen.nearest(Vector3f(0, 0, 0.391f))->known == Known::kUnknown);
   CHECK(seen.nearest(Vector3f(0, 0, 0.409f))->known == Known::kUnknown);
 }
 
-// Largest and least eigenvalue of a surface's curvature beside that along its normal, which is 0.
+// The two principal curvatures (1/m): the eigenvalues except the one of the normal, which is 0.
 std::pair<double, double> principal(const SurfaceShape& shape) {
   Eigen::Vector3f v = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(shape.curvature).eigenvalues();
   std::sort(v.begin(), v.end(), [](float a, float b) { return std::abs(a) > std::abs(b); });
@@ -153,7 +154,7 @@ std::pair<double, double> principal(const SurfaceShape& shape) {
 
 TEST_CASE("the shape of the surface is that of the thing: normal and curvature",
           "[seen_object][object surface][shape]") {
-  // A row of balls as dense as pixels is a finger: curved across, straight along.
+  // A row of balls as dense as pixels makes a finger: curved across, straight along its axis.
   std::vector<ObjectBall> finger;
   for (int i = -40; i <= 40; ++i) {
     const Vector3f centre(0.001f * static_cast<float>(i), 0, 0);
@@ -175,10 +176,10 @@ TEST_CASE("the shape of the surface is that of the thing: normal and curvature",
     const auto [most, least] = principal(*side);
     CHECK(most == Approx(1 / static_cast<double>(R)).epsilon(tolerance(0.06, "4 mm of the round")));
     CHECK(std::abs(least) < 0.05 * most);
-    // Along the finger the normal does not turn.
+    // The normal does not change along the finger.
     CHECK((side->curvature * Vector3f::UnitX()).norm() < 0.05 * most);
   }
-  // At its tip it is a ball.
+  // The tip is a sphere.
   const auto tip = seen.shape_at({-0.048f, 0, 0.0001f});
   REQUIRE(tip.has_value());
   CHECK((tip->normal + Vector3f::UnitX()).norm() < 0.02f);
@@ -186,7 +187,7 @@ TEST_CASE("the shape of the surface is that of the thing: normal and curvature",
   CHECK(most == Approx(125).epsilon(0.03));
   CHECK(least == Approx(125).epsilon(0.03));
   CHECK_FALSE(seen.shape_at({0, 0.02f, 0}).has_value());
-  // In the middle of a ball no direction leads out; the camera's side does.
+  // At a ball's centre, where the direction outwards is undefined, the front's normal is used.
   CHECK(seen.shape_at({0, 0, 0})->normal.allFinite());
 }
 
@@ -211,7 +212,7 @@ TEST_CASE("a flat thing is flat, though it is made of balls",
 
 TEST_CASE("a finger partly behind another keeps its thickness, and a hand on a desk is no desk",
           "[seen_object][object surface]") {
-  // The nearer one hides the lower half of the other's front; that edge is no outline.
+  // The nearer finger hides the lower half of the other's front; that edge is not an outline.
   const Capsule hidden{{-0.06, 0, 0.42}, {0.06, 0, 0.42}, 0.010};
   const Capsule nearer{{-0.06, 0.012, 0.36}, {0.06, 0.012, 0.36}, 0.008};
   ObjectSurface seen;
@@ -223,7 +224,7 @@ TEST_CASE("a finger partly behind another keeps its thickness, and a hand on a d
   }
   CHECK(largest > 0.0085);
 
-  // What may not press ends a thing, wherever it lies.
+  // A thing ends where pixels show the room, also at the same depth.
   DepthImage depth(kCamera.width, kCamera.height, 0.4f);
   MaskImage presses(kCamera.width, kCamera.height, 0);
   for (int v = 50; v < 61; ++v) {
@@ -237,8 +238,7 @@ TEST_CASE("a finger partly behind another keeps its thickness, and a hand on a d
   }
 }
 
-TEST_CASE("things look wider to a matcher, and are made as thin as they are",
-          "[seen_object][object surface]") {
+TEST_CASE("the fattening of things by a matcher is undone", "[seen_object][object surface]") {
   const Capsule thin{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.008};
   Capsule wide = thin;
   wide.radius += 1.0 * 0.4 / kCamera.fx_px;  // by one pixel
@@ -254,8 +254,9 @@ TEST_CASE("things look wider to a matcher, and are made as thin as they are",
         Approx(thin.radius).margin(tolerance(6e-4, "half a pixel: it lies along the rows")));
 }
 
-TEST_CASE("outlines that are known better are not made thinner", "[seen_object][object surface]") {
-  // 17 px wide; what is above it nobody knows.
+TEST_CASE("outlines that a matcher does not fatten are not made thinner",
+          "[seen_object][object surface]") {
+  // 17 px wide.
   const Capsule thing{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.0097};
   const DepthImage depth = test::depth_of({thing}, kCamera);
   MaskImage shows(kCamera.width, kCamera.height, kShowsRoom);
@@ -270,7 +271,7 @@ TEST_CASE("outlines that are known better are not made thinner", "[seen_object][
     settings.silhouette.by_color = by_color;
     settings.silhouette.beside_unknown = beside_unknown;
     for (std::uint8_t& s : shows) s = s == kShowsPresser ? s : room;
-    // The room is measured, but for where nobody knows it.
+    // The room has a depth unless it is unknown.
     DepthImage whole = depth;
     for (std::size_t i = 0; i < whole.size() && room != kShowsUnknown; ++i) {
       if (!(whole.data()[i] > 0)) whole.data()[i] = 0.6f;
@@ -290,7 +291,8 @@ TEST_CASE("outlines that are known better are not made thinner", "[seen_object][
         Approx(thin + px).margin(tolerance(2e-4, "1/8 px: perspective")));
 }
 
-TEST_CASE("thin things stand nearer than a matcher has them", "[seen_object][object surface]") {
+TEST_CASE("the fronts of thin things are moved nearer by the setting too_far",
+          "[seen_object][object surface]") {
   const Capsule thin{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.008};
   const auto front = [&](double too_far) {
     ObjectSurfaceSettings settings;
@@ -306,9 +308,8 @@ TEST_CASE("thin things stand nearer than a matcher has them", "[seen_object][obj
   CHECK(1 / front(0.006) - 1 / front(0) == Approx(0.006).margin(1e-5));
 }
 
-TEST_CASE("a finger's end is where it is, wherever in a pixel that is",
-          "[seen_object][object surface]") {
-  // Behind the end, where no camera sees it: 45 degrees off the axis.
+TEST_CASE("a finger's end is located to a fraction of a pixel", "[seen_object][object surface]") {
+  // Measured behind the end, where the camera does not see it: 45 degrees off the axis.
   double sum = 0;
   constexpr int kPlaces = 8;
   for (int k = 0; k < kPlaces; ++k) {
@@ -357,7 +358,7 @@ TEST_CASE("the tree finds what looking at every ball finds", "[seen_object][obje
   }
 }
 
-TEST_CASE("how far a thing moved is told by what is measured of it",
+TEST_CASE("the displacement of a thing is found from its measured part",
           "[seen_object][object surface]") {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> within(-0.01f, 0.01f);
@@ -385,7 +386,7 @@ TEST_CASE("how far a thing moved is told by what is measured of it",
     for (ObjectBall& ball : balls) ball.point += way, ball.centre += way;
     seen.build(balls, box);
   }
-  // Of one that nothing cuts off it is somewhat more than the way; of one that is cut off less.
+  // moved() is 4/3 of the displacement of a thing seen as a whole, and 2/3 for one that is cut off.
   CHECK(seen.moved() > 0.9 * static_cast<double>(way.norm()));
   CHECK(seen.moved() < 1.5 * static_cast<double>(way.norm()));
   seen.build(std::vector<ObjectBall>{}, box);
@@ -411,7 +412,7 @@ TEST_CASE(
   std::size_t expected = 0;
   for (int v = 0; v < kCamera.height; ++v) {
     for (int u = 0; u < kCamera.width; ++u) {
-      // The lower part is measured, but is not known to press.
+      // The lower part has a depth, but shows the room.
       const bool presses = std::isfinite(rests(u, v)) && v < 100;
       shows(u, v) = presses ? kShowsPresser : kShowsRoom;
       if (presses && u % 3 == 0 && v % 3 == 0) ++expected;
@@ -422,7 +423,7 @@ TEST_CASE(
   std::mt19937 random(5);
   std::normal_distribution<float> noise(0, 0.001f);
   const Rigid3 pose = some_pose();
-  for (int frame = 0; frame < 12; ++frame) {  // the average of a dozen is not the last one
+  for (int frame = 0; frame < 12; ++frame) {  // the average of 12 frames differs from the last one
     DepthImage depth = rests;
     for (float& z : depth) z += noise(random);
     seen.build(depth, shows, kCamera, pose, box_around(pose * Vector3d(0, 0, 0.4), 0.1),

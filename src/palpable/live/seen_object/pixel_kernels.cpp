@@ -1,6 +1,7 @@
-// The loops over pixels for whatever vector instructions there are, by Google Highway: this file is
-// compiled once for each instruction set, and the best one is chosen when the program runs. It is
-// compiled without contraction of a * b + c (CMakeLists.txt), which would differ between them.
+// The loops over pixels, vectorised by Google Highway: this file is compiled once for each
+// instruction set, and the fastest one is chosen when the program runs. It is compiled without
+// contraction of a * b + c (CMakeLists.txt), because the contracted results would differ between
+// instruction sets.
 
 #include "palpable/live/seen_object/pixel_kernels.h"
 
@@ -12,7 +13,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpable/live/seen_object/pixel_kernels.cpp"
-// What each file of Highway needs first:
+// Highway requires this header first.
 #include <hwy/foreach_target.h>
 // clang-format off
 #include <hwy/highway.h>
@@ -109,12 +110,12 @@ inline void plain_find_middles(const DistanceRow& above, const DistanceRow& row,
   }
 }
 
-// A chord of n px to each side, in m; of a place at z.
+// The length (m) of a chord of n steps to each side at depth z. @param step  px per step
 inline float across(const ChordTest& test, int n, float step, float z) {
   return 2 * static_cast<float>(n) * step * z / test.fx_px;
 }
 
-// Whether chords fit in on all sides.
+// Whether chords of n px to each side of pixel x lie within the image, in all directions.
 inline bool has_room(const ChordTest& test, int x, int count, int n) {
   return n <= test.before + x && n < test.after + count - x && n <= test.above && n <= test.below;
 }
@@ -130,7 +131,7 @@ inline void plain_find_hollow(const float* mean, const float* distance, std::ptr
       const float step = slanted ? kRoot : 1.0f;
       const int n = std::max(test.least_half_px, static_cast<int>(half / step + 0.5f));
       if (!has_room(test, x, count, n)) {
-        hollow[x] = 1;  // who knows
+        hollow[x] = 1;  // not decided here: Creases::measure_sag() tests each direction
         continue;
       }
       const float length = across(test, n, step, z);
@@ -178,7 +179,7 @@ HWY_ATTR void take_over(const OutlineRow& from, const OutlineRow& to, int dy, in
       auto takes =
           hn::And(hn::And(is_thing, hn::Gt(theirs, zero)), hn::Lt(hn::Sub(theirs, step), distance));
       if (hn::AllFalse(d, takes)) continue;
-      // Two halves of a pair of 16 bits, dx the lower one.
+      // A pair of 16-bit numbers in one 32-bit lane, dx in the lower half.
       const auto way = hn::BitCast(
           d16, hn::Set(di, static_cast<std::int32_t>(static_cast<std::uint32_t>(dy) << 16 |
                                                      (static_cast<std::uint32_t>(k) & 0xFFFF))));
@@ -226,7 +227,7 @@ HWY_ATTR void mean_of_nine(const float* above, const float* row, const float* be
         pixels = hn::Add(pixels, hn::IfThenElseZero(same, one));
       }
     }
-    // The middle one is of its own surface unless it is no thing, 0.
+    // Where there is a thing, the middle pixel itself counts, so that `pixels` is not 0.
     const auto is_thing = hn::Ne(w, zero);
     const auto value =
         hn::Div(hn::IfThenElseZero(is_thing, sum), hn::IfThenElse(is_thing, pixels, one));
@@ -235,7 +236,7 @@ HWY_ATTR void mean_of_nine(const float* above, const float* row, const float* be
   plain_mean_of_nine(above + x, row + x, below + x, count - x, jump, mean + x);
 }
 
-// Columns `first` .. of as many as a vector D holds.
+// Sums the columns from `first` on, as many as a vector D holds.
 template <class D>
 HWY_ATTR inline void sum_columns(const PixelWindow& window, const DepthJump& jump,
                                  std::size_t first, ColumnSums& sums) {
@@ -361,7 +362,8 @@ HWY_ATTR void find_hollow(const float* mean, const float* distance, std::ptrdiff
       const auto asked_ns = hn::IfThenElseZero(hn::RebindMask(di, asked), ns);
       const int n = hn::GetLane(hn::MaxOfLanes(di, asked_ns));
       const auto same = hn::Or(hn::Not(asked), hn::RebindMask(d, hn::Eq(ns, hn::Set(di, n))));
-      // As near as makes no difference to how long a chord is, or single pixels are asked.
+      // The vectors hold chords of one length only. Where the pixels' lengths differ, all of them
+      // are passed on.
       if (!hn::AllTrue(d, same) || !has_room(test, x, count, n) ||
           !has_room(test, x + lanes - 1, count, n)) {
         may_be = asked;
@@ -433,7 +435,7 @@ std::vector<PixelKernels> find_kernels() {
   return kernels;
 }
 
-// Before main(): the first frame, too, allocates nothing, and no two threads choose at once.
+// Initialised before main(), so that the first frame allocates nothing and threads need no lock.
 const std::vector<PixelKernels> kKernels = find_kernels();
 
 }  // namespace

@@ -1,6 +1,7 @@
 /// @file
-/// The inner loops over the pixels of seen things (silhouette.h, creases.h), once plain and once
-/// vectorised. All give the same bytes: nothing is added up in another order, nothing is fused.
+/// The inner loops over the pixels of seen things (silhouette.h, creases.h, medial_balls.h), in a
+/// plain version and in vectorised ones. All versions give the same bytes: sums have the same
+/// order, and no multiplication is fused with an addition. (find_hollow() may return more pixels.)
 #pragma once
 
 #include <array>
@@ -11,7 +12,7 @@
 
 namespace palpable {
 
-/// Vectorised loops read, but never change, so many pixels of a row more than they are told to.
+/// Number of pixels after the end of a row that vectorised loops may read. They never change them.
 inline constexpr int kReadBeyond = 12;
 
 /// Whether a pixel's depth was measured.
@@ -23,111 +24,118 @@ struct ToOutline {
   std::int16_t dy = 0;
 };
 
-/// What a silhouette knows of a row of pixels; all point at the same pixel. One pixel before it and
-/// kReadBeyond after the last one may be read.
+/// The data of a row of a silhouette; all pointers refer to the same pixel. One pixel before it and
+/// kReadBeyond pixels after the last one may be read.
 struct OutlineRow {
   float* distance = nullptr;     // px to the outline; 0: no thing
-  ToOutline* nearest = nullptr;  // that outline
-  float* beyond = nullptr;       // px by which it lies farther out than between pixels
+  ToOutline* nearest = nullptr;  // the nearest outline
+  float* beyond = nullptr;       // px by which that outline lies outside of the pixels' border
   const float* depth = nullptr;  // m
 };
 
-/// The same, as far as distances go.
+/// Distances and depths of an OutlineRow.
 struct DistanceRow {
   const float* distance = nullptr;
   const float* depth = nullptr;
 };
 
-/// Neighbours of one surface differ by at most max(least, at_1m * Z^2).
+/// The largest difference in depth of neighbours of one surface, max(least, at_1m * Z^2).
 struct DepthJump {
   float least = 0;  // m
   float at_1m = 0;  // 1/m
 };
 
-/// Columns of a window that are summed up at once: a fit's usual one is eleven wide.
+/// Columns of a window that are summed in one call. The usual window of a fit has eleven.
 inline constexpr int kWindowColumns = 12;
 
-/// A part of a silhouette round one pixel.
+/// A part of a silhouette around one pixel.
 struct PixelWindow {
-  // Of its first pixel; kWindowColumns of each row may be read.
+  // The window's first pixel; kWindowColumns pixels of each row may be read.
   const float* depth = nullptr;     // m
   const float* distance = nullptr;  // px
-  std::size_t stride = 0;           // from row to row
+  std::size_t stride = 0;           // elements from one row to the next
   int columns = 0;                  // at most kWindowColumns
-  int top = 0, bottom = 0;          // its first and last row, counted from the pixel's
-  float z = 0;                      // m, the pixel's depth
-  float least = 0;                  // px, > 0: pixels of a smaller distance do not count
-  /// What a thing falls off from its middle, whose section is a circle of this radius, is taken
-  /// out of the depths; 0: nothing is.
+  int top = 0, bottom = 0;          // first and last row, relative to the middle pixel's
+  float z = 0;                      // m, the middle pixel's depth
+  float least = 0;                  // px, > 0: pixels with a smaller distance are left out
+  /// From each depth, the amount is subtracted by which a section that is a circle of this radius
+  /// recedes from its middle; 0: nothing is subtracted.
   float radius = 0;     // m
-  float fattening = 0;  // px, by which the distances are too large
-  float m_per_px = 0;   // at the middle
+  float fattening = 0;  // px by which the distances are too large
+  float m_per_px = 0;   // size of a pixel at the middle of the section
 };
 
-/// By column, of the pixels that count: with w = 1/Z less that of the middle pixel and v the row,
-/// the sums of 1, v, v^2, w, v w, v^2 w.
+/// Sums per column over the pixels that count: of 1, v, v^2, w, v w, v^2 w, with v the row and
+/// w = 1/Z - 1/Z of the middle pixel.
 struct ColumnSums {
   alignas(16) std::array<float, kWindowColumns> n, nv, nvv, w, vw, vvw;
 };
 
-/// px by which the distances of neighbours differ at most.
+/// Bound of the difference of two neighbours' distances to the same outline, px.
 inline constexpr float kOutlineStep = 1.7f;
 
-/// px, of an outline's length: see silhouette.cpp.
+/// px from an outline, straight or slanted, to the middle of the first pixel beyond it; see
+/// length_of() in silhouette.cpp.
 inline constexpr float kBeforeMiddle = 0.5f, kBeforeMiddleSlanted = 0.28f;
 
-/// Which pixels' discs do not need a ball.
+/// Parameters of find_middles().
 struct MiddleTest {
-  float growth = 0;     // of the distance per px towards the middle, with which a disc is held
-  float fattening = 0;  // px
-  float f_r = 0;        // px m
-  float r = 0;          // m
+  float growth = 0;     // px per px: kGrowth in medial_balls.cpp
+  float fattening = 0;  // px by which the distances are too large
+  float f_r = 0;        // px m, focal length times the largest radius of a ball
+  float r = 0;          // m, that radius
 };
 
-/// Where a chord through a place's neighbourhood may pass before it (creases.cpp).
+/// Parameters of find_hollow(): a pixel is concave if a chord between two pixels on either side of
+/// it passes before it (creases.cpp).
 struct ChordTest {
-  float half_px_at_1m = 0;  // half a chord; px m
-  int least_half_px = 0;
-  float fx_px = 0;
-  float eight_radii = 0;      // m, of the sphere that is as hollow as it must be
-  float nearest_at_1m = 0;    // px m: places nearer to an outline are not asked
+  float half_px_at_1m = 0;    // px m: half a chord's length, times the depth
+  int least_half_px = 0;      // px: lower bound of half a chord's length
+  float fx_px = 0;            // focal length
+  float eight_radii = 0;      // m: 8 times the radius of curvature below which a pixel is concave
+  float nearest_at_1m = 0;    // px m: pixels nearer to an outline (times the depth) are left out
   int before = 0, after = 0;  // px of the row before the first pixel and after the last one
-  int above = 0, below = 0;   // rows
+  int above = 0, below = 0;   // rows of the image above and below this one
 };
 
 struct PixelKernels {
   const char* name = "";
 
-  /// Offers each of `count` pixels the outlines that are nearest to its three neighbours of the row
-  /// `from`, which lies at dy, in the order of x.
+  /// Lets each of `count` pixels of the row `to` take over the outline of one of its three
+  /// neighbours in the row `from`, if that is nearer than its own. @param dy  -1: `from` lies above
+  /// `to`, 1: below
   void (*take_over)(const OutlineRow& from, const OutlineRow& to, int dy, int count,
                     const DepthJump& jump);
 
-  /// 1/m, of each of `count` pixels the mean over those of the nine round it that belong to its
-  /// surface: 1/Z differs by less than jump.at_1m, or Z by less than jump.least. 0 where it is 0.
-  /// The rows' first pixels; one pixel before and kReadBeyond after the last one may be read.
+  /// Averages inverse depths (1/m): for each of `count` pixels the mean over those of the 3 x 3
+  /// pixels that belong to its surface, whose 1/Z differs by less than jump.at_1m or whose Z
+  /// differs by less than jump.least. 0 where the pixel itself is 0.
+  /// @param above, row, below  the rows' first pixels; one pixel before them and kReadBeyond after
+  ///                           the last one may be read
   void (*mean_of_nine)(const float* above, const float* row, const float* below, int count,
                        const DepthJump& jump, float* mean);
 
-  /// Overwrites `sums`.
+  /// Sums the pixels of a window. @param sums  overwritten
   void (*sum_window)(const PixelWindow& window, const DepthJump& jump, ColumnSums& sums);
 
-  /// Of each of `count` pixels its distance if balls may stand there, else 0: of wide parts, with
-  /// distance - fattening >= f_r / (Z + r), and where no neighbour's disc holds the pixel's
-  /// (medial_balls.cpp).
+  /// Writes for each of `count` pixels its distance if a ball may be placed there, else 0. Balls
+  /// may be placed in wide parts, where distance - fattening >= f_r / (Z + r), and at pixels whose
+  /// disc is not contained in a neighbour's disc (medial_balls.cpp).
   void (*find_middles)(const DistanceRow& above, const DistanceRow& row, const DistanceRow& below,
                        int count, const DepthJump& jump, const MiddleTest& test, float* distance);
 
-  /// Of each of `count` pixels 1 if it may be hollow, else 0. With `mean` the inverse depths (1/m)
-  /// of an image whose rows are `width` apart, 0 where no thing is.
+  /// Writes 1 for each of `count` pixels that may be concave, else 0. Vectorised versions may write
+  /// 1 for more pixels than the plain one, never for fewer.
+  /// @param mean   1/m, inverse depths of an image; 0 where there is no thing
+  /// @param width  elements from one row of `mean` to the next
   void (*find_hollow)(const float* mean, const float* distance, std::ptrdiff_t width, int count,
                       const ChordTest& test, float* hollow);
 };
 
-/// All that this processor can run, the best first and the plain ones last. Chosen when the program
-/// runs, so that one program runs everywhere.
+/// All kernels that this processor can run, the fastest first and the plain ones last. They are
+/// found at run time, so that one program runs on every processor.
 [[nodiscard]] std::span<const PixelKernels> pixel_kernels();
-/// The best of them.
+/// The fastest kernels.
 [[nodiscard]] inline const PixelKernels& best_pixel_kernels() { return pixel_kernels().front(); }
 
 }  // namespace palpable

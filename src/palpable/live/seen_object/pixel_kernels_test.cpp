@@ -12,8 +12,8 @@ namespace {
 
 constexpr DepthJump kJump{0.008f, 0.04f};
 
-// Three rows of a thing with steps and holes in it, as Silhouette keeps them: as little as may be
-// read before and after them, and no more.
+// Three rows of a thing with steps and holes in it, laid out as in Silhouette. Before and after
+// each row there are exactly as many elements as the kernels may read.
 struct Rows {
   explicit Rows(int count, unsigned seed)
       : stride(static_cast<std::size_t>(count) + 1 + kReadBeyond) {
@@ -53,10 +53,10 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-// Around every vector's length.
+// Numbers of pixels below, at and above the lengths of vectors.
 constexpr int kCounts[] = {0, 1, 3, 4, 7, 8, 9, 15, 16, 17, 40, 63};
 
-TEST_CASE("outlines are handed on to the same bytes by every kernel", "[seen_object][kernels]") {
+TEST_CASE("outlines are propagated to the same bytes by every kernel", "[seen_object][kernels]") {
   for (const int count : kCounts) {
     for (unsigned seed = 0; seed < 5; ++seed) {
       Rows plain(count, seed);
@@ -123,7 +123,7 @@ TEST_CASE("a window is summed up to the same bytes by every kernel", "[seen_obje
   }
 }
 
-TEST_CASE("places for balls are the same ones for every kernel", "[seen_object][kernels]") {
+TEST_CASE("every kernel finds the same pixels for balls", "[seen_object][kernels]") {
   MiddleTest test;
   test.growth = 0.95f;
   test.fattening = 1;
@@ -145,8 +145,8 @@ TEST_CASE("places for balls are the same ones for every kernel", "[seen_object][
   }
 }
 
-// A vectorised kernel may ask for more places where chords of several lengths lie side by side.
-TEST_CASE("no kernel overlooks a place that may be hollow", "[seen_object][kernels]") {
+// A vectorised kernel may return more pixels where neighbouring chords have different lengths.
+TEST_CASE("no kernel misses a pixel that may be concave", "[seen_object][kernels]") {
   constexpr int kRows = 17, kWidth = 60;
   const auto row = [](int y) { return static_cast<std::size_t>(y) * std::size_t{kWidth}; };
   auto random = test::random_case(17);
@@ -154,7 +154,7 @@ TEST_CASE("no kernel overlooks a place that may be hollow", "[seen_object][kerne
   std::vector<float> mean(kRows * kWidth), distance(mean.size(), 30.0f);
   for (int y = 0; y < kRows; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      // A valley along x = 30; farther away on the right, where chords are shorter.
+      // A valley along x = 30, in a surface that is farther away on the right, with shorter chords.
       const float z = 0.4f - 0.0006f * std::abs(static_cast<float>(x - 30)) + noise(random) +
                       0.003f * static_cast<float>(x);
       mean[row(y) + static_cast<std::size_t>(x)] = 1 / z;

@@ -11,40 +11,42 @@
 namespace palpable {
 namespace {
 
-// Of a tile's samples that have a depth most must say the same.
+// Most of a tile's five samples: a tile moves when at least this many of them do.
 constexpr int kMost = 3;
 
-// Neighbouring tiles whose depths differ by more belong to different surfaces.
+// Two depths that differ by less than this share of the nearer one belong to one surface.
 constexpr float kSameShare = 0.06F;
 
-// A sensor that measures depth by itself mixes near and far where they meet.
+// Ratio to Z. A sensor without confidences mixes near and far depths where two surfaces meet, so a
+// pixel is uncertain when a neighbour's depth differs by more than this.
 constexpr float kJumpShare = 0.04F;
 
-// m, and m at 1 m (it grows as Z^2): what the depths of neighbours of one surface differ by at
-// most.
+// The largest difference in depth of two neighbouring pixels of one surface:
+// max(kLeastJump, kJumpAt1m * Z^2), in m and 1/m.
 constexpr float kLeastJump = 0.008F;
 constexpr float kJumpAt1m = 0.04F;
 
-// Tiles: so near to something that moves, a resting tile is beside it.
+// A resting tile counts as beside something that moves up to this distance, in tiles.
 constexpr int kBeside = 2;
 
-// What became of the group that a tile belongs to.
+// The verdict on the group that a tile belongs to.
 enum Group : std::uint8_t {
-  kNotGathered,
-  kDropped,
-  kMovesAlone,  // what rests beside it is the room
-  kRestsToo     // a thing that rests, or the resting part of one that moves
+  kNotGathered,  // no verdict yet
+  kDropped,      // not a presser
+  kMovesAlone,   // its moving pixels are a presser; the resting ones beside them are the room
+  kRestsToo      // its resting pixels are a presser, too
 };
 
 bool is_same_surface(float a, float b) { return std::abs(a - b) < kSameShare * std::min(a, b); }
 
 }  // namespace
 
-// Whether a pixel shows what has come since the body was anchored.
-class PressingMask::Asker {
+// Tests whether a pixel shows something that arrived since the body was anchored: something nearer
+// to the camera than the room's surface.
+class PressingMask::RoomTest {
  public:
-  Asker(const PressingMask& mask, const SeenFrame& seen, const Rigid3& world_from_camera,
-        const AnchoredScene& scene, const FreeSpace& space)
+  RoomTest(const PressingMask& mask, const SeenFrame& seen, const Rigid3& world_from_camera,
+           const AnchoredScene& scene, const FreeSpace& space)
       : seen_(seen),
         reader_(scene, space),
         noise_(mask.noise_),
@@ -62,7 +64,7 @@ class PressingMask::Asker {
              static_cast<float>(camera.cy_px) * down_;
   }
 
-  // Of a pixel with a depth.
+  // @pre the pixel has a depth
   [[nodiscard]] bool has_come(int x, int y) { return is_before_room(x, y, step_, 0); }
   // The same with the larger tolerance of a camera that walks.
   [[nodiscard]] bool has_come_for_sure(int x, int y) {
@@ -121,12 +123,12 @@ const MaskImage& PressingMask::find(const SeenFrame& seen, const Rigid3& world_f
                   "the mask is of the depth's size");
   mark_moving(seen, moving, looked_at != LookedAt::kNothing);
   const bool stands = looked_at == LookedAt::kPicture;
-  Asker asker(*this, seen, world_from_camera, scene, space);
+  RoomTest room(*this, seen, world_from_camera, scene, space);
   for (int j = j0_; j < j0_ + down_; ++j) {
-    for (int i = i0_; i < i0_ + across_; ++i) find_tile(seen, moving, stands, picture, i, j, asker);
+    for (int i = i0_; i < i0_ + across_; ++i) find_tile(seen, moving, stands, picture, i, j, room);
   }
   keep_groups();
-  mark_pixels(seen, moving, asker);
+  mark_pixels(seen, moving, room);
   go_on(seen);
   outline_.trim(seen, box, shows_);
   remember(seen, moving);
@@ -152,7 +154,8 @@ void PressingMask::resize(const DepthImage& depth, const PixelBox& box) {
   std::fill(frames_.begin(), frames_.end(), std::uint8_t{0});
 }
 
-// What each pixel shows as far as the moving mask knows.
+// Sets what each pixel shows before groups are found: measured pixels show the room, all others the
+// room or nothing known. @param looked  whether the frame was compared with a picture of the room
 void PressingMask::mark_moving(const SeenFrame& seen, const MaskImage& moving, bool looked) {
   const std::uint8_t without = looked ? kShowsRoom : kShowsUnknown;
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
@@ -176,7 +179,7 @@ bool PressingMask::is_sure(const SeenFrame& seen, int x, int y) const {
 }
 
 void PressingMask::find_tile(const SeenFrame& seen, const MaskImage& moving, bool stands,
-                             const StaticPicture* picture, int i, int j, Asker& asker) {
+                             const StaticPicture* picture, int i, int j, RoomTest& room) {
   int known = 0, moves = 0, come = 0, sure = 0;
   float moving_depth = 0, come_depth = 0;
   int x_sure = 0, y_sure = 0;
@@ -188,11 +191,11 @@ void PressingMask::find_tile(const SeenFrame& seen, const MaskImage& moving, boo
     if (moving(x, y) != 0) {
       ++moves;
       if (moving_depth == 0) moving_depth = seen.depth(x, y);
-    } else if (certain && asker.has_come(x, y)) {
+    } else if (certain && room.has_come(x, y)) {
       ++come;
       if (come_depth == 0) come_depth = seen.depth(x, y);
     } else {
-      if (known == 2 && moves + come == 0) return;  // most tiles
+      if (known == 2 && moves + come == 0) return;  // the room, as in most tiles: saves time
       continue;
     }
     if (certain) ++sure, x_sure = x, y_sure = y;
@@ -201,17 +204,17 @@ void PressingMask::find_tile(const SeenFrame& seen, const MaskImage& moving, boo
   if (moves >= come && moves > 0) {
     found.depth = moving_depth;
     found.moves = moves >= kMost;
-    if (sure > 0 && (stands || asker.has_come_for_sure(x_sure, y_sure))) {
+    if (sure > 0 && (stands || room.has_come_for_sure(x_sure, y_sure))) {
       found.signs = static_cast<std::uint8_t>(std::min(sure, kMost));
     }
     found.is_sign = found.moves && found.signs == kMost;
   } else if (2 * come > known && come >= 2) {
     found.is_sign = stands ? was_there_before(i, j, come_depth) &&
                                  !(picture != nullptr && picture->looks_as_ever(i, j))
-                           : asker.has_come_for_sure(x_sure, y_sure);
+                           : room.has_come_for_sure(x_sure, y_sure);
     found.goes_on =
         stands && is_same_surface(come_depth, moved_(i, j)) &&
-        asker.has_come_for_sure(x_sure, y_sure) &&
+        room.has_come_for_sure(x_sure, y_sure) &&
         !(picture != nullptr && picture->looks_as_ever(i, j) && picture->is_plain(i, j));
     if (found.is_sign || found.goes_on) found.depth = come_depth;
   }
@@ -230,7 +233,7 @@ bool PressingMask::beside_moving(int i, int j) const {
   return false;
 }
 
-// The most frames of a group of the last frame in or near a tile.
+// The largest count of frames in a row that the last frame had within near_px of a tile.
 int PressingMask::frames_near(int i, int j) const {
   const int reach = settings_.near_px / kTile;
   int most = 0;
@@ -243,7 +246,7 @@ int PressingMask::frames_near(int i, int j) const {
   return most;
 }
 
-// Fills group_ with the tiles that hang together with tile (i, j) in one surface.
+// Fills group_ with the tiles that are connected with tile (i, j) and belong to one surface.
 void PressingMask::gather(int i, int j) {
   group_.assign(1, {static_cast<std::int16_t>(i), static_cast<std::int16_t>(j)});
   tile(i, j).group = kDropped;
@@ -261,7 +264,8 @@ void PressingMask::gather(int i, int j) {
   }
 }
 
-// Whether the group's signs are enough. Resting tiles beside what moves are none.
+// Decides whether the group's signs are enough. Resting tiles beside moving ones do not count.
+// @param frames  in a row in which the group was seen
 std::uint8_t PressingMask::verdict(int frames) const {
   if (frames < settings_.fewest_frames) return kDropped;
   int moving = 0, resting = 0;
@@ -290,7 +294,7 @@ void PressingMask::keep_groups() {
       gather(i, j);
       int before = 0;
       if (std::ssize(group_) >= settings_.fewest_tiles_beside) {
-        // As a rule the first tiles tell; of a large group not all are asked.
+        // The first tiles usually suffice; of a large group about 16 tiles are looked up.
         const std::size_t stride = 1 + group_.size() / 16;
         for (std::size_t k = 0; k < group_.size(); k += stride) {
           before = std::max(before, frames_near(group_[k].i, group_[k].j));
@@ -307,10 +311,11 @@ void PressingMask::keep_groups() {
   }
 }
 
-// A pixel that moves belongs to a group that counts if one of the nine tiles around it does and is
-// of its depth: along the border of what moves some pixels of a near thing before it seem to move,
-// too. In resting tiles each pixel is asked, but amid their group.
-void PressingMask::mark_pixels(const SeenFrame& seen, const MaskImage& moving, Asker& asker) {
+// Marks the pixels of the groups that are pressers. A pixel belongs to such a group if one of the
+// nine tiles around it does and has the pixel's depth: along the border of a moving thing, some
+// pixels of a nearer thing before it seem to move, too. In resting tiles each pixel is compared
+// with the room, except in the interior of a group.
+void PressingMask::mark_pixels(const SeenFrame& seen, const MaskImage& moving, RoomTest& room) {
   for (int j = j0_; j < j0_ + down_; ++j) {
     for (int i = i0_; i < i0_ + across_; ++i) {
       int there = 0, kept = 0, resting = 0;
@@ -335,7 +340,7 @@ void PressingMask::mark_pixels(const SeenFrame& seen, const MaskImage& moving, A
                            [z](float other) { return is_same_surface(z, other); })) {
             continue;
           }
-          if (moving(x, y) != 0 || (resting > 0 && (resting == there || asker.has_come(x, y)))) {
+          if (moving(x, y) != 0 || (resting > 0 && (resting == there || room.has_come(x, y)))) {
             shows_(x, y) = kShowsPresser;
           }
         }
@@ -344,7 +349,7 @@ void PressingMask::mark_pixels(const SeenFrame& seen, const MaskImage& moving, A
   }
 }
 
-// Whether a pixel and the eight around it are one surface.
+// Whether a pixel and the eight around it belong to one surface.
 bool PressingMask::is_amid_surface(const DepthImage& depth, int x, int y) {
   const float z = depth(x, y);
   if (!(z > 0) || x == 0 || y == 0 || x + 1 == depth.width() || y + 1 == depth.height()) {
@@ -359,7 +364,7 @@ bool PressingMask::is_amid_surface(const DepthImage& depth, int x, int y) {
   return true;
 }
 
-// Follows the surfaces of what presses beyond the pixels that were marked.
+// Extends the pressers by go_on_px pixels into room pixels of the same surface.
 void PressingMask::go_on(const SeenFrame& seen) {
   edge_.clear();
   const int right = box_.x + box_.width, bottom = box_.y + box_.height;
@@ -383,7 +388,7 @@ void PressingMask::go_on(const SeenFrame& seen) {
         if (!seen.confidence.empty() && seen.confidence(x, y) < settings_.least_confidence) {
           continue;
         }
-        if (!is_amid_surface(seen.depth, x, y)) continue;  // holds of (from.i, from.j), too
+        if (!is_amid_surface(seen.depth, x, y)) continue;  // then it joins (from.i, from.j), too
         shows_(x, y) = kShowsPresser;
         next_edge_.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y)});
       }
@@ -392,7 +397,7 @@ void PressingMask::go_on(const SeenFrame& seen) {
   }
 }
 
-// What moved is remembered until something else is measured there.
+// Stores the depth of what moves or rests since; forgets it once the tile's middle has another one.
 void PressingMask::remember_moved(const SeenFrame& seen) {
   for (int j = j0_; j < j0_ + down_; ++j) {
     for (int i = i0_; i < i0_ + across_; ++i) {
@@ -408,7 +413,7 @@ void PressingMask::remember_moved(const SeenFrame& seen) {
   }
 }
 
-// What pressed is remembered as long as it may be there: until something farther is seen.
+// Stores the depth of what pressed; it is kept until something farther is measured there.
 void PressingMask::remember(const SeenFrame& seen, const MaskImage& moving) {
   for (int j = j0_; j < j0_ + down_; ++j) {
     for (int i = i0_; i < i0_ + across_; ++i) {
@@ -424,7 +429,7 @@ void PressingMask::remember(const SeenFrame& seen, const MaskImage& moving) {
         continue;
       }
       if (pressed == 0 && hidden == 0) continue;
-      // The nearest of a room's pixels; unknown ones say nothing.
+      // The tile's middle pixel. Without a depth, or moving, it does not show what is behind.
       const int x = std::min(kTile * i + 2, seen.depth.width() - 1);
       const int y = std::min(kTile * j + 2, seen.depth.height() - 1);
       const float z = seen.depth(x, y);

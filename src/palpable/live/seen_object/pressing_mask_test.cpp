@@ -18,11 +18,11 @@ constexpr float kWall = 1.0f;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 const PixelBox kAll{0, 0, kCamera.width, kCamera.height};
 
-// A wall, and what stands before it. The camera stands.
+// A wall and a thing before it, seen by a standing camera.
 struct Room {
   Room() { scene.emplace(map); }
 
-  // Frames in which nothing moves: what is there comes into the map.
+  // Adds frames in which nothing moves, so that the thing becomes part of the map.
   void show(int frames) {
     for (int i = 0; i < frames; ++i) {
       space.add(kCamera.scaled_down(8), Rigid3::Identity(), depth_of(kCamera.scaled_down(8)));
@@ -51,7 +51,7 @@ struct Room {
     result.depth_camera = kCamera;
     return result;
   }
-  // The thing is seen moving for some frames.
+  // Adds four frames in which the thing moves.
   void come() {
     MaskImage moving(kCamera.width, kCamera.height, 0);
     for (int y = things.y; y < things.y + things.height; ++y) {
@@ -59,13 +59,13 @@ struct Room {
     }
     for (int i = 0; i < 4; ++i) {
       show(1);
-      (void)ask(seen(), &moving);
+      (void)find(seen(), &moving);
     }
   }
-  const MaskImage& ask(const SeenFrame& asked, const MaskImage* moving,
-                       LookedAt looked_at = LookedAt::kPicture, const PixelBox& box = kAll) {
-    if (moving == nullptr) return mask.find_nothing(asked, box);
-    return mask.find(asked, Rigid3::Identity(), *moving, looked_at, *scene, space, box);
+  const MaskImage& find(const SeenFrame& frame_seen, const MaskImage* moving,
+                        LookedAt looked_at = LookedAt::kPicture, const PixelBox& box = kAll) {
+    if (moving == nullptr) return mask.find_nothing(frame_seen, box);
+    return mask.find(frame_seen, Rigid3::Identity(), *moving, looked_at, *scene, space, box);
   }
 
   std::mt19937_64 random = test::random_case(3);
@@ -73,7 +73,7 @@ struct Room {
   SurfaceMap map{kNoise};
   std::optional<AnchoredScene> scene;
   PressingMask mask{kNoise};
-  PixelBox things;  // px of the picture
+  PixelBox things;  // px of the picture; empty: only the wall
   float thing_z = 0.6f;
   int frame = 0;
 };
@@ -88,8 +88,9 @@ TEST_CASE("the room in which the body was anchored does not press", "[seen_objec
   Room room;
   room.things = {60, 30, 40, 40};  // it was there from the beginning
   room.show(60);
-  CHECK(count(room.ask(room.seen(), &kNothingMoves), kShowsPresser) == 0);
-  CHECK(count(room.ask(room.seen(), &kNothingMoves), kShowsRoom) == kCamera.width * kCamera.height);
+  CHECK(count(room.find(room.seen(), &kNothingMoves), kShowsPresser) == 0);
+  CHECK(count(room.find(room.seen(), &kNothingMoves), kShowsRoom) ==
+        kCamera.width * kCamera.height);
 }
 
 TEST_CASE("what moves presses where it is measured, and is unknown where it is not",
@@ -104,15 +105,15 @@ TEST_CASE("what moves presses where it is measured, and is unknown where it is n
   }
   frame.depth(12, 12) = kNone;
   frame.depth(80, 80) = kNone;
-  // It is believed when it was there in three frames.
-  CHECK(count(room.ask(frame, &moving), kShowsPresser) == 0);
-  CHECK(count(room.ask(frame, &moving), kShowsPresser) == 0);
-  const MaskImage& shows = room.ask(frame, &moving);
+  // A group counts from its third frame on.
+  CHECK(count(room.find(frame, &moving), kShowsPresser) == 0);
+  CHECK(count(room.find(frame, &moving), kShowsPresser) == 0);
+  const MaskImage& shows = room.find(frame, &moving);
   CHECK(shows(20, 15) == kShowsPresser);
   CHECK(shows(12, 12) == kShowsUnknown);
   CHECK(shows(80, 80) == kShowsRoom);  // it looks as the room did
   CHECK(count(shows, kShowsPresser) == 959);
-  CHECK(room.ask(frame, &moving, LookedAt::kNothing)(80, 80) == kShowsUnknown);
+  CHECK(room.find(frame, &moving, LookedAt::kNothing)(80, 80) == kShowsUnknown);
 }
 
 TEST_CASE("a few tiles that seem to move, and any in a single frame, do not press",
@@ -123,8 +124,8 @@ TEST_CASE("a few tiles that seem to move, and any in a single frame, do not pres
   for (int y = 8; y < 20; ++y) {
     for (int x = 8; x < 28; ++x) moving(x, y) = 255;  // 15 tiles
   }
-  for (int i = 0; i < 6; ++i) CHECK(count(room.ask(room.seen(), &moving), kShowsPresser) == 0);
-  // At the picture's other end each time: never twice near each other.
+  for (int i = 0; i < 6; ++i) CHECK(count(room.find(room.seen(), &moving), kShowsPresser) == 0);
+  // At the other end of the picture in each frame: never near the group of the last frame.
   Room other;
   other.show(20);
   for (int i = 0; i < 6; ++i) {
@@ -132,7 +133,7 @@ TEST_CASE("a few tiles that seem to move, and any in a single frame, do not pres
     for (int y = 8; y < 40; ++y) {
       for (int x = 0; x < 40; ++x) elsewhere(i % 2 == 0 ? x : x + 110, y) = 255;
     }
-    CHECK(count(other.ask(other.seen(), &elsewhere), kShowsPresser) == 0);
+    CHECK(count(other.find(other.seen(), &elsewhere), kShowsPresser) == 0);
   }
 }
 
@@ -145,7 +146,7 @@ TEST_CASE("what was put before the room presses, also when it has become part of
   for (const int frames : {0, 60, 700}) {
     room.show(frames);
     INFO("rests for " << frames << " frames");
-    const MaskImage& shows = room.ask(room.seen(), &kNothingMoves);
+    const MaskImage& shows = room.find(room.seen(), &kNothingMoves);
     CHECK(count(shows, kShowsPresser) > 1500);
     CHECK(count(shows, kShowsPresser) <= 1600);
     CHECK(shows(80, 50) == kShowsPresser);
@@ -153,7 +154,7 @@ TEST_CASE("what was put before the room presses, also when it has become part of
   }
   room.things = {};
   room.show(30);
-  CHECK(count(room.ask(room.seen(), &kNothingMoves), kShowsPresser) == 0);
+  CHECK(count(room.find(room.seen(), &kNothingMoves), kShowsPresser) == 0);
 }
 
 TEST_CASE("a strip of the room with a near thing's depth, and doubtful pixels, do not press",
@@ -162,18 +163,18 @@ TEST_CASE("a strip of the room with a near thing's depth, and doubtful pixels, d
   room.show(40);
   room.things = {60, 30, 2, 60};
   for (int i = 0; i < 5; ++i) {
-    CHECK(count(room.ask(room.seen(), &kNothingMoves), kShowsPresser) == 0);
+    CHECK(count(room.find(room.seen(), &kNothingMoves), kShowsPresser) == 0);
   }
   room.things = {60, 30, 40, 40};
   room.come();
-  const auto ask_with = [&](std::uint8_t confidence) {
+  const auto pressers_with = [&](std::uint8_t confidence) {
     SeenFrame frame = room.seen();
     frame.confidence = GrayImage(kCamera.width, kCamera.height, confidence);
-    for (int i = 0; i < 3; ++i) (void)room.ask(frame, &kNothingMoves);
-    return count(room.ask(frame, &kNothingMoves), kShowsPresser);
+    for (int i = 0; i < 3; ++i) (void)room.find(frame, &kNothingMoves);
+    return count(room.find(frame, &kNothingMoves), kShowsPresser);
   };
-  CHECK(ask_with(32) == 0);
-  CHECK(ask_with(200) > 1500);
+  CHECK(pressers_with(32) == 0);
+  CHECK(pressers_with(200) > 1500);
 }
 
 TEST_CASE("a thin thing that moves presses, however it lies on the tiles",
@@ -185,25 +186,25 @@ TEST_CASE("a thin thing that moves presses, however it lies on the tiles",
     room.things = {x0, 8, 5, 80};
     SeenFrame frame = room.seen();
     MaskImage moving(kCamera.width, kCamera.height, 0);
-    // Along outlines a matcher is not sure.
+    // Along outlines a matcher's confidence is low.
     frame.confidence = GrayImage(kCamera.width, kCamera.height, 255);
     for (int y = 8; y < 88; ++y) {
       for (int x = x0; x < x0 + 5; ++x) moving(x, y) = 255;
       frame.confidence(x0, y) = frame.confidence(x0 + 4, y) = 100;
     }
-    for (int i = 0; i < 2; ++i) CHECK(count(room.ask(frame, &moving), kShowsPresser) == 0);
-    CHECK(count(room.ask(frame, &moving), kShowsPresser) == 400);
-    // A quarter of it may be a mismatch.
+    for (int i = 0; i < 2; ++i) CHECK(count(room.find(frame, &moving), kShowsPresser) == 0);
+    CHECK(count(room.find(frame, &moving), kShowsPresser) == 400);
+    // When only a quarter of it moves, it may be a mismatch.
     Room other;
     other.show(20);
     for (int y = 28; y < 88; ++y) {
       for (int x = x0; x < x0 + 5; ++x) moving(x, y) = 0;
     }
-    for (int i = 0; i < 4; ++i) CHECK(count(other.ask(frame, &moving), kShowsPresser) == 0);
+    for (int i = 0; i < 4; ++i) CHECK(count(other.find(frame, &moving), kShowsPresser) == 0);
   }
 }
 
-TEST_CASE("of a thing that moves the end presses on that the mask takes for the scene",
+TEST_CASE("the end of a moving thing stays a presser where the moving mask takes it for the scene",
           "[seen_object][presses]") {
   Room room;
   room.show(40);
@@ -213,12 +214,12 @@ TEST_CASE("of a thing that moves the end presses on that the mask takes for the 
   for (int y = 20; y < 68; ++y) {
     for (int x = 60; x < 68; ++x) moving(x, y) = 255;
   }
-  // Its last twelve rows look as the desk behind them: a pencil's tip before wood.
-  for (int i = 0; i < 5; ++i) CHECK(room.ask(room.seen(), &moving)(63, 76) == kShowsPresser);
+  // Its last twelve rows are not in the moving mask, as a pencil's tip before wood.
+  for (int i = 0; i < 5; ++i) CHECK(room.find(room.seen(), &moving)(63, 76) == kShowsPresser);
   room.things.height = 48;
-  CHECK(room.ask(room.seen(), &moving)(63, 76) == kShowsRoom);
-  room.things.height = 60;  // it was not there in the frame before
-  CHECK(room.ask(room.seen(), &moving)(63, 76) == kShowsRoom);
+  CHECK(room.find(room.seen(), &moving)(63, 76) == kShowsRoom);
+  room.things.height = 60;  // but it was shorter in the frame before
+  CHECK(room.find(room.seen(), &moving)(63, 76) == kShowsRoom);
 }
 
 TEST_CASE("the resting part of a hand that moves presses with it", "[seen_object][presses]") {
@@ -229,18 +230,18 @@ TEST_CASE("the resting part of a hand that moves presses with it", "[seen_object
   for (int y = 20; y < 56; ++y) {
     for (int x = 60; x < 76; ++x) moving(x, y) = 255;
   }
-  // Before it moved, too, it was never seen: what never moved may be a mismatch.
-  for (int i = 0; i < 4; ++i) (void)room.ask(room.seen(), &moving);
-  CHECK(room.ask(room.seen(), &moving)(66, 40) == kShowsPresser);
-  CHECK(room.ask(room.seen(), &moving)(66, 70) == kShowsRoom);
+  // The lower part never moved, so it may be a mismatch.
+  for (int i = 0; i < 4; ++i) (void)room.find(room.seen(), &moving);
+  CHECK(room.find(room.seen(), &moving)(66, 40) == kShowsPresser);
+  CHECK(room.find(room.seen(), &moving)(66, 70) == kShowsRoom);
   room.come();
-  const MaskImage& shows = room.ask(room.seen(), &moving);
+  const MaskImage& shows = room.find(room.seen(), &moving);
   CHECK(shows(66, 40) == kShowsPresser);
   CHECK(shows(66, 70) == kShowsPresser);
   CHECK(shows(40, 70) == kShowsRoom);
 }
 
-TEST_CASE("before a camera that walks only what stands clearly before the room presses",
+TEST_CASE("with a walking camera only things clearly in front of the room press",
           "[seen_object][presses]") {
   for (const float before : {0.025f, 0.080f}) {
     INFO("by " << before << " m");
@@ -252,8 +253,8 @@ TEST_CASE("before a camera that walks only what stands clearly before the room p
     for (int y = 20; y < 80; ++y) {
       for (int x = 40; x < 100; ++x) moving(x, y) = 255;
     }
-    for (int i = 0; i < 4; ++i) (void)room.ask(room.seen(), &moving, LookedAt::kNothing);
-    const MaskImage& shows = room.ask(room.seen(), &moving, LookedAt::kNothing);
+    for (int i = 0; i < 4; ++i) (void)room.find(room.seen(), &moving, LookedAt::kNothing);
+    const MaskImage& shows = room.find(room.seen(), &moving, LookedAt::kNothing);
     CHECK((shows(70, 50) == kShowsPresser) == (before > 0.05f));
   }
 }
@@ -270,18 +271,18 @@ TEST_CASE("what is too close is in front of everything and presses nothing",
       frame.depth(x, y) = kNone;
     }
   }
-  const MaskImage& shows = room.ask(frame, &kNothingMoves);
+  const MaskImage& shows = room.find(frame, &kNothingMoves);
   CHECK(shows(20, 20) == kShowsUnknown);
   CHECK(count(shows, kShowsUnknown) == 1600);
 }
 
-TEST_CASE("without a mask nothing is known, and outside of the box nothing is asked",
+TEST_CASE("without a moving mask, and outside of the box, nothing is known",
           "[seen_object][presses]") {
   Room room;
   room.show(20);
-  CHECK(count(room.ask(room.seen(), nullptr), kShowsUnknown) == kCamera.width * kCamera.height);
+  CHECK(count(room.find(room.seen(), nullptr), kShowsUnknown) == kCamera.width * kCamera.height);
   const MaskImage& shows =
-      room.ask(room.seen(), &kNothingMoves, LookedAt::kPicture, {10, 20, 30, 40});
+      room.find(room.seen(), &kNothingMoves, LookedAt::kPicture, {10, 20, 30, 40});
   CHECK(count(shows, kShowsRoom) == 1200);
   CHECK(shows(10, 20) == kShowsRoom);
   CHECK(shows(39, 59) == kShowsRoom);
@@ -294,12 +295,12 @@ TEST_CASE("finding what presses allocates nothing after the first frame, and ref
   room.show(40);
   room.things = {60, 30, 40, 40};
   const SeenFrame frame = room.seen();
-  (void)room.ask(frame, &kNothingMoves);
-  CHECK(test::allocations_during([&] { (void)room.ask(frame, &kNothingMoves); }) == 0);
+  (void)room.find(frame, &kNothingMoves);
+  CHECK(test::allocations_during([&] { (void)room.find(frame, &kNothingMoves); }) == 0);
   CHECK_THROWS_AS(PressingMask(kNoise, {.step = 0}), ContractViolation);
   CHECK_THROWS_AS(PressingMask(kNoise, {.sigmas = -1}), ContractViolation);
   const MaskImage small(3, 3, 0);
-  CHECK_THROWS_AS(room.ask(frame, &small), ContractViolation);
+  CHECK_THROWS_AS(room.find(frame, &small), ContractViolation);
 }
 
 }  // namespace

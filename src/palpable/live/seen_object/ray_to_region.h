@@ -1,5 +1,5 @@
 /// @file
-/// Points of pixels in another frame than the camera's.
+/// Maps pixels with depths to points in a frame other than the camera's.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -9,7 +9,7 @@
 
 namespace palpable {
 
-/// The ray of pixel (x, y) is origin + Z (first + x across + y down).
+/// Uses that the point of pixel (x, y) at depth Z is origin + Z (first + x across + y down).
 class RayToRegion {
  public:
   RayToRegion(const PinholeCamera& camera, const Rigid3& region_from_camera)
@@ -24,7 +24,7 @@ class RayToRegion {
   [[nodiscard]] Eigen::Vector3f point(int x, int y, float z) const {
     return origin_ + z * direction(x, y);
   }
-  /// Along the ray of the pixel, 1 m of Z long.
+  /// The direction of the pixel's ray, scaled to 1 m of Z.
   [[nodiscard]] Eigen::Vector3f direction(int x, int y) const {
     return first_ + static_cast<float>(x) * across_ + static_cast<float>(y) * down_;
   }

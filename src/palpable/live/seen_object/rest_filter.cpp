@@ -10,14 +10,15 @@
 namespace palpable {
 namespace {
 
-constexpr float kPresent = 0.5f;
+constexpr float kPresent = 0.5f;  // a pixel shows a thing when its presence is larger
 
-// px: whoever looks for an outline looks so far beyond the box at most.
+// px around the box that are copied unfiltered. Must be at least SilhouetteSettings::longest_hole.
 constexpr int kBesidePixels = 16;
 
-// A cell of fewer pixels does as the cells around it.
+// Pixels: a cell with fewer has no shift of its own and takes its neighbours' weight.
 constexpr float kFewest = 12;
-// So many cells to each side tell together how they shift, by as many pixels at least.
+// Cells to each side over which creeping is measured, and the pixels of things, and of outlines,
+// that they must have.
 constexpr std::ptrdiff_t kAround = 2;
 constexpr float kFewestAround = 150, kFewestOutline = 20;
 
@@ -76,7 +77,7 @@ void RestFilter::sum_up(const DepthImage& depth, const MaskImage& shows) {
       const bool now = shown[x] == kShowsPresser, was = presences[x] > kPresent;
       if (!now && !was) continue;
       Cell& cell = cells[cell_of_column[x]];
-      // A hole in a thing is no sign that it has gone.
+      // A hole without depth does not mean that the thing has gone.
       if (now != was && shown[x] != kShowsUnknown) {
         cell.changed += 1;
         add_outline(shows, x, y, now ? 1.0f : -1.0f, cell.outline);
@@ -98,10 +99,11 @@ void RestFilter::sum_up(const DepthImage& depth, const MaskImage& shows) {
   }
 }
 
-// @param came  1: the pixel came, -1: it went, 0: it is one of the outline now
+// Adds a pixel to the normal equations of the outline's displacement.
+// @param came  1: the pixel came, -1: it went, 0: it lies on the outline now
 void RestFilter::add_outline(const MaskImage& shows, int x, int y, float came,
                              Outline& outline) const {
-  // Down the slope of what is shown now or was.
+  // The normal: down the gradient of the thing's presence, now and before, over 3 x 3 pixels.
   float nx = 0, ny = 0;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
@@ -126,7 +128,7 @@ void RestFilter::add_outline(const MaskImage& shows, int x, int y, float came,
   }
 }
 
-// m, of a cell and those around it together; 0 where they are too few to tell.
+// The shift (m) of a cell and those around it together; 0 where they have too few pixels.
 float RestFilter::shift_around(std::ptrdiff_t column, std::ptrdiff_t row, float fx_px) const {
   const auto across = static_cast<std::ptrdiff_t>(cells_across_);
   const auto down = static_cast<std::ptrdiff_t>(cells_.size()) / across;
@@ -150,7 +152,7 @@ float RestFilter::shift_around(std::ptrdiff_t column, std::ptrdiff_t row, float 
   }
   const float away = both > kFewestAround ? std::abs(apart / both) : 0;
   if (!(o.xx + o.yy > kFewestOutline) || !(now > 0)) return away;
-  // Along a straight outline nothing is told: there d is as short as may be.
+  // A straight outline does not determine d along itself: regularised, d is the shortest solution.
   const float least = 0.1f * (o.xx + o.yy);
   const float xx = o.xx + least, yy = o.yy + least, det = xx * yy - o.xy * o.xy;
   const float dx = (yy * o.x - o.xy * o.y) / det, dy = (xx * o.y - o.xy * o.x) / det;
@@ -165,7 +167,7 @@ void RestFilter::find_shares(const PinholeCamera& camera) {
     moved_[k] = 0;
     if (cell.now + cell.changed < kFewest) continue;
     const float m_per_px = cell.now > 0 ? cell.depth / cell.now / static_cast<float>(camera.fx_px)
-                                        : moves;  // all of it went
+                                        : moves;  // the thing has left the cell
     const float along =
         m_per_px * cell.changed / std::max(cell.edge, static_cast<float>(settings_.cell_px));
     const float away = cell.both > 0 ? std::abs(cell.apart / cell.both) : moves;
@@ -220,7 +222,7 @@ void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float 
         averages[x] = same ? mean + share * (z - mean) : z;
         presence += share * (1 - presence);
       } else {
-        // A hole in a thing that rests is no sign that it has gone.
+        // A hole without depth does not mean that a resting thing has gone.
         if (share >= 1 || shown[x] != kShowsUnknown) presence -= share * presence;
         if (presence < 1e-3f) presence = 0;
       }

@@ -1,24 +1,24 @@
 /// @file
-/// A hand that rests gives a surface that rests: depth and outline are averaged over the frames in
-/// which a place of the picture has not changed.
+/// Averages depth and outline over the frames in which a part of the picture has not changed, so
+/// that a resting hand gives a resting surface.
 ///
-/// Whether it has is asked of all pixels of a small cell together. One pixel's depth scatters by a
-/// millimetre or two, and its outline flickers by a pixel; the mean over a cell scatters by a third
-/// of that:
+/// Change is measured for all pixels of a small cell together. The depth of one pixel scatters by a
+/// millimetre or two, and an outline flickers by a pixel; the mean over a cell scatters by a third
+/// of that. The weight of the present frame in a cell's average grows with the cell's shift:
 ///
-///     shift = max( |mean depth now - average|,  width of what changed along the outline )
-///     share of this frame = 1 / frames at rest ... 1        from settings.rests to settings.moves
+///     shift = max( |mean depth now - average|,  width of the changed strip along the outline )
+///     weight = 1 / (frames at rest) for shift <= settings.rests,  1 for shift >= settings.moves
 ///
-/// so that of what moves the present frame alone counts. A cell also takes the share of its
-/// neighbours that move. What creeps, as a finger that presses does, shifts by less than that in a
-/// frame; it is told by all cells around together, whose shift scatters by a fifth of one cell's:
+/// so that a moving thing is shown as in the present frame alone. A cell takes the largest weight
+/// of its neighbours. A thing that creeps, such as a finger that presses, shifts by less than that
+/// in a frame. Its shift is measured over the 5 x 5 cells around, which scatters by a fifth of one
+/// cell's, and makes the weight grow between settings.creeps and settings.flows:
 ///
-///     shift = max( |sum of (depth now - average)| / pixels,  |d| )        from creeps to flows
-///     d = (sum of n n^T over the outline's pixels)^-1 (sum of n over those that came - those gone)
+///     shift = max( |sum of (depth now - average)| / pixels,  |d| )
+///     d = (sum of n n^T over the outline's pixels)^-1 (sum of n over pixels that came - that went)
 ///
-/// with n the outline's normal, outward in the picture,
-///
-/// so that the average lags by less than settings.flows.
+/// with n the outline's normal, outward in the picture, and d the outline's displacement. So the
+/// average lags behind by less than settings.flows.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -32,52 +32,58 @@
 namespace palpable {
 
 struct RestFilterSettings {
-  double rests = 0.0010;   ///< m: what has shifted by less has not moved
-  double moves = 0.0020;   ///< m: what has shifted by more is where it is seen now
-  double creeps = 0.0003;  ///< m: `rests` of all cells around together,
-  double flows = 0.0006;   ///< m: and `moves`
-  int most_frames = 32;    ///< that are averaged; 1: none
+  double rests = 0.0010;   ///< m: a cell that shifts by less is averaged over most_frames
+  double moves = 0.0020;   ///< m: a cell that shifts by more is shown as in this frame
+  double creeps = 0.0003;  ///< m: as `rests`, for the shift over the 5 x 5 cells around
+  double flows = 0.0006;   ///< m: as `moves`, likewise; the largest lag of the average
+  int most_frames = 32;    ///< over which is averaged; 1: no averaging
   int cell_px = 12;        ///< side of a cell
-  /// A pixel whose depth differs by more sigmas from its average shows something else now.
+  /// Standard deviations of the depth: a pixel that differs by more from its average shows another
+  /// surface now, and its average begins anew.
   double sigmas = 4;
 };
 
-/// For a camera that stands: what another one sees of a resting thing moves through its picture,
-/// and is passed on as it is.
+/// The filter of a camera that stands. The picture of a resting thing moves through a moving
+/// camera's picture; frames of such a camera are passed on unchanged.
 class RestFilter {
  public:
   /// @throws ContractViolation for settings out of their range
   explicit RestFilter(const RestFilterSettings& settings = {});
 
+  /// Adds a frame.
   /// @param depth, shows  of this frame (ObjectSurface::build); `shows` of the depth's size
-  /// @param box           holds all that presses and is looked at
+  /// @param box           holds all pressers that are to be filtered
   /// @param noise         sigma of one pixel's depth at 1 m, m; it grows as Z^2
   void add(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
            const PinholeCamera& camera, const Rigid3& camera_from_body, double noise);
 
-  /// The frame, averaged, in and up to 16 px around the box; elsewhere anything. Valid until the
+  /// The averaged frame in box() and up to 16 px around it; undefined elsewhere. Valid until the
   /// next add().
   [[nodiscard]] const DepthImage& depth() const { return depth_; }
   [[nodiscard]] const MaskImage& shows() const { return shows_; }
-  /// 1 where a thing is, 0 beside it, between them where its outline flickers; of the depth's size.
+  /// The share of the averaged frames that showed a thing at a pixel: 1 inside, 0 beside it,
+  /// between them where its outline flickers. Of the depth's size.
   [[nodiscard]] const Image<float>& presence() const { return presence_; }
-  /// All that is shown as a thing lies in here.
+  /// Holds all pixels that shows() calls a presser.
   [[nodiscard]] const PixelBox& box() const { return box_; }
-  /// Frames that count at a pixel of the box, 1 .. most_frames.
+  /// The number of frames averaged at a pixel of the box, 1 .. most_frames.
   [[nodiscard]] float frames_at(int x, int y) const { return cell_at(x, y).frames; }
 
  private:
-  // What the pixels at an outline tell of how it shifted, px.
+  // Normal equations of an outline's displacement d, px: (sum of n n^T) d = (x, y).
   struct Outline {
     float xx = 0, xy = 0, yy = 0;  // sum of n n^T
-    float x = 0, y = 0;            // of n at those that came, less those that went
+    float x = 0, y = 0;            // sum of n over pixels that came, less that over those that went
   };
   struct Cell {
-    float frames = 0;  // that count; 0: nothing is known
-    float share = 1;   // of this frame
-    // Of this frame: pixels of a thing, those that were one before, the sum of their depths less
-    // the average, of their depths, pixels that came or went, pixels at an outline.
-    float now = 0, both = 0, apart = 0, depth = 0, changed = 0, edge = 0;
+    float frames = 0;   // averaged; 0: none
+    float share = 1;    // weight of this frame
+    float now = 0;      // pixels of a thing in this frame
+    float both = 0;     // pixels of a thing now and before
+    float apart = 0;    // m, sum of depth - average over `both`
+    float depth = 0;    // m, sum of depths over `now`
+    float changed = 0;  // pixels that came or went
+    float edge = 0;     // pixels at an outline
     Outline outline = {};
   };
   [[nodiscard]] Cell* row_of_cells(int y) {

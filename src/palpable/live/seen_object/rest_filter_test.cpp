@@ -28,7 +28,7 @@ struct Slab {
   MaskImage shows{kCamera.width, kCamera.height, kShowsRoom};
   PixelBox box;
 
-  // @param scatter  m, of each pixel's depth
+  // @param scatter  m, standard deviation of each pixel's depth
   void paint(std::mt19937_64& random, float scatter) {
     std::normal_distribution<float> normal;
     std::fill(depth.begin(), depth.end(), kWall);
@@ -63,7 +63,7 @@ struct Slab {
   }
 };
 
-TEST_CASE("of what rests 32 frames are averaged", "[seen_object][rest]") {
+TEST_CASE("a resting thing is averaged over 32 frames", "[seen_object][rest]") {
   auto random = test::random_case(1);
   RestFilter filter;
   Slab slab;
@@ -73,17 +73,17 @@ TEST_CASE("of what rests 32 frames are averaged", "[seen_object][rest]") {
   CHECK(slab.error_in(filter) == Approx(kScatter).epsilon(0.1));
   slab.rest(99, random, filter);
   CHECK(filter.frames_at(75, 60) == Approx(32));
-  // With shares of 1/32 the variance is 1/63 of one frame's.
+  // With a weight of 1/32 for each new frame the variance is 1/63 of one frame's.
   CHECK(slab.error_in(filter) ==
         Approx(static_cast<double>(kScatter) / std::sqrt(63.0)).epsilon(0.15));
 }
 
-TEST_CASE("of what moves the present frame alone counts", "[seen_object][rest]") {
+TEST_CASE("a moving thing is shown as in the present frame alone", "[seen_object][rest]") {
   auto random = test::random_case(2);
   RestFilter filter;
   Slab slab;
   slab.rest(40, random, filter);
-  // 0.5 m/s at 30 Hz, towards the camera; then as fast across.
+  // 0.5 m/s at 30 Hz towards the camera, then as fast across the picture.
   const auto is_the_frame = [&] {
     slab.paint(random, kScatter);
     slab.add_to(filter);
@@ -107,7 +107,7 @@ TEST_CASE("of what moves the present frame alone counts", "[seen_object][rest]")
   }
 }
 
-TEST_CASE("what creeps is late by less than the shift that counts as flowing",
+TEST_CASE("the average of a creeping thing lags by less than the setting flows",
           "[seen_object][rest]") {
   auto random = test::random_case(3);
   RestFilter filter;
@@ -123,7 +123,7 @@ TEST_CASE("what creeps is late by less than the shift that counts as flowing",
     }
     CHECK(std::abs(late / 1800) < RestFilterSettings{}.flows);
   }
-  // Across the picture, by half a pixel a frame: a pixel in every other one, 1.1 mm.
+  // Across the picture by half a pixel per frame: one pixel (1.1 mm) in every other frame.
   slab.rest(40, random, filter);
   for (int frame = 0; frame < 60; ++frame) {
     if (frame % 2 == 0) slab.x += 1;
@@ -136,14 +136,14 @@ TEST_CASE("what creeps is late by less than the shift that counts as flowing",
   }
 }
 
-TEST_CASE("an outline that flickers rests amid its pixels", "[seen_object][rest]") {
+TEST_CASE("a flickering outline comes to rest within its pixels", "[seen_object][rest]") {
   auto random = test::random_case(4);
   RestFilter filter;
   Slab slab;
   double mean = 0;
   for (int frame = 0; frame < 200; ++frame) {
     slab.paint(random, 0);
-    // The column beyond the slab shows it in three of ten frames, in other rows each time.
+    // The column beside the slab shows the slab in three of ten frames, in varying rows.
     slab.box.width = 31;
     for (int v = 30; v < 90; ++v) {
       if ((frame + 3 * v) % 10 >= 3) continue;
@@ -158,7 +158,7 @@ TEST_CASE("an outline that flickers rests amid its pixels", "[seen_object][rest]
   CHECK(filter.shows()(90, 60) == kShowsRoom);
 }
 
-TEST_CASE("a hole in what rests is no sign that it has gone", "[seen_object][rest]") {
+TEST_CASE("a hole without depth does not remove a resting thing", "[seen_object][rest]") {
   auto random = test::random_case(5);
   RestFilter filter;
   Slab slab;
@@ -175,7 +175,7 @@ TEST_CASE("a hole in what rests is no sign that it has gone", "[seen_object][res
   CHECK(std::abs(static_cast<double>(filter.depth()(75, 55) - slab.z)) < 0.001);
 }
 
-TEST_CASE("what left is forgotten at once", "[seen_object][rest]") {
+TEST_CASE("a thing that left is forgotten at once", "[seen_object][rest]") {
   auto random = test::random_case(6);
   RestFilter filter;
   Slab slab;
@@ -187,7 +187,7 @@ TEST_CASE("what left is forgotten at once", "[seen_object][rest]") {
   for (const std::uint8_t what : filter.shows()) REQUIRE(what != kShowsPresser);
 }
 
-TEST_CASE("of a camera that moves each frame is passed on as it is", "[seen_object][rest]") {
+TEST_CASE("the frames of a moving camera are passed on unchanged", "[seen_object][rest]") {
   auto random = test::random_case(7);
   RestFilter filter;
   Slab slab;

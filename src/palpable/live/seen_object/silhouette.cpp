@@ -12,19 +12,19 @@ namespace {
 
 constexpr float kNoDistance = std::numeric_limits<float>::infinity();
 
-constexpr float kLeast = 0.01f;  // px: 0 would say that there is no thing
-constexpr int kBarred = 3;       // px: no crease is wider
+constexpr float kLeast = 0.01f;  // px, the least distance in a thing; 0 means no thing
+constexpr int kBarred = 3;       // px, the largest width of a crease
 
-// The outline runs before the middle of the first pixel beyond it: half a pixel, where it runs
-// along rows or columns. A slanted one passes nearer to the nearest of the many pixels beside it;
-// 0.28 px is the mean over all slopes.
+// The distance to the outline for an offset to the first pixel beyond it. The outline runs half a
+// pixel before the middle of that pixel if it follows rows or columns. A slanted outline passes
+// nearer to it; 0.28 px is the mean over all slopes.
 float length_of(ToOutline d) {
   const bool slanted = d.dx != 0 && d.dy != 0;
   return std::sqrt(static_cast<float>(d.dx * d.dx + d.dy * d.dy)) -
          (slanted ? kBeforeMiddleSlanted : kBeforeMiddle);
 }
 
-// Lengths of most ways: a root takes as long as all else of a step along a row.
+// A table of length_of() for small offsets: the square root would take half of the sweep's time.
 constexpr int kMostCommon = 64;  // px to each side
 const std::vector<float> kLengths = [] {
   std::vector<float> lengths;
@@ -38,11 +38,11 @@ const std::vector<float> kLengths = [] {
 template <int dx>
 inline void take_over(const OutlineRow& row, int x, const DepthJump& jump) {
   const float mine = row.distance[x], theirs = row.distance[x + dx];
-  // No thing is here or there, or its outline is too far away to matter here; both where it has
-  // none.
+  // One of the two shows no thing, or the neighbour's outline cannot be nearer than the present
+  // one; also if neither has an outline (infinity - kOutlineStep >= infinity).
   if (!(mine > 0) || !(theirs > 0) || theirs - kOutlineStep >= mine) return;
   const ToOutline there = row.nearest[x + dx];
-  // Away from an outline the way to it gets longer.
+  // The neighbour's outline lies on its far side: it is farther from here than from there.
   if (theirs >= mine && there.dx * dx >= 0) return;
   const ToOutline offer{static_cast<std::int16_t>(there.dx + dx), there.dy};
   const auto across = static_cast<unsigned>(std::abs(offer.dx)),
@@ -71,7 +71,7 @@ bool Silhouette::joined(float z, float other) const {
   return std::abs(z - other) <= jump(std::min(z, other));
 }
 
-// Whether the thing that pixel (x, y) shows ends there, seen in direction (dx, dy).
+// Whether the thing at pixel (x, y) ends there in direction (dx, dy).
 bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
   const DepthImage& depth = *depth_;
   const float z = depth(x, y);
@@ -82,13 +82,13 @@ bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
     if (!is_depth(other)) continue;
     if (other < z - jump(other)) return false;  // something nearer hides the rest
     if (other > z + jump(z)) return true;
-    // As near: the thing goes on, unless that is the desk on which a hand lies.
+    // At the same depth: the thing continues, unless that pixel shows the room (a hand on a desk).
     return !shows_->empty() && shows_room((*shows_)(u, v));
   }
   return true;  // a wide hole: nothing was measured beside the thing
 }
 
-// Of the row, where things are, and the outlines that pass right beside them.
+// Finds the things of a row, and the outlines directly beside their pixels.
 void Silhouette::begin_row(int y) {
   const int right = box_.x + box_.width;
   const float* depth = depth_->row(y);
@@ -107,7 +107,7 @@ void Silhouette::begin_row(int y) {
   for (int x = begin; x < end; ++x) {
     const float z = depth[x];
     if (!is_depth(z) || (shows != nullptr && shows[x] != kShowsPresser)) continue;
-    // Most pixels lie amid a thing.
+    // A quick test for the interior of a thing, where most pixels lie.
     if (shows != nullptr && !is_first && !is_last && x > 0 && x + 1 < depth_->width()) {
       const auto width = static_cast<std::ptrdiff_t>(depth_->width());
       const int apart = static_cast<int>(!(std::abs(depth[x - 1] - z) < least)) |
@@ -124,7 +124,8 @@ void Silhouette::begin_row(int y) {
   }
 }
 
-// px, of an outline whose first pixel beyond it is (x, y).
+// px by which an outline is moved outwards whose first pixel beyond it is (x, y): see
+// SilhouetteSettings::beside_unknown.
 float Silhouette::known_better(int x, int y) const {
   const std::uint8_t shows = shows_->empty() ? kShowsRoom : (*shows_)(x, y);
   if (shows == kShowsRoomByColor) return static_cast<float>(settings_.by_color);
@@ -132,7 +133,7 @@ float Silhouette::known_better(int x, int y) const {
   return unknown ? static_cast<float>(settings_.beside_unknown) : 0;
 }
 
-// The outlines that pass right beside a pixel of a thing.
+// Finds the nearest outline between a pixel of a thing and its four neighbours.
 void Silhouette::begin_at(int x, int y) {
   float& distance = distance_[at(x, y)];
   distance = kNoDistance;
@@ -162,8 +163,9 @@ OutlineRow Silhouette::outline_row(int x, int y) {
   return {&distance_[n], &nearest_[n], &beyond_[n], &depths_[n]};
 }
 
-// Two sweeps, down and up: each pixel of `box` takes over the outlines that its neighbours know.
-void Silhouette::hand_on(const PixelBox& box) {
+// Propagates outlines by two sweeps, down and up: each pixel of `box` takes over an outline of its
+// neighbours if that is nearer than its own.
+void Silhouette::propagate(const PixelBox& box) {
   const PixelKernels& kernels = best_pixel_kernels();
   const auto sweep = [&](int y, int dy) {
     const Run run = things_of_row(y);
@@ -180,7 +182,7 @@ void Silhouette::hand_on(const PixelBox& box) {
   for (int y = box.y + box.height - 1; y >= box.y; --y) sweep(y, 1);
 }
 
-// No outline is handed on over this pixel.
+// Marks a pixel so that no outline is propagated across it.
 void Silhouette::bar(int x, int y) {
   if (!(distance_[at(x, y)] > 0)) return;
   distance_[at(x, y)] = kLeast;
@@ -188,7 +190,8 @@ void Silhouette::bar(int x, int y) {
   beyond_[at(x, y)] = kNoDistance;
 }
 
-// The first pixel beside a crease that is not barred.
+// Sets the outline of a crease at the first pixel on the side `away` that is not barred.
+// @param hidden  px by which the thing on that side continues behind the other one
 void Silhouette::begin_beside(const CreasePixel& crease, const Eigen::Vector2f& away,
                               float hidden) {
   for (int k = 1; k <= kBarred; ++k) {
@@ -210,7 +213,7 @@ void Silhouette::begin_beside(const CreasePixel& crease, const Eigen::Vector2f& 
 
 void Silhouette::part(std::span<const CreasePixel> creases, int reach) {
   if (creases.empty()) return;
-  // A slanted line of pixels is tight where each has one below it.
+  // The pixel below is barred as well, so that a slanted line has no diagonal gaps.
   int left = creases[0].x, right = left, top = creases[0].y, bottom = top;
   for (const CreasePixel& crease : creases) {
     bar(crease.x, crease.y);
@@ -225,7 +228,7 @@ void Silhouette::part(std::span<const CreasePixel> creases, int reach) {
   }
   left = std::max(left - reach, box_.x), right = std::min(right + reach, box_.x + box_.width - 1);
   top = std::max(top - reach, box_.y), bottom = std::min(bottom + reach, box_.y + box_.height - 1);
-  hand_on({left, top, right - left + 1, bottom - top + 1});
+  propagate({left, top, right - left + 1, bottom - top + 1});
 }
 
 void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
@@ -240,7 +243,7 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const Pix
   depth_ = &depth;
   shows_ = &shows;
   presence_ = presence;
-  // The next box may be larger.
+  // Reserved for the whole image: the next box may be larger.
   constexpr std::size_t kBesideBox = kBefore + kReadBeyond;
   const std::size_t most = (static_cast<std::size_t>(depth.width()) + kBesideBox) *
                            (static_cast<std::size_t>(depth.height()) + 2);
@@ -254,7 +257,7 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const Pix
   nearest_.resize(count);
   runs_.resize(static_cast<std::size_t>(box.height));
   for (int y = box.y; y < box.y + box.height; ++y) begin_row(y);
-  hand_on(box);
+  propagate(box);
   depth_ = nullptr;
   shows_ = nullptr;
   presence_ = nullptr;

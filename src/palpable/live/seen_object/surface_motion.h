@@ -1,24 +1,27 @@
 /// @file
-/// How what presses moves, and where it is between two frames of the camera.
+/// The velocities of pressers, and their extrapolation to times between two frames of the camera.
 ///
-/// Of each ball j the side that is seen says how far it has come since the frame before: a place p
-/// on it, where the surface points along n, has come by
+/// The displacement w of a surface since the previous frame is found from sample points p on the
+/// visible side of the balls. With n the surface's normal at p, and phi_before the signed distance
+/// to the surface of the previous frame,
 ///
-///     n . w  =  phi_before(p)                        w = way since then, m
+///     n . w  =  phi_before(p)                        m
 ///
-/// phi_before is the signed distance to the surface of then. A ball's place is told by all balls
-/// around it together, the nearer the more; what they leave open (how a straight finger slides
-/// along itself) by the thing as a whole:
+/// determines w along n. The displacement w_i of ball i fits the samples of all balls j around it,
+/// weighted by their nearness k. What these leave undetermined (a straight finger that slides along
+/// its axis) is taken from the displacement w_all of all balls together:
 ///
-///     w_i = min  sum_j k(|c_i - c_j|) sum_p (n_p . w - phi_before(p))^2  +  e |w - w_all|^2
+///     w_i = argmin  sum_j k(|c_i - c_j|) sum_p (n_p . w - phi_before(p))^2  +  e |w - w_all|^2
 ///
-/// and by three steps of Newton's method, since phi_before bends; in the last two what is off by
-/// millimetres counts little. Half of what a way has changed is believed at once, for what is seen
-/// scatters; of a change larger than that, more.
+/// Three steps of Newton's method are made, since phi_before is not linear; in the last two,
+/// samples with residuals of millimetres have small weights. The velocity follows half of a change
+/// of the displacement at once, since measurements scatter, and more of a change above
+/// settings.noise / 2.
 ///
-/// A thing goes on by  v T (1 - exp(-t / T))  in t, since hands that press slow down.
+/// During the time t after a frame a ball advances by  v T (1 - exp(-t / T)), T = settings.fades,
+/// since hands that press slow down.
 ///
-/// Body frame, m, s. One surface after the other; keeps its memory.
+/// Body frame, m, s.
 #pragma once
 
 #include "palpable/common/contact/object_ball.h"
@@ -34,62 +37,68 @@
 namespace palpable {
 
 struct SurfaceMotionSettings {
-  double around = 0.025;  ///< m: balls that far away move together
-  /// m: from here on a way in one frame is a move rather than noise, and believed at once.
+  /// m: the distance at which a ball's samples no longer influence another ball. Larger values
+  /// average more noise; smaller ones keep the fingers of a hand apart.
+  double around = 0.025;
+  /// m: a displacement that differs by this or more from the expected one is used at once, without
+  /// smoothing.
   double noise = 0.0010;
-  /// m: what has come farther in one frame is not the same place.
+  /// m: the largest displacement in one frame; samples farther from the previous surface are left
+  /// out.
   double reach = 0.010;
-  /// s, in which a velocity fades to 1/e: hands that press slow down. On films of a finger that
-  /// presses and one that slides 1/30 s is better than 2/30 and than no end (`bench ticks`).
+  /// s: the time T in which an extrapolated velocity falls to 1/e, because hands that press slow
+  /// down. In films of a finger that presses and one that slides, 1/30 s is better than 2/30 and
+  /// than no decay (`palpable bench ticks`).
   double fades = 1.0 / 30;
 };
 
+/// Estimates the velocities of a sequence of surfaces. Keeps its memory.
 class SurfaceMotion {
  public:
   /// @throws ContractViolation for settings out of their range
   explicit SurfaceMotion(const SurfaceMotionSettings& settings = {});
 
-  /// The next frame's surface. Time that does not pass, or passes by more than 0.2 s, begins anew:
-  /// nothing moves.
-  /// @param balls   of it (ObjectSurface::balls); those that nobody sees stand still
-  /// @param camera  m, where it is seen from
+  /// Adds the next frame's surface. If the time since the last one is not positive or is more than
+  /// 0.2 s, the estimate begins anew with velocity 0.
+  /// @param balls   of the surface (ObjectSurface::balls); held ones (unseen_for > 0) do not move
+  /// @param camera  m, the camera's position
   /// @param time    s, of the frame
   void add(std::span<const ObjectBall> balls, const Eigen::Vector3f& camera, double time);
 
-  /// m/s, of each of these balls.
+  /// The velocity of each ball added last, m/s.
   [[nodiscard]] std::span<const Eigen::Vector3f> velocities() const { return velocities_; }
-  /// s between the two frames last added; 0 when there were none.
+  /// s between the two frames last added; 0 while there is only one, or after a new beginning.
   [[nodiscard]] double interval() const { return interval_; }
 
-  /// The balls so many seconds after the frame added last. @param balls  overwritten
+  /// Extrapolates the balls to `seconds` after the frame added last. @param balls  overwritten
   void carry(double seconds, std::vector<ObjectBall>& balls) const;
 
  private:
-  // Normal equations of a ball's places.
-  struct Told {
+  // Normal equations A w = b of the samples on one ball.
+  struct BallEquations {
     Eigen::Vector3f centre = Eigen::Vector3f::Zero();
     Eigen::Matrix3f A = Eigen::Matrix3f::Zero();  // sum of n n^T
     Eigen::Vector3f b = Eigen::Vector3f::Zero();  // sum of n (n . w)
   };
-  void find_places(const Eigen::Vector3f& camera);
+  void find_samples(const Eigen::Vector3f& camera);
   void solve();
-  [[nodiscard]] Eigen::Vector3f before_at(const Eigen::Vector3f& place) const;
+  [[nodiscard]] Eigen::Vector3f velocity_before_at(const Eigen::Vector3f& position) const;
 
   SurfaceMotionSettings settings_;
   std::optional<double> time_;  // of the frame before
   double interval_ = 0;
   std::vector<ObjectBall> balls_;
-  std::vector<Ball> bare_;  // those that are seen
+  std::vector<Ball> bare_;  // the measured ones of balls_
   BallTree now_, before_;
-  std::vector<Eigen::Vector3f> velocities_;   // m/s
-  std::vector<Eigen::Vector3f> seen_before_;  // m/s, of the balls of before_
-  std::vector<Eigen::Vector3f> ways_;         // m, of each of the chosen balls
-  struct Place {
+  std::vector<Eigen::Vector3f> velocities_;         // m/s, per ball of balls_
+  std::vector<Eigen::Vector3f> velocities_before_;  // m/s, per ball of before_
+  std::vector<Eigen::Vector3f> ways_;               // m, displacements, per entry of equations_
+  struct Sample {
     Eigen::Vector3f at, normal;
-    int of = 0;  // which of told_
+    int of = 0;  // index of equations_
   };
-  std::vector<Place> places_;
-  std::vector<Told> told_;
+  std::vector<Sample> samples_;
+  std::vector<BallEquations> equations_;  // of the balls that were chosen
 };
 
 }  // namespace palpable

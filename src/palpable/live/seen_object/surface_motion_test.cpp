@@ -15,12 +15,13 @@ namespace {
 using Eigen::Vector3f;
 using test::tolerance;
 
-constexpr double kFrame = 1.0 / 30;          // s
-const float kHalfway = 1 - std::exp(-0.5f);  // of a frame's way that is gone after half of it
-constexpr float kRadius = 0.008f;            // m
-const Vector3f kCamera(0, 0, 0.4f);          // m, above
+constexpr double kFrame = 1.0 / 30;  // s
+// The extrapolated displacement after half a frame, as a ratio to that of the last frame.
+const float kHalfway = 1 - std::exp(-0.5f);
+constexpr float kRadius = 0.008f;    // m
+const Vector3f kCamera(0, 0, 0.4f);  // m, above
 
-// A finger that lies from its tip on towards `along`, seen from above.
+// Adds a finger that extends from its tip in the direction `along`, seen from above.
 void add_finger(std::vector<ObjectBall>& balls, const Vector3f& tip, const Vector3f& along) {
   for (float s = 0; s < 0.06f; s += 0.001f) {
     const Vector3f centre = tip + (s + kRadius) * along;
@@ -34,7 +35,7 @@ std::vector<ObjectBall> finger_at(const Vector3f& tip) {
   return balls;
 }
 
-// m/s, of the ball at the tip, after frames in which a finger goes on by `way` each.
+// The velocity (m/s) of the ball at the tip of a finger that moved by `way` in each frame.
 Vector3f velocity_after(int frames, const Vector3f& way) {
   SurfaceMotion motion;
   for (int n = 0; n < frames; ++n) {
@@ -43,7 +44,7 @@ Vector3f velocity_after(int frames, const Vector3f& way) {
   return motion.velocities().front();
 }
 
-TEST_CASE("a finger's tip goes on as the finger moved, in every direction",
+TEST_CASE("a finger's tip gets the velocity of the finger, in every direction",
           "[seen_object][motion]") {
   for (const Vector3f& way :
        {Vector3f(0, 0, -0.001f), Vector3f(0, 0.003f, 0), Vector3f(-0.002f, 0, 0),
@@ -55,7 +56,7 @@ TEST_CASE("a finger's tip goes on as the finger moved, in every direction",
   }
 }
 
-TEST_CASE("what is carried on meets what is seen next", "[seen_object][motion]") {
+TEST_CASE("the extrapolated surface meets the surface seen next", "[seen_object][motion]") {
   const Vector3f way(0.0005f, 0.001f, -0.0015f);
   SurfaceMotion motion;
   for (int n = 0; n < 6; ++n) {
@@ -89,7 +90,7 @@ TEST_CASE("two things near each other move each by itself", "[seen_object][motio
   CHECK((motion.velocities()[half] - Vector3f(0, 0, -0.03f)).norm() < tolerance(0.004f, "m/s"));
 }
 
-TEST_CASE("a thing that rests and scatters is carried on by less than it scatters",
+TEST_CASE("a resting thing is extrapolated by less than its measurements scatter",
           "[seen_object][motion]") {
   std::mt19937 random(1);
   std::normal_distribution<float> scatter(0, 2e-4f);
@@ -99,11 +100,11 @@ TEST_CASE("a thing that rests and scatters is carried on by less than it scatter
     motion.add(finger_at({scatter(random), scatter(random), scatter(random)}), kCamera, n * kFrame);
     squares += static_cast<double>(motion.velocities().front().squaredNorm()) * kFrame * kFrame;
   }
-  // Two frames differ by sqrt(2) * sqrt(3) * 0.2 mm.
+  // The rms difference of two frames is sqrt(2) * sqrt(3) * 0.2 mm.
   CHECK(std::sqrt(squares / 60) < tolerance(4.9e-4, "m: what two frames differ by"));
 }
 
-TEST_CASE("nothing is carried on that was not seen moving", "[seen_object][motion]") {
+TEST_CASE("only things that were seen moving have a velocity", "[seen_object][motion]") {
   SurfaceMotion motion;
   const auto fastest = [&] {
     float most = 0;
@@ -118,9 +119,9 @@ TEST_CASE("nothing is carried on that was not seen moving", "[seen_object][motio
   std::vector<ObjectBall> held = finger_at({0, 0, 0.002f});
   for (ObjectBall& ball : held) ball.unseen_for = 0.1f;
   motion.add(held, kCamera, kFrame);
-  CHECK(fastest() == 0);  // nobody sees it
+  CHECK(fastest() == 0);  // it is not seen
   motion.add(finger_at({0, 0, 0.004f}), kCamera, 2 * kFrame);
-  CHECK(fastest() == 0);  // nobody saw where it was
+  CHECK(fastest() == 0);  // it was not seen in the frame before
   motion.add(finger_at({0.1f, 0.1f, 0.1f}), kCamera, 3 * kFrame);
   CHECK(fastest() == 0);  // another thing
   motion.add(finger_at({0.1f, 0.1f, 0.102f}), kCamera, 5);
