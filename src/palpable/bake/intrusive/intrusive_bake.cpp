@@ -30,7 +30,8 @@ namespace {
 // Stress is smooth in the load: a cubic through 0 and these fractions of it.
 const Eigen::Vector3d kStressLevels(1.0 / 3.0, 2.0 / 3.0, 1.0);
 
-// (3 x J) what the values at kStressLevels count at each level, in the cubic that is 0 at 0.
+// (3 x J) weights of the values at kStressLevels in the value at each level, by the cubic that is 0
+// at 0.
 MatrixXd cubic_through_thirds(const VectorXd& levels) {
   MatrixXd weights(3, levels.size());
   for (Index j = 0; j < levels.size(); ++j) {
@@ -81,11 +82,12 @@ class StressStates {
   std::vector<Index> states_;
 
  public:
-  Eigen::MatrixXf values;  // (6V x 3S), the three of a position side by side
+  Eigen::MatrixXf values;  // (6V x 3S), the three states of a position side by side
   double largest_von_mises = 0;
 };
 
-// One F_i for each product, on the skin, over "site" and "level".
+// The sum of the products as a field over "site" and "level". Each product has its own copy of its
+// column of F, whose rows are those of the skin.
 SeparatedField field_of(const MatrixXd& F, const TableTerms& terms, const VectorXd& levels) {
   const Index count = terms.site.cols(), S = terms.site.rows();
   Eigen::MatrixXf modes(F.rows(), count);
@@ -100,7 +102,7 @@ SeparatedField field_of(const MatrixXd& F, const TableTerms& terms, const Vector
            {"level", std::move(samples), std::move(of_level), Between::kSmooth}}};
 }
 
-// (S x J) of mode i: what is left of its table by its terms.
+// (S x J) the remainder of the table of mode i after its terms.
 MatrixXd remainder(const MatrixXd& table, const TableTerms& terms, std::size_t i) {
   MatrixXd left = table;
   for (std::size_t t = 0; t < terms.mode.size(); ++t) {
@@ -111,7 +113,7 @@ MatrixXd remainder(const MatrixXd& table, const TableTerms& terms, std::size_t i
   return left;
 }
 
-// Rows of the skin's vertices.
+// The rows that belong to the vertices of the skin.
 MatrixXd skin_rows(const MatrixXd& values, const Boundary& boundary) {
   MatrixXd rows(3 * static_cast<Index>(boundary.node_of_vertex.size()), values.cols());
   for (std::size_t v = 0; v < boundary.node_of_vertex.size(); ++v) {
@@ -132,7 +134,7 @@ SeparatedField displacement_field(const SeriesPgd& pgd, const SeriesTable& table
     for (Index i = 0; i < m; ++i) tables[i].row(s) = G.row(i);
     own[s] = table.area[s] / table.gram[at](0, 0);
   }
-  // A tenth of the square of what the modes lose anyway, in the same weight.
+  // The products may add a tenth of the squared error of the modes, in the same weight.
   const VectorXd by_level = table.levels.cwiseAbs2().cwiseInverse();
   const double whole = static_cast<double>(J) * table.area.sum();
   const double lost = pgd.errors[m - 1] * pgd.errors[m - 1] * whole;
@@ -207,7 +209,8 @@ SeparatedField stress_field(const StressStates& states, const Boundary& boundary
   const TableTerms terms =
       table_terms(tables, own, VectorXd::Ones(levels.size()),
                   0.1 * std::max(0.0, lost) * static_cast<double>(levels.size()));
-  // What the products lose, at the thirds that are among the levels: the last always is.
+  // Adds the error of the products at the full load, the only third that is always one of the
+  // levels.
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const MatrixXd gone = remainder(tables[i], terms, i);
     for (Index s = 0; s < S; ++s) left[3 * s + 2] += std::pow(gone(s, levels.size() - 1), 2);
@@ -219,7 +222,8 @@ SeparatedField stress_field(const StressStates& states, const Boundary& boundary
   return field_of(pod.Q, terms, levels);
 }
 
-// Of some hundred of the loads: their responses vary slowly.
+// Modes for the energy under several loads, from at most some hundred loads of each kind:
+// neighbouring loads have similar responses.
 MatrixXd modes_of_several(const LoadSeries& series, const TravellingLoad& travelling) {
   constexpr Index kLinear = 24, kCurved = 4, kEnough = 300;
   std::vector<Eigen::Triplet<double>> entries;
@@ -238,8 +242,7 @@ MatrixXd modes_of_several(const LoadSeries& series, const TravellingLoad& travel
   return energy_modes(series, some, linear, std::min<int>(kCurved, linear));
 }
 
-// How far the body is from pairs of loads that are solved afresh, stated in the body and the
-// report.
+// Computes the error of the body under pairs of loads, and states it in the body and the report.
 void state_error_of_several(IntrusiveBake& made, const IntrusiveSettings& settings,
                             const Progress& progress) {
   SeveralLoads& several = *made.body.several;
@@ -259,7 +262,7 @@ void state_error_of_several(IntrusiveBake& made, const IntrusiveSettings& settin
         "afresh: relative L2 error over the volume {:.3g} at the median, {:.3g} at the "
         "worst",
         several.reactions.size(), several.checked, several.error_median, several.error_worst);
-  } catch (const Error& problem) {  // what was baked is no worse for it
+  } catch (const Error& problem) {  // the body itself is none the worse for it
     line += fmt::format(" and {} reactions; its error is not known: {}", several.reactions.size(),
                         problem.what());
   }
@@ -268,7 +271,7 @@ void state_error_of_several(IntrusiveBake& made, const IntrusiveSettings& settin
   made.body.provenance.emplace_back("several loads", line);
 }
 
-// CPU time of the stages that follow each other.
+// Measures the CPU time of successive stages.
 class Laps {
  public:
   explicit Laps(StageTimes& times) : times_(times) {}
@@ -277,7 +280,7 @@ class Laps {
     times_.add(stage, 1e3 * (now - begin_));
     begin_ = now;
   }
-  // Time since the last end() that belongs to the stage "references" and not to the next one.
+  // Excludes time since the last end() from the next stage: it belongs to "references".
   void leave_out(double seconds) { begin_ += seconds; }
 
  private:
@@ -285,7 +288,7 @@ class Laps {
   double begin_ = process_cpu_seconds();
 };
 
-// A fifth more modes than are wanted, in own norms, recompressed to those.
+// Finds a fifth more modes than wanted, in own norms, and recompresses them to that number.
 SeriesPgd separate_series(const LoadSeries& series, const SeriesTable& table, int modes,
                           IntrusiveReport& report, const Progress& progress) {
   const Index S = table.positions();
@@ -308,7 +311,7 @@ MatrixXd press_depths(const SeriesTable& table, double force) {
   return depth;
 }
 
-// How the body was made and how far it is from its series: (key, value), for people.
+// How the body was made, and its errors: (key, value), for people to read.
 std::vector<std::pair<std::string, std::string>> report_lines(
     const BodyDescription::Intrusive& wanted, const TravellingLoad& travelling,
     const SeriesTable& table, const IntrusiveReport& made) {

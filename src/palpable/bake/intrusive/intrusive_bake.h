@@ -22,17 +22,17 @@ namespace palpable {
 
 struct IntrusiveSettings {
   std::string version = {}, command_line = {};  ///< for the provenance
-  /// Pairs of loads that are solved afresh, so that the body file can say how far several loads at
-  /// once are from that; their time is the stage "references".
+  /// Number of pairs of loads that are also solved in full, so that the body file can state its
+  /// error under several loads at once. Their time is the stage "references".
   int checks = 6;
   unsigned seed = 1;  ///< of those pairs
-  /// Whether forces are summed at all load sizes and not at the full load alone: for the bench,
-  /// counted as "references" too.
+  /// Whether residual forces are computed at all load sizes, and not at the full load alone. For
+  /// the bench; counted as "references", too.
   bool all_residuals = false;
 };
 
-/// How the body was made and how far it is from the fields of the series, stress from those of the
-/// series' displacements.
+/// How the body was made, and its error against the fields of the series (for stress: against the
+/// stress of the series' displacements).
 struct IntrusiveReport {
   int greedy_modes = 0, alternations = 0;  ///< of the PGD, before it was recompressed
   int modes = 0, columns = 0;  ///< of displacement: F_i, and products F_i G(s) G(a) in the file
@@ -42,20 +42,20 @@ struct IntrusiveReport {
   /// ms of one core: pose, series (stress of all states included), separate, several loads; and
   /// "references", which the bake itself does not need.
   StageTimes cpu;
-  /// (key, value) What of that is for people: loads, series, reduction, displacement, stress and
-  /// perhaps several loads. In the body's provenance, too.
+  /// (key, value) The report in words: loads, series, reduction, displacement, stress and, if there
+  /// are reactions, several loads. Part of the body's provenance, too.
   std::vector<std::pair<std::string, std::string>> lines = {};
 };
 
-/// A body in the modes of its energy, under two loads, against a fresh Newton solve.
+/// The body in the modes of its energy, under two loads, compared with a full-order solution.
 struct TwoLoadCheck {
-  double deflection = 0;  ///< m, the largest of all nodes
+  double deflection = 0;  ///< m, the largest of all nodes, full-order
   double error = 0;       ///< relative L2 over the volume, own norm
-  int steps = 0;          ///< of the reduced Newton
+  int steps = 0;          ///< of the reduced Newton's method
   double ms = 0;          ///< CPU
 };
 
-/// All of it, for who asks on.
+/// All results of a bake, for callers that need more than the body.
 struct IntrusiveBake {
   TravellingLoad travelling;
   LoadSeries series;
@@ -63,12 +63,13 @@ struct IntrusiveBake {
   SeriesPgd pgd;  ///< the modes in the body, on all nodes
   ReducedBody body;
   IntrusiveReport report;
-  Eigen::MatrixXd energy_modes;         ///< (3N x n) those of body.several on all nodes; or none
-  std::vector<TwoLoadCheck> two_loads;  ///< what body.several's error is of
+  Eigen::MatrixXd energy_modes;         ///< (3N x n) of body.several, on all nodes; else empty
+  std::vector<TwoLoadCheck> two_loads;  ///< basis of the error that body.several states
 };
 
-/// Series of all positions, their PGD in own norms with a fifth more modes than asked for,
-/// recompressed; stress at the skin by a randomised POD of the stress at thirds of the load.
+/// Bakes a body: the power series of all positions; their PGD in own norms with a fifth more modes
+/// than asked for, recompressed to that number; and the stress at the skin by a randomised POD of
+/// the stress at thirds of the load.
 /// @throws Error as travelling_load(), LoadSeries and solve_series()
 [[nodiscard]] IntrusiveBake bake_intrusive(const BodyDescription& description,
                                            const IntrusiveSettings& settings,

@@ -62,7 +62,7 @@ TEST_CASE("a beam baked by intrusive PGD gives the fields of fresh Newton solves
             1.5 * made.report.displacement.worst * truth.norm());
       CHECK((got_stress.cast<double>() - true_stress).norm() <=
             1.5 * made.report.stress_worst * true_stress.norm());
-      // The patch has moved by what the file's table says.
+      // The patch has moved by the press depth that the file states.
       const Site& at = body.sites[site];
       double press = 0;
       for (std::size_t k = 0; k < at.patch.size(); ++k) {

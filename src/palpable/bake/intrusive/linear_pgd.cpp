@@ -17,7 +17,7 @@ LinearPgd linear_pgd(const LoadSeries& body, const Eigen::SparseMatrix<double>& 
   PALPABLE_EXPECT(1 <= modes && modes <= loads.cols(), "1 to S modes");
   const VectorXd& M = body.mass();
   LinearPgd pgd{MatrixXd(loads.rows(), modes), MatrixXd(loads.cols(), modes), 0};
-  MatrixXd KF(loads.rows(), modes);  // K F_i, or M F_i with the adjoint: what F is normal to
+  MatrixXd KF(loads.rows(), modes);  // K F_i, or M F_i with the adjoint; F is orthogonal to them
   const auto solve = [&](const VectorXd& b) -> VectorXd {
     ++pgd.solves;
     return body.linear_response(b);
@@ -25,7 +25,8 @@ LinearPgd linear_pgd(const LoadSeries& body, const Eigen::SparseMatrix<double>& 
   for (Index i = 0; i < modes; ++i) {
     const auto F_before = pgd.F.leftCols(i), KF_before = KF.leftCols(i);
     const auto G_before = pgd.G.leftCols(i);
-    // Any start that is not normal to the mode will do: positions count by their number.
+    // Any start that is not orthogonal to the mode will do; this one grows with the number of the
+    // position.
     VectorXd g = VectorXd::LinSpaced(loads.cols(), 1.0, 2.0);
     VectorXd F, metric;
     for (int turn = 0; turn < 30; ++turn) {
@@ -35,7 +36,7 @@ LinearPgd linear_pgd(const LoadSeries& body, const Eigen::SparseMatrix<double>& 
       const VectorXd known = G_before.transpose() * wg;
       F = solve(b) - F_before * known;
       if (step == PositionStep::kAdjoint) {
-        // Rounding would let the modes before grow back.
+        // Without this, rounding would let the previous modes grow back.
         F -= F_before * (KF_before.transpose() * F);
         metric = M.cwiseProduct(F);
       } else {
@@ -46,7 +47,7 @@ LinearPgd linear_pgd(const LoadSeries& body, const Eigen::SparseMatrix<double>& 
       const double length = std::sqrt(F.dot(metric));
       F /= length;
       metric /= length;
-      // s-step; F is normal to the modes before, whose G therefore do not come in.
+      // s-step. F is orthogonal to the previous modes, so that their G do not appear.
       const VectorXd before = g / g.norm();
       g = loads.transpose() * (step == PositionStep::kAdjoint ? solve(metric) : F);
       if ((g / g.norm() - before).norm() < 0.01) break;

@@ -19,8 +19,8 @@ namespace palpable {
 /// How G is found when F is given.
 enum class PositionStep {
   /// G(s) = F . f(s) / (F . K F): Galerkin's, the classical PGD. With the parameter in the load
-  /// alone its modes are those of the SVD in the energy norm, where every dimple counts: of nearly
-  /// full rank.
+  /// alone, its modes are those of the SVD in the energy norm. In that norm every local dent
+  /// counts, so that the fields are of nearly full rank.
   kGalerkin,
   /// G(s) = z . f(s) with K z = M F, the adjoint: that is F . M u(s), exactly, and so the modes are
   /// those of the SVD in L2.
@@ -33,15 +33,15 @@ struct LinearPgd {
   int solves = 0;     ///< with K
 };
 
-/// Greedy: each mode is looked for in what those before it leave, by at most 30 alternations, until
-/// G changes by less than 1 % of its norm.
+/// Greedy: each mode is fitted to the remainder that the previous modes leave, by at most 30
+/// alternations, until G changes by less than 1 % of its norm.
 /// @param loads    (3N x S) f(s), N; no column is zero
 /// @param weights  (S) w_s > 0
 /// @param modes    m, 1 .. S
 [[nodiscard]] LinearPgd linear_pgd(const LoadSeries& body, const Eigen::SparseMatrix<double>& loads,
                                    const Eigen::VectorXd& weights, PositionStep step, int modes);
 
-/// How far a separated field is from the solutions of all positions, which are computed for this.
+/// Errors of a separated field against the solutions of all positions, which are computed for this.
 struct LinearErrors {
   Eigen::VectorXd l2;      ///< (m) relative error with 1 .. m modes, in L2
   Eigen::VectorXd energy;  ///< (m) the same in the energy norm, sqrt(u . K u)

@@ -23,7 +23,7 @@ struct Beam {
   VectorXd weights = VectorXd::LinSpaced(loads.cols(), 1.0, 2.0);
 };
 
-// Relative errors of the SVD of rows with these squares of the singular values.
+// Relative errors of truncated SVDs of a matrix with this Gram matrix.
 VectorXd tails(const MatrixXd& gram) {
   VectorXd squares = Eigen::SelfAdjointEigenSolver<MatrixXd>(gram).eigenvalues().reverse();
   const double whole = squares.sum();
@@ -61,7 +61,7 @@ TEST_CASE("with the adjoint the PGD is the SVD in L2, without it the one in ener
     CHECK(of_galerkin.energy[m] <= in_energy[m] * (1.0 + greedy));
     CHECK(of_galerkin.energy[m] >= in_energy[m] * (1.0 - 1e-6));
   }
-  // Each is the better one in its own norm, and in energy hardly anything is gained by a mode.
+  // Each is the better one in its own norm. In the energy norm a mode gains hardly anything.
   CHECK(of_adjoint.l2[modes - 1] < of_galerkin.l2[modes - 1]);
   CHECK(of_galerkin.energy[modes - 1] < of_adjoint.energy[modes - 1]);
   CHECK(in_energy[modes - 1] > 10.0 * in_l2[modes - 1]);

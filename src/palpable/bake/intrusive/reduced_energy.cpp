@@ -71,7 +71,7 @@ QuarticEnergy quartic_energy(const SolidModel& model, const MatrixXd& F) {
 
   const auto e = [](Index i) { return i; };
   const auto g = [&](Index i, Index j) { return n + pair_row(i, j); };
-  // Each of the equal ones once: summed in another order they would differ by rounding.
+  // Equal coefficients are computed once: summed in another order they would differ by rounding.
   DistinctCoefficients distinct{VectorXd(P), VectorXd(distinct_count(n, 3)),
                                 VectorXd(distinct_count(n, 4))};
   Index of_pair = 0, of_three = 0, of_four = 0;
@@ -106,7 +106,8 @@ MatrixXd energy_modes(const LoadSeries& body, const Eigen::SparseMatrix<double>&
   MatrixXd gram = MatrixXd::Zero(loads.cols(), loads.cols());
   add_gram(responses, gram);
   const SymmetricEigen eigen = symmetric_eigen(gram);
-  // Loads that are multiples of each other, say, have fewer responses: rounding leaves 1e-15.
+  // Linearly dependent loads have fewer independent responses; rounding leaves eigenvalues of
+  // 1e-15.
   const Index independent = (eigen.values.array() > 1e-10 * eigen.values.maxCoeff()).count();
   linear = std::min(linear, static_cast<int>(independent));
   curved = std::min(curved, linear);

@@ -23,11 +23,11 @@ namespace palpable {
 /// @param F  (3N x n) m
 [[nodiscard]] QuarticEnergy quartic_energy(const SolidModel& model, const Eigen::MatrixXd& F);
 
-/// (3N x n) orthonormal in L2: the first `linear` modes of the linear responses to the loads, each
-/// load counting by its own response (fewer, where the responses depend on each other); and the
-/// second-order responses to the first `curved` of them
-/// and to their pairs (modal derivatives, Idelsohn and Cardona 1985), without which a bent beam
-/// stretches: Galerkin's method locks in modes that are best in L2.
+/// (3N x n) modes, orthonormal in L2: the first `linear` modes of the linear responses to the
+/// loads, each response scaled to unit length (fewer, where the responses are linearly dependent);
+/// and the second-order responses to the first `curved` of these and to their pairs (modal
+/// derivatives, Idelsohn and Cardona 1985). Without the latter a beam could not bend without
+/// stretching: with modes that are best in L2 alone, Galerkin's method locks.
 /// @param loads   (3N x S) N, of the size that they will have
 [[nodiscard]] Eigen::MatrixXd energy_modes(const LoadSeries& body,
                                            const Eigen::SparseMatrix<double>& loads, int linear,

@@ -52,8 +52,8 @@ std::vector<MatrixXd> position_step(const LoadSeries& body, const SeriesTable& t
   return g;
 }
 
-// (3N x k) sum_s omega_s sum_{p,q} g_p(s) W_pq(s) u_q(s), by a solve for q = 1. Nothing is taken
-// off for the modes before.
+// (3N x k) sum_s omega_s sum_{p,q} g_p(s) W_pq(s) u_q(s), by a solve for q = 1. The previous
+// modes are not subtracted.
 MatrixXd space_step(const LoadSeries& body, const SeriesTable& table,
                     const std::vector<MatrixXd>& weights, const std::vector<MatrixXd>& g) {
   const Index k = std::find_if(g.begin(), g.end(), [](const MatrixXd& here) {
@@ -85,7 +85,7 @@ double make_normal(const VectorXd& M, const Eigen::Ref<const MatrixXd>& Q, Vecto
   return length;
 }
 
-// The full field of one position at the full load, less its modes.
+// The remainder of the field of one position at the full load, after its modes.
 VectorXd left_over(const LoadSeries& body, const SeriesTable& table, const MatrixXd& F,
                    const MatrixXd& G, std::size_t s) {
   const VectorXd c = table.at_level[s].rightCols(1);
@@ -107,7 +107,7 @@ SeriesPgd series_pgd(const LoadSeries& body, const SeriesTable& table, const Ser
   const std::size_t S = weights.size();
   SeriesPgd pgd{MatrixXd(table.load.rows(), goal.modes), std::vector<MatrixXd>(S),
                 VectorXd(goal.modes)};
-  std::vector<MatrixXd> left = table.gram;  // inner products of what is left of the orders
+  std::vector<MatrixXd> left = table.gram;  // inner products of the remainders of the orders
   double whole = 0.0;
   for (std::size_t s = 0; s < S; ++s) {
     pgd.G[s] = MatrixXd::Zero(goal.modes, table.gram[s].rows());
@@ -115,7 +115,8 @@ SeriesPgd series_pgd(const LoadSeries& body, const SeriesTable& table, const Ser
   }
   Index m = 0;
   for (; m < goal.modes; ++m) {
-    // The position that is worst off is near the mode wanted: two or three turns instead of five.
+    // Start at the remainder of the position with the largest error. It is close to the next mode:
+    // two or three turns suffice instead of five.
     std::size_t worst = 0;
     double most = -1.0;
     for (std::size_t s = 0; s < S; ++s) {
@@ -132,8 +133,8 @@ SeriesPgd series_pgd(const LoadSeries& body, const SeriesTable& table, const Ser
       VectorXd next = space_step(body, table, weights, g);
       ++pgd.alternations;
       make_normal(M, pgd.F.leftCols(m), next);
-      // Sine of the angle by which the mode would still turn; what is left of it is not lost, the
-      // next mode begins with it.
+      // Sine of the angle by which the mode still turned. What remains is not lost: the next mode
+      // begins with it.
       const double along = std::min(1.0, std::abs(next.dot(M.cwiseProduct(F))));
       if (turns == kMostTurns || std::sqrt(1.0 - along * along) < 0.1) break;
       F = std::move(next);

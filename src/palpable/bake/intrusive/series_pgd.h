@@ -12,9 +12,9 @@
 ///     x-step   F = K^-1 sum_s omega_s sum_{p,q} g_p(s) W_pq(s) r_q(s),   made normal to F_1 ...
 ///     s-step   g_p(s) = z . r_p(s),   K z = M F    (the adjoint: best in L2)
 ///
-/// with W_pq = mean over the load sizes of c_p c_q. One basis serves all orders; the right-hand
-/// sides r_p are those of the full fields (a basis that truncates the orders before p puts membrane
-/// forces into r_p that are not there). For p >= 2 K^-1 r_p is the u_p that the table holds, and
+/// with W_pq = mean over the load sizes of c_p c_q. One basis serves all orders. The right-hand
+/// sides r_p are those of the full fields; with orders below p truncated by a basis, r_p would
+/// contain spurious membrane forces. For p >= 2 K^-1 r_p is the u_p that the table holds, and
 /// both half steps use it: the same numbers for no solve. For p = 1 they are solves.
 #pragma once
 
@@ -26,17 +26,17 @@
 
 namespace palpable {
 
-/// What a position and a load size count.
+/// Weight of a position and a load size in the error.
 enum class SeriesWeight {
-  kPlain,   ///< its area: errors are those of the whole table, and hide the root of a beam
-  kOwnNorm  ///< its area by |u_1(s)|^2 a^2: each field counts by its own norm
+  kPlain,   ///< its area: the small fields at the root of a beam then hardly count
+  kOwnNorm  ///< its area over |u_1(s)|^2 a^2: errors are relative to each field's own norm
 };
 
 struct SeriesPgdGoal {
   SeriesWeight weight = SeriesWeight::kOwnNorm;
   int modes = 32;        ///< at most
-  double tolerance = 0;  ///< ends earlier where the relative error in that weight is below
-  /// Only these positions are looked at, and G is 0 elsewhere; empty: all.
+  double tolerance = 0;  ///< fewer modes, once the relative error in that weight is below
+  /// Flags of the positions that are used; G is 0 at the others. Empty: all.
   std::vector<char> used = {};
 };
 
@@ -56,17 +56,18 @@ struct SeriesPgd {
                                      const SeriesPgdGoal& goal, int modes);
 
 /// The SVD of all fields of the table in the goal's weight, by subspace iteration: goal.modes
-/// modes, found with nothing of the greedy ones. For comparison: it takes longer than they do.
+/// modes, computed independently of the greedy ones. For comparison: it takes longer than they do.
 [[nodiscard]] SeriesPgd svd_of_series(const LoadSeries& body, const SeriesTable& table,
                                       const SeriesPgdGoal& goal, const Progress& progress = {});
 
-/// (S) of (m x n_s): F_i . M u_p(s), the best coordinates of all positions in modes that need not
-/// know them. @param F  (3N x m) orthonormal in L2
+/// (S) of (m x n_s): F_i . M u_p(s), the best coordinates of all positions in any modes, also those
+/// of other positions.
+/// @param F  (3N x m) orthonormal in L2
 [[nodiscard]] std::vector<Eigen::MatrixXd> coordinates_of(const LoadSeries& body,
                                                           const SeriesTable& table,
                                                           const Eigen::MatrixXd& F);
 
-/// How far the first `modes` modes are from the fields of the table.
+/// Errors of the first `modes` modes against the fields of the table.
 struct SeriesErrors {
   double global = 0;  ///< relative, over all positions and load sizes together, by area
   double worst = 0;   ///< of one position and load size, in its own norm

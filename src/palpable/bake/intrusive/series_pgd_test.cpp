@@ -52,7 +52,7 @@ TEST_CASE("the table's fields are in equilibrium, and Pade's form agrees with th
   REQUIRE(residual.size() == 6);
   CHECK(residual.maxCoeff() <= tolerance(2e-6, "orders end at 1.5e-7 of the first"));
   CHECK(residual.minCoeff() > 0.0);
-  // What the last order leaves out falls faster than the load.
+  // The truncation error falls faster than the load.
   CHECK(residual[0] < residual[5]);
   CHECK(beam().table.worst_pade_gap <= tolerance(1e-6, "likewise"));
   CHECK(beam().table.worst_pade_gap > 0.0);
@@ -66,7 +66,7 @@ TEST_CASE("nonlinear: greedy modes are nearly those of the SVD, recompressed the
     INFO((weight == SeriesWeight::kPlain ? "plain" : "own norms"));
     const SeriesPgdGoal goal{.weight = weight, .modes = 24};
     const SeriesPgd pgd = series_pgd(b.body, b.table, goal);
-    // The SVD: of the fields themselves, each times the root of what it counts.
+    // For comparison, the SVD of the fields themselves, each times the root of its weight.
     MatrixXd all(b.load.rows(), b.load.cols() * b.levels.size());
     for (Index s = 0; s < b.load.cols(); ++s) {
       MatrixXd u = fields(b, s);
@@ -91,7 +91,7 @@ TEST_CASE("nonlinear: greedy modes are nearly those of the SVD, recompressed the
       CHECK(best.errors[m] >= svd * (1.0 - 1e-3));
       CHECK(best.errors[m] <=
             svd * (1.0 + tolerance(0.02, "24 greedy modes span the first 16 nearly")));
-      // A greedy mode is not the best one, but never two behind.
+      // Greedy modes are not the best ones, but never worse than an SVD with two modes fewer.
       if (m >= 2) {
         const double two_before = std::sqrt((left + squares[m] + squares[m - 1]) / squares.sum());
         CHECK(pgd.errors[m] <= two_before);

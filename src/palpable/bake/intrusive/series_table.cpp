@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-// The force's point of attack, m: the mean of the nodes that carry it.
+// Point of application of the force of position s, m: the mean of the nodes that carry it.
 Eigen::Vector3d middle(const Eigen::SparseMatrix<double>& load, Index s,
                        const Eigen::Matrix3Xd& nodes) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -30,7 +30,7 @@ Eigen::Vector3d middle(const Eigen::SparseMatrix<double>& load, Index s,
   return sum / weight;
 }
 
-// Positions, nearest to the middle of what is held first.
+// The positions in increasing distance from the centre of the held nodes.
 std::vector<Index> by_distance(const LoadSeries& body, const Eigen::SparseMatrix<double>& load) {
   const Eigen::Matrix3Xd& nodes = body.model().mesh.nodes;
   Eigen::Vector3d held = Eigen::Vector3d::Zero();
@@ -50,7 +50,7 @@ std::vector<Index> by_distance(const LoadSeries& body, const Eigen::SparseMatrix
   return order;
 }
 
-// (n x J) what the orders count at each level.
+// (n x J) coefficients of the orders at each level.
 MatrixXd coefficients(const MatrixXd& gram, const VectorXd& levels) {
   constexpr Index kPadeFrom = 6;
   const Index n = gram.rows();
@@ -70,8 +70,8 @@ SeriesTable solve_series(const LoadSeries& body, const Eigen::SparseMatrix<doubl
                          ResidualsAt residuals) {
   PALPABLE_EXPECT(area.size() == load.cols() && area.minCoeff() > 0.0, "an area > 0 each");
   PALPABLE_EXPECT(levels.size() > 0 && levels[levels.size() - 1] == 1.0, "levels end at 1");
-  // 1.5e-7 of |u_1| leaves forces within 1e-6 of the load where the Pade form is used from 6 orders
-  // on; below, one order more or less is a factor of 20.
+  // 1.5e-7 of |u_1| leaves residual forces within 1e-6 of the load. That needs the Pade form from 6
+  // orders on; below, one order more or less changes the residual by a factor of 20.
   const SeriesSettings settings{.most_orders = 20, .tolerance = 1.5e-7};
   const auto S = static_cast<std::size_t>(load.cols());
   SeriesTable table{.load = load,

@@ -18,7 +18,7 @@ TableTerms table_terms(const std::vector<MatrixXd>& tables, const VectorXd& site
                   "tables and weights above 0");
   const VectorXd site_root = site_weight.cwiseSqrt(), level_root = level_weight.cwiseSqrt();
   std::vector<ThinSvd> svd;
-  std::vector<std::pair<double, std::size_t>> values;  // of all modes
+  std::vector<std::pair<double, std::size_t>> values;  // singular value and mode, of all modes
   for (const MatrixXd& table : tables) {
     svd.push_back(thin_svd(site_root.asDiagonal() * table * level_root.asDiagonal()));
     for (const double s : svd.back().s) values.emplace_back(s, svd.size() - 1);
@@ -46,7 +46,7 @@ TableTerms table_terms(const std::vector<MatrixXd>& tables, const VectorXd& site
       terms.mode.push_back(static_cast<int>(i));
     }
   }
-  if (terms.mode.empty()) terms.mode.push_back(0);  // all is lost: one term of zeros
+  if (terms.mode.empty()) terms.mode.push_back(0);  // all terms were left out: one term of zeros
   return terms;
 }
 

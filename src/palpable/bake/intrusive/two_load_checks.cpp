@@ -27,10 +27,10 @@ std::vector<TwoLoadCheck> two_load_checks(const IntrusiveBake& made, int count, 
   std::vector<TwoLoadCheck> checks;
   for (int k = 0; k < count; ++k) {
     const Eigen::SparseMatrix<double>&load = made.travelling.load, &back = made.travelling.reaction;
-    const auto any_of = [&](Index places) {
-      return static_cast<Index>(uniform() * static_cast<double>(places));
+    const auto random_index = [&](Index choices) {
+      return static_cast<Index>(uniform() * static_cast<double>(choices));
     };
-    const Index press = any_of(load.cols()), reaction = any_of(back.cols());
+    const Index press = random_index(load.cols()), reaction = random_index(back.cols());
     const double size = 0.05 + 0.95 * uniform(), share = uniform();
     const VectorXd f = size * (VectorXd(load.col(press)) + share * VectorXd(back.col(reaction)));
     const PathResult path =

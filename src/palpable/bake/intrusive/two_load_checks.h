@@ -1,5 +1,5 @@
 /// @file
-/// How far a body that was baked for several loads at once is from states solved afresh.
+/// Error of a body that was baked for several loads at once, against full-order solutions.
 #pragma once
 
 #include "palpable/bake/intrusive/intrusive_bake.h"
@@ -9,8 +9,9 @@
 
 namespace palpable {
 
-/// A press of 0.05 .. 1 of the full load at any position, and 0 .. 1 of that pushing back.
-/// Solved as the live half does (LoadedBody), on the modes of all nodes.
+/// Solves `count` random pairs of loads: a press of 0.05 .. 1 times the full load at a random
+/// position, and a reaction of 0 .. 1 times that press at a random reaction site. The reduced
+/// solution is that of the live half (LoadedBody), on the modes of all nodes.
 /// @pre made.body.several
 [[nodiscard]] std::vector<TwoLoadCheck> two_load_checks(const IntrusiveBake& made, int count,
                                                         unsigned seed,

@@ -18,13 +18,14 @@
 namespace palpable {
 namespace {
 
-// What travels. From a follower: kAsk, kDone {piece, its answer}, kFailed (text), kBye. From the
-// leader: kPiece {number or -1}, kList, kEnd {1: the work failed}.
-enum Tag : int { kAsk = 1, kDone, kFailed, kBye, kPiece, kList, kEnd };
+// Tags of the messages. From a follower: kRequest (a piece), kDone {piece, its result}, kFailed
+// (text), kLeaving (no more requests). From the leader: kPiece {number or -1}, kList, kEnd {1: the
+// work failed}.
+enum Tag : int { kRequest = 1, kDone, kFailed, kLeaving, kPiece, kList, kEnd };
 
-constexpr auto kNap = std::chrono::milliseconds(2);
+constexpr auto kPollInterval = std::chrono::milliseconds(2);
 
-struct Mail {
+struct Message {
   int from = 0, tag = 0;
   std::vector<char> bytes;
 
@@ -35,23 +36,24 @@ struct Mail {
   }
 };
 
-std::optional<Mail> look(int from, int tag) {
+std::optional<Message> receive_if_any(int from, int tag) {
   int is_there = 0;
   MPI_Status status;
   MPI_Iprobe(from, tag, MPI_COMM_WORLD, &is_there, &status);
   if (is_there == 0) return std::nullopt;
   int size = 0;
   MPI_Get_count(&status, MPI_BYTE, &size);
-  Mail mail{status.MPI_SOURCE, status.MPI_TAG, std::vector<char>(static_cast<std::size_t>(size))};
-  MPI_Recv(mail.bytes.data(), size, MPI_BYTE, mail.from, mail.tag, MPI_COMM_WORLD,
+  Message message{status.MPI_SOURCE, status.MPI_TAG,
+                  std::vector<char>(static_cast<std::size_t>(size))};
+  MPI_Recv(message.bytes.data(), size, MPI_BYTE, message.from, message.tag, MPI_COMM_WORLD,
            MPI_STATUS_IGNORE);
-  return mail;
+  return message;
 }
 
-Mail wait_for(int from, int tag) {
+Message wait_for(int from, int tag) {
   while (true) {
-    if (std::optional<Mail> mail = look(from, tag)) return std::move(*mail);
-    std::this_thread::sleep_for(kNap);
+    if (std::optional<Message> message = receive_if_any(from, tag)) return std::move(*message);
+    std::this_thread::sleep_for(kPollInterval);
   }
 }
 
@@ -86,7 +88,8 @@ MpiCrew::MpiCrew(int* argc, char*** argv) {
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &size_);
   if (leads()) return;
-  // One process speaks. What the others have to say is kept, in case it is they alone who fail.
+  // Only the leader writes to stderr. A follower's stderr goes to a file, which end() prints if the
+  // follower fails.
   kept_ = std::tmpfile();
   if (kept_ == nullptr) return;
   stderr_ = ::dup(STDERR_FILENO);
@@ -135,9 +138,9 @@ void MpiCrew::lead(int count, const std::function<void(const Pieces&)>& run,
     const int i = next++;
     return i < count ? std::optional(i) : std::nullopt;
   };
-  const auto done = [&](int i, int answer) {
+  const auto done = [&](int i, int result) {
     const std::lock_guard lock(finishing);
-    finished(i, answer);
+    finished(i, result);
   };
   std::thread own([&] {
     try {
@@ -145,20 +148,21 @@ void MpiCrew::lead(int count, const std::function<void(const Pieces&)>& run,
     } catch (...) { fail(std::current_exception()); }
     working = false;
   });
-  // Only this thread of the leader speaks MPI.
+  // Only this thread of the leader calls MPI.
   for (int followers = size_ - 1; followers > 0 || working;) {
-    const std::optional<Mail> mail =
-        followers > 0 ? look(MPI_ANY_SOURCE, MPI_ANY_TAG) : std::nullopt;
-    if (!mail) {
-      std::this_thread::sleep_for(kNap);
-    } else if (mail->tag == kAsk) {
-      send(mail->from, kPiece, {piece().value_or(-1)});
-    } else if (mail->tag == kDone) {
-      const std::vector<int> what = mail->ints();
+    const std::optional<Message> message =
+        followers > 0 ? receive_if_any(MPI_ANY_SOURCE, MPI_ANY_TAG) : std::nullopt;
+    if (!message) {
+      std::this_thread::sleep_for(kPollInterval);
+    } else if (message->tag == kRequest) {
+      send(message->from, kPiece, {piece().value_or(-1)});
+    } else if (message->tag == kDone) {
+      const std::vector<int> what = message->ints();
       done(what[0], what[1]);
-    } else if (mail->tag == kFailed) {
-      fail(std::make_exception_ptr(Error(std::string(mail->bytes.begin(), mail->bytes.end()))));
-    } else if (mail->tag == kBye) {
+    } else if (message->tag == kFailed) {
+      fail(std::make_exception_ptr(
+          Error(std::string(message->bytes.begin(), message->bytes.end()))));
+    } else if (message->tag == kLeaving) {
       --followers;
     }
   }
@@ -168,23 +172,23 @@ void MpiCrew::lead(int count, const std::function<void(const Pieces&)>& run,
 }
 
 void MpiCrew::follow(const std::function<void(const Pieces&)>& run) {
-  std::mutex speaking;
+  std::mutex using_mpi;
   try {
     run({[&]() -> std::optional<int> {
-           const std::lock_guard lock(speaking);
-           send(0, kAsk, {0});
+           const std::lock_guard lock(using_mpi);
+           send(0, kRequest, {0});
            const int i = wait_for(0, kPiece).ints()[0];
            return i < 0 ? std::nullopt : std::optional(i);
          },
-         [&](int piece, int answer) {
-           const std::lock_guard lock(speaking);
-           send(0, kDone, {piece, answer});
+         [&](int piece, int result) {
+           const std::lock_guard lock(using_mpi);
+           send(0, kDone, {piece, result});
          }});
   } catch (...) {
     const std::string text = message_of(std::current_exception());
     send(0, kFailed, text.data(), text.size());
   }
-  send(0, kBye, {0});
+  send(0, kLeaving, {0});
   if (wait_for(0, kEnd).ints()[0] != 0) throw Error("another process of the campaign failed");
 }
 

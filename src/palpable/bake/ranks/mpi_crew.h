@@ -1,9 +1,9 @@
 /// @file
 /// A campaign on several machines: `mpirun -n N palpable bake ...` (Open MPI).
 ///
-/// All processes see the same files. The first one leads; it hands out sites one at a time, so a
-/// slow machine holds nobody up, and works itself. Waiting processes sleep between looks at their
-/// mail: Open MPI's own waiting takes a whole core.
+/// All processes see the same files. The first one leads: it hands out sites one at a time, so that
+/// a slow machine delays no other, and also computes itself. A waiting process polls for messages
+/// and sleeps in between, because a blocking receive of Open MPI takes a whole core.
 #pragma once
 
 #include "palpable/bake/campaign/crew.h"
@@ -24,14 +24,14 @@ class MpiCrew : public Crew {
 
   [[nodiscard]] bool leads() const override { return rank_ == 0; }
   [[nodiscard]] int size() const { return size_; }
-  /// Cores are shared among the processes of a machine.
+  /// Threads of this process: `wanted`, or for 0 an equal share of the cores of its machine.
   [[nodiscard]] int threads(int wanted) const override;
   [[nodiscard]] std::vector<int> agree(std::vector<int> list) override;
   void share(int count, const std::function<void(const Pieces&)>& run,
              const std::function<void(int, int)>& finished) override;
 
-  /// The last that a process does; the others wait for the leader.
-  /// @param failed  this process ends with an error: so do all
+  /// Must be the last call of each process. The followers wait in it for the leader.
+  /// @param failed  this process ends with an error; all others are then aborted
   void end(bool failed);
 
  private:
@@ -41,8 +41,8 @@ class MpiCrew : public Crew {
 
   int rank_ = 0, size_ = 1;
   bool ended_ = false;
-  std::FILE* kept_ = nullptr;  // what a follower has written to stderr
-  int stderr_ = -1;            // stderr itself, of a follower
+  std::FILE* kept_ = nullptr;  // file to which a follower's stderr goes
+  int stderr_ = -1;            // the original stderr of a follower
 };
 
 }  // namespace palpable

@@ -10,7 +10,8 @@
 
 namespace palpable {
 
-/// Which blocks exist, row by row. Both triangles are stored: a product then reads memory straight.
+/// The blocks that exist, row by row. Both triangles are stored, so that a product reads memory
+/// sequentially.
 struct BlockPattern {
   std::vector<int> row_start;  ///< (M + 1)
   std::vector<int> column;     ///< ascending within a row
@@ -18,7 +19,8 @@ struct BlockPattern {
   [[nodiscard]] int rows() const { return static_cast<int>(row_start.size()) - 1; }
   [[nodiscard]] int blocks() const { return static_cast<int>(column.size()); }
 
-  /// Place of block (row, column), -1 where there is none. Logarithmic in the row's length.
+  /// Number of block (row, column), -1 if the pattern lacks it. Takes time logarithmic in the
+  /// length of the row.
   [[nodiscard]] int find(int row, int column) const;
 };
 
@@ -32,12 +34,12 @@ class BlockMatrix {
 
   void set_zero();
 
-  /// Block number `place` of the pattern.
-  [[nodiscard]] Eigen::Map<Eigen::Matrix3d> block(int place) {
-    return Eigen::Map<Eigen::Matrix3d>(values_.data() + 9 * static_cast<std::size_t>(place));
+  /// Block number `index` of the pattern.
+  [[nodiscard]] Eigen::Map<Eigen::Matrix3d> block(int index) {
+    return Eigen::Map<Eigen::Matrix3d>(values_.data() + 9 * static_cast<std::size_t>(index));
   }
-  [[nodiscard]] Eigen::Map<const Eigen::Matrix3d> block(int place) const {
-    return Eigen::Map<const Eigen::Matrix3d>(values_.data() + 9 * static_cast<std::size_t>(place));
+  [[nodiscard]] Eigen::Map<const Eigen::Matrix3d> block(int index) const {
+    return Eigen::Map<const Eigen::Matrix3d>(values_.data() + 9 * static_cast<std::size_t>(index));
   }
 
   /// y = K x, both (3M).

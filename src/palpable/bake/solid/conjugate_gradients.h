@@ -23,11 +23,11 @@ struct CgScratch {
 /// y = A x with a symmetric A; conjugate_gradients() finds out whether it is positive definite.
 using LinearMap = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>;
 
-/// The system to solve, and what is done on the way.
+/// The system to solve, and a callback for the iterations.
 struct CgSystem {
   LinearMap K;
   LinearMap preconditioner;  ///< x ~= K^-1 b
-  /// Called with each search direction s of a step that was made, and K s; may be empty.
+  /// Called in each iteration with its search direction s and K s; may be empty.
   std::function<void(const Eigen::VectorXd& s, const Eigen::VectorXd& Ks)> visit = {};
 };
 

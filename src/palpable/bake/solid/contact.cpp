@@ -28,13 +28,14 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Of the residual, while the multipliers are still far from the end.
+// Relative tolerance of the residual in the first minimisation. While the multipliers are wrong, a
+// more exact minimum would only cost Newton steps.
 constexpr double kFirstTolerance = 1e-2;
-constexpr double kTighter = 0.05;  // from one update of the multipliers to the next
-// A grid so much finer finds what enters between the contact points.
+constexpr double kTighter = 0.05;  // factor on that tolerance after each update of the multipliers
+// Spacing of the grid on which penetration between contact points is measured, ratio to their own.
 constexpr double kFinerGrid = 0.25;
-constexpr double kMostPoints = 2e6;  // of contact: some 1 GB
-// MutualPairs::Look::shift: below, what the bodies do to each other lies where their skins are.
+constexpr double kMostPoints = 2e6;  // contact points of a body; they take some 1 GB
+// Largest MutualPairs::Detection::shift at which the pairs between bodies count as converged.
 constexpr double kSettled = 1e-4;
 
 double chosen_spacing(const ContactSettings& settings, double edge, const Obstacle& obstacle) {
@@ -42,7 +43,7 @@ double chosen_spacing(const ContactSettings& settings, double edge, const Obstac
   return std::min(0.5 * smallest_radius(obstacle), edge / 3.0);
 }
 
-// Refuses a grid that no memory holds. @returns the spacing
+// Throws Error for a grid of more than kMostPoints points. @returns the spacing
 double refuse_too_many(const SurfaceMesh& skin, double spacing) {
   double area = 0.0;
   for (int t = 0; t < skin.triangle_count(); ++t) {
@@ -61,7 +62,7 @@ double refuse_too_many(const SurfaceMesh& skin, double spacing) {
   return spacing;
 }
 
-// (N) N/m of each node.
+// (N) N/m, the mean diagonal stiffness of each node at rest.
 VectorXd node_stiffness(const TetAssembly& assembly) {
   BlockMatrix K(assembly.pattern());
   PassFields fields;
@@ -77,7 +78,7 @@ VectorXd node_stiffness(const TetAssembly& assembly) {
   return (stiffness.array() == 0.0).select(mean, stiffness);
 }
 
-// (C) the mean of the nodes round each contact point.
+// (C) mean of a nodal value over the nodes of each contact point, weighted by |shape|.
 VectorXd means_at(const ContactPoints& points, const VectorXd& of_nodes) {
   VectorXd means(static_cast<Eigen::Index>(points.points.size()));
   for (Eigen::Index i = 0; i < means.size(); ++i) {
@@ -92,8 +93,8 @@ VectorXd means_at(const ContactPoints& points, const VectorXd& of_nodes) {
   return means;
 }
 
-// The tangent with blocks between nodes of different components, which the body's own lacks, and
-// what its factors need.
+// The tangent with additional blocks between nodes of different components, which the pattern of
+// the bodies alone lacks, and the analysis that its factors need.
 struct WideTangent {
   BlockPattern pattern;
   BlockMatrix K{pattern};
@@ -102,7 +103,7 @@ struct WideTangent {
   WideTangent(BlockPattern the_pattern, FactorWorkspace& workspace)
       : pattern(std::move(the_pattern)), analysis(pattern, workspace) {}
 
-  // The body's own blocks, and zeros.
+  // Copies the blocks of the bodies' own tangent; all other blocks become zero.
   void set(const BlockMatrix& own) {
     K.set_zero();
     for (int row = 0; row < own.pattern().rows(); ++row) {
@@ -124,8 +125,8 @@ struct ContactWalk::Work {
   Boundary boundary;
   double edge, size, spacing, checked_spacing;
   ContactPoints points;
-  VectorXd of_nodes;  // (N) N/m
-  VectorXd penalties;
+  VectorXd node_stiffnesses;  // (N) N/m
+  VectorXd penalties;         // (C) N/m
   ContactPairs pairs;
   std::optional<MutualPairs> mutual;
 
@@ -144,7 +145,7 @@ struct ContactWalk::Work {
   double held_norm = 0.0;
 
   bool checked_begin = false;
-  ContactState now, before;  // before: one step earlier, for the extrapolation
+  ContactState now, before;  // before: the previous state, for the extrapolation
   Stop stop = Stop::kNone;
   std::string why;
   int factors = 0, updates = 0, newton_steps = 0, cg_iterations = 0;
@@ -164,8 +165,8 @@ struct ContactWalk::Work {
         spacing(chosen_spacing(settings, edge, motion(begin))),
         checked_spacing(refuse_too_many(boundary.surface, spacing)),
         points(contact_points(core.model.mesh, boundary, checked_spacing)),
-        of_nodes(node_stiffness(assembly)),
-        penalties(settings.penalty * means_at(points, of_nodes)),
+        node_stiffnesses(node_stiffness(assembly)),
+        penalties(settings.penalty * means_at(points, node_stiffnesses)),
         pairs(assembly, boundary, points, penalties, {settings.friction, settings.sticking * size}),
         factor(&core.at_rest.factor),
         force(3, assembly.node_count()) {
@@ -179,13 +180,14 @@ struct ContactWalk::Work {
     }
     if (settings.mutual) {
       mutual.emplace(assembly, core.model.mesh, boundary, points,
-                     settings.mutual_penalty * of_nodes, edge);
+                     settings.mutual_penalty * node_stiffnesses, edge);
       now.mutual_force.setZero(3, mutual->component_count());
     }
     before = now;
   }
 
-  // The Lagrangian at u, J; the residual goes to r. Infinite if an element is inverted.
+  // Returns the Lagrangian at u, J, and writes the residual to r. Infinite if an element is
+  // inverted.
   double evaluate(const ObstacleGaps& gaps, const Matrix3Xd& u, BodyState& state,
                   bool glued = false) {
     assembly.set_state(u, fields);
@@ -242,7 +244,7 @@ struct ContactWalk::Work {
     return true;
   }
 
-  CgResult solve_tangent(const Matrix3Xd& u, bool bent, double relative) {
+  CgResult solve_tangent(const Matrix3Xd& u, bool with_curvature, double relative) {
     assembly.set_state(u, fields);
     const auto apply_factor = [&](const VectorXd& b, VectorXd& x) {
       factor->solve_roughly(b, x, workspace);
@@ -251,7 +253,7 @@ struct ContactWalk::Work {
         .K =
             [&](const VectorXd& x, VectorXd& y) {
               assembly.tangent_product(fields, x, y);
-              pairs.add_product(x, bent, y);
+              pairs.add_product(x, with_curvature, y);
               if (mutual) mutual->add_product(x, y);
             },
         .preconditioner = [&](const VectorXd& b,
@@ -264,23 +266,24 @@ struct ContactWalk::Work {
     return cg;
   }
 
-  // d: the Newton step for the residual r.
+  // Computes d, the Newton step for the residual r.
   Stop newton_step(const Matrix3Xd& u, double tolerance) {
     if (factor_is_slow && !renew_factor(u)) return Stop::kNegativeCurvature;
     const double relative = r.norm() / scale;
     const double forcing =
         std::max(std::min(0.02, relative), std::min(0.5, 0.3 * tolerance / relative));
-    bool bent = true;
+    bool with_curvature = true;
     for (int attempt = 0; attempt < 3; ++attempt) {
-      const CgResult cg = solve_tangent(u, bent, forcing);
+      const CgResult cg = solve_tangent(u, with_curvature, forcing);
       if (cg.end == CgEnd::kConverged) {
         factor_is_slow = cg.iterations > settings.refresh_iterations;
         return Stop::kNone;
       }
       if (cg.end == CgEnd::kNegativeCurvature) {
-        // The obstacle's curvature lets a point slide off; without it the step still descends.
-        if (!bent) return Stop::kNegativeCurvature;
-        bent = false;
+        // With the obstacle's curvature the tangent may be indefinite, since a point may slide off.
+        // Without it the step is still a descent direction.
+        if (!with_curvature) return Stop::kNegativeCurvature;
+        with_curvature = false;
       } else if (!renew_factor(u)) {
         return Stop::kNegativeCurvature;
       }
@@ -288,7 +291,7 @@ struct ContactWalk::Work {
     return Stop::kLinearSolver;
   }
 
-  // Minimises the Lagrangian with the multipliers as they are, from u.
+  // Minimises the Lagrangian at fixed multipliers, starting from u.
   Stop minimise(const ObstacleGaps& gaps, double tolerance, Matrix3Xd& u, BodyState& state) {
     double value = evaluate(gaps, u, state);
     if (!std::isfinite(value)) return Stop::kInversion;
@@ -320,23 +323,23 @@ struct ContactWalk::Work {
     }
   }
 
-  // Equilibrium against the obstacle at time t; on success it becomes now.
+  // Finds equilibrium with the obstacle at time t; on success it becomes `now`.
   Stop solve(double t) {
     const ObstacleGaps gaps(motion(t));
     if (!checked_begin) {
       positions = core.model.mesh.nodes + now.displacement;
       if (swallows(ObstacleGaps(motion(now.t)))) return Stop::kSwallowed;
-      if (mutual && mutual->look(positions).buried > 0) return Stop::kSwallowed;
+      if (mutual && mutual->detect(positions).buried > 0) return Stop::kSwallowed;
       checked_begin = true;
     }
     const Matrix3Xd positions_before = core.model.mesh.nodes + now.displacement;
-    if (mutual) mutual->take(mutual->look(positions_before));
-    pairs.take_up(gaps, positions_before);
+    if (mutual) mutual->use(mutual->detect(positions_before));
+    pairs.reassign_parts(gaps, positions_before);
     if (settings.friction > 0.0) pairs.begin_step(gaps, motion(now.t), positions_before);
     Matrix3Xd u = start(gaps, t);
     positions = core.model.mesh.nodes + u;
     pairs.find(gaps, positions, edge);
-    if (mutual) mutual->take(mutual->look(positions));
+    if (mutual) mutual->use(mutual->detect(positions));
     BodyState state;
     double tolerance = std::max(kFirstTolerance, settings.tolerance);
     for (int update = 0; update < settings.max_updates; ++update) {
@@ -347,28 +350,28 @@ struct ContactWalk::Work {
       ++updates;
       positions = core.model.mesh.nodes + u;
       bool all_there = pairs.find(gaps, positions, edge) == 0;
-      MutualPairs::Look look;
+      MutualPairs::Detection detected;
       if (mutual) {
-        look = mutual->look(positions);
-        if (look.buried > 0) return Stop::kSwallowed;
-        all_there = all_there && look.shift <= kSettled &&
-                    look.smallest_gap >= -settings.largest_entry * size;
+        detected = mutual->detect(positions);
+        if (detected.buried > 0) return Stop::kSwallowed;
+        all_there = all_there && detected.shift <= kSettled &&
+                    detected.smallest_gap >= -settings.largest_entry * size;
       }
       if (all_there && change <= settings.largest_entry * size && tolerance <= settings.tolerance) {
         if (swallows(gaps)) return Stop::kSwallowed;
-        now.smallest_mutual_gap = look.smallest_gap;
+        now.smallest_mutual_gap = detected.smallest_gap;
         keep(gaps, t, std::move(u), state);
         return Stop::kNone;
       }
-      if (mutual) mutual->take(std::move(look));
+      if (mutual) mutual->use(std::move(detected));
       tolerance = std::max(kTighter * tolerance, settings.tolerance);
     }
     return Stop::kNoConvergence;
   }
 
-  // Whether the body at `positions` holds a part of the obstacle. Contact pushes the skin out of an
-  // obstacle, not an obstacle out of the body: inside, all of the skin is off it and all forces are
-  // 0. So a long step could end there.
+  // Whether a part of the obstacle lies inside the body at `positions`. Contact pushes the skin out
+  // of an obstacle, but not an obstacle out of the body: one that lies inside is in contact with no
+  // skin, and all forces are 0. A step that is too long could end in that state.
   [[nodiscard]] bool swallows(const ObstacleGaps& gaps) const {
     const SurfaceMesh skin{positions(Eigen::all, boundary.node_of_vertex),
                            boundary.surface.triangles};
@@ -381,7 +384,7 @@ struct ContactWalk::Work {
         if (!box.contains(x)) continue;
         if (!distance) distance.emplace(skin);
         const double inside = -distance->nearest(x).distance;
-        // The middle of a capsule is never inside; a surface's corner enters between contact
+        // A capsule's axis must be outside; a surface's corner may penetrate between contact
         // points.
         const double allowed = gaps.distance(part, x) < -1e-9 ? 0.0 : spacing;
         if (inside > allowed) return true;
@@ -390,9 +393,10 @@ struct ContactWalk::Work {
     return false;
   }
 
-  // The start with the smallest residual: the last state, the line through the last two, and each
-  // of them after a step in which what touched stays on the obstacle. Without that step an obstacle
-  // that draws back would let the body go at once, out of states that only it keeps stable.
+  // The start with the smallest residual: the last state, the extrapolation of the last two, or the
+  // better of these after a Newton step in which points with force stay on the obstacle. Without
+  // that step, an obstacle that withdraws would release the body at once from states that only the
+  // obstacle keeps stable.
   Matrix3Xd start(const ObstacleGaps& gaps, double t) {
     Matrix3Xd best = now.displacement;
     double smallest = residual_at(gaps, best);
@@ -424,7 +428,7 @@ struct ContactWalk::Work {
     return std::isfinite(value) ? r.norm() : std::numeric_limits<double>::infinity();
   }
 
-  // @pre u and the pairs are in equilibrium
+  // Makes u the state `now`. @pre u and the pairs are in equilibrium
   void keep(const ObstacleGaps& gaps, double t, Matrix3Xd u, const BodyState& state) {
     before.displacement = std::move(now.displacement);
     before.t = now.t;
@@ -445,7 +449,7 @@ struct ContactWalk::Work {
       ++now.touching;
       sum += pair.force;
       now.force += pair.whole_force();
-      moment += pair.force * place(points.points[pair.point], positions);
+      moment += pair.force * position_of(points.points[pair.point], positions);
       largest_product = std::max(largest_product, std::abs(pair.gap.distance) * pair.force);
     }
     now.centre = moment / sum;  // NaN without force
@@ -472,7 +476,7 @@ struct ContactWalk::Work {
     double deepest = 0.0;
     for (const ContactPoint& point :
          contact_points(core.model.mesh, near, kFinerGrid * spacing).points) {
-      const Vector3d x = place(point, positions);
+      const Vector3d x = position_of(point, positions);
       deepest = std::max(deepest, -gaps.distance(x));
     }
     return deepest;

@@ -1,19 +1,20 @@
 /// @file
-/// The full answer of a hyperelastic body to rigid obstacles: unilateral contact at the contact
-/// points of its skin (contact_points.h), without friction unless it is asked for, by an augmented
-/// Lagrangian (contact_pairs.h).
+/// The full-order solution of a hyperelastic body that rigid obstacles press: unilateral contact at
+/// the contact points of its skin (contact_points.h) by an augmented Lagrangian (contact_pairs.h).
+/// Friction is off unless ContactSettings::friction asks for it.
 ///
 ///     internal_force(u) = preload + sum f_i n_i N(x_i)        at the free nodes
 ///     g_i(u) >= 0,   f_i >= 0,   g_i f_i = 0                  at every contact point
 ///
-///   N  nodes      u  displacement, (3 x N) m      t  time along the obstacle's way
+///   N  nodes      u  displacement, (3 x N) m      t  time of the obstacle's motion
 ///
-/// The bodies of one mesh that share no node (joined_model.h) press each other, too, where that is
-/// asked for (ContactSettings::mutual): contact points of each against the triangles of the others,
-/// both deformable, solved together (mutual_pairs.h).
+/// With ContactSettings::mutual the components of a mesh, which share no node (joined_model.h),
+/// press each other, too: the contact points of each component are tested against the triangles of
+/// the others. All components deform and are solved together (mutual_pairs.h).
 ///
-/// Newton's method with a line search on the Lagrangian, conjugate gradients for its steps; the
-/// factor that preconditions them is one of the tangent with the contact's stiffness in it.
+/// Each state is found by Newton's method with a line search on the Lagrangian. Conjugate gradients
+/// solve for its steps. Their preconditioner is the factor of the tangent at rest, and, once that
+/// takes too many iterations, the factor of a tangent with the stiffness of the contact in it.
 #pragma once
 
 #include "palpable/bake/solid/contact_points.h"
@@ -29,79 +30,86 @@
 namespace palpable {
 
 struct ContactSettings {
-  /// Of the residual at the free nodes, relative to the contact's forces (or those that hold the
-  /// body, if larger).
+  /// Largest residual at the free nodes, ratio to the norm of contact forces, preload and forces at
+  /// the held nodes together.
   double tolerance = 1e-7;
-  /// Of the body's size, the diagonal of its box: how far a contact point may be inside.
+  /// Largest penetration of a contact point, ratio to the body's size (the diagonal of its bounding
+  /// box).
   double largest_entry = 1e-6;
-  /// m between contact points; 0: half the smallest radius of the obstacle, but no more than a
-  /// third of the skin's mean edge. A tip that is smaller than the spacing passes between them.
+  /// Distance between contact points, m. 0: half the smallest radius of the obstacle, but no more
+  /// than a third of the skin's mean edge. A tip that is smaller than the spacing passes between
+  /// the points.
   double spacing = 0;
-  /// Of the nodes' own stiffness: the penalty of a contact point. More means fewer updates of the
-  /// multipliers, and worse conditioned steps: where a slender body is pushed by much more than
-  /// its own size of element in a step, 5 is several times as fast.
+  /// Penalty stiffness of a contact point, ratio to the stiffness of its nodes. A larger one needs
+  /// fewer updates of the multipliers, but gives linear systems of worse condition: where a step
+  /// pushes a slender body by much more than its element size, 5 is several times as fast as 200.
   double penalty = 200;
-  /// Coulomb's coefficient between obstacle and skin. With friction the answer depends on the way,
-  /// step by step: a point slides along the straight line between two steps.
+  /// Coulomb's coefficient of friction between obstacle and skin; 0: none. With friction the
+  /// solution depends on the obstacle's path, step by step: within a step a point slides along a
+  /// straight line.
   double friction = 0;
-  /// m, as a share of the body's size: a point that slides by less in a step is held by less than
-  /// friction's whole force.
+  /// Length of a slide up to which a point sticks, ratio to the body's size. A point that slides by
+  /// less in a step is held by less than the full friction force.
   double sticking = 1e-4;
-  /// Whether the separate components of the mesh keep each other out, without friction. Not what a
-  /// component does to itself. A step in which one goes right through the other is not noticed:
-  /// steps should be shorter than half of what is thinnest. 4-node tetrahedra only.
+  /// Whether the separate components of the mesh press each other, without friction. Contact of a
+  /// component with itself is not detected, nor is a step in which one component passes right
+  /// through another: steps should be shorter than half of the thinnest part. 4-node tetrahedra
+  /// only.
   bool mutual = false;
-  /// The penalty of a pair between two components, as `penalty`. Points of both sides lie close to
-  /// each other and share what presses: more makes the choice of those that press jump, a fifth of
-  /// it takes more than 30 updates between two blocks of different grids.
+  /// Penalty stiffness of a pair between two components, ratio as for `penalty`. Points of both
+  /// skins lie close together and share the force: with a larger value the set of points with force
+  /// jumps between updates; with a fifth of it two blocks of different grids need more than 30
+  /// updates.
   double mutual_penalty = 10;
-  int max_newton_steps = 40;    ///< of one update
-  int max_updates = 30;         ///< of the multipliers
+  int max_newton_steps = 40;    ///< for one update of the multipliers
+  int max_updates = 30;         ///< of the multipliers, for one step in t
   int max_halvings = 7;         ///< of a step in t, in succession
-  int refresh_iterations = 30;  ///< a Newton step that takes more gets a new factor after it
-  int max_cg_iterations = 400;  ///< of one Newton step
+  int refresh_iterations = 30;  ///< after a Newton step with more, a new factor is made
+  int max_cg_iterations = 400;  ///< in one Newton step
 };
 
-/// A state of the body against the obstacle.
+/// One state of the body in equilibrium with the obstacle.
 struct ContactState {
   Eigen::Matrix3Xd displacement;  ///< (3 x N) m
   double t = 0;
   double energy = 0;  ///< stored, J
-  /// N, of the obstacle on the body, and the place where it acts: the mean of the contact points by
-  /// their forces, m; NaN without force.
+  /// Force of the obstacle on the body, N, and its centre, m: the mean position of the contact
+  /// points, weighted by their normal forces; NaN without force.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d centre = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  int touching = 0;         ///< pairs of contact points and obstacle parts with force
-  double smallest_gap = 0;  ///< m, of all contact points; not below -largest_entry * size
-  /// m, >= 0: how deep the obstacle is at worst between the contact points, on a grid four times as
-  /// fine.
+  int touching = 0;  ///< pairs of contact points and obstacle parts with force
+  double smallest_gap =
+      0;  ///< m, of all near pairs, not below -largest_entry * size; infinite if none
+  /// Largest penetration between the contact points, m, >= 0, on a grid four times as fine as
+  /// theirs.
   double entry_between = 0;
-  double smallest_force = 0;   ///< N, along the normal, of all contact points: >= 0
+  double smallest_force = 0;   ///< N, along the normal, of all pairs that are near: >= 0
   double complementarity = 0;  ///< largest |g f| over (size * the sum of all f)
   double residual = 0;         ///< relative, as ContactSettings::tolerance
-  /// With ContactSettings::mutual, (3 x components, by their first node) N on each by the others;
-  /// they sum to 0. Else no columns.
+  /// With ContactSettings::mutual: (3 x components) N, the force of the others on each component,
+  /// in the order of their first nodes; the columns sum to 0. Without it: no columns.
   Eigen::Matrix3Xd mutual_force;
   int mutual_touching = 0;  ///< contact points with force against another component
-  /// m, of the contact points near another component, not below -largest_entry * size; infinite if
-  /// none is near.
+  /// Smallest gap of the contact points near another component, m, not below -largest_entry * size;
+  /// infinite if none is near.
   double smallest_mutual_gap = std::numeric_limits<double>::infinity();
   double smallest_volume_ratio = 1;
-  int steps = 0;          ///< in t, since the state before
-  int updates = 0;        ///< of multipliers, likewise
+  int steps = 0;          ///< in t, since the previous state
+  int updates = 0;        ///< of the multipliers, likewise
   int newton_steps = 0;   ///< likewise
   int cg_iterations = 0;  ///< likewise
   int factors = 0;        ///< made, likewise
 };
 
-/// Follows an obstacle on its way. Several may share one solver, each in a thread of its own.
+/// Follows the motion of an obstacle, state after state. Several walks may share one solver, each
+/// in a thread of its own.
 class ContactWalk {
  public:
-  /// Begins at `begin`, where the obstacle should not touch yet; if it does, the body is pressed
-  /// out of it at once, as far as Newton's method can. An obstacle that lies inside the body there
-  /// is refused by the first advance().
-  /// @param solver     outlives this
-  /// @param preloaded  see PathOptions; nullptr: the undeformed body. Outlives this
+  /// Begins at t = `begin`, where the obstacle should not touch the body yet. If it does, the first
+  /// advance() pushes the body out of it at once, as far as Newton's method converges; if it lies
+  /// inside the body, the first advance() fails with Stop::kSwallowed.
+  /// @param solver     must outlive this object
+  /// @param preloaded  see PathOptions; nullptr: the undeformed body. Must outlive this
   /// @throws Error when the spacing asks for more contact points than memory holds, and for
   ///         10-node tetrahedra with ContactSettings::mutual
   ContactWalk(const EquilibriumSolver& solver, ObstacleMotion motion, double begin,
@@ -110,20 +118,20 @@ class ContactWalk {
   ContactWalk(ContactWalk&&) noexcept;
   ContactWalk& operator=(ContactWalk&&) noexcept;
 
-  /// The state at time t, by one step, or by halves of it where that fails. False: now() is the
-  /// last state that was reached, why_stopped() says why there is no further one.
+  /// Advances to time t in one step, or in halves of it where that fails. Returns false if t was
+  /// not reached: now() is then the last state in equilibrium, and why_stopped() the reason.
   bool advance(double t);
 
   [[nodiscard]] const ContactState& now() const;
   [[nodiscard]] Stop stop() const;
   [[nodiscard]] const std::string& why_stopped() const;  ///< empty where nothing failed
 
-  /// (3 x N) N of the obstacle at the nodes, at now().
+  /// (3 x N) N, forces of the obstacle on the nodes at now().
   [[nodiscard]] Eigen::Matrix3Xd nodal_forces() const;
-  /// (3 x N) N of the components on each other at the nodes, at now().
+  /// (3 x N) N, forces of the components on each other's nodes at now().
   [[nodiscard]] Eigen::Matrix3Xd mutual_nodal_forces() const;
 
-  [[nodiscard]] double spacing() const;    ///< m, of the contact points
+  [[nodiscard]] double spacing() const;    ///< m, between contact points
   [[nodiscard]] double body_size() const;  ///< m
 
  private:

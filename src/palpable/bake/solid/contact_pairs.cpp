@@ -27,7 +27,7 @@ std::vector<int> parts_near(const ObstacleGaps& gaps, const Matrix3Xd& positions
   return parts;
 }
 
-bool acts(const ContactPair& pair) {
+bool has_force(const ContactPair& pair) {
   return pair.force != 0.0 || pair.friction != Vector3d::Zero();
 }
 
@@ -70,7 +70,7 @@ int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, dou
       if (gaps.distance(part, centre) > radius + margin) continue;
       for (int i = points_.first[t]; i < points_.first[t + 1]; ++i) {
         const int point = points_.of_triangle[i];
-        const Vector3d x = place(points_.points[point], positions);
+        const Vector3d x = position_of(points_.points[point], positions);
         const double distance = gaps.distance(part, x);
         if (distance > margin || has(point, part)) continue;
         fresh.push_back({.point = point, .part = part, .penalty = penalties_[point], .gap = {}});
@@ -88,7 +88,7 @@ int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, dou
   const auto touching = std::count_if(fresh.begin(), fresh.end(), touches);
 
   std::erase_if(pairs_, [&](const ContactPair& pair) {
-    const Vector3d x = place(points_.points[pair.point], positions);
+    const Vector3d x = position_of(points_.points[pair.point], positions);
     return pair.multiplier == 0.0 && gaps.distance(pair.part, x) > 2.0 * margin;
   });
   pairs_.insert(pairs_.end(), fresh.begin(), fresh.end());
@@ -96,13 +96,13 @@ int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, dou
   return static_cast<int>(touching);
 }
 
-void ContactPairs::take_up(const ObstacleGaps& gaps, const Matrix3Xd& positions) {
+void ContactPairs::reassign_parts(const ObstacleGaps& gaps, const Matrix3Xd& positions) {
   const int parts = gaps.part_count();
   if (parts == std::exchange(parts_, parts)) return;
   std::erase_if(pairs_,
                 [&](const ContactPair& pair) { return pair.multiplier == 0.0 || parts == 0; });
   for (ContactPair& pair : pairs_) {
-    const Vector3d x = place(points_.points[pair.point], positions);
+    const Vector3d x = position_of(points_.points[pair.point], positions);
     double least = std::numeric_limits<double>::infinity();
     for (int part = 0; part < parts; ++part) {
       const double distance = gaps.distance(part, x);
@@ -112,7 +112,7 @@ void ContactPairs::take_up(const ObstacleGaps& gaps, const Matrix3Xd& positions)
     }
   }
   std::sort(pairs_.begin(), pairs_.end(), comes_before);
-  // Two parts that pressed one point may have become the same.
+  // Two pairs of one point may have been assigned to the same part.
   const auto same = [](const ContactPair& a, const ContactPair& b) {
     return contact_key(a) == contact_key(b);
   };
@@ -121,37 +121,39 @@ void ContactPairs::take_up(const ObstacleGaps& gaps, const Matrix3Xd& positions)
 
 void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
                               const Matrix3Xd& positions_before) {
-  // Of an obstacle that has become another one nobody knows how it moved.
+  // Where the number of parts has changed, their motion during the step is unknown, and there is no
+  // friction.
   const bool same = before.part_count() == gaps.part_count();
   for (ContactPair& pair : pairs_) {
-    const Vector3d x = place(points_.points[pair.point], positions_before);
-    pair.rubs = same && pair.multiplier > 0.0;
-    pair.stuck = pair.rubs ? carried(before, gaps.obstacle(), pair.part, x) : x;
+    const Vector3d x = position_of(points_.points[pair.point], positions_before);
+    pair.has_friction = same && pair.multiplier > 0.0;
+    pair.stick_position = pair.has_friction ? carried(before, gaps.obstacle(), pair.part, x) : x;
     pair.slide_normal = pair.gap.normal;
     pair.slide = pair.friction = Vector3d::Zero();
   }
 }
 
-double ContactPairs::most_friction(const ContactPair& pair) const {
-  return pair.rubs ? friction_.coefficient * pair.multiplier : 0.0;
+double ContactPairs::largest_friction(const ContactPair& pair) const {
+  return pair.has_friction ? friction_.coefficient * pair.multiplier : 0.0;
 }
 
-// Slide and friction of a point at x. @returns its part of D, J
-double ContactPairs::rub(const Vector3d& x, ContactPair& pair) const {
-  const double most = most_friction(pair), e = friction_.sticking;
-  const Vector3d moved = x - pair.stuck;
+// Sets slide and friction of a pair whose point is at x. @returns its term of D, J
+double ContactPairs::evaluate_friction(const Vector3d& x, ContactPair& pair) const {
+  const double most = largest_friction(pair), e = friction_.sticking;
+  const Vector3d moved = x - pair.stick_position;
   pair.slide = moved - pair.slide_normal.dot(moved) * pair.slide_normal;
   const double way = pair.slide.norm();
   pair.friction = -most / std::max(way, e) * pair.slide;
   return most * (way < e ? 0.5 * way * way / e : way - 0.5 * e);
 }
 
-// How the force falls as the point moves, without the obstacle's curvature.
+// Minus the derivative of a pair's force by the position of its point, without the obstacle's
+// curvature.
 Matrix3d ContactPairs::stiffness(const ContactPair& pair) const {
   const Vector3d n = pair.gap.normal;
   Matrix3d K =
       pair.force == 0.0 ? Matrix3d(Matrix3d::Zero()) : Matrix3d(pair.penalty * n * n.transpose());
-  const double most = most_friction(pair);
+  const double most = largest_friction(pair);
   if (most == 0.0) return K;
   const double way = pair.slide.norm();
   const Matrix3d across = Matrix3d::Identity() - pair.slide_normal * pair.slide_normal.transpose();
@@ -163,19 +165,19 @@ Matrix3d ContactPairs::stiffness(const ContactPair& pair) const {
 double ContactPairs::evaluate(const ObstacleGaps& gaps, const Matrix3Xd& positions, bool glued) {
   double energy = 0.0;
   for (ContactPair& pair : pairs_) {
-    const Vector3d x = place(points_.points[pair.point], positions);
+    const Vector3d x = position_of(points_.points[pair.point], positions);
     pair.gap = gaps.gap(pair.part, x);
     pair.force = pair.multiplier - pair.penalty * pair.gap.distance;
     if (!(glued && pair.multiplier > 0.0)) pair.force = std::max(0.0, pair.force);
     energy += 0.5 / pair.penalty * (pair.force + pair.multiplier) * (pair.force - pair.multiplier);
-    if (pair.rubs) energy += rub(x, pair);
+    if (pair.has_friction) energy += evaluate_friction(x, pair);
   }
   return energy;
 }
 
 void ContactPairs::add_forces(Matrix3Xd& force) const {
   for (const ContactPair& pair : pairs_) {
-    if (!acts(pair)) continue;
+    if (!has_force(pair)) continue;
     const ContactPoint& point = points_.points[pair.point];
     for (int k = 0; k < point.count; ++k) {
       force.col(point.nodes[k]) += point.shape[k] * pair.whole_force();
@@ -183,9 +185,9 @@ void ContactPairs::add_forces(Matrix3Xd& force) const {
   }
 }
 
-void ContactPairs::add_product(const VectorXd& x, bool bent, VectorXd& y) const {
+void ContactPairs::add_product(const VectorXd& x, bool with_curvature, VectorXd& y) const {
   for (const ContactPair& pair : pairs_) {
-    if (!acts(pair)) continue;
+    if (!has_force(pair)) continue;
     const ContactPoint& point = points_.points[pair.point];
     Vector3d moves = Vector3d::Zero();
     for (int k = 0; k < point.count; ++k) {
@@ -193,7 +195,7 @@ void ContactPairs::add_product(const VectorXd& x, bool bent, VectorXd& y) const 
       if (free >= 0) moves += point.shape[k] * x.segment<3>(3 * free);
     }
     Vector3d pull = stiffness(pair) * moves;
-    if (bent) pull -= pair.force * (pair.gap.curvature * moves);
+    if (with_curvature) pull -= pair.force * (pair.gap.curvature * moves);
     for (int k = 0; k < point.count; ++k) {
       const int free = free_of_node_[point.nodes[k]];
       if (free < 0) continue;
@@ -204,7 +206,7 @@ void ContactPairs::add_product(const VectorXd& x, bool bent, VectorXd& y) const 
 
 void ContactPairs::add_tangent(BlockMatrix& K) const {
   for (const ContactPair& pair : pairs_) {
-    if (!acts(pair)) continue;
+    if (!has_force(pair)) continue;
     const ContactPoint& point = points_.points[pair.point];
     const Matrix3d stiff = stiffness(pair);
     for (int i = 0; i < point.count; ++i) {

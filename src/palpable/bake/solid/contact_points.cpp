@@ -16,7 +16,7 @@ using Edge = std::pair<int, int>;  // nodes, the smaller first
 
 Edge edge_of(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
-// The middle nodes of a mesh's edges; empty where elements are linear.
+// The middle node of each edge of a mesh; empty for 4-node elements.
 std::map<Edge, int> middles_of(const TetMesh& mesh) {
   std::map<Edge, int> middles;
   if (!mesh.is_quadratic()) return middles;
@@ -58,7 +58,7 @@ ContactPoints contact_points(const TetMesh& mesh, const Boundary& boundary, doub
   return result;
 }
 
-Vector3d place(const ContactPoint& point, const Eigen::Matrix3Xd& positions) {
+Vector3d position_of(const ContactPoint& point, const Eigen::Matrix3Xd& positions) {
   Vector3d x = Vector3d::Zero();
   for (int k = 0; k < point.count; ++k) x += point.shape[k] * positions.col(point.nodes[k]);
   return x;

@@ -16,7 +16,7 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using test::tolerance;
 
-// 0.1 m, 20 kPa, on its base.
+// A cube of 0.1 m and 20 kPa, held at its base.
 SolidModel block(int cells) {
   SolidModel model;
   model.mesh = box_tets({0, 0, 0}, {0.1, 0.1, 0.1}, cells, cells, cells);
@@ -25,7 +25,7 @@ SolidModel block(int cells) {
   return model;
 }
 
-// Touches the block's top at t = 0, and is t deep after that, m.
+// A ball that touches the block's top at t = 0 and is t (m) deep later.
 Obstacle ball_at(double t) { return {.capsules = {ball({0.051, 0.048, 0.12 - t}, 0.02)}}; }
 
 void check_conditions(const ContactWalk& walk) {
@@ -52,7 +52,7 @@ TEST_CASE("a lid presses a block that may slide into a uniform field", "[solid][
   const auto lid = [](double t) {
     return Obstacle{.half_spaces = {{{0, 0, 0.1 - t}, {0, 0, -1}}}};
   };
-  // 1e-11 is reached on some processors, whose matrix products round otherwise, and not on others.
+  // Whether 1e-11 is reached depends on how the matrix products of the processor round.
   ContactWalk walk(solver, lid, -0.001, {.tolerance = 1e-10, .largest_entry = 1e-10});
   const bool reached = walk.advance(0.02);
   INFO(walk.why_stopped());
@@ -64,7 +64,7 @@ TEST_CASE("a lid presses a block that may slide into a uniform field", "[solid][
   CHECK(stretch[2] == Approx(0.8).epsilon(tolerance(1e-9, "the lid's entry")));
   CHECK((u - (stretch - Vector3d::Ones()).asDiagonal() * model.mesh.nodes).cwiseAbs().maxCoeff() <=
         tolerance(1e-10, "m; the tolerance of the residual"));
-  // Uniaxial: no stress across, and the force is the stress along times the face.
+  // Uniaxial stress: none across, and the force is the axial stress times the face.
   const Eigen::Matrix3d P = first_piola(model.material, stretch.asDiagonal());
   CHECK(std::abs(P(0, 0)) <= tolerance(1e-4, "Pa of 4000"));
   CHECK(walk.now().force[2] == Approx(P(2, 2) * 0.01).epsilon(tolerance(1e-8, "as the stretch")));
@@ -100,7 +100,8 @@ TEST_CASE("the obstacle's force is the slope of the body's energy along its way"
   CHECK(-force == Approx(slope).epsilon(tolerance(1e-4, "differences over 0.4 % of the depth")));
 }
 
-// Comes down on the block's top by 4 mm until t = 1, then goes aside by 1 m a unit of time.
+// A lid that moves down by 4 mm onto the block's top until t = 1, then sideways by 1 m per unit of
+// time.
 Obstacle lid_at(double t) {
   const double down = 0.1 - 0.004 * std::min(t, 1.0), aside = std::max(0.0, t - 1.0);
   return {.half_spaces = {{{aside, 0, down}, {0, 0, -1}}}};
@@ -110,7 +111,7 @@ TEST_CASE("a lid that goes aside drags a block along until it slides by Coulomb'
           "[solid][contact]") {
   const EquilibriumSolver solver(block(4));
   const auto top = nodes_on_plane(block(4).mesh, {0, 0, 0.1}, {0, 0, 1}, 1e-9);
-  // Where it sticks, the top goes with the lid.
+  // Where it sticks, the top moves with the lid.
   ContactWalk sticks(solver, lid_at, -0.1, {.friction = 5.0});
   REQUIRE(sticks.advance(0.5));
   REQUIRE(sticks.advance(1.0));
@@ -122,7 +123,7 @@ TEST_CASE("a lid that goes aside drags a block along until it slides by Coulomb'
     const Vector3d moved = sticks.now().displacement.col(node) - pressed.col(node);
     CHECK((moved - Vector3d(0.002, 0, 0)).norm() <= tolerance(slip, "the slide of full friction"));
   }
-  // Where it slides, all of the force is mu times the pressure's.
+  // Where it slides, the friction force is mu times the normal force.
   ContactWalk slides(solver, lid_at, -0.1, {.friction = 0.3});
   REQUIRE(slides.advance(1.0));
   for (int i = 1; i <= 8; ++i) REQUIRE(slides.advance(1.0 + 0.004 * i));
@@ -131,7 +132,7 @@ TEST_CASE("a lid that goes aside drags a block along until it slides by Coulomb'
   CHECK(force[2] < 0);
   CHECK(force[0] == Approx(-0.3 * force[2]).epsilon(tolerance(1e-3, "points slide aside by 1 %")));
   CHECK(std::abs(force[1]) < tolerance(1e-3, "the block is symmetric") * force.norm());
-  // It would slide on without an end: nothing changes any more.
+  // Sliding is steady: the displacement does not change any more.
   const Matrix3Xd before = slides.now().displacement;
   REQUIRE(slides.advance(1.036));
   CHECK((slides.now().displacement - before).norm() <=
@@ -152,7 +153,7 @@ TEST_CASE("many steps, few steps and the way back lead to the same state", "[sol
   REQUIRE(many.advance(-0.001));
   CHECK(many.now().touching == 0);
   CHECK(many.now().force.norm() == 0.0);
-  CHECK(many.now().displacement.norm() <= tolerance(1e-6, "let go, it is at rest") * size);
+  CHECK(many.now().displacement.norm() <= tolerance(1e-6, "released, it is at rest") * size);
 }
 
 TEST_CASE("a closed surface presses as the half space or the ball that it stands for",
@@ -179,7 +180,8 @@ TEST_CASE("a closed surface presses as the half space or the ball that it stands
 
 TEST_CASE("things that come and go elsewhere change nothing", "[solid][contact]") {
   const EquilibriumSolver solver(block(4));
-  // No smaller than the ball: the smallest radius sets the distance between contact points.
+  // Not smaller than the ball, because the smallest radius sets the distance between contact
+  // points.
   const Capsule far = ball({0.05, 0.05, 0.5}, 0.05);
   // The ball is the third of three, then alone, then the first of two.
   const auto with_others = [&](double t) {
@@ -276,7 +278,7 @@ TEST_CASE("an obstacle that would crush the body ends the way with the reason",
   CHECK_FALSE(walk.advance(0.12));
   CHECK(walk.now().t < 0.1);
   CHECK_FALSE(walk.why_stopped().empty());
-  // It goes on from the last good state.
+  // The walk can continue from the last good state.
   const double good = walk.now().t;
   INFO("from " << good);
   CHECK(walk.advance(good - 0.002));

@@ -8,17 +8,17 @@
 namespace palpable {
 namespace {
 
-// A law whose part of a pass is a function of its own, compiled once for both shapes of elements
-// and not again inside each of their passes. Tangents take it, whose loops over the nodes are not
-// worth unrolling, and processors without AVX2, for which that code would be twice as much as for
-// all others.
+// A law that is called by function pointers. Its code is then compiled once for both element types,
+// and not again inside each of their passes. It serves tangents, whose loops over the nodes are not
+// worth unrolling, and processors without AVX2, for which inlined code would be twice as large as
+// for all other levels.
 struct CalledLaw {
   const Material& material;
   int (*density)(const Material&, const Deformation<Pack>&, Pack&);
   int (*piola)(const Material&, const Deformation<Pack>&, Tensor<Pack>&);
   int (*piola_along)(const Material&, const Deformation<Pack>&, const Tensor<Pack>&, Tensor<Pack>&);
 
-  // As law.h has them of each law.
+  // The functions that law.h requires of a law.
   PALPABLE_ALWAYS_INLINE friend Pack energy_density(const CalledLaw& law,
                                                     const Deformation<Pack>& d) {
     Pack value;
@@ -78,7 +78,7 @@ CalledLaw called_law(SimdLevel level, const Material& material) {
       material);
 }
 
-// The three passes; run() is compiled once for each level.
+// The three passes over the elements. Their run() is compiled once for each level of instructions.
 
 struct Forces {
   template <class Law, int A, int Q>

@@ -129,7 +129,7 @@ TEST_CASE("an inverted element is found wherever it lies in its block", "[solid]
     const TetAssembly assembly(model, level);
     Matrix3Xd force(3, model.mesh.node_count());
     for (int e = 0; e < model.mesh.tet_count(); ++e) {
-      // The first corner through the opposite face and out again as far.
+      // Moves the first corner through the opposite face, as far beyond it as it was before it.
       Matrix3Xd u = Matrix3Xd::Zero(3, model.mesh.node_count());
       const Eigen::Vector4i n = model.mesh.tets.col(e);
       const Eigen::Vector3d across =

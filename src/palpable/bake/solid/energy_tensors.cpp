@@ -28,7 +28,8 @@ std::array<double, 2> last_terms(const Law& law, const Eigen::Matrix3d& F, const
 //
 //     T = 1 / (n! 2^n) sum over signs s of s_1 ... s_n Q(s_1 e_a + s_2 e_b + ...)
 //
-// and with all signs exchanged a term is the same; so s_1 = 1, and twice the sum.
+// A term does not change when all signs are flipped. Therefore the sum runs over s_1 = 1 only and
+// counts twice.
 template <std::size_t n, class Diagonal>
 double polarised(const std::array<int, n>& entries, const Diagonal& diagonal) {
   double sum = 0;

@@ -9,12 +9,11 @@
 ///
 ///     internal_force(u) = level * f,      internal_force = d/du sum_e V_e Psi(F_e)
 ///
-/// Newton's method solves this, from a start extrapolated over the levels before. Conjugate
-/// gradients find each Newton step. Their matrix products are loops over the elements; their
+/// Newton's method solves this, from a start extrapolated over the previous levels. Conjugate
+/// gradients solve for each Newton step. Their matrix products are loops over the elements; their
 /// preconditioner is the Cholesky factor of the undeformed tangent, corrected by what earlier
 /// solves have shown of the present one (quasi_newton.h). One factor usually serves all sites of a
-/// body. A path that needs too many iterations with it makes one of its own, of the tangent where
-/// it is.
+/// body. A path that needs too many iterations with it factorises its own present tangent.
 #pragma once
 
 #include "palpable/bake/solid/solid_model.h"
@@ -58,20 +57,20 @@ struct EquilibriumSettings {
 
 /// One step of Newton's method.
 struct NewtonStep {
-  double residual = 0;    ///< before it; relative, as EquilibriumSettings::tolerance
-  int cg_iterations = 0;  ///< that found it
-  double share = 1;       ///< of the step that the line search accepted: 1, 1/2, 1/4 ...
+  double residual = 0;    ///< before the step; relative, as EquilibriumSettings::tolerance
+  int cg_iterations = 0;  ///< of its linear solve
+  double share = 1;       ///< of the full step that the line search accepted: 1, 1/2, 1/4 ...
 };
 
 /// One state of the body.
 struct Equilibrium {
   Eigen::Matrix3Xd displacement;  ///< (3 x N) m
   double level = 0;
-  int newton_steps = 0;              ///< spent on the way from the level before
+  int newton_steps = 0;              ///< since the previous level
   int cg_iterations = 0;             ///< likewise
   double residual = 0;               ///< relative, as EquilibriumSettings::tolerance
   double smallest_volume_ratio = 1;  ///< min over elements of J = det F
-  /// All steps since the level before, including those of increments that failed.
+  /// All steps since the previous level, including those of increments that failed.
   std::vector<NewtonStep> convergence = {};
 };
 
@@ -86,7 +85,7 @@ enum class Stop {
               ///< out (contact.h)
 };
 
-/// Where the CPU time of a path went, s.
+/// CPU time of the parts of a path, s.
 struct SolveTimes {
   double factor_s = 0;        ///< factors that were renewed on the way
   double tangent_s = 0;       ///< tangents assembled for them
@@ -125,14 +124,14 @@ struct Preloaded {
   Eigen::Matrix3Xd rest;
 };
 
-/// How a path is walked.
+/// Options of a path.
 struct PathOptions {
   /// The path starts from this state. Its force acts in full all along the path, and supports stay
   /// where they are. Levels and presses are counted from there. nullptr: the undeformed body.
   const Preloaded* preloaded = nullptr;
   /// Solves share each pass through the factor with other lanes (lockstep.h). nullptr: no sharing.
   Lane* lane = nullptr;
-  /// press_path() calls this after each state with the part of its work that is done, 0 .. 1.
+  /// press_path() calls this after each state with the fraction of its work that is done, 0 .. 1.
   std::function<void(double part)> tick = {};
 };
 
@@ -148,10 +147,10 @@ struct LoadSearch {
   int newton_steps = 0, cg_iterations = 0;
 };
 
-/// How far a body shall be pressed, and in how many steps.
+/// How far a body is to be pressed, and in how many steps.
 struct PressGoal {
   double press = 0;  ///< m: sum(unit_load . u) at the full load, > 0
-  double force = 0;  ///< N: the full load, if above 0; then `press` is not read
+  double force = 0;  ///< N: the full load, if above 0; then `press` is ignored
   int levels = 10;   ///< L >= 1: equal steps of the load
 };
 
@@ -163,7 +162,7 @@ struct PressPath {
   bool reached = false;            ///< the press, or the force
   Stop stop = Stop::kNone;
   std::string why_stopped;                  ///< empty when reached
-  int newton_steps = 0, cg_iterations = 0;  ///< of the search, too
+  int newton_steps = 0, cg_iterations = 0;  ///< including the search
   int factors = 0;                          ///< how often the factor was renewed
   int halvings = 0;                         ///< increments that had to be cut
   SolveTimes times;
@@ -211,14 +210,14 @@ class EquilibriumSolver {
   [[nodiscard]] LoadSearch find_load(const Eigen::Matrix3Xd& unit_load, double wanted_press,
                                      const PathOptions& options = {}) const;
 
-  /// What find_load() and then solve_path() would give, for less: the search finds the load to
-  /// three digits only, and the states of the path start from interpolations between those of the
-  /// search.
+  /// The result of find_load() followed by solve_path(), at a lower cost: the search finds the load
+  /// to three digits only, and the states of the path start from interpolations between those of
+  /// the search.
   ///
   /// A body that yields, buckles or would turn an element inside out before the goal is solved up
-  /// to 95 % of the load that it bears, with `reached` false. The full load is lowered until the
-  /// press grows strictly with every level. `steps` is empty when the body bears not even a small
-  /// part of it.
+  /// to 95 % of the largest load that was reached, with `reached` false. The full load is lowered
+  /// until the press grows strictly with every level. `steps` is empty when not even a small part
+  /// of it can be reached.
   /// @throws Error as find_load()
   [[nodiscard]] PressPath press_path(const Eigen::Matrix3Xd& unit_load, const PressGoal& goal,
                                      const PathOptions& options = {}) const;

@@ -110,7 +110,7 @@ TEST_CASE("a pass over the elements takes no memory", "[solid][assembly]") {
   BlockMatrix K(assembly.pattern());
   PassFields fields;
   assembly.set_state(u, fields);
-  assembly.force(fields, force);  // takes the room for what is found
+  assembly.force(fields, force);  // allocates the buffers
   Eigen::VectorXd x = Eigen::VectorXd::Ones(3 * assembly.pattern().rows()), y = x;
   CHECK(test::allocations_during([&] {
           assembly.set_state(u, fields);
@@ -145,7 +145,7 @@ TEST_CASE("every level of a path is in equilibrium with its load", "[solid][path
         left_over.col(n).setZero();
       }
       CHECK(left_over.norm() <= 1e-8 * force.norm());
-      // What the supports carry is what is applied.
+      // The reactions of the supports balance the load.
       Vector3d held = Vector3d::Zero();
       for (const int n : model.fixed_nodes) held += force.col(n);
       CHECK((held + levels[k] * load.rowwise().sum()).norm() <=
@@ -272,7 +272,7 @@ TEST_CASE("a path that cannot go on keeps its good levels and says why", "[solid
   CHECK_THAT(path.why_stopped, Contains("load level 0.5 was not reached, the last that was is 0."));
 }
 
-// Every node of the plane X_axis = value held across it, at `displacement`.
+// Holds every node of the plane X_axis = value along its normal, at `displacement`.
 void hold_plane(SolidModel& model, int axis, double value, double displacement = 0.0) {
   for (int n = 0; n < model.mesh.node_count(); ++n) {
     if (std::abs(model.mesh.nodes(axis, n) - value) > 1e-12) continue;
@@ -295,7 +295,8 @@ TEST_CASE("a block on three symmetry planes, drawn out, becomes thin without str
   INFO(path.why_stopped);
   REQUIRE(path.complete);
   const Matrix3Xd& u = path.steps.back().displacement;
-  // diag(a, a, 1.4) X everywhere, and a such that nothing pulls across.
+  // The deformation is diag(a, a, 1.4) X everywhere, with the a for which there is no transverse
+  // stress.
   const double a = 1.0 + u(0, model.mesh.node_count() - 1) / kSide;
   const Matrix3d F = Vector3d(a, a, 1.4).asDiagonal();
   CHECK((a > 0.8 && a < 0.95));
@@ -303,7 +304,7 @@ TEST_CASE("a block on three symmetry planes, drawn out, becomes thin without str
         tolerance(1e-8, "residual of 1e-10 over a condition of tens") * u.norm());
   const Matrix3d P = first_piola(model.material, F);
   CHECK(std::abs(P(0, 0)) <= tolerance(1e-7, "as above") * P(2, 2));
-  // The reactions at the upper face are stress times area, the residual nowhere else.
+  // The reactions at the upper face sum to stress times area.
   const Matrix3Xd force = solver.internal_force(u);
   double pull = 0.0;
   for (int n = 0; n < model.mesh.node_count(); ++n) {
@@ -360,7 +361,7 @@ TEST_CASE("half a block on its plane of symmetry moves as the whole block does",
   for (int n = 0; n < N; ++n) {
     if (half.mesh.nodes(0, n) == 0.0) CHECK(u(0, n) == 0.0);
   }
-  // The search for a load keeps to the plane, too.
+  // The search for a load respects the symmetry plane, too.
   const LoadSearch found = EquilibriumSolver(half).find_load(load / 8, 0.004);
   CHECK(found.reached);
 }
@@ -486,7 +487,8 @@ TEST_CASE("sites solved side by side have exactly the states of sites solved in 
 
 TEST_CASE("a slender, nearly incompressible beam of 10-node tetrahedra bends to the end",
           "[solid][path]") {
-  // 8 bits of a factor cannot carry a stiffness of bending beside one of pressing that differ so.
+  // The stiffnesses of bending and of compression differ by more than the 8 bits of a factor can
+  // hold.
   SolidModel model;
   model.mesh = with_edge_nodes(box_tets({0, 0, 0}, {1.0, 0.02, 0.01}, 60, 1, 1));
   model.material = material_from_young("neo-hookean", 60e3, 0.49);
@@ -508,7 +510,8 @@ TEST_CASE("a slender, nearly incompressible beam of 10-node tetrahedra bends to 
 }
 
 TEST_CASE("a press of a millionth of the height is solved as any other", "[solid][path]") {
-  // So little energy that its rounding is larger: the line search must not mistake that for a hill.
+  // The energy is smaller than its rounding error: the line search must not take that for an
+  // increase.
   for (const std::string& law : law_names()) {
     const SolidModel model = cube(law);
     const EquilibriumSolver solver(model);

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 constexpr double kYoung = 1e5, kPoisson = 0.3;
 constexpr double kBallRadius = 1.0;
-constexpr double kContactRadius = 0.02;  // of the ball's: strains below 1 %
+constexpr double kContactRadius = 0.02;  // 2 % of the ball's radius: strains stay below 1 %
 constexpr double kBlock = 8.0 * kContactRadius;
 
 constexpr double kDepth = kContactRadius * kContactRadius / kBallRadius;
@@ -24,10 +24,10 @@ constexpr double kPlaneStrainYoung = kYoung / (1.0 - kPoisson * kPoisson);
 
 double hertz_force() { return 4.0 / 3.0 * kPlaneStrainYoung * kContactRadius * kDepth; }
 
-// From 0 .. 1 to the block's edge, a quarter as fine as even cells at 0.
+// Maps 0 .. 1 to the block's edge. Cells at 0 are a quarter of the size of even ones.
 double graded(double s) { return kBlock * (0.25 * s + 0.75 * s * s * s); }
 
-// What a force F on the half space z > 0 at the origin, along z, moves.
+// Displacement at x of the half space z > 0 under a force F along z at the origin.
 Vector3d boussinesq(const Vector3d& x, double F) {
   const double G = kYoung / (2.0 * (1.0 + kPoisson));
   const double r = x.norm(), across = std::hypot(x[0], x[1]), z = x[2];

@@ -5,9 +5,10 @@
 ///     a = sqrt(R d)      F = 4/3 E* sqrt(R) d^(3/2)      p0 = 3 F / (2 pi a^2)
 ///     E* = E / (1 - nu^2)
 ///
-/// A quarter of a block of 8 a stands for the half space: symmetry holds two of its faces, and the
-/// others are moved as the point force F moves them there (Boussinesq, Johnson eq. 3.18 ff.), which
-/// a force on so small a patch does to within (a / 8 a)^2. Strains stay below 1 %.
+/// A quarter of a block with edges of 8 a stands for the half space. Symmetry holds two of its
+/// faces. The other faces are displaced as in a half space under the point force F (Boussinesq,
+/// Johnson eq. 3.18 ff.); for a force on a patch of radius a this is accurate to (a / 8 a)^2.
+/// Strains stay below 1 %.
 #pragma once
 
 #include "palpable/bake/solid/contact.h"
@@ -18,7 +19,7 @@ struct HertzResult {
   double cell = 0;  ///< edge of the cells under the ball over the contact radius a
   int nodes = 0;
   double force_error = 0;     ///< F over Hertz's, minus 1
-  double radius_error = 0;    ///< of a, from the forces' second moment: sum f r^2 = 2/5 a^2 F
+  double radius_error = 0;    ///< of a, by the forces' second moment: sum f r^2 = 2/5 a^2 F
   double pressure_error = 0;  ///< of p0, from F and that a
   ContactState state;
 };

@@ -1,7 +1,8 @@
 /// @file
-/// Truncated power series as a number type: what a law's formulas give for a deformation that is a
-/// polynomial of one parameter. Evaluating a law with them gives its derivatives of any order along
-/// a path, for every law that is written as law.h says, and without a formula of its own for each.
+/// Truncated power series as a number type. A law's formulas, evaluated with them for a deformation
+/// that is a polynomial of one parameter, give the law's derivatives of any order along that path.
+/// This works for every law that is written as law.h requires, and no formulas for the derivatives
+/// are needed.
 ///
 ///     x(a) = x_0 + a x_1 + ... + a^n x_n + O(a^(n+1))
 ///

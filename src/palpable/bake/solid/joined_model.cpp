@@ -15,7 +15,7 @@ using Eigen::Index;
 
 namespace {
 
-// The columns of `next`, with `offset` added, behind those of `all`.
+// Appends the columns of `next`, with `offset` added to each entry, to `all`.
 template <class Matrix>
 void append_numbers(const Matrix& next, int offset, Matrix& all) {
   const Index before = all.cols();

@@ -28,7 +28,7 @@ struct LoadResponse::Core {
   SolidModel model;
   Matrix3Xd rest;
   TetAssembly assembly;
-  mutable FactorWorkspace factor_workspace;  // of the constructor
+  mutable FactorWorkspace factor_workspace;  // used by the constructor only
   ExactFactor factor;
   VectorXd free_mask;
 

@@ -1,6 +1,6 @@
 /// @file
-/// How a body answers a small load: the first three terms of its displacement as a power series in
-/// the load, for any law, any elements, and a body that something acts on already.
+/// Response of a body to a small load: the first three terms of its displacement as a power series
+/// in the load, for any law, any elements, and with or without a preload.
 ///
 ///   N  nodes     k  loads     M  free nodes
 ///
@@ -26,9 +26,9 @@ namespace palpable {
 /// Const members may be called from several threads at once.
 class LoadResponse {
  public:
-  /// Factorises K in double precision: 8 bytes for each of its nonzeros.
+  /// Factorises K in double precision: 8 bytes for each nonzero of the factor.
   /// @param preloaded  the state u_0; nullptr: the undeformed body. Read during this call only
-  /// @throws Error as check_model(), and if K is not positive definite: the body buckles as it is
+  /// @throws Error as check_model(), and if K is not positive definite: the body buckles in u_0
   explicit LoadResponse(const SolidModel& model, const Preloaded* preloaded = nullptr);
   ~LoadResponse();
   LoadResponse(LoadResponse&&) noexcept;

@@ -43,8 +43,8 @@ VectorXd internal_force(const EquilibriumSolver& solver, const VectorXd& u) {
   return solver.internal_force(u.reshaped(3, u.size() / 3)).reshaped();
 }
 
-// Coefficient of a^order, 2 or 3, of f(u_0 + a v + a^2 w) by central differences; those of even and
-// odd order are told apart by the signs, and h^2 of their error by a second step (Richardson).
+// Coefficient of a^order, 2 or 3, of f(u_0 + a v + a^2 w) by central differences. The signs
+// separate even from odd orders; a second step removes the h^2 term of the error (Richardson).
 VectorXd by_differences(const EquilibriumSolver& solver, const VectorXd& u_0, const VectorXd& v,
                         const VectorXd& w, int order, double h) {
   const auto at = [&](double a) { return internal_force(solver, u_0 + a * v + a * a * w); };

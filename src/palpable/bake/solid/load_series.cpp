@@ -153,11 +153,11 @@ SolidModel series_model(const SolidModel& model) {
 struct LoadSeries::Core {
   SolidModel model;
   TetAssembly assembly;
-  mutable FactorWorkspace workspace;  // of one caller at a time
+  mutable FactorWorkspace workspace;  // for one caller at a time
   ExactFactor factor;
   std::vector<SeriesElement> elements;
-  std::vector<Index> unknown;  // (free components) their place in a field of 3N
-  std::vector<Index> row;      // and in a vector of the assembly, 3M
+  std::vector<Index> unknown;  // (free components) their index in a field of 3N
+  std::vector<Index> row;      // their index in a vector of the assembly, 3M
   VectorXd free_mask, mass;
 
   explicit Core(const SolidModel& the_model)

@@ -23,7 +23,7 @@
 
 namespace palpable {
 
-/// When a series is long enough.
+/// Where a series is truncated.
 struct SeriesSettings {
   int most_orders = 14;  ///< >= 1
   /// The series of a load ends where |u_p| <= tolerance |u_1|, at the full load, in the norm of
@@ -35,7 +35,8 @@ struct SeriesSettings {
 struct LoadOrders {
   Eigen::MatrixXd u;       ///< (3N x n) column p - 1 is u_p, m at the full load
   bool converged = false;  ///< the tolerance was met
-  /// |u_{n-1}| / |u_n|: about how many times the full load the series bears; infinite for n = 1.
+  /// |u_{n-1}| / |u_n|: an estimate of the largest multiple of the full load for which the series
+  /// converges; infinite for n = 1.
   double radius = 0;
 };
 
@@ -60,7 +61,7 @@ class LoadSeries {
 
   /// The orders of each load, 16 loads side by side. Memory: 16 loads x orders x 6 stresses x 8
   /// bytes an element.
-  /// @param loads  (3N x k) N at a = 1; those side by side should need about as many orders
+  /// @param loads  (3N x k) N at a = 1; neighbours should need about the same number of orders
   [[nodiscard]] std::vector<LoadOrders> solve(const Eigen::MatrixXd& loads,
                                               const SeriesSettings& settings) const;
 
@@ -83,8 +84,8 @@ class LoadSeries {
 ///     c_p = a^p D_{n-1-p}(a) / D_{n-1}(a),   D_k(a) = 1 + d_1 a + ... + d_k a^k,
 ///
 /// d such that u_n + d_1 u_{n-1} + ... + d_{n-1} u_1 is normal to u_1 ... u_{n-1} (Najah, Cochelin,
-/// Damil, Potier-Ferry 1998). It converges for larger a than the series does. Where both give the
-/// same, both are right.
+/// Damil, Potier-Ferry 1998). It converges for larger a than the series does. Where the two
+/// agree, both are accurate.
 /// @param gram  (n x n) inner products of the orders
 [[nodiscard]] Eigen::VectorXd pade_coefficients(const Eigen::MatrixXd& gram, double a);
 

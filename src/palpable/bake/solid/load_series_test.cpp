@@ -63,7 +63,7 @@ TEST_CASE("forces balance the load up to the first order left out", "[solid][ser
   const LoadOrders orders = series.solve(f, {.most_orders = 8, .tolerance = 0.0})[0];
   REQUIRE(orders.u.cols() == 8);
   CHECK_FALSE(orders.converged);
-  // What n orders leave is of the order n + 1: half the load, 2^(n+1) times less.
+  // The residual of n orders is of order n + 1: for half the load it is 2^(n+1) times smaller.
   for (const Index n : {1, 2, 3, 5}) {
     INFO(n << " orders");
     const auto residual = [&](double a) {
@@ -71,7 +71,7 @@ TEST_CASE("forces balance the load up to the first order left out", "[solid][ser
       for (Index p = n; p >= 1; --p) u = a * (u + orders.u.col(p - 1));
       return (series.internal_force(u) - a * f).cwiseProduct(series.free_mask()).norm();
     };
-    // Five orders leave only rounding of a fiftieth of the load.
+    // At a fiftieth of the load, five orders leave only rounding.
     const double a = n == 5 ? 0.2 : 0.02;
     const double order = std::log2(residual(a) / residual(a / 2.0));
     CHECK(std::abs(order - static_cast<double>(n + 1)) <=

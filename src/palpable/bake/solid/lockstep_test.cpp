@@ -50,7 +50,7 @@ std::function<std::optional<int>()> numbers(int count) {
   return [count, i = 0]() mutable { return i < count ? std::optional(i++) : std::nullopt; };
 }
 
-// What is left of a vector after some solves; items take unlike numbers of them.
+// The results of items that each make a different number of solves.
 std::vector<VectorXd> solve_all(const Chain& soft, const Chain& stiff,
                                 const LockstepSettings& settings) {
   constexpr int kItems = 37;
@@ -117,8 +117,8 @@ TEST_CASE("no more lanes run at a time than there are threads, and passes are sh
 }
 
 TEST_CASE("lanes that are least far go first", "[solid][lockstep]") {
-  // On one thread the first 16 items share the first pass; then come the four that had not begun,
-  // and of the 16 those that are least far: here the last ones, until 16 wait again.
+  // On one thread the first 16 items share the first pass. Then the four run that had not begun,
+  // and of the 16 those with the least progress, here the last ones, until 16 lanes wait again.
   const Chain chain(1.0);
   std::vector<int> order;
   const auto work = [&](int item, Lane& lane) {
@@ -150,7 +150,7 @@ TEST_CASE("an item that fails ends the run but not the items beside it", "[solid
   CHECK_THROWS_WITH(run_in_lockstep(numbers(100), work, {.threads = 1, .lanes = 8}), "item 2");
   CHECK(ended == std::set<int>{0, 1, 3, 4, 6, 7});
 
-  // What hands out the items may fail, too.
+  // The function that hands out the items may fail, too.
   const auto broken = []() -> std::optional<int> { throw std::runtime_error("no more news"); };
   CHECK_THROWS_WITH(run_in_lockstep(broken, work, {.threads = 2, .lanes = 4}), "no more news");
 }

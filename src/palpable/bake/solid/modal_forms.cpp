@@ -25,7 +25,8 @@ using Eigen::MatrixXf;
 // Points whose products are summed by one matrix product: more would not fit into the cache.
 constexpr Index kTogether = 32;
 
-// A pair of entries of the gradient, a <= b, counts twice when they differ.
+// Number of pairs (a, b), a <= b, of the nine entries of a gradient. A pair with a < b counts
+// twice.
 constexpr int kPairs = 45;
 
 // One integration point.
@@ -33,7 +34,7 @@ struct Point {
   Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 10> g;  // dN_a/dX, 1/m
   Eigen::Matrix<int, Eigen::Dynamic, 1, 0, 10, 1> nodes;
   double weight = 0;  // m^3
-  int tensors = 0;    // which of the law's derivatives
+  int tensors = 0;    // index of the law's derivatives there
 };
 
 // The law's derivatives at a point, over pairs (ab), a <= b, of entries of F.
@@ -96,7 +97,7 @@ std::vector<double> distinct_cubic(const Eigen::MatrixXd& by_pair) {
   const Index r = by_pair.cols();
   for (Index i = 0; i < r; ++i) {
     for (Index j = i; j < r; ++j) {
-      // All three ways to split i, j, k are sums over the same points; their mean rounds least.
+      // The three ways to split (i, j, k) differ by rounding only; their mean has the least of it.
       for (Index k = j; k < r; ++k) {
         distinct.push_back(
             (by_pair(pair_of(i, j), k) + by_pair(pair_of(i, k), j) + by_pair(pair_of(j, k), i)) /
@@ -118,7 +119,7 @@ struct ModalFormMaker::Parts {
     check_model(model);
     const std::vector<int> group_of = material_groups(model);
     const bool undeformed = rest.isZero(0);
-    std::map<int, int> of_group;  // undeformed, all points of a material have the same
+    std::map<int, int> of_group;  // at rest undeformed, all points of a material share theirs
     for (const int e : order_along_curve(centres(model.mesh))) {
       for (Point& point : points_of(e)) {
         const int group = group_of[e];
@@ -181,7 +182,7 @@ MatrixXf gradients(const Point& point, const MatrixXf& modes) {
   return G;
 }
 
-// Points that are summed, each with the weight of those for which it stands.
+// The points that are summed. Each has the volume of all points that it represents.
 struct Sample {
   std::vector<Index> points;
   std::vector<double> weights;  // m^3
@@ -190,24 +191,24 @@ struct Sample {
 // @param points  in the order of a curve through the body
 Sample sampled(const std::vector<Point>& points, const MatrixXf& modes,
                const FormSampling& sampling) {
-  std::vector<double> carries(points.size());
+  std::vector<double> contribution(points.size());
   for (std::size_t p = 0; p < points.size(); ++p) {
-    carries[p] =
+    contribution[p] =
         points[p].weight * std::pow(static_cast<double>(gradients(points[p], modes).norm()), 3);
   }
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return carries[a] != carries[b] ? carries[a] > carries[b] : a < b;
+    return contribution[a] != contribution[b] ? contribution[a] > contribution[b] : a < b;
   });
-  const double whole = std::accumulate(carries.begin(), carries.end(), 0.0);
+  const double whole = std::accumulate(contribution.begin(), contribution.end(), 0.0);
   enum Rank : char { kLeftOut, kSampled, kExact };
   std::vector<Rank> rank(points.size(), kLeftOut);
   double before = 0;
   for (const std::size_t p : order) {
     if (before >= (1 - sampling.neglect) * whole) break;
     rank[p] = before < sampling.exact * whole ? kExact : kSampled;
-    before += carries[p];
+    before += contribution[p];
   }
   Sample sample;
   std::vector<std::size_t> group;
@@ -272,7 +273,8 @@ ModalForms ModalFormMaker::make(const Eigen::MatrixXd& modes, int leading,
   MatrixXf cubic = MatrixXf::Zero(pairs, r), quartic = MatrixXf::Zero(few, few);
   Eigen::MatrixXd cubic_sum = Eigen::MatrixXd::Zero(pairs, r);
   Eigen::MatrixXd quartic_sum = Eigen::MatrixXd::Zero(few, few);
-  // Of each point: products of its gradients (pairs x 45), those with the law's derivatives.
+  // For each point: the products of its gradients (pairs x 45), and these times the law's
+  // derivatives.
   MatrixXf products(pairs, kPairs), with_law(pairs, 9 * kTogether), rows(9 * kTogether, r);
   MatrixXf left(few, kPairs * kTogether), right(few, kPairs * kTogether);
   for (std::size_t first = 0; first < order.size(); first += kTogether) {

@@ -1,6 +1,6 @@
 /// @file
 /// The stored energy of a body beyond its stiffness, in some modes, as symmetric forms: what a
-/// reduced model needs for the second and third order of its answer to a load.
+/// reduced model needs for the second and third order of its response to a load.
 ///
 ///   N  nodes     r  modes     s  leading modes, s <= r
 ///
@@ -8,8 +8,8 @@
 ///     B_ijkl = D^4 W (U_i, U_j, U_k, U_l)        i, j, k, l < s
 ///     E_ijkl = B_ijkl - sum_(m < s) ( A_ijm A_klm + A_ikm A_jlm + A_ilm A_jkm )
 ///
-/// at the body's state u_0. With modes that are orthonormal in the stiffness, a load of code a is
-/// answered by q = a - 1/2 A(a, a) - 1/6 E(a, a, a) + ... in them.
+/// at the body's state u_0. With modes that are orthonormal in the stiffness, a load with modal
+/// coordinates a has the response q = a - 1/2 A(a, a) - 1/6 E(a, a, a) + ... in them.
 #pragma once
 
 #include "palpable/bake/solid/solid_model.h"
@@ -29,14 +29,16 @@ struct ModalForms {
   std::vector<double> quartic;  ///< E, J
 };
 
-/// Which integration points are summed. The forms come from where modes are steep: under a finger a
-/// few per cent of the body carry nine tenths; but where a thin part bends, large terms cancel, and
-/// the tenth that is left counts. A point carries weight |G|^3 with the gradients G of
-/// all modes.
+/// Selection of the integration points that are summed. Points where the modes are steep dominate
+/// the forms: under a finger a few per cent of the body contribute nine tenths. The last tenth
+/// still matters, because large terms cancel where a thin part bends. The contribution of a point
+/// is estimated as its volume times |G|^3, with the gradients G of all modes.
 struct FormSampling {
-  double exact = 0.98;    ///< the points that carry this share of the whole are all summed
-  double neglect = 3e-4;  ///< those that carry least, this share together, are left out
-  /// Of the others, along a curve through the body, each every-th stands for its neighbours.
+  /// The points that contribute most, together this share of the whole, are all summed.
+  double exact = 0.98;
+  double neglect = 3e-4;  ///< the points that contribute least, together this share, are left out
+  /// The points in between form groups of this size along a curve through the body; one point of
+  /// each group represents it. Larger is faster and less accurate.
   int every = 8;
 };
 
@@ -50,7 +52,7 @@ class ModalFormMaker {
   ~ModalFormMaker();
   ModalFormMaker(ModalFormMaker&&) noexcept;
 
-  /// In single precision.
+  /// The forms, computed in single precision.
   /// @param modes    (3N x r)
   /// @param leading  s, 0 <= s <= r
   [[nodiscard]] ModalForms make(const Eigen::MatrixXd& modes, int leading,

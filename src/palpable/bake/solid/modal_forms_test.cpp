@@ -45,8 +45,8 @@ MatrixXd some_modes(const SolidModel& model, int count) {
   return modes;
 }
 
-// The place of i <= j <= k (<= l) among the distinct ones, by counting.
-std::size_t place(int n, std::vector<int> wanted) {
+// Index of i <= j <= k (<= l) among the distinct coefficients, by counting.
+std::size_t index_of(int n, std::vector<int> wanted) {
   std::sort(wanted.begin(), wanted.end());
   std::size_t number = 0;
   for (int i = 0; i < n; ++i) {
@@ -63,11 +63,11 @@ std::size_t place(int n, std::vector<int> wanted) {
       }
     }
   }
-  FAIL("no such place");
+  FAIL("no such coefficient");
   return 0;
 }
 
-// The forms along codes against what the forces on the full mesh say.
+// Compares the forms with derivatives of the forces on the full mesh.
 void check_forms(const SolidModel& model, const Preloaded* preloaded) {
   const LoadResponse response(model, preloaded);
   const MatrixXd U = some_modes(model, 4);
@@ -75,7 +75,7 @@ void check_forms(const SolidModel& model, const Preloaded* preloaded) {
   const ModalForms forms = ModalFormMaker(model, response.rest()).make(U, s, kAll);
   REQUIRE(forms.cubic.size() == 20);
   REQUIRE(forms.quartic.size() == 15);
-  const auto A = [&](int i, int j, int k) { return forms.cubic[place(4, {i, j, k})]; };
+  const auto A = [&](int i, int j, int k) { return forms.cubic[index_of(4, {i, j, k})]; };
   double largest = 0;
   for (const double a : forms.cubic) largest = std::max(largest, std::abs(a));
   for (const auto& [i, j, k] : {std::array{0, 0, 0}, {0, 1, 2}, {3, 1, 3}, {2, 3, 0}}) {
@@ -95,7 +95,7 @@ void check_forms(const SolidModel& model, const Preloaded* preloaded) {
     for (int j = 0; j < s; ++j) {
       for (int k = 0; k < s; ++k) {
         for (int l = 0; l < s; ++l) {
-          const double term = forms.quartic[place(s, {i, j, k, l})] * a[i] * a[j] * a[k] * w[l];
+          const double term = forms.quartic[index_of(s, {i, j, k, l})] * a[i] * a[j] * a[k] * w[l];
           sum += term;
           size += std::abs(term);
         }
@@ -142,7 +142,7 @@ TEST_CASE("points that carry little are sampled, and the forms change by little"
   for (int n = 0; n < model.mesh.node_count(); ++n) {
     if (model.mesh.nodes(2, n) < 0.001) model.fixed_nodes.push_back(n);
   }
-  // What presses on its top do: steep under them, flat elsewhere.
+  // The responses to loads on its top: steep under them, flat elsewhere.
   const LoadResponse response(model);
   MatrixXd f = MatrixXd::Zero(3 * Index{model.mesh.node_count()}, 2);
   for (int n = 0; n < model.mesh.node_count(); ++n) {

@@ -35,8 +35,8 @@ void check_conditions(const ContactWalk& walk) {
   CHECK((state.mutual_touching > 0) == (sum > 0.0));
 }
 
-// 0.1 m, 20 kPa, cells of its own number; slides along the planes x = 0 and y = 0, and along z = 0
-// (or its top).
+// A cube of 0.1 m and 20 kPa that slides along the planes x = 0, y = 0 and z = 0 (or z = 0.1, its
+// top).
 SolidModel sliding_block(int cells, bool on_top) {
   SolidModel model;
   model.mesh = box_tets({0, 0, 0}, {0.1, 0.1, 0.1}, cells, cells, cells);
@@ -69,11 +69,11 @@ TEST_CASE("two blocks pushed into each other shorten as one that is twice as hig
     check_conditions(walk);
     CHECK(walk.now().smallest_mutual_gap >= -1e-9);
     CHECK(walk.now().touching == 0);
-    // Both are 0.092 m high: uniform, without stress across.
+    // Both end 0.092 m high, uniformly deformed and without transverse stress.
     const Matrix3Xd& u = walk.now().displacement;
     const Matrix3Xd& X = both.model.mesh.nodes;
     const double height = 1.0 - 0.5 * into / 0.1;
-    double wide = 1.0;  // by Newton's method on the stress across
+    double wide = 1.0;  // by Newton's method on the transverse stress
     for (int i = 0; i < 20; ++i) {
       const auto across = [&](double w) {
         return first_piola(blocks[0].material, Vector3d(w, w, height).asDiagonal())(0, 0);
@@ -134,7 +134,7 @@ struct StackedBeams {
     const double z = 0.10 + kApart + 0.015 - t;
     return {.capsules = {{{kAt, -0.05, z}, {kAt, 0.15, z}, 0.015, 0.015}}};
   }
-  // m, of the node of a body in the middle of its underside under the capsule.
+  // Deflection, m, of the node in the middle of the underside of a body, below the capsule.
   [[nodiscard]] double sag(const ContactState& state, int body) const {
     const double z = body == 0 ? 0.0 : 0.05 + kApart;
     const int node = nearest_node(both.model.mesh, {kAt, 0.05, z});
@@ -142,8 +142,9 @@ struct StackedBeams {
   }
 };
 
-// Presses the upper beam until it lies on the lower, and lets it go. What one end of a beam alone
-// resists is measured, so that beam theory is asked only for what it says well: how two share.
+// Presses the upper beam until it lies on the lower one, then releases it. The stiffness of one
+// beam is measured, so that beam theory is used only for what it predicts well: how two beams share
+// a load.
 void press_and_release(int nx, int ny, int nz, double aside) {
   const StackedBeams stack(nx, ny, nz, aside);
   const EquilibriumSolver solver(stack.both.model);
@@ -170,8 +171,8 @@ void press_and_release(int nx, int ny, int nz, double aside) {
   CHECK(lower > 0.005);
   // Euler and Bernoulli: the upper's tip reaches the lower first, as its slope ends there. Under a
   // force F at a = 0.36 it bends by F a^3 / (3 E I) there and by (1 + 3 (L - a) / (2 a)) times that
-  // at its tip L; pushed at the tip by R, the lower's tip sags by R L^3 / (3 E I) and the upper's
-  // place a rises by R a^2 (3 L - a) / (6 E I).
+  // at its tip L; pushed at the tip by R, the lower's tip sags by R L^3 / (3 E I) and the upper
+  // rises at a by R a^2 (3 L - a) / (6 E I).
   const double a = kAt, L = 0.40, ratio = 1.0 + 1.5 * (L - a) / a;
   const double c_aa = 1.0, c_aL = ratio, c_LL = L * L * L / (a * a * a);  // a^3 / (3 E I) each
   // t = c_aa F - c_aL R and c_aL F - c_LL R = kApart + c_LL R
@@ -187,7 +188,7 @@ void press_and_release(int nx, int ny, int nz, double aside) {
   CHECK(walk.now().touching == 0);
   CHECK(walk.now().mutual_touching == 0);
   CHECK(walk.now().displacement.norm() <=
-        tolerance(1e-5, "let go, both are at rest") * pressed.displacement.norm());
+        tolerance(1e-5, "released, both are at rest") * pressed.displacement.norm());
 }
 
 TEST_CASE("a beam pressed onto another bends it, by beam theory, and both come back",

@@ -17,17 +17,22 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kSmooth =
-    0.866;  // cosine of 30 degrees: faces that meet by less are one smooth skin
-// Cosine between a skin's face and the direction against a contact point's own normal: below, they
-// do not face each other. Sides of a box stand square to its top, 0 to rounding.
+// Cosine of 30 degrees: triangles that meet at less than this angle form one smooth skin, and their
+// normals are averaged.
+constexpr double kSmooth = 0.866;
+// Smallest cosine, between the normal of a face and the direction opposite to a contact point's own
+// normal, at which the two face each other. The sides of a box are perpendicular to its top: their
+// cosine is 0 to rounding.
 constexpr double kFacing = 0.1;
-// A point lies over a face, not beside it, when it is off the normal by less than this share of its
-// distance (twice the tangent of half of kSmooth's angle) and of a mean edge. The latter lets equal
-// blocks stand on each other whose rims coincide to rounding; a pair that presses is kept four
-// times as long, so that rounding does not make it come and go.
+// A point lies over a face, not beside it, if its tangential distance from the nearest point there
+// is at most kAside times the gap (about twice the tangent of half of kSmooth's angle), plus
+// kOverhang mean edges. kOverhang lets equal blocks stand on each other whose rims coincide to
+// rounding. For a pair with force it is kKept times as large, so that rounding does not make and
+// break the contact.
 constexpr double kAside = 0.6, kOverhang = 1e-3, kKept = 4.0;
-constexpr double kDeepest = 1.0 / 3.0;  // of the smallest side of a component's box
+// Depth up to which a point inside another component is pushed out, ratio to the smallest side of
+// that component's box.
+constexpr double kDeepest = 1.0 / 3.0;
 
 auto mutual_key(const MutualPair& pair) { return std::tuple(pair.point, pair.component); }
 bool mutual_comes_before(const MutualPair& a, const MutualPair& b) {
@@ -46,7 +51,7 @@ Vector3d y_of(const MutualPair& pair, const Matrix3Xd& positions) {
 
 }  // namespace
 
-// The skin at some positions.
+// The skins of all components at given positions of the nodes.
 class MutualPairs::Moved {
  public:
   Moved(const MutualPairs& all, const Matrix3Xd& at)
@@ -65,7 +70,7 @@ class MutualPairs::Moved {
     }
   }
 
-  // Its triangles are numbered as in Body::triangles.
+  // Distance to the skin of a component. Its triangles are numbered as in Body::triangles.
   const SurfaceDistance& distance(int component) const {
     std::optional<SurfaceDistance>& made = distances_[component];
     if (!made) {
@@ -75,7 +80,7 @@ class MutualPairs::Moved {
     return *made;
   }
 
-  // Of the skin at a contact point: the mean of the faces that share it, towards the outside.
+  // Outward normal of the skin at a contact point: the mean over the faces that share the point.
   [[nodiscard]] Vector3d normal(int point) const {
     Vector3d sum = Vector3d::Zero();
     for (int i = all_.first_face_[point]; i < all_.first_face_[point + 1]; ++i) {
@@ -107,7 +112,7 @@ class MutualPairs::Moved {
 
  private:
   const MutualPairs& all_;
-  Matrix3Xd face_normals_;  // twice the area long
+  Matrix3Xd face_normals_;  // their length is twice the area of the face
   mutable std::vector<std::optional<SurfaceDistance>> distances_;
 };
 
@@ -194,11 +199,12 @@ const MutualPair* MutualPairs::pair_of(int point, int component) const {
   return found != pairs_.end() && mutual_key(*found) == mutual_key(wanted) ? &*found : nullptr;
 }
 
-// Adds the pair of a point and another component, if there is one.
-void MutualPairs::place_on(const Moved& skin, int component, int point, Look& look) const {
+// Adds the pair of a contact point and another component to `detected`, if the point is near the
+// component's skin.
+void MutualPairs::add_pair(const Moved& skin, int component, int point, Detection& detected) const {
   const ContactPoint& own = points_.points[point];
   const Body& body = bodies_[component];
-  const Vector3d x = place(own, skin.positions);
+  const Vector3d x = position_of(own, skin.positions);
   AlignedBox3d near = skin.boxes[component];
   near.min().array() -= edge_;
   near.max().array() += edge_;
@@ -218,12 +224,12 @@ void MutualPairs::place_on(const Moved& skin, int component, int point, Look& lo
   const double aside = (x - found.point - gap * normal).norm();
   bool is_over = skin.face_normal(triangle).dot(against) >= kFacing && gap <= edge_ &&
                  gap >= -body.deepest && aside <= kAside * std::abs(gap) + overhang;
-  // Behind the face but outside of the component: beyond its other side, or beside its rim.
+  // The point is behind the face but outside the component: beyond its far side, or beside its rim.
   if (gap < 0.0 && nearest.distance > overhang) is_over = false;
   if (!is_over) {
     if (nearest.distance >= 0.0) return;
     if (nearest.distance < -body.deepest) {
-      ++look.buried;
+      ++detected.buried;
       return;
     }
     found = nearest;
@@ -254,11 +260,11 @@ void MutualPairs::place_on(const Moved& skin, int component, int point, Look& lo
     pair.multiplier = before->multiplier;
     pair.force = before->force;
   }
-  look.pairs.push_back(pair);
+  detected.pairs.push_back(pair);
 }
 
-MutualPairs::Look MutualPairs::look(const Matrix3Xd& positions) const {
-  Look look;
+MutualPairs::Detection MutualPairs::detect(const Matrix3Xd& positions) const {
+  Detection detected;
   const Moved skin(*this, positions);
   for (int owner = 0; owner < component_count(); ++owner) {
     for (int component = 0; component < component_count(); ++component) {
@@ -268,26 +274,27 @@ MutualPairs::Look MutualPairs::look(const Matrix3Xd& positions) const {
       near.max().array() += edge_;
       if (!near.intersects(skin.boxes[owner])) continue;
       for (const int point : bodies_[owner].points) {
-        const std::size_t pairs = look.pairs.size();
-        place_on(skin, component, point, look);
-        if (look.pairs.size() > pairs) look.pairs.back().owner = owner;
+        const std::size_t pairs = detected.pairs.size();
+        add_pair(skin, component, point, detected);
+        if (detected.pairs.size() > pairs) detected.pairs.back().owner = owner;
       }
     }
   }
-  // Points of a block's sides lie inside the other while their tops enter each other, and come out
-  // with the tops. Pushed out by themselves they would squash the elements there.
+  // While the facing sides of two blocks penetrate each other, points on their other sides lie
+  // inside, too. They come out together with the facing sides. Forces on them alone would squash
+  // the elements there, so they form no pairs meanwhile.
   double deepest = 0.0;
-  for (const MutualPair& pair : look.pairs) {
+  for (const MutualPair& pair : detected.pairs) {
     if (pair.faces) deepest = std::min(deepest, pair.gap);
   }
   if (deepest < -kOverhang * edge_) {
-    std::erase_if(look.pairs,
+    std::erase_if(detected.pairs,
                   [](const MutualPair& pair) { return !pair.faces && pair.multiplier == 0.0; });
   }
-  for (const MutualPair& pair : look.pairs) {
-    look.smallest_gap = std::min(look.smallest_gap, pair.gap);
+  for (const MutualPair& pair : detected.pairs) {
+    detected.smallest_gap = std::min(detected.smallest_gap, pair.gap);
   }
-  std::sort(look.pairs.begin(), look.pairs.end(), mutual_comes_before);
+  std::sort(detected.pairs.begin(), detected.pairs.end(), mutual_comes_before);
 
   double squares = 0.0, shifts = 0.0;
   for (const MutualPair& before : pairs_) {
@@ -295,8 +302,8 @@ MutualPairs::Look MutualPairs::look(const Matrix3Xd& positions) const {
     const double square = before.force * before.force;
     squares += square;
     const auto now =
-        std::lower_bound(look.pairs.begin(), look.pairs.end(), before, mutual_comes_before);
-    if (now == look.pairs.end() || mutual_key(*now) != mutual_key(before)) {
+        std::lower_bound(detected.pairs.begin(), detected.pairs.end(), before, mutual_comes_before);
+    if (now == detected.pairs.end() || mutual_key(*now) != mutual_key(before)) {
       shifts += square;
       continue;
     }
@@ -304,8 +311,8 @@ MutualPairs::Look MutualPairs::look(const Matrix3Xd& positions) const {
     shifts += square *
               ((now->normal - before.normal).squaredNorm() + moved.squaredNorm() / (edge_ * edge_));
   }
-  if (squares > 0.0) look.shift = std::sqrt(shifts / squares);
-  return look;
+  if (squares > 0.0) detected.shift = std::sqrt(shifts / squares);
+  return detected;
 }
 
 double MutualPairs::evaluate(const Matrix3Xd& positions, bool glued) {

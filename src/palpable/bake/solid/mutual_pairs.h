@@ -1,32 +1,30 @@
 /// @file
-/// Contact between the bodies of one mesh, its components: contact points of the skin of each
+/// Contact between the components of one mesh: the contact points on the skin of each component
 /// against the triangles of the others' skins, on both sides, by the augmented Lagrangian of
-/// contact_pairs.h. Without friction.
-/// Internal to this module; contact.h is what others use.
+/// contact_pairs.h. Without friction. Internal to this module; contact.h is what others use.
 ///
-///     x = sum N_a x_a      a contact point            y = sum w_b x_b      the nearest point of
-///     the
-///                                                                          other skin
-///     g = n . (x - y)      f = max(0, p - k g)        + N_a f n at x's nodes,  - w_b f n at y's
+///     x = sum N_a x_a      a contact point
+///     y = sum w_b x_b      the nearest point of the other skin
+///     g = n . (x - y)      f = max(0, p - k g)
 ///
-/// Both sums of weights are 1: the forces on the two bodies are opposite to rounding, and so are
-/// their moments once x is at y.
+/// The force is N_a f n at x's nodes and -w_b f n at y's. Both sums of weights are 1: the forces on
+/// the two bodies are opposite to rounding, and so are their moments once x is at y.
 ///
 ///            x  o   component A: its skin faces down
 ///               |  g
 ///        -------+------- y, normal n
 ///                  component B: its triangle faces up
 ///
-/// Where y lies (triangle and weights w) and which way n points is settled by look(), between the
-/// updates of the multipliers, and stays while the Lagrangian is minimised. So g is linear in the
-/// displacement there, L has no kinks, and its second derivative k (dg/du)(dg/du)^T is exact: how n
-/// turns and y moves on is not in the tangent but in the next look(). The updates end when a
-/// further look() changes neither.
+/// detect() determines y (triangle and weights w) and n between the updates of the multipliers;
+/// they stay fixed while the Lagrangian is minimised. Therefore g is linear in the displacement, L
+/// has no kinks, and its second derivative k (dg/du)(dg/du)^T is exact. The rotation of n and the
+/// motion of y along the other skin are not in the tangent; the next detect() accounts for them.
+/// The updates end when a further detect() changes neither.
 ///
 /// n is the mean normal of the triangles that meet at each corner of y's triangle, interpolated to
-/// y: faces of a bent skin differ by a few degrees, and a force that jumps by them whenever y
-/// crosses an edge would not settle. Triangles that meet by more than 30 degrees in the undeformed
-/// body are not averaged, so edges of a box stay sharp.
+/// y. The faces of a curved skin differ by a few degrees; if the force jumped by that angle
+/// whenever y crosses an edge, the updates would not converge. Triangles that meet at more than 30
+/// degrees in the undeformed body are not averaged, so that edges of a box stay sharp.
 #pragma once
 
 #include "palpable/bake/solid/block_matrix.h"
@@ -45,14 +43,14 @@ namespace palpable {
 /// One contact point against one other component.
 struct MutualPair {
   int point = 0;
-  int owner = 0, component = 0;  ///< of the point; of the triangle
-  /// Whether the triangle faces the point's own skin; else it is the nearest one, and the point
-  /// inside: two edges that cross.
+  int owner = 0, component = 0;  ///< components of the point and of the triangle
+  /// Whether the triangle faces the skin at the point. If not, it is the nearest triangle, and the
+  /// point lies inside the component: two edges cross.
   bool faces = true;
-  std::array<int, 6> nodes{};     ///< of the mesh; the first `count`: x's, then y's
+  std::array<int, 6> nodes{};     ///< of the mesh: first x's, then y's
   std::array<double, 6> shape{};  ///< N_a > 0 of x, then -w_b of y: they sum to 0
-  int count = 0, own_count = 0;   ///< all, and x's
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit, out of the component
+  int count = 0, own_count = 0;   ///< number of all nodes, and of x's
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit, outwards
   double penalty = 0;                                 ///< N/m
   double multiplier = 0;                              ///< N, >= 0
   double gap = 0;                                     ///< m, at the last evaluation
@@ -62,9 +60,10 @@ struct MutualPair {
 /// The pairs that are near enough to matter, and their sums.
 class MutualPairs {
  public:
-  /// @param boundary, points  outlive this
-  /// @param penalties  (N) N/m of each node; a pair takes both sides' in series
-  /// @param edge  m, mean edge of the skin: what is farther than that is no pair
+  /// @param boundary, points  must outlive this object
+  /// @param penalties  (N) N/m of each node; a pair combines those of both sides in series
+  /// @param edge  m, mean edge of the skin: points that are farther from a skin form no pair with
+  ///              it
   /// @throws Error for 10-node tetrahedra: their skins are curved, and y would not lie on them
   MutualPairs(const TetAssembly& assembly, const TetMesh& mesh, const Boundary& boundary,
               const ContactPoints& points, Eigen::VectorXd penalties, double edge);
@@ -72,45 +71,47 @@ class MutualPairs {
   [[nodiscard]] int component_count() const { return static_cast<int>(bodies_.size()); }
   [[nodiscard]] const std::vector<MutualPair>& pairs() const { return pairs_; }
 
-  /// The pairs as they lie at some positions.
-  struct Look {
-    std::vector<MutualPair> pairs;  ///< multipliers and forces are those of before
+  /// The pairs at some positions, and how far they are from pairs().
+  struct Detection {
+    std::vector<MutualPair> pairs;  ///< multipliers and forces are those of pairs()
     double smallest_gap = std::numeric_limits<double>::infinity();  ///< m, of all pairs
-    /// Relative to all forces: by how much directions (rad) and places (of a mean edge) of those
-    /// that press differ from what they were before; a pair that is no more counts as 1.
+    /// How far the pairs with force have moved since pairs(): root mean square, weighted by the
+    /// squares of the forces, of the changes of their normals (rad) and of y (ratio to `edge`). A
+    /// pair that no longer exists counts as 1.
     double shift = 0;
-    /// Points deeper inside another component than a third of the smallest side of its box. Nothing
-    /// pushes them out: which way is out is no longer sure.
+    /// Number of points deeper inside another component than a third of the smallest side of its
+    /// box. Nothing pushes them out, because the direction outwards is no longer certain.
     int buried = 0;
   };
-  [[nodiscard]] Look look(const Eigen::Matrix3Xd& positions) const;
-  void take(Look&& look) { pairs_ = std::move(look.pairs); }
+  [[nodiscard]] Detection detect(const Eigen::Matrix3Xd& positions) const;
+  /// Replaces pairs() by those that were detected.
+  void use(Detection&& detected) { pairs_ = std::move(detected.pairs); }
 
-  /// Gaps and forces at `positions`. @returns sum of 1/(2 k) (f^2 - p^2), J
-  /// @param glued  points that were pressed stay: f = p - k g may pull, too
+  /// Computes gaps and forces at `positions`. @returns sum of 1/(2 k) (f^2 - p^2), J
+  /// @param glued  pairs with a multiplier stay in contact: their force f = p - k g may pull, too
   double evaluate(const Eigen::Matrix3Xd& positions, bool glued = false);
 
-  /// Adds the forces of the last evaluation to those of the nodes, (3 x N) N.
+  /// Adds the forces of the last evaluation to `force`, (3 x N) N at the nodes.
   void add_forces(Eigen::Matrix3Xd& force) const;
 
   /// y += tangent x, both (3M) in the free directions, after evaluate().
   void add_product(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
 
-  /// K += tangent. Of a pair whose blocks between the two components are not all in K's pattern,
-  /// only those within each of them, which keeps K positive definite.
+  /// K += tangent. If K's pattern lacks a block between the two components of a pair, only the
+  /// pair's blocks within each component are added, which keeps K positive definite.
   void add_tangent(BlockMatrix& K) const;
-  /// Whether the pattern has all blocks of the pairs with force.
+  /// Whether the pattern has all blocks between components that pairs with force need.
   [[nodiscard]] bool fits(const BlockPattern& pattern) const;
-  /// A pattern with those blocks, too.
+  /// The pattern with those blocks added.
   [[nodiscard]] BlockPattern widened(const BlockPattern& pattern) const;
 
   /// p <- f. @returns the largest |f - p| / k, m
   double update_multipliers();
 
-  /// (3 x components) N on each by the others, of the last evaluation.
+  /// (3 x components) N, the force of the others on each component, by the last evaluation.
   [[nodiscard]] Eigen::Matrix3Xd force_on_components() const;
 
-  /// To put pairs() back as they were, after a step that failed.
+  /// Restores pairs() after a step that failed.
   void restore(std::vector<MutualPair> pairs) { pairs_ = std::move(pairs); }
 
  private:
@@ -118,10 +119,10 @@ class MutualPairs {
     std::vector<int> vertices;   // of the skin
     std::vector<int> triangles;  // of the skin
     std::vector<int> points;
-    double deepest = 0;  // m: points that are farther inside are not near
+    double deepest = 0;  // m: points that are farther inside form no pair
   };
   class Moved;
-  void place_on(const Moved& skin, int component, int point, Look& look) const;
+  void add_pair(const Moved& skin, int component, int point, Detection& detected) const;
   [[nodiscard]] const MutualPair* pair_of(int point, int component) const;
   void find_smooth_neighbours();
   void find_faces_of_points();
@@ -131,9 +132,10 @@ class MutualPairs {
   Eigen::VectorXd penalties_;
   double edge_;
   std::vector<Body> bodies_;
-  std::vector<int> first_smooth_, smooth_;  // corner k of triangle t: the triangles whose mean
-                                            // normal it has, at first_smooth_[3 t + k] ..
-  std::vector<int> first_face_, faces_;     // triangles that share a contact point
+  // The normal at corner k of triangle t is the mean of those of the triangles
+  // smooth_[first_smooth_[3 t + k]] .. smooth_[first_smooth_[3 t + k + 1] - 1].
+  std::vector<int> first_smooth_, smooth_;
+  std::vector<int> first_face_, faces_;  // triangles that share a contact point, likewise
   std::vector<int> free_of_node_;
   Eigen::VectorXd mask_;           // (3M) 1, and 0 in held directions
   std::vector<MutualPair> pairs_;  // ordered by point, then component

@@ -17,7 +17,7 @@ using test::tolerance;
 
 constexpr double kPenalty = 3e4;
 
-// Two small beams, the second turned a little and `above` the first's top, m.
+// Two small beams; the second is turned a little and lies `above` (m) over the first's top.
 struct TwoBeams {
   SolidModel model;
   Boundary boundary;
@@ -44,7 +44,7 @@ struct TwoBeams {
 
   [[nodiscard]] const Matrix3Xd& nodes() const { return model.mesh.nodes; }
 
-  // Smooth, some millimetres; not the same for both.
+  // Positions after a smooth displacement of some millimetres, different for the two beams.
   [[nodiscard]] Matrix3Xd bent() const {
     Matrix3Xd x = nodes();
     for (Eigen::Index n = 0; n < x.cols(); ++n) {
@@ -59,7 +59,7 @@ struct TwoBeams {
 
 TEST_CASE("each pair pushes two bodies with opposite forces and moments", "[solid][mutual]") {
   TwoBeams two(-0.002);
-  two.pairs.take(two.pairs.look(two.bent()));
+  two.pairs.use(two.pairs.detect(two.bent()));
   CHECK(two.pairs.evaluate(two.bent()) > 0.0);
   Matrix3Xd force = Matrix3Xd::Zero(3, two.model.mesh.node_count());
   two.pairs.add_forces(force);
@@ -72,7 +72,7 @@ TEST_CASE("each pair pushes two bodies with opposite forces and moments", "[soli
   CHECK(on(2, 0) < 0.0);  // the lower one is pushed down
   const int first = test::small_beam(8, 2, 2).mesh.node_count();
   CHECK((force.leftCols(first).rowwise().sum() - on.col(0)).norm() <= 1e-12 * sum);
-  // Both sides have points that press: of neither skin any enters the other.
+  // Points of both skins have force, so that neither skin enters the other.
   std::array<int, 2> pressing{};
   for (const MutualPair& pair : two.pairs.pairs()) {
     if (pair.force > 0.0) ++pressing.at(pair.owner);
@@ -86,9 +86,9 @@ TEST_CASE("forces between two bodies are the slope of their Lagrangian, and the 
           "[solid][mutual]") {
   TwoBeams two(-0.002);
   const Matrix3Xd x = two.bent();
-  two.pairs.take(two.pairs.look(x));
+  two.pairs.use(two.pairs.detect(x));
   two.pairs.evaluate(x);
-  two.pairs.update_multipliers();  // not 0, so that energies and forces have both of their parts
+  two.pairs.update_multipliers();  // not 0, so that both terms of energy and force are tested
   auto random = test::random_case(1);
   std::uniform_real_distribution<double> number(-1.0, 1.0);
   // Held nodes stay: the tangent is one in the free directions.
@@ -118,8 +118,8 @@ TEST_CASE("forces between two bodies are the slope of their Lagrangian, and the 
   CHECK((product - change).norm() <=
         tolerance(1e-5, "differences; pairs that just touch") * change.norm());
 
-  // The assembled tangent is the same where the pattern has the blocks between the two, and
-  // positive where it lacks them.
+  // The assembled tangent is the same if the pattern has the blocks between the two bodies, and
+  // positive if it lacks them.
   CHECK_FALSE(two.pairs.fits(two.assembly.pattern()));
   const BlockPattern wide = two.pairs.widened(two.assembly.pattern());
   CHECK(two.pairs.fits(wide));
@@ -137,11 +137,11 @@ TEST_CASE("the gap is the distance between the skins, and its slope along the no
           "[solid][mutual]") {
   TwoBeams two(0.004);
   const Matrix3Xd x = two.bent();
-  auto look = two.pairs.look(x);
-  REQUIRE(look.pairs.size() > 50);
+  auto detected = two.pairs.detect(x);
+  REQUIRE(detected.pairs.size() > 50);
   double smallest = 1.0;
   int over = 0;
-  for (const MutualPair& pair : look.pairs) {
+  for (const MutualPair& pair : detected.pairs) {
     Vector3d across = Vector3d::Zero();
     double weights = 0.0;
     for (int k = 0; k < pair.count; ++k) {
@@ -150,8 +150,8 @@ TEST_CASE("the gap is the distance between the skins, and its slope along the no
     }
     CHECK(std::abs(weights) <= tolerance(1e-14, "rounding"));
     CHECK(pair.gap == Approx(pair.normal.dot(across)).margin(1e-15));
-    // Over the middle of both: beside a rim the nearest point is not straight below.
-    const Vector3d at = place(two.points.points[pair.point], two.nodes());
+    // Only over the middle of both beams: beside a rim the nearest point is not straight below.
+    const Vector3d at = position_of(two.points.points[pair.point], two.nodes());
     if (at.x() > 0.05 && at.x() < 0.3 && at.y() > 0.045 && at.y() < 0.09) {
       ++over;
       CHECK(std::abs(pair.gap - across.norm()) <=
@@ -160,34 +160,34 @@ TEST_CASE("the gap is the distance between the skins, and its slope along the no
     smallest = std::min(smallest, pair.gap);
   }
   CHECK(over > 100);
-  CHECK(look.smallest_gap == smallest);
-  two.pairs.take(std::move(look));
+  CHECK(detected.smallest_gap == smallest);
+  two.pairs.use(std::move(detected));
   CHECK(two.pairs.evaluate(x) == 0.0);
-  CHECK(two.pairs.look(x).shift == 0.0);
+  CHECK(two.pairs.detect(x).shift == 0.0);
 }
 
 TEST_CASE("what lies beside, behind or far off presses nothing", "[solid][mutual]") {
   // Beside the rim: the second's lower rim passes the first's side, 2 mm off it and 5 mm below its
   // top.
   TwoBeams beside(-0.005, 0.0, Vector3d(0, 0.102, 0));
-  beside.pairs.take(beside.pairs.look(beside.nodes()));
+  beside.pairs.use(beside.pairs.detect(beside.nodes()));
   beside.pairs.evaluate(beside.nodes());
   CHECK(beside.pairs.force_on_components().norm() == 0.0);
   // Behind: the second hangs under the first, so that its skin is behind the first's top.
   TwoBeams below(-0.11);
-  below.pairs.take(below.pairs.look(below.nodes()));
+  below.pairs.use(below.pairs.detect(below.nodes()));
   CHECK_FALSE(below.pairs.pairs().empty());
   below.pairs.evaluate(below.nodes());
   CHECK(below.pairs.force_on_components().norm() == 0.0);
   TwoBeams far(0.04);
-  CHECK(far.pairs.look(far.nodes()).pairs.empty());
+  CHECK(far.pairs.detect(far.nodes()).pairs.empty());
 }
 
 TEST_CASE("rims that coincide press along the faces, whatever rounding says", "[solid][mutual]") {
   for (const double off : {0.0, 1e-12, -1e-12}) {
     INFO(off);
     TwoBeams two(-0.001, 0.0, Vector3d(off, -off, 0));
-    two.pairs.take(two.pairs.look(two.nodes()));
+    two.pairs.use(two.pairs.detect(two.nodes()));
     two.pairs.evaluate(two.nodes());
     int pressing = 0;
     for (const MutualPair& pair : two.pairs.pairs()) {
@@ -196,10 +196,10 @@ TEST_CASE("rims that coincide press along the faces, whatever rounding says", "[
       CHECK(pair.gap == Approx(-0.001).epsilon(1e-6));
       CHECK(std::abs(pair.normal.z()) == Approx(1.0).epsilon(1e-9));
     }
-    // All points of both faces that meet.
+    // The contact points of the two faces that meet.
     int there = 0;
     for (const ContactPoint& point : two.points.points) {
-      const double z = place(point, two.nodes()).z();
+      const double z = position_of(point, two.nodes()).z();
       if (std::abs(z - 0.05) < 1e-9 || std::abs(z - 0.049) < 1e-9) ++there;
     }
     CHECK(pressing >= there);

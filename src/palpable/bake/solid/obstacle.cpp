@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kMostPieces = 100;  // of a capsule's axis
+constexpr double kMostPieces = 100;  // into which core() divides a capsule's axis
 
 }  // namespace
 
@@ -35,11 +35,11 @@ Obstacle moved(Obstacle obstacle, const Rigid3& target_from_source) {
 }
 
 Vector3d carried(const Obstacle& from, const Obstacle& to, int part, const Vector3d& x) {
-  const auto turned = [&x](const Vector3d& old_place, const Vector3d& old_direction,
-                           const Vector3d& place, const Vector3d& direction) -> Vector3d {
+  const auto turned = [&x](const Vector3d& old_origin, const Vector3d& old_direction,
+                           const Vector3d& origin, const Vector3d& direction) -> Vector3d {
     const bool has_direction = old_direction.norm() > 0.0 && direction.norm() > 0.0;
-    if (!has_direction) return place + (x - old_place);
-    return place + Eigen::Quaterniond::FromTwoVectors(old_direction, direction) * (x - old_place);
+    if (!has_direction) return origin + (x - old_origin);
+    return origin + Eigen::Quaterniond::FromTwoVectors(old_direction, direction) * (x - old_origin);
   };
   const auto capsules = static_cast<int>(from.capsules.size());
   if (part < capsules) {

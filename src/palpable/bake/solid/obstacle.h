@@ -22,14 +22,14 @@ struct HalfSpace {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit, out of the solid
 };
 
-/// A closed triangle surface; shared, because an obstacle is copied for each place that it takes.
+/// A closed triangle surface. It is shared, because the obstacle is copied for each of its poses.
 struct PlacedSurface {
   std::shared_ptr<const SurfaceDistance> shape;  ///< in its own frame
   Rigid3 body_from_shape = Rigid3::Identity();
 };
 
-/// Everything rigid that may touch a body, at one moment. Parts may overlap: each keeps the body
-/// out by itself, so that together they are their union.
+/// All rigid things that may touch a body, at one instant. Parts may overlap: the body is kept out
+/// of each of them, and so out of their union.
 struct Obstacle {
   std::vector<Capsule> capsules = {};  ///< radii > 0
   std::vector<HalfSpace> half_spaces = {};
@@ -40,7 +40,7 @@ struct Obstacle {
   }
 };
 
-/// A capsule with both ends in one place.
+/// A capsule whose ends coincide.
 [[nodiscard]] Capsule ball(const Eigen::Vector3d& centre, double radius);
 
 /// The same obstacle, moved.
@@ -49,26 +49,26 @@ struct Obstacle {
 /// Smallest radius of curvature of all capsules, m; infinite without any.
 [[nodiscard]] double smallest_radius(const Obstacle& obstacle);
 
-/// Where a point that is fixed to a part of an obstacle goes while the obstacle moves from one
-/// place to another. A capsule does not spin about its own axis.
+/// New position of a point x that is fixed to a part of an obstacle, when the obstacle moves from
+/// `from` to `to`. A capsule does not spin about its own axis.
 /// @pre both have the same parts
 [[nodiscard]] Eigen::Vector3d carried(const Obstacle& from, const Obstacle& to, int part,
                                       const Eigen::Vector3d& x);
 
-/// The way of an obstacle: where it is at time t. Continuous where it presses; parts that do not
-/// may come and go.
+/// The motion of an obstacle: its pose at time t. It must be continuous for parts that press the
+/// body; other parts may appear and disappear.
 using ObstacleMotion = std::function<Obstacle(double t)>;
 
 /// Distance of a point to one part, and its derivatives there.
 struct Gap {
   double distance = 0;                                ///< m, negative inside
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< gradient: a unit vector, out of the part
-  /// Second derivative, 1/m. Zero for a surface's faces, and said to be zero for its edges and
-  /// corners, where it is a peak without width.
+  /// Second derivative, 1/m. Zero on a surface's faces, and set to zero at its edges and corners,
+  /// where it is singular.
   Eigen::Matrix3d curvature = Eigen::Matrix3d::Zero();
 };
 
-/// The parts of an obstacle, prepared to be asked for many points.
+/// The parts of an obstacle, prepared for distance queries at many points.
 class ObstacleGaps {
  public:
   explicit ObstacleGaps(Obstacle obstacle);
@@ -76,11 +76,12 @@ class ObstacleGaps {
   [[nodiscard]] const Obstacle& obstacle() const { return obstacle_; }
   [[nodiscard]] int part_count() const { return obstacle_.part_count(); }
   [[nodiscard]] double distance(int part, const Eigen::Vector3d& x) const;
-  /// To the nearest part; infinite without any.
+  /// Distance to the nearest part; infinite without any.
   [[nodiscard]] double distance(const Eigen::Vector3d& x) const;
   [[nodiscard]] Gap gap(int part, const Eigen::Vector3d& x) const;
-  /// Points in the middle of a part, or on a surface: a body that the part presses from outside
-  /// holds none of them, but for what enters between its contact points. Of a half space none.
+  /// Points on the axis of a capsule, or the vertices of a surface; none for a half space. A body
+  /// that the part presses from outside contains none of them, except where the part penetrates
+  /// between contact points.
   [[nodiscard]] std::vector<Eigen::Vector3d> core(int part) const;
   /// Whether the part may reach into the box.
   [[nodiscard]] bool may_reach(int part, const Eigen::AlignedBox3d& box) const;

@@ -21,27 +21,29 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kStride = 1.0 / 6.0;  // of the wanted press per step; failures shorten it anyway
+// Increase of the press per step of a search, ratio to the wanted press; steps that fail are
+// shortened anyway.
+constexpr double kStride = 1.0 / 6.0;
 constexpr int kMostSolves = 100;
-// States that a search usually computes; progress is counted in these.
+// Number of states that a search usually computes; only the reported progress depends on it.
 constexpr int kUsualSolves = 8;
 
-// Where a path stops early, this fraction of the load that the body bears becomes the full load.
-// Close to collapse a body changes faster than 26 levels can follow: at the bunny's one such site,
-// von Mises stress half way between the last two levels is wrong by 5.1e-3 of its maximum with
-// 0.97, 1.5e-3 with 0.95, 5e-4 with 0.92.
+// Where a path stops early, this fraction of the last good load becomes the full load. Close to
+// collapse a body changes faster than 26 levels can follow: at the bunny's one such site, von Mises
+// stress half way between the last two levels is wrong by 5.1e-3 of its maximum with 0.97, 1.5e-3
+// with 0.95, 5e-4 with 0.92.
 constexpr double kBackOff = 0.95;
-// How often a load may be lowered before we say that the body cannot be pressed there.
+// How often the full load may be lowered before the path is given up without states.
 constexpr int kMostLowerings = 12;
 
 struct SearchTolerances {
-  double on_the_way = 0;  // of the states, see EquilibriumSettings
-  double at_the_end = 0;
-  double press = 0;  // of the wanted one
+  double on_the_way = 0;  // of the first states, as EquilibriumSettings::tolerance
+  double at_the_end = 0;  // of the last states, likewise
+  double press = 0;       // of the press, ratio to the wanted one
 };
 
-// What a search knows of load against press: the states that it has solved, and the smallest load
-// that is known to press too far.
+// The known points of the curve of press against load, and the smallest load that is known to press
+// too far. Proposes the next load of the search.
 class LoadGuess {
  public:
   struct Point {
@@ -51,7 +53,7 @@ class LoadGuess {
   // @param compliance  press over load at rest
   LoadGuess(double wanted, double compliance) : wanted_(wanted), compliance_(compliance) {}
 
-  // The deepest point that does not press too far.
+  // The point with the largest press below the wanted one.
   [[nodiscard]] Point last_below() const {
     return *std::max_element(points_.begin(), points_.end(), [&](const Point& a, const Point& b) {
       const auto key = [&](const Point& p) { return p.press < wanted_ ? p.press : -1.0; };
@@ -119,12 +121,12 @@ class LoadGuess {
   std::optional<Point> above_;  // the smallest load known to press too far
 };
 
-// The load that presses by `wanted`, along a walk under `unit_load`.
+// Searches along a walk under `unit_load` for the load that presses by `wanted`.
 // @param solved  called after each state
 LoadSearch search_load(Walk& walk, const Matrix3Xd& unit_load, double wanted,
                        const SearchTolerances& tolerances, const std::function<void()>& solved) {
   LoadSearch search;
-  Matrix3Xd at_once;  // a start for the first state; three digits suffice
+  Matrix3Xd at_once;  // linear response, for the first guess; three digits suffice
   walk.linear_response(1e-3, at_once);
   LoadGuess guess(wanted, unit_load.cwiseProduct(at_once).sum());
   const auto stopped = [&](Stop stop, const std::string& why) {
@@ -174,7 +176,7 @@ void check_press_load(const EquilibriumSolver::Core& core, const Matrix3Xd& unit
   core.check_load(unit_load);
 }
 
-// The states at equal steps of path.full_load, lowered until they go through.
+// Solves the states at equal steps of path.full_load, which is lowered until all of them are found.
 void walk_levels(Walk& walk, int levels, double tolerance, PressPath& path,
                  const std::function<void()>& solved) {
   for (int lowering = 0; lowering <= kMostLowerings; ++lowering) {
@@ -231,7 +233,7 @@ LoadSearch EquilibriumSolver::find_load(const Matrix3Xd& unit_load, double wante
   check_press_load(*core_, unit_load, options);
   Walk walk(*core_, unit_load, options);
   const double tolerance = core_->settings.tolerance;
-  // 1e-6 of the press: its effect drowns in the mesh's error.
+  // 1e-6 of the press is far below the error of the mesh.
   return search_load(walk, unit_load, wanted_press, {tolerance, tolerance, 1e-6}, [] {});
 }
 

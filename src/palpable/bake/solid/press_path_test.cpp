@@ -18,7 +18,7 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using test::tolerance;
 
-// A soft block that stands on its base, and presses on its lid and sides.
+// A soft block that stands on its base, and unit loads on its top and sides.
 struct Block {
   SolidModel model;
   std::vector<Matrix3Xd> presses;
@@ -96,7 +96,7 @@ TEST_CASE("a path in lockstep that takes long gets a factor of its own",
   REQUIRE(shared.reached);
   REQUIRE(own.reached);
   CHECK(shared.factors == 0);
-  // More would mean that each step gets one.
+  // More than one would mean that every step makes its own.
   CHECK(own.factors == 1);
   CHECK(own.cg_iterations < shared.cg_iterations);
   CHECK((own.steps[3].displacement - shared.steps[3].displacement).cwiseAbs().maxCoeff() <=
@@ -171,7 +171,7 @@ TEST_CASE("a press that the body does not bear ends a little before, and disturb
     REQUIRE(paths[s].steps.size() == 3);
     CHECK(paths[s].full_load > 0.0);
     for (Eigen::Index l = 1; l < 4; ++l) CHECK(paths[s].press[l] > paths[s].press[l - 1]);
-    // What is kept is in balance.
+    // The states that are kept are in equilibrium.
     Matrix3Xd off = solver.internal_force(paths[s].steps[2].displacement) -
                     paths[s].full_load * block.presses[s];
     for (const int n : block.model.fixed_nodes) off.col(n).setZero();
@@ -202,10 +202,11 @@ TEST_CASE("on a preload levels are counted from its state", "[solid][press][prel
     CHECK(off.norm() <=
           tolerance(1e-6, "1e-8 of all forces, the reactions too") * weight.force.norm());
   }
-  // A start near the end: the whole path costs hardly more than one without the weight.
+  // The search starts from the preloaded state, so the path costs hardly more than one without
+  // preload.
   const PressPath plain = solver.press_path(unit, {.press = 0.006, .levels = 4});
   CHECK(path.newton_steps <= 2 * plain.newton_steps);
-  // 5e-4 apart: another body, beyond what the search leaves (1e-5).
+  // The preload has an effect: the loads differ by 5e-4, the tolerance of the search is 1e-5.
   CHECK(path.full_load != Approx(plain.full_load).epsilon(1e-4));
 }
 

@@ -62,13 +62,13 @@ Matrix3Xd some_displacement(const SolidModel& model, unsigned seed) {
 
 TEST_CASE("quadratic shape functions are 1 at their node and 0 at the others, with their slopes",
           "[solid][quadratic]") {
-  Eigen::Matrix<double, 4, 10> places = Eigen::Matrix<double, 4, 10>::Zero();
-  places.leftCols<4>().setIdentity();
+  Eigen::Matrix<double, 4, 10> barycentrics = Eigen::Matrix<double, 4, 10>::Zero();
+  barycentrics.leftCols<4>().setIdentity();
   for (int k = 0; k < 6; ++k) {
-    places(kTetEdges[k][0], 4 + k) = places(kTetEdges[k][1], 4 + k) = 0.5;
+    barycentrics(kTetEdges[k][0], 4 + k) = barycentrics(kTetEdges[k][1], 4 + k) = 0.5;
   }
   for (int a = 0; a < 10; ++a) {
-    const QuadraticShape shape = quadratic_shape(places.col(a));
+    const QuadraticShape shape = quadratic_shape(barycentrics.col(a));
     for (int b = 0; b < 10; ++b) CHECK(shape.N[b] == (a == b ? 1.0 : 0.0));
   }
   const Eigen::Vector4d L(0.1, 0.2, 0.3, 0.4);
@@ -107,8 +107,8 @@ TEST_CASE("gradients of a quadratic field are exact at every point of a straight
 }
 
 TEST_CASE("one element resists every motion but the six rigid ones", "[solid][quadratic]") {
-  // A single distorted element, of which nothing is held: its stiffness at rest by the solver's own
-  // tangent (three nodes far away are the support that a model must have).
+  // The stiffness at rest of a single distorted element, of which no node is held. TetAssembly
+  // alone, unlike a solver, needs no supports.
   TetMesh one;
   one.nodes.resize(3, 4);
   one.nodes << 0, 1, 0.2, 0.1,  //

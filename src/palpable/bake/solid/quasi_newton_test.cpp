@@ -45,15 +45,15 @@ double error_along(QuasiNewton& learnt, const System& system, std::size_t i) {
   return (x - system.s[i]).norm() / system.s[i].norm();
 }
 
-// What was learnt along conjugate directions is kept by every later update (Nocedal and Wright,
-// theorem 6.4), so it tells which pairs are in use.
+// Later updates keep what was learnt along conjugate directions (Nocedal and Wright, theorem 6.4),
+// so the error along a direction shows whether its pair is in use.
 void check_known(QuasiNewton& learnt, const System& system, std::array<bool, kDirections> known) {
   for (std::size_t i = 0; i < kDirections; ++i) {
     CAPTURE(i);
     const double error = error_along(learnt, system, i);
     if (known[i]) {
-      // An eighth of a step of s and of K s, through three updates, in 30 unknowns whose largest is
-      // some three times their mean.
+      // Rounding of s and of K s to 16 bits, through three updates, in 30 unknowns whose largest is
+      // about three times their mean.
       CHECK(error <= tolerance(1e-3, "pairs are kept in 16 bits"));
     } else {
       CHECK(error >= 1.0);  // x = K s there, at least twice as long as s
@@ -77,7 +77,7 @@ TEST_CASE("a full preconditioner forgets its oldest pairs", "[solid][sparse]") {
     }
     check_known(learnt, system, {false, false, true, true, true});
   }
-  SECTION("more noted in one solve than there is room for") {
+  SECTION("more recorded in one solve than there is room for") {
     QuasiNewton learnt(kCapacity);
     for (std::size_t i = 0; i < 5; ++i) learnt.record(system.s[i], system.Ks[i]);
     check_known(learnt, system, {false, false, false, false, false});  // not yet in use

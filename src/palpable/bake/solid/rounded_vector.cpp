@@ -69,7 +69,8 @@ void RoundedVector::assign(const Eigen::VectorXd& v) {
   const double largest = v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0.0;
   step_ = static_cast<float>(largest / kLargest);
   if (!(step_ > 0.0F)) return;
-  // The step as it is kept; 32767 of the rounded one may be a trifle less than the largest.
+  // Divides by the step as it is stored, a float. Where that is rounded down, the exact quotient
+  // keeps the largest integer at 32767.
   const double inverse = std::min(kLargest / largest, 1.0 / static_cast<double>(step_));
   for (std::size_t i = 0; i < size; ++i) {
     integers_[i] = static_cast<std::int16_t>(std::lrint(inverse * v[static_cast<Eigen::Index>(i)]));

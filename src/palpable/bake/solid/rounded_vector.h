@@ -1,5 +1,5 @@
 /// @file
-/// Vectors in 16 bits a number, for code whose time is that of reading many vectors.
+/// Vectors in 16 bits a number, for code whose run time is that of reading many vectors.
 ///
 /// A vector is a step times integers of at most 32767. All its entries are thus rounded by the same
 /// amount; for the largest entries that is far less than with bfloat16, which has 8 bits.
@@ -38,11 +38,11 @@ class RoundedVector {
 };
 
 /// v . q
-/// @param q  of v's padded size, zeros behind
+/// @param q  of v's padded size, zeros at the end
 [[nodiscard]] float dot(SimdLevel simd, const RoundedVector& v, const Eigen::VectorXf& q);
 
 /// q += share v, then w . q, in one pass.
-/// @param q  of the padded size of v and w, zeros behind
+/// @param q  of the padded size of v and w, zeros at the end
 [[nodiscard]] float add_then_dot(SimdLevel simd, float share, const RoundedVector& v,
                                  Eigen::VectorXf& q, const RoundedVector& w);
 

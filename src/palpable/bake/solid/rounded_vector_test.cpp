@@ -19,7 +19,7 @@ struct Vectors {
   RoundedVector rounded_v, rounded_w;
   VectorXf q;  // padded
 
-  // Entries of unlike sizes, as forces about a patch are.
+  // Entries of very different sizes, as forces around a loaded patch have.
   explicit Vectors(Eigen::Index size) : v(size), w(size) {
     auto random = test::random_case(7);
     std::normal_distribution<double> entry;
@@ -33,7 +33,7 @@ struct Vectors {
   }
 };
 
-// What a rounded vector stands for, entry by entry.
+// The values of a rounded vector, entry by entry.
 VectorXd widened(const RoundedVector& v, Eigen::Index size) {
   VectorXd wide(size);
   VectorXf unit = VectorXf::Zero(v.padded_size());

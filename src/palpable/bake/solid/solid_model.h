@@ -57,10 +57,10 @@ struct HeldComponent {
 
 /// Refuses models whose solves would all fail.
 /// @throws Error for: no elements; an index out of range; elements of zero or negative volume
-/// (which, how many), or bent so far by its edge nodes; nodes that belong to no element; constants
-/// of a material out of range; groups that overlap;
-/// supports that leave the body (or a separate part of it) free to drift or turn; a fixed
-/// displacement of the wrong size; supports that contradict each other
+/// (which, how many), or turned inside out by their edge nodes; nodes that belong to no element;
+/// constants of a material out of range; groups that overlap; supports that leave the body (or a
+/// separate part of it) free to drift or turn; a fixed displacement of the wrong size; supports
+/// that contradict each other
 void check_model(const SolidModel& model);
 
 }  // namespace palpable

@@ -98,7 +98,7 @@ TEST_CASE("nodes that do not exist or are idle are refused", "[solid][model][err
   CHECK_THROWS_WITH(check_model(model), Contains("mu"));
 }
 
-// Every node of the plane X_axis = 0 held across it.
+// Holds every node of the plane X_axis = 0 along its normal.
 void add_symmetry(SolidModel& model, int axis) {
   for (int n = 0; n < model.mesh.node_count(); ++n) {
     if (model.mesh.nodes(axis, n) != 0.0) continue;

@@ -1,5 +1,5 @@
 /// @file
-/// How a solve went, in tables for people.
+/// Tables of the convergence of a solve, for people to read.
 #pragma once
 
 #include "palpable/bake/solid/contact.h"
@@ -20,7 +20,7 @@ namespace palpable {
 /// The heading of contact_row(): a line of its own.
 [[nodiscard]] std::string contact_heading();
 
-/// Where the obstacle is on its way, its force, and how well the conditions of contact.h hold.
+/// One row: the time t of the obstacle, its force, and how well the conditions of contact.h hold.
 [[nodiscard]] std::string contact_row(const ContactState& state);
 
 }  // namespace palpable

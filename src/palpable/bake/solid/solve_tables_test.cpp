@@ -51,7 +51,7 @@ TEST_CASE("the row of a contact says how well its conditions hold", "[solid][con
       contact_row(state) ==
       "   0.5    1.0000   -2.0000    0.2500     31  -2.0e-05   3.0e-03  4.0e-10   5.0e-08       6 "
       "   70   0.750\n");
-  state.touching = 0;  // nothing of which the residual would be a part
+  state.touching = 0;  // without contact the residual has no scale
   state.smallest_gap = std::numeric_limits<double>::infinity();
   CHECK(
       contact_row(state) ==

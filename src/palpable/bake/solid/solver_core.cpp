@@ -36,7 +36,8 @@ int iterations_with_own_factor(const BlockMatrix& K, const CholeskyFactor& facto
 
 RestFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& analysis,
                        FactorWorkspace& workspace, SolverSetup& setup) {
-  // Iterations. With 16 bits compact bodies take a few, slender ones many.
+  // Largest number of iterations with which 16 bits are kept: compact bodies take a few, slender
+  // ones many.
   constexpr int kGoodEnough = 6;
   BlockMatrix K(assembly.pattern());
   {

@@ -94,8 +94,8 @@ void refuse_if_out_of_memory(const cholmod_common& common) {
   }
 }
 
-// The lower triangle of a symmetric block matrix, column by column, as CHOLMOD reads it. The arrays
-// are ours.
+// The lower triangle of a symmetric block matrix, column by column, as CHOLMOD reads it. This
+// object owns the arrays.
 struct LowerColumns {
   std::vector<int> start, row;
   std::vector<double> value;
@@ -264,7 +264,7 @@ double scale_of(const BlockMatrix& K) {
   return largest;
 }
 
-// The least that elimination may leave of a diagonal entry, relative to that entry. A smaller pivot
+// Smallest pivot that elimination may leave, ratio to the diagonal entry before it. A smaller pivot
 // is rounding, and the matrix is singular to this precision. The bound lies between what rounding
 // leaves (5.5 epsilon in the last pivots of a free chain, as the tests build it) and the pivots of
 // real bodies (none of the shipped ones is below 1e-3, which is 8,000 epsilon in single precision).
@@ -411,7 +411,7 @@ class SingleFactor {
   Supernodes s_;
   std::vector<float> values_, product_;
   std::vector<int> row_in_panel_, target_;
-  // For each supernode, a linked list of the panels that it has to subtract.
+  // For each supernode, a linked list of the panels to its left that it has to subtract next.
   std::vector<int> waiting_, next_waiting_;
   std::vector<int> used_rows_;
 };

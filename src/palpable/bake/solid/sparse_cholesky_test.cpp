@@ -73,7 +73,7 @@ TEST_CASE("a block matrix multiplies as its dense form", "[solid][sparse]") {
   CHECK(pattern.find(0, 5) == -1);
 }
 
-// What conjugate gradients are given.
+// The system K with the factor as preconditioner, for conjugate gradients.
 CgSystem system_of(const BlockMatrix& K, const CholeskyFactor& factor, FactorWorkspace& workspace) {
   return {.K = [&K](const VectorXd& x, VectorXd& y) { K.multiply(x, y); },
           .preconditioner = [&](const VectorXd& b,
@@ -108,7 +108,8 @@ TEST_CASE("the sparse factor solves what the dense one solves, to its 8 bits", "
 
 TEST_CASE("what single precision cannot factorise, double precision can, and 32 bits keep",
           "[solid][sparse]") {
-  // A free chain on a weak foundation: moved as a whole it resists 1e-7 of its own stiffness.
+  // A free chain on a weak foundation: its stiffness against a rigid translation is 1e-7 of its
+  // own.
   const BlockPattern pattern = chain(40);
   BlockMatrix K(pattern);
   for (int r = 0; r < 40; ++r) {
@@ -243,7 +244,7 @@ TEST_CASE("a matrix that is not positive definite has no factor", "[solid][spars
   CHECK_FALSE(CholeskyFactor::make(analysis, some_matrix(pattern, 0, 3), FactorPrecision::k16Bits,
                                    workspace));
   CHECK(CholeskyFactor::make(analysis, some_matrix(pattern, 20, 3), FactorPrecision::k16Bits,
-                             workspace));  // and goes on
+                             workspace));  // the workspace is still usable
 }
 
 TEST_CASE("conjugate gradients with an older factor reach the tolerance asked for",
@@ -301,13 +302,13 @@ TEST_CASE("what one solve learns serves the next", "[solid][sparse]") {
     return result.iterations;
   };
   const int without = iterations(1);
-  CHECK(iterations(1) == without);  // nothing changes before it is learnt
+  CHECK(iterations(1) == without);  // recorded pairs are not in use yet
   learnt.use_recorded();
   const int with = iterations(2);
   INFO(without << " iterations before, " << with << " after");
   CHECK(with <= without / 2);
-  // Along the last direction that was learnt, s = H K s up to the rounding of K s, whose step the
-  // three stiff nodes set: a part in 65,000 of their force, a hundredth of what the others feel.
+  // Along the last direction that was learnt, s = H K s up to the rounding of K s. Its step is set
+  // by the three stiff nodes: 1 / 65,000 of their force, which is a hundredth of the other forces.
   learnt.use_recorded();
   VectorXd s = VectorXd::LinSpaced(120, 1, -3), Ks;
   K.multiply(s, Ks);

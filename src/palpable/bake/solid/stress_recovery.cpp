@@ -12,8 +12,10 @@
 namespace palpable {
 namespace {
 
+// Largest sum of |weights| of a fit. It bounds the factor by which the fit enlarges errors of the
+// elements' values; fits above it are rejected.
 constexpr double kMostAmplification = 5.0;
-constexpr int kMostRings = 3;
+constexpr int kMostRings = 3;  // of elements around a node that a patch may have
 
 // Elements around each node.
 struct Neighbours {
@@ -77,13 +79,13 @@ struct Fit {
 };
 
 Fit fit_around(const Eigen::Vector3d& origin, const std::vector<int>& elements,
-               const Eigen::Matrix3Xd& places) {
+               const Eigen::Matrix3Xd& centres) {
   Fit fit{elements, {}, origin};
   const auto count = static_cast<Eigen::Index>(fit.elements.size());
   if (count < 6) return fit;  // four unknowns: fewer points would be interpolated, not smoothed
   Eigen::Matrix4Xd p(4, count);
   p.row(0).setOnes();
-  p.bottomRows<3>() = places(Eigen::all, fit.elements).colwise() - origin;
+  p.bottomRows<3>() = centres(Eigen::all, fit.elements).colwise() - origin;
   const double extent = p.bottomRows<3>().colwise().norm().maxCoeff();
   if (!(extent > 0.0)) return fit;
   p.bottomRows<3>() /= extent;
@@ -131,14 +133,15 @@ class Patches {
 
 // (N) a polynomial around each inner node. Its patch surrounds the node, so that the errors of its
 // elements cancel. None for nodes of the skin, or where the points determine no polynomial.
-std::vector<Fit> inner_fits(const TetMesh& mesh, const Eigen::Matrix3Xd& places, Patches& patches) {
+std::vector<Fit> inner_fits(const TetMesh& mesh, const Eigen::Matrix3Xd& centres,
+                            Patches& patches) {
   const std::vector<char> skin = skin_nodes(mesh);
   std::vector<Fit> fits(mesh.node_count());
   for (int n = 0; n < mesh.node_count(); ++n) {
     Fit& fit = fits[n];
     if (skin[n] != 0) continue;
     for (int rings = 1; rings <= 2; ++rings) {
-      fit = fit_around(mesh.nodes.col(n), patches.of(n, rings), places);
+      fit = fit_around(mesh.nodes.col(n), patches.of(n, rings), centres);
       if (fit.coefficients.cols() == 0) continue;
       if (fit.coefficients.row(0).lpNorm<1>() <= kMostAmplification) break;
       fit.coefficients.resize(4, 0);
@@ -150,21 +153,21 @@ std::vector<Fit> inner_fits(const TetMesh& mesh, const Eigen::Matrix3Xd& places,
 // The weights of the elements' values in the value of one node, from one polynomial or several.
 class NodeWeights {
  public:
-  NodeWeights(const TetMesh& mesh, const Eigen::Matrix3Xd& places, Patches& patches)
+  NodeWeights(const TetMesh& mesh, const Eigen::Matrix3Xd& centres, Patches& patches)
       : mesh_(mesh),
-        places_(places),
+        centres_(centres),
         patches_(patches),
-        fits_(inner_fits(mesh, places, patches)),
+        fits_(inner_fits(mesh, centres, patches)),
         sum_(Eigen::VectorXd::Zero(mesh.tet_count())) {}
 
   // Finds weights for node n; false: no polynomial serves there.
   bool add(int n) { return add_own(n) || add_mean_of_inner(n) || add_around(n); }
 
   // Calls visit(point, weight) for each weight, and sets all weights to zero.
-  template <class Show>
-  void show_and_clear(const Show& show) {
+  template <class Visit>
+  void visit_and_clear(const Visit& visit) {
     for (const int point : touched_) {
-      if (sum_[point] != 0.0) show(point, sum_[point]);
+      if (sum_[point] != 0.0) visit(point, sum_[point]);
       sum_[point] = 0.0;
     }
     touched_.clear();
@@ -213,7 +216,7 @@ class NodeWeights {
   bool add_around(int n) {
     const Eigen::Vector3d X = mesh_.nodes.col(n);
     for (int rings = 2; rings <= kMostRings; ++rings) {
-      const Fit fit = fit_around(X, patches_.of(n, rings), places_);
+      const Fit fit = fit_around(X, patches_.of(n, rings), centres_);
       if (fit.coefficients.cols() == 0) continue;
       const Eigen::VectorXd weights = fit.weights_at(X);
       if (!(weights.lpNorm<1>() <= kMostAmplification)) continue;
@@ -224,7 +227,7 @@ class NodeWeights {
   }
 
   const TetMesh& mesh_;
-  const Eigen::Matrix3Xd& places_;
+  const Eigen::Matrix3Xd& centres_;
   Patches& patches_;
   std::vector<Fit> fits_;
   Eigen::VectorXd sum_;  // weights of one node; zero in between
@@ -255,9 +258,9 @@ void StressRecovery::recover_from_elements(const TetMesh& mesh) {
     for (int k = begin; k < end; ++k) {
       const int e = around.element[k];
       const Eigen::Matrix<int, 10, 1> nodes = quadratic_nodes(mesh, e);
-      const auto place = std::find(nodes.begin(), nodes.end(), n) - nodes.begin();
+      const auto corner = std::find(nodes.begin(), nodes.end(), n) - nodes.begin();
       for (int q = 0; q < 4; ++q)
-        terms_.push_back({4 * e + q, weights(place, q) * volumes[e] / volume});
+        terms_.push_back({4 * e + q, weights(corner, q) * volumes[e] / volume});
     }
     start_.push_back(static_cast<int>(terms_.size()));
   }
@@ -265,13 +268,13 @@ void StressRecovery::recover_from_elements(const TetMesh& mesh) {
 
 void StressRecovery::recover_from_patches(const TetMesh& mesh) {
   points_ = mesh.tet_count();
-  Eigen::Matrix3Xd places(3, mesh.tet_count());
+  Eigen::Matrix3Xd centres(3, mesh.tet_count());
   for (int e = 0; e < mesh.tet_count(); ++e) {
-    places.col(e) = mesh.nodes(Eigen::all, mesh.tets.col(e)).rowwise().mean();
+    centres.col(e) = mesh.nodes(Eigen::all, mesh.tets.col(e)).rowwise().mean();
   }
   const Eigen::VectorXd volumes = tet_volumes(mesh);
   Patches patches(mesh);
-  NodeWeights weights(mesh, places, patches);
+  NodeWeights weights(mesh, centres, patches);
   start_.push_back(0);
   for (int n = 0; n < mesh.node_count(); ++n) {
     if (!weights.add(n)) {
@@ -281,7 +284,7 @@ void StressRecovery::recover_from_patches(const TetMesh& mesh) {
       for (const int e : patch) terms_.push_back({e, volumes[e] / volume});
       averaged_nodes_ += patch.empty() ? 0 : 1;
     }
-    weights.show_and_clear([&](int point, double weight) { terms_.push_back({point, weight}); });
+    weights.visit_and_clear([&](int point, double weight) { terms_.push_back({point, weight}); });
     start_.push_back(static_cast<int>(terms_.size()));
   }
 }

@@ -16,8 +16,8 @@ namespace palpable {
 
 /// **4-node elements** have one value each. A linear polynomial is fitted around each inner node to
 /// the values of the elements that touch it (Zienkiewicz and Zhu's superconvergent patch recovery).
-/// A node of the skin gets the mean of the polynomials of the nearest inner nodes at its place: the
-/// elements around it lie to one side, so that their errors would not cancel. A field that is
+/// A node of the skin gets the mean of the polynomials of the nearest inner nodes at its position:
+/// the elements around it lie to one side, so that their errors would not cancel. A field that is
 /// linear in X is recovered exactly everywhere; a mean over elements is biased at the skin.
 ///
 /// A patch grows, up to three elements wide, where its elements lie so that it would enlarge errors
@@ -45,12 +45,12 @@ class StressRecovery {
   [[nodiscard]] Eigen::MatrixXd apply_at(const std::vector<int>& nodes,
                                          const Eigen::MatrixXd& at_points) const;
 
-  /// One of the parts of a node's value: weight * value at the point.
+  /// One term of a node's value: weight * value at the point.
   struct Term {
     int point;
     double weight;
   };
-  /// All whose sum is the value at a node.
+  /// The terms whose sum is the value at a node.
   [[nodiscard]] std::span<const Term> terms_of(int node) const {
     const auto n = static_cast<std::size_t>(node);
     return {terms_.data() + start_[n], terms_.data() + start_[n + 1]};

@@ -1,5 +1,5 @@
 /// @file
-/// Nodal stress of eight states of one body at a time, for callers that need it of thousands.
+/// Nodal stress of eight states of one body at a time, for callers that need thousands of states.
 ///
 ///   N  nodes     n  nodes at which stress is wanted
 #pragma once

@@ -53,7 +53,7 @@ Matrix3Xd centres(const TetMesh& mesh, const std::vector<int>& numbers) {
 }
 
 // The block of the elements numbers[first], numbers[first + 1], ...
-// @param row_of_node  a node's place in PassFields
+// @param row_of_node  the row of a node in PassFields
 template <int A, int Q>
 ElementBlock<A, Q> block_of(const TetMesh& mesh, const std::vector<int>& numbers, std::size_t first,
                             const std::vector<int>& row_of_node) {
@@ -83,12 +83,12 @@ TetAssembly::TetAssembly(const SolidModel& model, SimdLevel simd) : simd_(simd) 
   std::vector<int> held_directions(mesh.node_count(), 0);
   for (const HeldComponent& h : held) ++held_directions[h.at / 3];
   for (int n = 0; n < mesh.node_count(); ++n) {
-    int& place = free_of_node_[n];
+    int& row = free_of_node_[n];
     if (held_directions[n] == 3) {
-      place = -1;
+      row = -1;
       continue;
     }
-    place = static_cast<int>(free_nodes_.size());
+    row = static_cast<int>(free_nodes_.size());
     free_nodes_.push_back(n);
   }
 

@@ -29,8 +29,8 @@ struct BodyState {
   int most_compressed = -1;          ///< the element it belongs to
 };
 
-/// A state of the body in the layout of the passes (node_rows.h), and room for their results. One
-/// for each thread; its memory is used again.
+/// A state of the body in the layout of the passes (node_rows.h), and room for their results. Each
+/// thread needs its own; its memory is used again.
 struct PassFields {
   /// (N) in the order of the assembly, not of the mesh; du is 0 between passes where held.
   std::vector<NodeRow> rows;
@@ -43,7 +43,7 @@ struct SeriesFields {
   std::vector<NodeSum> sums;    ///< (N)
 };
 
-/// Gradients, volumes and the places of the blocks, computed once. Const members change nothing in
+/// Gradients, volumes and the numbers of the blocks, computed once. Const members change nothing in
 /// the object, so that several threads may call them, each with its own PassFields.
 class TetAssembly {
  public:
@@ -100,8 +100,8 @@ class TetAssembly {
     Material material;
     std::vector<ElementBlock<A, Q>> blocks;
     std::vector<int> numbers;                    // of the elements, in the mesh
-    std::vector<std::array<int, A * A>> places;  // per element: block (a, b) of the pattern at
-                                                 // [A a + b]; -1 where a node is held
+    std::vector<std::array<int, A * A>> places;  // per element: number of block (a, b) in the
+                                                 // pattern at [A a + b]; -1 if a node is held
   };
   template <int A, int Q>
   using Groups = std::vector<Group<A, Q>>;
@@ -115,7 +115,7 @@ class TetAssembly {
   void add_changes(PassFields& fields) const;
   void copy_sums(const std::vector<NodeSum>& sums, Eigen::Matrix3Xd& field) const;
 
-  // A held direction `axis` of the free node `row`, and the places of all blocks in its column.
+  // A held direction `axis` of the free node `row`, and the numbers of all blocks in its column.
   struct HeldAxis {
     int row, axis;
     std::vector<int> column_places;
@@ -128,7 +128,7 @@ class TetAssembly {
   std::variant<Groups<4, 1>, Groups<10, 4>> groups_;
   std::vector<int> free_of_node_;  // node -> free node, -1 if held
   std::vector<int> free_nodes_;
-  std::vector<int> row_of_node_;  // node -> its place in PassFields, by the order of the elements
+  std::vector<int> row_of_node_;  // node -> its row in PassFields, by the order of the elements
   std::vector<int> row_of_free_;  // the same for the free nodes
   std::vector<HeldAxis> held_axes_;
   BlockPattern pattern_;

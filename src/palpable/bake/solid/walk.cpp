@@ -17,10 +17,11 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Of the extrapolation. With 26 levels, each order up to the seventh lowers the first residual by
-// half a digit; beyond, the solver's own error, amplified by 2^order, is larger than the gain.
+// Highest order of the extrapolation. With 26 levels, each order up to the seventh lowers the first
+// residual by half a digit; beyond, the solver's own error, amplified by 2^order, is larger than
+// the gain.
 constexpr int kHighestOrder = 7;
-constexpr std::size_t kMostKnots = 9;
+constexpr std::size_t kMostKnots = 9;  // states kept for it
 
 // Levels this close must not both be used: a polynomial through their states would follow their
 // errors.
@@ -121,7 +122,7 @@ std::string Walk::describe_failure() const {
           "conjugate gradients did not converge in {} iterations (relative residual {:.2g}): the "
           "body is too slender, too nearly incompressible or of too unlike materials for them",
           settings_.max_cg_iterations, failure_.residual);
-    case Stop::kSwallowed:  // nothing but an obstacle can be
+    case Stop::kSwallowed:  // with an obstacle only (contact.h)
     case Stop::kNone:
       break;
   }

@@ -94,7 +94,7 @@ class Walk {
   bool supports_grow_;          // some supports move in proportion to the level
 
   FactorWorkspace workspace_;
-  std::optional<BlockMatrix> K_;  // the tangent; made when the factor is renewed first
+  std::optional<BlockMatrix> K_;  // the tangent; made when the factor is first renewed
   const CholeskyFactor* factor_;
   std::optional<CholeskyFactor> own_factor_;
   bool factor_is_slow_ = false;

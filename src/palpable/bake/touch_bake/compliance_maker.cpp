@@ -195,8 +195,8 @@ Samples sample_fields(const SkinResponse& skin, const ComplianceSettings& settin
       all.inner.col(3 * first + k) = (u.col(k).tail(all.inner.rows()) / size).cast<float>();
     }
   };
-  work_in_parallel(static_cast<int>(pieces), settings.threads, "touch: what is far away", progress,
-                   solve_piece);
+  work_in_parallel(static_cast<int>(pieces), settings.threads, "touch: bases of the clusters",
+                   progress, solve_piece);
   return all;
 }
 

@@ -45,7 +45,7 @@ TEST_CASE("wanted frames are spread over the touching ones and belong to their t
   CHECK(episodes_of(touching_in({}, 5), 24, 1.0).empty());
 }
 
-// The camera walks along X, the body stands 0.4 m before its first place, upright.
+// The camera moves along X. The body stands upright, 0.4 m in front of its first position.
 void write_clip(const std::filesystem::path& clip) {
   make_folder(clip / "frames");
   make_folder(clip / "truth");
@@ -57,7 +57,7 @@ void write_clip(const std::filesystem::path& clip) {
     pose.time = n / 30.0;
     pose.world_from_camera.translation().x() = 0.1 * n;
     poses += trajectory_line(pose);
-    // Stands still in the world: moves the other way before the camera.
+    // At rest in the world, so that it moves the other way in the camera's frame.
     hands += hand_line({n, {{{-0.1 * n, -0.05, 0.4}, {-0.1 * n, -0.15, 0.4}, 0.01, 0.02}}});
     contacts += contact_line({.frame = n});
   }
@@ -93,7 +93,7 @@ TEST_CASE("between two frames a capsule's ends go straight", "[truth]") {
   CHECK((quarter[0].b - Vector3d(0.25, 0, 1.25)).norm() < 1e-15);
   CHECK(quarter[0].ra == Approx(0.15));
   CHECK(capsules_at(hands, -1.0).size() == 1);
-  // Where another number of capsules begins, the nearer frame is shown.
+  // Between frames with different numbers of capsules, those of the nearer frame are returned.
   CHECK(capsules_at(hands, 1.4).size() == 1);
   CHECK(capsules_at(hands, 1.6).empty());
   CHECK(capsules_at(hands, 9.0).empty());

@@ -42,15 +42,16 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
         continue;
       }
       const ContactState& now = walk.now();
-      WalkedFrame& answer = walked.answers[frame];
-      answer = {now.displacement, now.force, now.centre, now.entry_between, {}, {}};
+      WalkedFrame& solution = walked.frames[frame];
+      solution = {now.displacement, now.force, now.centre, now.entry_between, {}, {}};
       if (!settings.contact.mutual) continue;
-      answer.hand_forces = walk.nodal_forces();
-      answer.other_forces = walk.mutual_nodal_forces();
+      solution.hand_forces = walk.nodal_forces();
+      solution.other_forces = walk.mutual_nodal_forces();
     }
     return walked;
   };
-  // Two walks an episode, handed out one by one.
+  // Each episode has two walks, 2 e by half frames and 2 e + 1 by frames; they are handed out one
+  // by one.
   std::vector<std::optional<Walked>> results(2 * episodes.size());
   work_in_parallel(static_cast<int>(results.size()), settings.threads, "", {}, [&](int job) {
     const auto at = static_cast<std::size_t>(job), first = at - at % 2;
@@ -60,7 +61,7 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
     results[at] = std::move(walked);
     if (!results[first] || !results[first + 1]) return;
     keep(episode, *results[first], *results[first + 1]);
-    results[first] = results[first + 1] = Walked{};  // written
+    results[first] = results[first + 1] = Walked{};  // frees the memory of what was kept
   });
 }
 

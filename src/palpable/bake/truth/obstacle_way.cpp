@@ -26,7 +26,7 @@ constexpr const char* kForms =
     "\"capsule 1mm,4mm at 0,0,0.16 and 0,0,0.3 to 0,0,0.14\", "
     "\"plane 0,0,-1 at 0,0,0.16 to 0,0,0.14\", or a closed surface's file";
 
-// The words of one obstacle, taken from the front.
+// Reads the words of one obstacle from front to back.
 class Reader {
  public:
   explicit Reader(const std::string& text) : text_(text) {
@@ -89,7 +89,7 @@ class Reader {
 
 struct Moving {
   Obstacle obstacle;
-  Vector3d way = Vector3d::Zero();  // from t = 0 to 1
+  Vector3d way = Vector3d::Zero();  // translation from t = 0 to 1, m
 };
 
 double radius_of(const Reader& reader, double radius) {
@@ -142,7 +142,7 @@ std::shared_ptr<const SurfaceDistance> read_shape(const std::string& file) {
   return std::make_shared<const SurfaceDistance>(std::move(surface));
 }
 
-// Between the poses of a file; t = 0 at the first, 1 at the last.
+// Interpolates between the poses of a file; t = 0 at the first, 1 at the last.
 Rigid3 pose_at(const std::vector<StampedPose>& poses, double t) {
   if (poses.size() == 1) return poses.front().world_from_camera;
   const double time =

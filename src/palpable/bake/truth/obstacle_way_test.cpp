@@ -71,7 +71,7 @@ TEST_CASE("what is no obstacle is refused with what one looks like", "[truth]") 
 }
 
 TEST_CASE("any words are an obstacle or are refused", "[truth]") {
-  // Words that fit and words that nearly do, in an order that nobody planned.
+  // Valid and nearly valid words, in random order.
   const std::vector<std::string> words{
       "sphere",  "capsule", "plane",   "at",   "and",     "to",        "8mm",
       "1e-3",    "0,0,1",   "0,0",     "-1mm", "1mm,2cm", ",",         "0,,1",
@@ -81,7 +81,7 @@ TEST_CASE("any words are an obstacle or are refused", "[truth]") {
   int read_well = 0;
   for (int n = 0; n < 20000; ++n) {
     std::string text;
-    if (n % 4 == 0) text = "sphere 8mm at 0,0,1";  // half of them begin well
+    if (n % 4 == 0) text = "sphere 8mm at 0,0,1";  // half of the texts begin with a valid form
     if (n % 4 == 2) text = "capsule 1mm,2mm at 0,0,1 and 0,0,2";
     for (auto k = random() % 7; k > 0; --k) {
       text += ' ';

@@ -26,15 +26,16 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Matrix3Xd;
 
-// Of the diagonal of a body's box: what the skin that was filmed may be off by.
+// Largest distance between vertices of two skins that count as the same, ratio to the diagonal of
+// the body's box.
 constexpr double kSameSkin = 1e-6;
 
 // A body within the joined problem.
 struct Part {
-  fs::path folder;         // of its answers
-  SurfaceMesh skin;        // body frame, at rest
-  std::vector<int> nodes;  // of the joined mesh, vertex by vertex
-  int first = 0, last = 0;
+  fs::path folder;          // of its results
+  SurfaceMesh skin;         // body frame, at rest
+  std::vector<int> nodes;   // of the joined mesh, vertex by vertex
+  int first = 0, last = 0;  // range of its nodes in the joined mesh
 };
 
 class SceneSkins {
@@ -47,7 +48,7 @@ class SceneSkins {
 
   std::vector<TrueSceneFrame> write() {
     read_hands();
-    std::list<FolderLock> locks;  // which stay where they are
+    std::list<FolderLock> locks;  // a list, because locks cannot be moved
     for (std::size_t b = 0; b < parts_.size(); ++b) {
       check_filmed(parts_[b]);
       make_folder(parts_[b].folder);
@@ -100,7 +101,7 @@ class SceneSkins {
     return all;
   }
 
-  // In the scene's frame; a frame touches when it touches any of the bodies.
+  // Reads the hand in the scene's frame. A frame is a touching one if the hand touches any body.
   void read_hands() {
     for (std::size_t b = 0; b < solids_.size(); ++b) {
       ClipHands hands = read_clip_hands(clip_, solids_[b].name);
@@ -174,15 +175,16 @@ class SceneSkins {
     std::erase_if(episodes_, [](const Episode& episode) { return episode.wanted.empty(); });
   }
 
-  // Writes an episode's frames.
+  // Writes the results of an episode's frames.
   void keep(const Episode& episode, const Walked& fine, const Walked& coarse) {
     for (const int frame : episode.wanted) {
-      const auto answer = fine.answers.find(frame), other = coarse.answers.find(frame);
+      const auto solution = fine.frames.find(frame), other = coarse.frames.find(frame);
       std::string why;
-      if (answer == fine.answers.end()) {
+      if (solution == fine.frames.end()) {
         why = "no solution: " + fine.why_stopped;
-      } else if (const double change =
-                     other == coarse.answers.end() ? 1.0 : change_of(answer->second, other->second);
+      } else if (const double change = other == coarse.frames.end()
+                                           ? 1.0
+                                           : change_of(solution->second, other->second);
                  change > kPathMatters) {
         why = fmt::format("depends on the way: half the step changes it by {:.1f} %", 100 * change);
       }
@@ -192,7 +194,7 @@ class SceneSkins {
         found.line.depth = depths_[static_cast<std::size_t>(frame)];
         found.line.scored = why.empty();
         found.line.why = why;
-        if (answer != fine.answers.end()) write_frame(answer->second, b, found);
+        if (solution != fine.frames.end()) write_frame(solution->second, b, found);
         found_[{b, frame}] = std::move(found);
       }
     }
@@ -205,24 +207,24 @@ class SceneSkins {
     }
   }
 
-  // Of all bodies together: one that hardly moves says nothing of the way.
+  // Relative change of all skins together: that of a body that hardly moves would mean nothing.
   [[nodiscard]] double change_of(const WalkedFrame& a, const WalkedFrame& b) const {
     std::vector<int> nodes;
     for (const Part& part : parts_) nodes.insert(nodes.end(), part.nodes.begin(), part.nodes.end());
     return relative_change(a.displacement, b.displacement, nodes);
   }
 
-  void write_frame(const WalkedFrame& answer, std::size_t b, TrueSceneFrame& found) const {
+  void write_frame(const WalkedFrame& solution, std::size_t b, TrueSceneFrame& found) const {
     const Part& part = parts_[b];
     const Rigid3 body_from_scene = solids_[b].scene_from_body.inverse();
-    const Matrix3Xd u = body_from_scene.linear() * answer.displacement(Eigen::all, part.nodes);
+    const Matrix3Xd u = body_from_scene.linear() * solution.displacement(Eigen::all, part.nodes);
     const Eigen::VectorXd mises =
-        von_mises(nodal_cauchy_stress(joined_.model, answer.displacement));
+        von_mises(nodal_cauchy_stress(joined_.model, solution.displacement));
     const ValuedSurface skin{{part.skin.vertices + u, part.skin.triangles}, mises(part.nodes)};
     write_valued_ply(deformed_skin_file(part.folder, found.line.frame), skin, kVonMisesProperty);
     const Eigen::Index first = part.first, count = part.last - part.first;
-    const Eigen::Vector3d hand = answer.hand_forces.middleCols(first, count).rowwise().sum(),
-                          others = answer.other_forces.middleCols(first, count).rowwise().sum();
+    const Eigen::Vector3d hand = solution.hand_forces.middleCols(first, count).rowwise().sum(),
+                          others = solution.other_forces.middleCols(first, count).rowwise().sum();
     found.line.force = body_from_scene.linear() * (hand + others);
     found.largest_displacement = u.colwise().norm().maxCoeff();
     found.between = others.norm();

@@ -1,6 +1,6 @@
 /// @file
-/// The full finite-element answer of a scene's bodies to the true hand of a clip, all of them
-/// solved together: what the hand presses presses what lies below it.
+/// Full-order solutions of all bodies of a scene under the true hand of a clip. They are solved
+/// together, since a body that the hand presses may press the one below it.
 #pragma once
 
 #include "palpable/bake/describe/body_description.h"
@@ -23,28 +23,28 @@ struct SceneSolid {
 };
 
 struct SceneSkinSettings {
-  int frames = 10;  ///< at most, spread over those that touch
+  int frames = 10;  ///< at most, evenly spread over the touching ones
   int threads = 2;
 };
 
-/// A frame's answer in figures, of one body.
+/// Figures of the solution of one body at one frame.
 struct TrueSceneFrame {
   std::string body;
-  DeformedLine line = {};           ///< force: of the hand and of the other bodies together
+  DeformedLine line = {};           ///< its force: of the hand and the other bodies together
   double largest_displacement = 0;  ///< m
-  double between = 0;               ///< N, of the other bodies
-  bool was_there = false;           ///< from an earlier run; then only `line` is known
+  double between = 0;               ///< N, force of the other bodies
+  bool was_there = false;           ///< solved by an earlier run; then only `line` is known
 };
 
-/// Solves and writes truth/bodies/NAME/deformed of each body. The way of the hand is followed from
-/// the first frame of each touch, frame by frame, and once more by half frames: where the two
-/// differ by more than 1 % (relative L2 over all skins), the frame is not scored. What
-/// an earlier run left there is kept.
+/// Solves and writes truth/bodies/NAME/deformed of each body. The hand is followed from the first
+/// frame of each touch, frame by frame, and once more by half frames. Where the two solutions
+/// differ by more than 1 % (relative L2 over all skins), the frame is not scored. Frames that an
+/// earlier run has written there are kept.
 ///
-/// @return the frames, rising, body by body
+/// @return the frames, increasing, body by body
 /// @throws Error for a clip without a touch, of another scene, or whose bodies were another size;
-///         for bodies under their own weight, of 10-node tetrahedra, or with supports that hold
-///         some directions only where they are turned; and as pose_body(), read_clip_hands()
+///         for bodies under their own weight, of 10-node tetrahedra, or, if turned, with supports
+///         that hold some directions only; and as pose_body(), read_clip_hands()
 [[nodiscard]] std::vector<TrueSceneFrame> write_scene_skins(const std::filesystem::path& clip,
                                                             const std::vector<SceneSolid>& solids,
                                                             const SceneSkinSettings& settings,

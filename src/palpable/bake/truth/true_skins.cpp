@@ -31,12 +31,16 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Matrix3Xd;
 
-constexpr double kDeepest = 0.1;  // of the height; deeper, a hand passes through
-// A touch this deep that does not reach the body's skin is one of another body, m.
+// Largest depth of a touch that is solved, ratio to the body's height; a deeper hand passes
+// through.
+constexpr double kDeepest = 0.1;
+// Depth (m) from which a touch must reach the body's skin. If it does not, the clip is of another
+// body.
 constexpr double kSurelyTouches = 2e-3;
 
-// Of the height: what a skin may be off by that is the same one. A preloaded skin at rest is solved
-// to that; all else is equal to the last bit.
+// Largest distance between vertices of two skins that count as the same, ratio to the body's
+// height. A preloaded skin at rest is solved to this accuracy; without preload, equal skins are
+// equal to the bit.
 constexpr double kSameTrueSkin = 1e-6;
 
 std::string content_of(const fs::path& path) {
@@ -83,7 +87,7 @@ class TrueSkins {
   }
 
  private:
-  // Refuses a skin that is not the one that is solved here. @param what  has that skin
+  // Throws Error for a skin that is not the one that is solved here. @param what  names its source
   void expect_same_skin(const SurfaceMesh& there, const std::string& what) const {
     const Matrix3Xd here = rest_skin();
     const auto& triangles = problem_.mesh.boundary.surface.triangles;
@@ -105,7 +109,7 @@ class TrueSkins {
         what, how));
   }
 
-  // Of the body that was filmed; films of before say nothing of it.
+  // Compares with the skin of the body that was filmed, if the clip has it; older clips do not.
   void check_filmed(const fs::path& skin) const {
     std::error_code error;
     if (!fs::exists(skin, error)) return;
@@ -126,7 +130,7 @@ class TrueSkins {
                     baked.string(), how));
   }
 
-  // The deepest touch that the clip knows must reach this body's skin.
+  // The deepest touch of the clip must reach this body's skin.
   void check_body(const fs::path& clip) const {
     int frame = episodes_.front().wanted.front();
     for (const Episode& episode : episodes_) {
@@ -169,8 +173,8 @@ class TrueSkins {
     write_valued_ply(file, {rest, Eigen::VectorXd::Zero(rest.vertex_count())}, kVonMisesProperty);
   }
 
-  // What an earlier run left must be of the same hand and the same problem, not of the same skin
-  // alone: law, constants, supports and loads change every answer.
+  // The results of an earlier run must be of the same hand and the same problem. The same skin is
+  // not enough: law, constants, supports and loads change every solution.
   void check_same(const fs::path& clip) const {
     std::uint64_t hash = kFnvStart;
     const auto add = [&](const void* data, std::size_t bytes) {
@@ -200,8 +204,8 @@ class TrueSkins {
     const fs::path note = folder_ / "problem.txt";
     const std::string here = fmt::format("{} {:016x}\n", laws, hash);
     std::error_code error;
-    const bool has_answers = fs::exists(folder_ / "deformed.jsonl", error);
-    if (has_answers && (!fs::exists(note, error) || content_of(note) != here)) {
+    const bool has_results = fs::exists(folder_ / "deformed.jsonl", error);
+    if (has_results && (!fs::exists(note, error) || content_of(note) != here)) {
       throw Error(fmt::format(
           "{}: holds answers of another material, support, load or hand; remove it to solve anew",
           folder_.string()));
@@ -233,24 +237,24 @@ class TrueSkins {
     return std::find(known_.begin(), known_.end(), frame) != known_.end();
   }
 
-  // Writes an episode's frames.
+  // Writes the results of an episode's frames.
   void keep(const Episode& episode, const Walked& fine, const Walked& coarse) {
     for (const int frame : episode.wanted) {
       TrueFrame found;
       found.line.frame = frame;
       found.line.depth = hands_.contacts[frame].depth;
-      const auto answer = fine.answers.find(frame);
-      if (answer == fine.answers.end()) {
+      const auto solution = fine.frames.find(frame);
+      if (solution == fine.frames.end()) {
         found.line.scored = false;
         found.line.why = "no solution: " + fine.why_stopped;
       } else {
-        const auto other = coarse.answers.find(frame);
+        const auto other = coarse.frames.find(frame);
         found.path_change =
-            other == coarse.answers.end()
+            other == coarse.frames.end()
                 ? 1.0
-                : relative_change(answer->second.displacement, other->second.displacement, skin_,
+                : relative_change(solution->second.displacement, other->second.displacement, skin_,
                                   presses_.rest());
-        write_frame(answer->second, found);
+        write_frame(solution->second, found);
       }
       lines_[frame] = found.line;
       found_[frame] = std::move(found);
@@ -260,18 +264,19 @@ class TrueSkins {
     write_whole_file(folder_ / "deformed.jsonl", text);
   }
 
-  void write_frame(const WalkedFrame& answer, TrueFrame& found) const {
+  void write_frame(const WalkedFrame& solution, TrueFrame& found) const {
     const Eigen::VectorXd mises =
-        von_mises(nodal_cauchy_stress(solver_.model(), answer.displacement));
-    const ValuedSurface skin{{(problem_.model.mesh.nodes + answer.displacement)(Eigen::all, skin_),
-                              problem_.mesh.boundary.surface.triangles},
-                             mises(skin_)};
+        von_mises(nodal_cauchy_stress(solver_.model(), solution.displacement));
+    const ValuedSurface skin{
+        {(problem_.model.mesh.nodes + solution.displacement)(Eigen::all, skin_),
+         problem_.mesh.boundary.surface.triangles},
+        mises(skin_)};
     write_valued_ply(deformed_skin_file(folder_, found.line.frame), skin, kVonMisesProperty);
-    found.line.force = answer.force;
-    if (answer.force.norm() > 0.0) found.line.point = answer.centre;
-    found.entry = answer.entry;
+    found.line.force = solution.force;
+    if (solution.force.norm() > 0.0) found.line.point = solution.centre;
+    found.entry = solution.entry;
     found.largest_displacement =
-        (answer.displacement - presses_.rest()).colwise().norm().maxCoeff();
+        (solution.displacement - presses_.rest()).colwise().norm().maxCoeff();
     found.largest_von_mises = skin.values.maxCoeff();
     if (found.path_change > kPathMatters) {
       found.line.scored = false;
@@ -286,7 +291,7 @@ class TrueSkins {
   BodyProblem problem_;
   EquilibriumSolver solver_;
   PressSolver presses_;
-  std::vector<int> skin_;  // nodes
+  std::vector<int> skin_;  // nodes of the skin
   ClipHands hands_;
   std::vector<Episode> episodes_;
   std::vector<int> known_;

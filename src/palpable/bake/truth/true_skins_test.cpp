@@ -71,7 +71,7 @@ BodyDescription block(const fs::path& folder) {
   return read_body_description(folder / "block.toml");
 }
 
-// A body file's worth of the block: its skin, and a press that does nothing but go down.
+// A minimal reduced body of the block: its skin, with fields that are constant in space.
 ReducedBody reduced_block(const BodyProblem& problem) {
   const SurfaceMesh& skin = problem.mesh.boundary.surface;
   const Eigen::Vector2d levels(0, 1);
@@ -103,8 +103,8 @@ ReducedBody reduced_block(const BodyProblem& problem) {
 TEST_CASE("the true skin is pressed where the finger is and free where it is not", "[truth]") {
   const test::ScratchFolder folder("true_skins");
   const fs::path clip = folder.path() / "clip";
-  // Over the middle of the block the answer may tip to either side, by the last digit of a sum: a
-  // pressed middle of a block is as unstable as it is even.
+  // Exactly over the middle of the block the solution is unstable, and rounding decides to which
+  // side it tips.
   write_clip(clip, 0.0007);
   const BodyDescription description = block(folder.path());
   const std::vector<TrueFrame> frames = write_true_skins(clip, description, {.frames = 99}, {});
@@ -172,7 +172,7 @@ TEST_CASE("another mesh than that of the body that was filmed, or baked, is refu
   CHECK_THROWS_WITH(solve({}), Contains("makes another skin (it has"));
   fs::remove(filmed);
 
-  // Of a body file: its skin, and what was kept beside it.
+  // Of a body file, the skin is compared, and the solid that is stored beside it.
   const fs::path baked = folder.path() / "block.palpable";
   ReducedBody body = value_or_throw(read_body_file("tests/data/ball_v1.palpable"));
   write_body_file(baked, body);

@@ -113,7 +113,8 @@ const Json* Json::find(std::string_view key) const {
 Json& Json::operator[](std::string_view key) {
   if (is_null()) value_ = Object();
   auto* members = std::get_if<Object>(&value_);
-  if (members == nullptr) throw Error(fmt::format("'{}' is asked of JSON that is no object", key));
+  if (members == nullptr)
+    throw Error(fmt::format("the JSON value with '{}' is not an object", key));
   for (auto& [name, value] : *members) {
     if (name == key) return value;
   }
@@ -142,7 +143,7 @@ void Json::update(const Json& object) {
 void Json::push_back(Json value) {
   if (is_null()) value_ = Array();
   auto* values = std::get_if<Array>(&value_);
-  if (values == nullptr) throw Error("a value is appended to JSON that is no array");
+  if (values == nullptr) throw Error("a value is appended to a JSON value that is not an array");
   values->push_back(std::move(value));
 }
 
@@ -162,7 +163,7 @@ T Json::get() const {
         } else if constexpr (kNumber && std::is_arithmetic_v<T> && !std::same_as<T, bool>) {
           return static_cast<T>(value);
         } else {
-          throw Error("a JSON value is of another kind than the one that is asked for");
+          throw Error("a JSON value is of another kind than the requested one");
         }
       },
       value_);

@@ -13,7 +13,7 @@
 namespace palpable {
 namespace {
 
-// One value of each kind, built in the same way by whatever class is given.
+// One value of each kind, built in the same way for either class.
 template <class Value>
 Value one_of_each() {
   Value value;

@@ -34,7 +34,7 @@ std::string modes_text(const SeparatedField& field, double pooled, double worst,
   return text;
 }
 
-// How many, and the box around them.
+// The number of places, and the box around them.
 std::string places_text(const ReducedBody& body, const std::vector<Site>& places) {
   Eigen::AlignedBox3d box;
   for (const Site& place : places) box.extend(body.surface.vertices.col(place.vertex));

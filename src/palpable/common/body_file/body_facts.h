@@ -1,5 +1,5 @@
 /// @file
-/// What is in a body file, told to people and to other programs.
+/// Summarises the content of a body file, for users and for other programs.
 #pragma once
 
 #include "palpable/common/base/json.h"
@@ -16,11 +16,11 @@ namespace palpable {
 /// (name, text) lines: sizes, material, sites, loads, modes and their errors. Lengths in mm, loads
 /// in N; errors are relative, L2.
 /// @param file     from which the body was read; its size is one of the facts
-/// @param setting  how another value of a further parameter is chosen: "0.5 unless <setting>"
+/// @param setting  how to choose another value of a further parameter: "0.5 unless <setting>"
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> body_facts(
     const ReducedBody& body, const std::filesystem::path& file, std::string_view setting);
 
-/// The same but for the file's size, in SI units, and where the body comes from.
+/// The same in SI units as an object, without the file's size, with the provenance.
 [[nodiscard]] Json json_of(const ReducedBody& body);
 
 }  // namespace palpable

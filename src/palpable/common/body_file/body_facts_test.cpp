@@ -40,7 +40,7 @@ TEST_CASE("the facts of a body are those of its closed form", "[body_file][facts
   CHECK_FALSE(facts.contains("parameter"));
 }
 
-TEST_CASE("the facts name what only some bodies have", "[body_file][facts]") {
+TEST_CASE("the facts include those that only some bodies have", "[body_file][facts]") {
   ReducedBody shared = test::pressed_ball();
   std::vector<ParameterAxis> axes = shared.displacement.axes();
   axes[0].functions.setConstant(0.5);
@@ -60,7 +60,7 @@ TEST_CASE("the facts name what only some bodies have", "[body_file][facts]") {
   CHECK(facts["between sites"] == "nothing: the nearest one counts, wrong by 25 % in the median");
 }
 
-TEST_CASE("programs are told the facts of a body as numbers", "[body_file][facts]") {
+TEST_CASE("the facts of a body are available as JSON numbers", "[body_file][facts]") {
   const Json ball = json_of(test::pressed_ball(0.05, 0.01, 3, 5));
   CHECK(ball["vertices"].get<int>() == 642);
   CHECK(ball["sites"].get<int>() == 6);

@@ -78,7 +78,8 @@ ReductionError write_body_file(const std::filesystem::path& path, const ReducedB
       body_file::write_content(file, body, storage);
       if (further) further(file);
     });
-    // A body that breaks a promise of reduced_body.h is not written.
+    // Reading the bytes back ensures that a body which breaks a rule of reduced_body.h is not
+    // written.
     const ReductionError error = from_bytes(bytes).error;
     hdf5::write_durably(path, bytes);
     return error;

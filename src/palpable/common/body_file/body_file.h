@@ -1,5 +1,6 @@
 /// @file
-/// The one file that joins the halves: a ReducedBody in HDF5. Layout: docs/body_file.md.
+/// Reads and writes body files, which the bake half writes and the live half reads: a ReducedBody
+/// in HDF5. Layout: docs/body_file.md.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -11,27 +12,28 @@
 
 namespace palpable {
 
-/// Version of the layout that this program writes and every later one will read. 0 was provisional.
+/// Version of the layout that this program writes. Every later program will read it. 0 was
+/// provisional.
 inline constexpr int kBodyFileVersion = 1;
 
 enum class ModeStorage {
-  kFloat32,  ///< as they are evaluated
-  kFloat16   ///< half the bytes; each mode scaled to fit. What that costs is in ReductionError
+  kFloat32,  ///< as in evaluation
+  kFloat16   ///< half the bytes, each mode scaled to fit; for the error see ReductionError
 };
 
-/// Reads and checks a body file. Whatever the bytes, the result is a body that keeps every promise
-/// of reduced_body.h or a problem that names the file and what is wrong with it. Parameters beyond
-/// site and level stay parameters: the frame loop asks for a body that is settled().
+/// Reads and checks a body file. For any bytes, the result is a body that satisfies every rule of
+/// reduced_body.h, or a problem that names the file and its error. Parameters beyond site and level
+/// remain parameters; the frame loop needs a body that is settled().
 [[nodiscard]] Result<ReducedBody> read_body_file(const std::filesystem::path& path);
 
-/// The same, settled: what the live half presses. @param values see settled()
+/// The same, settled, as the live half needs it. @param values see settled()
 [[nodiscard]] Result<ReducedBody> read_pressable_body(
     const std::filesystem::path& path, const std::map<std::string, double>& values = {});
 
-/// Writes a body file aside, syncs it, and renames it into place: a reader sees the old file or the
-/// whole new one. @throws Error when the file cannot be written (missing folder, full disk).
-/// The press is tabulated if it is not.
-/// @return the body's errors as the file states them, those of rounding included
+/// Writes a body file under another name, syncs it, and renames it: a reader sees the old file or
+/// the complete new one. Calls tabulate_press() for a body without depth_slope and level_slope.
+/// @throws Error if the file cannot be written (missing folder, full disk)
+/// @return the body's errors as the file states them, including those of rounding
 ReductionError write_body_file(const std::filesystem::path& path, const ReducedBody& body,
                                ModeStorage storage = ModeStorage::kFloat32);
 

@@ -1,6 +1,6 @@
 /// @file
-/// The two halves of body_file.h: a body into an HDF5 file that is open, and out of one. The layout
-/// is docs/body_file.md's.
+/// Writes a body into an open HDF5 file, and reads it from one: the two parts of body_file.h.
+/// Layout: docs/body_file.md.
 #pragma once
 
 #include "palpable/common/body_file/body_file.h"
@@ -8,14 +8,14 @@
 
 namespace palpable::body_file {
 
-/// What `between` says of an axis.
+/// The values of the attribute `between` of an axis.
 inline constexpr const char* kNothing = "nothing";
 inline constexpr const char* kSpline = "cubic spline, not-a-knot";
 
-/// @throws hdf5::Trouble when a table of the body has not the size that another one says
+/// @throws hdf5::Trouble if the sizes of the body's tables do not agree
 void write_content(hid_t file, const ReducedBody& body, ModeStorage storage);
 
-/// @throws hdf5::Trouble when anything is missing, of another size, or no number
+/// @throws hdf5::Trouble if anything is missing, of a wrong size, or not a number
 [[nodiscard]] ReducedBody read_content(hid_t file);
 
 }  // namespace palpable::body_file

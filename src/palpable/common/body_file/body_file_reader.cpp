@@ -88,10 +88,10 @@ SeparatedField read_field(hid_t file, const char* name, hsize_t value_count, dou
                       value_count));
   require(modes.allFinite(), fmt::format("a mode of '{}' is not a number somewhere", name));
   rounding = read_number(group, "rounding");
-  require(rounding >= 0 && std::isfinite(rounding), "the error of rounding is none");
+  require(rounding >= 0 && std::isfinite(rounding), "the error of rounding is not valid");
   const double count = read_number(group, "axes");
   require(count >= 2 && count <= SeparatedField::kMostAxes,
-          fmt::format("'{}' does not hang on site and level", name));
+          fmt::format("'{}' does not depend on site and level", name));
   std::vector<ParameterAxis> axes;
   for (int j = 0; j < static_cast<int>(count); ++j) {
     axes.push_back(read_axis(group, j, static_cast<hsize_t>(modes.cols())));
@@ -118,7 +118,7 @@ void read_surface(hid_t file, ReducedBody& body) {
   body.fixed = read_table<std::uint8_t>(g, "fixed", vertices.rows, 1).data;
 }
 
-// @param what  "site" or so, for messages
+// @param what  "site" or "reaction", for messages
 std::vector<Site> read_loaded_places(hid_t g, int V, const char* what) {
   const Table<int> vertex = read_table<int>(g, "vertex");
   const hsize_t S = vertex.rows;
@@ -183,7 +183,8 @@ void read_sites(hid_t file, ReducedBody& body) {
   }
 }
 
-// Between two samples a cubic increases if its slopes are at most three times the secant's.
+// Checks that the press increases: a cubic between two increasing samples does if its slopes there
+// are at least 0 and at most three times that of the secant.
 void check_press(const ReducedBody& body) {
   const Eigen::VectorXd& levels = body.levels();
   constexpr double kRounding = 1 + 1e-9;
@@ -261,13 +262,14 @@ void read_volume(hid_t file, ReducedBody& body) {
   if (has_link(g, "stress")) volume.stress = read_field(g, "stress", 6 * nodes.rows, rounding);
   require(same_axes(volume.displacement, body.displacement) &&
               (!volume.stress || same_axes(*volume.stress, body.displacement)),
-          "the volume hangs on other parameters than the surface");
+          "the volume depends on other parameters than the surface");
   body.volume = std::move(volume);
 }
 
 void read_several(hid_t file, ReducedBody& body) {
   const Handle g = open_group(file, "several_loads");
-  // Newton's method on more would not be live: its quartic coefficients are 17 MB then.
+  // With more modes Newton's method would be too slow for the frame loop: at 64 the quartic
+  // coefficients take 35 MB in memory.
   constexpr hsize_t kMostModes = 64;
   const Table<float> modes = read_table<float>(g, "modes");
   const auto V = static_cast<hsize_t>(body.surface.vertex_count());
@@ -288,7 +290,8 @@ void read_several(hid_t file, ReducedBody& body) {
   for (Eigen::Index j = 0; j < n; ++j) {
     for (Eigen::Index i = 0; i < n; ++i) K(i, j) = several.energy.K[pair_row(i, j)];
   }
-  require(K.llt().info() == Eigen::Success, "the energy of several loads does not hold the body");
+  require(K.llt().info() == Eigen::Success,
+          "the stiffness of several loads is not positive definite");
   if (has_link(g, "reactions")) {
     several.reactions =
         read_loaded_places(open_group(g, "reactions"), body.surface.vertex_count(), "reaction");
@@ -298,7 +301,7 @@ void read_several(hid_t file, ReducedBody& body) {
   several.error_worst = read_number(g, "error_worst");
   require(checked >= 0 && checked <= 1e6 && std::isfinite(several.error_worst) &&
               0 <= several.error_median && several.error_median <= several.error_worst,
-          "the error of several loads is none");
+          "the error of several loads is not valid");
   several.checked = static_cast<int>(checked);
   require(body.is_settled(), "several loads do not go with further parameters");
   body.several = std::move(several);
@@ -317,7 +320,7 @@ void check_axes(const ReducedBody& body) {
             "the level axis does not run from 0 to 1 in the steps of press_depth");
   }
   require(same_axes(body.displacement, body.stress),
-          "displacement and stress hang on different parameters");
+          "displacement and stress depend on different parameters");
 }
 
 template <class T>
@@ -337,7 +340,7 @@ std::optional<ErrorCourse> read_course(hid_t file, const char* name, const Reduc
               snapshots.columns >= one_point && snapshots.columns % one_point == 0,
           fmt::format("'{}' is not of this body's snapshots", name));
   require(are_errors(pooled.data) && are_errors(snapshots.data),
-          fmt::format("an error of '{}' is none", name));
+          fmt::format("an error of '{}' is not valid", name));
   ErrorCourse course{as_matrix<Eigen::VectorXi>(Table<int>{modes.data, 1, modes.rows}),
                      as_matrix<Eigen::VectorXd>(Table<double>{pooled.data, 1, pooled.rows}),
                      as_matrix<Eigen::MatrixXf>(snapshots)};
@@ -351,7 +354,7 @@ HeldOutRecord read_held_out(hid_t file, const ReducedBody& body) {
   const auto S = static_cast<hsize_t>(body.sites.size());
   const Table<double> levels = read_table<double>(g, "levels");
   require(levels.rows >= 1 && levels.columns == 1 && all_finite(levels.data),
-          "the held-out levels are none");
+          "the held-out levels are not valid");
   const Table<float> moved = read_table<float>(g, "displacement", S, levels.rows);
   const Table<float> stressed = read_table<float>(g, "von_mises", S, levels.rows);
   HeldOutRecord record{as_matrix<Eigen::VectorXd>(Table<double>{levels.data, 1, levels.rows}),
@@ -360,12 +363,12 @@ HeldOutRecord read_held_out(hid_t file, const ReducedBody& body) {
   require(increases_strictly(record.levels), "the held-out levels do not increase");
   require(are_errors(moved.data) && are_errors(stressed.data) && record.displacement_pooled >= 0 &&
               std::isfinite(record.displacement_pooled),
-          "an error of 'held_out' is none");
+          "an error of 'held_out' is not valid");
   return record;
 }
 
-// Files that were written before there was an attribute "method" name it in the first word of a
-// line of the provenance, or nowhere.
+// Files that are older than the attribute "method" name the method in the first word of a line of
+// the provenance, or nowhere.
 std::string method_of_old_file(const ReducedBody& body) {
   for (const auto& [key, value] : body.provenance) {
     if (key == "reduction") return value.substr(0, value.find(' '));

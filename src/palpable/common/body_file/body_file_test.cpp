@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::tolerance;
 
-// A folder of its own for each case, gone afterwards.
+// A folder of its own for each test case, removed afterwards.
 class Folder {
  public:
   Folder() : path_(fs::temp_directory_path() / fmt::format("palpable_body_file_{}", ::getpid())) {
@@ -48,14 +48,14 @@ void write_bytes(const fs::path& path, const std::string& bytes) {
 
 ReducedBody small_ball() { return test::pressed_ball(0.05, 0.01, 1); }
 
-// All that a file can hold: further parameters, an inside, and what sites cost.
+// A body with further parameters, a volume, and the error between sites.
 ReducedBody full_ball() {
   ReducedBody body = test::with_further(small_ball());
   body.error = {1e-4, 2e-3, 3e-4, 4e-3, 0, 0, 0.26};
   return body;
 }
 
-// What the error report may hold beside: 6 sites x 4 levels x 9 combinations of further values.
+// The same with error courses, over 6 sites x 4 levels x 9 combinations of further values.
 ReducedBody reported_ball() {
   ReducedBody body = full_ball();
   body.method = "pgd";
@@ -77,7 +77,7 @@ ReducedBody reported_ball() {
   return body;
 }
 
-// Of a settled body: several loads at once.
+// A settled body with several loads at once.
 ReducedBody several_ball() { return test::with_several(small_ball()); }
 
 void check_same(const SeparatedField& a, const SeparatedField& b) {
@@ -116,7 +116,7 @@ ReducedBody written_and_read(const ReducedBody& body, ModeStorage storage = Mode
   return value_or_throw(read_body_file(folder / "ball.palpable"));
 }
 
-// A body file as it was written before there was an attribute "method".
+// Writes a body file without the attribute "method", as older programs did.
 void write_old_file(const fs::path& path, const ReducedBody& body) {
   constexpr std::string_view kKind = "palpable body file";
   write_body_file(path, body);
@@ -145,7 +145,7 @@ TEST_CASE("an older file names its method in its provenance, or nowhere", "[body
   body.provenance.emplace_back("reduction", "per-site (a POD of each site's levels)");
   write_old_file(folder / "old.palpable", body);
   CHECK(value_or_throw(read_body_file(folder / "old.palpable")).method == "per-site");
-  // Where the attribute is there, the text is for people alone.
+  // If there is the attribute, the text in the provenance is not used.
   body.method = "hosvd";
   CHECK(written_and_read(body).method == "hosvd");
 }
@@ -210,7 +210,7 @@ TEST_CASE("a body that was written is read back the same", "[body_file][files]")
   }
 }
 
-TEST_CASE("a body in half precision takes half the bytes and says what that costs",
+TEST_CASE("a body in half precision takes half the bytes and states the rounding error",
           "[body_file][files]") {
   const Folder folder;
   const ReducedBody body = test::pressed_ball();
@@ -223,7 +223,8 @@ TEST_CASE("a body in half precision takes half the bytes and says what that cost
   CHECK(saved == Approx(2 * modes).epsilon(tolerance(0.02, "HDF5's own tables")));
 
   const ReducedBody half = value_or_throw(read_body_file(folder / "half.palpable"));
-  // 11 bits: at most 2^-12 = 2.4e-4 for each value, evenly spread over that: 1 / sqrt(3) of it.
+  // 11 bits give an error of at most 2^-12 = 2.4e-4 for each value; if errors are uniformly
+  // distributed, their root mean square is 1 / sqrt(3) of that.
   double error = 0, whole = 0;
   std::vector<float> a(body.stress.value_count()), b(a.size());
   for (int s = 0; s < 6; ++s) {
@@ -239,13 +240,13 @@ TEST_CASE("a body in half precision takes half the bytes and says what that cost
   CHECK(half.error.stress_rounding == Approx(std::sqrt(error / whole)).epsilon(1e-3));
   CHECK(half.error.stress_rounding < 2.5e-4);
   CHECK(half.error.stress_rounding > 2e-5);
-  // Written again it loses nothing more, and what was lost is not forgotten.
+  // Writing it again loses nothing more, and the stated error stays.
   const ReducedBody again = written_and_read(half, ModeStorage::kFloat16);
   CHECK(again.stress.modes() == half.stress.modes());
   CHECK(again.error.stress_rounding == half.error.stress_rounding);
 }
 
-TEST_CASE("what is to be pressed is settled on the values asked for", "[body_file][files]") {
+TEST_CASE("a body for the live half is settled on the requested values", "[body_file][files]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
   write_body_file(path, full_ball());
@@ -254,13 +255,13 @@ TEST_CASE("what is to be pressed is settled on the values asked for", "[body_fil
   CHECK(soft.sites[0].full_load == Approx(full_ball().sites[0].full_load));
   CHECK(read_pressable_body(path, {{"age", 2}}).problem().message.find(path.string() + ": 'age'") !=
         std::string::npos);
-  // A settled body is a body of its own.
+  // A settled body can be written and read like any other.
   const ReducedBody again = written_and_read(soft);
   CHECK(again.further.empty());
   CHECK(again.press_depth == soft.press_depth);
 }
 
-// Committed when layout 1 was new: whatever comes, it is read.
+// These files were committed when layout 1 was new; every later program must read them.
 TEST_CASE("a file of layout 1 is read for ever", "[body_file][files]") {
   for (const char* name : {"ball_v1.palpable", "ball_v1_full.palpable"}) {
     INFO(name);
@@ -283,7 +284,7 @@ TEST_CASE("a file of layout 1 is read for ever", "[body_file][files]") {
     }
     CHECK(one.press_depth(3, 2) == Approx(here.press_depth(3, 2)));
     CHECK(body.error.between_sites == (full ? std::optional(0.26) : std::nullopt));
-    CHECK_FALSE(body.several);  // such a file answers one load at a time
+    CHECK_FALSE(body.several);  // such a file has responses to one load at a time only
   }
 }
 
@@ -348,13 +349,14 @@ TEST_CASE("a body that breaks a rule of its own is not written over a good one",
          auto& errors = b.error.stress_course->snapshots;
          errors = errors.topRows(25).eval();
        }},
-      {"an error of 'displacement_course' is none",
+      {"an error of 'displacement_course' is not valid",
        [](auto& b) { b.error.displacement_course->snapshots(7, 1) = -1e-3f; }},
       {"'von_mises_course' do not increase",
        [](auto& b) { b.error.von_mises_course->modes[1] = 1; }},
       {"one error for each level and site",
        [](auto& b) { b.error.held_out->levels = Eigen::Vector3d(0.1, 0.2, 0.3); }},
-      {"an error of 'held_out' is none", [](auto& b) { b.error.held_out->von_mises(1, 2) = NAN; }},
+      {"an error of 'held_out' is not valid",
+       [](auto& b) { b.error.held_out->von_mises(1, 2) = NAN; }},
       {"held-out levels do not increase", [](auto& b) { b.error.held_out->levels[1] = 0.25; }},
       {"not a stress", [](auto& b) { b.largest_von_mises = NAN; }},
       {"no site",
@@ -390,13 +392,13 @@ TEST_CASE("an energy of several loads that breaks a rule is not written", "[body
       {"'quadratic' is not a number", [](auto& s) { s.energy.K[3] = NAN; }},
       {"'cubic' is not a number", [](auto& s) { s.energy.C(2, 3) = INFINITY; }},
       {"'quartic' is not a number", [](auto& s) { s.energy.D(4, 9) = NAN; }},
-      {"does not hold the body", [](auto& s) { s.energy.K[5] = -s.energy.K[5]; }},
+      {"is not positive definite", [](auto& s) { s.energy.K[5] = -s.energy.K[5]; }},
       {"reaction 0 has no load", [](auto& s) { s.reactions[0].full_load = 0; }},
       {"reaction 0 has a patch off", [](auto& s) { s.reactions[0].patch[0] = -1; }},
       {"load direction of reaction 0", [](auto& s) { s.reactions[0].direction *= 1.5; }},
-      {"error of several loads is none", [](auto& s) { s.error_worst = NAN; }},
-      {"error of several loads is none", [](auto& s) { s.error_median = 0.03; }},
-      {"error of several loads is none", [](auto& s) { s.checked = -1; }},
+      {"error of several loads is not valid", [](auto& s) { s.error_worst = NAN; }},
+      {"error of several loads is not valid", [](auto& s) { s.error_median = 0.03; }},
+      {"error of several loads is not valid", [](auto& s) { s.checked = -1; }},
   };
   const auto message = [&](const ReducedBody& body) {
     try {
@@ -412,13 +414,13 @@ TEST_CASE("an energy of several loads that breaks a rule is not written", "[body
   }
   CHECK_THAT(message(test::with_further(several_ball())),
              Catch::Contains("do not go with further parameters"));
-  // No reactions is a rule of its own: several presses at the sites.
+  // A body without reactions is allowed: it can have several presses at its sites.
   ReducedBody no_reactions = several_ball();
   no_reactions.several->reactions.clear();
   CHECK(written_and_read(no_reactions).several->reactions.empty());
 }
 
-TEST_CASE("a further group stands beside the body, and who does not know it reads the body",
+TEST_CASE("a further group is stored beside the body, and readers that do not know it skip it",
           "[body_file][files]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
@@ -458,7 +460,7 @@ TEST_CASE("a full disk is a clear error and leaves the old file", "[body_file][e
   CHECK_FALSE(fs::exists(folder / "ball.palpable"));
 }
 
-// What reading promises: a good body or a problem, whatever the bytes.
+// The promise of read_body_file(): for any bytes, a valid body or a problem.
 TEST_CASE("a truncated body file is refused at every length", "[body_file][fuzz]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";

@@ -17,7 +17,7 @@ using hdf5::write_number;
 using hdf5::write_table;
 using hdf5::write_text;
 
-// What rounding of the modes costs, over all samples of all axes together: relative L2.
+// Error from rounding the modes, over all samples of all axes together: relative L2.
 double rounding_error(const SeparatedField& field, const Eigen::MatrixXf& rounded) {
   const std::vector<ParameterAxis>& axes = field.axes();
   // sum over samples of |F w|^2 = sum_ij (F^T F)_ij (W W^T)_ij, and W W^T is a product over axes.
@@ -45,7 +45,7 @@ Eigen::VectorXd half_scales(const Eigen::MatrixXf& modes) {
   return scales;
 }
 
-// Returns what the rounding costs.
+// @returns the field's rounding error, at least `lost_before`
 double write_field(hid_t file, const char* name, const SeparatedField& field, ModeStorage storage,
                    double lost_before) {
   const Handle group = make_group(file, name);
@@ -64,7 +64,7 @@ double write_field(hid_t file, const char* name, const SeparatedField& field, Mo
   } else {
     write_table(group, "modes", field.modes().data(), m, N);
   }
-  lost = std::max(lost, lost_before);  // a body that was rounded once has lost that for ever
+  lost = std::max(lost, lost_before);  // a body that was read from a rounded file keeps its error
   write_number(group, "rounding", lost);
   write_number(group, "axes", static_cast<double>(field.axes().size()));
   int number = 0;
@@ -141,7 +141,7 @@ void write_held_out(hid_t file, const HeldOutRecord& held_out) {
   write_table(g, "von_mises", held_out.von_mises.data(), S, H);
 }
 
-// Where loads act; their patches side by side.
+// Writes sites or reactions; all patches are in one table, one after the other.
 void write_places(hid_t group, const std::vector<Site>& sites) {
   std::vector<int> vertex, patch_begin{0}, patch;
   std::vector<float> weights;

@@ -16,11 +16,11 @@ namespace {
 
 constexpr hsize_t kMostNumbers = 400'000'000;
 constexpr int kMostDimensions = 8;
-constexpr hsize_t kBestPacking = 1100;  // zlib's is 1032
+constexpr hsize_t kBestPacking = 1100;  // upper bound of compression ratios; zlib's best is 1032
 constexpr std::size_t kLongestText = 10'000;
 constexpr rlim_t kMostSeconds = 60;
 
-// What goes through the pipe: this, then the numbers, or the text that says what is wrong.
+// The header of the message through the pipe; the numbers follow, or the text of the error.
 struct Header {
   bool ok = false, missing = false;
   int dimensions = 0;
@@ -84,7 +84,7 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
             fmt::format("dataset '{}' claims more than {} numbers", dataset, kMostNumbers));
     count *= header.size[d];
   }
-  // A damaged header may claim more than the file holds: only what is stored gets memory.
+  // A damaged header may claim more than the file holds: memory is allocated only for stored data.
   const hsize_t claimed = count * H5Tget_size(type);
   require(claimed <= kBestPacking * H5Dget_storage_size(set),
           fmt::format("dataset '{}' is cut short", dataset));
@@ -96,17 +96,17 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
   return values;
 }
 
-// In the process of its own; never returns.
+// Reads the dataset in the child process and sends it; never returns.
 [[noreturn]] void read_and_send(const std::filesystem::path& path, const std::string& dataset,
                                 int pipe) {
-  // What HDF5 or the C library cry when they die is for nobody.
+  // Messages that HDF5 or the C library print in a crash are suppressed.
   const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
   const rlimit seconds{kMostSeconds, kMostSeconds}, none{0, 0};
   ::setrlimit(RLIMIT_CPU, &seconds);
   ::setrlimit(RLIMIT_CORE, &none);
   for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU}) {
-    ::signal(fault, SIG_DFL);  // no other handler reports what is no fault of this program
+    ::signal(fault, SIG_DFL);  // inherited handlers must not report a crash that is expected here
   }
   const Quiet quiet;
   Header header;
@@ -131,7 +131,7 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
   ::_exit(sent ? 0 : 1);
 }
 
-// Ends a process that has said what it had to say, or will not.
+// Kills a child process, whether or not it has finished, and waits for its end.
 class Child {
  public:
   explicit Child(pid_t process) : process_(process) {}
@@ -162,7 +162,7 @@ ForeignNumbers read_foreign(const std::filesystem::path& path, const std::string
   const std::string died = fmt::format("damaged: HDF5 does not survive reading '{}'", dataset);
   Header header;
   require(receive(from.number(), &header, sizeof header), died);
-  // What has read a damaged file may say anything.
+  // A process that has read a damaged file may send anything, so its header is checked.
   if (!header.ok) {
     require(header.count <= kLongestText, died);
     std::string wrong(header.count, '\0');

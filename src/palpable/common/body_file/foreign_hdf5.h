@@ -1,7 +1,7 @@
 /// @file
-/// HDF5 files of other programs. HDF5 1.10 does not survive every damaged file (it reads memory
-/// that is not its own, or never ends), and unlike ours theirs have no checksum that could be
-/// compared before. So they are read in a process of their own, which may die.
+/// Reads HDF5 files of other programs. HDF5 1.10 does not survive every damaged file (it reads
+/// invalid memory, or never ends), and unlike our files these have no checksum that could be
+/// compared before. So they are read in a child process, which may crash.
 #pragma once
 
 #include "palpable/common/body_file/hdf5_tools.h"
@@ -12,7 +12,7 @@
 
 namespace palpable::hdf5 {
 
-/// What read_foreign() throws when the file can be read, and has no such dataset.
+/// Thrown by read_foreign() if the file can be read but has no such dataset.
 struct MissingDataset : Trouble {};
 
 /// The numbers of a dataset, the last index fastest.
@@ -21,10 +21,10 @@ struct ForeignNumbers {
   std::vector<double> values;
 };
 
-/// Integers and floating-point numbers of any size, in one piece or in chunks, packed or not.
-/// Costs a millisecond for the process beside the reading; a minute of computing at most.
-/// @throws MissingDataset, or Trouble which does not name the file: no HDF5 file, no such dataset,
-/// not numbers,
+/// Reads integers and floating-point numbers of any size, contiguous or in chunks, compressed or
+/// not. The child process costs a millisecond beside the reading; it is stopped after a minute of
+/// processor time.
+/// @throws MissingDataset, or Trouble, which does not name the file: not an HDF5 file, not numbers,
 ///         damaged
 [[nodiscard]] ForeignNumbers read_foreign(const std::filesystem::path& path,
                                           const std::string& dataset);

@@ -12,8 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An HDF5 file with a table of integers, a packed one of three dimensions, a single number and a
-// text.
+// Writes an HDF5 file with a table of integers, a compressed dataset of three dimensions, a single
+// number and a text.
 void write_theirs(const fs::path& path) {
   const hdf5::Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
                           H5Fclose, "file");
@@ -63,7 +63,8 @@ TEST_CASE("numbers of another program's HDF5 file are read, packed or not",
   CHECK(hdf5::read_foreign(folder / "theirs.h5", "number").values == std::vector<double>{7.25});
 }
 
-TEST_CASE("what is not there, no numbers or no HDF5 is said", "[body_file][foreign]") {
+TEST_CASE("missing datasets, texts and files that are not HDF5 are refused with the reason",
+          "[body_file][foreign]") {
   const test::ScratchFolder folder("foreign_hdf5");
   write_theirs(folder / "theirs.h5");
   CHECK(trouble_of(folder / "theirs.h5", "other") == "dataset 'other' is missing");
@@ -74,7 +75,7 @@ TEST_CASE("what is not there, no numbers or no HDF5 is said", "[body_file][forei
   CHECK(trouble_of(folder / "text.h5", "table") == "not an HDF5 file");
 }
 
-// Some of these end HDF5 1.10 by a signal; which ones, is its secret.
+// Some of these damages end HDF5 1.10 by a signal; which ones is not known.
 TEST_CASE("no damage to another program's HDF5 file ends this program", "[body_file][foreign]") {
   const test::ScratchFolder folder("foreign_hdf5");
   write_theirs(folder / "theirs.h5");

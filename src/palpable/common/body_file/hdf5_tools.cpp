@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kUserBlock = 512;
 
-// What the user block must hold in front of `content`.
+// The user block that must precede `content`.
 std::string user_block(std::string_view kind, int layout, std::string_view content) {
   std::string block = fmt::format("{}, layout {}\nbytes {}\nfnv1a {:016x}\n", kind, layout,
                                   content.size(), fnv1a(content));
@@ -41,11 +41,12 @@ void check_user_block(const std::string& bytes, std::string_view kind, int layou
   }
 }
 
-// A file that could not be closed, because the disk was full, stays open within HDF5, whose handler
-// at the program's end would try again and read what is freed by then. We close what we open.
+// A file that could not be closed because the disk was full stays open within HDF5. Its exit
+// handler would try again at the program's end and read freed memory, so the handler is not
+// installed. We close all files that we open.
 const bool kNoHandlerAtExit = H5dont_atexit() >= 0;
 
-// What the system said to the last call that failed, if it is about room on the disk.
+// The system's message for the last failed call, if it is about space on the disk; otherwise empty.
 std::string room_on_disk() {
   const int problem = errno;
   const bool is_room = problem == ENOSPC || problem == EFBIG || problem == EDQUOT || problem == EIO;
@@ -68,12 +69,13 @@ Handle open_image(const std::string& bytes, std::string_view kind, int layout,
 // Flushes a file, or the folder that names it, to the disk.
 void sync_to_disk(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return;  // a file system without it: nothing more can be done
+  if (descriptor < 0) return;  // it cannot be opened, so it cannot be flushed
   ::fsync(descriptor);
   ::close(descriptor);
 }
 
-// Renames a whole file, so that it survives the machine's end; it is removed where that fails.
+// Renames a complete file and syncs its folder, so that the new name survives a power failure. The
+// file is removed if renaming fails.
 void put_into_place(const std::filesystem::path& aside, const std::filesystem::path& path) {
   if (::rename(aside.c_str(), path.c_str()) != 0) {
     const int problem = errno;
@@ -109,8 +111,9 @@ void write_bytes(hid_t file, const char* name, hid_t type, const void* data, hsi
   const hsize_t size[2] = {rows, columns};
   const Handle space(H5Screate_simple(2, size, nullptr), H5Sclose, "no memory");
   const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "no memory");
-  check(H5Pset_obj_track_times(creation, false), name);  // same content, same bytes
-  // In one piece, without HDF5's own checksums: the file has one.
+  // Without times, so that the same content gives the same bytes.
+  check(H5Pset_obj_track_times(creation, false), name);
+  // Contiguous, without HDF5's own checksums: the whole file has one.
   const Handle set(H5Dcreate2(file, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT),
                    H5Dclose, fmt::format("dataset '{}' cannot be made", name));
   if (rows * columns > 0) {
@@ -290,7 +293,7 @@ void write_durably(const std::filesystem::path& output, std::string_view bytes,
     if (written <= 0) give_up(written == 0 ? ENOSPC : errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
-  // EINVAL, ENOTSUP: a file system that cannot sync; nothing more can be done there.
+  // EINVAL, ENOTSUP: the file system cannot sync, which is no error here.
   if (::fsync(file) != 0 && errno != EINVAL && errno != ENOTSUP) give_up(errno);
   ::close(file);
   put_into_place(aside, path);

@@ -1,8 +1,8 @@
 /// @file
-/// What reading and writing HDF5 files is made of here: identifiers that close themselves, tables,
-/// texts, and whole files as checked bytes (docs/body_file.md, docs/snapshots.md).
+/// Tools for reading and writing HDF5 files: identifiers that close themselves, tables, texts, and
+/// whole files as bytes with a checksum (docs/body_file.md, docs/snapshots.md).
 ///
-/// HDF5 is not safe in several threads at once: callers take turns.
+/// HDF5 is not thread-safe: where several threads may use it, callers hold the lock turn().
 #pragma once
 
 #include <Eigen/Core>
@@ -24,8 +24,7 @@ namespace palpable::hdf5 {
 /// file, far above anything real.
 inline constexpr hsize_t kLargestCount = 200'000'000;
 
-/// What all functions here throw; whoever uses them turns it into an Error or a Problem that names
-/// the file.
+/// Thrown by all functions here. Callers turn it into an Error or a Problem that names the file.
 struct Trouble {
   std::string what;
 };
@@ -39,14 +38,14 @@ class Handle {
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
   ~Handle() { close_(id_); }
-  operator hid_t() const { return id_; }  // NOLINT: stands for the identifier
+  operator hid_t() const { return id_; }  // NOLINT: to be used like the identifier
 
  private:
   hid_t id_;
   herr_t (*close_)(hid_t);
 };
 
-/// HDF5 prints its own error stack to stderr unless told not to; a library never prints.
+/// Suppresses HDF5's printing of its error stack to stderr during this object's lifetime.
 class Quiet {
  public:
   Quiet() {
@@ -72,15 +71,15 @@ class Quiet {
 void check(herr_t status, const std::string& what);
 void require(bool condition, const std::string& what);
 
-/// Eigen stores columns, HDF5 rows: a (r x c) matrix is written as a dataset of c rows and r
-/// columns, so that each dataset row is one vertex, triangle or mode.
+/// Eigen stores matrices by columns, HDF5 by rows: a (r x c) matrix is written as a dataset of c
+/// rows and r columns, so that each row of the dataset is one vertex, triangle or mode.
 void write_bytes(hid_t file, const char* name, hid_t type, const void* data, hsize_t rows,
                  hsize_t columns);
 template <class T>
 void write_table(hid_t file, const char* name, const T* data, hsize_t rows, hsize_t columns) {
   write_bytes(file, name, native(T{}), data, rows, columns);
 }
-/// A dataset of any number of dimensions in one piece, so that parts of it are read as such.
+/// Writes a contiguous dataset of any number of dimensions, of which parts can be read alone.
 void write_block(hid_t file, const char* name, const float* data, const std::vector<hsize_t>& size);
 
 void write_text(hid_t object, const char* name, const std::string& text);
@@ -142,26 +141,28 @@ Table<T> read_table(hid_t file, const char* name, hsize_t rows, hsize_t columns)
 [[nodiscard]] bool has_link(hid_t group, const char* name);  ///< a dataset or group of that name
 [[nodiscard]] Handle open_group(hid_t file, const char* name);
 
-/// The bytes of a whole file: behind a user block, a feature of HDF5 that its tools skip, what
-/// `fill` puts into an HDF5 file in memory. Ours is a short text, "KIND, layout N", with the size
-/// and a checksum of the whole rest. It is compared before HDF5 sees a byte, because HDF5 1.10 does
-/// not survive every damaged file (the fuzz test found reads of freed memory). In memory, because
-/// HDF5 that meets a full disk cannot close its file any more.
+/// The bytes of a whole file: a user block, and behind it the HDF5 file that `fill` writes in
+/// memory. (User blocks are a feature of HDF5; its tools skip them.) The user block is a short
+/// text, "KIND, layout N", with the size and a checksum of the rest. Readers compare it before HDF5
+/// gets the bytes, because HDF5 1.10 does not survive every damaged file (the fuzz test found reads
+/// of freed memory). The file is written in memory, because HDF5 cannot close its file after the
+/// disk is full.
 [[nodiscard]] std::string image_of(std::string_view kind, int layout,
                                    const std::function<void(hid_t)>& fill);
 
-/// Writes an HDF5 file piece by piece, as large as it becomes: aside, then renamed into place, so
-/// that a reader sees the old file or the whole new one. Aside is part_of(path); it is gone
-/// after any end but a killed process.
-/// @param before_rename  what has to succeed before the new file is in place, too
-/// @throws Trouble when it cannot be written, such as on a full disk; what the functions throw
+/// Writes an HDF5 file of any size piece by piece, under the name part_of(path), and then renames
+/// it: a reader sees the old file or the complete new one. The part is removed after any failure,
+/// unless the process is killed.
+/// @param before_rename  called before the rename; if it throws, the new file is removed
+/// @throws Trouble if it cannot be written, e.g. on a full disk; also what the functions throw
 void write_file(const std::filesystem::path& path, const std::function<void(hid_t)>& fill,
                 const std::function<void()>& before_rename);
 
-/// Debian's HDF5 is not made for several threads: whoever may meet another one takes this lock.
+/// The lock that protects HDF5: Debian's build of it is not thread-safe. To be held during all use
+/// of HDF5 where other threads may use it, too.
 [[nodiscard]] std::mutex& turn();
 
-/// An HDF5 file in memory, opened from such bytes after they have been checked.
+/// An HDF5 file in memory, opened from the bytes of image_of() after their checksum is verified.
 class Image {
  public:
   /// @param what   e.g. "a body file of Palpable", for messages
@@ -176,9 +177,10 @@ class Image {
 
 [[nodiscard]] std::string all_bytes(const std::filesystem::path& path);
 
-/// Writes aside, syncs, and renames into place: a reader sees the old file or the whole new one.
-/// Aside is `output` with `suffix`, or without one part_of(output); it is gone after any end but a
-/// killed process. A symbolic link stays one: what it stands for is replaced.
+/// Writes a file under another name, syncs it and renames it: a reader sees the old file or the
+/// complete new one. The other name is `output` + `suffix`, or part_of(output) without a suffix;
+/// that file is removed after any failure, unless the process is killed. If `output` is a symbolic
+/// link, its target is replaced.
 void write_durably(const std::filesystem::path& output, std::string_view bytes,
                    const std::string& suffix = {});
 

@@ -35,7 +35,7 @@ void write_touch(hid_t file, const TouchTables& tables) {
   if (!tables.held_out.empty()) write_group(hdf5::make_group(g, "held_out"), tables.held_out);
 }
 
-// What is wrong within a group is told with the group's name.
+// Reads a table; errors within its group are reported with the group's name.
 template <class Table>
 Table table_of(hid_t touch, const std::string& name) {
   Table table;
@@ -61,7 +61,7 @@ std::optional<TouchTables> read_touch(hid_t file, const ReducedBody& body) {
   if (hdf5::has_link(g, "skin")) tables.coarse = table_of<CoarseSkin>(g, "skin");
   tables.compliance = table_of<ComplianceTable>(g, "compliance");
   const double regions = hdf5::read_number(g, "regions");
-  require(regions >= 0 && regions <= 1e6, "touch: the number of regions is none");
+  require(regions >= 0 && regions <= 1e6, "touch: the number of regions is not valid");
   for (int k = 0; k < static_cast<int>(regions); ++k) {
     tables.regions.push_back(table_of<RegionTable>(g, region_name(k)));
   }

@@ -91,7 +91,8 @@ void check_same(const TouchTables& a, const TouchTables& b) {
   }
 }
 
-// A body file whose group /touch is that of `tables`, changed by `spoil`, behind a right checksum.
+// Writes a body file whose group /touch is that of `tables`, changed by `spoil`, with a valid
+// checksum.
 void write_spoilt(const fs::path& path, const TouchTables& tables,
                   const std::function<void(hid_t touch)>& spoil) {
   write_touchable_body(path, ball(), tables);
@@ -118,7 +119,7 @@ TEST_CASE("tables of touch come back from a body file to the last bit", "[body_f
   }
 }
 
-// Of a coarser skin that is a little smaller than the ball.
+// Touch tables with a coarser skin that is slightly smaller than the ball.
 TouchTables carrying_tables() {
   TouchTables tables = test::some_touch_tables(ball().surface, 1);
   CoarseSkin& coarse = tables.coarse.emplace();
@@ -172,7 +173,7 @@ TEST_CASE("the same tables give the same bytes", "[body_file][files]") {
   CHECK(hdf5::all_bytes(folder / "a.palpable") == hdf5::all_bytes(folder / "b.palpable"));
 }
 
-TEST_CASE("who does not know tables of touch reads the body, and older files have none",
+TEST_CASE("readers without touch tables read the body, and older files have no tables",
           "[body_file][files]") {
   const ScratchFolder folder("touch_file");
   const ReducedBody body = ball();
@@ -190,7 +191,7 @@ TEST_CASE("who does not know tables of touch reads the body, and older files hav
 
 using Faults = std::vector<std::pair<std::string, std::function<void(TouchTables&)>>>;
 
-// Each is named when it is written, and the good file that is there stays.
+// Checks that writing refuses each fault with its name and keeps the good file.
 void check_refused(const TouchTables& good, const Faults& faults) {
   const ScratchFolder folder("touch_file");
   const fs::path path = folder / "ball.palpable";
@@ -277,7 +278,8 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
        [](auto& t) { t.regions[0].far_shares.values.pop_back(); }},
       {"region 0 is wrong in its number of far shapes",
        [](auto& t) { t.regions[0].far_shares.scale.pop_back(); }},
-      // What is in no whole cluster of the region would be given by its modes and its far shapes.
+      // A region must own whole clusters: in a cluster that it owns in part, both its modes and its
+      // far shapes would contribute.
       {"region 0 is wrong in its list of vertices",
        [](auto& t) {
          t.regions[0].vertices.resize(1);
@@ -357,7 +359,7 @@ TEST_CASE("a shell that breaks a rule is named, and not written over a good file
 
 using FileFaults = std::vector<std::pair<std::string, std::function<void(hid_t touch)>>>;
 
-// Faults of a file: a number, nothing, or another table in the place of what is there.
+// Faults of a file: a number, a dataset or a table is replaced or removed.
 std::function<void(hid_t)> number(const char* group, const char* name, double value) {
   return [=](hid_t touch) {
     const hdf5::Handle g = hdf5::open_group(touch, group);
@@ -379,7 +381,8 @@ std::function<void(hid_t)> table(const char* name, Value value, hsize_t rows, hs
   };
 }
 
-// Each is refused by name when the file is read; without its tables the body still plays.
+// Checks that reading refuses each fault with its name, and that the body is read without the
+// tables.
 void check_refused(const FileFaults& faults) {
   const ScratchFolder folder("touch_file");
   const fs::path path = folder / "ball.palpable";
@@ -395,7 +398,7 @@ void check_refused(const FileFaults& faults) {
   }
 }
 
-TEST_CASE("held-out touches from before errors were told are read, and calibrate nothing",
+TEST_CASE("older held-out touches without error indicators are read, and calibrate nothing",
           "[body_file]") {
   const ScratchFolder folder("touch_file");
   const fs::path path = folder / "ball.palpable";
@@ -416,8 +419,8 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
   const FileFaults faults{
       {"tables of touch have layout 0 where this program reads 2; bake the body again",
        number(".", "layout", 0)},
-      {"touch: the number of regions is none", number(".", "regions", -1)},
-      {"touch: the number of regions is none", number(".", "regions", NAN)},
+      {"touch: the number of regions is not valid", number(".", "regions", -1)},
+      {"touch: the number of regions is not valid", number(".", "regions", NAN)},
       {"touch/region_0003: group 'region_0003' is missing", number(".", "regions", 4)},
       {"touch/compliance: group 'compliance' is missing", without("compliance")},
       {"touch/compliance: dataset 'near' is missing", without("compliance/near")},
@@ -463,10 +466,10 @@ TEST_CASE("a shell that breaks a rule within a file is refused by name when it i
   const FileFaults faults{
       {"touch/shell: group 'shell' is missing", without("shell")},
       {"touch/shell: dataset 'preload' is missing", without("shell/preload")},
-      {"touch/shell: dataset 'stress_free' has not three columns",
+      {"touch/shell: dataset 'stress_free' does not have three columns",
        table("shell/stress_free", 0.0, 43, 2)},
       {"touch: the shell is wrong in its size", table("shell/preload", 0.0, 42, 3)},
-      {"touch/shell: elements have not 4 or 10 nodes", table("shell/elements", 0, 80, 5)},
+      {"touch/shell: elements do not have 4 or 10 nodes", table("shell/elements", 0, 80, 5)},
       {"touch/shell: dataset 'material_of' is 80 x 1 where 79 x 1 is needed",
        table("shell/elements", 0, 79, 4)},
       {"touch/shell: there are too many materials", number("shell", "materials", 1e6)},
@@ -478,7 +481,8 @@ TEST_CASE("a shell that breaks a rule within a file is refused by name when it i
          REQUIRE(H5Adelete(g, "law_0") >= 0);
          hdf5::write_text(g, "law_0", "rubber");
        }},
-      {"touch/shell: law 'neo-hookean' has not 3 constants", table("shell/constants_0", 1.0, 3, 1)},
+      {"touch/shell: law 'neo-hookean' does not have 3 constants",
+       table("shell/constants_0", 1.0, 3, 1)},
       {"touch/shell: material neo-hookean has C1 = -1 Pa", table("shell/constants_0", -1.0, 2, 1)},
       {"touch/shell: dataset 'first' is empty", table("shell/first", 0, 0, 1)},
       {"touch: the shell is wrong in the weights", table("shell/first", 0, 43, 1)},

@@ -72,7 +72,7 @@ SymmetricForm read_form(hid_t group, const std::string& name, int variables, int
 
 Eigen::Matrix3Xd read_points(hid_t group, const char* name) {
   const Table<double> table = read_table<double>(group, name);
-  require(table.columns == 3, fmt::format("dataset '{}' has not three columns", name));
+  require(table.columns == 3, fmt::format("dataset '{}' does not have three columns", name));
   return Eigen::Map<const Eigen::Matrix3Xd>(table.data.data(), 3,
                                             static_cast<Eigen::Index>(table.rows));
 }
@@ -91,7 +91,7 @@ void write_group(hid_t group, const CoarseSkin& skin) {
 void read_group(hid_t group, CoarseSkin& skin) {
   skin.surface.vertices = read_points(group, "vertices");
   const Table<int> triangles = read_table<int>(group, "triangles");
-  require(triangles.columns == 3, "dataset 'triangles' has not three columns");
+  require(triangles.columns == 3, "dataset 'triangles' does not have three columns");
   skin.surface.triangles = Eigen::Map<const Eigen::Matrix3Xi>(
       triangles.data.data(), 3, static_cast<Eigen::Index>(triangles.rows));
   skin.fixed = read_column<std::uint8_t>(group, "fixed",
@@ -191,12 +191,12 @@ void write_group(hid_t group, const std::vector<HeldOutTouch>& touches) {
   }
   write_column(group, "things", things);
   write_table(group, "values", values.data(), touches.size(), kHeldOutValues.size());
-  // Beside the others, so that programs from before it was told still read the file.
+  // In a dataset of its own, so that programs older than this value can still read the file.
   const auto is_known = [](const HeldOutTouch& touch) { return touch.unscaled_error.has_value(); };
   if (touches.empty() || !std::all_of(touches.begin(), touches.end(), is_known)) return;
-  std::vector<double> told;
-  for (const HeldOutTouch& touch : touches) told.push_back(*touch.unscaled_error);
-  write_column(group, "unscaled_error", told);
+  std::vector<double> indicators;
+  for (const HeldOutTouch& touch : touches) indicators.push_back(*touch.unscaled_error);
+  write_column(group, "unscaled_error", indicators);
 }
 
 namespace {
@@ -206,7 +206,7 @@ Material read_material(hid_t group, int k) {
   const std::vector<double> constants = read_column<double>(group, fmt::format("constants_{}", k));
   try {
     require(constants.size() == law_constants(law).size(),
-            fmt::format("law '{}' has not {} constants", law, constants.size()));
+            fmt::format("law '{}' does not have {} constants", law, constants.size()));
     return material_from_constants(law, constants);
   } catch (const Error& error) { throw hdf5::Trouble{error.what()}; }
 }
@@ -217,7 +217,7 @@ void read_group(hid_t group, ShellTable& table) {
   table.stress_free = read_points(group, "stress_free");
   table.preload = read_points(group, "preload");
   Table<int> elements = read_table<int>(group, "elements");
-  require(elements.columns == 4 || elements.columns == 10, "elements have not 4 or 10 nodes");
+  require(elements.columns == 4 || elements.columns == 10, "elements do not have 4 or 10 nodes");
   table.element_nodes = static_cast<int>(elements.columns);
   table.elements = std::move(elements.data);
   table.material_of = read_column<int>(group, "material_of", elements.rows);
@@ -241,8 +241,9 @@ void read_group(hid_t group, std::vector<HeldOutTouch>& touches) {
     for (double HeldOutTouch::*value : kHeldOutValues) touches[k].*value = *next++;
   }
   if (!hdf5::has_link(group, "unscaled_error")) return;
-  const std::vector<double> told = read_column<double>(group, "unscaled_error", things.size());
-  for (std::size_t k = 0; k < things.size(); ++k) touches[k].unscaled_error = told[k];
+  const std::vector<double> indicators =
+      read_column<double>(group, "unscaled_error", things.size());
+  for (std::size_t k = 0; k < things.size(); ++k) touches[k].unscaled_error = indicators[k];
 }
 
 void write_group(hid_t group, const ModalTables& tables) {

@@ -1,9 +1,9 @@
 /// @file
-/// Each table of touch as a group of an HDF5 file that is open (docs/body_file.md): for the body
-/// file, and for the files in which a bake keeps what it has finished.
+/// Writes and reads each touch table as a group of an open HDF5 file (docs/body_file.md): for body
+/// files, and for the files in which a bake stores its finished tables.
 ///
-/// Reading checks the sizes of datasets against each other; whether indices are within the skin and
-/// factors are numbers is a question for trouble_of(). All throw hdf5::Trouble.
+/// Reading checks the sizes of datasets against each other; trouble_of() checks that indices are
+/// within the skin and factors are numbers. All functions throw hdf5::Trouble.
 #pragma once
 
 #include "palpable/common/body_file/hdf5_tools.h"

@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-// The highest order of the load that the displacement holds.
+// The highest order of the load in the displacement.
 int order_of(const TouchTables& tables) {
   int order = 1;
   for (const RegionTable& region : tables.regions) {
@@ -54,11 +54,11 @@ std::string touch_text(const std::optional<TouchTables>& tables) {
   if (!tables->held_out.empty()) text += "; " + held_out_text(tables->held_out);
   if (const auto scale = error_scale(tables->held_out)) {
     text += fmt::format(
-        "; says live how far it is off, calibrated by these touches (factors {:.2f}, stress "
+        "; states its error live, calibrated by these touches (factors {:.2f}, stress "
         "{:.2f})",
         scale->displacement, scale->von_mises);
   } else if (!tables->held_out.empty()) {
-    text += "; does not say live how far it is off: baked before that, or too few touches";
+    text += "; does not state its error live: baked by an older version, or too few touches";
   }
   return text;
 }

@@ -1,5 +1,5 @@
 /// @file
-/// What a body's tables of touch can do, told to people and to other programs.
+/// Describes a body's touch tables, for users and for other programs.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -14,24 +14,24 @@
 
 namespace palpable {
 
-/// "anywhere, several at a time, 3rd order; 140 regions; 52 MB", or of a body without tables "at
-/// its sites, one at a time"; with held_out_text() where that is known.
+/// "anywhere, several at a time, 3rd order; 140 regions; 52 MB", or for a body without tables "at
+/// its sites, one at a time"; with held_out_text() if there are held-out touches.
 [[nodiscard]] std::string touch_text(const std::optional<TouchTables>& tables);
 
-/// Of a body with an energy in modes.
+/// The same for a body with an energy in modes.
 [[nodiscard]] std::string touch_text(const ModalTables& tables, const ReducedBody& body);
 [[nodiscard]] Json touch_json(const ModalTables& tables, const ReducedBody& body);
 
-/// The same of tables that may be damaged: then what is wrong with them.
+/// The same for tables that may be damaged; then the text is their error.
 [[nodiscard]] std::string touch_text(const Result<std::optional<TouchTables>>& tables);
 
-/// The same as an object; null without tables.
+/// The same as a JSON object; null without tables.
 [[nodiscard]] Json touch_json(const std::optional<TouchTables>& tables);
 
-/// Held-out touches as an array of objects: what presses, how deep, and each difference.
+/// Held-out touches as an array of objects: the thing that presses, its depth, and each difference.
 [[nodiscard]] Json touches_json(const std::vector<HeldOutTouch>& touches);
 
-/// For the provenance: how many modes, regions and neighbours there are.
+/// A line for the provenance: the numbers of modes, regions and neighbours.
 [[nodiscard]] std::string touch_line(const TouchTables& tables);
 
 }  // namespace palpable

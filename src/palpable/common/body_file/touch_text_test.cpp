@@ -7,7 +7,8 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("it is told whether a body can be touched anywhere, and to which order", "[body_file]") {
+TEST_CASE("the text states whether a body can be touched anywhere, and to which order",
+          "[body_file]") {
   const SurfaceMesh skin = sphere_surface({0, 0, 0}, 0.05, 1);
   CHECK(touch_text(std::nullopt) == "at its sites, one at a time");
   CHECK(touch_json(std::nullopt).is_null());
@@ -21,7 +22,7 @@ TEST_CASE("it is told whether a body can be touched anywhere, and to which order
   const Json json = touch_json(tables);
   CHECK(json["order"].get<int>() == 3);
   CHECK(json["error_scale"].is_null());
-  CHECK_THAT(touch_text(tables), Catch::Contains("; does not say live how far it is off"));
+  CHECK_THAT(touch_text(tables), Catch::Contains("; does not state its error live"));
   CHECK(json["clusters"].get<int>() == 3);
   CHECK(json["regions"].get<int>() == 3);
   CHECK(json["cross_modes"].get<int>() == 48);
@@ -34,7 +35,7 @@ TEST_CASE("it is told whether a body can be touched anywhere, and to which order
   tables.held_out.assign(8, {PressingThing::kFinger, 0.002, 0.01, 0.02, 0.03, 0.02});
   CHECK(touch_json(tables)["error_scale"]["displacement"].get<double>() ==
         Approx(0.5 * kOnTheSafeSide));
-  CHECK_THAT(touch_text(tables), Catch::Contains("; says live how far it is off, calibrated by "
+  CHECK_THAT(touch_text(tables), Catch::Contains("; states its error live, calibrated by "
                                                  "these touches (factors 0.88, stress 2.62)"));
 
   for (RegionTable& region : tables.regions) region.quartic = {0, 4, {}, {}};

@@ -35,8 +35,8 @@ struct PinholeCamera {
     return {(u_px - cx_px) / fx_px * depth, (v_px - cy_px) / fy_px * depth, depth};
   }
 
-  /// The same view with each side divided by `factor` (pixel blocks are averaged): the centre of
-  /// the new pixel (0, 0) is the centre of the first block.
+  /// The camera of the image that is reduced by `factor` in each direction by averaging blocks of
+  /// pixels: the centre of the new pixel (0, 0) is the centre of the first block.
   [[nodiscard]] PinholeCamera scaled_down(int factor) const {
     const double f = factor;
     return {width / factor, height / factor,         fx_px / f,
@@ -57,19 +57,20 @@ struct DistortedCamera {
   friend bool operator==(const DistortedCamera&, const DistortedCamera&) = default;
 };
 
-/// Two cameras, rigidly joined, as they were built: distorted and not quite parallel.
+/// Two rigidly joined cameras before rectification: distorted and not quite parallel.
 struct StereoRig {
   DistortedCamera left;
   DistortedCamera right;
   Rigid3 right_from_left = Rigid3::Identity();  ///< translation in m
 };
 
-/// What remains after rectification (Fig. 5): one pinhole camera for both eyes, rows aligned, so
-/// that a point at depth Z has the disparity d = f T / Z.
+/// The rig after rectification (Fig. 5): one pinhole camera for both eyes, rows aligned, so that a
+/// point at depth Z has the disparity d = f T / Z.
 struct RectifiedStereo {
   PinholeCamera camera;  ///< left eye; the right one differs by the baseline alone
   double baseline = 0;   ///< T in m, > 0
-  /// x_L - x_R of a point at infinity; not 0 for some published pairs (minus Middlebury's "doffs").
+  /// x_L - x_R of a point at infinity: minus Middlebury's "doffs". 0 for most rigs, but not for
+  /// some published pairs.
   double disparity_at_infinity_px = 0;
 
   /// Z = f T / d (Sec. 3.3), m; infinite or negative for a disparity at or below infinity's.

@@ -64,7 +64,7 @@ Eigen::Vector3d CapsuleField::normal(const Eigen::Vector3d& x) const {
 
 Eigen::Matrix3d CapsuleField::curvature(const Eigen::Vector3d& x) const {
   const auto& [a, b, ra, rb] = capsule_;
-  // Of |x - c|.
+  // Second derivative of |x - c|.
   const auto of_sphere = [&](const Eigen::Vector3d& c) -> Eigen::Matrix3d {
     const double radius = (x - c).norm();
     if (radius < 1e-12) return Eigen::Matrix3d::Zero();
@@ -76,7 +76,7 @@ Eigen::Matrix3d CapsuleField::curvature(const Eigen::Vector3d& x) const {
   if (p.along <= 0.0) return of_sphere(a);
   if (p.along >= along_end_) return of_sphere(b);
   if (p.radial < 1e-12) return Eigen::Matrix3d::Zero();
-  // A cone bends round its axis only.
+  // A cone is curved only around its axis.
   const Eigen::Vector3d outwards = (x - a - p.axial * axis_) / p.radial;
   const Eigen::Vector3d around = axis_.cross(outwards);
   return cosine_ / p.radial * around * around.transpose();

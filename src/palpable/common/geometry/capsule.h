@@ -1,6 +1,6 @@
 /// @file
-/// Capsules: synthetic scenes build hands, pencils and cups of them, and the truth of touching is
-/// measured against them.
+/// Capsules. Synthetic scenes are built of them (hands, pencils, cups), and the true gaps and
+/// distances of a scene are computed from them.
 ///
 /// Metres; the frame is the caller's.
 #pragma once
@@ -12,9 +12,9 @@
 
 namespace palpable {
 
-/// All balls whose centre lies between a and b and whose radius changes linearly from ra to rb: the
-/// convex hull of the two spheres, a cone with rounded ends. When one sphere holds the other it is
-/// the larger sphere.
+/// The union of all balls whose centre lies between a and b and whose radius changes linearly from
+/// ra to rb: the convex hull of the two spheres, a cone with rounded ends. If one sphere contains
+/// the other, it is the larger sphere.
 struct Capsule {
   Eigen::Vector3d a = Eigen::Vector3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -22,10 +22,11 @@ struct Capsule {
   double rb = 0;  ///< >= 0
 };
 
-/// That holds it; of a cone with one large end more than it needs.
+/// A box that contains the capsule; not the smallest one if its radii differ.
 [[nodiscard]] Eigen::AlignedBox3d box_of(const Capsule& capsule);
 
-/// The distance field of one capsule whose radii are > 0; made once, asked for many points.
+/// The distance field of one capsule whose radii are > 0. The constructor precomputes what all
+/// points have in common.
 ///
 /// In the half plane through the axis a point has the coordinates (axial, radial), measured from a.
 /// There the cone is a line that touches the circles round a and b:

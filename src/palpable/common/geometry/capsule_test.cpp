@@ -31,8 +31,8 @@ Capsule some_capsule(unsigned seed) {
   return c;
 }
 
-/// The hull of two spheres is the union of the spheres between them, with the radius going
-/// linearly: the definition, sampled.
+/// The distance by the definition, sampled: the hull of two spheres is the union of the spheres
+/// between them, whose radius changes linearly.
 double sampled_distance(const Capsule& c, const Eigen::Vector3d& x) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= 20000; ++i) {
@@ -54,7 +54,8 @@ TEST_CASE("the distance to a capsule is the distance to the nearest sphere it sw
       const Eigen::Vector3d x = c.a + some_point(random, 1.5);
       const double exact = signed_distance(c, x);
       const double sampled = sampled_distance(c, x);
-      // Inside, near the axis, the hull's surface is not where the swept spheres' is deepest.
+      // Inside, the sampled depth is only that within one sphere of the union; the depth within the
+      // hull may be larger.
       if (sampled > 0.0)
         CHECK(std::abs(exact - sampled) <= tolerance(1e-7, "the parabola's bottom, step 5e-5"));
       else
@@ -77,7 +78,8 @@ TEST_CASE("a sphere within a sphere is the larger sphere", "[geometry]") {
   CHECK(CapsuleField(c).normal({3, 0, 0}) == Eigen::Vector3d::UnitX());
 }
 
-TEST_CASE("nothing is infinitely far, and a union is as near as its nearest part", "[geometry]") {
+TEST_CASE("the distance to no capsules is infinite, that to a union is that to its nearest part",
+          "[geometry]") {
   CHECK(signed_distance(std::vector<Capsule>{}, {0, 0, 0}) ==
         std::numeric_limits<double>::infinity());
   const std::vector<Capsule> two = {some_capsule(1), some_capsule(2)};

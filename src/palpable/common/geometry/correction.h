@@ -1,5 +1,6 @@
 /// @file
-/// What was placed in the world before a loop was closed moves with it: a correction per keyframe.
+/// When a loop is closed, the poses of earlier keyframes change. Things that were placed in the
+/// world by the old poses are moved by one correction for each keyframe.
 #pragma once
 
 #include "palpable/common/base/contract.h"
@@ -12,12 +13,12 @@ namespace palpable {
 
 struct Correction {
   int keyframe = 0;  ///< number of its frame
-  /// Moves a point that was placed by this keyframe's drifted pose to its place in the world.
+  /// Maps a point that was placed by this keyframe's drifted pose to its corrected position.
   Rigid3 world_from_drifted = Rigid3::Identity();
 };
 
-/// The correction of what was placed in frame `number`: that of the last keyframe up to this frame,
-/// or of the first keyframe if there is none.
+/// The correction for things that were placed in frame `number`: that of the last keyframe up to
+/// this frame, or that of the first keyframe if there is none.
 /// @param corrections  at least one, their numbers rising
 [[nodiscard]] inline const Rigid3& correction_at(std::span<const Correction> corrections,
                                                  int number) {

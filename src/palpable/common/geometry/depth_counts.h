@@ -12,8 +12,8 @@ namespace palpable {
 using DepthCounts = Image<std::uint16_t>;
 
 inline constexpr std::uint16_t kNoDepth = 0;
-/// In measured images: something is there, too near to be measured. In images of a truth this is an
-/// ordinary count.
+/// In measured images: the pixel shows something that is too near to be measured. In images of a
+/// truth this is an ordinary count.
 inline constexpr std::uint16_t kTooClose = 65535;
 
 }  // namespace palpable

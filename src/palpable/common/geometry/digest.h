@@ -1,6 +1,6 @@
 /// @file
-/// What something is computed from, mixed into one number: results that are kept carry it, and are
-/// used again where it is the same.
+/// A digest of everything that a result is computed from. Stored results carry it, and are used
+/// again only if it is the same.
 #pragma once
 
 #include "palpable/common/base/fnv1a.h"
@@ -15,7 +15,8 @@
 
 namespace palpable {
 
-/// Numbers mixed into 64 bits: FNV-1a over their bytes, with the sizes of texts and tables.
+/// FNV-1a, 64 bits, over the bytes of all numbers that are added; the sizes of texts and tables are
+/// included.
 class Digest {
  public:
   explicit Digest(std::uint64_t start = kFnvStart) : value_(start) {}

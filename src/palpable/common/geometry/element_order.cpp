@@ -7,7 +7,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kBits = 16;  // per axis: finer than any mesh that fits into memory
+constexpr int kBits = 16;  // per axis: cells finer than any mesh that fits into memory
 
 // Interleaves the bits of x, y and z, highest first.
 std::uint64_t interleaved(const Eigen::Vector3d& cell) {

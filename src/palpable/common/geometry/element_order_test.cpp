@@ -28,8 +28,8 @@ TEST_CASE("each point once, and neighbours follow each other", "[geometry]") {
   std::ranges::sort(sorted);
   REQUIRE(sorted.size() == 4096);
   for (int k = 0; k < 4096; ++k) CHECK(sorted[k] == k);
-  // A cell of one of 4,096 points is 7/16 wide: about as long as a step, against 0.66 x 7 between
-  // two random points of a cube.
+  // One of 4,096 cells that hold one point each is 7/16 wide, about as long as a step along the
+  // curve. Two random points of the cube are 0.66 x 7 apart on average.
   CHECK(mean_step(points, order) < test::tolerance(2 * 7.0 / 16, "jumps of the curve included"));
 }
 
@@ -39,7 +39,7 @@ TEST_CASE("points on a lattice of eight follow its curve", "[geometry]") {
   CHECK(order_along_curve(points) == std::vector{7, 6, 5, 4, 3, 2, 1, 0});
 }
 
-TEST_CASE("points that are one, or none, are no trouble", "[geometry]") {
+TEST_CASE("equal points keep their order, and no points have none", "[geometry]") {
   CHECK(order_along_curve(Matrix3Xd::Constant(3, 3, 7.0)) == std::vector{0, 1, 2});
   CHECK(order_along_curve(Matrix3Xd(3, 0)).empty());
 }

@@ -1,5 +1,5 @@
 /// @file
-/// What a source delivers: frames of plain images, and one description of all its frames.
+/// The output of a source: frames of plain images, and one description that holds for all frames.
 ///
 /// Camera frame: X right, Y down, Z forward, m. Pixel (0, 0) is the centre of the first pixel.
 #pragma once
@@ -13,10 +13,10 @@
 
 namespace palpable {
 
-/// One moment as the source saw it. A stereo source fills left and right (raw, or rectified if its
-/// format says so) and leaves depth empty; a colour + depth source fills left and depth. A camera
-/// that sends both eyes side by side in YUYV fills `both` and leaves left and right empty: what is
-/// converted before it is rectified costs twice.
+/// The images of one instant. A stereo source fills left and right (raw, or rectified if its format
+/// says so) and leaves depth empty; a colour + depth source fills left and depth. A camera that
+/// sends both eyes side by side in YUYV fills `both` and leaves left and right empty: converting
+/// the images before rectification would cost twice as much.
 struct Frame {
   int number = 0;   ///< position in the source, from 0; a frame that was skipped leaves a gap
   double time = 0;  ///< s since the source's first frame
@@ -26,7 +26,7 @@ struct Frame {
   DepthImage depth;  ///< Z in m, NaN unknown; of the format's depth camera
 };
 
-/// A colour sensor with a lens of its own, at another place than the depth sensor.
+/// A colour sensor that has its own lens and is mounted beside the depth sensor.
 struct ColorSensor {
   PinholeCamera camera;
   Rigid3 color_from_depth = Rigid3::Identity();  ///< translation in m
@@ -38,15 +38,15 @@ struct FrameFormat {
   Kind kind = Kind::kStereo;
   int width = 0;   ///< px, of each colour image and of the depth
   int height = 0;  ///< px
-  /// s: when the frame of time 0 was taken by the recording's own clock, for files that other
-  /// programs join by it; 0 where the recording has none.
+  /// s, time of the recording's own clock at the frame of time 0; other programs match files by it.
+  /// 0 if the recording has no clock.
   double starts_at = 0;
-  /// kStereo with already_rectified == false: both lenses and how they stand to each other.
+  /// kStereo with already_rectified == false: both lenses and their relative pose.
   StereoRig rig;
   bool already_rectified = false;
   RectifiedStereo rectified;   ///< kStereo with already_rectified == true
   PinholeCamera depth_camera;  ///< kColorDepth
-  /// kColorDepth with a colour sensor of its own; nothing: colour and depth share one view.
+  /// kColorDepth: the separate colour sensor; nothing if colour and depth share one view.
   std::optional<ColorSensor> color_sensor;
 };
 

@@ -32,8 +32,8 @@ class Image {
   [[nodiscard]] T& operator()(int x, int y) { return pixels_[offset(x, y)]; }
   [[nodiscard]] const T& operator()(int x, int y) const { return pixels_[offset(x, y)]; }
 
-  /// Changes the size; keeps the memory when it suffices, so a frame loop may call it each frame.
-  /// The content is unspecified afterwards unless the size was this already.
+  /// Changes the size. Keeps the memory if it suffices, so that a frame loop may call it in each
+  /// frame. Afterwards the content is unspecified unless the size has not changed.
   void resize(int width, int height) {
     PALPABLE_EXPECT(width >= 0 && height >= 0, "an image has no negative size");
     width_ = width;
@@ -69,21 +69,21 @@ struct Rgb {
 
 using ColorImage = Image<Rgb>;
 using GrayImage = Image<std::uint8_t>;
-using MaskImage = Image<std::uint8_t>;  ///< 0 or 255, or what kShows... below say
+using MaskImage = Image<std::uint8_t>;  ///< 0 or 255, or the values kShows... below
 using DepthImage = Image<float>;        ///< Z in m; NaN where the depth is unknown
 
-/// Bits of the labels of a film's truth.
+/// Bits of the label of a pixel in the truth of a film.
 inline constexpr std::uint8_t kMovesLabel = 1;    ///< hand, sleeve, pencil or cup
 inline constexpr std::uint8_t kBothSeeLabel = 2;  ///< the right eye sees the same point
 
-/// What the pixels of a frame show, as far as pressing goes (seen_object/pressing_mask.h finds it).
-/// An image of these is a mask of what presses.
-inline constexpr std::uint8_t kShowsRoom = 0;  ///< the room: what lies before it is free
-/// Likewise, beside a thing's outline that colours tell, and not only depth
+/// Values of a mask that says which pixels of a frame show something that may press a body
+/// (found by seen_object/pressing_mask.h).
+inline constexpr std::uint8_t kShowsRoom = 0;  ///< the room: the space in front of it is free
+/// The room, too, known from the colours beside the outline of a thing and not from depth alone
 /// (seen_object/color_outline.h).
 inline constexpr std::uint8_t kShowsRoomByColor = 1;
-inline constexpr std::uint8_t kShowsUnknown = 128;  ///< nobody knows what, or how far away
-inline constexpr std::uint8_t kShowsPresser = 255;  ///< a thing that presses, measured
+inline constexpr std::uint8_t kShowsUnknown = 128;  ///< neither the thing nor its depth is known
+inline constexpr std::uint8_t kShowsPresser = 255;  ///< a thing that may press, with its depth
 [[nodiscard]] constexpr bool shows_room(std::uint8_t shows) {
   return shows == kShowsRoom || shows == kShowsRoomByColor;
 }

@@ -1,5 +1,5 @@
 /// @file
-/// How far apart the vertices of a surface are.
+/// The mean edge length of a surface.
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"

@@ -37,7 +37,7 @@ Rigid3 median_pose(std::span<const Rigid3> poses, double reach) {
   for (const auto& [unused, pose] : near) {
     translation += pose->translation();
     const Eigen::Quaterniond q(pose->linear());
-    // q and -q are the same turn.
+    // q and -q are the same rotation.
     rotation += of_middle.dot(q) < 0 ? -q.coeffs() : q.coeffs();
   }
   Rigid3 result = Rigid3::Identity();

@@ -22,16 +22,17 @@ TEST_CASE("the median of one pose is that pose", "[geometry][median_pose]") {
 }
 
 TEST_CASE("measurements that scatter are averaged", "[geometry][median_pose]") {
-  // Around x = 1 and 3 rad, where quaternions change their sign; the half nearest is symmetric.
+  // Scattered around x = 1 and 3.14 rad, where quaternions change their sign; the nearest half is
+  // nearly symmetric.
   std::vector<Rigid3> poses;
   for (const int i : {-3, -2, -1, 0, 1, 2, 3}) poses.push_back(pose(1 + 0.01 * i, 3.14 + 0.02 * i));
   const Rigid3 found = median_pose(poses, 0.1);
   const Rigid3 error = found.inverse() * pose(1, 3.14);
-  CHECK(error.translation().norm() < 0.006);  // four of them: one has no counterpart
+  CHECK(error.translation().norm() < 0.006);  // four poses: one has no counterpart
   CHECK(Eigen::AngleAxisd(error.linear()).angle() < 0.011);
 }
 
-TEST_CASE("poses that are altogether wrong change nothing while they are fewer than half",
+TEST_CASE("outliers change nothing while they are fewer than half of the poses",
           "[geometry][median_pose]") {
   std::vector<Rigid3> poses{pose(9, 0),       pose(-4, 2), pose(1, 0.5), pose(1.001, 0.5),
                             pose(0.999, 0.5), pose(7, 1),  pose(1, 0.5)};

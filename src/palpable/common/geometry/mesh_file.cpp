@@ -40,7 +40,7 @@ void add_bytes(std::string& bytes, const void* data, std::size_t size) {
   bytes.append(static_cast<const char*>(data), size);
 }
 
-// A count of corners and the corners, as a binary PLY has them.
+// Appends the triangles in the form of a binary PLY: the number of corners, then the corners.
 void add_triangles(std::string& bytes, const SurfaceMesh& surface) {
   for (int t = 0; t < surface.triangle_count(); ++t) {
     bytes += '\3';

@@ -1,5 +1,5 @@
 /// @file
-/// Surfaces from the files that people have: STL, PLY, OBJ, 3DS, OFF.
+/// Reads surfaces from the common file formats: STL, PLY, OBJ, 3DS, OFF.
 ///
 /// The readers are our own and not a library's, because files are untrusted and only vertices and
 /// triangles are needed; they are fuzzed (docs/decisions/mesh-readers.md).
@@ -17,11 +17,11 @@ namespace palpable {
 
 /// Reads a surface; the format follows from the extension (.stl .ply .obj .3ds .off, any case).
 ///
-/// Lengths are not converted. Polygons are cut into triangle fans; vertices that
-/// coincide exactly are joined and unused ones dropped. Textures, normals, colours and groups are
-/// skipped. Whatever the bytes, the result is a surface with at least one triangle and finite
-/// vertices (not necessarily watertight: check_watertight says) or a problem that names the file,
-/// the line or byte, and what is wrong.
+/// Lengths are not converted. Polygons are cut into triangle fans; vertices that coincide exactly
+/// are joined and unused ones dropped. Textures, normals, colours and groups are skipped. For any
+/// bytes, the result is a surface with at least one triangle and finite vertices (not necessarily
+/// watertight, see check_watertight()) or a problem that names the file, the line or byte, and the
+/// error.
 [[nodiscard]] Result<SurfaceMesh> read_surface_file(const std::filesystem::path& path);
 
 /// The same from memory. @param extension ".stl", ".ply", ...  @param name for messages
@@ -35,21 +35,22 @@ void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface);
 /// A surface with a number at each vertex.
 struct ValuedSurface {
   SurfaceMesh surface;
-  Eigen::VectorXd values;  ///< (N); empty where a file has none
+  Eigen::VectorXd values;  ///< (N); empty if the file has none
 };
 
-/// The same as write_ply() with a property of the vertices (float).
-/// @param property  its name, one word
+/// Like write_ply(), with a property (float) of each vertex.
+/// @param property  name of the property, one word
 /// @throws Error when the file cannot be written
 void write_valued_ply(const std::filesystem::path& path, const ValuedSurface& surface,
                       std::string_view property);
 
-/// A PLY as it stands: vertices keep their order, none are joined or dropped.
+/// Reads a PLY file without changing its vertices: they keep their order, none are joined or
+/// dropped.
 /// @return a problem as read_surface_file()'s, also when a value is not finite
 [[nodiscard]] Result<ValuedSurface> read_valued_ply(const std::filesystem::path& path,
                                                     std::string_view property);
 
-/// The same with a colour per vertex, vertices as float.
+/// Like write_ply(), with a colour of each vertex, and vertices as float.
 /// @param colors   one for each vertex
 /// @param comment  one line of the header
 /// @throws Error when the file cannot be written

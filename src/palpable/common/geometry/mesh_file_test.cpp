@@ -59,8 +59,8 @@ TEST_CASE("a count beyond the file's size is refused before memory is taken",
             .find("not a possible number") != std::string::npos);
 }
 
-// A poor man's fuzzer that runs everywhere: each format cut at every length, and with bytes
-// replaced. What is asked for is in the docstring: a surface that keeps its promise, or a problem.
+// A simple fuzz test that runs everywhere: each format cut at every length, and with bytes
+// replaced. The result must be what read_surface_file() promises: a valid surface or a problem.
 TEST_CASE("damaged files are read or refused, never worse", "[geometry][fuzz]") {
   int read = 0, refused = 0;
   const auto feed = [&](const std::string& bytes, const char* extension) {
@@ -85,7 +85,7 @@ TEST_CASE("damaged files are read or refused, never worse", "[geometry][fuzz]") 
       feed(damaged, extension);
     }
   }
-  CHECK(read > 0);  // damage to a comment or a coordinate is none
+  CHECK(read > 0);  // with a changed comment or coordinate a file can still be read
   CHECK(refused > 1000);
 }
 

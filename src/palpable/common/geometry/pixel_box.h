@@ -1,5 +1,5 @@
 /// @file
-/// A part of an image.
+/// Rectangular parts of an image.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -22,16 +22,17 @@ struct PixelBox {
   }
 };
 
-/// The part of the image in which a box of space may be seen; without pixels where it is not, and
-/// the whole image where the camera stands beside or in the box.
+/// The part of the image in which a box of space may be visible; without pixels if the box is
+/// behind the camera or outside the image, and the whole image if part of the box is behind the
+/// camera.
 /// @param space  not empty, in the frame from which `camera_from_space` maps
 [[nodiscard]] PixelBox box_in_image(const Eigen::AlignedBox3d& space,
                                     const Rigid3& camera_from_space, const PinholeCamera& camera);
 
-/// The smallest box that holds both; a box without pixels holds nothing.
+/// The smallest box that contains both; a box without pixels is ignored.
 [[nodiscard]] PixelBox united(const PixelBox& a, const PixelBox& b);
 
-/// The box with `margin` px more on each side, inside the image.
+/// The box enlarged by `margin` px on each side and clipped to the image.
 [[nodiscard]] PixelBox grown(const PixelBox& box, int margin, const PinholeCamera& camera);
 
 }  // namespace palpable

@@ -31,8 +31,9 @@ const std::array<QuadraturePoint, 4>& four_point_rule() {
   return rule;
 }
 
-// Both by products of Gauss' rule in collapsed coordinates (a, b, c) of the unit cube: corner 0
-// takes 1 - a, and so on; the Jacobian a^2 b (triangle: a) goes into the weights.
+// Both rules below are products of Gauss' rule in collapsed coordinates (a, b, c) of the unit cube:
+// the barycentric coordinate of corner 0 is 1 - a, and so on. The weights include the Jacobian
+// a^2 b (triangle: a).
 std::span<const QuadraturePoint> tetrahedron_rule() {
   static const std::vector<QuadraturePoint> rule = [] {
     std::vector<QuadraturePoint> points;

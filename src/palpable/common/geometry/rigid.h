@@ -1,5 +1,5 @@
 /// @file
-/// Rigid transforms. Names say the way: x_in_world = world_from_camera * x_in_camera.
+/// Rigid transforms, named target_from_source: x_in_world = world_from_camera * x_in_camera.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -13,6 +13,6 @@ namespace palpable {
 using Rigid3 = Eigen::Isometry3d;
 
 inline constexpr double kDegree = std::numbers::pi / 180.0;  ///< rad
-inline constexpr double kTurn = 2.0 * std::numbers::pi;      ///< rad, all the way round
+inline constexpr double kTurn = 2.0 * std::numbers::pi;      ///< rad, a full turn
 
 }  // namespace palpable

@@ -21,8 +21,8 @@ struct ShapeGradients {
 [[nodiscard]] ShapeGradients shape_gradients(const TetMesh& mesh, int e);
 
 namespace detail {
-// Forced inline: it is called at every point of every pass, and compilers do not inline it by
-// themselves.
+// Forced inline: it is called at every integration point of every pass, and compilers do not inline
+// it by themselves.
 template <class Gradients, class Nodes>
 [[gnu::always_inline]] inline Eigen::Matrix3d deformation_gradient(const Gradients& g,
                                                                    const Nodes& nodes,
@@ -54,8 +54,7 @@ template <class Gradients, class Nodes>
 /// dN_a/dX at one point of a 10-node tetrahedron, isoparametric: edges need not be straight.
 struct QuadraticGradients {
   Eigen::Matrix<double, 3, 10> g;
-  double
-      volume;  ///< m^3, a sixth of det dX/dL there: that of the element if its edges are straight
+  double volume;  ///< m^3, det(dX/dL) / 6 there; the element's volume if its edges are straight
 };
 /// Gradients of element `e` of a mesh of 10-node tetrahedra at the point of `shape`.
 [[nodiscard]] QuadraticGradients quadratic_gradients(const TetMesh& mesh, int e,

@@ -17,7 +17,7 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
-// The set of each vertex, with the paths halved on the way (union-find).
+// The representative of a vertex's set (union-find with path halving).
 int set_of(std::vector<int>& parents, int vertex) {
   while (parents[vertex] != vertex) vertex = parents[vertex] = parents[parents[vertex]];
   return vertex;
@@ -30,7 +30,7 @@ double solid_angle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
                           la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
-// Distance along the ray to the triangle, in lengths of `direction`, where it is hit.
+// Distance along the ray to the triangle, in lengths of `direction`; nothing if the ray misses it.
 std::optional<double> ray_hits(const Vector3d& from, const Vector3d& direction, const Vector3d& a,
                                const Vector3d& b, const Vector3d& c) {
   const Vector3d ab = b - a, ac = c - a, p = direction.cross(ac);
@@ -42,7 +42,8 @@ std::optional<double> ray_hits(const Vector3d& from, const Vector3d& direction, 
   return ac.dot(q) / determinant;
 }
 
-// Half way from the shell's largest triangle to what is next on the side that it faces.
+// The point half way between the shell's largest triangle and the next triangle on the side that it
+// faces.
 Vector3d point_before(const SurfaceMesh& surface, const std::vector<int>& shell) {
   const auto corner = [&](int t, int k) -> Vector3d {
     return surface.vertices.col(surface.triangles(k, t));
@@ -89,7 +90,9 @@ std::vector<std::vector<int>> shells_of(const SurfaceMesh& surface) {
 }
 
 SurfaceMesh surface_of(const SurfaceMesh& surface, const std::vector<int>& triangles) {
-  std::vector<int> kept;  // not a table over all vertices: of thousands of shells each asks
+  // A list instead of a table over all vertices: this is called once for each of thousands of
+  // shells.
+  std::vector<int> kept;
   for (const int t : triangles) {
     for (int k = 0; k < 3; ++k) kept.push_back(surface.triangles(k, t));
   }
@@ -130,7 +133,8 @@ std::string misplaced_shell(const SurfaceMesh& surface) {
     const Vector3d at = part.vertices.col(part.triangles(0, 0));
     double wound = 0.0;
     for (std::size_t other = 0; other < parts.size(); ++other) {
-      if (&parts[other] == &part || !boxes[other].contains(at)) continue;  // winds not round it
+      // A shell does not wind around a point outside its box.
+      if (&parts[other] == &part || !boxes[other].contains(at)) continue;
       wound += winding_number(parts[other], at);
     }
     const bool faces_outwards = enclosed_volume(part) > 0.0;

@@ -1,11 +1,11 @@
 /// @file
-/// The closed parts of a surface, and how they lie in each other: a body, its cavities, islands in
-/// them.
+/// The shells of a surface, which are its closed connected parts, and how they are nested: a body,
+/// its cavities, islands in them.
 ///
 ///   +----------------+     outer shell, triangles face outwards:  volume > 0
 ///   |   +------+     |     cavity, triangles face into it:        volume < 0
-///   |   |      |     |     a point in the material is wound round once, one outside or in a
-///   |   +------+     |     cavity not at all
+///   |   |      |     |     the winding number is 1 in the material, 0 outside and in
+///   |   +------+     |     the cavity
 ///   +----------------+
 #pragma once
 
@@ -19,22 +19,22 @@
 
 namespace palpable {
 
-/// The parts of a surface that hang together through common vertices, in the order of their first
+/// The parts of a surface that are connected through common vertices, in the order of their first
 /// triangle. @pre triangles index existing vertices
 /// @returns for each shell its triangles, increasing
 [[nodiscard]] std::vector<std::vector<int>> shells_of(const SurfaceMesh& surface);
 
-/// Some triangles of a surface as a surface; vertices keep their order.
+/// The surface of some of a surface's triangles; vertices keep their order.
 [[nodiscard]] SurfaceMesh surface_of(const SurfaceMesh& surface, const std::vector<int>& triangles);
 
-/// How often a closed surface winds round a point that is not on it, once for each shell outside of
-/// which all triangles face away from the point (van Oosterom and Strackee 1983: the sum of
-/// the triangles' solid angles over 4 pi). O(M).
+/// How often a closed surface winds around a point that is not on it: the sum of the triangles'
+/// solid angles, seen from the point, over 4 pi (van Oosterom and Strackee 1983). A shell around
+/// the point adds 1 if its triangles face away from the point, and -1 if they face it. O(M).
 [[nodiscard]] double winding_number(const SurfaceMesh& surface, const Eigen::Vector3d& point);
 
-/// What is wrong with how the shells of a closed surface lie in each other, where, and what to do:
-/// a shell in the material that does not face into a cavity, or one outside of all others that
-/// faces inwards. Empty: nothing. @pre check_watertight() finds nothing; shells do not cross
+/// Describes an error in the nesting of a closed surface's shells, its position and the remedy: a
+/// shell in the material that does not face into a cavity, or one outside of all others that faces
+/// inwards. Empty if there is none. @pre check_watertight() finds nothing; shells do not cross
 [[nodiscard]] std::string misplaced_shell(const SurfaceMesh& surface);
 
 /// A point in each cavity, away from its walls. @pre misplaced_shell() finds nothing

@@ -18,7 +18,7 @@ SurfaceMesh box(double low, double high) {
   return box_surface(Vector3d::Constant(low), Vector3d::Constant(high));
 }
 
-TEST_CASE("a surface falls into its shells", "[geometry][shells]") {
+TEST_CASE("a surface is divided into its shells", "[geometry][shells]") {
   CHECK(shells_of(SurfaceMesh{}).empty());
   const SurfaceMesh both = joined(box(0, 1), sphere_surface({3, 0, 0}, 1, 1));
   const std::vector<std::vector<int>> shells = shells_of(both);
@@ -30,7 +30,7 @@ TEST_CASE("a surface falls into its shells", "[geometry][shells]") {
   CHECK(check_watertight(sphere).watertight());
 }
 
-TEST_CASE("a surface winds once round what it encloses", "[geometry][shells]") {
+TEST_CASE("a surface winds once around points that it encloses", "[geometry][shells]") {
   const SurfaceMesh surface = joined(box(0, 1), flipped(box(0.25, 0.75)));
   const auto is = [&](const Vector3d& point, double wanted) {
     INFO(point.transpose());
@@ -45,7 +45,8 @@ TEST_CASE("a surface winds once round what it encloses", "[geometry][shells]") {
         tolerance(1e-12, "rounding"));
 }
 
-TEST_CASE("shells that make a solid are told from those that do not", "[geometry][shells]") {
+TEST_CASE("shells that form a solid are distinguished from those that do not",
+          "[geometry][shells]") {
   CHECK(misplaced_shell(box(0, 1)).empty());
   CHECK(misplaced_shell(joined(box(0, 1), box(2, 3))).empty());
   const SurfaceMesh hollow = joined(box(0, 1), flipped(box(0.2, 0.8)));
@@ -61,10 +62,10 @@ TEST_CASE("shells that make a solid are told from those that do not", "[geometry
              Contains("faces inwards but lies in no other"));
 }
 
-TEST_CASE("a cavity is known by a point in it", "[geometry][shells]") {
+TEST_CASE("for each cavity a point in it is found", "[geometry][shells]") {
   CHECK(points_in_cavities(box(0, 1)).empty());
   CHECK(points_in_cavities(joined(box(0, 1), box(2, 3))).empty());
-  // A cavity that winds round an island, and a small one beside it.
+  // A cavity around an island, and a small cavity beside it.
   SurfaceMesh surface =
       joined(sphere_surface({0, 0, 0}, 1.0, 2), flipped(sphere_surface({0.1, 0, 0}, 0.6, 2)));
   surface = joined(surface, sphere_surface({0.1, 0, 0}, 0.5, 2));

@@ -1,5 +1,5 @@
 /// @file
-/// How large something is, for people.
+/// Formats sizes for users.
 #pragma once
 
 #include <Eigen/Core>

@@ -5,7 +5,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("a size is said in metres or millimetres", "[geometry][size]") {
+TEST_CASE("a size is given in metres or millimetres", "[geometry][size]") {
   CHECK(size_text(Eigen::Vector3d(0.08, 0.0761, 0.06812)) == "80 x 76.1 x 68.1 mm");
   CHECK(size_text(Eigen::Vector3d(80, 76.1, 68.12)) == "80 x 76.1 x 68.1 m");
   CHECK(size_text(Eigen::Vector2d(0.0896, 0.05)) == "89.6 x 50 mm");

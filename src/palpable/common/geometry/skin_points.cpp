@@ -9,7 +9,7 @@
 namespace palpable {
 namespace {
 
-// Without the corners that do not count.
+// Leaves out the corners without weight.
 SkinPoint skin_point(const SurfaceMesh& skin, const TrianglePoint& from) {
   SkinPoint point;
   std::size_t count = 0;

@@ -1,13 +1,13 @@
 /// @file
-/// The points of a body's skin that nothing may enter.
+/// The contact points of a body's skin.
 ///
 ///   V  vertices of the skin     T  triangles     C  contact points
 ///
-/// Corners alone would let a pencil's tip, which is smaller than a triangle, pass between them:
-/// with contact at corners a fingertip is answered wrong by 7-12 % and a cup's rim by 37-59 %,
-/// however good the model. So points lie at the corners, along the edges and inside the triangles.
-/// Between points `spacing` apart an object of radius r enters by spacing^2 / (8 r) at most where
-/// the skin is flat.
+/// If contact were checked at the corners of triangles alone, a pencil's tip, which is smaller than
+/// a triangle, would pass between them: then the response to a fingertip is wrong by 7-12 % and
+/// that to a cup's rim by 37-59 %, however good the model of the body is. So contact points lie at
+/// the corners, along the edges and inside the triangles. Between points `spacing` apart an object
+/// of radius r can penetrate a flat skin by at most spacing^2 / (8 r).
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"
@@ -21,11 +21,11 @@
 
 namespace palpable {
 
-/// A point of the skin: a fixed mean of a triangle's corners, whatever they do.
+/// A point of the skin: a mean of a triangle's corners, whose weights do not change as they move.
 struct SkinPoint {
-  std::array<int, 3> corners{};                       ///< vertices; equal ones where fewer matter
+  std::array<int, 3> corners{};                       ///< vertices; repeated if fewer have weight
   Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< >= 0, sum 1; a vertex has one weight 1
-  float area = 0;                                     ///< m^2 of the skin that it stands for
+  float area = 0;                                     ///< m^2, the point's share of the skin
 
   /// @param x  (3 x V) of the vertices
   [[nodiscard]] Eigen::Vector3f at(const Eigen::Matrix3Xf& x) const {
@@ -34,15 +34,15 @@ struct SkinPoint {
   }
 };
 
-/// @param fixed    (V) 1 where the support holds the vertex: a point without a free corner is left
-///                 out, for it cannot give way
-/// @param spacing  m, > 0: of neighbouring points along an edge, at most
+/// @param fixed    (V) 1 where the support holds the vertex. Points without a free corner are left
+///                 out, since they cannot move
+/// @param spacing  m, > 0: largest distance between neighbouring points along an edge
 /// @return (C) the corners first, in their order, then the others
 [[nodiscard]] std::vector<SkinPoint> skin_points(const SurfaceMesh& skin,
                                                  std::span<const std::uint8_t> fixed,
                                                  double spacing);
 
-/// (3 x C) m, where points are. @param vertices  (3 x V) m
+/// (3 x C) m, positions of the points. @param vertices  (3 x V) m
 [[nodiscard]] Eigen::Matrix3Xf places_of(std::span<const SkinPoint> points,
                                          const Eigen::Matrix3Xf& vertices);
 

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using test::tolerance;
 
-TEST_CASE("no place of the skin is far from a point, and none is there twice",
+TEST_CASE("every position on the skin is near a contact point, and no two points coincide",
           "[geometry][skin points]") {
   const SurfaceMesh sphere = sphere_surface(Vector3d::Zero(), 0.05, 2);  // edges of 14 mm
   const std::vector<std::uint8_t> fixed(static_cast<std::size_t>(sphere.vertex_count()), 0);

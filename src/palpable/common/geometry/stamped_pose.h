@@ -1,5 +1,5 @@
 /// @file
-/// A camera's pose at a moment, and the path that such poses make.
+/// Camera poses with their times, and look-up in a path of such poses.
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
@@ -14,9 +14,9 @@ struct StampedPose {
   Rigid3 world_from_camera = Rigid3::Identity();
 };
 
-/// The pose whose time is nearest, the later one of two that are as near.
+/// The pose whose time is nearest to `time`, the later one of two that are equally near.
 /// @param path    in order of time
-/// @param within  s: nothing when the nearest is farther away than that
+/// @param within  s: nothing is returned if the nearest pose is farther away in time
 [[nodiscard]] std::optional<Rigid3> pose_nearest(const std::vector<StampedPose>& path, double time,
                                                  double within);
 

@@ -5,7 +5,7 @@
 namespace palpable {
 namespace {
 
-// A camera that stands at x = its time.
+// The path of a camera whose x (m) equals the time (s).
 std::vector<StampedPose> path_at(const std::vector<double>& times) {
   std::vector<StampedPose> path;
   for (const double time : times) {

@@ -16,8 +16,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int kMostInALeaf = 4;
-// Below this a weight is that of a corner which the nearest point has nothing to do with.
+constexpr int kMostInALeaf = 4;  // triangles
+// A smaller weight counts as 0: the nearest point lies on the opposite edge.
 constexpr double kNoWeight = 1e-9;
 
 // @returns t in 0 .. 1 of the point a + t (b - a) nearest to x
@@ -32,7 +32,7 @@ double along_edge(const Vector3d& a, const Vector3d& b, const Vector3d& x) {
 Vector3d nearest_weights(const Vector3d& a, const Vector3d& b, const Vector3d& c,
                          const Vector3d& x) {
   const Vector3d ab = b - a, ac = c - a, ax = x - a;
-  // The foot of the perpendicular, if it lies in the triangle.
+  // The foot of the perpendicular from x, if it lies in the triangle.
   const double d00 = ab.dot(ab), d01 = ab.dot(ac), d11 = ac.dot(ac);
   const double d20 = ax.dot(ab), d21 = ax.dot(ac);
   const double area2 = d00 * d11 - d01 * d01;
@@ -182,7 +182,7 @@ NearestOnSurface SurfaceDistance::completed(const Search& search) const {
   const double length = std::sqrt(search.best);
   const bool outside = normal.dot(across) >= 0.0;
   found.distance = outside ? length : -length;
-  // So close that the direction is rounding.
+  // Very close to the surface the direction to the nearest point would be rounding.
   const double scale = boxes_[0].bounds.diagonal().norm();
   found.normal = length > 1e-9 * scale ? Vector3d(across / found.distance) : normal;
   return found;

@@ -13,34 +13,35 @@
 
 namespace palpable {
 
-/// What of a surface is nearest to a point.
+/// The point of a surface that is nearest to a given point.
 struct NearestOnSurface {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< m, on the surface
-  int triangle = -1;                                  ///< it lies on
+  int triangle = -1;                                  ///< on which it lies
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();  ///< of the triangle's corners, sum 1
   double distance = 0;                                ///< m, negative inside
-  /// Gradient of the distance, a unit vector that points outwards. On the surface itself the
-  /// normal of the face, or the mean one of the edge or corner.
+  /// Gradient of the distance, a unit vector that points outwards. On the surface itself, the
+  /// normal of the face, or the mean normal of the edge or corner.
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
 };
 
-/// A tree of boxes over the triangles: O(log M) a question.
+/// Finds nearest points by a tree of boxes over the triangles: O(log M) for each query.
 ///
 /// The sign is that of the angle-weighted normal of the nearest face, edge or corner (Baerentzen
 /// and Aanaes, "Signed distance computation using the angle weighted pseudonormal", 2005), which is
-/// right everywhere round a closed surface.
+/// right everywhere around a closed surface.
 class SurfaceDistance {
  public:
-  /// @param surface  at least one triangle. Without check_watertight() the sign means nothing; the
-  ///                 nearest point does
+  /// @param surface  at least one triangle. If it is not watertight (check_watertight()), the sign
+  /// is
+  ///                 meaningless; the nearest point is still right
   explicit SurfaceDistance(SurfaceMesh surface);
 
   [[nodiscard]] const SurfaceMesh& surface() const { return surface_; }
   [[nodiscard]] NearestOnSurface nearest(const Eigen::Vector3d& x) const;
-  /// The same among triangles that face the way of `normal`, within 90 degrees: of the two sides of
-  /// a thin part the right one. All count where none does.
-  /// @param least_cosine  of the angle to `normal`: more than 0 leaves out those that stand square
-  ///                      to it
+  /// The same among triangles whose normals are within 90 degrees of `normal`, which selects one
+  /// side of a thin part. If there are none, all triangles are considered.
+  /// @param least_cosine  of the angle between a triangle's normal and `normal`; a value above 0
+  ///                      also leaves out triangles perpendicular to it
   [[nodiscard]] NearestOnSurface nearest_facing(const Eigen::Vector3d& x,
                                                 const Eigen::Vector3d& normal,
                                                 double least_cosine = 0) const;
@@ -49,14 +50,14 @@ class SurfaceDistance {
   struct Box {
     Eigen::AlignedBox3d bounds;
     int first, count;     // triangles order_[first .. first + count - 1]; an inner box has none
-    int second_half = 0;  // its halves are the next box and this one
+    int second_half = 0;  // number of the second child; the first is the next box
   };
   int build(int first, int count, const std::vector<Eigen::Vector3d>& centres);
-  // A question: the place, what triangles have to face (0: nothing), and the best answer so far.
+  // A query and the nearest point found so far.
   struct Search {
-    Eigen::Vector3d x, facing;
-    double least_facing;  // of facing . normal
-    double best;          // m^2
+    Eigen::Vector3d x, facing;  // the position; the direction that triangles have to face, 0: any
+    double least_facing;        // least value of facing . normal
+    double best;                // m^2, squared distance
     NearestOnSurface found;
   };
   void look_into(int box, Search& search) const;

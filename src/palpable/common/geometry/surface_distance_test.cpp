@@ -29,13 +29,13 @@ TEST_CASE("the distance to a box is the closed form's, inside and outside, its n
     const NearestOnSurface found = field.nearest(x);
     CHECK(std::abs(found.distance - exact) <= tolerance(1e-12, "rounding"));
     CHECK(std::abs(found.weights.sum() - 1.0) <= tolerance(1e-12, "rounding"));
-    // The distance along the normal grows by as much as one walks.
+    // A step along the normal changes the distance by the step's length.
     CHECK(std::abs(field.nearest(x + 1e-6 * found.normal).distance - exact - 1e-6) <=
           tolerance(1e-11, "rounding of differences"));
   }
 }
 
-TEST_CASE("the tree finds what looking at all triangles finds", "[geometry]") {
+TEST_CASE("the tree finds the same point as a search of all triangles", "[geometry]") {
   const SurfaceMesh sphere = sphere_surface({0.1, 0.2, 0.3}, 0.5, 3);
   const SurfaceDistance field(sphere);
   auto random = test::random_case(4);
@@ -54,16 +54,17 @@ TEST_CASE("the tree finds what looking at all triangles finds", "[geometry]") {
   }
 }
 
-TEST_CASE("of faces square to a direction none counts where they are not to", "[geometry]") {
+TEST_CASE("faces perpendicular to the wanted direction can be excluded", "[geometry]") {
   const SurfaceDistance field(box_surface({0, 0, 0}, {1, 1, 1}));
-  const Vector3d x(0.99, 0.5, 0.9);  // nearest to the side x = 1, which stands square to z
+  // Nearest to the side x = 1, whose normal is perpendicular to z.
+  const Vector3d x(0.99, 0.5, 0.9);
   CHECK(field.nearest_facing(x, {0, 0, 2}).point.x() == Approx(1.0));
   const NearestOnSurface top = field.nearest_facing(x, {0, 0, 2}, 0.1);
   CHECK((top.point - Vector3d(0.99, 0.5, 1.0)).norm() <= tolerance(1e-12, "rounding"));
   CHECK(top.distance == Approx(-0.1));
 }
 
-TEST_CASE("beside a sharp corner the sign is that of the side", "[geometry]") {
+TEST_CASE("the sign is right beside a sharp corner", "[geometry]") {
   // Beyond the corner of a thin wedge the face normals alone disagree about the side.
   SurfaceMesh wedge;
   wedge.vertices =

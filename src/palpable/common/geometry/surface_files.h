@@ -1,6 +1,6 @@
 /// @file
-/// Shared by the readers of surface files; other code includes mesh_file.h. Text line by line,
-/// bytes number by number, and the triangles read so far.
+/// Tools shared by the readers of surface files (other code includes mesh_file.h): text by lines
+/// and words, bytes by numbers, and the triangles read so far.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,7 +30,7 @@ struct Bad {
 struct Soup {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3i> triangles;
-  std::vector<double> values;  // of the vertices, where somebody asks for a property
+  std::vector<double> values;  // of the vertices, if a property was requested
 
   void add_fan(const std::vector<int>& polygon) {
     for (std::size_t k = 2; k < polygon.size(); ++k) {
@@ -97,7 +97,7 @@ Eigen::Vector3d point(Lines& lines, Words& words);
 std::size_t count_of(Lines& lines, std::string_view word, const char* what);
 int index_in(Lines& lines, std::string_view word, std::size_t count);
 
-/// Numbers as they lie in a file. @throws Bad naming the byte when it is cut short
+/// Reads numbers from the bytes of a file. @throws Bad naming the byte if the file is cut short
 class Bytes {
  public:
   explicit Bytes(std::string_view bytes) : bytes_(bytes) {}
@@ -132,10 +132,10 @@ class Bytes {
   std::size_t at_ = 0;
 };
 
-/// @throws Bad when a coordinate is no finite number
+/// @throws Bad if a coordinate is not a finite number
 Eigen::Vector3d finite_point(Bytes& bytes, double x, double y, double z);
 
-/// A file's whole content. @throws Bad saying where it is broken
+/// Parse the whole content of a file. @throws Bad with the position of an error
 Soup parse_off(std::string_view text);
 Soup parse_obj(std::string_view text);
 Soup parse_stl(std::string_view data);  ///< text or binary

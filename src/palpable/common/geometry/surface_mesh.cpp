@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 struct HalfEdge {
   int low, high;  // vertices, low < high
-  bool forward;   // the triangle runs from low to high
+  bool forward;   // the triangle traverses the edge from low to high
   int triangle;
 };
 

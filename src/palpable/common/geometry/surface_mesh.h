@@ -21,20 +21,21 @@ struct SurfaceMesh {
   [[nodiscard]] int triangle_count() const { return static_cast<int>(triangles.cols()); }
 };
 
-/// Whether a surface encloses a solid, and if not, where and why not.
+/// Whether a surface encloses a solid, and if not, its defects.
 struct WatertightReport {
-  int open_edges = 0;       ///< edges of one triangle only: holes
+  int open_edges = 0;       ///< edges of only one triangle: holes
   int crowded_edges = 0;    ///< edges of three or more triangles
-  int flipped_edges = 0;    ///< neighbours that run the edge the same way: orientations disagree
+  int flipped_edges = 0;    ///< edges whose two triangles have opposite orientations
   int bad_triangles = 0;    ///< with a repeated vertex, an index out of range, or no area
-  bool inside_out = false;  ///< encloses a negative volume
-  Eigen::Vector3d first_defect = Eigen::Vector3d::Zero();  ///< m; where the first defect lies
+  bool inside_out = false;  ///< the enclosed volume is negative
+  Eigen::Vector3d first_defect = Eigen::Vector3d::Zero();  ///< m, position of the first defect
 
   [[nodiscard]] bool watertight() const {
     return open_edges == 0 && crowded_edges == 0 && flipped_edges == 0 && bad_triangles == 0 &&
            !inside_out;
   }
-  /// What is wrong, where, and what to do, in one line; "watertight" if nothing is.
+  /// The defects, the position of the first and the remedy, in one line; "watertight" if there are
+  /// none.
   [[nodiscard]] std::string describe() const;
 };
 

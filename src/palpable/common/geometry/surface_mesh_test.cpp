@@ -18,7 +18,7 @@ TEST_CASE("a box and a sphere are watertight", "[geometry]") {
   CHECK(check_watertight(sphere_surface({1, 0, 0}, 2.0, 3)).watertight());
 }
 
-TEST_CASE("each way of not being watertight is found, counted and placed", "[geometry][errors]") {
+TEST_CASE("each kind of defect is found, counted and located", "[geometry][errors]") {
   SurfaceMesh mesh = brick();
   SECTION("a missing triangle leaves three open edges") {
     mesh.triangles = mesh.triangles.leftCols(11).eval();
@@ -70,7 +70,7 @@ TEST_CASE("a subdivided sphere approaches the ball's volume with second order", 
 }
 
 TEST_CASE("corners that coincide become one vertex and unused ones go", "[geometry]") {
-  SurfaceMesh corners;  // each triangle with corners of its own, as STL has it
+  SurfaceMesh corners;  // each triangle has corners of its own, as in STL
   const SurfaceMesh box = brick();
   corners.vertices.resize(3, 37);
   corners.triangles.resize(3, 12);

@@ -40,7 +40,7 @@ Eigen::VectorXd nodal_volumes(const TetMesh& mesh) {
 
 TetMesh with_edge_nodes(const TetMesh& mesh) {
   PALPABLE_EXPECT(!mesh.is_quadratic(), "a mesh of 4-node tetrahedra");
-  // (lower corner, higher corner, element, edge), so that sorting brings the same edges together.
+  // (lower corner, higher corner, element, edge), so that sorting makes equal edges adjacent.
   std::vector<std::array<int, 4>> edges;
   edges.reserve(6 * static_cast<std::size_t>(mesh.tet_count()));
   for (int e = 0; e < mesh.tet_count(); ++e) {

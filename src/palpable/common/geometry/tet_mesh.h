@@ -1,5 +1,5 @@
 /// @file
-/// Tetrahedral volumes.
+/// Tetrahedral meshes of volumes.
 ///
 ///   N  nodes     E  tetrahedra
 #pragma once
@@ -51,13 +51,13 @@ struct TetMesh {
 /// the order of their first node. Nodes of no tetrahedron: -1.
 [[nodiscard]] std::vector<int> node_components(const TetMesh& mesh);
 
-/// The skin of a volume, with vertices numbered anew and the way back.
+/// The skin of a volume; its vertices are numbered anew, and their nodes are stored.
 struct Boundary {
   SurfaceMesh surface;              ///< oriented outwards
   std::vector<int> node_of_vertex;  ///< surface vertex -> node of the volume mesh, increasing
 };
 
-/// Faces that belong to one tetrahedron only, by their corners.
+/// The skin: the faces that belong to only one tetrahedron, by their corners.
 [[nodiscard]] Boundary boundary_of(const TetMesh& mesh);
 
 /// A box of nx x ny x nz cells, each cut into six tetrahedra (Kuhn); conforming. For tests,

@@ -48,7 +48,8 @@ TEST_CASE("a 10-node mesh has one node in the middle of each edge, shared by all
             Vector3d(0.5 * (mesh.nodes.col(a) + mesh.nodes.col(b))));
     }
   }
-  // All edges of Kuhn's cells lie on the grid of half cells, whose every node they meet.
+  // The middles of the edges of Kuhn's cells, together with the corners, are all nodes of the grid
+  // of half cells.
   CHECK(fine.node_count() == (2 * 2 + 1) * (2 * 3 + 1) * (2 * 4 + 1));
   CHECK(nodal_volumes(fine).minCoeff() > 0.0);
   CHECK(nodal_volumes(fine).sum() == Approx(6.0).margin(tolerance(1e-13, "sum of 1440")));
@@ -74,7 +75,7 @@ TEST_CASE("a 10-node mesh splits into 4-node tetrahedra on the same nodes, whate
               Approx(volumes[e] / 8).epsilon(tolerance(1e-12, "rounding of corners near 5")));
       }
     }
-    // Conforming: no face within is left without its neighbour.
+    // The mesh is conforming: every inner face belongs to two tetrahedra.
     const SurfaceMesh skin = boundary_of(fine).surface;
     CHECK(skin.triangle_count() == 4 * boundary_of(mesh).surface.triangle_count());
     CHECK(check_watertight(skin).describe() == "watertight");
@@ -93,7 +94,8 @@ TEST_CASE("parts of a mesh that share no node are its components", "[geometry]")
     INFO(quadratic);
     TetMesh two = one;
     const int N = one.node_count();
-    // The second comes first in the list of tetrahedra; a node of none lies between the two.
+    // The second part comes first in the list of tetrahedra; between the nodes of the two parts is
+    // one that belongs to no tetrahedron.
     two.nodes.resize(3, 2 * N + 1);
     two.nodes << one.nodes, Vector3d(9, 9, 9), one.nodes.colwise() + Vector3d(0, 0, 5);
     two.tets.resize(4, 2 * one.tet_count());

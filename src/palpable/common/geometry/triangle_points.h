@@ -1,6 +1,6 @@
 /// @file
-/// Points all over a triangle surface: on a grid over every triangle, shared along edges and at
-/// corners.
+/// Points distributed over a triangle surface: on a grid in every triangle; points on edges and at
+/// corners are shared by the triangles that meet there.
 ///
 ///   V  vertices     T  triangles     C  points
 #pragma once
@@ -13,22 +13,23 @@
 
 namespace palpable {
 
-/// A point of a surface: a fixed mean of a triangle's corners, whatever they do.
+/// A point of a surface: a mean of a triangle's corners, whose weights do not change as they move.
 struct TrianglePoint {
   int triangle = 0;                                   ///< one of those that share the point
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();  ///< of its corners, >= 0, sum 1
-  double area = 0;                                    ///< m^2 of the surface that it stands for
+  double area = 0;                                    ///< m^2, the point's share of the surface
 };
 
 struct TrianglePoints {
   std::vector<TrianglePoint> points;  ///< (C)
-  std::vector<int> first;        ///< by triangle, together with its edges' and corners' points:
-  std::vector<int> of_triangle;  ///< of_triangle[first[t]] .. of_triangle[first[t + 1] - 1]
+  /// The points of triangle t, with those on its edges and corners, are
+  /// of_triangle[first[t]] .. of_triangle[first[t + 1] - 1].
+  std::vector<int> first;
+  std::vector<int> of_triangle;
 };
 
-/// Every corner of a triangle, points along its edges and inside it, none farther than `spacing`
-/// from the next along an edge.
-/// @param spacing  m, > 0
+/// Points at every corner, along every edge and inside every triangle.
+/// @param spacing  m, > 0: largest distance between neighbouring points along an edge
 [[nodiscard]] TrianglePoints triangle_points(const SurfaceMesh& surface, double spacing);
 
 }  // namespace palpable

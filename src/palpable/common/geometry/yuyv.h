@@ -1,5 +1,5 @@
 /// @file
-/// Pictures as many cameras send them: luma of each pixel, colour of each two.
+/// Images in the format in which many cameras send them: luma for each pixel, colour for each two.
 #pragma once
 
 #include "palpable/common/geometry/image.h"

@@ -1,7 +1,7 @@
 /// @file
-/// How a law of hyperelasticity is written: a struct of its constants with its name, theirs and the
-/// conversion from and to Lame's constants (kName, kConstants, from_lame(), lame()), and three
-/// templates over the number type T,
+/// How to write a law of hyperelasticity: a struct of its constants, with the law's name (kName),
+/// the constants' names (kConstants) and the conversion from and to Lame's constants (from_lame(),
+/// lame()), and three templates over the number type T,
 ///
 ///   T energy_density(const Law&, const Deformation<T>&)                        Psi, J/m^3
 ///   Tensor<T> first_piola(const Law&, const Deformation<T>&)                   P = dPsi/dF, Pa
@@ -22,11 +22,11 @@
 
 namespace palpable {
 
-/// One constant of a law, as its formula names it.
+/// One constant of a law, named as in the law's formula.
 struct LawConstant {
   const char* name;
   bool per_pressure = false;  ///< 1/Pa instead of Pa
-  bool may_be_zero = false;   ///< no constant may be negative
+  bool may_be_zero = false;   ///< 0 is allowed; negative values never are
 };
 
 /// Small-strain constants, Pa.

@@ -14,7 +14,7 @@
 namespace palpable {
 namespace {
 
-// Name, constants and conversions of one of Material's alternatives.
+// Name, constants and conversions of one alternative of Material.
 struct Law {
   std::string_view name;
   std::span<const LawConstant> constants;
@@ -124,7 +124,8 @@ void check_material(const Material& material) {
       },
       material);
   const auto [lambda, mu] = lame_constants(material);
-  // Where lambda is a difference (2/D1 - 4/3 C10), nu = 0 may leave a rounding below zero.
+  // In laws where lambda is a difference (2/D1 - 4/3 C10), nu = 0 may give a negative rounding
+  // error.
   const double rounding = 1e-12 * mu;
   if (!(mu > 0.0) || !std::isfinite(mu) || !(lambda >= -rounding) || !std::isfinite(lambda)) {
     throw Error(fmt::format(

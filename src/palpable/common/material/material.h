@@ -1,5 +1,5 @@
 /// @file
-/// The laws of hyperelasticity that a body may have, and their names in a body file.
+/// The available laws of hyperelasticity, and their names in a body file.
 #pragma once
 
 #include "palpable/common/material/mooney_rivlin.h"
@@ -15,11 +15,11 @@
 
 namespace palpable {
 
-/// One homogeneous material. The alternatives are all known laws; each is one file (law.h says how
-/// one is written) and one entry here.
+/// One homogeneous material. The alternatives are all available laws; each law is one file (law.h
+/// describes how to write it) and one entry here.
 using Material = std::variant<NeoHookean, SaintVenantKirchhoff, NeoHookeanAbaqus, MooneyRivlin>;
 
-/// The law `law` with Young's modulus E and Poisson's ratio nu at small strains:
+/// The material of this law that has Young's modulus E and Poisson's ratio nu at small strains:
 /// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu) (1 - 2 nu)).
 ///
 /// A law with more than two constants chooses the others itself (MooneyRivlin::from_lame).
@@ -39,7 +39,7 @@ using Material = std::variant<NeoHookean, SaintVenantKirchhoff, NeoHookeanAbaqus
 /// @throws Error for an unknown law
 [[nodiscard]] std::span<const LawConstant> law_constants(std::string_view law);
 
-/// Their values, SI.
+/// The values of a material's constants, in the order of law_constants(), SI.
 [[nodiscard]] std::vector<double> constants_of(const Material& material);
 
 /// @param values  SI, one for each of law_constants(law)
@@ -57,8 +57,8 @@ struct YoungPoisson {
 /// Young's modulus and Poisson's ratio of the material at small strains.
 [[nodiscard]] YoungPoisson young_poisson(const Material& material);
 
-/// @throws Error unless all constants are finite, none is negative, only those are 0 that may be
-/// (LawConstant::may_be_zero), mu > 0 and lambda >= 0
+/// @throws Error if a constant is negative or not finite, if one is 0 that must not be
+/// (LawConstant::may_be_zero), if mu <= 0 or if lambda < 0
 void check_material(const Material& material);
 
 /// Psi(F) J/m^3, P(F) Pa and dP/dF Pa of the material's law; units, layout and errors as in law.h.

@@ -15,7 +15,7 @@ using Catch::Matchers::Contains;
 using Eigen::Matrix3d;
 using test::tolerance;
 
-// Of order one, so that tolerances are too.
+// Constants are of order one, so that tolerances are absolute and relative at the same time.
 std::vector<Material> all_laws() {
   std::vector<Material> laws;
   for (const std::string& name : law_names()) laws.push_back(material_from_young(name, 2.5, 0.35));
@@ -91,7 +91,7 @@ TEST_CASE("the tangent is the derivative of the stress, in the documented layout
   }
 }
 
-TEST_CASE("the energy does not see how the body is turned, and the stress turns with it",
+TEST_CASE("the energy does not change when the body is rotated, and the stress rotates with it",
           "[material][law]") {
   for (const Material& law : all_laws()) {
     for (unsigned seed = 0; seed < 25; ++seed) {
@@ -148,7 +148,7 @@ TEST_CASE("every law's own constants make the material that Young's modulus make
     const Material material = material_from_young(name, 60e3, 0.35);
     const auto values = std::visit(
         [](const auto& law) {
-          // A law is its constants in a row.
+          // A law's struct consists of its constants.
           const auto* first = reinterpret_cast<const double*>(&law);
           return std::vector<double>(first, first + law.kConstants.size());
         },

@@ -26,8 +26,8 @@ struct MooneyRivlin {
   static constexpr std::array kConstants{LawConstant{.name = "C1", .may_be_zero = true},
                                          LawConstant{.name = "C2", .may_be_zero = true},
                                          LawConstant{.name = "D1", .may_be_zero = true}};
-  /// With C2 = C1 / 4, as filled rubbers have it, or less where Poisson's ratio is so small (below
-  /// 0.14) that D1 would turn negative.
+  /// Chooses C2 = C1 / 4, as in filled rubbers, or less if Poisson's ratio is so small (below 0.14)
+  /// that D1 would become negative.
   static MooneyRivlin from_lame(LameConstants k) {
     const double C2 = std::min(0.1 * k.mu, 0.25 * k.lambda);
     return {.C1 = 0.5 * k.mu - C2, .C2 = C2, .D1 = 0.5 * k.lambda - 2.0 * C2};

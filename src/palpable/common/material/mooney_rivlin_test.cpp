@@ -1,4 +1,4 @@
-// What is particular to this law; what every law must satisfy is in material_test.cpp.
+// Tests of this law alone; those that every law must pass are in material_test.cpp.
 #include "palpable/common/material/mooney_rivlin.h"
 
 #include "palpable/common/base/contract.h"

@@ -4,7 +4,7 @@
 ///
 ///   F      deformation gradient, dx/dX                 (3 x 3)
 ///   J      det F, volume ratio; J <= 0 is an inverted element
-///   I1bar  J^(-2/3) tr(F^T F), which does not change with size
+///   I1bar  J^(-2/3) tr(F^T F), which does not change with volume
 ///   P      first Piola-Kirchhoff stress, dPsi/dF       (3 x 3) Pa
 #pragma once
 
@@ -14,8 +14,8 @@ namespace palpable {
 
 /// Psi(F) = C10 (I1bar - 3) + (J - 1)^2 / D1
 ///
-/// Unlike eq. (7) this separates shape from size: the first term resists a change of shape, the
-/// second a change of size. As J -> 0 the second term stays finite, and so does its pressure
+/// Unlike eq. (7) this separates shape from volume: the first term resists a change of shape, the
+/// second a change of volume. As J -> 0 the second term stays finite, and so does its pressure
 /// 2 (1 - J) / D1. The factor J^(-2/3) of the first grows without bound, so a crushed element still
 /// stiffens, unless it is compressed equally in all directions.
 ///
@@ -23,7 +23,7 @@ namespace palpable {
 /// kappa = 2 / D1, so lambda = kappa - 2/3 mu.
 struct NeoHookeanAbaqus {
   double C10;  ///< Pa, > 0
-  double D1;   ///< 1/Pa, > 0: the reciprocal of what eq. (7) calls by this name
+  double D1;   ///< 1/Pa, > 0; not D1 of eq. (7), which is a modulus in Pa
 
   static constexpr const char* kName = "neo-hooke-abaqus";
   static constexpr std::array kConstants{LawConstant{.name = "C10"},

@@ -1,4 +1,4 @@
-// What is particular to this law; what every law must satisfy is in material_test.cpp.
+// Tests of this law alone; those that every law must pass are in material_test.cpp.
 #include "palpable/common/material/neo_hookean_abaqus.h"
 
 #include "palpable/common/base/contract.h"
@@ -43,8 +43,8 @@ TEST_CASE("in uniaxial strain the Abaqus form has the stress of the closed form"
 
 TEST_CASE("only the change of shape makes a shear stress in the Abaqus form",
           "[material][abaqus]") {
-  // Simple shear keeps J = 1, so Cauchy stress 12 is 2 C10 times the amount of shear, as Abaqus'
-  // and CalculiX' manuals have it for incompressible rubber.
+  // Simple shear keeps J = 1, so Cauchy stress 12 is 2 C10 times the amount of shear, as in the
+  // manuals of Abaqus and CalculiX for incompressible rubber.
   const double amount = 0.7;
   Matrix3d F = Matrix3d::Identity();
   F(0, 1) = amount;

@@ -13,10 +13,10 @@ namespace palpable {
 
 /// Psi(F) = lambda/2 (tr E)^2 + mu E : E
 ///
-/// The textbook law for large rotations and small strains. It softens in strong compression: a
-/// bar pressed below 1/sqrt(3) = 0.58 of its length (uniaxial strain) needs less force the shorter
-/// it gets, and the energy stays finite when an element turns inside out. So loads must be bounded,
-/// and a path stops where the body collapses.
+/// The textbook law for large rotations and small strains. It softens in strong compression: when a
+/// bar is compressed below 1/sqrt(3) = 0.58 of its length (uniaxial strain), the force falls the
+/// shorter it gets, and the energy stays finite when an element is inverted. So loads must be
+/// bounded, and an equilibrium path ends where the body collapses.
 struct SaintVenantKirchhoff {
   double lambda;  ///< Pa, >= 0
   double mu;      ///< Pa, > 0

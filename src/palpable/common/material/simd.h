@@ -1,5 +1,5 @@
 /// @file
-/// Which vector instructions the processor has, and how to run a loop with them.
+/// Finds which vector instructions the processor has, and runs loops with them.
 #pragma once
 
 namespace palpable {
@@ -20,8 +20,8 @@ enum class SimdLevel { kPlain, kAvx2, kAvx512 };
 }
 
 /// run_at() calls Pass::run(arguments...), compiled for `level`. Pass::run and every function that
-/// it calls must be forced inline: one that is not runs with the instructions that every processor
-/// has.
+/// it calls must be forced inline: a function that is not inlined is compiled only for the
+/// instructions that every processor has.
 template <class Pass, class... Arguments>
 auto run_plain(Arguments&... arguments) {
   return Pass::run(arguments...);

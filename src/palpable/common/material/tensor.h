@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-/// Stands before every function that a kernel of element_kernels.cpp calls.
+/// Must precede every function that a kernel of element_kernels.cpp calls.
 #define PALPABLE_ALWAYS_INLINE [[gnu::always_inline]] inline
 
 namespace palpable {
@@ -101,12 +101,12 @@ PALPABLE_ALWAYS_INLINE double logarithm(double x) { return std::log(x); }
 
 /// The same, lane by lane, for normal numbers; within 2 units of the last place.
 ///
-/// x = 2^e m with m in [1/sqrt 2, sqrt 2), ln m = 2 artanh((m - 1) / (m + 1)) by its power series,
-/// whose rest after the 21st power is below 1e-17 of the first term there.
+/// x = 2^e m with m in [1/sqrt 2, sqrt 2), and ln m = 2 artanh((m - 1) / (m + 1)) by its power
+/// series, whose remainder after the 21st power is below 1e-17 of the first term for these m.
 PALPABLE_ALWAYS_INLINE Pack logarithm(const Pack& x) {
-  // Adding the bits of 1 less those of 1 / sqrt 2 carries mantissas from sqrt 2 on into the
-  // exponent. The sum is unsigned, because it may wrap in lanes of inverted elements, whose results
-  // are not used.
+  // Adding (bits of 1) - (bits of 1 / sqrt 2) carries into the exponent if the mantissa is at least
+  // sqrt 2. The sum is unsigned, because it may wrap around in lanes of inverted elements, whose
+  // results are not used.
   const PackWords bits = (PackWords)x;
   const PackBits e = ((PackBits)(bits + (0x3ff0000000000000 - 0x3fe6a09e667f3bcd)) >> 52) - 0x3ff;
   const Pack m = (Pack)(bits - ((PackWords)e << 52));
@@ -122,8 +122,8 @@ PALPABLE_ALWAYS_INLINE double inverse_cube_root(double x) { return 1.0 / std::cb
 
 /// The same, lane by lane, for normal numbers; within a few units of the last place.
 ///
-/// Newton's method on r^-3 = x. The start divides the exponent by -3 and interpolates linearly in
-/// between; it is off by 4 % at most, and four steps square that to nothing.
+/// Newton's method on r^-3 = x. The start value divides the exponent by -3 and interpolates
+/// linearly in between; its error is at most 4 %, and four quadratic steps reduce that to rounding.
 PALPABLE_ALWAYS_INLINE Pack inverse_cube_root(const Pack& x) {
   const Pack start_bits = 6.1426e18 - __builtin_convertvector((PackBits)x, Pack) * (1.0 / 3.0);
   Pack r = (Pack) __builtin_convertvector(start_bits, PackBits);

@@ -33,12 +33,12 @@ std::string point_text(const Vector3d& X) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g}) m", X[0], X[1], X[2]);
 }
 
-// m: rounding of a body's coordinates, generously.
+// m, upper bound of the rounding of a body's coordinates.
 double rounding_of(const SurfaceMesh& skin) {
   return 1e-6 * (skin.vertices.rowwise().maxCoeff() - skin.vertices.rowwise().minCoeff()).norm();
 }
 
-// m: from the middle to the farthest vertex; more than nothing for a patch of one vertex, too.
+// m, from the patch's middle to its farthest vertex; more than 0 even for a patch of one vertex.
 double patch_radius(const ReducedBody& body, const Site& site) {
   double radius = 10.0 * rounding_of(body.surface);
   for (const int v : site.patch) {
@@ -68,7 +68,7 @@ Vector3d nearest_on_triangle(const Vector3d& p, const Vector3d& a, const Vector3
   return a + of_b / whole * ab + of_c / whole * ac;
 }
 
-// Unit, outwards.
+// Outward unit normal of triangle t.
 Vector3d normal_of(const SurfaceMesh& skin, Index t) {
   const Vector3d a = skin.vertices.col(skin.triangles(0, t));
   const Vector3d b = skin.vertices.col(skin.triangles(1, t));
@@ -78,7 +78,7 @@ Vector3d normal_of(const SurfaceMesh& skin, Index t) {
 
 struct OnSkin {
   double distance = std::numeric_limits<double>::infinity();  // m
-  // Of the triangles that are this near: edges and corners have several.
+  // Normals of all triangles at this distance; there are several if an edge or corner is nearest.
   std::vector<Vector3d> normals = {};
 };
 
@@ -98,8 +98,8 @@ OnSkin nearest_skin(const SurfaceMesh& skin, const Vector3d& X) {
   return nearest;
 }
 
-// How directly a load goes into the skin: 1 straight, 0 along it, -1 it pulls. The most of some
-// triangles.
+// How directly a load enters the skin, the largest value of these normals: 1 if it is perpendicular
+// to the skin, 0 if parallel, -1 if it pulls.
 double directness(const std::vector<Vector3d>& normals, const Vector3d& direction) {
   double most = -1;
   for (const Vector3d& n : normals) most = std::max(most, -n.dot(direction));
@@ -128,7 +128,7 @@ Result<PlacedLoad> load_at(const ReducedBody& body, const Vector3d& X, double fo
     return Problem{fmt::format("a load of {} N: loads are 0 or more", force)};
   }
   const OnSkin skin = nearest_skin(body.surface, X);
-  int place = -1, facing = -1;  // the nearest, and the nearest of those that go into this face
+  int place = -1, facing = -1;  // the nearest, and the nearest whose load enters the skin at X
   double least = std::numeric_limits<double>::infinity(), least_facing = least;
   for (int p = 0; p < place_count(body); ++p) {
     const Site& site = load_place(body, p);
@@ -138,7 +138,8 @@ Result<PlacedLoad> load_at(const ReducedBody& body, const Vector3d& X, double fo
       place = p;
     }
     if (distance >= least_facing) continue;
-    // Within 60 degrees of how directly it goes in at its own place.
+    // Directness is a cosine: 0.5 less than at the load's own site is 60 degrees for a load that is
+    // perpendicular there.
     const double there = directness(normals_at(body.surface, site.vertex), site.direction);
     if (directness(skin.normals, site.direction) < there - 0.5) continue;
     least_facing = distance;
@@ -215,7 +216,7 @@ LoadedBody::Answer LoadedBody::solve(std::span<const PlacedLoad> loads) noexcept
     }
     double& sum = place < S ? presses : reactions;
     sum += level;
-    if (sum > 1.0 + 1e-9) {  // rounding of shares that sum up to 1
+    if (sum > 1.0 + 1e-9) {  // 1e-9: rounding of levels that sum up to 1
       answer.refused = LoadsRefused::kBeyondRange;
       answer.sum = sum;
       return answer;
@@ -225,7 +226,7 @@ LoadedBody::Answer LoadedBody::solve(std::span<const PlacedLoad> loads) noexcept
   f_.setZero();
   for (const auto [place, level] : loads) f_ += level * unit_.col(place);
   QuarticEquilibrium::Answer found = newton_.solve(f_, q_);
-  if (!found.converged) {  // from far away; once more from rest
+  if (!found.converged) {  // the last state may be a bad start: try once more from rest
     q_.setZero();
     found = newton_.solve(f_, q_);
   }
@@ -249,7 +250,7 @@ void LoadedBody::displacement(std::span<float> u) const {
 }
 
 double LoadedBody::press_depth(int place) const {
-  // The displacement conjugate to the load.
+  // The modal forces of the full load times q are the work of the full load.
   return unit_.col(place).dot(q_) / load_place(*body_, place).full_load;
 }
 

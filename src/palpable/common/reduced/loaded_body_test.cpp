@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using test::tolerance;
 
-constexpr int kBall = 6;  // sites of the ball; its reaction comes after them
+constexpr int kBall = 6;  // number of the ball's sites, and so the number of its reaction
 
 TEST_CASE("the body under several loads is in equilibrium with all of them", "[reduced][several]") {
   const ReducedBody body = test::with_several(test::pressed_ball(0.05, 0.01, 1));
@@ -30,7 +30,7 @@ TEST_CASE("the body under several loads is in equilibrium with all of them", "[r
   REQUIRE(answer.ok());
   CHECK(answer.steps > 1);  // not linear
 
-  // Forces at the vertices, and what the energy holds against them.
+  // The modal forces of the loads equal the gradient of the energy.
   const Eigen::MatrixXf& F = body.several->modes;
   VectorXd f = VectorXd::Zero(F.cols());
   for (const auto [place, level] : loads) {
@@ -52,7 +52,7 @@ TEST_CASE("the body under several loads is in equilibrium with all of them", "[r
     CHECK(static_cast<double>(u[i]) ==
           Approx(expected[i]).margin(tolerance(1e-7, "single precision of 10 mm")));
   }
-  // The press of a place is the mean of its patch along its load.
+  // The press depth of a place is the weighted mean displacement of its patch along its load.
   const Site& top = body.sites[4];
   double press = 0;
   for (std::size_t k = 0; k < top.patch.size(); ++k) {
@@ -62,7 +62,7 @@ TEST_CASE("the body under several loads is in equilibrium with all of them", "[r
   CHECK(loaded.press_depth(4) == Approx(press).epsilon(tolerance(1e-6, "single precision")));
   CHECK(press > 0);
 
-  // Two loads are not the sum of the two.
+  // The response to several loads is not the sum of the responses to each.
   VectorXd sum = VectorXd::Zero(F.cols());
   for (const PlacedLoad& one : loads) {
     (void)loaded.solve({});
@@ -74,7 +74,7 @@ TEST_CASE("the body under several loads is in equilibrium with all of them", "[r
   CHECK((sum - loaded.amplitudes()).norm() > 0.05 * sum.norm());
 }
 
-TEST_CASE("from the last answer the next is found in fewer steps, and nothing is allocated",
+TEST_CASE("a solve from the last state takes fewer steps, and nothing is allocated",
           "[reduced][several]") {
   const ReducedBody body = test::with_several(test::pressed_ball(0.05, 0.01, 1));
   LoadedBody loaded = LoadedBody::make(body).value();
@@ -123,7 +123,7 @@ TEST_CASE("loads that a body was not baked for are refused, and it stays as it w
              Contains("'ball' answers one load at a time") && Contains("intrusive-pgd"));
 }
 
-TEST_CASE("a load is named by a point of the skin and a force", "[reduced][several]") {
+TEST_CASE("a point of the skin and a force give a load", "[reduced][several]") {
   const ReducedBody body = test::with_several(test::pressed_ball());
   const auto at = [&](int place) -> Vector3d {
     return body.surface.vertices.col(load_place(body, place).vertex);
@@ -134,7 +134,7 @@ TEST_CASE("a load is named by a point of the skin and a force", "[reduced][sever
   const PlacedLoad pushed = load_at(body, at(kBall), 1.5).value();
   CHECK(pushed.place == kBall);
   CHECK(pushed.level == Approx(0.5));  // of 3 N
-  // Beside the middle of its patch it is still that site's.
+  // A point beside the middle of a site's patch still belongs to that site.
   const int beside = body.sites[2].patch[1];
   CHECK(load_at(body, body.surface.vertices.col(beside), 2.0).value().place == 2);
   CHECK(load_at(body, at(4), 0.0).value().level == 0.0);
@@ -152,7 +152,7 @@ TEST_CASE("a point off the skin or off the loaded faces, and a force out of rang
                                                          Contains("site 4 at (") &&
                                                          Contains("20 mm away"));
   CHECK_THAT(refusal(top - Vector3d(0, 0, 0.03), 1), Contains("29.9 mm off"));
-  // Between top and side: on the skin, but in no patch.
+  // A point between top and side is on the skin, but in no patch.
   CHECK_THAT(refusal(Vector3d(0, 0, 0.05) + 0.05 * Vector3d(-1, 0, 1).normalized(), 1),
              Contains("baked for no load on") && Contains("nearest place for one is site"));
   CHECK_THAT(refusal(top, 2.5), Contains("2.5 N") && Contains("beyond the range") &&
@@ -161,7 +161,8 @@ TEST_CASE("a point off the skin or off the loaded faces, and a force out of rang
   CHECK_THAT(refusal(top, std::nan("")), Contains("nan N"));
   CHECK_THAT(refusal(Vector3d(0, std::nan(""), 0), 1), Contains("three numbers"));
 
-  // A patch that reaches around to the side does not make the side a face for presses from above.
+  // Even if the patch of a press from above extends to the side of the body, that load is not used
+  // for points on the side.
   ReducedBody wide = body;
   Site& over_all = wide.sites[4];
   for (int v = 0; v < body.surface.vertex_count(); ++v) {

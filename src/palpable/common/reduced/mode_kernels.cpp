@@ -1,6 +1,7 @@
-// The loops over modes for whatever vector instructions there are, by Google Highway: this file is
+// The loops over modes for all sets of vector instructions, by Google Highway: this file is
 // compiled once for each instruction set, and the best one is chosen when the program runs. It is
-// compiled without contraction of a * b + c (CMakeLists.txt), which would differ between them.
+// compiled without contraction of a * b + c (CMakeLists.txt), which would give results that differ
+// between the instruction sets.
 
 #include "palpable/common/reduced/mode_kernels.h"
 
@@ -12,7 +13,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpable/common/reduced/mode_kernels.cpp"
-// What each file of Highway needs first:
+// Every file that uses Highway begins with these includes:
 #include <hwy/foreach_target.h>
 // clang-format off
 #include <hwy/highway.h>
@@ -23,8 +24,8 @@
 namespace palpable {
 namespace {
 
-// Columns summed in one walk down the rows. More would be read at once than the processor's
-// prefetchers follow; fewer read and write u more often.
+// Number of columns that are summed in one pass over the rows. With more, the processor's
+// prefetchers cannot follow all columns; with fewer, u is read and written more often.
 constexpr std::size_t kTogether = 8;
 
 float von_mises_of(const float* s) {
@@ -39,7 +40,7 @@ void normalise_one(float* v) {
   for (int k = 0; k < 3; ++k) v[k] /= length;
 }
 
-// What the vectors leave over at the end: rows from `k` on.
+// Sums the rows from `k` on one by one: those that are left over after whole vectors.
 void sum_rows(const ModeColumns& F, const float* weights, bool add, std::span<float> u,
               std::size_t k) {
   for (; k < u.size(); ++k) {
@@ -125,8 +126,8 @@ HWY_ATTR void sum(const ModeColumns& F, const float* weights, bool add, std::spa
   }
 }
 
-// Read as triples, a vertex is two: xx yy zz and xy yz zx. So even lanes hold normal stresses and
-// odd lanes shears, and neighbours are added at the end.
+// The stress of a vertex is read as two triples, xx yy zz and xy yz zx. So even lanes hold normal
+// stresses and odd lanes shear stresses, and neighbouring lanes are added at the end.
 HWY_ATTR void von_mises(const float* stress, std::span<float> result) {
   const Floats d;
   const std::size_t lanes = hn::Lanes(d);
@@ -188,7 +189,8 @@ std::vector<ModeKernels> find_kernels() {
   return kernels;
 }
 
-// Before main(): the first frame, too, allocates nothing, and no two threads choose at once.
+// Initialised before main(), so that the first frame does not allocate either, and no two threads
+// choose at the same time.
 const std::vector<ModeKernels> kKernels = find_kernels();
 
 }  // namespace

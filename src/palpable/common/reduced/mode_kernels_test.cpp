@@ -17,7 +17,7 @@ std::vector<float> numbers(std::size_t count, unsigned seed) {
 }
 
 TEST_CASE("modes are summed to the same bytes by every kernel", "[reduced][kernels]") {
-  // Lengths around every vector's, columns on both sides of what is summed together.
+  // Lengths around those of all vectors; numbers of columns around kTogether.
   for (const std::size_t rows : {0, 1, 3, 15, 16, 17, 64, 333}) {
     for (const std::size_t columns : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 15, 16, 60}) {
       const std::size_t stride = rows + 5;

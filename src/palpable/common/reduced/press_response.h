@@ -1,5 +1,5 @@
 /// @file
-/// What a body does under one load or several, offline: figures for people and other programs.
+/// The response of a body to one load or several, computed offline for reports and other programs.
 ///
 ///   V  surface vertices
 #pragma once
@@ -13,15 +13,16 @@
 namespace palpable {
 
 struct PressResponse {
-  std::vector<double> depth;                ///< m, how far each load's place moves along it
+  std::vector<double> depth;                ///< m, press depth of each load
   std::vector<float> displacement;          ///< (3V) m
   std::optional<double> largest_von_mises;  ///< Pa; not known under several loads
-  double error = 0;  ///< of the displacement, relative L2, the worst that the body file states
+  double error = 0;  ///< relative L2 error of the displacement, the worst in the body file
 };
 
-/// One load at a site is answered by the separated fields, everything else by LoadedBody.
+/// The response to one load at a site comes from the separated fields, that to all other loads from
+/// LoadedBody.
 /// @param loads  at least one
-/// @throws Error when the body does not answer these loads, with what it does answer
+/// @throws Error if the body has no response to these loads, with the loads that are possible
 [[nodiscard]] PressResponse find_press_response(const ReducedBody& body,
                                                 std::span<const PlacedLoad> loads);
 

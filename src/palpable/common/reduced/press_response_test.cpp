@@ -10,7 +10,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kBall = 6;  // sites of the ball; its reaction comes after them
+constexpr int kBall = 6;  // number of the ball's sites, and so the number of its reaction
 
 TEST_CASE("one press is answered with its depth, its displacement and its stress",
           "[reduced][press_response]") {
@@ -18,7 +18,7 @@ TEST_CASE("one press is answered with its depth, its displacement and its stress
   const std::array<PlacedLoad, 1> press{PlacedLoad{4, 0.5}};
   const PressResponse answer = find_press_response(body, press);
   REQUIRE(answer.depth.size() == 1);
-  // The patch's weighted mean as it was baked; level 0.5 is the third of five.
+  // The baked press depth; level 0.5 is the third of five levels.
   CHECK(answer.depth[0] == Approx(body.press_depth(2, 4)).epsilon(1e-6));
   REQUIRE(answer.largest_von_mises.has_value());
   CHECK(*answer.largest_von_mises == Approx(500 * std::sqrt(3.0)).epsilon(1e-3));
@@ -37,10 +37,10 @@ TEST_CASE("several loads are answered together, without a stress, and refused by
   CHECK(answer.depth[0] > 0);
   CHECK_FALSE(answer.largest_von_mises.has_value());
   CHECK(answer.error == body.several->error_worst);
-  // One load where the body only pushes back is no press at a site.
+  // A single load at a reaction is not a press at a site.
   const std::array<PlacedLoad, 1> reaction{PlacedLoad{kBall, 0.8}};
   CHECK_FALSE(find_press_response(body, reaction).largest_von_mises.has_value());
-  // Beyond what the body was made for.
+  // Loads beyond the body's range.
   const std::array<PlacedLoad, 2> too_much{PlacedLoad{4, 0.8}, PlacedLoad{0, 0.8}};
   CHECK_THROWS_AS(find_press_response(body, too_much), Error);
 }

@@ -40,7 +40,7 @@ void press_surface(const ReducedBody& body, const Eigen::Matrix3Xf& rest,
     const float *a = x + 3 * corner[0], *b = x + 3 * corner[1], *c = x + 3 * corner[2];
     const float p0 = b[0] - a[0], p1 = b[1] - a[1], p2 = b[2] - a[2];
     const float q0 = c[0] - a[0], q1 = c[1] - a[1], q2 = c[2] - a[2];
-    // Twice the area long, so larger triangles weigh more.
+    // The length is twice the area, so that larger triangles have more weight.
     const float n[3] = {p1 * q2 - p2 * q1, p2 * q0 - p0 * q2, p0 * q1 - p1 * q0};
     for (int k = 0; k < 3; ++k) {
       float* sum = sums + 3 * corner[k];

@@ -13,7 +13,8 @@ namespace {
 
 using test::tolerance;
 
-TEST_CASE("a pressed surface is what its parts give one by one", "[reduced]") {
+TEST_CASE("a pressed surface has the displacement, normals and stress that are computed one by one",
+          "[reduced]") {
   const ReducedBody body = test::pressed_ball();  // 642 vertices: a whole block and a part of one
   const Eigen::Index V = body.surface.vertices.cols();
   const Eigen::Matrix3Xf rest = body.surface.vertices.cast<float>();
@@ -33,7 +34,8 @@ TEST_CASE("a pressed surface is what its parts give one by one", "[reduced]") {
         tolerance(1e-6, "single precision of unit vectors"));
   CHECK((normals.colwise().norm().array() - 1).abs().maxCoeff() <= tolerance(2e-7, "likewise"));
 
-  // With the six components it is the same, and they are the field's.
+  // When the six components are requested, too, the results are the same, and the components are
+  // those of the stress field.
   std::vector<float> six(6 * count), again(count);
   press_surface(body, rest, mu, vertices, normals, again, six);
   CHECK(again == mises);

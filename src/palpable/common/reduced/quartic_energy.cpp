@@ -15,7 +15,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Place of (i, j, k, l), in any order; of three or two indices likewise.
+// Index of the coefficient (i, j, k, l), in any order, among the distinct ones; likewise with three
+// or two indices.
 template <std::size_t kOrder>
 Index place(std::array<Index, kOrder> indices) {
   std::sort(indices.begin(), indices.end());
@@ -131,14 +132,15 @@ QuarticEquilibrium::Answer QuarticEquilibrium::solve(const VectorXd& f, VectorXd
     double shift = 0.0;
     while (!newton_step(shift)) {
       shift = shift == 0.0 ? 0.01 : 4.0 * shift;
-      if (!(shift < 1e9)) return answer;  // not a number somewhere
+      if (!(shift < 1e9)) return answer;  // some value is not a number
     }
     double share = 1.0, trial_energy = 0.0;
     int halvings = 0;
     for (; halvings < kMostHalvings; ++halvings, share *= 0.5) {
       trial_ = q + share * step_;
       trial_energy = evaluate(trial_) - f.dot(trial_);
-      // Rounding: the last steps change the energy by less than it is known to.
+      // The tolerance allows for rounding: the last steps change the energy by less than its
+      // rounding error.
       if (trial_energy <= energy + 1e-12 * std::abs(energy)) break;
     }
     if (halvings == kMostHalvings) {

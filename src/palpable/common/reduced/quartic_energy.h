@@ -1,12 +1,13 @@
 /// @file
-/// The stored energy of a St. Venant-Kirchhoff body in a few modes, exactly, and the equilibrium of
-/// the body in them under any load.
+/// The exact stored energy of a St. Venant-Kirchhoff body in a few modes, and the body's
+/// equilibrium in these modes under any load.
 ///
 ///   n  modes     P  pairs (i, j) with i <= j, n (n + 1) / 2, in the order 00 01 11 02 12 22 ...
 ///
 ///     u = sum_i q_i F_i,     W(q) = 1/2 K qq + 1/6 C qqq + 1/24 D qqqq
 ///
-/// Green's strain is quadratic in u and the energy quadratic in the strain, so nothing is left out.
+/// Green's strain is quadratic in u and the energy is quadratic in the strain, so this polynomial
+/// is exact.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,8 +28,8 @@ struct QuarticEnergy {
   return i <= j ? j * (j + 1) / 2 + i : i * (i + 1) / 2 + j;
 }
 
-/// The coefficients that differ: what a body file holds. Of each set of equal ones that with
-/// i <= j <= k <= l, the last index running slowest.
+/// The distinct coefficients, which a body file holds: those with i <= j <= k <= l, ordered with
+/// the last index running slowest.
 struct DistinctCoefficients {
   Eigen::VectorXd quadratic;  ///< (n (n + 1) / 2) J, K_ij: 00 01 11 02 12 22 ...
   Eigen::VectorXd cubic;      ///< (n (n + 1) (n + 2) / 6) J, C_ijk: 000 001 011 111 002 ...
@@ -36,40 +37,42 @@ struct DistinctCoefficients {
 };
 [[nodiscard]] DistinctCoefficients distinct_coefficients(const QuarticEnergy& energy);
 
-/// The other way. @pre sizes are those of n modes
+/// The inverse of distinct_coefficients(). @pre the sizes are those of n = `modes` modes
 [[nodiscard]] QuarticEnergy energy_of(int modes, const DistinctCoefficients& coefficients);
 
-/// How many sets of `order` equal indices of n there are: n (n + 1) ... (n + order - 1) / order!.
+/// Number of distinct coefficients of a symmetric form with `order` indices in 0 .. n - 1:
+/// n (n + 1) ... (n + order - 1) / order!.
 [[nodiscard]] constexpr Eigen::Index distinct_count(Eigen::Index n, int order) {
   Eigen::Index count = 1;
   for (int k = 0; k < order; ++k) count = count * (n + k) / (k + 1);
   return count;
 }
 
-/// Newton's method on dW/dq = f, from any start. Allocates at construction only.
+/// Newton's method on dW/dq = f, from any start. Only the constructor allocates.
 class QuarticEquilibrium {
  public:
-  /// @param energy  outlives this; finite; K positive definite
+  /// @param energy  outlives this; its values are finite and K is positive definite
   explicit QuarticEquilibrium(const QuarticEnergy& energy);
 
   struct Answer {
-    bool converged = false;  ///< |dW/dq - f| <= 1e-6 |f|; otherwise q is the best that was found
+    bool converged = false;  ///< |dW/dq - f| <= 1e-6 |f|; otherwise q is the last iterate
     int steps = 0;           ///< of Newton's method
     double residual = 0;     ///< relative to |f|
   };
-  /// Steps that raise W - f . q are halved; where the second derivative is not positive definite, a
-  /// multiple of the diagonal of K is added. Two dozen modes take 0.1 ms a step.
+  /// Steps that raise W - f . q are halved; if the second derivative is not positive definite, a
+  /// multiple of the diagonal of K is added to it. A step takes 0.1 ms with two dozen modes.
   /// @param f  (n) N m per unit of q: F_i . forces
   /// @param q  (n) in: where to start; out: the equilibrium
   Answer solve(const Eigen::VectorXd& f, Eigen::VectorXd& q);
 
-  /// W, and its first and second derivative into gradient() and hessian().
+  /// Returns W and stores its first and second derivative in gradient() and hessian().
   double evaluate(const Eigen::VectorXd& q);
   [[nodiscard]] const Eigen::VectorXd& gradient() const { return gradient_; }
   [[nodiscard]] const Eigen::MatrixXd& hessian() const { return hessian_; }
 
  private:
-  // The step H^-1 r into step_; false where H is not positive definite.
+  // Stores the step (H + shift diag K)^-1 r in step_; false if that matrix is not positive
+  // definite.
   bool newton_step(double shift);
 
   const QuarticEnergy& energy_;

@@ -15,7 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::tolerance;
 
-// W = 1/2 |E(q)|^2 with E = A q + (quadratic in q): never negative, as a stored energy is.
+// W = 1/2 |E(q)|^2 with E = A q + (quadratic in q), which is never negative, like a stored energy.
 QuarticEnergy some_energy(Index n, double curved) {
   auto random = test::random_case(static_cast<unsigned>(n));
   std::normal_distribution<double> normal;
@@ -43,7 +43,7 @@ QuarticEnergy some_energy(Index n, double curved) {
   return energy;
 }
 
-TEST_CASE("of equal coefficients one is kept, and all come back", "[reduced][several]") {
+TEST_CASE("all coefficients are restored from the distinct ones", "[reduced][several]") {
   const QuarticEnergy energy = some_energy(5, 0.3);
   const DistinctCoefficients distinct = distinct_coefficients(energy);
   CHECK(distinct.quadratic.size() == 15);
@@ -87,7 +87,7 @@ TEST_CASE("the derivatives are those of the energy", "[reduced][several]") {
   CHECK(body.evaluate(VectorXd::Zero(5)) == 0.0);
 }
 
-TEST_CASE("the equilibrium is found from rest and from far, and allocates nothing",
+TEST_CASE("the equilibrium is found from rest and from a distant start, without allocating",
           "[reduced][several]") {
   const QuarticEnergy energy = some_energy(12, 0.5);
   QuarticEquilibrium body(energy);

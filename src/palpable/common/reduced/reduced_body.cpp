@@ -28,7 +28,8 @@ void expect_table(const ReducedBody& body, int site) {
   PALPABLE_EXPECT(body.level_slope.cols() == body.press_depth.cols(), "the press is tabulated");
 }
 
-// A table over (..., parameter), the parameter's samples side by side, at one value of it.
+// Interpolates a table over (..., parameter), in which the parameter's samples are neighbouring
+// columns, at one value of the parameter.
 //   (R x K n) -> (R x K)
 MatrixXd at_value(const MatrixXd& table, const VectorXd& samples, double value) {
   const Index n = samples.size(), K = table.cols() / n;

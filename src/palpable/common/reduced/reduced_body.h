@@ -1,5 +1,6 @@
 /// @file
-/// A body as the live half knows it: its skin, where it may be touched, and how it then gives way.
+/// A body in the form that the live half uses: its skin, its sites, and its response to loads
+/// there.
 ///
 /// Body frame: metres, Z up, the body stands on Z = 0 around the Z axis.
 ///
@@ -23,11 +24,12 @@
 
 namespace palpable {
 
-/// Where the body may be touched: a vertex and its patch of graph distance 2 (paper Fig. 15).
+/// A site, at which the body was pressed: a vertex and its patch of graph distance 2 (paper Fig.
+/// 15).
 struct Site {
   int vertex = 0;              ///< the middle of the patch, surface vertex
   std::vector<int> patch;      ///< surface vertices that carry the load, `vertex` first
-  std::vector<float> weights;  ///< share of the load per patch vertex (nodal areas); sums to 1
+  std::vector<float> weights;  ///< share of the load per patch vertex (nodal areas); sum 1
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit vector of the load, body frame
   double full_load = 0;                                 ///< N, the load at level 1
 };
@@ -41,64 +43,65 @@ struct ErrorCourse {
   Eigen::MatrixXf snapshots;  ///< (K x q) of each snapshot, against its own norm
 };
 
-/// A body against states that were solved afresh, between the levels that it was made from.
-///   H  such levels
+/// Errors of a body at levels between those it was made from, against full-order solutions there.
+///   H  number of these levels
 struct HeldOutRecord {
   Eigen::VectorXd levels;          ///< (H) increasing
   Eigen::MatrixXf displacement;    ///< (H x S) relative L2 on the skin, against its own norm
-  double displacement_pooled = 0;  ///< of all together
-  Eigen::MatrixXf von_mises;       ///< (H x S) the worst vertex, against the same field's largest
+  double displacement_pooled = 0;  ///< over all of them together
+  Eigen::MatrixXf von_mises;       ///< (H x S) of the worst vertex, ratio to the field's largest
 };
 
-/// What was given up in the reduction, and how large the parts are. All errors relative, L2.
+/// The errors of the reduction by their causes. All errors are relative, L2.
 struct ReductionError {
   double displacement_pooled = 0;  ///< |A - A_r| / |A| over all snapshots together
-  double displacement_worst = 0;   ///< the largest of one snapshot's own error
+  double displacement_worst = 0;   ///< the largest error of a snapshot relative to its own norm
   double stress_pooled = 0;
   double stress_worst = 0;
-  /// What the numbers of the modes lost in the file: over all samples together, |A_r - A_file| /
-  /// |A_r|.
+  /// Error from rounding the modes in the file: |A_r - A_file| / |A_r| over all samples together.
   double displacement_rounding = 0;
   double stress_rounding = 0;
-  /// Sites are categorical: a touch between them gets the field of the nearest. How wrong that is,
-  /// against a full solve there, in the median; where somebody has measured it.
+  /// Sites are categorical: a touch between them gets the field of the nearest site. This is the
+  /// median error of that, against full-order solutions between sites, if it was measured.
   std::optional<double> between_sites = {};
-  /// Of the reduction, over the volume; where a method stores another number of modes than it
-  /// found (blocks of sites), by those found.
+  /// Errors of the reduction over the volume. For methods that store another number of modes than
+  /// they found (as blocks of sites), by the number of modes found.
   std::optional<ErrorCourse> displacement_course = {};
   std::optional<ErrorCourse> stress_course = {};
-  /// Of von Mises stress on the skin, by the first modes (of each site) of the body as it is
-  /// evaluated.
+  /// Errors of the von Mises stress on the skin when the body is evaluated with its first modes (of
+  /// each site) only.
   std::optional<ErrorCourse> von_mises_course = {};
   std::optional<HeldOutRecord> held_out = {};
 };
 
-/// A parameter beyond site and level, e.g. how stiff a part of the body is.
+/// A parameter beyond site and level, e.g. the stiffness of a part of the body.
 struct FurtherParameter {
   std::string name;
   Eigen::VectorXd samples;  ///< (n) increasing
-  double value = 0;         ///< what holds unless somebody asks for another
+  double value = 0;         ///< default
 };
 
-/// The inside of the body, which nobody sees live.
+/// The volume of the body, which the live half does not use.
 ///   n  nodes   E  elements
 struct BodyVolume {
   Eigen::Matrix3Xd nodes;                     ///< (3 x n) m, body frame
   Eigen::MatrixXi tets;                       ///< (4 x E) or (10 x E), in the order of VTK
-  SeparatedField displacement;                ///< (3n) m, over the axes of the surface's
+  SeparatedField displacement;                ///< (3n) m, over the same axes as the surface's
   std::optional<SeparatedField> stress = {};  ///< (6n) Pa
 };
 
-/// What it takes to load a body at several places at once (loaded_body.h). A body without it
-/// answers one load at a time.
+/// The data for loading a body at several places at once (loaded_body.h). A body without them has a
+/// response to one load at a time only.
 ///   n  modes
 struct SeveralLoads {
   QuarticEnergy energy;   ///< (n) K is positive definite
-  Eigen::MatrixXf modes;  ///< (3V x n) m: what the skin does at amplitude 1 of each
-  /// (R) where something may push back beside a press at the body's own sites; perhaps none.
+  Eigen::MatrixXf modes;  ///< (3V x n) m, displacement of the skin at amplitude 1 of each mode
+  /// (R) reactions: places where something may push against the body while a site is pressed. May
+  /// be empty.
   std::vector<Site> reactions = {};
-  /// Displacement of the whole volume under a press and a reaction, against `checked` states solved
-  /// afresh: relative L2, own norm. 0 states: not known.
+  /// Error of the displacement of the whole volume under a press and a reaction, against `checked`
+  /// full-order solutions, each relative to its own norm (L2). If `checked` is 0, the error is not
+  /// known.
   int checked = 0;
   double error_median = 0, error_worst = 0;
 
@@ -113,27 +116,27 @@ struct ReducedBody {
   std::vector<Site> sites;          ///< (S) at least one
 
   /// (3V) m, over the axes "site" (samples 0..S-1, Between::kNothing) and "level" (0..1, kSmooth),
-  /// and those of `further` while they are not settled.
+  /// and, unless the body is settled, those of `further`.
   SeparatedField displacement;
   /// (6V) Pa, Cauchy stress xx yy zz xy yz zx per vertex; same axes.
   SeparatedField stress;
 
-  /// (L x S) m: how far the patch of each site has moved along the load direction (weighted mean)
-  /// at each sample of the level axis; 0 in the first row, strictly increasing downwards.
+  /// (L x S) m, displacement of each site's patch along the load direction (weighted mean) at each
+  /// sample of the level axis; 0 in the first row, strictly increasing from row to row.
   Eigen::MatrixXd press_depth;
-  /// (L x S) Between these samples depth over level and level over depth are cubics with these
-  /// slopes at the samples, both strictly increasing. tabulate_press() makes them.
+  /// (L x S) Slopes at these samples of two piecewise cubics, depth over level and level over
+  /// depth, both strictly increasing. tabulate_press() fills them.
   Eigen::MatrixXd depth_slope = {};  ///< m
   Eigen::MatrixXd level_slope = {};  ///< 1/m
 
   double largest_von_mises = 0;  ///< Pa, over all snapshots and vertices: top of the colour scale
   ReductionError error;
-  std::string material;  ///< one line for people: law and constants with units
-  /// Where every number comes from: mesh source and sizes, material, method, program version,
-  /// command line, ... as (key, value) lines in the order in which to show them.
+  std::string material;  ///< one line for users: law and constants with units
+  /// The provenance of every number: mesh source and sizes, material, method, program version,
+  /// command line, ... as (key, value) lines in the order in which they are shown.
   std::vector<std::pair<std::string, std::string>> provenance;
-  /// How the modes were found: "per-site", "pgd", ... (ReductionMethod), "intrusive"; empty: not
-  /// known, as of another program's modes.
+  /// The method that found the modes: "per-site", "pgd", ... (ReductionMethod), "intrusive"; empty
+  /// if it is not known, e.g. for another program's modes.
   std::string method = {};
 
   /// Parameters 3, 4, ... K is the product of their counts of samples, the last one runs fastest.
@@ -142,30 +145,31 @@ struct ReducedBody {
   Eigen::MatrixXd further_full_load = {};    ///< (S x K) N; empty when settled
 
   std::optional<BodyVolume> volume = {};
-  std::optional<SeveralLoads> several = {};  ///< of settled bodies only
+  std::optional<SeveralLoads> several = {};  ///< only in settled bodies
 
   [[nodiscard]] const Eigen::VectorXd& levels() const { return displacement.axes()[1].samples; }
-  /// Whether the fields hang on site and level alone, as the frame loop needs it.
+  /// Whether the fields depend on site and level only, as the frame loop requires.
   [[nodiscard]] bool is_settled() const { return displacement.axes().size() == 2; }
 };
 
-/// The body whose further parameters have the values in `values`, or their own: exact for the
-/// fields; loads and depths are interpolated between samples as the fields are.
-/// @returns a problem if `values` names what the body does not have, or lies outside of its samples
+/// The body with its further parameters set to `values`, or to their defaults. Exact for the
+/// fields; loads and depths are interpolated between samples like the fields.
+/// @returns a problem if `values` names a parameter that the body does not have, or a value outside
+///          of its samples
 [[nodiscard]] Result<ReducedBody> settled(const ReducedBody& body,
                                           const std::map<std::string, double>& values = {});
 
-/// Fills depth_slope and level_slope: splines through the samples (spline.h), cut where they would
-/// not increase.
+/// Fills depth_slope and level_slope: slopes of splines through the samples (spline.h), limited
+/// where the spline would not increase.
 void tabulate_press(ReducedBody& body);
 
-/// The level at which the patch of `site` has moved by `depth` (m) along its load: a table, no
-/// iteration. Strictly increasing in `depth`, clamped to [0, 1]; 0 for NaN. Exact at the samples,
-/// 2e-5 between 26 of them on a bunny. Allocates nothing.
+/// The level at which the press depth of `site` is `depth` (m), by a table, without iteration.
+/// Strictly increasing in `depth`, clamped to [0, 1]; 0 for NaN. Exact at the samples; the error
+/// between 26 of them is 2e-5 on a bunny. Allocates nothing.
 [[nodiscard]] double level_of_press_depth(const ReducedBody& body, int site, double depth);
 
-/// How far the patch of `site` has moved along its load at `level`, m. Strictly increasing;
-/// `level` is clamped to [0, 1]. Allocates nothing.
+/// The press depth of `site` at `level`, m. Strictly increasing; `level` is clamped to [0, 1].
+/// Allocates nothing.
 [[nodiscard]] double press_depth_of_level(const ReducedBody& body, int site, double level);
 
 /// Von Mises stress, sqrt(3/2 s:s) with s the deviator. Allocates nothing.

@@ -25,8 +25,8 @@ TEST_CASE("the level of a depth is exact at the samples", "[reduced]") {
 }
 
 TEST_CASE("depth and level are each other's inverse as far as cubics can be", "[reduced]") {
-  // Softens by a factor of 2.6 from the first to the last touch, the most of all sites of the
-  // bunny.
+  // A body that softens by a factor of 2.6 from the first to the last level, as much as the softest
+  // site of the bunny.
   const auto depth = [](double level) { return 0.01 * (level + 0.8 * level * level); };
   ReducedBody body = test::pressed_ball(0.05, 0.01, 1, 27);
   body.press_depth.col(1) = body.levels().unaryExpr(depth);
@@ -95,7 +95,7 @@ TEST_CASE("a body with a third and a fourth parameter is settled on values of th
     const ReducedBody one = settled(body, {{"softness", soft}, {"heat", heat}}).value();
     CHECK(one.is_settled());
     CHECK(one.further[0].value == soft);
-    // with_further(): everything grows with softness (1 + heat), forces shrink.
+    // In with_further() displacements grow by softness * (1 + heat), and forces shrink.
     const double factor = soft * (1 + heat);
     CHECK((field(one.displacement, {3, 0.6}) -
            static_cast<float>(factor) * field(plain.displacement, {3, 0.6}))
@@ -105,7 +105,7 @@ TEST_CASE("a body with a third and a fourth parameter is settled on values of th
     CHECK(one.sites[2].full_load == Approx((3 - soft) * plain.sites[2].full_load));
     CHECK(level_of_press_depth(one, 1, one.press_depth(1, 1)) == one.levels()[1]);
   }
-  CHECK(settled(body).value().further[0].value == 1);  // its own
+  CHECK(settled(body).value().further[0].value == 1);  // the default
 }
 
 TEST_CASE("a value that the body does not have is refused by name", "[reduced][errors]") {

@@ -28,7 +28,7 @@ ReducedBody scaled(const ReducedBody& body, double factor) {
   for (Site& site : result.sites) site.full_load *= factor * factor;
   if (result.several) {
     SeveralLoads& several = *result.several;
-    // The same strains in factor^3 of the volume.
+    // The strains are the same, and the volume is factor^3 times as large.
     for (auto* coefficients : {&several.energy.C, &several.energy.D}) {
       *coefficients *= factor * factor * factor;
     }

@@ -12,7 +12,7 @@
 namespace palpable {
 namespace {
 
-// Modes whose weights are computed before they are summed: they lie on the stack.
+// Number of modes whose weights are computed, on the stack, before the modes are summed.
 constexpr int kModesAtOnce = 256;
 
 bool strictly_increasing(const Eigen::VectorXd& x) {
@@ -20,7 +20,7 @@ bool strictly_increasing(const Eigen::VectorXd& x) {
                             [](double a, double b) { return !(a < b); }) == x.data() + x.size();
 }
 
-// A choice has no in-between.
+// The sample that equals `mu`: a choice has no values between its samples.
 CubicWeights chosen(const ParameterAxis& axis, double mu) {
   const double* first = axis.samples.data();
   const Eigen::Index last = axis.samples.size() - 1;
@@ -107,7 +107,7 @@ SeparatedField::Point SeparatedField::point(std::span<const double> mu, int deri
   return at;
 }
 
-// G_i^1 ... G_i^p for as many modes as there are weights, from column `first` on.
+// Computes G_i^1 ... G_i^p for weights.size() modes from column `first` on.
 void SeparatedField::weigh(const Point& point, int first, std::span<float> weights) const {
   std::array<double, kModesAtOnce> product;
   const std::size_t m = weights.size();
@@ -205,7 +205,8 @@ SeparatedField SeparatedField::settled(int j, double at) const {
   }
   std::vector<ParameterAxis> axes = axes_;
   axes.erase(axes.begin() + j);
-  // Any of the others may carry the factor; a choice's indicators are left what they are.
+  // The factor G goes to another axis: preferably to one of a quantity, so that the indicators of a
+  // choice stay indicators.
   std::size_t carrier = 0;
   while (carrier + 1 < axes.size() && axes[carrier].between != Between::kSmooth) ++carrier;
   axes[carrier].functions = axes[carrier].functions * G.asDiagonal();

@@ -37,13 +37,13 @@ TEST_CASE("at a sample the field is the sum of products of its factors", "[reduc
   for (int k = 0; k < 3; ++k) CHECK(u[k] == float(k) * 4.0f + 2.0f);  // exact: small integers
 }
 
-TEST_CASE("a parameter beyond its axis counts as the end of the axis", "[reduced]") {
+TEST_CASE("a parameter beyond its axis is clamped to the end of the axis", "[reduced]") {
   const SeparatedField field = two_mode_field();
   CHECK(evaluate(field, {1, 7}) == evaluate(field, {1, 2}));
   CHECK(evaluate(field, {-3, 2}) == evaluate(field, {0, 2}));
 }
 
-TEST_CASE("a choice has no in-between and no beyond", "[reduced][errors]") {
+TEST_CASE("a choice that is not a sample is refused", "[reduced][errors]") {
   std::vector<ParameterAxis> axes = two_mode_field().axes();
   axes[1].between = Between::kNothing;
   const SeparatedField field(two_mode_field().modes(), axes);
@@ -108,7 +108,7 @@ std::vector<SeparatedField> three_blocks() {
   return blocks;
 }
 
-TEST_CASE("a block of modes per choice is at each choice that block", "[reduced]") {
+TEST_CASE("a field with one block per choice equals that block at each choice", "[reduced]") {
   const std::vector<SeparatedField> blocks = three_blocks();
   const SeparatedField field = one_block_per_choice("site", blocks);
   CHECK(field.mode_count() == 6);
@@ -125,7 +125,7 @@ TEST_CASE("a block of modes per choice is at each choice that block", "[reduced]
 TEST_CASE("only the modes of a choice are read", "[reduced]") {
   SeparatedField field = one_block_per_choice("site", three_blocks());
   MatrixXf F = field.modes();
-  F.col(2).setConstant(NAN);  // 0 * NaN would show
+  F.col(2).setConstant(NAN);  // 0 * NaN would give NaN
   const SeparatedField spoiled(F, field.axes());
   CHECK(evaluate(spoiled, {0, 0.3, 2}) == evaluate(field, {0, 0.3, 2}));
   CHECK(evaluate(spoiled, {2, 0.3, 2}) == evaluate(field, {2, 0.3, 2}));
@@ -179,7 +179,7 @@ TEST_CASE("the derivative by a parameter is the limit of differences", "[reduced
       more[std::size_t(j)] += h;
       less[std::size_t(j)] -= h;
       const VectorXf slope = (evaluate(field, more) - evaluate(field, less)) / float(2 * h);
-      // Far larger than what a wrong sign or factor gives: slopes are 1 to 30.
+      // A wrong sign or factor would give a far larger difference: slopes are 1 to 30.
       CHECK((du - slope).norm() <=
             tolerance(0.03, "h^2/6 of third derivatives, of jumps of them") * (1 + slope.norm()));
       field.derivative_part(mu, j, 4, std::span<float>(middle.data(), 5));

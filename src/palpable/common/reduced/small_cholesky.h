@@ -1,6 +1,6 @@
 /// @file
-/// Cholesky's factor of some dozen unknowns, column by column: small, and free of what a library
-/// may allocate.
+/// Cholesky factorisation for some dozens of unknowns, column by column. It does not allocate, as a
+/// library might.
 ///
 ///   n  unknowns     L  lower triangle, L L^T = A
 #pragma once
@@ -11,7 +11,7 @@
 
 namespace palpable {
 
-/// A <- L in its lower triangle; false where A is not positive definite.
+/// A <- L in its lower triangle; false if A is not positive definite.
 /// @param A  (n x n) the lower triangle is read
 [[nodiscard]] inline bool factorise_small(Eigen::MatrixXd& A) {
   const Eigen::Index n = A.rows();

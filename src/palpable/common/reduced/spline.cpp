@@ -28,8 +28,8 @@ MatrixXd spline_slopes(const VectorXd& x, const MatrixXd& g) {
   }
   // Equal second derivatives at an inner sample k:
   //   h_k s_(k-1) + 2 (h_(k-1) + h_k) s_k + h_(k-1) s_(k+1) = 3 (h_k d_(k-1) + h_(k-1) d_k)
-  // and equal third derivatives at the second and the last but one, which eliminates the third
-  // unknown of the first and the last row. d: secants.
+  // and equal third derivatives at the second sample and the last but one (not-a-knot), by which
+  // the third unknown of the first and the last row is eliminated. d: slopes of the secants.
   VectorXd lower = VectorXd::Zero(n), middle(n), upper = VectorXd::Zero(n);
   MatrixXd s(n, g.cols());
   middle[0] = h[1];

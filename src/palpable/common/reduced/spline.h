@@ -1,5 +1,5 @@
 /// @file
-/// Cubic interpolation of a function of one parameter that is known at samples.
+/// Cubic interpolation of a function of one parameter between samples.
 ///
 ///   n  samples
 #pragma once
@@ -9,8 +9,9 @@
 namespace palpable {
 
 /// Slopes at the samples of the cubic spline through them with not-a-knot ends: twice continuously
-/// differentiable, fourth order, exact for cubics. The ends matter: the natural spline, whose
-/// curvature there is zero, is three to four times worse on our bodies.
+/// differentiable, fourth order, exact for cubics. The condition at the ends matters: the error of
+/// the natural spline, whose curvature there is zero, is three to four times as large on our
+/// bodies.
 ///
 /// Two samples give the straight line, three the parabola, one the slope 0.
 /// @param x  (n) strictly increasing
@@ -18,16 +19,17 @@ namespace palpable {
 /// @returns  (n x m) dg/dx
 [[nodiscard]] Eigen::MatrixXd spline_slopes(const Eigen::VectorXd& x, const Eigen::MatrixXd& g);
 
-/// The same slopes, cut where the cubic between two samples could leave the range of their values:
-/// for g that increases strictly so does the interpolation. Sufficient condition of Fritsch and
-/// Carlson (1980): each slope lies between 0 and three times the steepness on both sides.
+/// The same slopes, limited so that the cubic between two samples stays in the range of their
+/// values: if g increases strictly, so does the interpolation. By the sufficient condition of
+/// Fritsch and Carlson (1980): each slope lies between 0 and three times the slope of the secant on
+/// either side.
 [[nodiscard]] Eigen::MatrixXd increasing_slopes(const Eigen::VectorXd& x, const Eigen::MatrixXd& g);
 
-/// What a cubic on [x_k, x_k+1] takes of the values g and slopes s at both ends:
+/// The weights of the values g and slopes s at both ends in a cubic on [x_k, x_k+1]:
 ///
 ///     G = value[0] g_k + value[1] s_k + value[2] g_k+1 + value[3] s_k+1,   G' likewise with slope
 ///
-/// At a sample, and beyond the first and the last one, only the entries of k are not zero.
+/// At a sample, and beyond the first and the last sample, only the entries of k are nonzero.
 struct CubicWeights {
   Eigen::Index left = 0;   ///< k
   Eigen::Index right = 0;  ///< k + 1, or k at a sample
@@ -35,7 +37,7 @@ struct CubicWeights {
   double slope[4] = {0, 0, 0, 0};
 };
 
-/// Where `at` falls among the samples. Beyond the ends the nearest end counts, and the slope is 0.
+/// The weights at `at`. Beyond the ends the value is that at the nearest end, and the slope is 0.
 /// Allocates nothing. @pre `at` is a number; x increases strictly
 [[nodiscard]] CubicWeights cubic_weights(const Eigen::Ref<const Eigen::VectorXd>& x, double at);
 

@@ -56,7 +56,7 @@ TEST_CASE("few samples give the parabola, the line and the constant", "[reduced]
 double worst_error(int n, const std::function<double(double)>& truth, bool natural = false) {
   const VectorXd x = VectorXd::LinSpaced(n + 1, 0, 1), g = x.unaryExpr(truth);
   VectorXd s = spline_slopes(x, g);
-  if (natural) {  // the textbook's: no curvature at the ends
+  if (natural) {  // the textbook's natural spline: no curvature at the ends
     MatrixXd A = MatrixXd::Zero(n + 1, n + 1);
     VectorXd b(n + 1);
     A(0, 0) = A(n, n) = 2;
@@ -79,7 +79,7 @@ double worst_error(int n, const std::function<double(double)>& truth, bool natur
 }
 
 TEST_CASE("the error of interpolation falls with the fourth power of the spacing", "[reduced]") {
-  // What a path of loads looks like: it softens, and it stiffens.
+  // Shapes of equilibrium paths: a stiffening and a softening one.
   for (const auto& truth :
        {std::function<double(double)>([](double x) { return std::exp(2 * x); }),
         std::function<double(double)>([](double x) { return std::sqrt(1 + 2 * x); })}) {
@@ -115,7 +115,7 @@ TEST_CASE("slopes of several functions are the slopes of each", "[reduced]") {
   CHECK(spline_slopes(x, g).col(1) == spline_slopes(x, g.col(1)));
 }
 
-TEST_CASE("what increases at the samples increases between them", "[reduced][law]") {
+TEST_CASE("a function that increases at the samples increases between them", "[reduced][law]") {
   for (unsigned seed = 0; seed < 200; ++seed) {
     INFO("seed " << seed);
     auto random = test::random_case(seed);
@@ -139,12 +139,12 @@ TEST_CASE("what increases at the samples increases between them", "[reduced][law
   }
 }
 
-TEST_CASE("slopes that are no danger are left as they are", "[reduced]") {
+TEST_CASE("slopes within the limit are not changed", "[reduced]") {
   const VectorXd x = uneven(), g = x.array().exp();
   CHECK(increasing_slopes(x, g) == spline_slopes(x, g));
 }
 
-TEST_CASE("beyond its samples a function is constant, and no number is refused", "[reduced]") {
+TEST_CASE("a function is constant beyond its samples, and NaN is refused", "[reduced]") {
   const VectorXd x = uneven(), g = x.array().exp(), s = spline_slopes(x, g);
   CHECK(at(x, g, s, -1) == g[0]);
   CHECK(at(x, g, s, 9) == g[5]);

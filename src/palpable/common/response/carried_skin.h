@@ -7,8 +7,8 @@
 /// with X the point at rest, h its height along the interpolated normal, and of the triangle's
 /// corners k the weights w, displacements u and vertex normals n (N at rest). The map is continuous
 /// wherever the coarse skin is, and x = X while the coarse skin is at rest. A rotation R of the
-/// coarse skin is reproduced except for (R - 1) times the part of the height that lies beside sum_k
-/// w_k N_k.
+/// coarse skin is reproduced except for (R - 1) d, with d the part of X's offset from the triangle
+/// that differs from h sum_k w_k N_k.
 ///
 ///   V  vertices of the coarse skin
 #pragma once

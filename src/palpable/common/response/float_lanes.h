@@ -12,8 +12,8 @@
 
 namespace palpable {
 
-/// Ratio to the volume at rest, at least which J is taken to be: an element below it is about to be
-/// turned inside out, and its stress would grow without bound.
+/// Ratio of an element's volume to that at rest; a smaller J is replaced by it. An element below it
+/// is about to be turned inside out, and its stress would grow without bound.
 inline constexpr float kLeastVolume = 0.01f;
 /// Pa: stresses are clipped to this, so that their squares stay finite in single precision.
 inline constexpr float kMostStress = 1e15f;

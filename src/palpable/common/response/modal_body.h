@@ -1,7 +1,7 @@
 /// @file
 /// A body whose energy is known in some modes, such as a beam that bends far, as the contact solver
-/// sees it. The whole skin is summed only for its shape; positions of single points follow Newton's
-/// method.
+/// sees it. The positions of the places that take part follow each iteration; the whole skin is
+/// summed over its modes only where its shape is read.
 ///
 ///   V  vertices of the skin     W  nodes of its shell     n  modes
 ///   C  contact points           P  places that take part in a step
@@ -35,15 +35,15 @@ struct ModalMember {
   const ModalTables* tables = nullptr;  ///< of it
 };
 
-/// How contact is solved on it; beams move far in a frame.
+/// How contact is solved on a body in modes; beams move far in a frame, hence the large steps.
 struct ModalSettings {
   double band = 0.004;          ///< m: points nearer than this may press
-  double largest_step = 0.004;  ///< m an obstacle advances in one step
-  int most_steps = 8;           ///< of a frame; what is deeper is reached in later frames
-  int iterations = 2;           ///< of Newton's method, of each step
-  int last_iterations = 10;     ///< of the last one, at most
-  double tolerance = 2e-5;      ///< m: the last iteration moved no vertex by more
-  double entry = 4e-5;          ///< m a round obstacle may enter between two contact points
+  double largest_step = 0.004;  ///< m that an obstacle advances in one step
+  int most_steps = 8;           ///< of a frame; deeper obstacles are reached in later frames
+  int iterations = 2;           ///< of Newton's method, in each step but the last
+  int last_iterations = 10;     ///< in the last step, at most
+  double tolerance = 2e-5;      ///< m: iterations end when no vertex moves more
+  double entry = 4e-5;          ///< m that a curved obstacle may enter between contact points
   double largest_move = 0.03;   ///< m that an iteration moves a vertex, at most
 };
 
@@ -53,7 +53,7 @@ struct ModalState {
   std::vector<PointForce> forces;  ///< rising by point
 };
 
-/// Whether two have the same shape, modes, energy and shell: beams from one file.
+/// Whether two bodies have the same shape, modes, energy and shell, as beams from one file have.
 [[nodiscard]] bool are_twins(const ModalMember& one, const ModalMember& other);
 
 /// A body in modes as the contact solver sees it: Newton's method on the energy,
@@ -61,14 +61,14 @@ struct ModalState {
 ///     minimise  W(q)  so that  g(q) >= 0         W'(q) = B^T f        B = dg / dq
 ///
 /// The tangent is J = F H^-1 F^T with H = W''(q) and F the modes at the places; the free
-/// displacement is F H^-1 (-W'), for q need not be in equilibrium while iterations go on.
+/// displacement is F H^-1 (-W'), which is not 0 because q is not in equilibrium during iterations.
 ///
 /// Allocates in its constructor, and when a state is used for the first time.
 class ModalBody final : public ContactBody {
  public:
   /// @param member  what it points to outlives this. @pre trouble_of(tables, body) is empty
-  /// @param twin    a body of the same make (are_twins()), or none: both read the same numbers,
-  ///                which then need not come from memory twice. To be used on the same thread
+  /// @param twin    a body with the same numbers (are_twins()), or none: both then read one copy of
+  ///                them, which saves memory traffic. Both must be used on the same thread
   explicit ModalBody(const ModalMember& member, const ModalBody* twin = nullptr,
                      const ModalSettings& settings = {});
   ~ModalBody() override;
@@ -77,12 +77,12 @@ class ModalBody final : public ContactBody {
   [[nodiscard]] Eigen::Index modes() const { return n_; }                      ///< n
   [[nodiscard]] std::span<const SkinPoint> points() const { return points_; }  ///< (C)
 
-  /// Frames advance this state from now on. It outlives its use.
+  /// From now on frames advance this state. It outlives its use.
   void use(ModalState& state) { state_ = &state; }
 
   // Of any state:
 
-  /// (3 x V) m, where the skin is. Holds until another member function is called.
+  /// (3 x V) m, positions of the skin. Valid until another member function is called.
   [[nodiscard]] const Eigen::Matrix3Xf& place(const ModalState& state);
   /// @param normals  (3 x V) unit
   void find_normals(const ModalState& state, Eigen::Matrix3Xf& normals);
@@ -119,7 +119,7 @@ class ModalBody final : public ContactBody {
   [[nodiscard]] double skin_compliance(double area, float softness, bool is_foot) const override;
   void find_step(std::span<const Eigen::Vector3f> forces) override;
   double move(std::span<const Eigen::Vector3f> forces, double share) override;
-  void form_shape(bool) override {}  // made when it is asked for
+  void form_shape(bool) override {}  // skin() forms it when it is read
   [[nodiscard]] bool has_moved(double way) const override;
   void keep(bool is_free) override;
   void end_frame(double) override {}
@@ -148,35 +148,35 @@ class ModalBody final : public ContactBody {
   SkinClusters clusters_;
   std::vector<float> rows_;               // (V x 3 x n) of the modes: vertex, direction, mode
   const Eigen::MatrixXf* modes_;          // (3V x n)
-  std::shared_ptr<PackedEnergy> energy_;  // this one's and its twins'
+  std::shared_ptr<PackedEnergy> energy_;  // shared with twins
   MovingSurface surface_;
   SkinNormals normals_;
-  // One of the two, if there is a shell; the first is its twins', too.
+  // At most one of the two, if there is a shell; the first is shared with twins.
   std::shared_ptr<ModalStress> stress_;
   std::optional<ShellStress> shell_;
 
   ModalState* state_ = nullptr;
   Eigen::VectorXd q_;
-  Eigen::VectorXf narrow_q_;     // the same
+  Eigen::VectorXf narrow_q_;     // q_ in single precision
   Eigen::Matrix3Xf u_, x_;       // (3 x V) m: displacement and position of the skin
   Eigen::Matrix3Xf shell_u_;     // (3 x W) m
-  Eigen::MatrixXf probe_modes_;  // (3 probes x n): of some vertices all over the skin, for modes
-                                 // are smooth
-  Probes probes_;                // where they are now, from rest, m,
-  Probes probes_begun_, probes_kept_, probes_linearised_;  // and were
+  // Probes are some vertices all over the skin: modes are smooth, so they tell how far any moves.
+  Eigen::MatrixXf probe_modes_;  // (3 probes x n)
+  Probes probes_;                // m, their displacements now,
+  Probes probes_begun_, probes_kept_, probes_linearised_;  // and at earlier moments
   bool is_skin_old_ = false, is_surface_old_ = false, is_box_old_ = true;
   Eigen::AlignedBox3f box_;
 
-  Eigen::VectorXd q_begun_, q_linearised_;  // (n) when the frame, and when the iteration began
+  Eigen::VectorXd q_begun_, q_linearised_;  // (n) at the begin of the frame, of the iteration
   ForcesAtStart forces_begun_{2 * std::size_t{kMostPlacesWithOthers}};
   std::size_t most_places_ = 0;
   std::vector<SkinPoint> next_, now_;       // places of the next step, and those that take part
   Eigen::Matrix3Xf now_at_rest_;            // (3 x P) m
-  Eigen::MatrixXf place_rows_;              // (n x 3P) how the modes move them
+  Eigen::MatrixXf place_rows_;              // (n x 3P) the modes there
   Eigen::VectorXd gradient_, step_, free_;  // (n) W', the step, L^-1 (-W')
   Eigen::MatrixXd hessian_, factor_;        // (n x n) W'', L
   Eigen::MatrixXd columns_, tangents_;      // (n x P) L^-1 B of unit forces
-  std::vector<std::size_t> row_of_;         // of the normal ones
+  std::vector<std::size_t> row_of_;         // of each normal unit force
 };
 
 }  // namespace palpable

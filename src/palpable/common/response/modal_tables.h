@@ -1,7 +1,7 @@
 /// @file
-/// What a body file holds for a body whose energy is known in some modes (SeveralLoads) to be
-/// touched anywhere: the modes at the nodes of its shell, for the stress, and how its skin gives
-/// way under a point, which the modes do not know.
+/// What a body file stores so that a body whose energy is known in some modes (SeveralLoads) can be
+/// touched anywhere: the modes at the nodes of its shell, for the stress, and the local compliance
+/// of its skin under a point, which the modes are too smooth to hold.
 ///
 ///   V  vertices of the skin     W  nodes of its shell (shell_table.h)     n  modes
 #pragma once
@@ -18,19 +18,19 @@ namespace palpable {
 
 struct ModalTables {
   ShellTable shell;
-  Eigen::MatrixXf inner_modes;  ///< (3 (W - V) x n) m: what the shell's inner nodes do
-  /// 1/Pa, (1 - nu^2) / E of the law at rest: a half space gives way by 0.54 times that, times the
-  /// force, over the radius of a disc that is pressed (its mean; Johnson, Contact Mechanics, 3.4).
+  Eigen::MatrixXf inner_modes;  ///< (3 (W - V) x n) m, at the shell's inner nodes
+  /// 1/Pa, (1 - nu^2) / E of the law at rest. A disc of radius a that is pressed evenly by a force
+  /// f moves by 0.54 half_space f / a (its mean; Johnson, Contact Mechanics, 3.4).
   double half_space = 0;
-  double point_spacing = 0.003;  ///< m, of contact points
+  double point_spacing = 0.003;  ///< m, between contact points
 };
 
 [[nodiscard]] std::size_t bytes_of(const ModalTables& tables);
 
-/// Why tables cannot be those of a body; empty if they can.
+/// Why the tables cannot belong to a body; empty if they can.
 [[nodiscard]] std::string trouble_of(const ModalTables& tables, const ReducedBody& body);
 
-/// Every length times `s`, as scaled_body.h has it.
+/// The tables of the body with every length multiplied by `s`, as scaled_body.h does.
 [[nodiscard]] ModalTables scaled(const ModalTables& tables, double s);
 
 }  // namespace palpable

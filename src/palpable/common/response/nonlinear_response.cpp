@@ -11,21 +11,22 @@
 namespace palpable {
 namespace {
 
-// What patches do to each other is at most so much of their codes, one beside the other: the codes'
-// sum is nearly nothing where finger and thumb squeeze, and what one bends the other bends back.
+// Bound on the norm of the cross terms q_x, as a ratio to the norm of all patches' coordinates. It
+// is not taken of the sum of the coordinates, which nearly cancels where finger and thumb squeeze.
 constexpr float kCrossEnd = 0.5f;
-// Loads that differ by less of their codes do the same to each other.
+// Relative change (L2) of the coordinates below which the cross terms are not evaluated anew.
 constexpr float kSameLoads = 0.02f;
 
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
-// A region that answered in the last frame is kept if it covers this share of what the best would.
+// A region of the last frame is kept if it covers at least this ratio of the weight that the best
+// region covers. Larger: regions change more often, and with them the error jumps.
 constexpr float kKeep = 0.8f;
-// A patch of load reaches beyond the place where it is pressed, and the regions' modes know such
-// patches: a vertex may join a region from this times its reach away, where it counts little for
-// choosing the region.
+// Ratio to the reach of a region within which a vertex may join it: the loads from which a region's
+// modes were made reach beyond the middle of the press.
 constexpr float kJoins = 1.4f;
+// Share of its weight that a vertex at the edge of that distance loses when regions are chosen.
 constexpr float kEdge = 0.8f;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
@@ -83,7 +84,7 @@ NonlinearResponse::NonlinearResponse(const Compliance& compliance,
   const std::size_t x = index(cross_.cubic.variables);
   std::size_t most_shapes = 0;
   own_cluster_.assign(regions.size() * C, 0);
-  asked_cluster_.assign(C, 0);
+  queried_cluster_.assign(C, 0);
   every_cluster_.assign(C, 1);
   for (std::size_t region = 0; region < regions.size(); ++region) {
     most_shapes = std::max(most_shapes, regions[region].far_count());
@@ -93,8 +94,8 @@ NonlinearResponse::NonlinearResponse(const Compliance& compliance,
   }
   chosen_.reserve(kMostPatches);
   patch_of_vertex_.assign(index(compliance.vertices()), -1);
-  asked_.reserve(index(compliance.vertices()));
-  answers_.assign(kMostPatches, RegionResponse(most_modes, most_leading));
+  queried_.reserve(index(compliance.vertices()));
+  responses_.assign(kMostPatches, RegionResponse(most_modes, most_leading));
   score_.resize(regions.size());
   most_modes_ = index(most_modes);
   coordinates_.resize(kMostPatches * most_modes_);
@@ -112,7 +113,7 @@ NonlinearResponse::NonlinearResponse(const Compliance& compliance,
   cross_q_.resize(x);
 }
 
-// The region that covers most of the weight that is left, -1 if none covers any.
+// The region that covers most of the weight that is not assigned yet; -1 if none covers any.
 int NonlinearResponse::next_region(std::span<const int> vertices, std::span<const float> weights,
                                    std::span<const int> before) {
   std::fill(score_.begin(), score_.end(), 0.0f);
@@ -135,10 +136,10 @@ int NonlinearResponse::next_region(std::span<const int> vertices, std::span<cons
 void NonlinearResponse::choose_patches(std::span<const int> vertices,
                                        std::span<const float> weights,
                                        std::span<const int> before) {
-  for (const int v : asked_) patch_of_vertex_[v] = -1;
-  asked_.assign(vertices.begin(), vertices.end());
-  std::fill(asked_cluster_.begin(), asked_cluster_.end(), char{0});
-  for (const int v : vertices) asked_cluster_[index(compliance_.cluster_of(v))] = 1;
+  for (const int v : queried_) patch_of_vertex_[v] = -1;
+  queried_.assign(vertices.begin(), vertices.end());
+  std::fill(queried_cluster_.begin(), queried_cluster_.end(), char{0});
+  for (const int v : vertices) queried_cluster_[index(compliance_.cluster_of(v))] = 1;
   chosen_.clear();
   while (chosen_.size() < kMostPatches) {
     const int region = next_region(vertices, weights, before);
@@ -188,9 +189,9 @@ void NonlinearResponse::evaluate(std::span<const VertexForce> loads, CrossTerms 
         add_mode_row(static_cast<int>(b), load.vertex, load.force, coordinates);
       }
     }
-    answers_[b].evaluate({cubic_[index(chosen_[b])], quartic_[index(chosen_[b])]}, coordinates);
-    last_share_ = std::max(last_share_, answers_[b].last_share());
-    add_far_targets(chosen_[b], answers_[b].q(), asked_cluster_);
+    responses_[b].evaluate({cubic_[index(chosen_[b])], quartic_[index(chosen_[b])]}, coordinates);
+    last_share_ = std::max(last_share_, responses_[b].last_share());
+    add_far_targets(chosen_[b], responses_[b].q(), queried_cluster_);
   }
   if (has_cross_terms() && cross == CrossTerms::kAnew) evaluate_cross_terms(loads);
 }
@@ -198,11 +199,12 @@ void NonlinearResponse::evaluate(std::span<const VertexForce> loads, CrossTerms 
 void NonlinearResponse::find_far_targets() {
   std::fill(far_targets_.begin(), far_targets_.end(), 0.0f);
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
-    add_far_targets(chosen_[b], answers_[b].q(), every_cluster_);
+    add_far_targets(chosen_[b], responses_[b].q(), every_cluster_);
   }
 }
 
-// What the region's modes do in those of the clusters that are not its own.
+// Adds the targets of a region's modes in those of the given clusters that are not the region's
+// own.
 void NonlinearResponse::add_far_targets(int region, std::span<const float> q,
                                         std::span<const char> clusters) {
   const RegionTable& table = regions_[index(region)];
@@ -231,13 +233,13 @@ bool NonlinearResponse::has_cross_terms() const {
 void NonlinearResponse::evaluate_cross_terms(std::span<const VertexForce> loads) {
   const std::size_t x = cross_.modes.width;
   std::fill(cross_coordinates_.begin(), cross_coordinates_.end(), 0.0f);
-  const auto code_of = [&](std::size_t b) {
+  const auto coordinates_of = [&](std::size_t b) {
     return std::span<float>(cross_coordinates_.data() + b * x, x);
   };
   for (const VertexForce& load : loads) {
     const int patch = patch_of_vertex_[load.vertex];
     if (patch < 0 || load.force.isZero(0)) continue;
-    add_rows(cross_.modes, 3 * index(load.vertex), {load.force.data(), 3}, code_of(index(patch)));
+    add_rows(cross_.modes, 3 * index(load.vertex), {load.force.data(), 3}, coordinates_of(index(patch)));
   }
   const std::size_t count = chosen_.size() * x;
   if (cross_patches_ == chosen_.size()) {
@@ -252,14 +254,14 @@ void NonlinearResponse::evaluate_cross_terms(std::span<const VertexForce> loads)
   cross_patches_ = chosen_.size();
   std::copy_n(cross_coordinates_.begin(), count, cross_coordinates_before_.begin());
   std::fill(pairs_.begin(), pairs_.end(), 0.0f);
-  const std::span<float> sum = code_of(chosen_.size());
+  const std::span<float> sum = coordinates_of(chosen_.size());
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
-    for (std::size_t i = 0; i < x; ++i) sum[i] += code_of(b)[i];
-    add_pairs(code_of(b), 0.5f, pairs_);
+    for (std::size_t i = 0; i < x; ++i) sum[i] += coordinates_of(b)[i];
+    add_pairs(coordinates_of(b), 0.5f, pairs_);
   }
   add_pairs(sum, -0.5f, pairs_);
   cross_cubic_.contract(pairs_, cross_q_);
-  // What is of the second order is small, or the order says nothing.
+  // A second order that is not small against the first means nothing: it is bounded.
   float first = 0, second = 0;
   for (std::size_t i = 0; i < count; ++i) first += cross_coordinates_[i] * cross_coordinates_[i];
   for (const float q : cross_q_) second += q * q;
@@ -275,7 +277,7 @@ Vector3f NonlinearResponse::displacement_at(int vertex) const {
       vertex, std::span(far_targets_).subspan(index(compliance_.cluster_of(vertex)) * k, k));
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const int at = row_of(chosen_[b], vertex);
-    if (at >= 0) u += at_node(regions_[index(chosen_[b])].modes, index(at), answers_[b].q());
+    if (at >= 0) u += at_node(regions_[index(chosen_[b])].modes, index(at), responses_[b].q());
   }
   if (has_cross_terms()) u += at_node(cross_.modes, index(vertex), cross_q_);
   return u;
@@ -285,7 +287,7 @@ void NonlinearResponse::add_near(Eigen::Ref<Matrix3Xf> u) const {
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const RegionTable& region = regions_[index(chosen_[b])];
     for (std::size_t k = 0; k < region.vertices.size() && region.vertices[k] < u.cols(); ++k) {
-      u.col(region.vertices[k]) += at_node(region.modes, k, answers_[b].q());
+      u.col(region.vertices[k]) += at_node(region.modes, k, responses_[b].q());
     }
   }
 }

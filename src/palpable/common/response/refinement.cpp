@@ -11,22 +11,24 @@ namespace {
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
-// A load of more than so many times f_0 is corrected as that one: s^2 was found to hold up to 2.
-constexpr float kMostOfAsked = 1.5f;
-// Of the exact answer: what is farther from the tables' answers a load that the body does not bear
-// without what presses holding it, and is no help.
+// Largest s: a larger load is corrected like that of 1.5 f_0. s^2 was found to hold up to 2.
+constexpr float kLargestRatio = 1.5f;
+// Largest correction (L2 over the skin's vertices), as a ratio to the full-order solution. A larger
+// one belongs to a load that the body does not bear without the obstacle that holds it, such as one
+// beyond a snap; it would not help.
 constexpr float kMostCorrection = 0.3f;
-// Of a probe's answer.
+// Largest difference (L2) of a probe's full-order solution from its linear response, as a ratio to
+// the latter, for the two to be of the same body.
 constexpr float kSameBody = 0.1f;
-constexpr int kProbes = 24;
-constexpr float kProbeMoves = 1e-4f;  // m, at most
+constexpr int kProbes = 24;           // forces of a probe, at most
+constexpr float kProbeMoves = 1e-4f;  // m, the largest displacement by a probe
 
 }  // namespace
 
-float correction_weight(float work, float shared, float asked) {
-  if (!(work > 0) || !(shared > 0) || !(asked > 0)) return 0;
-  const float s = std::min(shared / asked, kMostOfAsked);
-  const float k = std::min(1.0f, shared / work * (shared / asked));
+float correction_weight(float work, float shared, float solved) {
+  if (!(work > 0) || !(shared > 0) || !(solved > 0)) return 0;
+  const float s = std::min(shared / solved, kLargestRatio);
+  const float k = std::min(1.0f, shared / work * (shared / solved));
   return s * s * k * k * k * k;
 }
 
@@ -51,17 +53,17 @@ std::array<float, 2> Refinement::weights_under(std::span<const VertexForce> load
   return found;
 }
 
-bool Refinement::take_up(const RequestedLoad& asked, const Matrix3Xf& exact) {
-  const Eigen::Index V = asked.linear.cols();
-  const float off = (exact - asked.tables).leftCols(V).norm();
+bool Refinement::take_up(const RequestedLoad& load, const Matrix3Xf& exact) {
+  const Eigen::Index V = load.linear.cols();
+  const float off = (exact - load.tables).leftCols(V).norm();
   if (!(off <= kMostCorrection * exact.leftCols(V).norm())) return false;
   std::swap(corrections[0], corrections[1]);
   std::swap(weights[0], weights[1]);
   ExactCorrection& c = corrections[1];
-  c.field = exact - asked.tables;
-  c.linear = asked.linear;
+  c.field = exact - load.tables;
+  c.linear = load.linear;
   c.work = 0;
-  for (const VertexForce& f : asked.forces) c.work += f.force.dot(c.linear.col(f.vertex));
+  for (const VertexForce& f : load.forces) c.work += f.force.dot(c.linear.col(f.vertex));
   weights[1] = 0;
   blended = 0;
   return true;

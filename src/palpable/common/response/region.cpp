@@ -44,7 +44,7 @@ float RegionResponse::Orders::last_share() const {
   return first + second > 0 ? third / (first + second) : 0.0f;
 }
 
-// The s at which the coordinates s a has this share: s^2 third / (first + s second).
+// The s at which the coordinates s a have this share: s^2 third / (first + s second) = share.
 float RegionResponse::Orders::shortened_to(float share) const {
   const float b = share * second;
   return (b + std::sqrt(b * b + 4 * third * share * first)) / (2 * third);
@@ -67,7 +67,7 @@ RegionResponse::Orders RegionResponse::evaluate_series(const RegionForms& region
   for (std::size_t k = 0; k < r; ++k) q_[k] *= 0.5f;
   const float second = squared({q_.data(), r});
 
-  // - 1/2 E(a, a, ., .); a third of it times a is q_3
+  // T = - 1/2 E(a, a, ., .); q_3 = 1/3 T a
   const std::span<float> T(third_matrix_.data(), s * s);
   const std::span<float> products(products_.data(), region.quartic.width());
   const std::span<float> third(third_.data(), region.quartic.width());
@@ -91,7 +91,7 @@ RegionResponse::Orders RegionResponse::evaluate_series(const RegionForms& region
 }
 
 void RegionResponse::times(std::span<const float> x, std::span<float> result) const {
-  // H is symmetric: its rows are its columns, and sums of them need no sums across a vector.
+  // H is symmetric, so H x is a sum of its rows, which needs no sums across a vector register.
   std::fill(result.begin(), result.end(), 0.0f);
   best_row_kernels().add_float_rows(matrix_.data(), size_, x, result);
 }

@@ -1,28 +1,28 @@
 /// @file
-/// What a large load does beyond the small one's answer, near one place of the skin: the second and
-/// third order of the displacement in some dozens of modes.
+/// The response of a body to a large load near one position of its skin, beyond the linear
+/// response: the second and third order of the displacement, in some dozens of modes.
 ///
-///   r  modes of the region, a multiple of 16     s  the leading ones, s <= r
-///   f  shapes of what they do far away, a multiple of 16
+///   r  modes of the region, a multiple of 16     s  leading modes, s <= r
+///   f  far shapes of the modes, a multiple of 16
 ///
 /// The modes U are orthonormal in the body's stiffness, U^T K U = 1. A load f near the region's
-/// middle has the coordinates a = U^T f; K^-1 f itself is not taken from the modes (compliance.h
-/// has it exactly). With the third and fourth derivatives A and B of the stored energy in the
-/// modes,
+/// middle has the coordinates a = U^T f. The linear response K^-1 f is not taken from the modes but
+/// from the compliance (compliance.h). With the third and fourth derivatives A and B of the stored
+/// energy in the modes,
 ///
 ///     q_2 = - 1/2 A(a, a)                               r modes
 ///     q_3 = - A(a, q_2) - 1/6 B(a, a, a) = - 1/6 E(a, a, a),   E = B - 3 sym(A A)    s modes
 ///     u   = K^-1 f + U (q_2 + q_3)
 ///
-/// (load_response.h has the same on the full mesh.) The third order is the small difference of two
-/// large terms, those of a rotation, and both have to be cut off at the same mode: so E is one
-/// form, of the leading modes alone. q is the gradient of a polynomial, and its derivative
-/// symmetric:
+/// (load_response.h computes the same on the full mesh.) The third order is the small difference of
+/// two large terms, those of a rotation, which must be cut off at the same mode. Therefore E is
+/// stored as one form, of the leading modes alone. q is the gradient of a polynomial in a, so its
+/// derivative is symmetric:
 ///
 ///     dq/da = H = - A(a, .) - 1/2 E(a, a, ., .)
 ///
-/// A series holds for loads up to some size. Where |q_3| is more than kSeriesEnd of what comes
-/// before it, the answer goes on along its ray: q(a) = q(s a) / s with s a at that end.
+/// The series converges for small loads only. Where |q_3| exceeds kSeriesEnd times |a| + |q_2|, q
+/// is extended linearly along the ray of a: q(a) = q(s a) / s, with s a at that limit.
 #pragma once
 
 #include "palpable/common/response/rounded_rows.h"
@@ -33,19 +33,19 @@
 
 namespace palpable {
 
-/// What a body file keeps of one region.
+/// A region as a body file stores it.
 struct RegionTable {
-  int vertex = 0;  ///< of the skin, its middle
-  /// (n) nodes around it, vertices and inner ones, rising: all of some clusters (compliance.h). The
-  /// modes there: three rows of r numbers for each, sqrt(m/N).
+  int vertex = 0;  ///< of the skin: the region's middle
+  /// (n) the nodes around the middle, vertices and inner ones, in rising order: all nodes of some
+  /// clusters (compliance.h).
   std::vector<int> vertices;
-  RoundedRows modes;
-  /// What the modes do in all other clusters is a sum of f *far shapes*, as targets (compliance.h):
-  /// k rows of f numbers for each of those clusters, rising.
+  RoundedRows modes;  ///< (3n x r) at these nodes, sqrt(m/N)
+  /// The modes in all other clusters are sums of f *far shapes*, stored as targets (compliance.h):
+  /// k rows of f numbers for each of those clusters, in rising order.
   RoundedRows far_shapes;
-  RoundedRows far_shares;  ///< (f x r) how much of each shape is in each mode
-  SymmetricForm cubic;     ///< A, of r
-  SymmetricForm quartic;   ///< E, of s
+  RoundedRows far_shares;  ///< (f x r) factor of each far shape in each mode
+  SymmetricForm cubic;     ///< A, of r variables
+  SymmetricForm quartic;   ///< E, of s variables
 
   [[nodiscard]] int mode_count() const { return cubic.variables; }
   [[nodiscard]] int leading() const { return quartic.variables; }
@@ -54,17 +54,18 @@ struct RegionTable {
 
 class FormRows;
 
-/// A region's energy, ready to be multiplied with (form_rows.h).
+/// A region's energy, laid out for evaluation (form_rows.h).
 struct RegionForms {
   const FormRows& cubic;
   const FormRows& quartic;
 };
 
-/// Share of the last order in the displacement's norm at which a series is at its end. A fingertip
-/// 10 mm deep in a bunny of 150 mm has 0.03, a hard squeeze of it 0.15.
+/// The largest RegionResponse::last_share() up to which the series is used. A fingertip 10 mm deep
+/// in a bunny of 150 mm has 0.03, a hard squeeze of it 0.15. Larger: the third order is trusted
+/// where it is no longer small.
 inline constexpr float kSeriesEnd = 0.25f;
 
-/// Room for one region's answer; its memory is used again.
+/// The response of one region; its memory is used again.
 class RegionResponse {
  public:
   /// @param most_modes    r of the largest region
@@ -75,8 +76,8 @@ class RegionResponse {
   void evaluate(const RegionForms& region, std::span<const float> a);
 
   [[nodiscard]] std::span<const float> q() const { return {q_.data(), size_}; }  ///< (r)
-  /// |q_3| / (|a| + |q_2|) at these coordinates, in the stiffness' norm: how near the series is to
-  /// its end, or how far beyond it.
+  /// |q_3| / (|a| + |q_2|) at these coordinates, in the norm of the stiffness. Above kSeriesEnd the
+  /// series was extended along the ray.
   [[nodiscard]] float last_share() const { return last_share_; }
   /// result = H x, both (r).
   void times(std::span<const float> x, std::span<float> result) const;

@@ -13,11 +13,11 @@
 
 namespace palpable {
 
-/// Rows of numbers in 16 bits, with a factor each.
+/// Rows of 16-bit numbers, each row with one factor.
 struct RoundedRows {
-  std::size_t width = 0;             ///< numbers of a row, a multiple of 16
+  std::size_t width = 0;             ///< numbers in a row, a multiple of 16
   std::vector<std::int16_t> values;  ///< row by row
-  std::vector<float> scale;          ///< by row
+  std::vector<float> scale;          ///< by row, the unit of its values
 
   [[nodiscard]] std::size_t count() const { return scale.size(); }
   [[nodiscard]] const std::int16_t* row(std::size_t i) const { return values.data() + i * width; }
@@ -28,7 +28,7 @@ using RowsOfFloats = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen:
 /// @param rows  (n x width), padded with zeros to a multiple of 16
 [[nodiscard]] RoundedRows rounded(const RowsOfFloats& rows);
 
-/// (n x width) what the rows say.
+/// (n x width) values times factors.
 [[nodiscard]] Eigen::MatrixXd as_numbers(const RoundedRows& rows);
 
 /// The three rows of a node (x, y, z) times a vector: row 3 node + d is component d.

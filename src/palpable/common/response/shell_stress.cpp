@@ -21,13 +21,13 @@
 namespace palpable {
 namespace {
 
-// A symmetric tensor, and two numbers that mean nothing.
+// The six components of a symmetric tensor, and two numbers without meaning.
 struct alignas(32) StressRow {
   FloatPack s;
 };
 
-// Eight elements of one material. The gradients of an element's nodes sum to zero: that of node 0
-// is not kept.
+// Eight elements of one material. The gradients of an element's nodes sum to zero, so that of node
+// 0 is not stored.
 template <int A, int Q>
 struct alignas(32) ShellBlock {
   FloatPack g[Q][A - 1][3];  // 1/m
@@ -77,7 +77,7 @@ PALPABLE_ALWAYS_INLINE Tensor<Lanes> gradient(const Differences<A>& u,
   return F;
 }
 
-// Rows of eight elements from components of eight elements: an 8 x 8 matrix turned round.
+// Turns the components of eight elements into one row per element: an 8 x 8 transpose.
 PALPABLE_ALWAYS_INLINE void store_stress_rows(const FloatPack (&s)[6], StressRow* to) {
   const FloatPack none{};
   const auto mixed = [](const FloatPack& a, const FloatPack& b, bool high) {
@@ -122,7 +122,7 @@ struct Recover {
                                         float*& von_mises, float*& cauchy) {
     for (int k = 0; k < recovery.vertices; ++k) {
       const int v = recovery.vertex[k];
-      // Four sums, which do not wait for each other.
+      // Four independent sums, so that an addition need not wait for the one before it.
       FloatPack sums[4]{};
       const Term* term = recovery.terms + recovery.first[k];
       const Term* const last = recovery.terms + recovery.first[k + 1];
@@ -170,15 +170,15 @@ void set_lane(const ShellTable& table, int element, int lane, ShellBlock<A, Q>& 
 }
 
 // @param elements      in the order in which they are computed
-// @param place_of      (W) where the displacement of each node will be
-// @param row_of_point  (Q E) where the stress of each point will be
+// @param place_of      (W) index of each node in the array of displacements
+// @param row_of_point  (Q E) out: index of each point in the array of stresses
 template <int A, int Q>
 std::vector<ShellPart<A, Q>> parts_of(const ShellTable& table, const std::vector<int>& elements,
                                       const std::vector<int>& place_of,
                                       std::vector<int>& row_of_point) {
   std::vector<ShellPart<A, Q>> parts;
   row_of_point.assign(std::size_t{Q} * static_cast<std::size_t>(table.element_count()), 0);
-  int before = 0;  // blocks of former parts
+  int before = 0;  // blocks of the parts before
   for (std::size_t m = 0; m < table.materials.size(); ++m) {
     ShellPart<A, Q> part{table.materials[m], {}};
     int count = 0, last = -1;
@@ -193,7 +193,7 @@ std::vector<ShellPart<A, Q>> parts_of(const ShellTable& table, const std::vector
       last = e;
       ++count;
     }
-    // The last block is filled up with copies.
+    // The last block is filled up with copies of its last element.
     for (; last >= 0 && count % kPackSize != 0; ++count) {
       set_lane(table, last, count % kPackSize, part.blocks.back());
     }
@@ -234,11 +234,11 @@ struct ShellStress::Work {
   Eigen::Matrix3Xf preload;
   std::vector<ShellPart<4, 1>> linear;
   std::vector<ShellPart<10, 4>> quadratic;
-  std::vector<int> node_order, vertex_order;  // (W), (V) along a curve
-  std::vector<int> first;                     // (V + 1) in that order
+  std::vector<int> node_order, vertex_order;  // (W), (V) along a space-filling curve
+  std::vector<int> first;                     // (V + 1) in vertex_order
   std::vector<Term> terms;
-  std::vector<FourRow> places;    // (W) m, displacements in that order
-  std::vector<StressRow> stress;  // of all points
+  std::vector<FourRow> places;    // (W) m, displacements, in node_order
+  std::vector<StressRow> stress;  // of all points, Pa
 
   Work(const ShellTable& table, int V)
       : vertices(V),

@@ -1,7 +1,7 @@
 /// @file
 /// The true stress on a body's skin in any state whose displacement is known at the nodes of its
-/// shell (shell_table.h): the law at each point of each element, and the recovery of the full
-/// solver. What is off is the displacement alone.
+/// shell (shell_table.h): the law is evaluated at each point of each element, and the full solver's
+/// recovery gives the stress at the vertices. The only error is that of the displacement.
 ///
 ///     F = 1 + sum_a (preload_a + u_a) (dN_a/dX)^T      sigma = P(F) F^T / J
 ///     sigma at a vertex = sum_k weights_k sigma at point k
@@ -25,12 +25,12 @@ class ShellStress {
   ~ShellStress();
   ShellStress(ShellStress&&) noexcept;
 
-  /// Allocates nothing; the same displacement gives the same bytes on every processor. Where an
-  /// element is pressed to less than a hundredth of its volume, or turned inside out, its stress is
-  /// that of a hundredth; nothing that comes out is NaN, whatever u is.
-  /// @param u          (3 x W) m, from the state in which presses begin
+  /// Allocates nothing; the same displacement gives the same bytes on every processor. An element
+  /// that is compressed to less than a hundredth of its volume, or turned inside out, has the
+  /// stress of a hundredth. No result is NaN, for any u.
+  /// @param u          (3 x W) m, from the state without contact
   /// @param von_mises  (V) Pa
-  /// @param cauchy     (6V) Pa, xx yy zz xy yz zx of each vertex; empty: not wanted
+  /// @param cauchy     (6V) Pa, xx yy zz xy yz zx of each vertex; empty: not computed
   void evaluate(const Eigen::Matrix3Xf& u, std::span<float> von_mises,
                 std::span<float> cauchy = {});
 

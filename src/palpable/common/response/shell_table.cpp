@@ -15,10 +15,10 @@
 namespace palpable {
 namespace {
 
-constexpr double kFarthest = 1e4;  // m: positions beyond are none
-constexpr float kHeaviest = 1e6f;  // a weight of the recovery beyond is none
+constexpr double kFarthest = 1e4;  // m: coordinates beyond this are invalid
+constexpr float kHeaviest = 1e6f;  // weights of the recovery beyond this are invalid
 
-// dN_a/dL at point q, L the last three barycentric coordinates.
+// dN_a/dL at point q, with L the last three barycentric coordinates.
 Eigen::Matrix3Xd slopes(int element_nodes, int q) {
   if (element_nodes == 4) {
     Eigen::Matrix3Xd linear(3, 4);
@@ -44,7 +44,7 @@ bool are_indices(const std::vector<int>& list, std::int64_t end) {
 
 // Finite and of a body's size.
 bool are_places(const Eigen::Matrix3Xd& places) {
-  return (places.array().abs() < kFarthest).all();  // false for what is no number, too
+  return (places.array().abs() < kFarthest).all();  // false for NaN, too
 }
 
 bool are_laws(const std::vector<Material>& materials) {

@@ -25,7 +25,7 @@ struct Faces {
   const Corners* corners;
   int packs;
   const FourRow* places;  // (V)
-  FourRow* faces;         // of all triangles: twice the area along the normal
+  FourRow* faces;         // of all triangles: normal times twice the area
 };
 struct FaceNormals {
   PALPABLE_ALWAYS_INLINE static int run(const Faces& all) {
@@ -47,11 +47,11 @@ struct FaceNormals {
 };
 
 struct Around {
-  const int* vertex;  // (V) in the order of how many faces they have
+  const int* vertex;  // (V) ordered by how many faces they have
   const int* first;   // (V + 1) in that order
   const int* faces;
   const FourRow* normals;  // of faces
-  FourRow* sums;           // (V, filled up to eights)
+  FourRow* sums;           // (V, padded to a multiple of 8)
   int vertices;
 };
 struct VertexNormals {
@@ -85,8 +85,9 @@ struct SkinNormals::Work {
   SimdLevel level;
   int vertices;
   std::vector<Corners> corners;
-  // Of vertex[n]: faces[first[n]] .. its triangles, rising. Those with as many faces stand
-  // together: a loop that ends as the one before did is foreseen.
+  // The triangles of vertex[n], rising: faces[first[n]] .. [first[n + 1] - 1]. Vertices with the
+  // same number of faces stand together: a loop of the same length as the one before is predicted
+  // well.
   std::vector<int> vertex, first, faces;
   std::vector<FourRow> places, normals;
 };

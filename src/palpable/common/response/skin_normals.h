@@ -1,6 +1,6 @@
 /// @file
-/// Normals of a skin that deforms, as vertex_normals() has them (geometry/surface_mesh.h), to a
-/// float's rounding: eight triangles at a time.
+/// Normals of a skin that deforms, equal to those of vertex_normals() (geometry/surface_mesh.h) up
+/// to rounding in single precision: eight triangles at a time.
 ///
 ///   V  vertices     T  triangles
 #pragma once
@@ -21,9 +21,9 @@ class SkinNormals {
   ~SkinNormals();
   SkinNormals(SkinNormals&&) noexcept;
 
-  /// The same places give the same bytes on every processor.
+  /// The same positions give the same bytes on every processor.
   /// @param x        (3 x V) m
-  /// @param normals  (3 x V) unit, of the faces around by their areas; 0 where there are none
+  /// @param normals  (3 x V) unit, mean of the adjacent faces weighted by area; 0 without any
   void find(const Eigen::Matrix3Xf& x, Eigen::Matrix3Xf& normals);
 
  private:

@@ -30,7 +30,7 @@ std::uint64_t hash_of(std::span<const std::byte> payload) {
   return fnv1a({reinterpret_cast<const char*>(payload.data()), payload.size()});
 }
 
-// Whether a payload has the length that its kind and count ask for.
+// Whether a payload has the length that its kind and count require.
 bool fits(const Header& h) {
   const std::uint64_t count = h.count;
   switch (h.kind) {
@@ -46,7 +46,7 @@ bool fits(const Header& h) {
   return false;
 }
 
-// The payload is in place behind the header.
+// Completes and writes the header. @pre the payload is in `bytes` behind it
 void finish(Header header, std::vector<std::byte>& bytes) {
   const auto payload = std::span(bytes).subspan(sizeof(Header));
   PALPABLE_EXPECT(payload.size() <= std::numeric_limits<std::uint32_t>::max(),

@@ -8,10 +8,10 @@
 namespace palpable {
 namespace {
 
-// Fitted to touches of the demo's bunny (docs/touch.md), so that the fewest are understated. With a
-// factor near 1 they read: all of the entry is missing, a fifth of what is beyond the linear answer
-// may be wrong, and most of what patches do to each other, of which the second order alone is
-// known.
+// Weights of the indicators, fitted to touches of the demo's bunny so that the fewest errors are
+// understated (docs/touch.md). With a factor near 1 they mean: the whole penetration is missing in
+// the displacement, a fifth of what is beyond the linear displacement may be wrong, and more than
+// half of the cross terms, of which only the second order is known.
 constexpr double kOfEntry = 1.1, kOfBeyond = 0.2, kOfCross = 0.6;
 
 }  // namespace

@@ -1,13 +1,13 @@
 /// @file
-/// An estimate of the state's error against full finite elements: three indicators that the state
-/// gives at next to no cost, added up with fixed weights, times one factor for each body that its
-/// held-out touches give (held_out_touch.h).
+/// An estimate of the error of a state against full finite elements: three indicators, which cost
+/// next to nothing, are added up with fixed weights and multiplied by one factor per body, which
+/// the body's held-out touches give (held_out_touch.h).
 ///
 ///     stated = factor * ( a entry + b beyond + c cross )
 ///
-/// No indicator detects a snap to another equilibrium: where two states of the body are possible
-/// against the same object, as of a rim on a ridge, the solution may be the other one of the two
-/// with every indicator as small.
+/// No indicator detects a wrong equilibrium: where the body has two states against the same
+/// obstacle, as of a rim on a ridge, the tables may find one and full finite elements the other,
+/// with every indicator small.
 #pragma once
 
 #include <optional>
@@ -17,23 +17,23 @@ namespace palpable {
 
 struct HeldOutTouch;
 
-/// Shares of the skin's displacement.
+/// Error indicators, each a ratio to the displacement of the skin.
 struct ErrorSigns {
-  double entry = 0;   ///< the deepest contact point's penetration, of the largest displacement
-  double beyond = 0;  ///< what regions and cross terms add to the linear answer, L2
-  double cross = 0;   ///< what the patches do to each other, of the second order alone, L2
+  double entry = 0;   ///< penetration of the deepest contact point / largest displacement
+  double beyond = 0;  ///< what regions and cross terms add to the linear displacement, L2
+  double cross = 0;   ///< the cross terms, which are known to second order only, L2
 };
 
-/// The sum of signs before it is calibrated.
+/// The weighted sum of the indicators, before it is multiplied by the body's factor.
 [[nodiscard]] double unscaled_error(const ErrorSigns& signs);
 
-/// Relative errors as those of HeldOutTouch.
+/// Relative errors, defined as those of HeldOutTouch.
 struct StatedError {
   double displacement = 0;  ///< L2 over the skin's vertices
-  double von_mises = 0;     ///< of the stress at the worst vertex, against the largest on the skin
+  double von_mises = 0;     ///< largest over the vertices, ratio to the largest stress
 };
 
-/// Factors of a body.
+/// The factors of a body by which the weighted sum of indicators becomes a stated error.
 struct ErrorScale {
   double displacement = 0, von_mises = 0;
   [[nodiscard]] StatedError stated(const ErrorSigns& signs) const {
@@ -42,13 +42,15 @@ struct ErrorScale {
   }
 };
 
-/// So large that the stated error is kOnTheSafeSide times the true one in the median of the
-/// touches whose signs are known; nothing for fewer than kLeastTouches of these.
+/// The factors with which the stated error is kOnTheSafeSide times the true error in the median of
+/// the touches that have unscaled_error; nothing if fewer than kLeastTouches have it.
 [[nodiscard]] std::optional<ErrorScale> error_scale(const std::vector<HeldOutTouch>& touches);
 
-/// Errors scatter around what is stated, and 20 touches know their median to a quarter. With 1.3,
-/// new touches had 0.8 and more of them were over twice of what was stated (docs/touch.md).
+/// Ratio of the stated error to the true error in the median held-out touch. Above 1 because errors
+/// scatter and 20 touches determine their median only to a quarter: with 1.3, touches that were not
+/// used had 0.8 in the median, and more of them were over twice as wrong as stated (docs/touch.md).
 inline constexpr double kOnTheSafeSide = 1.75;
+/// Fewest held-out touches that give a factor.
 inline constexpr int kLeastTouches = 8;
 
 }  // namespace palpable

@@ -19,7 +19,7 @@ namespace {
 
 struct Unit {
   std::string_view name;
-  double size;  // in SI
+  double size;  // of the unit, in SI
 };
 constexpr std::array kLengths{Unit{"m", 1.0}, Unit{"cm", 1e-2}, Unit{"mm", 1e-3}};
 constexpr std::array kPressures{Unit{"Pa", 1.0}, Unit{"kPa", 1e3}, Unit{"MPa", 1e6},
@@ -200,7 +200,8 @@ std::vector<double> TomlSection::quantity_list(const char* key, Quantity what, R
 }
 
 bool TomlSection::has(const char* key) {
-  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
+  if (std::find(read_keys_.begin(), read_keys_.end(), key) == read_keys_.end())
+    read_keys_.emplace_back(key);
   return table_->contains(key);
 }
 
@@ -254,12 +255,12 @@ std::vector<TomlSection> TomlSection::sections(const char* key) {
 void TomlSection::refuse_unknown() const {
   for (const auto& [key, node] : *table_) {
     const std::string word(key.str());
-    if (std::find(asked_.begin(), asked_.end(), word) != asked_.end()) continue;
-    const std::string guess = nearest_word(word, asked_);
-    throw Error(fmt::format("{}:{}: unknown key '{}'{}; {}", *file_, key.source().begin.line, word,
-                            in_section(),
-                            guess.empty() ? fmt::format("known are '{}'", fmt::join(asked_, "', '"))
-                                          : fmt::format("did you mean '{}'?", guess)));
+    if (std::find(read_keys_.begin(), read_keys_.end(), word) != read_keys_.end()) continue;
+    const std::string guess = nearest_word(word, read_keys_);
+    throw Error(fmt::format(
+        "{}:{}: unknown key '{}'{}; {}", *file_, key.source().begin.line, word, in_section(),
+        guess.empty() ? fmt::format("known are '{}'", fmt::join(read_keys_, "', '"))
+                      : fmt::format("did you mean '{}'?", guess)));
   }
 }
 
@@ -290,10 +291,10 @@ std::string TomlSection::in_section() const {
 
 const toml::node& TomlSection::need(const char* key) {
   if (has(key)) return *table_->get(key);
-  // A key that is missing is usually there, misspelt.
+  // A missing key is usually there under a misspelt name.
   for (const auto& [word, node] : *table_) {
     if (nearest_word(word.str(), {key}).empty()) continue;
-    if (std::find(asked_.begin(), asked_.end(), word.str()) != asked_.end()) continue;
+    if (std::find(read_keys_.begin(), read_keys_.end(), word.str()) != read_keys_.end()) continue;
     throw Error(fmt::format("{}:{}: unknown key '{}'{}; did you mean '{}'?", *file_,
                             word.source().begin.line, word.str(), in_section(), key));
   }

@@ -1,5 +1,5 @@
 /// @file
-/// One table of a TOML file, read with checks: every complaint names file, line and key.
+/// Reads one table of a TOML file with checks; every error message names file, line and key.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,10 +14,10 @@
 namespace palpable {
 
 /// @param file  for messages
-/// @throws Error naming file and line where the text is no TOML
+/// @throws Error naming file and line if the text is not TOML
 [[nodiscard]] toml::table parse_toml(std::string_view text, const std::string& file);
 
-/// Where a number may lie.
+/// The range in which a number must lie.
 struct Range {
   double low, high;
   bool open_low = false, open_high = false;  ///< the end itself is not allowed
@@ -28,16 +28,17 @@ struct Range {
   [[nodiscard]] std::string text() const;
 };
 
-/// What a text with a unit may measure.
+/// The kind of quantity that a text with a unit, such as "150 mm", gives.
 enum class Quantity { kLength, kPressure, kPerPressure, kForce, kDensity, kAcceleration };
 
-/// Hands out the values of a table and at the end knows what nobody asked for. All members that
-/// take a key throw Error, naming file, line and key, where the value is missing (unless there is a
-/// default), of the wrong kind, without its unit or out of range.
+/// Gives access to the values of a table and records which keys were read, so that unknown keys can
+/// be refused at the end. All members that take a key throw Error, naming file, line and key, if
+/// the value is missing (unless there is a default), of the wrong kind, without its unit or out of
+/// range.
 class TomlSection {
  public:
   /// @param file   for messages; must outlive the section
-  /// @param name   as it stands in the file, e.g. "[shape]"; empty for the file itself
+  /// @param name   as written in the file, e.g. "[shape]"; empty for the file itself
   /// @param table  must outlive the section
   TomlSection(const std::string& file, std::string name, const toml::table& table);
 
@@ -50,9 +51,9 @@ class TomlSection {
   [[nodiscard]] int integer(const char* key, int low, int high, int otherwise);
   /// true or false.
   [[nodiscard]] bool flag(const char* key, bool otherwise);
-  /// In SI, e.g. "150 mm".
+  /// A text with a unit, such as "150 mm", as a number in SI.
   [[nodiscard]] double quantity(const char* key, Quantity what, Range range);
-  /// Three texts with units, in SI.
+  /// Three texts with units, as numbers in SI.
   [[nodiscard]] Eigen::Vector3d quantities(const char* key, Quantity what);
   /// Three numbers, not all zero, as a unit vector.
   [[nodiscard]] Eigen::Vector3d direction(const char* key);
@@ -61,30 +62,31 @@ class TomlSection {
   /// One text or a list of texts, none empty.
   [[nodiscard]] std::vector<std::string> texts(const char* key);
 
-  /// A list of numbers without unit, or of texts with one, in SI; at least one.
+  /// A list of at least one number without unit; or of texts with a unit, as numbers in SI.
   [[nodiscard]] std::vector<double> numbers(const char* key, Range range);
   [[nodiscard]] std::vector<double> quantity_list(const char* key, Quantity what, Range range);
 
   [[nodiscard]] bool has(const char* key);
   [[nodiscard]] bool is_text(const char* key) const;
   [[nodiscard]] bool is_array(const char* key) const;
-  /// Those of `keys` that are there.
+  /// Those of `keys` that the table has.
   [[nodiscard]] std::vector<std::string> present(const std::vector<const char*>& keys);
 
-  /// A table within this one; an empty one when it is missing.
+  /// A table within this one; an empty table if it is missing.
   [[nodiscard]] TomlSection section(const char* key);
   /// A list of tables within this one, [[key]]; one table counts as a list of one.
   [[nodiscard]] std::vector<TomlSection> sections(const char* key);
 
-  /// To be called when all keys have been asked for. @throws Error with the nearest known key
+  /// To be called after all keys have been read. @throws Error for a key that was not read, with
+  /// the nearest known key
   void refuse_unknown() const;
 
-  /// "cube.toml:12: [support]" or, with a key, "cube.toml:13: 'set' in [support]": how messages
-  /// begin.
+  /// The beginning of messages: "cube.toml:12: [support]" or, with a key, "cube.toml:13: 'set' in
+  /// [support]".
   [[nodiscard]] std::string place() const;
   [[nodiscard]] std::string place(const char* key) const;
 
-  /// @throws Error: place(key), and `what` is wrong with it
+  /// @throws Error with the message place(key) + " " + what
   [[noreturn]] void bad(const char* key, const std::string& what) const;
 
  private:
@@ -99,7 +101,7 @@ class TomlSection {
   const std::string* file_;
   std::string name_;
   const toml::table* table_;
-  std::vector<std::string> asked_;
+  std::vector<std::string> read_keys_;
 };
 
 }  // namespace palpable

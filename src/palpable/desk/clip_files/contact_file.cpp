@@ -9,9 +9,9 @@
 namespace palpable {
 namespace {
 
-constexpr double kLargestContactDistance = 1e3;  // m: what is farther away is a slip
+constexpr double kLargestContactDistance = 1e3;  // m; a larger value is a mistake in the file
 
-// A number from 0 to `largest`; nothing where the line has none.
+// The value of `key`, nothing if the line lacks it. @throws Error unless it lies in [0, largest]
 std::optional<double> within(const JsonObject& line, const char* key, double largest) {
   if (!line.has(key)) return std::nullopt;
   const double value = line.number(key);

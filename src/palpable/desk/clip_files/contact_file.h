@@ -1,5 +1,5 @@
 /// @file
-/// contact.jsonl of a truth: whether the hand reaches into the undeformed body, a line per frame,
+/// contact.jsonl of a truth: whether the hand reaches into the undeformed body, one line per frame:
 ///
 ///     {"frame":7,"touching":false,"depth_m":0,"site":-1,"gap_m":0.012000}
 ///     {"frame":8,"touching":true,"depth_m":0.004100,"site":3,"point":[0.010000,0.020000,0.030000],
@@ -19,19 +19,20 @@ struct ContactLine {
   int frame = 0;
   bool touching = false;
   double depth = 0;                           ///< m; "depth_m"
-  int site = -1;                              ///< nearest one; -1: none is near, or nothing touches
-  std::optional<Eigen::Vector3d> point = {};  ///< m, body frame; of a touch
-  /// m, "gap_m": from the nearest thing that moves to the undeformed body, where nothing touches.
+  int site = -1;                              ///< nearest site; -1: no touch, or no site near
+  std::optional<Eigen::Vector3d> point = {};  ///< m, body frame; only of a touch
+  /// m, "gap_m": distance of the undeformed body from the nearest moving thing; only without a
+  /// touch.
   std::optional<double> gap = {};
-  /// Of a touch: the share of what touches that a camera can see. See script/seen_share.h.
+  /// Share of the touching surface that the cameras can see (script/seen_share.h); only of a touch.
   std::optional<double> seen_share = {};
 };
 
-/// One line, its end included.
+/// One line, including its line end.
 [[nodiscard]] std::string contact_line(const ContactLine& contact);
 
-/// Only "frame" and "touching" must be there; the depth is 0 where it is not said.
-/// @throws Error naming file and line when frames do not rise, or a value makes no sense
+/// Only "frame" and "touching" are required; a missing depth is read as 0.
+/// @throws Error naming file and line when frame numbers do not increase or a value is out of range
 [[nodiscard]] std::vector<ContactLine> read_contacts(const std::filesystem::path& path);
 
 }  // namespace palpable

@@ -13,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Micrometres and nanonewtons: finer than any solution is true.
+// A JSON list of three numbers. Callers keep micrometres (6 digits) and nanonewtons (9), which is
+// finer than the accuracy of any solution.
 std::string three(const Eigen::Vector3d& v, int digits) {
   return fmt::format("[{:.{}f},{:.{}f},{:.{}f}]", v.x(), digits, v.y(), digits, v.z(), digits);
 }

@@ -37,7 +37,7 @@ TEST_CASE("lines of deformed.jsonl are read as they were written, the last of a 
 TEST_CASE("a PLY with values keeps every vertex and its number", "[clip_files]") {
   const test::ScratchFolder folder("valued_ply");
   ValuedSurface written;
-  // Two vertices in one place, one that no triangle uses.
+  // Two vertices at the same position, and one vertex that no triangle uses.
   written.surface.vertices =
       (Eigen::Matrix3Xd(3, 5) << 0, 1, 0, 0, 5, 0, 0, 1, 0, 5, 0, 0, 0, 0, 5).finished();
   written.surface.triangles = (Eigen::Matrix3Xi(3, 1) << 0, 1, 2).finished();

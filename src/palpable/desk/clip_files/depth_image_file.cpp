@@ -13,12 +13,12 @@
 namespace palpable {
 namespace {
 
-constexpr double kLargestCount = 65534;  // of a depth: the one above it is kTooClose
+constexpr double kLargestCount = 65534;  // of a known depth; the next count is kTooClose
 static_assert(static_cast<float>(kDepthUnit) == 0.25e-3f);
 static_assert(static_cast<float>(kBodyDepthUnit) == 1e-4f);
 
 cv::Mat depth_matrix(const DepthCounts& counts) {
-  // For reading only; OpenCV has no matrix of constants.
+  // The matrix is only read; cv::Mat has no const view, hence the cast.
   return {counts.height(), counts.width(), CV_16UC1, const_cast<std::uint16_t*>(counts.data())};
 }
 

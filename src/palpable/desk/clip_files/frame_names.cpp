@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLargestFrameNumber = 10'000'000;  // beyond it a number is a slip
+constexpr double kLargestFrameNumber = 10'000'000;  // a name with a larger number is not a frame
 
 bool is_of_digits(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;

@@ -1,4 +1,4 @@
-// Each image format: what the counts are, back again through its reader, and what its reader
+// For each image format: the counts that are written, reading them back, and files that the reader
 // refuses.
 #include "palpable/common/base/error.h"
 #include "palpable/desk/clip_files/depth_image_file.h"
@@ -22,7 +22,7 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 namespace fs = std::filesystem;
 using test::ScratchFolder;
 
-/// 0.2 m to 15 m, with a hole.
+/// A depth image of 0.2 m to 15 m with one unknown pixel.
 DepthImage some_depth() {
   DepthImage depth(64, 48);
   for (int y = 0; y < depth.height(); ++y) {
@@ -34,14 +34,14 @@ DepthImage some_depth() {
   return depth;
 }
 
-TEST_CASE("measured depth is quarters of a millimetre, and what cannot be is none",
+TEST_CASE("measured depth is in quarters of a millimetre, and impossible values have no depth",
           "[clip_files]") {
   DepthImage depth(4, 2, 0.5f);
   depth(1, 0) = kUnknown;
   depth(2, 0) = 16.3834f;   // 65534 counts are 16.3835 m
   depth(3, 0) = 17.0f;      // beyond the counts
   depth(0, 1) = 0.00012f;   // less than half a count
-  depth(1, 1) = 0.300125f;  // 1200.5 counts, and a bit less in single precision or not
+  depth(1, 1) = 0.300125f;  // halfway between two counts: rounding decides
   MaskImage too_close(4, 2, 0);
   too_close(3, 1) = 255;
   const DepthCounts counts = measured_counts(depth, too_close);
@@ -59,13 +59,13 @@ TEST_CASE("measured depth is quarters of a millimetre, and what cannot be is non
   CHECK(true_counts(depth)(1, 1) == std::lround(static_cast<double>(0.300125f) / 0.00025));
 }
 
-TEST_CASE("the drawn body's depth is the mean of four pixels, of which two are known",
+TEST_CASE("the drawn body's depth is the mean over 2 x 2 pixels if at least two are known",
           "[clip_files]") {
   DepthImage depth(6, 2, 0.4f);
   depth(1, 0) = 0.402f;    // mean of the first block: 0.4005
-  depth(2, 0) = kUnknown;  // two are left in the second
+  depth(2, 0) = kUnknown;  // the second block has two known pixels
   depth(3, 1) = kUnknown;
-  depth(4, 0) = kUnknown;  // one in the third
+  depth(4, 0) = kUnknown;  // the third block has one
   depth(5, 0) = kUnknown;
   depth(4, 1) = kUnknown;
   const DepthCounts counts = body_counts(depth);
@@ -76,7 +76,7 @@ TEST_CASE("the drawn body's depth is the mean of four pixels, of which two are k
   CHECK(counts(2, 0) == kNoDepth);
 }
 
-TEST_CASE("depth comes back from its files, whose bytes stay", "[clip_files]") {
+TEST_CASE("depth images read back as they were written", "[clip_files]") {
   const ScratchFolder folder("clip_files");
   const DepthImage depth = some_depth();
   MaskImage too_close(depth.width(), depth.height(), 0);
@@ -91,12 +91,12 @@ TEST_CASE("depth comes back from its files, whose bytes stay", "[clip_files]") {
   const DepthImage metres = depth_of(true_counts(depth), kDepthUnit);
   CHECK(std::isnan(metres(5, 5)));
   CHECK(std::abs(metres(6, 5) - depth(6, 5)) <= 0.000126f);
-  // The two pack in different ways: a file of either would have another size in the other's.
+  // The two kinds of file are compressed with different settings, so their sizes differ.
   write_measured_depth(folder / "m2.png", depth, MaskImage());
   CHECK(test::file_bytes(folder / "m2.png").size() != test::file_bytes(folder / "t.png").size());
 }
 
-TEST_CASE("masks are split in the middle, labels stay as they are", "[clip_files]") {
+TEST_CASE("masks are thresholded at 127, labels stay unchanged", "[clip_files]") {
   const ScratchFolder folder("clip_files");
   MaskImage mask(5, 4, 0);
   mask(2, 1) = 255;
@@ -114,7 +114,7 @@ TEST_CASE("masks are split in the middle, labels stay as they are", "[clip_files
   CHECK_FALSE(read_labels(folder / "none.png").has_value());
 }
 
-TEST_CASE("images that are none are refused by name", "[clip_files][errors]") {
+TEST_CASE("files that are no images are refused by name", "[clip_files][errors]") {
   const ScratchFolder folder("clip_files");
   test::write_bytes(folder / "d.png", "no image");
   CHECK_THROWS_WITH(read_depth_counts(folder / "d.png"), Catch::Contains("d.png is no image"));
@@ -125,7 +125,7 @@ TEST_CASE("images that are none are refused by name", "[clip_files][errors]") {
   CHECK_THROWS_AS(write_mask(folder / "nowhere/m.png", MaskImage(3, 2, 255)), Error);
 }
 
-TEST_CASE("no image fails in silence, however small, and half of one does not stay",
+TEST_CASE("an image that cannot be written is an error, however small, and no part of it remains",
           "[clip_files][errors]") {
   const ScratchFolder folder("clip_files");
   const auto full = Catch::EndsWith("i.png: cannot be written: No space left on device");
@@ -141,7 +141,7 @@ TEST_CASE("no image fails in silence, however small, and half of one does not st
   CHECK_FALSE(fs::exists(folder / "d.png"));
 }
 
-TEST_CASE("a picture that went through JPEG is what a reader of its file gets", "[clip_files]") {
+TEST_CASE("through_jpeg() gives the picture that a reader of the file gets", "[clip_files]") {
   const ScratchFolder folder("clip_files");
   ColorImage picture(32, 16);
   for (int y = 0; y < picture.height(); ++y) {

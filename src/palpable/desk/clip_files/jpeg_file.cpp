@@ -15,7 +15,7 @@ const std::vector<int> kSettings{cv::IMWRITE_JPEG_QUALITY, 96};
 
 cv::Mat bgr_of(const ColorImage& picture) {
   static_assert(sizeof(Rgb) == 3, "three bytes without padding, as CV_8UC3 has it");
-  // For reading only; OpenCV has no matrix of constants.
+  // The matrix is only read; cv::Mat has no const view, hence the cast.
   const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb*>(picture.data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);

@@ -11,7 +11,8 @@ namespace palpable {
 /// @throws Error when the file cannot be written
 void write_jpeg(const std::filesystem::path& path, const ColorImage& picture);
 
-/// What a reader of write_jpeg()'s file gets, without the file.
+/// The picture after encoding and decoding as write_jpeg() and a reader of its file would do it,
+/// without a file.
 [[nodiscard]] ColorImage through_jpeg(const ColorImage& picture);
 
 }  // namespace palpable

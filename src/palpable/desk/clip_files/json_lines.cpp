@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMostFrames = 10'000'000;
-constexpr double kSkew = 1e-3;  // of R R^T from 1
+constexpr double kSkew = 1e-3;  // largest entry of R R^T - 1 of a pose
 
 std::vector<double> first_numbers(const json& list, const std::string& what, std::size_t count) {
   if (!list.is_array() || list.size() < count) {
@@ -135,7 +135,7 @@ bool is_of_another(const JsonObject& line, const std::string& body) {
 }
 
 int frame_number(const json& value) {
-  // get<int>() would cut off what is not whole.
+  // get<int>() would silently truncate a number that is not whole.
   if (!value.is_number_integer()) {
     throw Error(fmt::format("{} is no frame's number",
                             value.dump(-1, ' ', false, json::error_handler_t::replace)));
@@ -152,7 +152,8 @@ std::string without_brackets(const std::string& message) {
 
 std::string quoted_text(const std::string& text) {
   std::string quoted = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
-  std::replace(quoted.begin(), quoted.end(), '\x7f', '?');  // JSON may have it, TOML not
+  std::replace(quoted.begin(), quoted.end(), '\x7f',
+               '?');  // JSON allows this character, TOML does not
   return quoted;
 }
 

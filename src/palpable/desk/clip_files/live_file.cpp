@@ -93,7 +93,7 @@ LiveFile live_file_of(const json& live) {
   LiveFile file;
   const JsonObject object(live);
   if (object.has("camera_from_body")) file.camera_from_body = object.rigid("camera_from_body");
-  // null where colour and depth share one view
+  // null if colour and depth share one view
   if (live.contains("color_from_depth") && !live.at("color_from_depth").is_null())
     file.color_from_depth = object.rigid("color_from_depth");
   if (!object.has("processed")) return file;
@@ -156,7 +156,7 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
   for (const auto& [stage, ms] : summary.median_ms) live["median_ms"][stage] = ms;
   live["processed"] = summary.processed;
   TextFile file(path);
-  // Names of files need not be UTF-8, which JSON is.
+  // File names need not be UTF-8, but JSON must be: other bytes are replaced.
   file.write(live.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
   file.close();
 }

@@ -1,5 +1,5 @@
 /// @file
-/// live.json of a result: what was run, which frames it looked at and what happened in all of them.
+/// live.json of a result: what was run, which frames were processed, and totals over all of them.
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
@@ -13,16 +13,16 @@
 
 namespace palpable {
 
-/// What `palpable live` writes, in the order of the file.
+/// The values that `palpable live` writes, in the order of the file.
 struct LiveSummary {
   struct Tracking {
     int frames_moving = 0;
-    std::vector<int> frames_lost;  ///< numbers
+    std::vector<int> frames_lost;  ///< frame numbers
     int times_found_again = 0;
     int loops_closed = 0;
     int keyframes = 0;
     int landmarks = 0;
-    /// Numbers of the frames with which a new world began (TrackedPose::new_world).
+    /// Numbers of the frames at which a new world frame began (TrackedPose::new_world).
     std::vector<int> new_worlds = {};
   };
   struct Map {
@@ -33,28 +33,30 @@ struct LiveSummary {
   /// How well depth could be measured (depth/depth_watch.h).
   struct Depth {
     double median_density = 0;           ///< share of the pixels with a depth
-    std::vector<int> frames_few_depths;  ///< numbers: hardly any pixel had one
-    std::vector<int> frames_rows_off;    ///< numbers: the eyes' rows were out of line
-    double rows_off_px = 0;              ///< by how much at most
+    std::vector<int> frames_few_depths;  ///< frame numbers; hardly any pixel had a depth
+    std::vector<int> frames_rows_off;    ///< frame numbers; rows of the two views misaligned
+    double rows_off_px = 0;              ///< largest misalignment, px
   };
   struct Troubles {
     int back_in_time = 0;
     int dropped = 0;
     int stalls = 0;
     int losses = 0;
-    std::vector<std::string> reports;  ///< of the source, in its words
+    std::vector<std::string> reports;  ///< messages of the source
   };
 
   struct Body {
-    std::string name;  ///< as the other files call it; of one body alone they do not
+    std::string name;  ///< name in the other files; unused if there is one body
     std::string file;
     std::string contact;
-    bool takes_reactions = false;  ///< of bodies that it presses; false: it presses them one way
+    /// Whether bodies that it presses press back on it; false: it acts on them in one direction
+    /// only.
+    bool takes_reactions = false;
     double scale = 1;
     Rigid3 camera_from_body = Rigid3::Identity();  ///< in the first frame
   };
 
-  /// How fast it went (player/run_stats.h).
+  /// Speed of the run (player/run_stats.h).
   struct Stats {
     double frames_per_second = 0;  ///< "frames_per_s"
     double age_p50_ms = 0;
@@ -64,59 +66,61 @@ struct LiveSummary {
     std::vector<std::pair<std::string, double>> stage_p99_ms;
   };
 
-  /// All states that were answered, of a run that is recorded or replayed (player/state_hash.h).
+  /// Hash over the results of all frames, for a run that is recorded or replayed
+  /// (player/state_hash.h).
   struct States {
     std::string hash;
     int frames = 0;
   };
 
-  std::string scene;         ///< its file; empty: one body
+  std::string scene;         ///< scene file; empty: the run has one body without a scene file
   std::vector<Body> bodies;  ///< at least one
   std::string source;
   std::string view;
-  bool press_static = false;  ///< what was there when bodies were anchored pressed them, too
-  /// For paths that are published of the depth camera: trajectory.txt is the colour camera's.
+  /// Whether things that were already present when the bodies were anchored pressed them, too.
+  bool press_static = false;
+  /// Relates trajectory.txt, the path of the colour camera, to published paths of a depth camera.
   std::optional<Rigid3> color_from_depth;
-  std::optional<Tracking> tracking;  ///< nothing: the camera was taken for fixed
+  std::optional<Tracking> tracking;  ///< nothing: the camera was assumed fixed
   std::optional<Map> map;
   Depth depth;
-  int unreadable = 0;  ///< frames
+  int unreadable = 0;  ///< number of frames that could not be read
   Troubles source_troubles;
   int frames_touching = 0;
   std::optional<int> first_touch_frame;
   double deepest_press = 0;       ///< m; "deepest_press_m"
   int frames_between_bodies = 0;  ///< in which bodies pressed each other
-  double deepest_between = 0;     ///< m, of bodies into each other; "deepest_between_m"
-  double imbalance = 0;           ///< N, of the forces between them; "imbalance_n"
-  /// Frames at whose end a body had some of its way still to go: contact had not converged, or an
-  /// obstacle came farther than a body may move in one frame.
+  double deepest_between = 0;     ///< m, penetration between bodies; "deepest_between_m"
+  double imbalance = 0;           ///< N, of the forces between bodies; "imbalance_n"
+  /// Frames in which a body did not reach its equilibrium: contact had not converged, or an
+  /// obstacle moved farther than the step limit of the body.
   int frames_step_limited = 0;
-  int frames_contacts_dropped =
-      0;  ///< in which more points were near something than there is room for
+  /// Frames in which more contact points were near something than there is room for.
+  int frames_contacts_dropped = 0;
   int site_changes = 0;
   std::string video_codec;
   std::vector<std::string> pictures;
-  int left_out = 0;        ///< frames that are in the texts only; "frames_left_out"
-  int lines_left_out = 0;  ///< frames that are not even there; "lines_left_out"
+  int left_out = 0;        ///< frames without pictures, only in the text files; "frames_left_out"
+  int lines_left_out = 0;  ///< frames missing in the text files, too; "lines_left_out"
   double color_scale = 0;  ///< Pa; "color_scale_pa"
   double wall = 0;         ///< s; "wall_s"
   std::optional<States> states;
   Stats stats;
-  std::vector<std::pair<std::string, double>> median_ms;  ///< of each stage
-  std::vector<int> processed;                             ///< numbers of the frames looked at
+  std::vector<std::pair<std::string, double>> median_ms;  ///< for each stage
+  std::vector<int> processed;                             ///< numbers of the processed frames
 };
 
 /// @throws Error when the file cannot be written
 void write_live_summary(const std::filesystem::path& path, const LiveSummary& summary);
 
-/// What scores need of live.json, which other systems may write too.
+/// The part of live.json that scores need. Other systems may write such files, too.
 struct LiveFile {
-  std::optional<std::vector<int>> processed;  ///< numbers of the frames looked at; nothing: all
-  std::optional<Rigid3> camera_from_body;     ///< of a body that stays where it is
-  std::optional<Rigid3> color_from_depth;     ///< trajectory.txt is the colour camera's
+  std::optional<std::vector<int>> processed;  ///< numbers of the processed frames; nothing: all
+  std::optional<Rigid3> camera_from_body;     ///< of a body that does not move
+  std::optional<Rigid3> color_from_depth;     ///< as in LiveSummary
 };
 
-/// @throws Error naming the file when it is no JSON object, or when one of these makes no sense
+/// @throws Error naming the file when it is no JSON object or one of these values is invalid
 [[nodiscard]] LiveFile read_live_file(const std::filesystem::path& path);
 
 }  // namespace palpable

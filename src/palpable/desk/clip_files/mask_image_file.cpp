@@ -11,7 +11,7 @@ namespace palpable {
 namespace {
 
 cv::Mat mask_matrix(const GrayImage& image) {
-  // For reading only; OpenCV has no matrix of constants.
+  // The matrix is only read; cv::Mat has no const view, hence the cast.
   return {image.height(), image.width(), CV_8UC1, const_cast<std::uint8_t*>(image.data())};
 }
 

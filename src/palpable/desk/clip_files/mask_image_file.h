@@ -1,5 +1,5 @@
 /// @file
-/// 8-bit PNG files: the masks of results (visible/, moving/) and the labels of truths.
+/// 8-bit PNG files: the masks of a result (visible/, moving/) and the labels of a truth.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -9,17 +9,18 @@
 
 namespace palpable {
 
-/// visible/ and moving/. @throws Error when the file cannot be written
+/// Writes an image of visible/ or moving/. @throws Error when the file cannot be written
 void write_mask(const std::filesystem::path& path, const MaskImage& mask);
 
-/// 255 above 127 (a lossy tool may have been at work), else 0. Nothing when there is no such file.
-/// @throws Error naming it when it cannot be read
+/// Reads a mask: values above 127 become 255, others 0, since a lossy tool may have changed them.
+/// Nothing when there is no such file. @throws Error naming the file when it cannot be read
 [[nodiscard]] std::optional<MaskImage> read_mask(const std::filesystem::path& path);
 
-/// labels/: bits, which stay as they are. @throws Error when the file cannot be written
+/// Writes an image of labels/, whose values are bits and stay unchanged. @throws Error when the
+/// file cannot be written
 void write_labels(const std::filesystem::path& path, const GrayImage& labels);
 
-/// Nothing when there is no such file. @throws Error naming it when it cannot be read
+/// Nothing when there is no such file. @throws Error naming the file when it cannot be read
 [[nodiscard]] std::optional<GrayImage> read_labels(const std::filesystem::path& path);
 
 }  // namespace palpable

@@ -14,8 +14,8 @@ std::vector<int> png_of_repetitions() { return {cv::IMWRITE_PNG_COMPRESSION, 1};
 
 void write_image(const std::filesystem::path& path, const cv::Mat& image,
                  const std::vector<int>& settings) {
-  // Not cv::imwrite, which does not look whether its file could be closed: of a picture of less
-  // than a block nothing else would tell that the disk is full.
+  // Not cv::imwrite, which ignores errors of closing its file: for a picture smaller than a disk
+  // block, closing is the only operation that reports a full disk.
   std::vector<unsigned char> bytes;
   bool encoded = false;
   try {

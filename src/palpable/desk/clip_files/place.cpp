@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLargestPosition = 100;  // m; a larger number is more likely in mm
+constexpr double kLargestPosition = 100;  // m; a larger position was probably given in mm
 
 Rigid3 pose_of_numbers(const std::vector<double>& n, const std::string& where) {
   for (const double value : n) {

@@ -1,5 +1,5 @@
 /// @file
-/// Where a body stands before the camera, as users write it: on the command line, in a file of
+/// The pose of a body in front of the camera as users write it: on the command line, in a file of
 /// numbers, or in the scene.toml beside a recording.
 #pragma once
 
@@ -12,39 +12,43 @@
 
 namespace palpable {
 
-/// camera_from_body from six numbers: the place of the body's origin in the camera (m: right, down,
-/// forward) and three angles (degrees). With all angles 0 the body stands upright before a level
-/// camera, its Z up, its X to the right, its Y away from the camera. Then
+/// camera_from_body from six numbers: the position of the body's origin in the camera frame (m:
+/// right, down, forward) and three angles (degrees). With all angles 0 the body stands upright
+/// before a level camera, its Z up, its X to the right, its Y away from the camera. Then
 ///
 ///     yaw    turns it about its own upright axis,
-///     pitch  leans its top towards the camera: what a camera that looks down by that angle sees,
-///     roll   turns the picture of it about the optical axis.
+///     pitch  leans its top towards the camera, as seen by a camera tilted down by that angle,
+///     roll   turns its picture about the optical axis.
 [[nodiscard]] Rigid3 upright_pose(double x, double y, double z, double roll, double pitch,
                                   double yaw);
 
 /// Reads a pose: six numbers "x y z roll pitch yaw" as above, or sixteen, camera_from_body row by
-/// row (m). They are given as they are or are in the file that the text names: a text file of
-/// numbers ('#' begins a comment), or a .toml with the array camera_from_body.
+/// row (m). `text` holds the numbers themselves or names a file with them: a text file of numbers
+/// ('#' begins a comment), or a .toml with the array camera_from_body.
 ///
-/// @param option  what it was given as, for messages
-/// @throws Error naming what was given: not a file and no numbers, another count, not finite, a
-///         matrix that is no rotation (by more than 1e-3), a body behind the camera
+/// @param option  name of the option that gave the text, for messages
+/// @throws Error naming the option or file: neither a file nor numbers, another count, a value that
+/// is
+///         not finite, a matrix that is no rotation (R R^T off by more than 1e-3), a body behind
+///         the camera or more than 100 m away
 [[nodiscard]] Rigid3 read_pose(const std::string& text, const std::string& option = "pose");
 
-/// Nobody says where the body stands, and nothing that is seen does. The message says what was
-/// looked for; how else to say it is the caller's to add.
+/// The pose of a body is neither given nor found in the images. The message says what was searched;
+/// the caller adds how the pose can be given instead.
 class NoPlaceError : public Error {
  public:
   using Error::Error;
 };
 
-/// What a recorded scene says of itself (scene.toml beside the images).
+/// Contents of the scene.toml beside recorded images.
 struct SceneFile {
   std::optional<Rigid3> camera_from_body;
-  bool press_static = false;  ///< what is there when the body is anchored presses it, too
+  /// Whether things that are already present when the body is anchored press it, too.
+  bool press_static = false;
 };
 
-/// Without such a file nothing is known. @throws Error when it cannot be read or is wrong
+/// Without such a file the result is a default SceneFile. @throws Error when the file cannot be
+/// read or holds wrong values
 [[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& path);
 
 }  // namespace palpable

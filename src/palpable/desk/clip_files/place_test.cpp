@@ -24,16 +24,16 @@ TEST_CASE("six numbers with no angles stand the body upright before a level came
   CHECK(apart(pose * Vector3d(0, 0.1, 0), {0.1, 0.2, 0.6}) < 1e-15);
 }
 
-TEST_CASE("pitch is how far the camera looks down, yaw turns the body on its foot",
+TEST_CASE("pitch is the downward tilt of the camera, yaw turns the body about its upright axis",
           "[clip_files]") {
-  // Looking straight down, the body's top is nearer to the camera than its foot.
+  // For a camera that looks straight down, the body's top is nearer than its base.
   CHECK(apart(read_pose("0 0 1 0 90 0") * Vector3d(0, 0, 0.1), {0, 0, 0.9}) < 1e-15);
   CHECK(apart(read_pose("0 0 1 0 0 90") * Vector3d(0.1, 0, 0), {0, 0, 1.1}) < 1e-15);
   CHECK(apart(read_pose("0 0 1 0 0 90") * Vector3d(0, 0, 0.1), {0, -0.1, 1}) < 1e-15);
   CHECK(apart(read_pose("0 0 1 90 0 0") * Vector3d(0, 0, 0.1), {0.1, 0, 1}) < 1e-15);
 }
 
-TEST_CASE("sixteen numbers are the matrix, given in words or in a file", "[clip_files]") {
+TEST_CASE("sixteen numbers are the matrix, given as text or in a file", "[clip_files]") {
   const test::ScratchFolder folder("place");
   const std::string text = "0 -1 0 0.1\n1 0 0 0.2\n0 0 1 0.7  \n0 0 0 1";
   const Rigid3 pose = read_pose(text);
@@ -51,11 +51,11 @@ TEST_CASE("sixteen numbers are the matrix, given in words or in a file", "[clip_
   CHECK_FALSE(read_scene_file(folder.path() / "none.toml").camera_from_body.has_value());
 }
 
-TEST_CASE("what is no place is refused", "[clip_files][errors]") {
+TEST_CASE("invalid poses are refused", "[clip_files][errors]") {
   CHECK_THROWS_AS(read_pose("1 2 3"), Error);
   CHECK_THROWS_AS(read_pose("0 0 -1 0 0 0"), Error);  // behind the camera
   CHECK_THROWS_AS(read_pose("0 0 nan 0 0 0"), Error);
-  CHECK_THROWS_AS(read_pose("1e300 0 0.5 0 0 0"), Error);  // nobody would see it
+  CHECK_THROWS_AS(read_pose("1e300 0 0.5 0 0 0"), Error);  // too far away
   CHECK_THROWS_AS(read_pose("no/such/file"), Error);
   CHECK_THROWS_AS(read_pose("1 0 0 0  0 1 0 0  0 0 -1 1  0 0 0 1"), Error);  // a mirror
   CHECK_THROWS_AS(read_pose("2 0 0 0  0 2 0 0  0 0 2 1  0 0 0 1"), Error);   // a scale

@@ -22,13 +22,14 @@ constexpr double kKittiRate = 10;        // Hz
 constexpr double kSevenScenesRate = 30;  // Hz
 constexpr std::string_view kPoseEnding = ".pose.txt";
 
-// Of a matrix row by row, 3 x 4 or 4 x 4. @throws Error when it holds no rotation
+// The pose in a matrix of 3 x 4 or 4 x 4 numbers, row by row. @throws Error when it holds no
+// rotation
 Rigid3 pose_of_rows(const std::vector<double>& n, const std::string& where) {
   using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
   Rigid3 pose = Rigid3::Identity();
   pose.matrix().topRows<3>() = Eigen::Map<const Rows>(n.data());
   const Eigen::Matrix3d R = pose.linear();
-  constexpr double kRounding = 1e-2;  // files have few digits
+  constexpr double kRounding = 1e-2;  // of R^T R from 1; files have few digits
   const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(off <= kRounding) || R.determinant() < 0) {
     throw Error(fmt::format("{}: the matrix holds no rotation", where));
@@ -109,7 +110,8 @@ PublishedPoses of_recording(const fs::path& folder) {
 }
 
 PublishedPoses euroc(const fs::path& csv) {
-  // Beside the images it is known where the camera stands in the body.
+  // If the file lies in a recording, sensor.yaml gives the camera's pose in the body, so that the
+  // poses can be those of the left camera.
   std::error_code ignored;
   const fs::path recording = fs::absolute(csv, ignored).parent_path().parent_path();
   if (fs::exists(recording / "cam0/sensor.yaml", ignored) &&

@@ -15,7 +15,8 @@ using Catch::Matchers::Contains;
 using test::ScratchFolder;
 using test::write_bytes;
 
-// A quarter turn about Z, at (1, 2, 3): in every format the second of two poses.
+// Checks the second of two poses, which is the same in every format: a quarter turn about Z at
+// (1, 2, 3).
 void check_second(const PublishedPoses& read, double time) {
   REQUIRE(read.poses.size() == 2);
   CHECK(read.poses[1].time == Approx(time).epsilon(1e-12));

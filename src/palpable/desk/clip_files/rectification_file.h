@@ -1,11 +1,12 @@
 /// @file
-/// rectification.jsonl of a result: how a rig that went out of alignment was put right, a line for
-/// each change,
+/// rectification.jsonl of a result: the corrections of a rig that lost its alignment, one line per
+/// change:
 ///
 ///     {"frame":150,"row_correction_px":0.5120,"row_error_px":0.0312}
 ///
-/// From this frame on the right image was moved up by so many rows of the full-size picture beyond
-/// what the calibration says.
+/// From this frame on the right image is moved up by row_correction_px rows of the full-size
+/// picture, in addition to the rectification by the calibration. row_error_px remains in this
+/// frame.
 #pragma once
 
 #include <filesystem>
@@ -18,13 +19,14 @@ namespace palpable {
 struct CorrectionLine {
   int frame = 0;
   double row_correction_px = 0;
-  std::optional<double> row_error_px;  ///< left in this frame; nothing: too few points to say
+  std::optional<double> row_error_px;  ///< remaining error; nothing: too few points
 };
 
-/// One line, its end included.
+/// One line, including its line end.
 [[nodiscard]] std::string correction_line(const CorrectionLine& correction);
 
-/// @throws Error naming file and line when frames do not rise or a correction is no number
+/// @throws Error naming file and line when frame numbers do not increase or a correction is no
+/// number
 [[nodiscard]] std::vector<CorrectionLine> read_corrections(const std::filesystem::path& path);
 
 }  // namespace palpable

@@ -24,7 +24,7 @@ constexpr Range kAny{-std::numeric_limits<double>::infinity(),
                      std::numeric_limits<double>::infinity()};
 const std::vector<std::string> kAnchors{"scene", "plane", "board", "place"};
 
-// Names become parts of paths and of lines.
+// Whether a name may be used: names become parts of paths and of text files.
 bool is_plain(const std::string& name) {
   return std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||

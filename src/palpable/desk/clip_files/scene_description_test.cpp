@@ -50,7 +50,7 @@ TEST_CASE("a scene says which bodies stand where", "[clip_files][scene]") {
   REQUIRE(bodies.size() == 2);
   CHECK(bodies[0].name == "lower");
   CHECK(bodies[0].file.filename() == "beam.palpable");
-  CHECK(bodies[0].file.is_absolute());  // found from the scene's folder, which is
+  CHECK(bodies[0].file.is_absolute());  // relative to the scene's folder, which is absolute
   CHECK_FALSE(bodies[0].place.anchor);
   CHECK(bodies[1].place.beside == 0);
   CHECK(bodies[1].scale == 0.5);
@@ -65,7 +65,7 @@ TEST_CASE("a scene says which bodies stand where", "[clip_files][scene]") {
                         Catch::Contains("bodies/beam.toml --method intrusive-pgd"));
 }
 
-TEST_CASE("what is wrong with a scene is told in a line with its number", "[clip_files][errors]") {
+TEST_CASE("errors in a scene are reported with their line number", "[clip_files][errors]") {
   const std::string one = "[[body]]\nname = \"a\"\nfile = \"a.palpable\"\n";
   CHECK_THAT(refusal(""), Catch::Contains("has no [[body]]"));
   CHECK_THAT(refusal(one + "colour = [1, 2, 3]\n"),

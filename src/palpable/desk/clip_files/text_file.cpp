@@ -12,14 +12,14 @@ namespace palpable {
 
 namespace {
 
-constexpr std::size_t kMostKept = 1 << 16;  // bytes
+constexpr std::size_t kMostKept = 1 << 16;  // bytes; when more are kept, they are written
 
 }  // namespace
 
 TextFile::~TextFile() {
   try {
     flush();
-  } catch (const Error&) {  // nobody asked; the lines before are there
+  } catch (const Error&) {  // a destructor cannot report it; close() does
   }
 }
 
@@ -39,9 +39,9 @@ void TextFile::close() {
 
 namespace {
 
-constexpr std::size_t kLongestLine = 16'000'000;  // bytes; a hand's frame has two thousand
+constexpr std::size_t kLongestLine = 16'000'000;  // bytes; a line of hand.jsonl has about 2000
 
-// The next line, without its end; false behind the last.
+// Reads the next line without its end. @return false at the end of the file
 bool next_line(std::streambuf& in, std::string& line) {
   line.clear();
   constexpr int kEnd = std::char_traits<char>::eof();
@@ -67,7 +67,7 @@ void for_each_line(const std::filesystem::path& path,
     }
   } catch (const Error& error) {
     throw Error(fmt::format("{}: line {}: {}", path.string(), number, error.what()));
-  } catch (const std::ios_base::failure&) {  // a folder
+  } catch (const std::ios_base::failure&) {  // `path` is a folder
     throw Error(fmt::format("{}: cannot be read", path.string()));
   }
 }

@@ -1,5 +1,5 @@
 /// @file
-/// Text files line by line: what the formats of this module that are text have in common.
+/// Writing and reading of text files line by line, as all text formats of this module need it.
 #pragma once
 
 #include "palpable/common/base/growing_file.h"
@@ -11,18 +11,19 @@
 
 namespace palpable {
 
-/// A text file that is written line by line and reports a full disk instead of staying short. On
-/// the disk it always ends with a whole line.
+/// A text file that is written line by line. A full disk is reported, not ignored, and the file on
+/// the disk always ends with a whole line.
 class TextFile {
  public:
-  /// Begins the file anew. @throws Error "FILE: cannot be written: REASON", as the others do
+  /// Creates or empties the file. @throws Error "FILE: cannot be written: REASON", as write(),
+  /// flush() and close() do
   explicit TextFile(const std::filesystem::path& path) : file_(path) {}
   TextFile(const TextFile&) = delete;
   TextFile& operator=(const TextFile&) = delete;
-  /// What is not on the disk yet goes there if it can. Who wants to know calls close().
+  /// Writes the remaining lines if possible and ignores errors; call close() to have them reported.
   ~TextFile();
 
-  /// Whole lines. They are kept until there are many, or until flush().
+  /// Adds whole lines. They are kept in memory until there are 64 KB of them, or until flush().
   void write(std::string_view lines);
   void flush();
   void close();
@@ -32,9 +33,9 @@ class TextFile {
   std::string kept_;
 };
 
-/// Hands over the lines that are not empty, without their ends (LF or CRLF).
-/// @throws Error "FILE: cannot be read"; what `read_line` throws as Error gets "FILE: line N: " in
-/// front
+/// Calls `read_line` for each line that is not empty, without its end (LF or CRLF).
+/// @throws Error "FILE: cannot be read"; an Error that `read_line` throws is rethrown with the
+/// prefix "FILE: line N: "
 void for_each_line(const std::filesystem::path& path,
                    const std::function<void(const std::string& line)>& read_line);
 

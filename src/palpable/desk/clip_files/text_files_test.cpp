@@ -1,5 +1,4 @@
-// Each text format: the bytes of a line, back again through its reader, and what its reader
-// refuses.
+// For each text format: the bytes of a line, reading it back, and lines that the reader refuses.
 #include "palpable/common/base/error.h"
 #include "palpable/desk/clip_files/contact_file.h"
 #include "palpable/desk/clip_files/frame_names.h"
@@ -28,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::ScratchFolder;
 
-/// A file of this text in a folder of its own.
+/// A file with the given text in a folder of its own.
 struct TextIn {
   explicit TextIn(const std::string& text, const char* name = "file") : path(folder / name) {
     test::write_bytes(path, text);
@@ -37,7 +36,8 @@ struct TextIn {
   fs::path path;
 };
 
-/// What `read` throws for a file of this text; empty when it throws nothing.
+/// The message of the Error that `read` throws for a file with this text; empty when it throws
+/// none.
 std::string refusal(const std::string& text, const std::function<void(const fs::path&)>& read) {
   const TextIn file(text);
   try {
@@ -51,7 +51,7 @@ bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos && text.find('\n') == std::string::npos;
 }
 
-/// A quarter turn round Z, and (0.1, -0.2, 0.5) m.
+/// A quarter turn about Z and a translation of (0.1, -0.2, 0.5) m.
 Rigid3 some_pose() {
   Rigid3 pose = Rigid3::Identity();
   pose.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;
@@ -105,7 +105,7 @@ TEST_CASE("the touches of a frame are one line, and come back", "[clip_files]") 
         "{\"frame\":9,\"touches\":[],\"displacement_error\":0.01250,\"stress_error\":0.25000}\n");
   const TextIn file(with_error + line);
   const std::vector<TouchesLine> read = read_touches(file.path);
-  REQUIRE(read.size() == 2);  // frames rise
+  REQUIRE(read.size() == 2);  // sorted by frame
   CHECK(read[0].frame == 7);
   REQUIRE(read[0].touches.size() == 2);
   const FeltTouch& first = read[0].touches[0];
@@ -118,13 +118,13 @@ TEST_CASE("the touches of a frame are one line, and come back", "[clip_files]") 
   CHECK(read[0].touches[1].site == 4);
   CHECK_FALSE(read[0].touches[1].force.has_value());
   CHECK(read[1].frame == 9);
-  CHECK(read[1].touches.empty());  // feels nothing
+  CHECK(read[1].touches.empty());  // an empty list: no touch
   CHECK(read[1].displacement_error == 0.0125);
   CHECK(read[1].stress_error == 0.25);
   CHECK_FALSE(read[0].displacement_error.has_value());
 }
 
-TEST_CASE("a line of one touch, as before there were lists, is still read", "[clip_files]") {
+TEST_CASE("a line with one touch, the format before lists, is still read", "[clip_files]") {
   const TextIn file(
       "{\"frame\":8,\"time\":0.25,\"site\":3,\"level\":0.5,\"force\":1.25,"
       "\"press_depth\":0.004,\"point\":[0.01,-0.02,0.03]}\n"
@@ -139,7 +139,7 @@ TEST_CASE("a line of one touch, as before there were lists, is still read", "[cl
   CHECK(read[1].touches[0].site == 3);
   CHECK(read[1].touches[0].level == 0.5);
   CHECK(read[1].touches[0].point == Eigen::Vector3d(0.01, -0.02, 0.03));
-  CHECK_FALSE(read[1].touches[0].force.has_value());  // its size alone says no direction
+  CHECK_FALSE(read[1].touches[0].force.has_value());  // the magnitude alone has no direction
   CHECK(read[1].touches[1].site == 5);
 }
 
@@ -163,7 +163,7 @@ TEST_CASE("touches that make no sense are refused with file and line", "[clip_fi
   CHECK(has(refusal(listed("[{\"force\":2.5}]"), read), "line 2: force is no list of 3 numbers"));
 }
 
-TEST_CASE("lines that a parser had better not see are refused with file and line",
+TEST_CASE("lines that would overload a parser are refused with file and line",
           "[clip_files][errors]") {
   const auto read = [](const fs::path& path) { (void)read_touches(path); };
   const std::string deep(1'000'000, '[');
@@ -182,7 +182,7 @@ TEST_CASE("lines that a parser had better not see are refused with file and line
   CHECK_THROWS_WITH(read_touches(folder.path()), Catch::EndsWith("cannot be read"));
 }
 
-TEST_CASE("names that are no UTF-8, or hold quotes, leave files that can be read",
+TEST_CASE("files with names that are not UTF-8 or hold quotes can be read back",
           "[clip_files][errors]") {
   const ScratchFolder folder("clip_files");
   LiveSummary summary;
@@ -222,7 +222,7 @@ TEST_CASE("a body's pose is the line it always was, and comes back", "[clip_file
   CHECK(read[0].camera_from_body.isApprox(some_pose(), 1e-14));
 }
 
-TEST_CASE("poses that are none are refused with file and line", "[clip_files][errors]") {
+TEST_CASE("invalid poses are refused with file and line", "[clip_files][errors]") {
   const auto read = [](const fs::path& path) { (void)read_poses(path); };
   const auto with = [](const std::string& numbers) {
     return "{\"frame\":0,\"camera_from_body\":[" + numbers + "]}\n";
@@ -535,12 +535,12 @@ TEST_CASE("a text that cannot be written is an error", "[clip_files][errors]") {
   CHECK_THROWS_WITH(full.close(), "/dev/full: cannot be written: No space left on device");
 }
 
-TEST_CASE("the lines of a text are on the disk when that is asked for", "[clip_files]") {
+TEST_CASE("lines of a text file are on the disk after flush() or close()", "[clip_files]") {
   const ScratchFolder folder("clip_files");
   const fs::path path = folder / "a.csv";
   TextFile text(path);
   text.write("1,2\n");
-  CHECK(test::file_bytes(path).empty());  // a line alone is not worth a visit to the disk
+  CHECK(test::file_bytes(path).empty());  // a single line stays in memory
   text.flush();
   CHECK(test::file_bytes(path) == "1,2\n");
   text.write("3,4\n");

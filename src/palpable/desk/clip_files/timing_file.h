@@ -1,5 +1,5 @@
 /// @file
-/// timing.csv of a run: ms per stage per frame, "total_ms" last,
+/// timing.csv of a run: the time of each stage in each frame, ms, with "total_ms" last:
 ///
 ///     frame,read_ms,rectify_ms,...,total_ms
 ///     0,1.250,0.310,...,14.022
@@ -12,7 +12,7 @@
 
 namespace palpable {
 
-/// The first line, its end included. @param stages  without "_ms"
+/// The first line, including its line end. @param stages  without "_ms"
 [[nodiscard]] std::string timing_header(std::span<const std::string> stages);
 /// The line of a frame. @param ms  in the header's order
 [[nodiscard]] std::string timing_line(int frame, std::span<const double> ms);
@@ -24,8 +24,8 @@ struct TimingTable {
   std::vector<std::vector<double>> ms;  ///< (F) of (S)
 };
 
-/// @throws Error naming file and line for another header, and a line of another length or of words
-/// that are no numbers
+/// @throws Error naming file and line when the header differs, or when a line has another length or
+/// holds something other than numbers
 [[nodiscard]] TimingTable read_timing(const std::filesystem::path& path);
 
 }  // namespace palpable

@@ -17,7 +17,7 @@ std::string text_of(const Eigen::Vector3d& v) {
   return fmt::format("[{:.6f},{:.6f},{:.6f}]", v.x(), v.y(), v.z());
 }
 
-// An object with what is known.
+// A JSON object with the known values.
 std::string touch_text(const FeltTouch& touch) {
   std::string text;
   const auto add = [&](const char* key, const std::string& value) {
@@ -35,7 +35,7 @@ std::string touch_text(const FeltTouch& touch) {
   return fmt::format("{{{}}}", text);
 }
 
-// What a line of one touch and an entry of a list have in common.
+// The values that an old line with one touch and an entry of a list have in common.
 FeltTouch touch_of(const JsonObject& object) {
   FeltTouch touch;
   if (object.has("site")) touch.site = object.whole("site");

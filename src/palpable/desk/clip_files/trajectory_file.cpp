@@ -14,7 +14,7 @@ namespace {
 
 StampedPose stamped_pose_of(const std::string& line) {
   const std::optional<std::vector<double>> n = to_numbers(line);
-  // to_numbers() would read numbers in brackets, too.
+  // to_numbers() also accepts brackets and semicolons, which this format does not have.
   if (!n || n->size() != 8 || line.find_first_of("[];") != std::string::npos) {
     throw Error("8 numbers are wanted: time tx ty tz qx qy qz qw");
   }

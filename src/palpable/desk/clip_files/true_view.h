@@ -1,6 +1,6 @@
 /// @file
-/// What a perfect depth camera would tell of a frame: the true depth, and which pixels show a thing
-/// that presses.
+/// The output of a perfect depth camera for one frame: the true depth, and which pixels show a
+/// thing that may press.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -15,8 +15,8 @@ struct TrueView {
   MaskImage shows;   ///< kShowsPresser where labels/ have kMovesLabel, else kShowsRoom
 };
 
-/// Of truth/depth and truth/labels; nothing where one of the two images is missing.
-/// @param truth  folder
+/// Reads truth/depth and truth/labels; nothing if one of the two images is missing.
+/// @param truth  folder of the truth
 /// @param unit   m per count, TruthCamera::depth_unit
 /// @throws Error naming the image that cannot be read
 [[nodiscard]] std::optional<TrueView> read_true_view(const std::filesystem::path& truth, int frame,

@@ -40,7 +40,7 @@ std::optional<PinholeCamera> camera_of(const toml::table& table) {
   return camera;
 }
 
-// In ''', as files always had it, unless that is not possible.
+// A TOML literal string ('''), as in all earlier files, if the name allows it, else a quoted one.
 std::string file_name_text(const std::string& name) {
   const std::string quoted = quoted_text(name);
   const bool plain = quoted == '"' + name + '"' && name.find('\'') == std::string::npos;

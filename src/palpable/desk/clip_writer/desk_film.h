@@ -1,5 +1,6 @@
 /// @file
-/// What films the synthetic desk: the body as the desk knows it, the rig, its renderer.
+/// The parts needed to film the synthetic desk: its representation of a body, the rig, the
+/// renderer.
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
@@ -13,19 +14,19 @@
 
 namespace palpable {
 
-/// Seeds are noted in TOML files, whose whole numbers end here.
+/// Seeds are written to TOML files, whose integers are limited to 2^63 - 1.
 inline constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::int64_t>::max();
 
 /// The skin and the sites of a reduced body.
 [[nodiscard]] DeskBody desk_body(const ReducedBody& body);
 
-/// The rig, its rectification, and a renderer of a sequence.
+/// A rig, its rectification, and a renderer for a sequence.
 struct Film {
   StereoRig rig;
   RectifiedGeometry geometry;
   DeskRenderer renderer;
 };
-/// @throws Error without OpenGL
+/// @throws Error when OpenGL is not available
 [[nodiscard]] Film film_of(const Sequence& sequence);
 
 }  // namespace palpable

@@ -19,16 +19,18 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kSeed = 1;
-constexpr std::string_view kOurs = "palpable";  // how made_for.txt begins
+constexpr std::string_view kOurs = "palpable";  // first word of made_for.txt
 
-// Empty when there is no such file.
+// The bytes of a file; empty when there is no such file.
 std::string bytes_of(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-// Empties the folder of an earlier clip, whole or not, and leaves a label that says so: whenever
-// this or the filming is interrupted, the folder is known as a clip's. @param found  its label
+// Removes an earlier clip, complete or not, from the folder and writes a label that says that it is
+// being filmed: if this or the filming is interrupted, the folder is still recognised as a clip's.
+// @param found  text of the present label
+// @throws Error when the folder holds something else
 void clear(const fs::path& folder, const fs::path& label_file, const std::string& found) {
   std::error_code error;
   const bool is_clip = fs::exists(label_file, error) && (found.empty() || found.starts_with(kOurs));

@@ -1,5 +1,5 @@
 /// @file
-/// The clip of the synthetic desk that a live run plays: filmed once for a body, then kept.
+/// The clip of the synthetic desk that a live run plays: filmed once per body, then reused.
 #pragma once
 
 #include "palpable/common/base/progress.h"
@@ -12,17 +12,18 @@ namespace palpable {
 
 struct KeptClipOrder {
   std::filesystem::path folder;     ///< of the clip
-  std::filesystem::path body_file;  ///< its bytes say whether a clip that is there is of this body
-  std::string version;              ///< of the program: another one films anew
+  std::filesystem::path body_file;  ///< its checksum identifies the body of an existing clip
+  std::string version;              ///< of the program; clips of other versions are filmed again
   int frames = 300;
   std::string sequence = "demo";
 };
 
-/// The sequence, seed 1. The file made_for.txt says what a folder was filmed for, and that
-/// it is whole: until it is, made_for.txt says that it is being filmed. A folder whose filming was
-/// interrupted, or one of another body or version, is filmed again.
+/// Films the sequence with seed 1 unless the folder already holds this clip. The file made_for.txt
+/// in the folder names program version, sequence and body of a complete clip; while a clip is being
+/// filmed it says so. A folder whose filming was interrupted, or that was filmed for another body
+/// or version, is filmed again.
 /// @return the folder of the images
-/// @throws Error when the folder holds something else, or as write_sequence()
+/// @throws Error when the folder holds something else or the body file, or as write_sequence() does
 [[nodiscard]] std::filesystem::path kept_clip(const ReducedBody& body, const KeptClipOrder& order,
                                               const Progress& progress);
 

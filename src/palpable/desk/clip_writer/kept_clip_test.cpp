@@ -25,16 +25,16 @@ TEST_CASE("the clip of a live run is filmed once for a body, and anew for anothe
   const fs::path frames = kept_clip(body, order, {});
   const fs::path picture = frames / "left" / "000001.jpg";
   CHECK(fs::exists(picture));
-  fs::remove(picture);  // comes back when the clip is filmed again
+  fs::remove(picture);  // exists again after the clip is filmed again
   CHECK(kept_clip(body, order, {}) == frames);
   CHECK_FALSE(fs::exists(picture));
 
-  // The same body with other bytes: a body baked anew.
+  // Other bytes in the body file stand for a body that was baked again.
   std::ofstream(file, std::ios::app | std::ios::binary) << "more";
   (void)kept_clip(body, order, {});
   CHECK(fs::exists(picture));
 
-  // A body in the folder would go with the clip.
+  // A body file in the folder would be removed together with the clip.
   fs::copy_file(file, order.folder / "ball.palpable");
   KeptClipOrder inside = order;
   inside.body_file = order.folder / "ball.palpable";
@@ -42,7 +42,7 @@ TEST_CASE("the clip of a live run is filmed once for a body, and anew for anothe
   CHECK_THROWS_WITH(kept_clip(body, inside, {}), Catch::Contains("ball.palpable: lies where"));
   CHECK(fs::exists(picture));
 
-  // What has no label of a clip is in the way.
+  // A folder without a clip's label is not touched.
   fs::remove(order.folder / "made_for.txt");
   CHECK_THROWS_WITH(kept_clip(body, order, {}), Catch::Contains("in the way"));
   std::ofstream(order.folder / "made_for.txt") << "a friend\n";
@@ -62,10 +62,10 @@ TEST_CASE("a clip whose filming was interrupted is filmed again", "[clip_writer]
   };
   CHECK_THROWS_WITH(kept_clip(body, order, interrupt), "enough");
   CHECK(fs::exists(order.folder / "frames"));
-  fs::remove(last);  // whether it was filmed already, nobody promises
+  fs::remove(last);  // it may or may not have been filmed already
   CHECK(fs::exists(kept_clip(body, order, {}) / "left" / "000002.jpg"));
 
-  // The disk was full when the label was to be written.
+  // An empty label, as a full disk leaves it.
   std::ofstream(order.folder / "made_for.txt").close();
   fs::remove(last);
   (void)kept_clip(body, order, {});

@@ -42,10 +42,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFramesForTwo = 30;  // of a film for which a second renderer is worth its start
-constexpr double kTruthSpacing = 0.0015;  // m between points of a surface that are looked at
-constexpr int kMostSeen = 500;            // points of the touching part that are asked about
-constexpr double kAtSite = 0.010;         // m: farther from every site a touch lies between them
+constexpr int kFramesForTwo = 30;  // for shorter films, starting a second renderer does not pay
+constexpr double kTruthSpacing = 0.0015;  // m, spacing of the sample points on a surface
+constexpr int kMostSeen = 500;            // sample points of the touching part, at most
+constexpr double kAtSite = 0.010;  // m; a touch farther than this from every site has site -1
 
 HandLine hand_in_camera(int frame, const Movers& movers, const Rigid3& camera_from_desk) {
   HandLine hand;
@@ -65,10 +65,10 @@ std::vector<Capsule> in_frame(std::vector<Capsule> capsules, const Rigid3& targe
   return capsules;
 }
 
-/// What of a body does not change from frame to frame and decides whether and where something
-/// touches.
+/// The properties of a body that are the same in all frames and that determine whether and where
+/// something touches it.
 struct TruthBody {
-  fs::path part;  ///< of the truth, where what is true of it lies; empty: the truth itself
+  fs::path part;  ///< subfolder of truth/ for this body; empty: truth/ itself
   DeskBody body;
   SurfaceDistance distance;  ///< body frame
   SurfacePoints in_desk;
@@ -128,11 +128,11 @@ void write_place(const fs::path& folder, const char* what, const Rigid3& camera_
   scene.close();
 }
 
-// The pose in which a camera sees the scene first.
+// Writes scene.toml, with the pose of the scene in the first frame, and script.toml.
 void write_texts(const fs::path& out, const Sequence& sequence, const Rigid3& desk_from_scene,
                  bool several) {
   const Rigid3 camera_from_scene = sequence.camera_from_desk(0.0) * desk_from_scene;
-  // In the truth once more, so that it is whole by itself.
+  // The truth gets a copy, so that it is complete without frames/.
   for (const char* folder : {"frames", "truth"}) {
     write_place(out / folder, several ? "scene" : "body", camera_from_scene);
   }
@@ -167,12 +167,12 @@ TruthCamera truth_camera(const Sequence& sequence, const SequenceOrder& order,
   return camera;
 }
 
-// In the folder while it is filmed, so that what an interrupted film leaves is known as such.
+// A file in the folder during filming, so that the remains of an interrupted film are recognised.
 constexpr const char* kUnfinished = "unfinished-film.txt";
 constexpr std::string_view kUnfinishedText =
     "Palpable is filming here, or was interrupted; the same command films it again.\n";
 
-// @throws Error for a file of this name that is somebody's
+// @throws Error for a file of this name that this program did not write
 bool is_unfinished(const fs::path& out) {
   const fs::path label = out / kUnfinished;
   std::error_code error;
@@ -205,19 +205,19 @@ void check_gl(const DeskRenderer& renderer) {
                             renderer.gl_error_count(), renderer.gl_description()));
 }
 
-/// What one frame adds to the texts of the truth.
+/// The lines of one frame in the text files of the truth.
 struct FrameLines {
   std::string hand, trajectory, rig;
-  std::vector<std::string> contacts;  ///< body by body
+  std::vector<std::string> contacts;  ///< one per body
 };
 
-/// Films single frames. Several threads may use it, each with its own renderer.
+/// Films single frames. Several threads may use one object, each with its own renderer.
 struct FrameWriter {
   const fs::path& folder;
   const Sequence& sequence;
   const std::vector<TruthBody>& bodies;
 
-  /// Writes the frame's images.
+  /// Writes the images of the frame and returns its lines.
   [[nodiscard]] FrameLines write(DeskRenderer& renderer, int frame) const {
     const DeskMoment moment = moment_of(sequence, frame);
     RawPair pair;
@@ -245,10 +245,10 @@ struct FrameWriter {
   }
 };
 
-/// Films all frames with `threads` threads, each with its own renderer, whichever frame comes next:
-/// while one waits for the GPU, or for the threads that stand in for it, the other makes meshes and
-/// encodes.
-/// @param begin  called once, before the first frame is written and after something can be drawn
+/// Films all frames with `threads` threads, each with its own renderer; a free thread takes the
+/// next frame. While one thread waits for the GPU, or for the threads of a software renderer, the
+/// other makes meshes and encodes images.
+/// @param begin  called once, after the first renderer exists and before the first frame is written
 std::vector<FrameLines> film_frames(const FrameWriter& writer, int threads,
                                     const std::function<void()>& begin, const Progress& progress) {
   const Sequence& sequence = writer.sequence;
@@ -355,7 +355,8 @@ void write_sequence(std::span<const SequenceBody> wanted, const SequenceOrder& o
   }
   write_lines(truth / "trajectory.txt", lines, [](const FrameLines& l) { return l.trajectory; });
   write_lines(truth / "rig.jsonl", lines, [](const FrameLines& l) { return l.rig; });
-  // Without its camera a folder is no truth: written last, so that nobody scores half a film.
+  // A folder without camera.toml is no truth. It is written last, so that an incomplete film cannot
+  // be scored.
   write_truth_camera(truth / "camera.toml",
                      truth_camera(sequence, order, view, geometry.stereo.baseline));
   fs::remove(folder / kUnfinished);

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What the files under a folder hold, by their names within it.
+/// The contents of all files under a folder, by their relative paths.
 std::map<std::string, std::string> contents_of(const fs::path& folder) {
   std::map<std::string, std::string> contents;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
@@ -31,7 +31,7 @@ std::map<std::string, std::string> contents_of(const fs::path& folder) {
 
 }  // namespace
 
-TEST_CASE("what was interrupted is no truth that could be scored", "[clip_writer][gl]") {
+TEST_CASE("an interrupted film leaves no truth that could be scored", "[clip_writer][gl]") {
   if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
   const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
   const test::ScratchFolder scratch("half_film");
@@ -44,12 +44,12 @@ TEST_CASE("what was interrupted is no truth that could be scored", "[clip_writer
                   Error);
   CHECK(fs::exists(scratch.path() / "frames" / "left" / "000001.jpg"));
   CHECK_FALSE(fs::exists(camera));
-  // It is in nobody's way.
+  // The remains are replaced by the next film.
   write_sequence(body, {"press", 2, 5, "ball", 1}, scratch.path(), {});
   CHECK(fs::exists(camera));
   CHECK_FALSE(fs::exists(scratch.path() / "frames" / "left" / "000002.jpg"));
   CHECK(std::distance(fs::directory_iterator(scratch.path()), {}) == 2);
-  // A whole one is.
+  // A complete film is not.
   CHECK_THROWS_WITH(write_sequence(body, {"press", 2, 5, "ball", 1}, scratch.path(), {}),
                     Catch::Contains("frames: exists"));
 }
@@ -68,8 +68,8 @@ TEST_CASE("a film says how much of a touch is seen, and how far from a touch the
     if (line.seen_share) CHECK((0.0 <= *line.seen_share && *line.seen_share <= 1.0));
     if (line.touching) {
       CHECK_FALSE(line.gap);
-      // Of the frame before the first touch: a hand comes at less than half a metre per second.
-      if (gap_before) CHECK(*gap_before < test::tolerance(0.5 / 30, "one frame of its way"));
+      // The gap in the frame before a touch: a hand moves at less than 0.5 m/s.
+      if (gap_before) CHECK(*gap_before < test::tolerance(0.5 / 30, "motion in one frame"));
     }
     near += line.gap && *line.gap > 0.0;
     gap_before = line.gap;
@@ -88,9 +88,9 @@ TEST_CASE("two threads film what one films, byte for byte", "[clip_writer][gl]")
                    scratch.path() / std::to_string(threads), {});
   const auto one = contents_of(scratch.path() / "1");
   CHECK(one == contents_of(scratch.path() / "2"));
-  // Two pictures, depth and labels a frame.
+  // Each frame has two pictures, depth and labels.
   CHECK(one.size() > 4 * kFrames);
-  // The truth says which body was filmed, and where it stands.
+  // The truth holds the skin of the filmed body and its pose.
   CHECK(one.at("truth/scene.toml") == one.at("frames/scene.toml"));
   const SurfaceMesh skin =
       value_or_throw(read_valued_ply(scratch.path() / "1/truth" / kBodySkinFile, "")).surface;

@@ -1,5 +1,5 @@
 /// @file
-/// How still a body stands in the real world while the camera moves.
+/// How steadily the drawn body keeps its position in the real world while the camera moves.
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
@@ -8,13 +8,13 @@
 
 namespace palpable {
 
-/// Follows the body's origin, in the real world, where it was drawn:
+/// Spread of the position at which the body's origin was drawn, in the real world:
 ///
 ///     p_n = world_from_camera_true(n) * camera_from_body_drawn(n) * 0
 ///     jitter = sqrt( mean over n of |p_n - mean p|^2 )
 ///
-/// Slow drift and fast trembling both count; a body that is drawn at a wrong but constant place has
-/// none.
+/// Slow drift and fast trembling both count; a body drawn at a wrong but constant position has no
+/// jitter.
 class AnchorScorer {
  public:
   void add(const Rigid3& true_world_from_camera, const Rigid3& drawn_camera_from_body);

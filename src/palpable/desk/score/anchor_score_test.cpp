@@ -23,10 +23,10 @@ TEST_CASE("a body drawn 3 mm to the left and to the right by turns has a jitter 
   CHECK(*scorer.jitter() == Approx(0.003));
 }
 
-TEST_CASE("a body that goes with a camera which is not known to move has the camera's way",
+TEST_CASE("a body that moves with a camera that is assumed fixed jitters by the camera's motion",
           "[score]") {
   AnchorScorer scorer;
-  // 0, 6 and 12 mm: mean 6, squares 36 0 36
+  // 0, 6 and 12 mm: mean 6 mm, squared deviations 36, 0 and 36 mm^2
   for (const double x : {0.0, 0.006, 0.012}) scorer.add(at(x, 0, 0), at(0, 0, 0.5));
   CHECK(*scorer.jitter() == Approx(std::sqrt(24.0) * 1e-3));
 }
@@ -46,7 +46,7 @@ TEST_CASE("a body that stays where it is in the world does not jitter, however t
   CHECK(*scorer.jitter() <= tolerance(1e-12, "rounding of metres"));
 }
 
-TEST_CASE("a wrong place that stays the same is no jitter", "[score]") {
+TEST_CASE("a wrong but constant position is no jitter", "[score]") {
   AnchorScorer scorer;
   for (int n = 0; n < 3; ++n) scorer.add(Rigid3::Identity(), at(5, 5, 5));
   CHECK(*scorer.jitter() == 0);

@@ -9,7 +9,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr int kMostHalvings = 12;
+constexpr int kMostHalvings = 12;  // splits an edge into 4096 parts
 
 }  // namespace
 
@@ -19,11 +19,11 @@ double distance_to(const Capsule& capsule, const Vector3d& x) {
   const double narrowing = capsule.ra - capsule.rb;
   const double in_a = (x - capsule.a).norm() - capsule.ra;
   const double in_b = (x - capsule.b).norm() - capsule.rb;
-  // One end holds all other balls.
+  // The larger end ball contains all others.
   if (length <= std::abs(narrowing)) return std::min(in_a, in_b);
 
-  // |x - c| - r(c) is convex in c; its derivative is 0 where the line from c to x leans by alpha
-  // towards the narrow end, sin alpha = (ra - rb) / |ab|.
+  // |x - c| - r(c) is convex in c; its derivative is 0 where the line from c to x is inclined by
+  // alpha towards the narrow end, sin alpha = (ra - rb) / |ab|.
   const Vector3d axis = ab / length;
   const double along = (x - capsule.a).dot(axis);
   const double beside = (x - capsule.a - along * axis).norm();
@@ -47,8 +47,8 @@ bool DeepestSample::look_at(const Vector3d& a, const Vector3d& b, const Vector3d
 
 void DeepestSample::halve(const Vector3d& a, const Vector3d& b, const Vector3d& c, int halvings) {
   if (misses_box(a, b, c)) return;
-  // The depth changes by no more than one goes: nowhere in the triangle is it larger than in its
-  // middle by more than the way to the farthest corner.
+  // The depth is a 1-Lipschitz function of position: nowhere in the triangle does it exceed the depth
+  // at the centroid by more than the distance to the farthest corner.
   const Vector3d middle = (a + b + c) / 3;
   const double reach = std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
   if (reach - distance_to(capsule_, middle) <= depth_) return;

@@ -12,26 +12,28 @@ namespace palpable {
 /// capsule's balls (middle c, radius r). Exact, closed form.
 [[nodiscard]] double distance_to(const Capsule& capsule, const Eigen::Vector3d& x);
 
-/// m: neighbouring samples of a triangle are no farther apart.
+/// m, largest distance of neighbouring samples of a triangle.
 inline constexpr double kSampleSpacing = 0.002;
 
-/// Looks for it triangle by triangle.
+/// Searches the deepest sample triangle by triangle.
 ///
-/// The samples are the corners of all parts of a triangle that is halved along its edges until they
-/// are kSampleSpacing long at most (4096 times at most: that ends with a file's triangle of a
-/// kilometre). A pencil's tip that lies between three vertices is found so. Parts that cannot hold
-/// a deeper sample than the deepest so far are left out.
+/// A triangle is split at the middles of its edges, recursively, until the edges of the parts are at
+/// most kSampleSpacing long; the samples are the corners of the parts. So a pencil's tip between the
+/// vertices of a triangle is found, too. An edge is split into at most 4096 parts, which bounds the
+/// cost for huge triangles in a wrong file. Parts that cannot hold a sample deeper than the deepest
+/// one so far are skipped.
 class DeepestSample {
  public:
-  /// @param capsule  must live as long as this
-  /// @param from     m: only what lies deeper is found; negative to find what lies near outside
+  /// @param capsule  must outlive this object
+  /// @param from     m; only deeper samples are found. A negative value also finds samples outside the
+  ///                 capsule that are this near to it
   DeepestSample(const Capsule& capsule, double from);
 
-  /// @return whether the triangle holds a deeper sample than all before it
+  /// @return whether the triangle holds a deeper sample than all triangles before it
   bool look_at(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
-  [[nodiscard]] double depth() const { return depth_; }  ///< m; `from` until one is found
-  [[nodiscard]] const Eigen::Vector3d& point() const { return point_; }  ///< m; once one is found
+  [[nodiscard]] double depth() const { return depth_; }  ///< m; `from` until a sample is found
+  [[nodiscard]] const Eigen::Vector3d& point() const { return point_; }  ///< m; valid once a sample is found
 
  private:
   void halve(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,

@@ -10,14 +10,14 @@
 namespace palpable {
 namespace {
 
-constexpr double kDistanceShare = 0.15;
-constexpr double kWithin = 0.01;
-constexpr double kHandNearest = 0.12;   // m, of the hand's median depth
-constexpr double kHandFarthest = 0.50;  // m
-constexpr double kHandShare = 0.05;     // of the image
-constexpr double kTooNear = 0.11;       // m
-constexpr double kFarShare = 1.20;      // of the true depth
-constexpr double kErrorStep = 1e-5;
+constexpr double kDistanceShare = 0.15;  // half width of a distance class, relative to the distance
+constexpr double kWithin = 0.01;         // relative error that still counts as right
+constexpr double kHandNearest = 0.12;    // m, smallest median depth of a near hand
+constexpr double kHandFarthest = 0.50;   // m, largest median depth of a near hand
+constexpr double kHandShare = 0.05;      // smallest share of the image that a near hand covers
+constexpr double kTooNear = 0.11;        // m, below it a true depth is too close to measure
+constexpr double kFarShare = 1.20;       // ratio of measured to true depth that counts as far
+constexpr double kErrorStep = 1e-5;      // bin width of the histogram of relative errors
 constexpr std::size_t kErrorSteps = 100'000;
 
 bool measured(std::uint16_t count) { return count != kNoDepth && count != kTooClose; }
@@ -26,12 +26,13 @@ double relative_error(std::uint16_t truth, std::uint16_t found) {
   return std::abs(static_cast<double>(found) - truth) / truth;
 }
 
-// Counts are whole numbers: 1 % of 200 is 2 whatever the rounding of 0.01 says.
+// The factor keeps an error of exactly 1 %, such as 2 counts of 200, within the limit although 0.01
+// is rounded.
 bool within(std::uint16_t truth, std::uint16_t found) {
   return measured(found) && relative_error(truth, found) <= kWithin * (1 + 1e-12);
 }
 
-// The value in the middle of a histogram, the mean of the middle two for an even number.
+// The median of a histogram; for an even number of values the mean of the middle two.
 std::optional<double> median(const std::vector<std::int64_t>& counts, std::int64_t total) {
   if (total == 0) return std::nullopt;
   const auto value_at = [&](std::int64_t rank) {

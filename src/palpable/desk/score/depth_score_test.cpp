@@ -8,7 +8,7 @@ namespace {
 
 using test::tolerance;
 
-constexpr double kMillimetre = 1e-3;  // a unit in which the cases can be read
+constexpr double kMillimetre = 1e-3;  // m per count, so that counts are mm
 constexpr LabelImage kNone{};
 
 // 7 x 1 pixels.
@@ -25,7 +25,8 @@ LabelImage labels_of(std::array<std::uint8_t, 7> labels) {
 
 TEST_CASE("median error and share within 1 % are those that one counts by hand", "[score]") {
   DepthScorer scorer(kMillimetre);
-  // at 0.2 m: right, 0.5 %, 1 %, 2 %, a hole, too close; the last is at no distance that counts
+  // At 0.2 m: right, 0.5 % off, 1 % off, 2 % off, no depth, too close. The last pixel belongs to no
+  // distance class.
   scorer.add(row({200, 200, 200, 200, 200, 200, 400}), kNone,
              row({200, 201, 198, 204, kNoDepth, kTooClose, 400}));
   const DepthAtDistance at = scorer.score().at[0];
@@ -67,7 +68,7 @@ TEST_CASE("frames add up, and an even number of errors has the mean of the middl
   CHECK(at.within == 1);
 }
 
-TEST_CASE("what the right eye does not see is asked of nobody", "[score]") {
+TEST_CASE("pixels that the right eye does not see are not scored", "[score]") {
   DepthScorer scorer(kMillimetre);
   scorer.add(row({500, 500, 500, 500, 0, 0, 0}), labels_of({2, 2, 0, 1, 2, 2, 2}),
              row({500, 0, 0, 0, 0, 0, 0}));
@@ -77,12 +78,12 @@ TEST_CASE("what the right eye does not see is asked of nobody", "[score]") {
 
 TEST_CASE("a near hand's share is over its pixels that both eyes see", "[score]") {
   DepthScorer scorer(kMillimetre);
-  // near: right, 3 % off, a hole; one that the right eye does not see; desk
+  // A near hand: right, 3 % off, no depth, and one pixel that the right eye does not see; then desk.
   scorer.add(row({300, 300, 310, 290, 800, 800, 800}), labels_of({3, 3, 3, 1, 2, 2, 2}),
              row({300, 309, 0, 0, 1, 1, 1}));
   CHECK(*scorer.score().hand_within_1pct == Approx(1.0 / 3.0));
   CHECK(scorer.score().near_frames == 1);
-  // A hand that is far, or whose median is too near, is not a near frame.
+  // A frame does not count as near if the hand is far or its median depth is too small.
   scorer.add(row({600, 600, 600, 600, 800, 800, 800}), labels_of({3, 3, 3, 3, 2, 2, 2}),
              row({1, 1, 1, 1, 1, 1, 1}));
   scorer.add(row({110, 110, 110, 130, 800, 800, 800}), labels_of({3, 3, 3, 3, 2, 2, 2}),
@@ -107,9 +108,9 @@ TEST_CASE("a hand that covers less than 5 % of the image is no near hand", "[sco
   CHECK(with_hand(0).near_frames == 0);
 }
 
-TEST_CASE("what is too close may be unknown or called so, but not far", "[score]") {
+TEST_CASE("a pixel that is too close may be unknown or marked too close, but not be far", "[score]") {
   DepthScorer scorer(kMillimetre);
-  // 100 mm: as it is, 20 % beyond, 21 % beyond, far, unknown, too close; 110 mm is not too close
+  // At 100 mm: right, 20 % more, 21 % more, far, unknown, too close. 110 mm is not too close.
   scorer.add(row({100, 100, 100, 100, 100, 100, 110}), kNone,
              row({100, 120, 121, 900, kNoDepth, kTooClose, 900}));
   CHECK(scorer.score().too_close_pixels == 6);
@@ -125,7 +126,7 @@ TEST_CASE("errors larger than the depth itself count as the whole depth", "[scor
   CHECK(*scorer.score().at[0].median_error == 1);
 }
 
-TEST_CASE("the unit only names the counts", "[score]") {
+TEST_CASE("counts are converted by the unit", "[score]") {
   DepthScorer scorer(0.00025);
   scorer.add(row({60000, 800, 0, 0, 0, 0, 0}), kNone, row({60300, 800, 0, 0, 0, 0, 0}));
   CHECK(scorer.score().at[0].pixels == 1);  // 0.2 m

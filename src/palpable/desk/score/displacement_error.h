@@ -1,5 +1,5 @@
 /// @file
-/// How wrong a drawn deformation is, against the true one.
+/// The error of a drawn deformation with respect to the true one.
 ///
 ///   N  vertices of the true skin
 #pragma once
@@ -9,17 +9,17 @@
 namespace palpable {
 
 struct DisplacementError {
-  double relative = 0;  ///< L2 over the skin, against the true displacement's own norm
-  double worst = 0;     ///< m, of the vertex that is farthest off
+  double relative = 0;  ///< L2 norm over the skin, relative to that of the truth
+  double worst = 0;     ///< m, largest error of a vertex
 };
 
-/// relative = sqrt( sum a |found - truth|^2 / sum a |truth|^2 ),  a: area of the vertex at rest.
+///     relative = sqrt( sum a |found - truth|^2 / sum a |truth|^2 ),  a: area of the vertex at rest
 ///
-/// A body that is left at rest has the relative error 1. Where the truth moves nowhere, it is 0 for
-/// a found body that does not either, else infinite.
+/// A body that is drawn at rest has a relative error of 1. If the true displacement is 0 everywhere,
+/// the relative error is 0 when the found one is 0, too, and otherwise infinite.
 /// @param truth, found  (3 x N) m, displacement from rest
 /// @param areas         (N) m^2, vertex_areas() of the skin at rest
-/// @throws ContractViolation when they are not of one skin
+/// @throws ContractViolation when the sizes differ or are 0
 [[nodiscard]] DisplacementError displacement_error(const Eigen::Matrix3Xd& truth,
                                                    const Eigen::Matrix3Xd& found,
                                                    const Eigen::VectorXd& areas);

@@ -8,7 +8,7 @@
 namespace palpable {
 namespace {
 
-// Two vertices; the second stands for three times the area of the first.
+// Two vertices; the area of the second is three times that of the first.
 const Eigen::Vector2d kAreas(1e-4, 3e-4);
 
 Eigen::Matrix3Xd two(const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
@@ -18,8 +18,9 @@ Eigen::Matrix3Xd two(const Eigen::Vector3d& first, const Eigen::Vector3d& second
   return u;
 }
 
-TEST_CASE("the error of a displacement is what one counts", "[score]") {
-  // The truth: 4 mm and 1 mm; its square 1 x 16 + 3 x 1 = 19. Off by 0 and 2 mm: 3 x 4 = 12.
+TEST_CASE("the error of a displacement is the one computed by hand", "[score]") {
+  // True displacements of 4 mm and 1 mm: weighted squares 1 x 16 + 3 x 1 = 19. Errors of 0 and 2 mm:
+  // 3 x 4 = 12.
   const Eigen::Matrix3Xd truth = two({0.004, 0, 0}, {0, 0.001, 0});
   const Eigen::Matrix3Xd found = two({0.004, 0, 0}, {0, 0.001, 0.002});
   const DisplacementError error = displacement_error(truth, found, kAreas);
@@ -27,7 +28,7 @@ TEST_CASE("the error of a displacement is what one counts", "[score]") {
   CHECK(error.worst == Approx(0.002));
 }
 
-TEST_CASE("the true displacement has no error, a body at rest the whole, twice the truth too",
+TEST_CASE("the truth has no error; a body at rest and twice the truth have a relative error of 1",
           "[score]") {
   const Eigen::Matrix3Xd truth = two({0.004, 0, 0}, {0, 0.001, 0.002});
   CHECK(displacement_error(truth, truth, kAreas).relative == 0);

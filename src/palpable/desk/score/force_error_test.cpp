@@ -15,8 +15,8 @@ TEST_CASE("the error of a force is that of the resultants", "[score]") {
   CHECK(force_error(truth, Forces{truth}) == 0);
   CHECK(force_error(truth, Forces{{0, 3, -3}}) == Approx(0.2));
   CHECK(force_error(truth, Forces{2 * truth}) == Approx(1));
-  CHECK(force_error(truth, Forces{-truth}) == Approx(2));  // as large, the other way
-  // Two fingers of a squeeze: their forces add up.
+  CHECK(force_error(truth, Forces{-truth}) == Approx(2));  // the opposite force
+  // The forces of the two fingers of a squeeze add up.
   CHECK(force_error(truth, Forces{{5, 3, 0}, {-5, 0, -4}}) == 0);
   CHECK(force_error(truth, Forces{{3, 3, -4}, {0, 0, 0}}) == Approx(0.6));
 }

@@ -15,8 +15,8 @@ GrayImage row(std::initializer_list<std::uint8_t> values) {
   return image;
 }
 
-TEST_CASE("overlap, recall and false alarms of a hand-made mask are what one counts", "[score]") {
-  // true in 4 pixels (bit 1), found in 3 of them and in 2 others
+TEST_CASE("overlap, recall and false alarms of a small mask are those counted by hand", "[score]") {
+  // 4 true pixels (bit 1), of which 3 are found, and 2 false ones
   const GrayImage truth = row({1, 3, 1, 1, 2, 0, 0, 2});
   const MaskImage found = row({255, 255, 1, 0, 255, 255, 0, 0});
   const MaskScore score = compare_masks(truth, 1, found);
@@ -35,7 +35,7 @@ TEST_CASE("frames of a mask add up pixel by pixel", "[score]") {
   CHECK(*sum.false_alarms() == Approx(1.0 / 8.0));
 }
 
-TEST_CASE("a frame without a mask misses what moves and raises no alarm", "[score]") {
+TEST_CASE("a frame without a mask misses all moving pixels and has no false alarm", "[score]") {
   MaskScore sum = missing_mask(row({1, 3, 0, 2, 0}), 1);
   CHECK(*sum.recall() == 0.0);
   CHECK_FALSE(sum.false_alarms().has_value());
@@ -51,7 +51,7 @@ TEST_CASE("where nothing moves in truth there is no overlap and no recall", "[sc
   CHECK_FALSE(nothing.iou().has_value());
   CHECK_FALSE(nothing.recall().has_value());
   CHECK(*nothing.false_alarms() == Approx(1.0 / 4.0));
-  // In a film in which something moves, what is found before counts.
+  // Once something moves, the false pixels of earlier frames count, too.
   nothing += compare_masks(row({1, 2}), 1, row({255, 0}));
   CHECK(*nothing.iou() == Approx(1.0 / 2.0));
 }

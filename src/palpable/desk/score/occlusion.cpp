@@ -40,7 +40,8 @@ struct Step {
   double length;
 };
 
-// All steps up to the largest error, the shortest first: the first that hits is the distance.
+// All pixel offsets shorter than the largest error, sorted by length: the length of the first one
+// that hits the other border is the distance.
 std::vector<Step> steps_outwards() {
   std::vector<Step> steps;
   for (int dy = -kLargestBorderError; dy <= kLargestBorderError; ++dy) {

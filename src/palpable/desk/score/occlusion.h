@@ -1,5 +1,5 @@
 /// @file
-/// Whether the body is drawn where it is seen and hidden where something real is nearer.
+/// Whether the body is drawn where it should be visible and hidden where an occluder is nearer.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -10,34 +10,34 @@
 
 namespace palpable {
 
-/// What becomes of the body in a pixel.
+/// State of the body in a pixel.
 enum class Sight : std::uint8_t {
-  kNoBody,  ///< the body would not be seen there even alone
-  kHidden,  ///< something real is nearer
+  kNoBody,  ///< the body does not cover this pixel
+  kHidden,  ///< an occluder is nearer
   kVisible
 };
 using SightImage = Image<Sight>;
 
-/// What the truth implies: the body is visible in a pixel unless something real is nearer,
+/// The true state: the body is visible in a pixel unless something real is nearer,
 ///
 ///     visible = body_depth known  and  not (true_depth known  and  true_depth < body_depth)
 ///
 /// @param body_depth  Z of the whole body, m, NaN elsewhere
 /// @param true_depth  Z of the real scene, m, NaN where there is nothing; same size
-/// @throws ContractViolation for other sizes
+/// @throws ContractViolation when the sizes differ
 [[nodiscard]] SightImage true_sight(const DepthImage& body_depth, const DepthImage& true_depth);
 
-/// What was drawn: visible where the mask is set, with a body depth or without.
-/// @param visible     not 0 where the picture shows the body; the size of the depth, or twice that
-///                    (then a pixel counts as visible if two or more of its four are)
-/// @throws ContractViolation for other sizes
+/// The drawn state: visible where the mask is set, with or without a depth of the body.
+/// @param visible     not 0 where the picture shows the body; of the size of the depth or twice that
+///                    size (then a pixel counts as visible if two or more of its four are set)
+/// @throws ContractViolation for another size
 [[nodiscard]] SightImage drawn_sight(const MaskImage& visible, const DepthImage& body_depth);
 
-/// Pixels of one frame or, added up, of many.
+/// Pixel counts of one frame or the sum over many frames.
 struct MaskOverlap {
   std::int64_t both = 0;    ///< visible in truth and picture
   std::int64_t either = 0;  ///< visible in truth or picture
-  std::int64_t body = 0;    ///< where the body would be seen if nothing hid it
+  std::int64_t body = 0;    ///< covered by the body, visible or hidden in truth
   std::int64_t hidden = 0;  ///< of these, hidden in truth
 
   /// Intersection over union; 1 when neither shows the body.
@@ -51,39 +51,39 @@ struct MaskOverlap {
 [[nodiscard]] MaskOverlap compare_visible(const MaskImage& visible, const DepthImage& body_depth,
                                           const DepthImage& true_depth);
 
-/// Where the visible and the hidden part of the body meet: border pixels are visible and have a
-/// hidden 4-neighbour. The body's own outline is no border.
+/// Error of the border between the visible and the hidden part of the body. Border pixels are visible
+/// and have a hidden 4-neighbour. The body's own outline is not part of it.
 struct BorderError {
-  double sum_px = 0;        ///< of the distances below
+  double sum_px = 0;        ///< sum of the distances
   std::int64_t pixels = 0;  ///< border pixels of truth and picture
-  /// Mean distance of a border pixel to the nearest one of the other border; nothing without one.
+  /// Mean distance of a border pixel to the nearest pixel of the other border; nothing without border
+  /// pixels.
   [[nodiscard]] std::optional<double> mean_px() const {
     if (pixels == 0) return std::nullopt;
     return sum_px / static_cast<double>(pixels);
   }
 };
 
-/// What a border pixel counts whose counterpart is farther away or not there at all, px.
+/// px, distance that counts for a border pixel if the other border is farther away or missing.
 inline constexpr int kLargestBorderError = 25;
 
-/// Distances from each border pixel of the truth to the drawn border and the other way round.
+/// Distances from each border pixel of the truth to the drawn border and vice versa.
 /// @throws ContractViolation for unequal sizes
 [[nodiscard]] BorderError border_error(const SightImage& truth, const SightImage& drawn);
 
-/// Whether the hand truly crosses the body's outline and leaves a part of the body to be seen:
+/// Whether the hand truly crosses the body's outline and leaves a part of the body visible:
 ///
 ///     some pixel of the hand that hides the body has a 4-neighbour of the hand beside the body,
 ///     and some pixel of the hand that hides the body has a 4-neighbour in which the body is
 ///     visible
 ///
-/// A hand before the middle of the body alone, or one
-/// that passes behind it, does not cross.
-/// @param moving  not 0 where the real scene shows what moves; empty: everywhere
+/// A hand that is only in front of the middle of the body, or passes behind it, does not cross.
+/// @param moving  not 0 where the real scene shows a moving thing; empty: everywhere
 /// @throws ContractViolation for unequal sizes
 [[nodiscard]] bool crosses_outline(const SightImage& truth, const MaskImage& moving);
 
-/// Pixels that hold the body in two frames that follow each other, and whose true sight is the same
-/// in both.
+/// Counts over the pixels that show the body in two successive frames and have the same true state in
+/// both.
 struct Flicker {
   std::int64_t pixels = 0;
   std::int64_t changed = 0;  ///< of these, drawn differently

@@ -47,19 +47,19 @@ TEST_CASE("a body drawn exactly where it is seen has an overlap of 1", "[score]"
   CHECK(overlap.iou() == 1.0);
 }
 
-TEST_CASE("a body that is drawn over the hand loses what the hand hides", "[score]") {
+TEST_CASE("drawing the body over the hand lowers the overlap", "[score]") {
   Case c;
   c.right(1, 1) = c.right(2, 1) = 255;
   CHECK(c.overlap(c.right).iou() == Approx(10.0 / 12.0));
 }
 
-TEST_CASE("a body that is missing where it should be seen loses that", "[score]") {
+TEST_CASE("a part of the body that should be visible and is missing lowers the overlap", "[score]") {
   Case c;
   for (int x = 0; x < 6; ++x) c.right(x, 0) = 0;
   CHECK(c.overlap(c.right).iou() == Approx(6.0 / 10.0));
 }
 
-TEST_CASE("a body that is drawn where there is none counts against it", "[score]") {
+TEST_CASE("drawing where there is no body lowers the overlap", "[score]") {
   Case c;
   c.right(0, 0) = 255;
   CHECK(c.overlap(c.right).iou() == Approx(10.0 / 11.0));
@@ -72,7 +72,7 @@ TEST_CASE("a mask of twice the size is counted in blocks of four", "[score]") {
     for (int x = 0; x < 12; ++x) mask(x, y) = c.right(x / 2, y / 2);
   }
   CHECK(c.overlap(mask).iou() == 1.0);
-  mask(2, 0) = mask(3, 0) = 0;  // half of a block is still enough
+  mask(2, 0) = mask(3, 0) = 0;  // two of four pixels are enough
   CHECK(c.overlap(mask).iou() == 1.0);
   mask(2, 1) = 0;
   CHECK(c.overlap(mask).iou() == Approx(9.0 / 10.0));
@@ -84,7 +84,7 @@ TEST_CASE("no body in truth and picture is a perfect match", "[score]") {
             .iou() == 1.0);
 }
 
-// Rows of text: '.' no body, '#' visible, 'o' hidden.
+// An image from rows of text: '.' no body, '#' visible, 'o' hidden.
 SightImage drawing(const std::vector<std::string>& rows) {
   SightImage image(static_cast<int>(rows[0].size()), static_cast<int>(rows.size()));
   for (int y = 0; y < image.height(); ++y) {
@@ -125,7 +125,7 @@ TEST_CASE("a border that was not drawn at all counts the largest error", "[score
   CHECK(*border_error(truth, drawn).mean_px() == kLargestBorderError);
 }
 
-// '1' where something moves.
+// A mask from rows of text: '1' where something moves.
 MaskImage moving(const std::vector<std::string>& rows) {
   MaskImage image(static_cast<int>(rows[0].size()), static_cast<int>(rows.size()));
   for (int y = 0; y < image.height(); ++y) {
@@ -134,15 +134,15 @@ MaskImage moving(const std::vector<std::string>& rows) {
   return image;
 }
 
-TEST_CASE("a hand crosses the outline where it goes on beside the body", "[score]") {
+TEST_CASE("a hand crosses the outline if it continues beside the body", "[score]") {
   const SightImage truth = drawing({".####.", ".oo##.", ".####."});
   CHECK(crosses_outline(truth, moving({"000000", "111000", "000000"})));
-  // Before the middle of the body, and seen from its front alone.
+  // A hand in front of the middle of the body only.
   CHECK_FALSE(crosses_outline(truth, moving({"000000", "011000", "000000"})));
-  // Something that stands hides the body; a hand is beside it.
+  // A static thing hides the body, and a hand is beside it.
   CHECK_FALSE(crosses_outline(truth, moving({"000000", "100000", "000000"})));
   CHECK_FALSE(crosses_outline(truth, moving({"000000", "000000", "000000"})));
-  // Without a mask all that hides counts.
+  // Without a mask everything that hides the body counts.
   CHECK(crosses_outline(truth, {}));
 }
 
@@ -159,7 +159,8 @@ TEST_CASE("flicker counts what changes in the picture and not in the truth", "[s
   const SightImage drawn_before = drawing({"###ooo...#"});
   const SightImage truth = drawing({"##oooo#..."});
   const SightImage drawn = drawing({"#ooo#o#..."});
-  // Same in truth: columns 0 1 3 4 5. Of these the picture changes 1 (# to o) and 4 (o to #).
+  // The truth is the same in columns 0, 1, 3, 4 and 5. The picture changes in column 1 (# to o) and
+  // column 4 (o to #).
   const Flicker flicker = flicker_between(truth_before, drawn_before, truth, drawn);
   CHECK(flicker.pixels == 5);
   CHECK(flicker.changed == 2);

@@ -20,7 +20,7 @@ double overpress_at(const Eigen::Matrix3Xd& rest, const Eigen::Matrix3Xd& truth,
   for (Eigen::Index v = 0; v < rest.cols(); ++v) {
     if (away[v] > reach) continue;
     const Eigen::Vector3d off = found.col(v) - truth.col(v);
-    // Where the true skin does not move, every way is too far.
+    // If the true skin does not move, a displacement in any direction is too large.
     most = std::max(most, sum.norm() > 0 ? off.dot(sum.normalized()) : off.norm());
   }
   return most;

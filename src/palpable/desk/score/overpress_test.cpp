@@ -30,16 +30,16 @@ TEST_CASE("a body pressed farther than the truth is overpressed by the differenc
   CHECK(dent.of(dent.truth) == 0);
   CHECK(dent.of(2 * dent.truth) == Approx(0.004));
   Eigen::Matrix3Xd broad = dent.truth;
-  broad(2, 1) = -0.009;  // right where it is touched, 7 mm too deep beside it
+  broad(2, 1) = -0.009;  // correct at the touch, 7 mm too deep beside it
   CHECK(dent.of(broad) == Approx(0.007));
-  CHECK(dent.of(0 * dent.truth) == 0);  // not far enough is no overpress
+  CHECK(dent.of(0 * dent.truth) == 0);  // too small a displacement is no overpress
 }
 
-TEST_CASE("what moves elsewhere, or aside, is no overpress", "[score]") {
+TEST_CASE("motion elsewhere, or across the true direction, is no overpress", "[score]") {
   const Dent dent;
   Eigen::Matrix3Xd found = dent.truth;
   found(2, 2) = -0.02;  // 30 mm away
-  found(0, 0) = 0.003;  // across the true way
+  found(0, 0) = 0.003;  // across the true direction
   CHECK(dent.of(found) == Approx(0).margin(1e-15));
 }
 
@@ -48,7 +48,7 @@ TEST_CASE("a touch between coarse vertices is at the nearest of them", "[score]"
   CHECK(dent.at(2 * dent.truth, {-0.05, 0, 0}) == Approx(0.004));
 }
 
-TEST_CASE("where the true skin stays, every way counts", "[score]") {
+TEST_CASE("where the true skin does not move, every direction counts", "[score]") {
   Dent dent;
   dent.truth.setZero();
   Eigen::Matrix3Xd found = Eigen::Matrix3Xd::Zero(3, 3);
@@ -56,8 +56,8 @@ TEST_CASE("where the true skin stays, every way counts", "[score]") {
   CHECK(dent.at(found, {0, 0, 0}) == Approx(0.003));
 }
 
-TEST_CASE("of several touched places each has its own way, and the worst one counts", "[score]") {
-  // Finger and thumb push the ends of a bar towards each other, 4 and 3 mm.
+TEST_CASE("each touched place has its own direction, and the worst place counts", "[score]") {
+  // Finger and thumb push the ends of a bar towards each other by 4 and 3 mm.
   Eigen::Matrix3Xd rest = Eigen::Matrix3Xd::Zero(3, 2);
   rest(0, 1) = 0.05;
   Eigen::Matrix3Xd truth = Eigen::Matrix3Xd::Zero(3, 2);
@@ -74,7 +74,7 @@ TEST_CASE("of several touched places each has its own way, and the worst one cou
   CHECK(overpress(rest, truth, truth, places) == 0);
 }
 
-TEST_CASE("displacements of another skin, and a touch that is nowhere, are refused",
+TEST_CASE("displacements of another skin, and an empty list of touched places, are refused",
           "[score][errors]") {
   const Dent dent;
   CHECK_THROWS_AS(dent.of(dent.truth.leftCols(2)), ContractViolation);

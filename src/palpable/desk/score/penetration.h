@@ -1,5 +1,5 @@
 /// @file
-/// How deep a real hand is left inside the body that should have given way to it.
+/// How deep a real hand reaches into the drawn body, which should have been deformed by it.
 #pragma once
 
 #include "palpable/common/geometry/capsule.h"
@@ -9,9 +9,9 @@
 
 namespace palpable {
 
-/// How deep the deepest sample of the triangles (deepest_sample.h) lies inside the capsules, m; 0
-/// when none is inside.
-/// @param surface  m, in the frame of the capsules
+/// Depth of the deepest sample of the triangles (deepest_sample.h) inside the capsules, m; 0 when no
+/// sample is inside.
+/// @param surface  m, in the same frame as the capsules
 [[nodiscard]] double deepest_penetration(const SurfaceMesh& surface,
                                          std::span<const Capsule> capsules);
 

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using test::tolerance;
 
-TEST_CASE("beside an even capsule the distance is that to its axis less the radius", "[score]") {
+TEST_CASE("the distance to a capsule of constant radius is that to its axis minus the radius", "[score]") {
   const Capsule capsule{{0, 0, 0}, {0, 0, 0.1}, 0.01, 0.01};
   CHECK(distance_to(capsule, {0.03, 0, 0.05}) == Approx(0.02));
   CHECK(distance_to(capsule, {0.004, 0, 0.05}) == Approx(-0.006));
@@ -43,14 +43,14 @@ TEST_CASE("the distance to a tapered capsule is the least over all its balls", "
   }
 }
 
-TEST_CASE("a ball within the other end's ball adds nothing", "[score]") {
+TEST_CASE("an end ball inside the other one changes nothing", "[score]") {
   const Capsule capsule{{0, 0, 0}, {0, 0, 0.005}, 0.02, 0.01};
   CHECK(distance_to(capsule, {0, 0, 0.03}) == Approx(0.01));
   CHECK(distance_to({capsule.b, capsule.a, 0.01, 0.02}, {0, 0, 0.03}) == Approx(0.01));
   CHECK(distance_to({{1, 2, 3}, {1, 2, 3}, 0.5, 0.5}, {1, 2, 4}) == Approx(0.5));
 }
 
-// Triangles that are single points: (n) of them.
+// A mesh of degenerate triangles, one at each of the given points.
 SurfaceMesh points(const std::vector<Vector3d>& at) {
   SurfaceMesh surface;
   surface.vertices.resize(3, static_cast<Eigen::Index>(at.size()));
@@ -76,7 +76,7 @@ TEST_CASE("the penetration is that of the deepest vertex in any capsule", "[scor
   CHECK(deepest_penetration(points({outside, in_first}), {}) == 0);
 }
 
-// Corners 40 mm apart in the plane Z = 0.
+// A right triangle with legs of 40 mm in the plane Z = 0.
 SurfaceMesh large_triangle() {
   SurfaceMesh surface;
   surface.vertices.resize(3, 3);
@@ -89,16 +89,16 @@ SurfaceMesh large_triangle() {
 }
 
 TEST_CASE("a pencil that comes through between the vertices is found", "[score]") {
-  // A tip of 1.2 mm radius, 5 mm through the plane: the plane is 1.2 mm deep in it, along its axis.
+  // A tip of 1.2 mm radius that reaches 5 mm through the plane: the plane is 1.2 mm deep on its axis.
   const std::vector<Capsule> pencil{
       {{0.0117, 0.0093, -0.005}, {0.0117, 0.0093, 0.1}, 0.0012, 0.0012}};
   const double depth = deepest_penetration(large_triangle(), pencil);
-  // Of points 1.25 mm apart (32 parts of 40 mm) one is nearer to the axis than 0.9 mm.
+  // With samples 1.25 mm apart (40 mm / 32), one is nearer to the axis than 0.9 mm.
   CHECK(depth <= 0.0012);
   CHECK(depth >= 0.0012 - 0.0009);
 }
 
-TEST_CASE("leaving out parts changes nothing: all samples give the same", "[score][law]") {
+TEST_CASE("skipping parts does not change the result: all samples give the same depth", "[score][law]") {
   for (unsigned seed = 0; seed < 20; ++seed) {
     INFO("seed " << seed);
     auto random = test::random_case(seed);
@@ -106,7 +106,7 @@ TEST_CASE("leaving out parts changes nothing: all samples give the same", "[scor
     const auto point = [&] { return Vector3d(place(random), place(random), 0.5 * place(random)); };
     std::vector<Capsule> hand;
     for (int i = 0; i < 3; ++i) hand.push_back({point(), point(), radius(random), radius(random)});
-    // 40 sqrt(2) mm is halved five times until it is 2 mm at most: 32 parts.
+    // The longest edge, 40 sqrt(2) mm, is halved five times to be at most 2 mm: 32 parts.
     double deepest = 0;
     for (int i = 0; i <= 32; ++i) {
       for (int j = 0; i + j <= 32; ++j) {
@@ -115,11 +115,11 @@ TEST_CASE("leaving out parts changes nothing: all samples give the same", "[scor
       }
     }
     CHECK(std::abs(deepest_penetration(large_triangle(), hand) - deepest) <=
-          tolerance(1e-15, "halves added up in another order"));
+          tolerance(1e-15, "rounding of sums in another order"));
   }
 }
 
-TEST_CASE("a triangle of a kilometre is looked at in no time", "[score]") {
+TEST_CASE("a triangle of 1000 km is searched quickly", "[score]") {
   SurfaceMesh huge = large_triangle();
   huge.vertices *= 25e3;
   const std::vector<Capsule> ball{{{10, 10, 0}, {10, 10, 0}, 3, 3}};

@@ -1,5 +1,5 @@
 /// @file
-/// How far off its true place a body is drawn.
+/// The error of the position and rotation at which a body is drawn.
 ///
 ///   N  vertices of the body's skin
 #pragma once
@@ -10,8 +10,8 @@
 
 namespace palpable {
 
-/// The farthest way, m, of a vertex of the body at rest between where the body truly stands and
-/// where it was drawn: of shift and turn. What a touch does to the skin has no part in it.
+/// The largest distance, m, of a vertex of the body at rest between its true pose and the drawn pose,
+/// from translation and rotation together. Deformation by touches is not included.
 /// @param rest          (3 x N) m, body frame, N > 0
 /// @param truth, drawn  camera_from_body of one frame
 /// @throws ContractViolation without a vertex

@@ -10,10 +10,10 @@
 namespace palpable {
 namespace {
 
-constexpr double kNear = 0.020;        // m
-constexpr std::size_t kLateSteps = 2;  // frames that an answer may come late
+constexpr double kNear = 0.020;        // m, distance from the body at which a capsule counts
+constexpr std::size_t kLateSteps = 2;  // frames by which a response may be late
 
-// Which capsules are within kNear of a drawn vertex.
+// For each capsule whether it is within kNear of a drawn vertex.
 std::vector<bool> near_body(const PopFrame& frame) {
   const Eigen::Matrix3Xd surface = (frame.camera_from_body.linear() * frame.surface).colwise() +
                                    frame.camera_from_body.translation();

@@ -1,5 +1,5 @@
 /// @file
-/// Jumps of the drawn surface that nothing in the real world explains.
+/// Jumps of the drawn surface that no motion in the real world explains.
 ///
 ///   V  vertices of the drawn body
 #pragma once
@@ -15,11 +15,11 @@
 
 namespace palpable {
 
-/// One frame of a run: what was drawn, and the truth of that moment.
+/// One frame of a run: the drawn surface, and the truth at that instant.
 struct PopFrame {
   int number = 0;
   Eigen::Matrix3Xd surface;                       ///< (3 x V) m, as drawn, body frame
-  Rigid3 camera_from_body = Rigid3::Identity();   ///< where it was drawn
+  Rigid3 camera_from_body = Rigid3::Identity();   ///< as drawn
   Rigid3 world_from_camera = Rigid3::Identity();  ///< true
   std::vector<Capsule> hand;                      ///< true, camera frame of this frame
 };
@@ -29,30 +29,31 @@ struct Pop {
   int frame = -1;   ///< the later of the two frames
 };
 
-/// m: a pop that is larger than this is counted.
+/// m; pops larger than this are counted.
 inline constexpr double kCountedPop = 0.004;
 
-/// Finds the largest pop of a run, and counts the large ones. Between two frames of the run, n and
-/// the one before it, n-1,
+/// Finds the largest pop of a run and counts the large ones. The pop between a frame n and its
+/// predecessor n-1 in the run is
 ///
 ///     pop(n) = max over vertices |x_n - x_{n-1}|  -  max(m_n, m_{n-1}, m_{n-2}),   at least 0,
 ///
-/// where m_n is how far the hand moved: the longest way, in the world, of the end of a capsule that
-/// is within 20 mm of the drawn body in either frame; 0 when none is. A surface that gives way
-/// moves no farther than what presses it; the two earlier steps allow an answer that comes up to
-/// two frames late. Body coordinates leave out where the body is drawn (anchor_score.h).
+/// where m_n is the motion of the hand: the largest displacement, in the world frame, of an end of a
+/// capsule that is within 20 mm of the drawn body in either frame, or 0 when there is none. A deformed
+/// surface moves no farther than the obstacle that presses it; the two earlier motions allow for a
+/// response that is up to two frames late. x is in body coordinates, so that errors of the body's
+/// pose do not count here (anchor_score.h scores them).
 ///
-/// Where frames were left out between the two, what the run showed before stayed on the screen: the
-/// jump is seen all the same, and the hand's way is that from the one to the other. Frames in which
-/// a near hand has another number of capsules than before are not compared.
+/// If the run skipped frames between the two, its last picture stayed on the screen in the meantime:
+/// the jump is visible all the same, and m_n is the motion between the two frames. Frames in which a
+/// near hand has another number of capsules than in the frame before are not compared.
 class PopScorer {
  public:
   /// @throws ContractViolation when V changes
   void add(PopFrame frame);
 
-  /// The largest so far; nothing when no two frames could be compared.
+  /// The largest pop so far; nothing when no two frames could be compared.
   [[nodiscard]] const std::optional<Pop>& largest() const { return largest_; }
-  /// How many were larger than kCountedPop; nothing when no two frames could be compared.
+  /// Number of pops larger than kCountedPop; nothing when no two frames could be compared.
   [[nodiscard]] std::optional<int> counted() const {
     if (!largest_) return std::nullopt;
     return counted_;
@@ -60,7 +61,7 @@ class PopScorer {
 
  private:
   std::optional<PopFrame> last_;
-  std::deque<double> moved_;  ///< m_{n-1}, m_{n-2}: the later first
+  std::deque<double> moved_;  ///< m_{n-1}, m_{n-2}, in this order
   std::optional<Pop> largest_;
   int counted_ = 0;
 };

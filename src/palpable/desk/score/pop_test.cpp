@@ -8,9 +8,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFar = 10;  // m: a hand that touches nothing
+constexpr double kFar = 10;  // m, X of a hand that touches nothing
 
-// Two vertices at 0 and 0.1 m of X, the first one lifted; a ball of 10 mm as the hand.
+// Two vertices at X = 0 and 0.1 m, the first one lifted, and a ball of 10 mm radius as the hand.
 PopFrame frame(int number, double lifted, double hand_x) {
   PopFrame f;
   f.number = number;
@@ -30,7 +30,7 @@ TEST_CASE("a jump of 5 mm while the hand moves 2 mm is a pop of 3 mm", "[score]"
   REQUIRE(scorer.largest().has_value());
   CHECK(scorer.largest()->size == Approx(0.003));
   CHECK(scorer.largest()->frame == 8);
-  scorer.add(frame(9, 0.006, 0.002));  // a smaller one changes nothing
+  scorer.add(frame(9, 0.006, 0.002));  // a smaller pop changes nothing
   CHECK(scorer.largest()->frame == 8);
 }
 
@@ -50,7 +50,7 @@ TEST_CASE("a surface that moves with the hand does not pop", "[score]") {
   CHECK(scorer.largest()->size == Approx(0).margin(1e-15));
 }
 
-TEST_CASE("an answer may come two frames late, not three", "[score]") {
+TEST_CASE("a response may be two frames late, not three", "[score]") {
   for (const int late : {1, 2, 3}) {
     INFO("late by " << late);
     PopScorer scorer;
@@ -80,7 +80,7 @@ TEST_CASE("a hand that comes into view far away does not stop the comparison, ne
   }
 }
 
-TEST_CASE("leaving out the frames between hides no jump", "[score]") {
+TEST_CASE("a jump is found although the frames in between were skipped", "[score]") {
   PopScorer scorer;
   scorer.add(frame(0, 0, kFar));
   scorer.add(frame(5, 0.0045, kFar));
@@ -88,13 +88,13 @@ TEST_CASE("leaving out the frames between hides no jump", "[score]") {
   CHECK(scorer.largest()->frame == 5);
   CHECK(scorer.counted() == 1);
   scorer.add(frame(6, 0.0045, 0));
-  scorer.add(frame(9, 0.0065, 0.002));  // as far as the hand since the frame before
+  scorer.add(frame(9, 0.0065, 0.002));  // as far as the hand since frame 6
   CHECK(scorer.largest()->frame == 5);
 }
 
-TEST_CASE("the hand's way is that in the world, whatever the camera does", "[score]") {
-  // The camera goes from 30 mm left of the body to 50 mm right of it; the hand, above the body,
-  // goes 1 mm to the right.
+TEST_CASE("the motion of the hand is measured in the world, independently of the camera", "[score]") {
+  // The camera moves from 30 mm left of the body to 50 mm right of it; the hand, above the body, moves
+  // 1 mm to the right.
   PopScorer scorer;
   PopFrame before = frame(0, 0, 0.03);
   before.world_from_camera.translation() = Vector3d(-0.03, 0, 0);

@@ -1,5 +1,5 @@
 /// @file
-/// Whether a rig that goes out of alignment is noticed and put right.
+/// Whether the loss of a rig's alignment is detected and corrected.
 #pragma once
 
 #include <cstdint>
@@ -8,29 +8,29 @@
 
 namespace palpable {
 
-/// Truth of one frame: by how many rows (full-size px) the right image lies below what the
-/// calibration says.
+/// Truth of one frame: how much lower the right image lies than the calibration says, in rows of the
+/// full-size picture.
 struct TrueRowOffset {
   int frame = 0;
   double offset_px = 0;
-  bool step = false;  ///< it jumped in this frame
+  bool step = false;  ///< the offset jumped in this frame
 };
 
-/// From this frame on the right image was moved up by so many rows (full-size px) beyond what the
-/// calibration says.
+/// From this frame on the right image was moved up by this number of rows of the full-size picture, in
+/// addition to the rectification by the calibration.
 struct RowCorrection {
   int frame = 0;
   double correction_px = 0;
 };
 
-/// The largest |offset - correction| over the frames that are more than `settle` frames after the
-/// last step before them, px; frames before the first step count. The offset is the same for all
-/// pixels of a frame, so it is that frame's median row error too. Before the first correction it is
-/// 0, afterwards it holds until the next. Nothing when no frame is left.
+/// The largest |offset - correction|, px, over all frames except a step's own and the `settle` frames
+/// after it. All pixels of a frame have the same offset, so this is also the largest median row error
+/// of a frame. The correction is 0 before the first one; each holds until the next. Nothing when no
+/// frame is left.
 /// @param truth, corrections  frames strictly increasing
-/// @param settle              frames, >= 0: those of one second
-/// @param looked_at           (frames of `truth`) 0: the frame's error does not count, though a
-///                            step in it does. Empty: all count
+/// @param settle              >= 0, frames: the frame rate, for one second
+/// @param looked_at           one entry per frame of `truth`; 0: the error of this frame does not
+///                            count, but a step in it does. Empty: all frames count
 /// @throws ContractViolation for a negative `settle` or another length of `looked_at`
 [[nodiscard]] std::optional<double> largest_row_error(std::span<const TrueRowOffset> truth,
                                                       std::span<const RowCorrection> corrections,

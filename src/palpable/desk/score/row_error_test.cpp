@@ -9,18 +9,18 @@
 namespace palpable {
 namespace {
 
-// 0.1 px, then from frame 3 on 0.6 px.
+// An offset of 0.1 px, and of 0.6 px from frame 3 on.
 const std::vector<TrueRowOffset> kTruth{{0, 0.1}, {1, 0.1}, {2, 0.1}, {3, 0.6, true},
                                         {4, 0.6}, {5, 0.6}, {6, 0.6}};
 
-TEST_CASE("a step that is put right in time leaves what is left of it", "[score]") {
-  // 2 frames to settle: 3, 4 and 5 do not count.
+TEST_CASE("after a step that is corrected in time, the remaining error counts", "[score]") {
+  // With 2 frames to settle, frames 3, 4 and 5 do not count.
   const std::vector<RowCorrection> found{{0, 0.08}, {4, 0.3}, {6, 0.55}};
   CHECK(*largest_row_error(kTruth, found, 2) == Approx(0.05));
   CHECK(*largest_row_error(kTruth, found, 1) == Approx(0.3));  // frame 5 still has 0.3
 }
 
-TEST_CASE("a step that is never put right is the error", "[score]") {
+TEST_CASE("a step that is never corrected is the error", "[score]") {
   CHECK(*largest_row_error(kTruth, std::vector<RowCorrection>{{0, 0.1}}, 2) == Approx(0.5));
 }
 
@@ -28,12 +28,12 @@ TEST_CASE("a correction holds until the next, and is 0 before the first", "[scor
   CHECK(*largest_row_error(kTruth, std::vector<RowCorrection>{{3, 0.6}}, 0) == Approx(0.1));
 }
 
-TEST_CASE("too much is as wrong as too little", "[score]") {
+TEST_CASE("too large a correction counts like too small a one", "[score]") {
   CHECK(*largest_row_error(kTruth, std::vector<RowCorrection>{{0, 0.4}, {3, 0.6}}, 2) ==
         Approx(0.3));
 }
 
-TEST_CASE("a frame that was not looked at has no row error, but its step counts", "[score]") {
+TEST_CASE("a frame that was not processed has no row error, but its step counts", "[score]") {
   const std::vector<RowCorrection> found{{0, 0.1}, {6, 0.6}};
   const std::vector<std::uint8_t> without_4_and_5{1, 1, 1, 1, 0, 0, 1};
   CHECK(*largest_row_error(kTruth, found, 0) == Approx(0.5));

@@ -1,5 +1,5 @@
 /// @file
-/// A part of a whole, where there is a whole.
+/// Ratios that are undefined for an empty whole.
 #pragma once
 
 #include <cstdint>

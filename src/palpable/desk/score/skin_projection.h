@@ -1,8 +1,7 @@
 /// @file
-/// What one system says at the vertices of its skin, at the vertices of another skin of the same
-/// body.
+/// Transfers fields from the vertices of one skin to those of another skin of the same body.
 ///
-///   N  vertices of the skin that is compared with     V  those of the one that says something
+///   V  vertices of the skin on which a field is given     N  vertices of the other skin
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"
@@ -11,26 +10,27 @@
 
 namespace palpable {
 
-/// Each vertex of the one skin looks at the point of the other that is nearest to it while the body
-/// is at rest; there the other's field is linear between the three corners of a triangle. Where
-/// both skins are the same, the values stay as they are.
+/// A vertex of the target skin gets the value at the nearest point of the source skin, both at rest;
+/// the field is interpolated linearly between the three corners of the triangle there. If the skins
+/// are the same, the values are unchanged.
 class SkinProjection {
  public:
-  /// @param from  the skin at rest whose fields are given, with at least one triangle
-  /// @param to    (3 x N) the vertices at rest at which they are wanted; the same frame
+  /// @param from  the source skin at rest, with at least one triangle
+  /// @param to    (3 x N) m, vertices of the target skin at rest, in the same frame
   /// @throws ContractViolation for a skin without triangles
   SkinProjection(const SurfaceMesh& from, const Eigen::Matrix3Xd& to);
 
-  /// @param field  (3 x V), as the displacement  @return (3 x N)
-  /// @throws ContractViolation when it is not one value per vertex, as does the next
+  /// @param field  (3 x V), such as a displacement  @return (3 x N)
+  /// @throws ContractViolation when it has another number of columns than V
   [[nodiscard]] Eigen::Matrix3Xd vectors(const Eigen::Matrix3Xd& field) const;
-  /// @param field  (V), as the von Mises stress  @return (N)
+  /// @param field  (V), such as the von Mises stress  @return (N)
+  /// @throws ContractViolation when it has another length than V
   [[nodiscard]] Eigen::VectorXd numbers(const Eigen::VectorXd& field) const;
 
  private:
   Eigen::Index from_count_;
-  Eigen::Matrix3Xi corners_;  // (3 x N) vertices of `from` next to each vertex of `to`
-  Eigen::Matrix3Xd weights_;  // (3 x N) of these; each column adds up to 1
+  Eigen::Matrix3Xi corners_;  // (3 x N) triangle of `from` nearest to each vertex of `to`
+  Eigen::Matrix3Xd weights_;  // (3 x N) barycentric weights; each column adds up to 1
 };
 
 }  // namespace palpable

@@ -31,7 +31,7 @@ TEST_CASE("a linear field is the same on any triangulation of a box", "[score]")
   const double rounding = tolerance(1e-15, "sums of three numbers near 1");
   CHECK(std::abs(found[0] - (0.03 + 0.10 + 0.9)) <= rounding);
   CHECK(std::abs(found[1] - (0.1 + 0.22 + 0.36)) <= rounding);
-  CHECK(std::abs(found[2] - (0.05 + 0.2 + 0.9)) <= rounding);  // as at the point below it
+  CHECK(std::abs(found[2] - (0.05 + 0.2 + 0.9)) <= rounding);  // the value at the point below it
   const Eigen::Matrix3Xd moved = projection.vectors(2.0 * box.vertices);
   CHECK((moved.leftCols(2) - 2.0 * points.leftCols(2)).cwiseAbs().maxCoeff() <= rounding);
 }

@@ -1,5 +1,5 @@
 /// @file
-/// A figure that every frame has, over many frames. Nothing of no frame.
+/// Percentiles of a figure over many frames; nothing when there is no frame.
 #pragma once
 
 #include "palpable/common/base/order_statistics.h"
@@ -11,12 +11,12 @@ namespace palpable {
 
 struct MedianAndP90 {
   double median = 0;
-  double p90 = 0;  ///< nine frames of ten have less
+  double p90 = 0;  ///< 90 % of the frames have less
 };
 
 struct P50AndP99 {
   double p50 = 0;  ///< the median
-  double p99 = 0;  ///< 99 frames of 100 have less
+  double p99 = 0;  ///< 99 % of the frames have less
 };
 
 [[nodiscard]] inline std::optional<MedianAndP90> median_and_p90(const std::vector<double>& frames) {

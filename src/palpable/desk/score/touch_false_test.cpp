@@ -12,7 +12,7 @@ namespace {
 using Flags = std::vector<std::uint8_t>;
 using Gaps = std::vector<std::optional<double>>;
 
-TEST_CASE("of the felt frames, the share in which nothing is near", "[score]") {
+TEST_CASE("false touches are the share of felt frames in which nothing is near", "[score]") {
   const double no_hand = std::numeric_limits<double>::infinity();
   const Gaps gaps{no_hand, 0.006, 0.005, 0.0, 0.2};
   CHECK(*touch_false(gaps, Flags{0, 0, 1, 1, 0}) == 0);
@@ -21,7 +21,7 @@ TEST_CASE("of the felt frames, the share in which nothing is near", "[score]") {
   CHECK_FALSE(touch_false(gaps, Flags{0, 0, 0, 0, 0}).has_value());
 }
 
-TEST_CASE("a gap that is not known matters where something is felt", "[score]") {
+TEST_CASE("an unknown gap matters only in frames with a felt touch", "[score]") {
   const Gaps gaps{std::nullopt, 0.1};
   CHECK(*touch_false(gaps, Flags{0, 1}) == 1);
   CHECK_FALSE(touch_false(gaps, Flags{1, 1}).has_value());

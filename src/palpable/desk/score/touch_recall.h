@@ -1,5 +1,5 @@
 /// @file
-/// Whether a touch that a camera can see is felt.
+/// How often a touch that the cameras can see is felt.
 #pragma once
 
 #include <cstdint>
@@ -8,19 +8,19 @@
 
 namespace palpable {
 
-/// How far an object truly reaches into the undeformed body, in one frame.
+/// How far an obstacle truly reaches into the undeformed body, in one frame.
 struct TrueReach {
   double depth = 0;       ///< m; 0 without a touch
-  double seen_share = 1;  ///< of the object's touching part (contact_file.h)
+  double seen_share = 1;  ///< of the obstacle's touching surface (contact_file.h)
 };
 
-/// m: what is less deep may be the camera's noise.
+/// m; shallower touches may be below the noise of the camera.
 inline constexpr double kFeltFrom = 0.003;
-/// Of the touching part. What no camera sees is true, but not missed.
+/// Share of the touching surface. A touch that is seen less is not counted as missed.
 inline constexpr double kSeenFrom = 0.5;
 
-/// Of the frames in which the object is more than kFeltFrom deep and kSeenFrom or more of its
-/// touching part is seen, the share that is felt; nothing without such a frame.
+/// Share of frames with a felt touch among those in which the obstacle is more than kFeltFrom deep and
+/// at least kSeenFrom of its touching surface is seen; nothing without such a frame.
 /// @param felt  not 0 where a touch was felt; as many frames as `truth`
 /// @throws ContractViolation when the lists differ in length
 [[nodiscard]] std::optional<double> touch_recall(std::span<const TrueReach> truth,

@@ -10,7 +10,7 @@ namespace {
 
 using Flags = std::vector<std::uint8_t>;
 
-TEST_CASE("of the touches that are deep and seen, the share that is felt", "[score]") {
+TEST_CASE("recall is the share that is felt of the touches that are deep and seen", "[score]") {
   //                                  at rest   shallow     deep      deep       deep
   const std::vector<TrueReach> truth{{0, 1}, {0.003, 1}, {0.0031, 1}, {0.01, 0.5}, {0.004, 1}};
   CHECK(*touch_recall(truth, Flags{0, 0, 1, 1, 1}) == 1);
@@ -18,7 +18,7 @@ TEST_CASE("of the touches that are deep and seen, the share that is felt", "[sco
   CHECK(*touch_recall(truth, Flags{1, 1, 0, 0, 0}) == 0);
 }
 
-TEST_CASE("what no camera sees is not missed", "[score]") {
+TEST_CASE("a touch that no camera sees does not count as missed", "[score]") {
   const std::vector<TrueReach> truth{{0.008, 0.49}, {0.008, 0}, {0.008, 0.9}};
   CHECK(*touch_recall(truth, Flags{0, 0, 1}) == 1);
   CHECK_FALSE(touch_recall(std::span(truth).first(2), Flags{0, 1}).has_value());

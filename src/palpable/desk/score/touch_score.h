@@ -1,5 +1,5 @@
 /// @file
-/// When a body was touched, against when it truly was.
+/// Comparison of the frames with a felt touch and those with a true touch.
 ///
 ///   n  frames; both lists have one entry per frame, 0 or 1, from frame 0 on
 #pragma once
@@ -15,8 +15,8 @@ struct TouchScore {
   int truly_touching = 0;  ///< frames
   int found_touching = 0;  ///< frames
   int both = 0;            ///< frames
-  /// First found minus first true touching frame; negative when it was felt too early. Nothing when
-  /// one of the two never touches.
+  /// First found minus first true touching frame; negative when a touch was felt too early. Nothing
+  /// when one of the two lists has no touch.
   std::optional<int> first_touch_delay_frames;
   /// Share of the found touching frames that are true; nothing when none was found.
   std::optional<double> precision;
@@ -28,10 +28,9 @@ struct TouchScore {
 [[nodiscard]] TouchScore score_touches(std::span<const std::uint8_t> truth,
                                        std::span<const std::uint8_t> found);
 
-/// Whether the right place was felt: of the frames in which truth and result both name a site, the
-/// share in which it is the same one; nothing without such a frame.
-/// @param truth, found  site per frame; -1 where none is touched, or where the truth lies between
-///                      sites
+/// Whether touches were felt at the right site: among the frames in which truth and result both have a
+/// site, the share in which it is the same; nothing without such a frame.
+/// @param truth, found  site per frame; -1 without a touch, or for a true touch between sites
 /// @throws ContractViolation when the lists differ in length
 [[nodiscard]] std::optional<double> score_sites(std::span<const int> truth,
                                                 std::span<const int> found);

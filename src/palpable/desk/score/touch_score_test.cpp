@@ -10,7 +10,7 @@ namespace {
 
 using Flags = std::vector<std::uint8_t>;
 
-TEST_CASE("delay, precision and recall of a hand-made run are what one counts", "[score]") {
+TEST_CASE("delay, precision and recall of a small run are those counted by hand", "[score]") {
   //                 0  1  2  3  4  5  6  7  8  9
   const Flags truth{0, 0, 1, 1, 1, 1, 1, 0, 0, 0};
   const Flags found{0, 0, 0, 0, 1, 1, 1, 1, 0, 0};
@@ -28,7 +28,7 @@ TEST_CASE("a touch that is felt too early has a negative delay", "[score]") {
   CHECK(score_touches(Flags{0, 0, 0, 1}, Flags{1, 0, 0, 1}).first_touch_delay_frames == -3);
 }
 
-TEST_CASE("what never happens has no delay and no share", "[score]") {
+TEST_CASE("without a touch there is no delay and no share", "[score]") {
   const TouchScore never_found = score_touches(Flags{0, 1}, Flags{0, 0});
   CHECK_FALSE(never_found.first_touch_delay_frames.has_value());
   CHECK_FALSE(never_found.precision.has_value());
@@ -39,10 +39,10 @@ TEST_CASE("what never happens has no delay and no share", "[score]") {
   CHECK_FALSE(never_true.recall.has_value());
 }
 
-TEST_CASE("the site counts where truth and result name one", "[score]") {
+TEST_CASE("sites are compared where truth and result both have one", "[score]") {
   const std::vector<int> truth{-1, 3, 3, 3, 5, -1, 2};
   const std::vector<int> found{3, 3, 4, 3, -1, 2, 3};
-  CHECK(*score_sites(truth, found) == Approx(0.5));  // frames 1 2 3 6: right in 1 and 3
+  CHECK(*score_sites(truth, found) == Approx(0.5));  // compared: frames 1, 2, 3 and 6; equal in 1 and 3
   CHECK_FALSE(score_sites(std::vector{-1, 2}, std::vector{2, -1}).has_value());
 }
 

@@ -1,5 +1,5 @@
 /// @file
-/// Where a true skin is touched: one place or, of a hand with finger and thumb, several.
+/// Where a true skin is touched: at one place, or at several, as by finger and thumb.
 #pragma once
 
 #include "palpable/common/geometry/capsule.h"
@@ -12,20 +12,20 @@
 
 namespace palpable {
 
-/// m round a touched point that belong to the touched place.
+/// m, radius of a touched place around its point.
 inline constexpr double kTouchedPlace = 0.010;
 
-/// m: a skin is touched where a sample of it is this near to what presses. Samples 2 mm apart leave
-/// at most 0.46 mm between the nearest of them and a pencil's tip (radius 1.2 mm) that lies on the
-/// skin; between a solver's contact points the two overlap by less.
+/// m; a skin is touched where a sample of it is this near to the obstacle. If a pencil's tip (radius
+/// 1.2 mm) lies on the skin, the nearest of samples 2 mm apart is at most 0.46 mm from the tip; the
+/// penetration between the contact points of a solver is smaller than this.
 inline constexpr double kTouches = 0.0005;
 
-/// Points of the skin at rest that cover all that is touched: each touched sample of a triangle
-/// (deepest_sample.h, one for each capsule) lies within kTouchedPlace of one of them. They are
-/// chosen among these samples, always the one next that moves farthest. None: nothing touches.
+/// Points of the skin at rest that cover its touched part: each touched sample (deepest_sample.h, one
+/// per triangle and capsule) lies within kTouchedPlace of one of them. They are chosen greedily among
+/// the samples, the one with the largest displacement first. Empty if nothing touches.
 /// @param rest      m, the true skin at rest
-/// @param deformed  the same skin where it is pressed: same vertices, same triangles
-/// @param hand      m, the frame of the skin
+/// @param deformed  the same skin under load: same vertices, same triangles
+/// @param hand      m, in the frame of the skin
 /// @throws ContractViolation when the skins differ in vertices or triangles
 [[nodiscard]] std::vector<Eigen::Vector3d> touched_places(const SurfaceMesh& rest,
                                                           const SurfaceMesh& deformed,

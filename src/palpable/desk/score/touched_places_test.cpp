@@ -13,16 +13,16 @@ using test::tolerance;
 
 Capsule ball(const Vector3d& middle, double radius) { return {middle, middle, radius, radius}; }
 
-// A block of 60 x 60 x 60 mm in 12 triangles: a touch lies between its vertices.
+// A block of 60 x 60 x 60 mm with 12 triangles: touches lie far from its vertices.
 const SurfaceMesh kBlock = box_surface({-0.03, -0.03, 0}, {0.03, 0.03, 0.06});
 
 TEST_CASE("finger and thumb touch two places, a hand in the air none", "[score]") {
-  // A ball that lies on the top, one that lies on the right side, one 1 mm above the left side.
+  // One ball on the top, one on the right side, and one 1 mm away from the left side.
   const std::vector<Capsule> hand{ball({0.01, 0.01, 0.07}, 0.01), ball({0.04, -0.01, 0.03}, 0.01),
                                   ball({-0.041, 0, 0.03}, 0.01)};
   const std::vector<Vector3d> places = touched_places(kBlock, kBlock, hand);
   REQUIRE(places.size() == 2);
-  // Of samples 2 mm apart one is as near to where the ball lies.
+  // With samples 2 mm apart, one is this near to the touching point of the ball.
   const double near = tolerance(0.0015, "m; samples 2 mm apart in a triangle");
   for (const Vector3d& truth : {Vector3d(0.01, 0.01, 0.06), Vector3d(0.03, -0.01, 0.03)}) {
     CHECK(std::any_of(places.begin(), places.end(),
@@ -40,7 +40,7 @@ TEST_CASE("places are those of the skin at rest, and the one that moves farthest
     if (pressed.vertices(2, v) > 0.05)
       pressed.vertices(2, v) -= 0.01 + 0.1 * pressed.vertices(0, v);
   }
-  // The top sinks by 10 mm in the middle and is inclined by a tenth.
+  // The top sinks by 10 mm in the middle and is inclined by 1 : 10.
   const auto lies_on = [](double x) {
     const Vector3d on(x, 0, 0.05 - 0.1 * x), normal = Vector3d(0.1, 0, 1).normalized();
     return ball(on + 0.008 * normal, 0.008);
@@ -53,8 +53,8 @@ TEST_CASE("places are those of the skin at rest, and the one that moves farthest
   CHECK((places[1] - Vector3d(-0.02, 0, 0.06)).norm() <= near);  // 8 mm
 }
 
-TEST_CASE("one long touch is covered by places 10 mm around", "[score]") {
-  // A stick that lies all along the top of a bar with vertices 2 mm apart.
+TEST_CASE("one long touch is covered by places of 10 mm radius", "[score]") {
+  // A stick that lies along the top of a bar with vertices 2 mm apart.
   constexpr int kParts = 40;
   SurfaceMesh bar;
   bar.vertices.resize(3, 2 * (kParts + 1));

@@ -11,8 +11,8 @@
 namespace palpable {
 
 namespace {
-constexpr double kClock = 1e-6;  // s: times in files have 6 digits
-constexpr double kLatest = 1.5;  // of the span
+constexpr double kClock = 1e-6;  // s, rounding of times in files, which have 6 decimals
+constexpr double kLatest = 1.5;  // largest time between the poses of a relative error, ratio to span
 }  // namespace
 
 std::vector<PosePair> match_in_time(std::span<const StampedPose> truth,
@@ -29,7 +29,7 @@ std::vector<PosePair> match_in_time(std::span<const StampedPose> truth,
 }
 
 Rigid3 align_positions(std::span<const PosePair> pairs) {
-  PALPABLE_EXPECT(!pairs.empty(), "no poses cannot be aligned");
+  PALPABLE_EXPECT(!pairs.empty(), "an alignment needs at least one pair of poses");
   Eigen::Vector3d mean_true = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_found = Eigen::Vector3d::Zero();
   for (const PosePair& pair : pairs) {
@@ -43,7 +43,7 @@ Rigid3 align_positions(std::span<const PosePair> pairs) {
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
-  // Of the two nearest orthogonal matrices the one that is no mirror.
+  // A sign makes the nearest orthogonal matrix a rotation and not a reflection.
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
   if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs.z() = -1;
   Rigid3 aligned = Rigid3::Identity();
@@ -53,7 +53,7 @@ Rigid3 align_positions(std::span<const PosePair> pairs) {
 }
 
 TrajectoryScore score_trajectory(std::span<const PosePair> pairs, double span) {
-  PALPABLE_EXPECT(span > 0, "a relative error is over a time");
+  PALPABLE_EXPECT(span > 0, "the time span of a relative error is positive");
   const Rigid3 true_from_found = align_positions(pairs);
   TrajectoryScore score;
   score.poses = static_cast<int>(pairs.size());

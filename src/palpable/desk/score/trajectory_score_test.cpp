@@ -21,8 +21,8 @@ Rigid3 some_pose(std::mt19937_64& random) {
 }
 
 TEST_CASE("four positions that are off by a known length have that absolute error", "[score]") {
-  // A square of 2 m; the found one has its corners alternately 3 mm above and below: nothing rigid
-  // brings them nearer, since a plane through alternating corners does not exist.
+  // A square of 2 m. The found corners are alternately 3 mm above and below it; no rigid motion
+  // brings them nearer, since the optimal plane through them is the square's own.
   const Vector3d corners[] = {{1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}};
   std::vector<PosePair> pairs;
   for (int i = 0; i < 4; ++i) {
@@ -32,10 +32,10 @@ TEST_CASE("four positions that are off by a known length have that absolute erro
   const TrajectoryScore score = score_trajectory(pairs);
   CHECK(score.poses == 4);
   CHECK(score.ate == Approx(0.003));
-  CHECK_FALSE(score.rpe.has_value());  // 0.3 s have no second
+  CHECK_FALSE(score.rpe.has_value());  // the path of 0.3 s is shorter than the span
 }
 
-TEST_CASE("where a path begins and which way it looks costs nothing", "[score][law]") {
+TEST_CASE("the start and the orientation of a path do not matter", "[score][law]") {
   for (unsigned seed = 0; seed < 20; ++seed) {
     INFO("seed " << seed);
     auto random = test::random_case(seed);
@@ -64,7 +64,7 @@ TEST_CASE("a mirrored path is not aligned by a mirror", "[score]") {
 }
 
 TEST_CASE("a path of the wrong size keeps its error: there is no scale", "[score]") {
-  // Two points 2 m apart, found 1 m apart: each ends 0.5 m off.
+  // Two points 2 m apart, found 1 m apart: each has an error of 0.5 m.
   const std::vector<PosePair> pairs{{0, at(-1, 0, 0), at(-0.5, 0, 0)},
                                     {1, at(1, 0, 0), at(0.5, 0, 0)}};
   CHECK(score_trajectory(pairs).ate == Approx(0.5));
@@ -84,8 +84,8 @@ TEST_CASE("a steady drift of 4 mm and 0.01 rad in a second is the relative error
     pairs.push_back({t, at(0.5 * t, 0, 0),
                      at(0.5 * t, 0.004 * t, 0) * Rigid3(AngleAxisd(0.01 * t, Vector3d::UnitY()))});
   }
-  // The found translation of a second is turned by the angle at its begin; along the path that
-  // changes 0.5 m by up to 0.5 * 0.02, so the drift stands alone only in the first.
+  // The found motion over a second is rotated by the angle at its start, which changes the 0.5 m of
+  // later seconds by up to 0.5 * 0.02 m. Only the first second has the drift alone.
   const TrajectoryScore first = score_trajectory(std::span(pairs).first(31));
   CHECK(*first.rpe == Approx(0.004));
   CHECK(*first.rpe_angle == Approx(0.01));
@@ -107,7 +107,7 @@ TEST_CASE("over a gap of more than half a second nothing is compared", "[score]"
   CHECK_FALSE(score_trajectory(pairs).rpe.has_value());
 }
 
-TEST_CASE("poses meet the nearest in time, and none that is too far away", "[score]") {
+TEST_CASE("poses are paired with the nearest in time, unless it is too far away", "[score]") {
   const std::vector<StampedPose> truth{
       {0.0, at(0, 0, 0)}, {0.1, at(1, 0, 0)}, {0.2, at(2, 0, 0)}, {0.9, at(9, 0, 0)}};
   const std::vector<StampedPose> found{
@@ -122,7 +122,7 @@ TEST_CASE("poses meet the nearest in time, and none that is too far away", "[sco
   CHECK(match_in_time({}, found, 1).empty());
 }
 
-TEST_CASE("no poses are refused", "[score][errors]") {
+TEST_CASE("an empty list of poses is refused", "[score][errors]") {
   CHECK_THROWS_AS(score_trajectory({}), ContractViolation);
   const std::vector<PosePair> one{{0, at(0, 0, 0), at(1, 2, 3)}};
   CHECK_THROWS_AS(score_trajectory(one, 0), ContractViolation);

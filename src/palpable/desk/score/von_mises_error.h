@@ -1,13 +1,14 @@
 /// @file
-/// How wrong a drawn stress is, against the true one.
+/// The error of a drawn stress with respect to the true one.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace palpable {
 
-/// The worst vertex against the field's own maximum: max |found - truth| / max truth. Where the
-/// truth is free of stress, 0 for a found body that is too, else infinite.
+/// The largest error of a vertex relative to the largest true stress: max |found - truth| / max truth.
+/// If the true stress is 0 everywhere, the error is 0 when the found one is 0, too, and otherwise
+/// infinite.
 /// @param truth, found  (N) Pa, von Mises stress at the vertices of one skin
 /// @throws ContractViolation when they differ in length or are empty
 [[nodiscard]] double von_mises_error(const Eigen::VectorXd& truth, const Eigen::VectorXd& found);

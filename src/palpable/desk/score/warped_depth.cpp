@@ -13,8 +13,8 @@ namespace palpable {
 std::optional<double> warped_disagreement(std::span<const DepthImage> depths,
                                           std::span<const Rigid3> world_from_depth,
                                           const PinholeCamera& camera) {
-  constexpr double kNearest = 0.1;      // m
-  constexpr double kSameSurface = 0.1;  // m
+  constexpr double kNearest = 0.1;      // m, smallest depth in image j
+  constexpr double kSameSurface = 0.1;  // m, larger differences are different surfaces
   PALPABLE_EXPECT(depths.size() == world_from_depth.size(), "a pose per image");
   for (const DepthImage& depth : depths) {
     PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,

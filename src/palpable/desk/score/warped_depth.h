@@ -1,5 +1,6 @@
 /// @file
-/// How well depth images agree with one another along a path: what poses are worth for a map.
+/// How well the depth images along a path agree with one another, which shows whether the poses are
+/// accurate enough for a map.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -11,11 +12,11 @@
 
 namespace palpable {
 
-/// Median of |Z of image i, brought into image j by their poses, less the Z measured there|, m,
-/// over pairs that are 5, 15 and 40 images apart, from every sixth image and every eighth pixel
-/// across and down. Differences beyond 0.1 m are other surfaces and left out. Nothing without any
-/// pair.
-/// @param depths            (N) all of the camera's size
+/// Median difference, m, between the depth of image i transformed into image j by their poses and the
+/// depth measured there. The image pairs are 5, 15 and 40 images apart and begin with every sixth
+/// image; every eighth pixel in x and y is used. Differences of 0.1 m and more belong to other
+/// surfaces and are left out. Nothing when no difference remains.
+/// @param depths            (N) images of the camera's size, m
 /// @param world_from_depth  (N) poses of the depth camera
 /// @throws ContractViolation when the numbers or sizes differ
 [[nodiscard]] std::optional<double> warped_disagreement(std::span<const DepthImage> depths,

@@ -15,7 +15,7 @@ using test::tolerance;
 
 const PinholeCamera kCamera{64, 48, 50, 50, 31.5, 23.5};
 
-// Six images of a wall at Z = 1 m in the world, from a camera that comes 2 mm nearer with each.
+// Six images of a wall at Z = 1 m in the world; the camera moves 2 mm towards it per image.
 struct Walk {
   std::vector<DepthImage> depths;
   std::vector<Rigid3> poses;
@@ -35,22 +35,22 @@ struct Walk {
   }
 };
 
-TEST_CASE("depths of a wall agree by the true poses, and are off by what a pose is off",
+TEST_CASE("depths of a wall agree with the true poses and differ by the error of a pose",
           "[score]") {
   Walk walk;
   const double near = tolerance(1e-6, "depths near 1 m in single precision");
   CHECK(warped_disagreement(walk.depths, walk.poses, kCamera).value() < near);
-  // Of six images the first and the last are the only pair.
+  // The first and the last of six images are the only pair.
   walk.poses[5].translation().z() += 0.003;
   CHECK(std::abs(warped_disagreement(walk.depths, walk.poses, kCamera).value() - 0.003) < near);
-  // Other surfaces are left out: one tenth of the picture 0.5 m nearer.
+  // Other surfaces are left out: a tenth of the picture is 0.5 m nearer.
   for (int y = 0; y < 5; ++y) {
     for (int x = 0; x < kCamera.width; ++x) walk.depths[5](x, y) = 0.5F;
   }
   CHECK(std::abs(warped_disagreement(walk.depths, walk.poses, kCamera).value() - 0.003) < near);
 }
 
-TEST_CASE("depths that are not known, or too few, say nothing; other sizes are refused",
+TEST_CASE("unknown depths, or too few images, give no result; other sizes are refused",
           "[score]") {
   Walk walk;
   const std::vector<DepthImage> few(walk.depths.begin(), walk.depths.begin() + 5);

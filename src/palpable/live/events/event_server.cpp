@@ -133,8 +133,7 @@ void EventServer::listen_at(const fs::path& path) {
   name.copy(address.sun_path, name.size());
   remove_dead(path, address);
   Opened opened(new_socket(AF_UNIX));
-  // fchmod() before bind() sets the mode of the file: there is no moment at which others may
-  // connect.
+  // bind() makes the file with the mode set here: at no moment may others connect.
   if (opened.get() < 0 || ::fchmod(opened.get(), S_IRUSR | S_IWUSR) != 0 ||
       ::bind(opened.get(), plain(address), sizeof(address)) != 0) {
     throw Error(fmt::format("{}: cannot be listened on: {}", name, reason()));

@@ -1,5 +1,5 @@
 /// @file
-/// Objects of FFmpeg that free themselves. Included by .cpp files of this module only.
+/// Owning handles of FFmpeg's objects. Only for .cpp files of this module.
 #pragma once
 
 extern "C" {

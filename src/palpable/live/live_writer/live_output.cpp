@@ -29,13 +29,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kInFlight = 4;
-constexpr double kDefaultRate = 30;  // of a clip of one frame
+constexpr double kDefaultRate = 30;  // 1/s, of a clip of one frame
 constexpr std::array kStages{"read",       "rectify", "disparity", "depth", "map",  "track",
                              "background", "contact", "evaluate",  "draw",  "write"};
 constexpr std::chrono::seconds kFlushEvery(1);
 constexpr double kDeepEnough = 0.004;  // m
-// What the touches of one of a scene's bodies are in touches.jsonl.
-// @param names  of the bodies; none where there is one
+// The line of touches.jsonl for the touches on one body of a scene.
+// @param names  of the bodies; empty if there is only one
 TouchesLine felt_in(const FrameLines& scene, int body, const std::vector<std::string>& names) {
   TouchesLine felt{.frame = scene.number, .touches = {}};
   for (const Touch& touch : scene.touches) {
@@ -61,7 +61,7 @@ TouchesLine felt_in(const FrameLines& scene, int body, const std::vector<std::st
   return felt;
 }
 
-// Keeps the memory of `lines`.
+// Copies what FrameLines has of a scene and reuses the memory of `lines`.
 void copy_lines(const Scene& scene, FrameLines& lines) {
   lines.number = scene.number;
   lines.time = scene.time;
@@ -78,8 +78,8 @@ void copy_lines(const Scene& scene, FrameLines& lines) {
 
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
 constexpr const char* kPictures = "pictures";
-constexpr std::string_view kTimingBegin = "frame,";  // of a run's timing.csv
-// All that a run may leave in its folder, timing.csv first: every run begins with it.
+constexpr std::string_view kTimingBegin = "frame,";  // the first bytes of a run's timing.csv
+// All files and folders of a run. timing.csv is first because every run has it.
 constexpr std::array kOutputs{"timing.csv",
                               "touches.jsonl",
                               "trajectory.txt",
@@ -98,7 +98,7 @@ constexpr std::array kOutputs{"timing.csv",
                               "meshes",
                               kPictures};
 
-// Whether a run has written it; one that was killed at once has left it empty.
+// Whether the file was written by a run. A run that was killed immediately leaves it empty.
 bool is_timing_of_run(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return false;
@@ -124,16 +124,17 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
                                   const std::vector<fs::path>& needed) {
   std::vector<fs::path> there;
   for (const char* name : kOutputs) {
-    std::error_code ignored;  // a link that leads nowhere is something, too
+    std::error_code ignored;  // a dangling link counts as existing
     if (fs::exists(fs::symlink_status(folder / name, ignored))) there.push_back(folder / name);
   }
-  // Files of a run among a recording's would be taken for its own next time.
+  // A run's files beside its own input would be read as input by the next run.
   for (const fs::path& input : needed) {
     if (input.empty() || !lies_in(input, folder) || !lies_in(folder, input)) continue;
     throw Error(fmt::format("{}: is read by this run; write into another folder", folder.string()));
   }
   if (there.empty()) return there;
-  // A folder depth/ alone is somebody's data, and so is one beside somebody's own timing.csv.
+  // A folder depth/ alone may be a user's data, and so may one beside a timing.csv that is not a
+  // run's.
   if (there.front() != folder / kOutputs[0] || !is_timing_of_run(there.front())) {
     throw Error(
         fmt::format("{}: is in the way and not of an earlier run; write into another folder",
@@ -157,7 +158,8 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
 }
 
 void remove_earlier_run(const std::vector<fs::path>& there) {
-  // timing.csv, by which a run is known as one, last: who is interrupted can do it again.
+  // timing.csv, which identifies a run's output, is removed last, so that an interrupted removal
+  // can be repeated.
   for (auto path = there.rbegin(); path != there.rend(); ++path) {
     std::error_code error;
     fs::remove_all(*path, error);
@@ -188,7 +190,7 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
     : settings_(settings), ready_(kLines), free_lines_(kLines), free_(kInFlight) {
   const fs::path& folder = settings_.folder;
   make_folder(folder);
-  texts_.emplace(folder);  // first: what has no timing.csv is taken for somebody else's
+  texts_.emplace(folder);  // first: output without timing.csv is not recognized as a run's
   if (settings_.all_pictures || !settings_.kept_pictures.empty()) make_folder(folder / kPictures);
   if (settings_.depth) make_folder(folder / "depth");
   if (settings_.masks) {
@@ -234,7 +236,7 @@ std::unique_ptr<DrawnFrame> LiveOutput::blank() {
   constexpr std::chrono::seconds kNow(0);
   std::optional<std::unique_ptr<DrawnFrame>> frame =
       settings_.complete ? free_.pop() : free_.pop_within(kNow);
-  if (!frame && (settings_.complete || free_.closed())) {  // the thread has given up
+  if (!frame && (settings_.complete || free_.closed())) {  // the thread has failed
     finish();
     throw Error("the output was ended");
   }
@@ -271,7 +273,7 @@ void LiveOutput::run() {
   try {
     flush();
     while (!ready_.drained()) {
-      // Also while the source stalls: what came before is not to wait for its return.
+      // Frames are written to the disk also while the source delivers none.
       if (std::optional<std::unique_ptr<Written>> frame = ready_.pop_within(kFlushEvery)) {
         write_frame(**frame);
         if ((*frame)->drawn) free_.push(std::move((*frame)->drawn));
@@ -319,7 +321,7 @@ void LiveOutput::write_lines(const FrameLines& scene) {
     felt.body = name_of(k);
     texts_->touches.write(touches_line(felt));
   }
-  if (scene.camera.state != TrackState::kLost) {  // a fixed camera's pose stays as it is
+  if (scene.camera.state != TrackState::kLost) {  // a fixed camera has a constant pose
     texts_->trajectory.write(
         trajectory_line({settings_.starts_at + scene.time, scene.camera.world_from_camera}));
   }
@@ -349,7 +351,7 @@ void LiveOutput::write_masks(const DrawnFrame& frame) {
   if (!moving.empty()) write_mask(settings_.folder / "moving" / name, moving);
 }
 
-// Empty where there is one body alone.
+// Empty if there is only one body.
 std::string LiveOutput::name_of(std::size_t body) const {
   return body < settings_.bodies.size() ? settings_.bodies[body] : std::string();
 }
@@ -384,7 +386,8 @@ void LiveOutput::open_video(const ColorImage& picture, double frames_per_second)
 
 void LiveOutput::write_video(const DrawnFrame& frame) {
   const Scene& scene = frame.scene;
-  // A film of all frames that came has no gaps, whatever their numbers say.
+  // With `complete` every frame is in the film, one after the other; gaps of the numbers do not
+  // count.
   const int after = settings_.complete ? 1 : std::max(scene.number - last_number_, 1);
   last_number_ = scene.number;
   ++written_;

@@ -1,27 +1,27 @@
 /// @file
-/// The files that a live run leaves behind, written on a thread of their own. clip_files has the
-/// formats, in the header that is named here. Once a second all of them go to the disk: a run that
-/// is killed leaves files that can be read, up to its last second or two.
+/// The output files of a live run, written by a thread of their own. Their formats are documented
+/// in the headers of clip_files that are named here. All files are flushed to the disk once a
+/// second, so that a killed run leaves readable files that lack at most its last one or two
+/// seconds.
 ///
-/// The texts have every frame. Of what is large (film, images, meshes, figures) a run that is not
-/// to wait for the disk leaves out the frames for which there is no time
+/// The text files contain every frame. A run that must not wait for the disk leaves frames out of
+/// the large files (film, images, meshes, figures) when the disk is too slow
 /// (LiveOutputSettings::complete).
 ///
 ///   touch.mp4                 the pictures (video_file_writer.h)
 ///   timing.csv                ms per stage per frame (timing_file.h)
-///   touches.jsonl             where bodies are pressed (touches_file.h)
-///   trajectory.txt            where the camera was (trajectory_file.h)
-///   rectification.jsonl       stereo: each change of the correction of rows (rectification_file.h)
-///   pose.jsonl                where bodies were drawn (pose_file.h)
+///   touches.jsonl             the touches of each body (touches_file.h)
+///   trajectory.txt            the camera's poses (trajectory_file.h)
+///   rectification.jsonl       stereo: each change of the row correction (rectification_file.h)
+///   pose.jsonl                the bodies' poses as drawn (pose_file.h)
 ///   depth/%06d.png            the measured Z (depth_image_file.h)
-///   visible/%06d.png          255 where a body is seen (mask_image_file.h)
-///   body_depth/%06d.png       Z of the whole bodies at half size (depth_image_file.h)
+///   visible/%06d.png          255 where a body is visible (mask_image_file.h)
+///   body_depth/%06d.png       Z of the complete bodies at half size (depth_image_file.h)
 ///   moving/%06d.png           255 where something moves, at the depth's size (mask_image_file.h)
-///   meshes/%06d.ply rest.ply  the body as it is drawn, with its stress, if asked for
-///   (mesh_file.h);
-///                             of several bodies each in a folder of its name in meshes/
-///   pictures/%06d.png         what was shown, of the frames that are asked for
-///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, if asked for
+///   meshes/%06d.ply rest.ply  the deformed skin with its stress, optional (mesh_file.h);
+///                             of several bodies each in a folder meshes/NAME
+///   pictures/%06d.png         the pictures of selected frames
+///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, optional
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -47,45 +47,46 @@
 namespace palpable {
 
 struct LiveOutputSettings {
-  std::filesystem::path folder;  ///< made if it is not there
-  double starts_at = 0;          ///< s: FrameFormat::starts_at, which times of trajectory.txt have
-  /// Whether every frame is in all files, and who plays waits for the disk; else nobody waits, and
-  /// frames are left out and counted.
+  std::filesystem::path folder;  ///< made if it does not exist
+  double starts_at = 0;          ///< s, FrameFormat::starts_at, for trajectory.txt
+  /// True: every frame is in all files, and the caller waits for the disk. False: the caller never
+  /// waits; frames are left out and counted.
   bool complete = true;
   bool depth = true;
   bool masks = true;
   bool figures = false;
-  bool all_pictures = false;             ///< every frame's picture is kept as pictures/NUMBER.png
-  std::vector<int> kept_pictures = {};   ///< those of these frames are, rising
-  std::vector<std::string> bodies = {};  ///< names, where there are several; else none
-  /// The bodies at rest where every frame's are to be written; none: nothing is.
+  bool all_pictures = false;             ///< the pictures of all frames go to pictures/
+  std::vector<int> kept_pictures = {};   ///< those of these frames do, in rising order
+  std::vector<std::string> bodies = {};  ///< names of several bodies; empty for one
+  /// The bodies at rest, if the skins of all frames are to be written; else empty.
   std::vector<SurfaceMesh> meshes_of = {};
-  /// Frames that touch.png is chosen from, rising; without them, any frame that feels a touch.
+  /// The frames from which touch.png is chosen, in rising order. Empty optional: all frames with a
+  /// touch.
   std::optional<std::vector<int>> touch_frames = {};
 };
 
-/// The frames of a filmed clip in which the object truly is at least 4 mm inside the undeformed
-/// body (what a camera's depth is wrong by matters little there). Without a truth beside the
-/// pictures, nothing.
-/// @param images  the clip's frames/
+/// The frames of a filmed clip in which the object truly penetrates the undeformed body by at least
+/// 4 mm, a depth at which the error of a measured depth matters little. Empty optional if the clip
+/// has no truth.
+/// @param images  the clip's folder frames/
 /// @throws Error when the truth cannot be read
 [[nodiscard]] std::optional<std::vector<int>> truly_touching_frames(
     const std::filesystem::path& images);
 
-/// Keeps runs apart: what an earlier run left in `folder` (the files listed above and live.json,
-/// nothing else); empty when there is none. Removes nothing yet.
+/// Finds the output of an earlier run in `folder`: the files listed above and live.json, nothing
+/// else. Returns an empty list if there is none. Removes nothing.
 /// @param needed  paths that this run reads; empty ones are skipped
-/// @throws Error when there is such a run and `overwrite` is false, when one of these names is
-/// there without timing.csv, and so of somebody else, when a needed path would go with them, or
-/// when `folder` itself is one
+/// @throws Error when there is an earlier run and `overwrite` is false; when a file with one of
+/// these names exists without a timing.csv of a run, and so is not the output of a run; when a
+/// needed path would be removed; or when `folder` itself is a needed path
 [[nodiscard]] std::vector<std::filesystem::path> earlier_run(
     const std::filesystem::path& folder, bool overwrite,
     const std::vector<std::filesystem::path>& needed);
 
-/// Removes what earlier_run found. @throws Error when that cannot be done
+/// Removes the paths that earlier_run() returned. @throws Error when that is impossible
 void remove_earlier_run(const std::vector<std::filesystem::path>& there);
 
-/// What the texts say of one frame.
+/// The content of one frame's lines in the text files.
 struct FrameLines {
   struct Body {
     Rigid3 camera_from_body = Rigid3::Identity();
@@ -101,15 +102,15 @@ struct FrameLines {
   StageTimes times;
 };
 
-/// Writes the frames of one run; one run at a time writes into a folder (base/folder_lock.h).
-/// Frames go round between the caller, who fills one, and the thread, which writes it:
+/// Writes the frames of one run; only one run at a time may write into a folder
+/// (base/folder_lock.h). The caller fills frames and the thread writes them:
 ///
-///     complete       blank() waits while all four are under way
-///     not complete   a fifth one always comes back at once, with in_files false: of it the texts
-///                    are written, which are copied into one of kLines small records
+///     complete       4 frames circulate; blank() waits until one of them is free
+///     not complete   if none is free, blank() returns a fifth one at once, with in_files false: it
+///                    is written to the text files only, from a small copy (one of kLines)
 ///
-/// Where the disk stands still for so long that all records wait (17 s of 30 frames a second),
-/// lines are left out, too.
+/// When the disk blocks for so long that all copies are in use (17 s at 30 frames a second), frames
+/// are left out of the text files, too.
 class LiveOutput {
  public:
   /// @throws Error when the folder or files in it cannot be made
@@ -120,23 +121,23 @@ class LiveOutput {
 
   static constexpr std::size_t kLines = 512;
 
-  /// A frame to fill; waits while too many are under way, if all have to be written. Allocates
-  /// nothing.
+  /// Returns a frame to fill. With LiveOutputSettings::complete it waits until one is free.
+  /// Allocates nothing.
   std::unique_ptr<DrawnFrame> blank();
-  /// Hands a filled frame to the thread; of one that is in no file its lines. @throws Error what
-  /// went wrong while writing an earlier one
+  /// Passes a filled frame to the thread, or only its lines if in_files is false. @throws Error for
+  /// a failure while an earlier frame was written
   void write(std::unique_ptr<DrawnFrame> frame);
-  /// Ends the files. @throws Error when something could not be written. What follows the counts
-  /// is for after it.
+  /// Completes the files. @throws Error when something could not be written. The results after the
+  /// counts below are available only after this call.
   void finish();
 
-  /// Frames that are in the texts only.
+  /// Number of frames that are in the text files only.
   [[nodiscard]] int left_out() const { return left_out_; }
-  /// Frames that are not even there.
+  /// Number of frames that are in no file.
   [[nodiscard]] int lines_left_out() const { return lines_left_out_; }
-  /// The video's codec, e.g. "avc1"; empty when there was no frame.
+  /// The film's codec, e.g. "avc1"; empty if there was no frame.
   [[nodiscard]] const std::string& codec() const { return codec_; }
-  /// The pictures of situations that occurred.
+  /// The files of the situations of Fig. 9 that occurred.
   [[nodiscard]] const std::vector<std::string>& figures() const { return figures_; }
   /// (stage -> ms per frame), every stage of timing.csv in its order, "total" last.
   [[nodiscard]] const std::vector<std::pair<std::string, std::vector<double>>>& times() const {
@@ -144,10 +145,10 @@ class LiveOutput {
   }
 
  private:
-  // What the thread gets of a frame.
+  // What the thread receives of a frame.
   struct Written {
     FrameLines lines;
-    std::unique_ptr<DrawnFrame> drawn;  // null: it is left out of what is large
+    std::unique_ptr<DrawnFrame> drawn;  // null: not in the large files
   };
   void close_queues();
   void run();
@@ -171,7 +172,7 @@ class LiveOutput {
   BoundedQueue<std::unique_ptr<Written>> ready_;
   BoundedQueue<std::unique_ptr<Written>> free_lines_;
   BoundedQueue<std::unique_ptr<DrawnFrame>> free_;
-  std::unique_ptr<DrawnFrame> spare_;  // of a run that does not wait: what is left out
+  std::unique_ptr<DrawnFrame> spare_;  // not complete: the fifth frame
   int left_out_ = 0;
   int lines_left_out_ = 0;
   /// The text files, open from the constructor on.
@@ -186,12 +187,12 @@ class LiveOutput {
     TextFile corrections;
   };
   std::optional<Texts> texts_;
-  std::vector<ValuedSurface> drawn_;  // of write_meshes, body by body
+  std::vector<ValuedSurface> drawn_;  // reused by write_meshes(), one per body
   std::optional<double> last_correction_;
   std::unique_ptr<VideoFileWriter> video_;
-  ColorImage first_picture_;  // held back until the second frame's time says the video's rate
+  ColorImage first_picture_;  // kept until the second frame's time gives the film's rate
   double first_time_ = 0;
-  int last_number_ = 0;  // of the picture before
+  int last_number_ = 0;  // of the previous picture
   int written_ = 0;
   std::chrono::steady_clock::time_point flushed_;
   std::array<ColorImage, 3> best_;

@@ -41,7 +41,7 @@ namespace fs = std::filesystem;
 constexpr int kWidth = 64;  // px of the picture
 constexpr int kHeight = 48;
 
-// Frame `number` of a run at 20 frames per second.
+// Fills in frame `number` of a run at 20 frames per second.
 void fill(DrawnFrame& drawn, int number) {
   Scene& scene = drawn.scene;
   scene = Scene();
@@ -84,7 +84,7 @@ TEST_CASE("every file of a run can be read by its reader", "[live_writer]") {
   REQUIRE(times.ms.size() == 3);
   CHECK(times.stages.back() == "total");
   CHECK(times.ms[2].front() == 2);
-  CHECK(times.ms[2].back() >= 5);  // "write" is timed too
+  CHECK(times.ms[2].back() >= 5);  // the stage "write" is included
   REQUIRE(output.times().size() == times.stages.size());
   CHECK(output.times().front().second == std::vector<double>{2, 2, 2});
 
@@ -100,10 +100,10 @@ TEST_CASE("every file of a run can be read by its reader", "[live_writer]") {
   REQUIRE(poses.size() == 3);
   CHECK(poses[2].camera_from_body.translation().x() == Approx(0.2));
   const std::vector<StampedPose> path = read_trajectory(out / "trajectory.txt");
-  REQUIRE(path.size() == 2);  // not where the camera is lost
+  REQUIRE(path.size() == 2);  // frames with a lost camera are skipped
   CHECK(path[1].time == Approx(1305031098.25 + felt[0].touches[0].time.value()).margin(1e-6));
   const std::vector<CorrectionLine> corrections = read_corrections(out / "rectification.jsonl");
-  REQUIRE(corrections.size() == 2);  // its changes only
+  REQUIRE(corrections.size() == 2);  // only changes are written
   CHECK(corrections[1].frame == 2);
   CHECK(corrections[1].row_correction_px == 0.75);
 
@@ -176,7 +176,7 @@ TEST_CASE("the picture of a touch is one of a frame that truly touches", "[live_
   REQUIRE(frames.has_value());
   CHECK(*frames == std::vector<int>{2, 3});
 
-  // Frame 1 presses the most, but nothing is there.
+  // Frame 1 has the strongest touch, but in truth nothing touches there.
   LiveOutput output({.folder = folder / "out", .figures = true, .touch_frames = frames});
   for (int number = 0; number < 4; ++number) {
     std::unique_ptr<DrawnFrame> drawn = output.blank();
@@ -214,7 +214,7 @@ TEST_CASE("pictures of the frames that are asked for are written as they were sh
                 ColorImage(kWidth, kHeight, Rgb{static_cast<std::uint8_t>(50 * number), 0, 0}));
       CHECK(test::file_bytes(file) == test::file_bytes(folder / "expected.png"));
     }
-    CHECK(earlier_run(out, true, {}).back() == out / "pictures");  // it goes with the run
+    CHECK(earlier_run(out, true, {}).back() == out / "pictures");  // removed together with the run
   }
 }
 
@@ -259,7 +259,7 @@ TEST_CASE("what was written is on the disk soon, also while no frame comes", "[l
     output.write(std::move(drawn));
   };
   for (int number = 0; number < 3; ++number) write(number);
-  // The source stalls: nothing comes any more. Without an end to the waiting, a test that hangs.
+  // The source stalls: no further frame comes. If nothing is flushed, this loop never ends.
   while (read_poses(folder / "pose.jsonl").size() < 3) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
@@ -278,7 +278,7 @@ TEST_CASE("a full disk ends the run, and what was written before can be read",
       for (int number = 0; number < 100; ++number) {
         std::unique_ptr<DrawnFrame> drawn = output.blank();
         fill(*drawn, number);
-        if (number == 5) {  // noise, which cannot be packed into so few bytes
+        if (number == 5) {  // noise, which does not compress to so few bytes
           drawn->visible.resize(400, 400);
           auto random = test::random_case(5);
           for (std::uint8_t& value : drawn->visible) value = static_cast<std::uint8_t>(random());
@@ -307,24 +307,25 @@ TEST_CASE("an earlier run is replaced only when that is asked for, and only what
   test::write_bytes(out / "notes.txt", "mine");
   CHECK(earlier_run(out, false, {folder / "notes.txt"}).empty());
   CHECK_THROWS_WITH(earlier_run(out, false, {out}), Catch::Contains("is read by this run"));
-  // A link that leads nowhere would be written through.
+  // Writing to a dangling link would create its target.
   fs::create_symlink(folder / "nowhere", out / "touch.mp4");
   CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("touch.mp4: is in the way"));
   fs::remove(out / "touch.mp4");
-  // A folder called depth alone is somebody's data.
+  // A folder called depth alone may be a user's data.
   fs::create_directories(out / "depth");
   CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("not of an earlier run"));
 
-  test::write_bytes(out / "timing.csv", "lap,seconds\n");  // nor is it a run's beside such a file
+  test::write_bytes(out / "timing.csv", "lap,seconds\n");  // this timing.csv is not a run's
   CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("timing.csv: is in the way"));
-  test::write_bytes(out / "timing.csv", "");  // killed before its first line
+  test::write_bytes(out / "timing.csv", "");  // left by a run killed before its first line
   CHECK(earlier_run(out, true, {}).size() == 2);
   test::write_bytes(out / "timing.csv", "frame,total_ms\n");
   CHECK_THROWS_WITH(earlier_run(out, false, {}), Catch::Contains("--overwrite"));
   const std::vector<fs::path> there = earlier_run(out, true, {folder / "body.palpable"});
   CHECK(there == std::vector<fs::path>{out / "timing.csv", out / "depth"});
-  CHECK(fs::exists(out / "timing.csv"));  // nothing is removed yet
-  // What this run reads may not go: not a file among them, not the folder itself, by no name.
+  CHECK(fs::exists(out / "timing.csv"));  // nothing was removed
+  // A path that this run reads must not be removed: neither a file inside the output nor the folder
+  // itself, however it is named.
   CHECK_THROWS_WITH(earlier_run(out, true, {out / "depth" / "000000.png"}),
                     Catch::Contains("is needed by this run"));
   for (const fs::path& needed : {out, out / "depth" / ".."}) {
@@ -367,7 +368,7 @@ TEST_CASE("of several bodies each has its lines and its meshes", "[live_writer]"
   CHECK(read_touches(out / "touches.jsonl", "lower").at(0).frame == 0);
   CHECK(read_touches(out / "touches.jsonl", "upper").at(0).frame == 1);
   CHECK(read_touches(out / "touches.jsonl", "upper").size() == 1);
-  CHECK(read_touches(out / "touches.jsonl").empty());  // who plays one body is not meant
+  CHECK(read_touches(out / "touches.jsonl").empty());  // without a name: lines of a single body
   REQUIRE(read_poses(out / "pose.jsonl", "upper").size() == 2);
   CHECK(read_poses(out / "pose.jsonl", "upper")[1].camera_from_body.translation().x() == 1);
   CHECK(read_poses(out / "pose.jsonl", "lower")[1].camera_from_body.translation().x() == 0);
@@ -377,7 +378,7 @@ TEST_CASE("of several bodies each has its lines and its meshes", "[live_writer]"
   CHECK(fs::exists(out / "meshes/lower/rest.ply"));
 }
 
-// A disk that stands still while it writes frame 0's depth, until somebody reads that.
+// A disk that blocks while the depth of frame 0 is written, until go_on() reads it.
 class StuckDisk {
  public:
   explicit StuckDisk(const fs::path& folder) : fifo_(folder / "depth" / "000000.png") {
@@ -443,7 +444,7 @@ TEST_CASE("once the disk goes on, frames are written again, and the film keeps i
   const fs::path out = folder / "out";
   StuckDisk disk(out);
   LiveOutput output({.folder = out, .complete = false});
-  std::vector<int> written;  // numbers
+  std::vector<int> written;  // numbers of the frames in the large files
   int number = 0;
   const auto play = [&] {
     std::unique_ptr<DrawnFrame> drawn = output.blank();
@@ -467,7 +468,7 @@ TEST_CASE("once the disk goes on, frames are written again, and the film keeps i
     shown.push_back(1e-3 * film.get(cv::CAP_PROP_POS_MSEC));
   }
   REQUIRE(shown.size() == written.size());
-  for (std::size_t i = 0; i < 6; ++i) {  // OpenCV does not know the times of the last few
+  for (std::size_t i = 0; i < 6; ++i) {  // OpenCV does not report the times of the last few
     INFO("picture " << i);
     CHECK(shown[i] - shown[0] == Approx(0.05 * written[i]).margin(1e-3));  // 20 a second
   }
@@ -491,7 +492,7 @@ TEST_CASE("of a disk that stands still for long even lines are left out, and cou
     output.write(std::move(drawn));
   };
   for (int number = 0; number < 10; ++number) play(number);
-  // Until the other thread stands still: what is counted is this one's.
+  // Wait until the output's thread blocks, so that only allocations of this thread are counted.
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   CHECK(test::allocations_during([&] {
           for (int number = 10; number < kFrames; ++number) play(number);
@@ -536,7 +537,7 @@ TEST_CASE("what cannot be written ends a run that does not wait, too", "[live_wr
   fs::remove_all(folder / "depth");
   std::ofstream(folder / "depth") << "a file in the way";
   const auto play = [&] {
-    for (int number = 0;; ++number) {  // until it throws
+    for (int number = 0;; ++number) {  // ends with an exception
       std::unique_ptr<DrawnFrame> drawn = output.blank();
       fill(*drawn, number);
       output.write(std::move(drawn));

@@ -36,7 +36,7 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
     body.contact = name_of(session.body(k).response.contact());
     body.takes_reactions = session.body(k).response.contact() == ContactKind::kAnywhere;
     body.camera_from_body =
-        session.body(k).world_from_body;  // the first frame's camera is the world
+        session.body(k).world_from_body;  // the world frame is the first camera frame
   }
   if (const auto& color = run.source->format().color_sensor) {
     result.color_from_depth = color->color_from_depth;

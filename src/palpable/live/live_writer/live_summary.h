@@ -10,9 +10,9 @@
 
 namespace palpable {
 
-/// What a run that has ended says of itself. What only the user knows is left as it is: body,
-/// contact, view, scale, wall.
-/// @param figures  of all of it
+/// The summary of a run that has ended. Members that only the user's options determine are not
+/// filled in: body, contact, view, scale, wall.
+/// @param figures  of the complete run
 /// @param output   after finish()
 [[nodiscard]] LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts,
                                      const RunFigures& figures, const LiveOutput& output);

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Without the word in front a name with a colon would be read as a protocol.
+// With the prefix FFmpeg does not read a name that contains a colon as a protocol.
 std::string url_of(const fs::path& path) { return "file:" + path.string(); }
 
 struct CloseInput {
@@ -24,7 +24,7 @@ Input open_film(const fs::path& path) {
   return Input(input);
 }
 
-// An MP4 with a stream like that one, or null.
+// An MP4 with one stream of the same format, or null.
 Container container_like(const AVStream& stream) {
   AVFormatContext* made = nullptr;
   if (avformat_alloc_output_context2(&made, nullptr, "mp4", nullptr) < 0) return nullptr;
@@ -32,7 +32,7 @@ Container container_like(const AVStream& stream) {
   AVStream* copy = avformat_new_stream(made, nullptr);
   if (copy == nullptr || avcodec_parameters_copy(copy->codecpar, stream.codecpar) < 0)
     return nullptr;
-  copy->codecpar->codec_tag = 0;  // the muxer's own for this codec
+  copy->codecpar->codec_tag = 0;  // let the muxer choose its own tag for this codec
   copy->time_base = stream.time_base;
   copy->avg_frame_rate = stream.avg_frame_rate;
   return container;

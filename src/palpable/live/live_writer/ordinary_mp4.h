@@ -1,15 +1,15 @@
 /// @file
-/// A film in fragments, made an ordinary MP4.
+/// Conversion of a fragmented MP4 to an ordinary one.
 #pragma once
 
 #include <filesystem>
 
 namespace palpable {
 
-/// Replaces a finished film in fragments by an ordinary MP4 of the same packets: a copy is made
-/// beside it, ending in ".part", and takes its name when it is whole. Costs the film's size on the
-/// disk for that time.
-/// @return false where that cannot be done, for lack of room for instance; the film is as it was
+/// Replaces a finished fragmented MP4 by an ordinary MP4 of the same packets. The new file is
+/// written beside it with the suffix ".part" and renamed when it is complete, so that the disk must
+/// have room for both.
+/// @return false where that fails, e.g. for lack of room; the film is then unchanged
 bool make_ordinary_mp4(const std::filesystem::path& film);
 
 }  // namespace palpable

@@ -21,9 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kBuffer = 1 << 16;  // bytes
-constexpr int kFineRate = 1000;   // rates that are no whole numbers are thousandths
+constexpr int kFineRate = 1000;   // a fractional rate is rounded to thousandths
 
-// FFmpeg 7 hands over constant bytes, FFmpeg 5 does not.
+// The type of `bytes` is const in FFmpeg 7 but not in FFmpeg 5.
 template <class Byte>
 int take_bytes(void* taken, Byte* bytes, int count) {
   static_cast<std::string*>(taken)->append(reinterpret_cast<const char*>(bytes),
@@ -49,7 +49,7 @@ VideoFrame frame_of(AVPixelFormat format, int width, int height) {
   return frame;
 }
 
-// An encoder that is ready, or null where FFmpeg has none.
+// An opened encoder, or null if FFmpeg has none for this codec.
 Encoder open_encoder(AVCodecID codec, int width, int height, AVRational rate) {
   const AVCodec* found = avcodec_find_encoder(codec);
   if (found == nullptr) return nullptr;
@@ -60,21 +60,20 @@ Encoder open_encoder(AVCodecID codec, int width, int height, AVRational rate) {
   encoder->pix_fmt = AV_PIX_FMT_YUV420P;
   encoder->framerate = rate;
   encoder->time_base = av_inv_q(rate);
-  encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;  // MP4 has it in its head
-  encoder->log_level_offset = AV_LOG_TRACE;       // a library prints nothing
+  encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;  // MP4 stores the codec's header in its own
+  encoder->log_level_offset = AV_LOG_TRACE;       // no messages: a library prints nothing
   if (codec == AV_CODEC_ID_MPEG4) {
-    constexpr int kQuality = 4;  // of 1 (best) to 31: about that of x264's own choice
+    constexpr int kQuality = 4;  // from 1 (best) to 31; about as good as x264's default
     encoder->flags |= AV_CODEC_FLAG_QSCALE;
     encoder->global_quality = kQuality * FF_QP2LAMBDA;
   }
-  // The encoder works beside the loop and shares its processors: one thread, and of x264's ways the
-  // one that takes 0.4 times the usual one's time (5.5 against 14 ms for a 720p picture of the
-  // desk) at the same setting of quality. It looks at 10 pictures before it hands over the first,
-  // which a killed run loses. Encoders that have no such settings are left as they are.
+  // The encoder runs beside the frame loop and shares its processors, so that it gets one thread
+  // and x264's preset "veryfast": 0.4 times the time of the default preset (5.5 against 14 ms for a
+  // 720p picture of the desk) at the same quality setting. It holds 10 pictures before it returns
+  // the first; a killed run loses them. Encoders without these settings ignore them.
   encoder->thread_count = 1;
   av_opt_set(encoder->priv_data, "preset", "veryfast", 0);
-  encoder->max_b_frames =
-      0;  // in the order of time: a film that is cut off lacks none before its end
+  encoder->max_b_frames = 0;  // no reordering: a truncated film lacks no picture before its end
   if (avcodec_open2(encoder.get(), found, nullptr) < 0) return nullptr;
   return encoder;
 }
@@ -93,17 +92,17 @@ struct VideoFileWriter::Film {
 
   fs::path path;
   GrowingFile file;
-  std::string taken;  // what the muxer wrote and the file has not got yet
+  std::string taken;  // bytes from the muxer, not yet in the file
   std::string codec;
   Encoder encoder;
-  ByteStream stream;  // of the muxer, into `taken`
+  ByteStream stream;  // the muxer's output, appended to `taken`
   Container container;
   Packet packet;
   VideoFrame rgb;
   VideoFrame yuv;
   Converter converter;
-  std::int64_t last = -1;  // picture's time, in steps of the rate
-  bool is_ending = false;  // or has failed: nothing more can be written
+  std::int64_t last = -1;  // time of the last picture, in picture periods
+  bool is_ending = false;  // closing or failed: nothing more can be written
 };
 
 VideoFileWriter::Film::Film(const fs::path& path_of_film, int width, int height,
@@ -134,14 +133,14 @@ void VideoFileWriter::Film::begin() {
   stream.reset(avio_alloc_context(buffer, kBuffer, 1, &taken, nullptr, take_bytes, nullptr));
   AVStream* track = avformat_new_stream(made, nullptr);
   if (buffer == nullptr || !stream || track == nullptr) fail("no room for a video");
-  stream->seekable = 0;  // nothing is changed that is on the disk
+  stream->seekable = 0;  // the muxer must not change bytes that are already on the disk
   made->pb = stream.get();
   made->flags |= AVFMT_FLAG_CUSTOM_IO;
   track->time_base = encoder->time_base;
   track->avg_frame_rate = encoder->framerate;
   AVDictionary* options = nullptr;
-  // Fragments end when flush() says so; the pictures' times begin at 0 although some are stored
-  // before those that are shown before them.
+  // Fragments end only when flush() ends them. Presentation times begin at 0 although some pictures
+  // are stored before others that are shown earlier.
   av_dict_set(&options, "movflags", "empty_moov+frag_custom+default_base_moof+negative_cts_offsets",
               0);
   const bool begun = avcodec_parameters_from_context(track->codecpar, encoder.get()) >= 0 &&
@@ -151,7 +150,7 @@ void VideoFileWriter::Film::begin() {
   flush();
 }
 
-// @param picture  null: no more comes
+// @param picture  null: the film has no further pictures
 void VideoFileWriter::Film::send(const AVFrame* picture) {
   if (avcodec_send_frame(encoder.get(), picture) < 0) fail("a picture could not be encoded");
   while (true) {
@@ -170,7 +169,7 @@ void VideoFileWriter::Film::flush() {
   if (av_write_frame(container.get(), nullptr) < 0) fail("a piece could not be ended");
   avio_flush(stream.get());
   if (taken.empty()) return;
-  is_ending = true;  // if this fails
+  is_ending = true;  // stays set if the following fails
   file.append(std::exchange(taken, {}));
   is_ending = false;
 }
@@ -188,14 +187,14 @@ void VideoFileWriter::Film::close() {
 VideoFileWriter::VideoFileWriter(const fs::path& path, int width, int height,
                                  double frames_per_second) {
   PALPABLE_EXPECT(width >= 2 && height >= 2 && frames_per_second > 0, "a film has pictures");
-  av_log_set_level(AV_LOG_QUIET);  // muxer and converter have no level of their own
+  av_log_set_level(AV_LOG_QUIET);  // the muxer and the converter have no log level of their own
   film_ = std::make_unique<Film>(path, width / 2 * 2, height / 2 * 2, frames_per_second);
 }
 
 VideoFileWriter::~VideoFileWriter() {
   try {
     film_->close();
-  } catch (const Error&) {  // nobody asked; what was flushed can be played
+  } catch (const Error&) {  // a destructor cannot report it; what was flushed can be played
   }
 }
 
@@ -205,7 +204,7 @@ void VideoFileWriter::append(const ColorImage& picture, int after) {
   PALPABLE_EXPECT(
       picture.width() / 2 * 2 == film.rgb->width && picture.height() / 2 * 2 == film.rgb->height,
       "all pictures of a film have one size");
-  // Through a frame of FFmpeg's own: its loops read beyond the end of a picture.
+  // Copied to a frame of FFmpeg's own, because its loops read beyond the end of a picture.
   if (av_frame_make_writable(film.rgb.get()) < 0 || av_frame_make_writable(film.yuv.get()) < 0) {
     film.fail("no room for a picture");
   }
@@ -225,7 +224,7 @@ void VideoFileWriter::flush() { film_->flush(); }
 
 void VideoFileWriter::close() {
   film_->close();
-  // Where there is no room for a copy the film stays in fragments, all of it.
+  // If there is no room for a copy the film stays fragmented and complete.
   (void)make_ordinary_mp4(film_->path);
 }
 

@@ -1,10 +1,10 @@
 /// @file
-/// A film that can be watched however the program ends.
+/// A film that can be played even if the program is killed.
 ///
-/// While it grows it is a fragmented MP4: a head, then pieces that each hold all that is needed to
-/// play them. Who kills the program keeps everything up to the last flush(), less the pictures that
-/// the encoder still looks at (docs/decisions/films.md). Once it is closed in order it
-/// is an ordinary MP4 with one index, which more programs play and wind.
+/// While it grows it is a fragmented MP4: a header, then fragments that each contain everything
+/// needed to play them. A killed program leaves everything up to the last flush(), except the
+/// pictures that the encoder still holds (docs/decisions/films.md). close() converts it to an
+/// ordinary MP4 with one index, which more programs can play and seek in.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -15,28 +15,27 @@
 
 namespace palpable {
 
-/// H.264 where Debian's ffmpeg is built with an encoder of it, else MPEG-4.
+/// Encodes H.264 if FFmpeg has an encoder for it (Debian's has), else MPEG-4.
 class VideoFileWriter {
  public:
-  /// @param width, height  of the pictures; an odd last column or row is left out of the film
+  /// @param width, height  px, of the pictures; an odd last column or row is left out of the film
   /// @param frames_per_second  > 0
-  /// @throws Error naming the file when it cannot be begun
+  /// @throws Error naming the file when it cannot be made
   VideoFileWriter(const std::filesystem::path& path, int width, int height,
                   double frames_per_second);
   VideoFileWriter(const VideoFileWriter&) = delete;
   VideoFileWriter& operator=(const VideoFileWriter&) = delete;
-  /// Without close(): the pictures that were appended are in the file, if they can be, and it stays
-  /// in fragments.
+  /// Without close(): writes the appended pictures if possible; the file stays fragmented.
   ~VideoFileWriter();
 
-  /// @param after  pictures' times after the one before it, at least 1; more where some were left
-  ///               out, so that the film keeps its pace
+  /// @param after  time since the previous picture, in units of the picture period, at least 1;
+  ///               larger where pictures were left out, so that the film keeps its pace
   /// @throws Error when the picture cannot be encoded
   void append(const ColorImage& picture, int after = 1);
-  /// Writes what the encoder has finished. @throws Error naming the file when the disk does not
-  /// take it; then the film ends where it ended before
+  /// Writes what the encoder has finished. @throws Error naming the file when the disk is full; the
+  /// film then ends where it ended before
   void flush();
-  /// Ends the film. @throws Error as flush()
+  /// Completes the film. @throws Error as flush()
   void close();
 
   /// "avc1" or "mp4v".

@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 constexpr int kWidth = 64;  // px
 constexpr int kHeight = 48;
 constexpr double kRate = 20;    // frames per second
-constexpr int kPictures = 100;  // more than the encoder looks ahead
+constexpr int kPictures = 100;  // more than the encoder holds
 
-// Every picture is brighter than the one before, so that each can be told from its grey.
+// Every picture is brighter than the previous one, so that its grey level identifies it.
 std::uint8_t grey_of(int number) { return static_cast<std::uint8_t>(20 + 2 * number); }
 
 ColorImage picture_of(int number) {
@@ -31,7 +31,7 @@ ColorImage picture_of(int number) {
   return {kWidth, kHeight, Rgb{grey, grey, grey}};
 }
 
-// The mean grey of each picture that a player gets.
+// The mean grey of each picture that a player decodes.
 std::vector<double> played(const fs::path& film) {
   cv::VideoCapture capture(film.string(), cv::CAP_FFMPEG);
   std::vector<double> greys;
@@ -39,15 +39,15 @@ std::vector<double> played(const fs::path& film) {
   return greys;
 }
 
-// The film is that of the first pictures, in their order.
+// Checks that the film contains the first pictures in their order.
 void check_order(const std::vector<double>& greys) {
   for (std::size_t i = 0; i < greys.size(); ++i) {
     INFO("picture " << i);
-    CHECK(greys[i] == Approx(grey_of(static_cast<int>(i))).margin(1.5));  // of the encoder
+    CHECK(greys[i] == Approx(grey_of(static_cast<int>(i))).margin(1.5));  // error of the encoder
   }
 }
 
-// The outermost boxes of an MP4, e.g. "ftyp moov moof mdat"; one that is cut off has '!'.
+// The top-level boxes of an MP4, e.g. "ftyp moov moof mdat"; a truncated box has '!'.
 std::string boxes_of(const std::string& bytes) {
   std::string names;
   for (std::size_t at = 0; at + 8 <= bytes.size();) {
@@ -65,7 +65,7 @@ std::string boxes_of(const std::string& bytes) {
 TEST_CASE("a film that was ended is an ordinary one with all its pictures",
           "[live_writer][video]") {
   const test::ScratchFolder folder("video_ended");
-  const fs::path film = folder / "a:b.mp4";  // no protocol called a
+  const fs::path film = folder / "a:b.mp4";  // the colon must not be read as a protocol
   VideoFileWriter writer(film, kWidth + 1, kHeight + 1, kRate);
   CHECK_FALSE(writer.codec().empty());
   for (int i = 0; i < kPictures; ++i) {
@@ -86,7 +86,7 @@ TEST_CASE("a film that was ended is an ordinary one with all its pictures",
   CHECK(capture.get(cv::CAP_PROP_FPS) == Approx(kRate));
   CHECK(capture.get(cv::CAP_PROP_FRAME_WIDTH) == kWidth);
   CHECK(capture.get(cv::CAP_PROP_FRAME_HEIGHT) == kHeight);
-  for (const int wanted : {70, 13, 99}) {  // winding
+  for (const int wanted : {70, 13, 99}) {  // seeking
     INFO(wanted);
     cv::Mat picture;
     capture.set(cv::CAP_PROP_POS_FRAMES, wanted);
@@ -102,7 +102,7 @@ TEST_CASE("a film whose program was killed plays up to its last flush", "[live_w
     writer.append(picture_of(i));
     if (i % 10 == 0) writer.flush();
   }
-  // What is on the disk now is what a program that is killed now would leave.
+  // The file on the disk now is what a killed program would leave.
   fs::copy_file(folder / "film.mp4", folder / "left.mp4");
   const std::string left = test::file_bytes(folder / "left.mp4");
   CHECK_THAT(boxes_of(left), Catch::StartsWith("ftyp moov moof mdat") && !Catch::Contains("!"));
@@ -113,7 +113,7 @@ TEST_CASE("a film whose program was killed plays up to its last flush", "[live_w
   CHECK(capture.get(cv::CAP_PROP_FRAME_COUNT) == static_cast<double>(greys.size()));
   CHECK(capture.get(cv::CAP_PROP_FPS) == Approx(kRate));
 
-  // Killed while it wrote: the last fragment is cut off anywhere, those before can be played.
+  // Killed while it wrote: the last fragment is truncated anywhere; those before can be played.
   const std::size_t last = left.rfind("moof") - 4;
   test::write_bytes(folder / "before.mp4", left.substr(0, last));
   const std::size_t whole = played(folder / "before.mp4").size();
@@ -177,7 +177,7 @@ TEST_CASE("a film keeps its pace where pictures were left out", "[live_writer]")
   const test::ScratchFolder folder("video_gaps");
   const fs::path film = folder / "film.mp4";
   VideoFileWriter writer(film, kWidth, kHeight, kRate);
-  // OpenCV does not know the times of the last few.
+  // OpenCV does not report the times of the last few pictures.
   constexpr std::size_t kTimed = 10;
   const std::vector<int> after{1, 1, 1, 20, 1, 5, 1, 1, 40, 1, 1, 1, 1, 1, 1};
   std::vector<double> expected;  // s

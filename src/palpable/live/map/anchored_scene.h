@@ -1,26 +1,26 @@
 /// @file
-/// Does a point belong to the room in which the body was anchored, or has it come since? This is
-/// the one object that answers that question (was_there()). docs/map.md compares it with the three
-/// that answer questions near it: FreeSpace, MovingMask's StaticPicture and SceneCanvas. Contact
-/// asks it through PressingMask. Session brings it up to date after every fused depth image, which
-/// costs 0.2 to 0.9 ms each (docs/map.md).
+/// Decides whether a point belongs to the room in which the body was anchored or to something that
+/// arrived later (was_there()). docs/map.md compares this class with the three that answer similar
+/// questions: FreeSpace, MovingMask's StaticPicture and SceneCanvas. Contact queries it through
+/// PressingMask. Session updates it after every fused depth image, which costs 0.2 to 0.9 ms each
+/// (docs/map.md).
 ///
 /// World frame, m.
 ///
-/// **Of the room** is
-///   1. the surface that the map held when this was made;
+/// **Part of the room** is
+///   1. the surface that the map held when this object was constructed;
 ///   2. a surface that is found later in space that was never seen free: a wall behind the camera.
-/// **Come since** is
-///   3. what stands before the room's surface, or where the camera once looked through; also after
-///      it has settled there (FreeSpaceSettings::frames_to_settle) and the map holds it. The map
-///      itself could not tell: in it, what is put down and left looks like the room.
+/// **Arrived later** is
+///   3. what stands in front of the room's surface, or in space through which the camera once
+///      looked. This still holds after it has settled there (FreeSpaceSettings::frames_to_settle)
+///      and the map contains it; the map alone could not distinguish it from the room.
 /// A surface that is taken away no longer belongs to the room.
 ///
-/// What is put down where nobody has looked yet cannot be told apart: it counts as of the room.
+/// Limit: what is put down in space that was never in view counts as part of the room.
 ///
-/// When a loop is closed (track/tracker.h), map and free space begin anew. What is remembered here
-/// is moved with the keyframes by which it was placed. That the camera looked through some place is
-/// forgotten, except near surfaces.
+/// When a loop is closed (track/tracker.h), map and free space are rebuilt from nothing. The
+/// distances stored here are moved together with the keyframes by which they were placed. The
+/// record of which space was seen free is lost, except near surfaces.
 #pragma once
 
 #include "palpable/common/geometry/correction.h"
@@ -40,42 +40,44 @@
 namespace palpable {
 
 struct AnchoredSceneSettings {
-  /// m: a surface of the room that lies farther back than it did by more than this was taken away.
+  /// Where the mapped surface has receded by more than this, m, the room's old surface counts as
+  /// removed. Smaller: measurement noise removes it. Larger: thin things stay after their removal.
   double step = 0.015;
-  /// Updates in which every block's distances are compared with the map's once.
+  /// Updates in which the distances of every block are compared with the map's once.
   int updates_per_round = 20;
 };
 
-/// Keeps a copy of the room's signed distance, one byte per voxel (0.5 KiB per block; the map has
-/// 4), and per block which of its eighths had been seen free before the block came into the map.
+/// Keeps a copy of the room's signed distance, one byte per voxel (0.5 KiB per block; the map needs
+/// 4 KiB), and for each block which of its eighths were seen free before the map contained it.
 class AnchoredScene {
  public:
-  /// Anchors the body: all surface that `map` holds now is the room's.
+  /// Anchors the body: all surfaces that `map` holds now are part of the room.
   /// @throws ContractViolation for settings out of their range
   AnchoredScene(const SurfaceMap& map, const AnchoredSceneSettings& settings = {});
 
-  /// Learns what has changed in map and free space. Call it after each depth image that was fused:
-  /// a new block must be seen here before the camera has looked through its surroundings so often
-  /// that they count as free, or the room's own surface would count as come since. Pass the same
-  /// two objects each time; after follow() both may have begun anew.
-  /// @param keyframe  frame number of the newest keyframe: new blocks were placed by its pose
+  /// Takes over what has changed in map and free space. Call it after each fused depth image: a new
+  /// block must be registered here before the camera has looked through its surroundings often
+  /// enough for them to count as free; otherwise the room's own surface would count as arrived
+  /// later. Pass the same two objects each time; after follow() both may have been cleared.
+  /// @param keyframe  frame number of the newest keyframe, by whose pose new blocks were placed
   void update(const SurfaceMap& map, const FreeSpace& space, int keyframe = 0);
 
-  /// A loop was closed: moves each block with the keyframe by which it was placed. Voxels are moved
-  /// to the nearest ones, which is off by half a voxel's diagonal at most (9 mm for voxels of 10).
-  /// Where two blocks come to lie at one place the older one counts: it had drifted less. What the
-  /// map held when this was made moves with the first keyframe. Doubles the memory for a moment.
-  /// @param corrections  at least one, their numbers rising
+  /// Call it after a loop was closed: moves each block with the keyframe by which it was placed.
+  /// Each voxel moves to the nearest voxel of the new grid, an error of at most half a voxel's
+  /// diagonal (9 mm for voxels of 10 mm). Where two blocks come to lie at the same position the
+  /// older one is kept, because it had drifted less. Blocks from the constructor move with the
+  /// first keyframe. Memory use doubles during the call.
+  /// @param corrections  at least one, in rising order of their frame numbers
   void follow(std::span<const Correction> corrections);
 
-  /// Answers for one point after the other, faster where they lie near each other. Valid until the
-  /// next change of scene or space.
+  /// Queries point by point; faster when consecutive points lie near each other. Valid until scene
+  /// or space changes.
   class Reader;
 
-  /// Whether what is seen at a point of the world belongs to the room in which the body was
-  /// anchored.
-  /// @param tolerance  m, >= 0: how far before the room's surface a measured point of that surface
-  ///                   may lie
+  /// Whether a surface that is measured at this point (world frame, m) belongs to the room in which
+  /// the body was anchored.
+  /// @param tolerance  m, >= 0: a measured point of the room's surface may lie this far in front of
+  ///                   that surface
   [[nodiscard]] bool was_there(const Eigen::Vector3d& point, double tolerance,
                                const FreeSpace& space) const;
 
@@ -85,10 +87,10 @@ class AnchoredScene {
  private:
   static constexpr std::int8_t kUnknown = -128;
   struct Block {
-    std::array<std::int8_t, kVoxelsOfBlock> distance;  // 127: the truncation; kUnknown
-    std::uint8_t was_free = 0;  // bit x + 2 y + 4 z: that eighth was seen free before the block
-                                // came into the map, so what is there has come since
-    bool mapped = false;        // the map has held it since the map began
+    std::array<std::int8_t, kVoxelsOfBlock> distance;  // 127: the truncation; or kUnknown
+    std::uint8_t was_free = 0;  // bit x + 2 y + 4 z: that eighth was seen free before the map
+                                // contained the block, so what is there arrived later
+    bool mapped = false;        // the map has contained it since the map was last cleared
     int keyframe = 0;           // frame number of the keyframe by which it was placed
     [[nodiscard]] bool has_come(std::size_t voxel) const {
       return (was_free >> eighth_of(voxel) & 1) != 0;
@@ -107,7 +109,7 @@ class AnchoredScene {
   AnchoredSceneSettings settings_;
   double voxel_;      // m
   float per_m_;       // Block::distance has this many units per m
-  std::int8_t step_;  // settings_.step in these units
+  std::int8_t step_;  // settings_.step in the units of Block::distance
   VoxelUnits units_;  // of the map
   BlockTable table_;
   SlabStore<Block> store_;
@@ -131,8 +133,8 @@ class AnchoredScene::Reader {
       block_ = slot == BlockTable::kNone ? nullptr : &scene_.store_[slot];
     }
     if (block_ != nullptr) {
-      // The surface is asked before the free space: on its way to a slanted surface a ray passes
-      // through cells in which that surface lies a little later.
+      // The stored surface has priority over the free space: on its way to a slanted surface a ray
+      // passes through cells that also contain a part of that surface.
       const std::size_t i = voxel_index(x & 7, y & 7, z & 7);
       const std::int8_t count = block_->distance[i];
       if (count != kUnknown) {

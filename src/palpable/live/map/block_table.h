@@ -1,6 +1,6 @@
 /// @file
-/// Which blocks of space are kept, and in which slot: a hash table of fixed size. Most of space is
-/// empty, and takes no memory.
+/// A hash table of fixed size from blocks of space to slots. Only blocks that are in use have a
+/// slot, so empty space takes no memory.
 #pragma once
 
 #include "palpable/common/base/contract.h"
@@ -16,8 +16,8 @@
 
 namespace palpable {
 
-/// Names cubes of space by three whole numbers and gives each a slot in [0, capacity). Allocates
-/// in its constructor only.
+/// Identifies cubes of space by three integers and gives each a slot in [0, capacity). Allocates in
+/// its constructor only.
 class BlockTable {
  public:
   static constexpr int kNone = -1;
@@ -60,7 +60,7 @@ class BlockTable {
 
   /// Frees a slot.
   void erase(int slot) {
-    PALPABLE_EXPECT(used(slot), "only a block that is there can be removed");
+    PALPABLE_EXPECT(used(slot), "only a slot that is in use can be freed");
     std::size_t gap = place_with(key(slot));
     // An entry behind the gap moves into it if a search for it would pass there (Knuth, TAOCP 3,
     // 6.4, algorithm R).
@@ -89,8 +89,8 @@ class BlockTable {
     std::uint64_t key = 0;
     int slot = kNone;
   };
-  // Four neighbours in x lie in one line of the cache: half of all look-ups go to a neighbour of
-  // the last one.
+  // Entries of four blocks that are neighbours in x share one cache line, because half of all
+  // look-ups go to a neighbour of the block before.
   static constexpr std::size_t kTogether = 4;
 
   [[nodiscard]] static std::size_t size_of(int capacity) {
@@ -98,7 +98,8 @@ class BlockTable {
     return static_cast<std::size_t>(capacity);
   }
   [[nodiscard]] static std::size_t at(int slot) { return static_cast<std::size_t>(slot); }
-  // Fibonacci hashing (TAOCP 3, 6.4): neighbours land far apart.
+  // Where the search for a key begins. Fibonacci hashing (TAOCP 3, 6.4) spreads neighbouring groups
+  // over the table.
   [[nodiscard]] std::size_t first_place_of(std::uint64_t key) const {
     const auto group = static_cast<std::size_t>((key / kTogether * 0x9E3779B97F4A7C15ULL) >> 32);
     return (kTogether * group + key % kTogether) & (places_.size() - 1);
@@ -106,7 +107,7 @@ class BlockTable {
   [[nodiscard]] std::size_t next(std::size_t place) const {
     return (place + 1) & (places_.size() - 1);
   }
-  // Where a block's key is, or where it would be entered.
+  // The entry that holds a key, or the empty one into which it would be written.
   [[nodiscard]] std::size_t place_with(std::uint64_t key) const {
     std::size_t i = first_place_of(key);
     while (places_[i].slot != kNone && places_[i].key != key) i = next(i);
@@ -114,23 +115,23 @@ class BlockTable {
   }
 
   std::vector<Slot> slots_;
-  std::vector<Place> places_;  // at most half of them in use
+  std::vector<Place> places_;  // entries of the hash table, at most half of them in use
   std::vector<int> free_;
 };
 
-/// Remembers the addresses of up to 512 blocks that were looked up last, in 8 KiB that stay in the
-/// processor's nearest cache: an image comes back to the same few hundred blocks row by row. Valid
-/// until a block is removed.
+/// A direct-mapped cache of the addresses of up to 512 blocks that were looked up last. Its 8 KiB
+/// fit into the processor's L1 cache, and successive rows of an image need the same few hundred
+/// blocks. Valid until a block is removed.
 template <class Block>
 class RecentBlocks {
  public:
   RecentBlocks() { known_.fill({kNoKey, nullptr}); }
 
-  /// The block must stay where it is as long as this is used.
+  /// Stores the address of a block, which must not move as long as this object is used.
   void remember(std::uint64_t key, Block* block) { at(key) = {key, block}; }
 
-  /// The block with this key. When it is not remembered, find() is called for its address, which
-  /// may be null.
+  /// The address of the block with this key. If it is not stored, find() computes it; a null
+  /// address is stored, too.
   template <class Find>
   [[nodiscard]] Block* of(std::uint64_t key, const Find& find) {
     Known& known = at(key);
@@ -146,7 +147,7 @@ class RecentBlocks {
   [[nodiscard]] Known& at(std::uint64_t key) {
     return known_[(key ^ key >> 18 ^ key >> 36) % known_.size()];
   }
-  static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};  // keys of blocks have 63 bits
+  static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};  // no block's key: those have 63 bits
   std::array<Known, 512> known_;
 };
 

@@ -1,5 +1,5 @@
 /// @file
-/// Where on a desk with things on it a body can stand. Camera frame, m.
+/// Finds a free position for a body on a desk that has things on it. Camera frame, m.
 #pragma once
 
 #include "palpable/live/map/plane_fit.h"
@@ -8,23 +8,25 @@
 
 namespace palpable {
 
-/// The room that a body takes: an upright cylinder around its Z axis.
+/// The space that a body occupies: an upright cylinder around its Z axis.
 struct Footprint {
   double radius = 0;  ///< m
   double height = 0;  ///< m
 };
 
-/// The point of the plane at which a body can stand: nothing that is seen is in its room or within
-/// 15 mm beside it, and 85 % of the plane below it is seen: not behind a thing, whose back is not.
-/// plane.middle if that is such a point, else the one nearest to the picture's middle; where
-/// nowhere so much of the plane is seen, half of it, and then any point that is: a bare desk has
-/// few depths.
+/// A point of the plane at which a body can stand, in two conditions: no measured point lies inside
+/// the body's cylinder or within 15 mm beside it, and 85 % of the plane below the body was measured
+/// (so the body is not put behind an object, where the plane is hidden).
 ///
-/// On a grid of 10 mm: cells of the plane in which the plane was seen, and cells above which
-/// something lower than the body's height was. What things hide is taken for neither. Costs some
+/// Returns plane.middle if it fulfils both, otherwise the point nearest to the picture's middle
+/// that does. If none has 85 % of the plane below it measured, 50 % suffice, and then 0 %: a bare
+/// desk has few depths.
+///
+/// Works on a grid of 10 mm, which counts per cell the samples of the plane and the samples above
+/// it, up to the body's height. Cells that are hidden by things have neither. Costs some
 /// milliseconds and allocates.
 /// @param body  radius at most 1 m
-/// @return nothing where no such point is seen
+/// @return nothing if there is no such point
 [[nodiscard]] std::optional<Eigen::Vector3d> free_place_on(const Plane& plane,
                                                            const DepthImage& depth,
                                                            const PinholeCamera& camera,

@@ -1,7 +1,7 @@
 /// @file
-/// Where the scene has been seen free: a grid of cells, each with the number of frames in which the
-/// camera looked through it. What stands in such a cell later has come there, whatever it is: a
-/// hand.
+/// The space that has been seen free: a grid of cells, each with the number of frames in which the
+/// camera looked through it. Anything that occupies such a cell later must have moved there, for
+/// example a hand.
 ///
 ///     camera --- free --- free --- free --| margin |--- surface
 ///
@@ -27,42 +27,43 @@ namespace palpable {
 struct FreeSpaceSettings {
   double cell = 0.04;      ///< m, side of a cell
   double farthest = 2.56;  ///< m of depth up to which rays are followed
-  /// A ray is free up to max(margin, sigmas * sigma_Z) before its surface. With less, a surface's
-  /// own noise would free the cells in which it lies.
+  /// A ray counts as free up to max(margin, sigmas * sigma_Z) before its surface. If this is too
+  /// small, depth noise marks the cells of the surface itself as free.
   double margin = 0.08;  ///< m
   double sigmas = 4;
   int frames_to_free = 4;  ///< frames that must look through a cell before it is free, 1 .. 255
-  /// A free cell is free no more after this many frames in a row in which rays ended in it and none
-  /// passed through it: what was put there is part of the scene. 1 .. 32767; 600 are 20 s at 30
-  /// frames per second near the camera. Frames without a ray in the cell do not count; at 2 m those
-  /// are about seven in eight.
+  /// A free cell becomes occupied after this many successive frames in which rays ended in it and
+  /// none passed through it: what was put there has become part of the scene. 1 .. 32767; near the
+  /// camera 600 frames are 20 s at 30 frames per second. Frames without a ray in the cell are not
+  /// counted; at 2 m those are about seven in eight.
   int frames_to_settle = 600;
   /// Blocks of 8 x 8 x 8 cells (0.32 m wide, 1.6 KiB each) that can be kept: 6.5 MiB.
   int blocks = 4096;
 };
 
-/// Allocates in its constructor only. When all blocks are in use, what has not been seen before
-/// stays unknown, and blocked() counts it.
+/// Allocates in its constructor only. When all blocks are in use, space that has no block yet stays
+/// unknown, and blocked() counts the rays that needed one.
 class FreeSpace {
  public:
   /// @throws ContractViolation for settings out of their range
   FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings = {});
 
-  /// Learns from one frame: walks along the rays in steps of one cell. Each frame walks along an
-  /// eighth of the rays, the next seven along the others: neighbours pass through the same cells.
+  /// Adds one frame: follows rays in steps of one cell. Each frame follows an eighth of the rays,
+  /// and the next seven frames follow the others; neighbouring rays pass through the same cells, so
+  /// little is lost.
   /// @param rays     one ray per pixel, e.g. the depth's camera scaled_down(8)
-  /// @param surface  of the rays' size: depth at which each ray ends, m; NaN: unknown, its ray is
-  ///                 left out
+  /// @param surface  of the rays' size: depth at which each ray ends, m; rays with NaN (unknown)
+  ///                 are skipped
   void add(const PinholeCamera& rays, const Rigid3& world_from_camera, const DepthImage& surface);
 
-  /// Answers for one point after the other, faster where they lie near each other. Valid until the
+  /// Queries point by point; faster when consecutive points lie near each other. Valid until the
   /// next add().
   class Reader;
 
-  /// Whether a point of the world lies in a cell that was seen free and in which nothing has
+  /// Whether a point (world frame, m) lies in a cell that was seen free and in which nothing has
   /// settled since.
   [[nodiscard]] bool is_free(const Eigen::Vector3d& point) const;
-  /// Whether it lies in a cell that was ever seen free.
+  /// Whether a point (world frame, m) lies in a cell that was ever seen free.
   [[nodiscard]] bool was_free(const Eigen::Vector3d& point) const;
 
   [[nodiscard]] int blocks() const { return table_.count(); }
@@ -74,17 +75,18 @@ class FreeSpace {
   static constexpr int kSide = 8;
   static constexpr std::size_t kCells = kSide * kSide * kSide;
   static constexpr std::uint16_t kSettled = 1U << 15;
-  // The cells through which one frame looked are marked with one bit each, which fit into one line
-  // of the cache. So neighbouring rays count once, and the counts are touched once per frame.
+  // The cells through which one frame looked are marked with one bit each; the bits of a block fit
+  // into one cache line. So neighbouring rays count a cell once, and the counts are written once
+  // per frame.
   struct alignas(64) Block {
-    std::array<std::uint64_t, kSide> met{};     // by frame `frame`, one word for each z
+    std::array<std::uint64_t, kSide> met{};     // cells met by frame `frame`, one word for each z
     int frame = -1;                             // the last frame that looked into the block
-    bool any_taken = false;                     // false: all of `taken` is 0, but for kSettled
+    bool any_taken = false;                     // false: all counts in `taken` are 0
     std::array<std::uint8_t, kCells> free{};    // frames that looked through a cell, <= 255
     std::array<std::uint16_t, kCells> taken{};  // frames in a row in which a ray ended in it; bit
                                                 // kSettled: it was free until something settled
   };
-  // Places are in 1/65536 of a cell's side: 32 bits reach 1.3 km with cells of 4 cm.
+  // Positions in units of 1/65536 of a cell's side: 32 bits reach 1.3 km with cells of 4 cm.
   static constexpr int kFraction = 16;
   using Place = std::array<std::int32_t, 3>;
   [[nodiscard]] static std::uint64_t block_of(const Place& p) {
@@ -98,7 +100,7 @@ class FreeSpace {
   [[nodiscard]] static std::size_t cell_of(const Place& p) {
     return part_of(p[0]) | part_of(p[1]) << 3 | part_of(p[2]) << 6;
   }
-  // Whether two places lie in one block.
+  // Whether two positions lie in the same block.
   [[nodiscard]] static bool same_block(const Place& a, const Place& b) {
     return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> (kFraction + 3) == 0;
   }
@@ -109,7 +111,7 @@ class FreeSpace {
   [[nodiscard]] Block* block_in(int slot) {
     return slot == BlockTable::kNone ? nullptr : &blocks_[slot];
   }
-  // Of each 4 x 2 rays one has its turn in a frame.
+  // Each frame follows one ray of every 4 x 2.
   static constexpr int kTurnsX = 4, kTurnsY = 2;
   [[nodiscard]] int turn_x() const { return (frame_ - 1) % kTurnsX; }
   [[nodiscard]] int turn_y() const { return (frame_ - 1) / kTurnsX % kTurnsY; }

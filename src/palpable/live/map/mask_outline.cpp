@@ -123,7 +123,7 @@ void MaskOutline::draw_border(const DepthImage& depth, const DepthImage& tile_de
   // Whether a pixel that looks the same is taken for the scene. In the dark it may do so by chance.
   const bool same_is_scene =
       look.picture != nullptr &&
-      (!tile_moves || (look.picture->tells_pixels(i, j) && !(measured && look.may_be_off)));
+      (!tile_moves || (look.picture->distinguishes_pixels(i, j) && !(measured && look.may_be_off)));
   // All sixteen pixels are compared with one tile after the other.
   std::array<float, kTile * kTile> Z;
   std::array<std::int32_t, kTile * kTile> least, value;

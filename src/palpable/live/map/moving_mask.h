@@ -1,13 +1,13 @@
 /// @file
-/// Which pixels of a frame show something that moves: something that stands where the scene was
-/// seen free, or before the surface that the map knows by more than the sensor's error, or that has
-/// no depth and does not look as the scene did.
+/// Finds the pixels of a frame that show something that moves. Evidence for motion is a depth in
+/// space that was seen free, a depth in front of the map's surface by more than the sensor's error,
+/// or a missing depth together with a changed appearance.
 ///
-///     sample()         one depth per tile
-///     label()          each tile by map and free space        (surface_map.h, free_space.h)
-///     compare_look()   corrected by how the tile looks        (static_picture.h, scene_canvas.h)
-///     TileGroups       neighbours together                    (tile_groups.h)
-///     MaskOutline      down to pixels                         (mask_outline.h)
+///     sample()         takes one depth per tile
+///     label()          labels each tile by map and free space (surface_map.h, free_space.h)
+///     compare_look()   corrects labels by the tile's look     (static_picture.h, scene_canvas.h)
+///     TileGroups       decides groups of neighbouring tiles   (tile_groups.h)
+///     MaskOutline      refines tiles to pixels                (mask_outline.h)
 ///
 ///   tile  a square of 4 x 4 pixels of the depth image
 #pragma once
@@ -32,28 +32,28 @@ namespace palpable {
 
 struct MovingMaskSettings {
   FreeSpaceSettings space{};
-  /// A depth agrees with the map when it lies at most max(step, sigmas * sigma_Z) before or behind
-  /// its surface.
+  /// A depth agrees with the map when it lies at most max(step, sigmas * sigma_Z) in front of or
+  /// behind the map's surface. Larger: flat things on the desk are missed; smaller: noise moves.
   double step = 0.015;  ///< m
   double sigmas = 4;
-  /// Frames from which a surface must have been fused before a depth that agrees with it is static.
-  /// With fewer it may be the surface of the hand itself.
+  /// Number of frames from which a surface must have been fused before a depth that agrees with it
+  /// counts as static. With fewer frames it may be the surface of the hand itself.
   double frames_to_trust = 6;
   TileGroupSettings groups{};
   int grow_px = 4;   ///< how far the mask reaches into pixels of unknown depth at its border
-  bool look = true;  ///< false: depth alone decides, to see what comparing looks is worth
+  bool look = true;  ///< false: depth alone decides, to measure the benefit of comparing looks
 };
 
-/// With what a frame's look was compared.
+/// The picture with which the look of a frame was compared.
 enum class LookedAt {
-  kNothing,    ///< a camera that walks
-  kDrawnView,  ///< one that sways: a view drawn from the canvas, which may be off by a pixel
-  kPicture     ///< one that stands
+  kNothing,    ///< none: the camera walks
+  kDrawnView,  ///< a view drawn from the canvas, which may be a pixel off: the camera sways
+  kPicture     ///< the static picture: the camera stands still
 };
 
 /// Finds the mask of each frame. Owns the free space, and the pictures of the scene for a camera
-/// that stands (static_picture.h) or sways (scene_canvas.h). Allocates in its constructor and at
-/// the first frame only.
+/// that stands still (static_picture.h) or sways (scene_canvas.h). Allocates only in its
+/// constructor and at the first frame.
 class MovingMask {
  public:
   /// @throws ContractViolation for settings out of their range
@@ -61,17 +61,15 @@ class MovingMask {
 
   /// The mask of one frame: 255 where something moves, of the depth's size.
   ///
-  /// 1. The depth in the middle of each tile is looked up in the map. Before the map's surface by
-  /// more
-  ///    than the tolerance, the tile moves. Within the tolerance it is static, if the surface was
-  ///    fused from enough frames. Where the map does not say it, the tile moves if its place was
-  ///    seen free, and is unexplained otherwise. A tile that is too close to be measured moves:
-  ///    nothing static comes nearer to a hand-held camera than 0.12 m.
-  /// 2. While the camera stands or sways, a tile that looks as the scene does is static whatever
-  /// its
-  ///    depth, and a tile without depth that has changed may move.
-  /// 3. An unexplained tile moves if it continues the depth of what moves: a hand that reaches into
-  ///    space which was never seen (tile_groups.h).
+  /// 1. The depth in the middle of each tile is looked up in the map. If it lies in front of the
+  ///    map's surface by more than the tolerance, the tile moves. Within the tolerance the tile is
+  ///    static, provided that the surface was fused from enough frames. In all other cases the
+  ///    tile moves if its point was seen free, and is unexplained otherwise. A tile that is too
+  ///    close to be measured moves: nothing static comes closer than 0.12 m to a hand-held camera.
+  /// 2. While the camera stands still or sways, a tile that looks like the scene is static whatever
+  ///    its depth, and a tile without depth that has changed may move.
+  /// 3. An unexplained tile moves if it continues the depth of moving tiles: a hand that reaches
+  ///    into space that was never seen (tile_groups.h).
   /// 4. The border follows the edges of depth and look (mask_outline.h).
   ///
   /// @param world_from_camera  this frame's pose, or one predicted for it: it may be off by a tenth
@@ -80,17 +78,17 @@ class MovingMask {
   const MaskImage& find(const SeenFrame& seen, const Rigid3& world_from_camera,
                         const SurfaceMap* map);
 
-  /// Of the depth's size: 255 where the last frame's depth is none of the pixel's own. It looks as
-  /// the scene there does, and what was known of the scene's depth there is another one: the
-  /// matcher took it over from what stands beside it, or found it by chance.
+  /// A mask of the depth's size: 255 where the last frame's depth does not belong to the pixel. The
+  /// pixel looks like the scene, but the known depth of the scene there is a different one, so the
+  /// matcher has copied the depth from a neighbouring object or found it by chance.
   [[nodiscard]] const MaskImage& borrowed() const { return borrowed_; }
 
-  /// Learns from the frame of the last find(): through which cells it looked, and how the scene
-  /// looks. Do not call it for a frame whose pose is not known.
+  /// Updates free space and the pictures of the scene from the frame of the last find(). Do not
+  /// call it for a frame whose pose is not known.
   void learn(const Rigid3& world_from_camera);
 
-  /// With what the look of the last frame was compared. If with anything, the scene is seen
-  /// wherever nothing moves, also without a depth.
+  /// The picture with which the look of the last frame was compared. Unless it is kNothing, every
+  /// pixel that does not move is known to show the scene, even one without a depth.
   [[nodiscard]] LookedAt looked_at() const {
     return compared_ == nullptr     ? LookedAt::kNothing
            : compared_ == &picture_ ? LookedAt::kPicture
@@ -106,14 +104,14 @@ class MovingMask {
   [[nodiscard]] const MovingMaskSettings& settings() const { return settings_; }
 
  private:
-  // One look-up in map and free space, for `across` tiles from (i, j), and unless that is 1 for the
-  // same ones of the next row:
+  // One look-up in map and free space. It serves `across` tiles beginning at (i, j) and, unless
+  // across is 1, the same columns of the next row (x: tiles served):
   //
   //     across = 1   x      2   x x      4   x x x x
   //                             x x          x x x x
   struct LookUp {
     Eigen::Vector3f point;  // world, m
-    const Voxel* voxel;     // of the map there, or null
+    const Voxel* voxel;     // the map's voxel at the point, or null
     float depth;            // m
     int i, j;
     int across;
@@ -144,23 +142,23 @@ class MovingMask {
   Image<std::uint8_t> tile_label_;  // TileGroups::Label
   DepthImage ray_depth_;            // per 2 x 2 tiles the nearest depth, m
   std::vector<LookUp> look_ups_;    // of two rows of tiles
-  // Of the tiles of a row, each with the one below it: least and largest depth, and their sum.
+  // Per tile of a row, together with the tile below it: least and largest depth, and their sum.
   std::vector<float> lowest_, highest_, sums_;
-  std::vector<float> smooth_;  // per 2 x 2 tiles of two rows: the mean depth, or 0
+  std::vector<float> smooth_;  // per 2 x 2 tiles of two rows: mean depth, or 0 if not smooth
   TileGroups groups_;
   Image<std::uint8_t> tile_moves_;  // 1 or 0
   MaskImage borrowed_;
   MaskOutline outline_;
 
-  StaticPicture picture_;                     // for a camera that stands
-  Rigid3 picture_pose_ = Rigid3::Identity();  // world_from_camera where it was taken
-  int stood_;                                 // frames since it was begun
+  StaticPicture picture_;                     // for a camera that stands still
+  Rigid3 picture_pose_ = Rigid3::Identity();  // world_from_camera of picture_
+  int stood_;                                 // frames since the camera reached picture_pose_
   SceneCanvas canvas_;                        // for a camera that sways
-  StaticPicture drawn_;                       // compares frames with what the canvas draws
-  PictureView view_;                          // what it draws
+  StaticPicture drawn_;                       // compares frames with view_
+  PictureView view_;                          // the view that the canvas has drawn
   bool moved_ = false;                        // whether anything moved in the last frame
-  int compares_ = 0;                          // frames in which the camera stood or swayed
-  const StaticPicture* compared_ = nullptr;   // &picture_, &drawn_, or null: this frame with none
+  int compares_ = 0;                          // frames in which the camera stood still or swayed
+  const StaticPicture* compared_ = nullptr;   // in this frame: &picture_, &drawn_, or null: none
   Image<std::uint8_t> tile_static_;           // not 0: the tile's depth is the scene's
 };
 

@@ -1,6 +1,6 @@
 /// @file
 /// The memory behind a BlockTable's slots. It grows by slabs of one huge page when a slot is first
-/// used; blocks are never moved, and memory is never given back.
+/// used; blocks are never moved, and memory is never released before destruction.
 #pragma once
 
 #include "palpable/common/base/huge_pages.h"
@@ -13,8 +13,8 @@ namespace palpable {
 template <class Block>
 class SlabStore {
  public:
-  /// The block of a slot >= 0, with memory for it and all slots before it. It holds what it held
-  /// before, or undefined values.
+  /// The block of a slot >= 0. Allocates memory for it and all slots before it if necessary. Its
+  /// content is unchanged if it had memory, undefined otherwise.
   Block& provide(int slot) {
     while (slot >= slots()) slabs_.emplace_back(kSlab);
     return (*this)[slot];

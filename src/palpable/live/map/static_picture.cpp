@@ -457,7 +457,7 @@ bool StaticPicture::is_same_pixel(int x, int y) const {
   return sum <= same_pixel_ + light / 2;
 }
 
-bool StaticPicture::tells_pixels(int i, int j) const {
+bool StaticPicture::distinguishes_pixels(int i, int j) const {
   return kPixels * same_pixel_ <= 9 * 2 * expected(i, j) / kLightShare;
 }
 

@@ -3,8 +3,8 @@
 /// Levoy 1996, "A volumetric method for building complex models from range images"). It is kept
 /// only near the surface, in hashed blocks of 8 x 8 x 8 voxels (Niessner et al. 2013).
 ///
-/// World frame, m. What moves is left out by its mask. If something that moves was fused all the
-/// same, it is carved away once the camera sees through where it was.
+/// World frame, m. Moving things are left out by a mask. If the mask missed one and it was fused,
+/// it is carved away as soon as the camera looks through the space that it occupied.
 #pragma once
 
 #include "palpable/common/base/floor_to_int.h"
@@ -34,13 +34,13 @@ struct SurfaceMapSettings {
   /// Distances are kept up to max(truncation, truncation_sigmas * sigma_Z) from the surface.
   double truncation = 0.04;  ///< m; at least 3 voxels
   double truncation_sigmas = 2;
-  /// Depths that scatter more, m, are not fused: they would not say in which block the surface is.
+  /// m; depths with a larger sigma are not fused: they do not even determine the surface's block.
   double largest_sigma = 0.05;
-  double best_sigma = 0.003;  ///< m; depths that scatter less have the full weight 1
-  double most_weight = 64;    ///< frames that a voxel remembers
-  double carve_weight = 4;    ///< frames that a voxel remembers once the camera sees through it
-  /// Blocks that can be kept, 4 KiB each: 64 MiB. When all are in use, new ground is not fused, and
-  /// refused() counts it.
+  double best_sigma = 0.003;  ///< m; depths with a smaller sigma have the full weight 1
+  double most_weight = 64;    ///< frames; limit of a voxel's weight. Larger: smoother, slower
+  double carve_weight = 4;    ///< frames; limit of the old weight when a voxel is seen free
+  /// Blocks that can be kept, 4 KiB each: 64 MiB. When all are in use, surfaces in new blocks are
+  /// not fused, and refused() counts them.
   int blocks = 16384;
 };
 
@@ -56,12 +56,12 @@ class SurfaceMap {
   SurfaceMap(const DepthNoise& noise, const SurfaceMapSettings& settings = {});
 
   /// Fuses one depth image.
-  /// @param moving  of the depth's size, or empty: 255 where the depth is of something that moves
-  /// @param color   empty, or of the depth's size times a whole number
+  /// @param moving  of the depth's size, or empty: 255 where the depth belongs to a moving thing
+  /// @param color   empty, or the depth's size times an integer
   void fuse(const DepthImage& depth, const PinholeCamera& camera, const Rigid3& world_from_camera,
             const MaskImage& moving = {}, const ColorImage& color = {});
 
-  /// Answers for one point after the other, faster where they lie near each other. Valid until the
+  /// Queries point by point; faster when consecutive points lie near each other. Valid until the
   /// next fuse().
   class Reader;
 
@@ -71,31 +71,31 @@ class SurfaceMap {
 
   /// The surface where the distance is 0, by surface nets (Gibson 1998): each cell of 2 x 2 x 2
   /// voxels with both signs has one vertex, the mean of the points where its edges cross 0.
-  /// Triangles are counter-clockwise seen from the camera's side. Voxels that weigh less than
+  /// Triangles are counter-clockwise seen from the camera's side. Voxels with a weight below
   /// `least_weight` frames are left out.
   [[nodiscard]] ColoredSurface mesh(double least_weight = 1.0) const;
 
   /// Copies some blocks into another map, so that a thread can work on a copy while this map goes
   /// on growing. Begin with first = 0 and an empty map.
   /// @param first  slot of the table to begin with
-  /// @param count  blocks to copy at most, >= 1
-  /// @return the slot to go on from; capacity() when all have been copied
+  /// @param count  largest number of blocks to copy, >= 1
+  /// @return the slot at which to continue; capacity() when all blocks have been copied
   int copy_blocks(int first, int count, SurfaceMap& to) const;
-  /// Forgets everything; keeps the memory.
+  /// Removes all blocks; keeps the memory.
   void clear();
 
-  /// Whether a voxel weighs at least as much as `frames` depths that scatter by `sigma` (m) give
-  /// it.
+  /// Whether a voxel's weight is at least that of `frames` depths with the standard deviation
+  /// `sigma` (m).
   [[nodiscard]] bool weighs(Voxel voxel, float frames, float sigma) const {
     const auto best = static_cast<float>(settings_.best_sigma);
-    // w >= frames min(1, (best / sigma)^2), without a division: the mask asks it for each tile.
+    // w >= frames min(1, (best / sigma)^2), without a division: the mask calls it for each tile.
     return units_.weight_of(voxel) * (sigma * sigma) >=
            frames * std::min(sigma * sigma, best * best);
   }
 
   /// One block of 8 x 8 x 8 voxels, x runs fastest.
   struct BlockView {
-    std::uint64_t key = 0;          ///< BlockTable::key_of its place, in blocks from the origin
+    std::uint64_t key = 0;          ///< BlockTable::key_of its position, in blocks from the origin
     const Voxel* voxels = nullptr;  ///< (512) in units()
   };
   /// The block in a slot of the map's table, [0, capacity()); nothing where the slot is empty.
@@ -115,7 +115,7 @@ class SurfaceMap {
  private:
   struct Block {
     std::array<Voxel, kVoxelsOfBlock> voxels;
-    std::array<std::uint8_t, 4 * kVoxelsOfBlock> color;  // r g b, and of how many frames
+    std::array<std::uint8_t, 4 * kVoxelsOfBlock> color;  // r g b, and the number of frames
     int colored = 0;                                     // frames that have coloured any voxel
   };
   struct InView {
@@ -123,7 +123,8 @@ class SurfaceMap {
     Eigen::Vector3f first;  // the middle of its first voxel, camera frame, m
   };
   class Mesher;
-  // Of each step along a ray, the block in which the ray before was there: mostly the same.
+  // For each step along a ray, the block in which the previous ray was at that step. Most often the
+  // present ray is in the same block, which then need not be looked up.
   using BlocksOfLastRay = std::array<std::uint64_t, 16>;
   void allocate(const PinholeCamera& camera, const Rigid3& world_from_camera);
   void allocate_along(const Eigen::Vector3d& first, const Eigen::Vector3d& step, int steps,
@@ -131,9 +132,9 @@ class SurfaceMap {
   void set_offsets(const Rigid3& camera_from_world);
   [[nodiscard]] FuseFrame fuse_frame(const PinholeCamera& camera) const;
   void find_blocks_in_view(const PinholeCamera& camera, const Rigid3& camera_from_world);
-  // A new block, its content undefined; null when all are in use.
+  // A new block with undefined content; null when all are in use.
   Block* insert(std::uint64_t key);
-  // All blocks that are in use lie in slots below this one.
+  // Upper bound of the slots in use.
   [[nodiscard]] int used_slots() const { return std::min(store_.slots(), table_.capacity()); }
   [[nodiscard]] bool may_show(const PinholeCamera& camera, const Eigen::Vector3d& centre) const;
   void paint(Block& block, const Eigen::Vector3f& first, const PinholeCamera& camera,
@@ -141,14 +142,14 @@ class SurfaceMap {
 
   DepthNoise noise_;
   SurfaceMapSettings settings_;
-  double farthest_ = 0;  // settings_.farthest, or where sigma reaches its largest
+  double farthest_ = 0;  // m: settings_.farthest, or the depth at which sigma is largest_sigma
   VoxelUnits units_;
   const FuseKernel* kernel_;
   BlockTable table_;
   SlabStore<Block> store_;
   std::vector<InView> in_view_;
-  RecentBlocks<const Block> last_fused_;  // readers ask mostly for these
-  DepthImage static_depth_;               // the last depth image without what moves
+  RecentBlocks<const Block> last_fused_;  // initial cache of readers, which mostly need these
+  DepthImage static_depth_;               // the last depth image without moving things
   // From a block's first voxel to each voxel of it, x y z, camera frame, m.
   std::array<std::array<float, kVoxelsOfBlock>, 3> offsets_{};
   std::int64_t refused_ = 0;

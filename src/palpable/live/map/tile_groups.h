@@ -1,8 +1,8 @@
 /// @file
 /// Groups of neighbouring tiles that move. A single tile that seems to move is most often a
-/// mismatch of the stereo matcher; a hand is a group of them. And a hand that reaches into space
-/// which the camera has never seen is not known to move there, but hangs together with the part
-/// that is.
+/// mismatch of the stereo matcher, whereas a hand covers a group of tiles. Where a hand reaches into
+/// space that the camera has never seen, its tiles give no evidence of motion; they are found
+/// because they are connected to tiles that do.
 ///
 ///   tile  a square of 4 x 4 pixels of the depth image (static_picture.h)
 #pragma once
@@ -16,52 +16,52 @@
 namespace palpable {
 
 struct TileGroupSettings {
-  /// Neighbours whose depths differ by less than this share of their depth belong to one thing.
+  /// Neighbours whose depths differ by less than this share of their depth belong to one object.
   double same_share = 0.05;
-  /// Frames for which a tile goes on moving that moved and is unexplained now; < 127. Without it, a
-  /// hand that holds still over unknown ground would be lost between two evident movements.
+  /// Frames for which a tile that moved and is now unexplained still counts as moving; < 127.
+  /// Without it, a hand that holds still over unseen ground would be lost between two movements.
   int frames_to_carry = 8;
-  /// Unexplained tiles may join a group up to this many times its own number. More are a new part
-  /// of the scene that the hand touches.
+  /// Largest ratio of the unexplained tiles that join a group to the group's own tiles. If more
+  /// could join, they are a new part of the scene that the hand touches, and none joins.
   double most_unexplained = 8;
   int fewest_tiles = 20;  ///< a group of fewer tiles is a mismatch
 };
 
-/// Finds the groups, and remembers which tiles moved in the last frames, and at which depth.
+/// Finds the groups, and stores which tiles moved in the last frames and at which depth.
 class TileGroups {
  public:
-  /// What is known of a tile, in rising order of evidence that it moves. Groups are made of
-  /// kChanged and above.
+  /// State of knowledge about a tile, in rising order of evidence that it moves. Groups consist of
+  /// tiles of kChanged and above.
   enum Label : std::uint8_t {
     kUnknown,      ///< it has no depth
     kStatic,       ///< it shows the scene
-    kUnexplained,  ///< its place was neither seen free, nor is a known surface there
-    kChanged,      ///< it has no depth, and does not look as the scene does
+    kUnexplained,  ///< its point was never seen free, and no known surface is there
+    kChanged,      ///< it has no depth, and does not look like the scene
     kCarried,      ///< as kUnexplained, but it moved at that depth a moment ago
-    kMoving,       ///< its place was seen free, or lies before a known surface
+    kMoving,       ///< its point was seen free, or lies in front of a known surface
   };
 
   /// @throws ContractViolation for settings out of their range
   explicit TileGroups(const TileGroupSettings& settings = {});
 
-  /// Allocates for images of width x height tiles, and forgets everything.
+  /// Allocates for images of width x height tiles, and deletes the history.
   void resize(int width, int height);
 
-  /// The label of a tile that nothing explains: kCarried where it moved at its depth (m) a moment
-  /// ago, else kUnexplained.
+  /// The label of an unexplained tile: kCarried if it moved at this depth (m) a moment ago,
+  /// otherwise kUnexplained.
   [[nodiscard]] Label label_of_unexplained(int i, int j, float depth) const;
 
-  /// Decides of each tile that may move whether it does.
+  /// Decides for each tile that may move whether it does.
   ///
   ///     1. Tiles of kChanged and above that touch each other are a group.
   ///     2. A group of fewer than fewest_tiles becomes static.
   ///     3. Unexplained tiles join a group when a chain of neighbours leads to them from its border
-  ///        without a jump in depth, and they lie no deeper than the group (two deviations beyond
-  ///        its mean, and a tenth). If they are more than most_unexplained times the group, all of
-  ///        them stay unexplained.
+  ///        without a jump in depth, and their depth is at most 1.1 times the group's mean depth
+  ///        plus two standard deviations. If they are more than most_unexplained times the group,
+  ///        none of them joins.
   ///
-  /// @param depth  of the tiles, m, NaN where unknown
-  /// @param label  in: of the tiles; out: kMoving or kStatic instead of kChanged and kCarried
+  /// @param depth  per tile: m, NaN where unknown
+  /// @param label  per tile; in: any label; out: kMoving or kStatic instead of kChanged, kCarried
   /// @return whether anything moves
   bool find(const DepthImage& depth, Image<std::uint8_t>& label);
 
@@ -76,11 +76,11 @@ class TileGroups {
   void mark_moving(const DepthImage& depth, bool is_evident, Image<std::uint8_t>& label);
 
   TileGroupSettings settings_;
-  Image<std::uint8_t> state_;  // of this frame's tiles (State)
-  Image<std::uint8_t> age_;    // frames since the tile was seen to move; 127: longer ago
-  DepthImage moved_depth_;     // the tile's depth then
-  std::vector<Tile> group_;    // the tiles of the group that is being made
-  std::vector<Tile> edge_;     // those of them beside which tiles may join; then those that join
+  Image<std::uint8_t> state_;  // per tile of this frame (State)
+  Image<std::uint8_t> age_;    // per tile: frames since there was evidence of motion; 127: or more
+  DepthImage moved_depth_;     // per tile: its depth when it last moved, m
+  std::vector<Tile> group_;    // the tiles of the present group
+  std::vector<Tile> edge_;     // those of them that have unexplained neighbours; then the joined
 };
 
 }  // namespace palpable

@@ -1,12 +1,12 @@
 /// @file
-/// Which pixels of a tile stand for its depth.
+/// The pixels of a tile at which its depth is sampled.
 #pragma once
 
 #include <array>
 
 namespace palpable {
 
-/// (x, y) in a tile of kTile pixels, its middle first, spread over it.
+/// (x, y) in a tile of kTile x kTile pixels, its middle first, the others spread over it.
 inline constexpr std::array<std::array<int, 2>, 5> kTileSamples{
     {{2, 2}, {1, 1}, {3, 3}, {0, 3}, {3, 0}}};
 

@@ -1,6 +1,6 @@
 /// @file
-/// One voxel of the map in 32 bits: a look-up touches one line of the cache, and fusing a depth
-/// image moves half the bytes that two floats would need.
+/// One voxel of the map in 32 bits: a look-up touches one cache line, and fusing a depth image
+/// moves half the bytes that two floats would need.
 ///
 ///   bits  0 .. 15  signed distance, in units of 1/32767 of the largest distance
 ///   bits 16 .. 31  weight, in units of 1/65535 of the largest weight; 0: never seen
@@ -20,7 +20,7 @@ namespace palpable {
 inline constexpr int kVoxelsAcross = 8;
 inline constexpr std::size_t kVoxelsOfBlock = 512;
 
-/// Index in its block of the voxel at (x, y, z), each in [0, 8), and back.
+/// Index in its block of the voxel at (x, y, z), each in [0, 8); place_in_block() is the inverse.
 [[nodiscard]] inline std::size_t voxel_index(int x, int y, int z) {
   const int index = x + kVoxelsAcross * (y + kVoxelsAcross * z);
   return static_cast<std::size_t>(index);

@@ -20,22 +20,23 @@
 namespace palpable {
 namespace {
 
-// A second at a camera's usual rate.
+// One second at a camera's usual rate.
 constexpr int kFrames = 30;
 
-// A camera may take its time for the first picture, but not for ever. Of the failures those that
-// wait for a picture take 0.1 s each.
+// Largest number of unusable frames before the search ends. A failure that waits for a picture
+// takes 0.1 s, so that a silent camera has 10 s for its first picture.
 constexpr int kMostFailures = 100;
 
-// m from the body's origin at which its pose has to be right: half of a hand-sized body.
+// m, distance from the body's origin at which poses are compared: half of a hand-sized body.
 constexpr double kBodyReach = 0.1;
 
-// A point belongs to the desk where the plane around it is that plane, but for the noise.
+// A plane around a point belongs to the desk if it differs from the desk's plane by less than these
+// bounds, which allow for noise.
 constexpr double kSameHeight = 0.01;  // m
 constexpr double kSameTilt = 0.15;    // rad
 
-// Calls look() for each of the first frames that can be used.
-// @return how many there were, at least one
+// Calls look() for each of the first usable frames.
+// @return their number, at least one
 int see_first_frames(FrameSource& source, const std::string& name, DepthCamera& camera,
                      const std::function<void(const SeenFrame&)>& look) {
   SourceGuard guard(source);
@@ -61,16 +62,16 @@ int see_first_frames(FrameSource& source, const std::string& name, DepthCamera& 
   return looked;
 }
 
-// What one frame says about where the body is to stand.
+// What was found in one frame.
 template <class Found>
 struct Sighting {
   Rigid3 start_from_camera;  // start: the camera of the frame with which a session begins
-  Found found;               // in the frame's camera
+  Found found;               // in this frame's camera
 };
 
-// What the first frames show, at least one sighting, in their order.
+// Searches the first frames; returns at least one sighting, in the order of the frames.
 // @param find_in  (frame, camera) -> optional Found, in the frame's camera
-// @param missing  what is said not to be there when nothing is found
+// @param missing  name of the thing that was not found, for the message
 template <class FindIn>
 auto find_in_first_frames(FrameSource& source, const std::string& name,
                           const DepthSettings& settings, const FindIn& find_in,
@@ -82,7 +83,7 @@ auto find_in_first_frames(FrameSource& source, const std::string& name,
   DepthCamera camera = std::move(made).value();
   Slam slam(camera, {.map = false});
   const bool live = source.is_live();
-  std::vector<Sighting<Found>> sightings;  // until the end with world_from_camera
+  std::vector<Sighting<Found>> sightings;  // with world_from_camera until the end
   Rigid3 world_from_start = Rigid3::Identity();
   StageTimes unused;
   const int looked = see_first_frames(source, name, camera, [&](const SeenFrame& seen) {
@@ -107,11 +108,11 @@ auto find_in_first_frames(FrameSource& source, const std::string& name,
 
 namespace {
 
-// What the first frames show of the plane to stand on. Its middle is where the body is to stand.
+// A plane found in one frame on which a body may stand. plane.middle is the body's position.
 struct StandingPlane {
   Plane plane;
-  bool is_desk = true;  // the plane that all frames see; false: a thing's surface
-  bool is_free = true;  // nothing stands at its middle
+  bool is_desk = true;  // the plane that all frames show; false: the surface of a thing
+  bool is_free = true;  // nothing stands at plane.middle
 };
 
 std::optional<StandingPlane> plane_with_room(const SeenFrame& seen, const DepthNoise& noise,
@@ -126,7 +127,7 @@ std::optional<StandingPlane> plane_with_room(const SeenFrame& seen, const DepthN
   return found;
 }
 
-// The surface at a pixel, or the desk where it belongs to the one that is seen.
+// The plane at a pixel; the desk's plane if the surface at the pixel belongs to the desk.
 std::optional<StandingPlane> plane_at_pixel(const SeenFrame& seen, const DepthNoise& noise,
                                             const Eigen::Vector2d& at_px) {
   const Eigen::Vector3d ray = seen.camera.unproject(at_px.x(), at_px.y(), 1.0);
@@ -156,12 +157,13 @@ Rigid3 pose_on_plane(FrameSource& source, const std::string& name, const DepthSe
                               at.x(), at.y(), format.width, format.height));
     }
   }
-  // A camera's session begins with the last frame, a recording's with the first that shows it.
+  // A camera's session begins with the last frame, a recording's with the first frame that
+  // shows the plane.
   const bool live = source.is_live();
   std::optional<StandingPlane> chosen;
   const auto plane_in = [&](const SeenFrame& seen,
                             const DepthCamera& camera) -> std::optional<StandingPlane> {
-    if (chosen && !live) {  // the others say how the desk lies
+    if (chosen && !live) {  // further frames only improve the desk's plane
       if (!chosen->is_desk) return std::nullopt;
       return plane_with_room(seen, camera.noise(), {});
     }
@@ -175,7 +177,7 @@ Rigid3 pose_on_plane(FrameSource& source, const std::string& name, const DepthSe
       spot.at_px ? fmt::format("surface at pixel {}, {}", spot.at_px->x(), spot.at_px->y())
                  : "plane to stand on (within 1.5 m, a tenth of what is seen there, facing up in "
                    "the picture, or half of it, facing the camera); turn the camera to the desk");
-  // The sighting nearest in time to where the session begins says at which point of the plane.
+  // The position on the plane comes from the sighting nearest in time to the start frame.
   const auto& nearest = live ? sightings.back() : sightings.front();
   if (!nearest.found.is_free) {
     throw NoPlaceError(fmt::format(
@@ -187,8 +189,8 @@ Rigid3 pose_on_plane(FrameSource& source, const std::string& name, const DepthSe
   for (const auto& [start_from_camera, found] : sightings) {
     if (found.is_desk != nearest.found.is_desk) continue;
     Plane plane = moved_by(start_from_camera, found.plane);
-    // The middle of its own picture is another point in every frame. All are asked for the pose at
-    // the same one, projected to their own plane.
+    // Every frame has another plane.middle. All poses must be of the same point, projected to each
+    // frame's own plane.
     plane.middle = middle - (plane.normal.dot(middle) - plane.offset) * plane.normal;
     poses.push_back(camera_from_body_on(plane));
   }

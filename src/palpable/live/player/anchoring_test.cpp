@@ -25,7 +25,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using test::tolerance;
 
-/// The same colour + depth images again and again, in turn.
+/// Repeats the same colour and depth images in turn.
 class Pictures final : public FrameSource {
  public:
   Pictures(const FrameFormat& format, std::vector<Frame> frames, int count, bool live = false)
@@ -51,15 +51,15 @@ class Pictures final : public FrameSource {
   int number_ = 0;
 };
 
-// A desk 0.4 m below a camera that looks down by 45 degrees; normal . x = -0.4 m.
+// A desk 0.4 m below a camera that looks down at 45 degrees: normal . x = -0.4 m.
 const Vector3d kUp = Vector3d(0, -1, -1).normalized();
 constexpr double kHeight = 0.4;
 
-// @param height  m, of what is seen over the whole desk
+// @param height  m, of a surface that covers the whole desk
 Frame frame_of_desk(double height = 0) {
   const FrameFormat format = test::wall_format();
   Frame frame;
-  frame.left = test::frame_of_wall(0, 0).left;  // a pattern, so that the camera is seen to stand
+  frame.left = test::frame_of_wall(0, 0).left;  // textured, for tracking
   frame.depth = DepthImage(format.width, format.height);
   for (int v = 0; v < format.height; ++v) {
     for (int u = 0; u < format.width; ++u) {
@@ -77,14 +77,14 @@ TEST_CASE("a body is put upright on the plane that is seen, whatever a third of 
   CHECK(desk.given() == 30);
   CHECK((pose.linear().col(2) - kUp).norm() <= tolerance(1e-4, "depths are floats"));
   CHECK(std::abs(kUp.dot(pose.translation()) + kHeight) <= tolerance(1e-4, "depths are floats"));
-  // Where the optical axis meets it.
+  // The intersection of the optical axis with the desk.
   const Vector3d middle(0, 0, kHeight / -kUp.z());
   CHECK((pose.translation() - middle).norm() <=
         tolerance(0.02, "one pixel in 16 is looked at: 4 px of 250 at 0.57 m"));
 }
 
-// The same desk, with a pattern, from a camera that rises by 3 mm a frame and pans by 0.3 degrees
-// about the desk's normal, so that it goes on looking down by 45 degrees.
+// The same desk with a texture, seen by a camera that rises by 3 mm per frame and turns by 0.3
+// degrees about the desk's normal, so that it always looks down at 45 degrees.
 constexpr double kRise = 0.003;
 
 Frame frame_of_rising_camera(const FrameFormat& format, int number) {
@@ -138,7 +138,7 @@ TEST_CASE("a body is put on the middle of the chessboard that is seen", "[player
   format.height = 241;
   format.depth_camera = {321, 241, 300, 300, 160, 120};
   const BoardPattern pattern{.columns = 5, .rows = 4, .square = 0.03};
-  Rigid3 camera_from_board = Rigid3::Identity();  // X right, Y down, leant back a little
+  Rigid3 camera_from_board = Rigid3::Identity();  // X right, Y down, tilted back a little
   camera_from_board.linear() = Eigen::AngleAxisd(0.4, Vector3d::UnitX()).toRotationMatrix();
   camera_from_board.translation() = Vector3d(-0.05, -0.04, 0.5);
   Frame frame;
@@ -150,13 +150,13 @@ TEST_CASE("a body is put on the middle of the chessboard that is seen", "[player
   CHECK((pose.translation() - middle).norm() <=
         tolerance(2e-3, "0.1 px of the corners of a board that is 72 px wide"));
   CHECK(pose.linear().col(2).dot(camera_from_board.linear().col(2)) <
-        -0.999);  // Z points out of the board, at the camera: 2.6 degrees
+        -0.999);  // Z points out of the board to the camera, within 2.6 degrees
 }
 
 TEST_CASE(
     "a body is put on the surface at a pixel: on the desk as it is seen, on a box as it faces",
     "[player][anchor]") {
-  // The picture is twice as large as the depth.
+  // The picture has twice the size of the depth image.
   SeenFrame seen;
   seen.depth_camera = test::wall_format().depth_camera;
   seen.camera = {322, 242, 500, 500, 160.5, 120.5};
@@ -180,7 +180,7 @@ TEST_CASE(
   CHECK_FALSE(pose_at_pixel(seen, noise, {-20, 40}));
 }
 
-// A desk with a box in the picture's middle, 50 mm high or so.
+// A desk with a box about 50 mm high in the centre of the picture.
 Frame frame_of_crowded_desk() {
   Frame frame = frame_of_desk();
   const int width = frame.depth.width(), height = frame.depth.height();
@@ -198,7 +198,7 @@ TEST_CASE("on a desk with a thing in the middle a body stands beside it, or wher
   const Footprint body{0.03, 0.05};
   const Rigid3 beside = pose_on_plane(desk, "the desk", {}, {body, std::nullopt});
   CHECK((beside.linear().col(2) - kUp).norm() <= tolerance(2e-3, "the desk's plane beside a box"));
-  // No point of the box lies within the body's radius, seen from above.
+  // No point of the box is within the body's radius, seen from above.
   const Frame crowded = frame_of_crowded_desk();
   double nearest = 1;
   for (int v = 0; v < format.height; ++v) {
@@ -210,14 +210,14 @@ TEST_CASE("on a desk with a thing in the middle a body stands beside it, or wher
     }
   }
   CHECK(nearest >= body.radius);
-  CHECK(nearest < 0.1);  // and no farther away than it has to be
+  CHECK(nearest < 0.1);  // and not farther away than necessary
 
   Pictures again(format, {frame_of_crowded_desk()}, 4);
   const Vector2d wanted(0.25 * camera.width, 0.75 * camera.height);
   const Rigid3 there = pose_on_plane(again, "the desk", {}, {body, wanted});
   CHECK((camera.project(there.translation()) - wanted).norm() <= tolerance(0.1, "px; the plane"));
   CHECK((there.linear().col(2) - kUp).norm() <= tolerance(2e-3, "the desk's plane"));
-  // On the box too, if that is what is asked for.
+  // At the pixel of the box, the body stands on the box.
   Pictures third(format, {frame_of_crowded_desk()}, 4);
   const Vector2d middle(0.5 * camera.width, 0.5 * camera.height);
   const Rigid3 on_top = pose_on_plane(third, "the desk", {}, {body, middle});
@@ -279,7 +279,8 @@ TEST_CASE("a run that begins anew on a crowded desk puts bodies where its start 
 TEST_CASE("where no plane, no board or no picture is, the source is named and what is missing",
           "[player][anchor][errors]") {
   using Catch::Contains;
-  // A wall that is turned aside: one that faces the camera looks as a desk does from above.
+  // The wall is turned, because one that faces the camera cannot be told from a desk
+  // seen from above.
   const auto wall = [] {
     Frame turned = test::frame_of_wall(0, 0);
     const PinholeCamera camera = test::wall_format().depth_camera;

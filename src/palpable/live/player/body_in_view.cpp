@@ -8,7 +8,7 @@ namespace palpable {
 
 std::optional<std::string> larger_than_view(const SurfaceMesh& body, const Rigid3& camera_from_body,
                                             const PinholeCamera& camera) {
-  const double depth = camera_from_body.translation().z();  // of the middle of its foot
+  const double depth = camera_from_body.translation().z();  // of the centre of its base
   if (!(depth > 0.0)) return std::nullopt;
   const Eigen::Vector3d size =
       body.vertices.rowwise().maxCoeff() - body.vertices.rowwise().minCoeff();

@@ -1,6 +1,6 @@
 /// @file
-/// Whether a body fits into what the camera sees: a forgotten unit makes it a house around the
-/// desk, which nothing touches.
+/// Detects a body that is far too large for the view, usually because of a wrong unit of length: a
+/// body in millimetres read as metres surrounds the desk, and nothing touches it.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -12,11 +12,10 @@
 
 namespace palpable {
 
-/// What to say of a body that is larger than all that the camera sees at the distance where it
-/// stands, its size and what is seen there; nothing for others, and for one that stands behind the
-/// camera.
+/// A message with both sizes if the body is larger than the field of view at the body's distance.
+/// Empty if it is not, or if the body stands behind the camera.
 /// @param body              at rest, body frame; not empty
-/// @param camera_from_body  where the body stands in the first frame
+/// @param camera_from_body  pose of the body in the first frame
 [[nodiscard]] std::optional<std::string> larger_than_view(const SurfaceMesh& body,
                                                           const Rigid3& camera_from_body,
                                                           const PinholeCamera& camera);

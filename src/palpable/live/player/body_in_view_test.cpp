@@ -8,7 +8,7 @@ namespace {
 using Catch::Matchers::Contains;
 
 TEST_CASE("a body larger than what the camera sees is said, with both sizes", "[player][size]") {
-  const PinholeCamera camera{1280, 720, 640, 640, 639.5, 359.5};  // sees 2 m of each m of depth
+  const PinholeCamera camera{1280, 720, 640, 640, 639.5, 359.5};  // its view is 2 m wide at 1 m
   Rigid3 pose = Rigid3::Identity();
   pose.translation().z() = 0.5;
   const auto said = [&](double scale) {
@@ -17,7 +17,7 @@ TEST_CASE("a body larger than what the camera sees is said, with both sizes", "[
     return larger_than_view(body, pose, camera);
   };
   CHECK_FALSE(said(1));
-  CHECK_FALSE(said(12.4));  // 0.99 m wide where 1 m is seen
+  CHECK_FALSE(said(12.4));  // 0.99 m wide in a view of 1 m
   CHECK(said(12.7));
   CHECK_THAT(said(1000).value(),
              Contains("the body is 8") &&

@@ -12,8 +12,9 @@
 namespace palpable {
 namespace {
 
-constexpr double kStandsIn = 2e-4;  // m: bodies that stand on each other touch, to rounding
-// m below its skin a body is looked at, too: of two in the same place no skin is in the other.
+constexpr double kStandsIn = 2e-4;  // m: bodies that stand on each other touch up to rounding
+// m. Points this far below the skin are tested too: two bodies in the same place have the same
+// skin, so that no vertex of one is inside the other.
 constexpr float kBelow = 1e-3f;
 
 Eigen::AlignedBox3d box_in_world(const PlacedBody& body) {
@@ -25,12 +26,12 @@ Eigen::AlignedBox3d box_in_world(const PlacedBody& body) {
   return box;
 }
 
-// m: how deep a vertex of `a`, the middle of one of its triangles, or what lies below a vertex is
-// in `b` at worst.
+// Largest penetration, m, of a point of `a` into `b`. The points are the vertices, the points
+// kBelow under them and the triangles' centres.
 double entry_of(const PlacedBody& a, const PlacedBody& b) {
   const SurfaceMesh& skin = a.body.body.surface;
   const Eigen::AlignedBox3d near = box_in_world(b);
-  std::optional<SurfaceDistance> distance;  // made where a point needs it
+  std::optional<SurfaceDistance> distance;  // constructed when first needed
   const Rigid3 b_from_world = b.world_from_body.inverse();
   double deepest = 0;
   const auto look = [&](const Eigen::Vector3d& x_in_a) {
@@ -69,7 +70,7 @@ std::vector<Rigid3> world_from_bodies(const std::vector<BodyPlace>& places, Anch
     } else {
       world_from_base = world_from_anchor(at.anchor.value_or(of_run));
     }
-    // A body at its anchor stands where the anchor is, to the bit.
+    // Without a shift the pose is exactly that of the anchor.
     const bool shifted = !at.anchor_from_body.matrix().isIdentity(0);
     all.push_back(shifted ? world_from_base * at.anchor_from_body : world_from_base);
   }

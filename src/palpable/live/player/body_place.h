@@ -1,5 +1,5 @@
 /// @file
-/// Where the bodies of a run are to stand, and what of that cannot be.
+/// The poses of a run's bodies, and checks of them.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -19,31 +19,30 @@ namespace palpable {
 /// A body of a run.
 struct LiveBody {
   TouchableBody body;
-  std::string name = {};  ///< empty: the body's own
+  std::string name = {};  ///< empty: the name in the body file
   BodyPlace place = {};
-  std::optional<Rgb> color = {};  ///< of its material; none: rubber
+  std::optional<Rgb> color = {};  ///< of the material; empty: rubber
 };
 
-/// Where bodies with these places stand, in the same order.
-/// @param world_from_anchor  asked only where a body needs it; what it throws is passed on
+/// The poses of bodies with these places, in the same order.
+/// @param world_from_anchor  called only for anchors that a body uses; its exceptions are passed on
 [[nodiscard]] std::vector<Rigid3> world_from_bodies(
     const std::vector<BodyPlace>& places, Anchor of_run,
     const std::function<Rigid3(Anchor)>& world_from_anchor);
 
-/// The room that all bodies take that stand on a plane, around its anchor (free_place.h). At most 1
-/// m around.
-/// @param skins  at rest, of each body that has a place, in the same order
+/// The area that all bodies on a plane need around its anchor (free_place.h), at
+/// most 1 m in radius.
+/// @param skins  at rest, of each body, in the order of `places`
 [[nodiscard]] Footprint footprint_of(const std::vector<BodyPlace>& places,
                                      const std::vector<const SurfaceMesh*>& skins, Anchor of_run);
 
-/// The bodies where they stand, in the same order.
-/// @param world_from_anchor  asked only where a body needs it; what it throws is passed on
+/// The bodies with their poses, in the same order.
+/// @param world_from_anchor  called only for anchors that a body uses; its exceptions are passed on
 [[nodiscard]] std::vector<PlacedBody> placed(
     std::vector<LiveBody> bodies, Anchor of_run,
     const std::function<Rigid3(Anchor)>& world_from_anchor);
 
-/// What to say of two bodies of which one stands in the other, at rest, by more than 0.2 mm;
-/// nothing where none does.
+/// A message if two bodies at rest penetrate each other by more than 0.2 mm; else empty.
 [[nodiscard]] std::optional<std::string> overlap_of(const std::vector<PlacedBody>& bodies);
 
 }  // namespace palpable

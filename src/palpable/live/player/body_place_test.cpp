@@ -27,9 +27,9 @@ TEST_CASE("bodies stand at their anchors, beside each other or where they say", 
   bodies.push_back(ball("second", {.beside = 0, .anchor_from_body = shift(0, 0.2, 0)}));
   bodies.push_back(ball("third", {.anchor = Anchor::kPlane}));
   bodies.push_back(ball("fourth", {.anchor = Anchor::kPlace, .place = shift(9, 9, 9)}));
-  std::vector<Anchor> asked;
+  std::vector<Anchor> queried;
   const std::vector<PlacedBody> all = placed(std::move(bodies), Anchor::kPlace, [&](Anchor anchor) {
-    asked.push_back(anchor);
+    queried.push_back(anchor);
     return anchor == Anchor::kPlane ? shift(0, 0, 2) : shift(0, 0, 1);
   });
   REQUIRE(all.size() == 4);
@@ -37,7 +37,7 @@ TEST_CASE("bodies stand at their anchors, beside each other or where they say", 
   CHECK(all[1].world_from_body.translation() == Vector3d(0.1, 0.2, 1));
   CHECK(all[2].world_from_body.translation() == Vector3d(0, 0, 2));
   CHECK(all[3].world_from_body.translation() == Vector3d(9, 9, 9));
-  CHECK(asked == std::vector<Anchor>{Anchor::kPlace, Anchor::kPlane});
+  CHECK(queried == std::vector<Anchor>{Anchor::kPlace, Anchor::kPlane});
 }
 
 TEST_CASE("a body that stands in another is told of by name, one that stands on it is not",
@@ -49,11 +49,11 @@ TEST_CASE("a body that stands in another is told of by name, one that stands on 
     return placed(std::move(bodies), Anchor::kPlace, [](Anchor) { return shift(0, 0, 1); });
   };
   CHECK_FALSE(overlap_of(two(shift(0.11, 0, 0))));
-  CHECK_FALSE(overlap_of(two(shift(0, 0, 0.1))));  // 50 mm balls, one on the other
+  CHECK_FALSE(overlap_of(two(shift(0, 0, 0.1))));  // 50 mm balls, one on top of the other
   const auto said = overlap_of(two(shift(0, 0, 0.09)));
   REQUIRE(said);
   CHECK_THAT(*said, Catch::Contains("'cup' stands in 'egg'") && Catch::Contains("10.0 mm"));
-  CHECK(overlap_of(two(shift(0, 0, 0))));  // one within the other
+  CHECK(overlap_of(two(shift(0, 0, 0))));  // both in the same place
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 /// @file
-/// Hands work from one thread to another, and waits when the other does not keep up.
+/// A queue between threads with a fixed capacity: push() waits while it is full.
 #pragma once
 
 #include <chrono>
@@ -12,15 +12,14 @@
 
 namespace palpable {
 
-/// First in, first out. Any number of threads may push and pop. Allocates when it is made, and
-/// never again.
+/// First in, first out. Any number of threads may push and pop. Only the constructor allocates.
 template <class T>
 class BoundedQueue {
  public:
   /// @param capacity  items, at least one
   explicit BoundedQueue(std::size_t capacity) : ring_(capacity) {}
 
-  /// Waits for room. False, and the item is dropped, once the queue is closed.
+  /// Waits for room. If the queue is closed, drops the item and returns false.
   bool push(T item) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return closed_ || count_ < ring_.size(); });
@@ -31,21 +30,22 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits for an item; nothing once the queue is closed and empty.
+  /// Waits for an item. Returns nothing once the queue is closed and empty.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return closed_ || count_ > 0; });
     return pop_first();
   }
 
-  /// The same, but waits at most so long: nothing then, too. drained() tells the two apart.
+  /// The same with a time limit, s, after which it returns nothing, too; drained() tells the
+  /// two cases apart.
   std::optional<T> pop_within(std::chrono::duration<double> wait) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, wait, [this] { return closed_ || count_ > 0; });
     return pop_first();
   }
 
-  /// Whether the queue is closed and empty: pop() will never give an item again.
+  /// Whether the queue is closed and empty, so that pop() will never return another item.
   [[nodiscard]] bool drained() {
     const std::lock_guard lock(mutex_);
     return closed_ && count_ == 0;
@@ -56,7 +56,7 @@ class BoundedQueue {
     return closed_;
   }
 
-  /// Refuses further items. Those in the queue can still be popped.
+  /// Refuses further items. Items in the queue can still be popped.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
@@ -64,7 +64,7 @@ class BoundedQueue {
   }
 
  private:
-  // The first item, if any. The caller holds the lock.
+  // Removes and returns the first item, if any. @pre the caller holds the lock
   std::optional<T> pop_first() {
     if (count_ == 0) return std::nullopt;
     std::optional<T> item(std::move(ring_[first_]));
@@ -77,7 +77,7 @@ class BoundedQueue {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<T> ring_;
-  std::size_t first_ = 0;  // in the ring
+  std::size_t first_ = 0;  // index of the first item in ring_
   std::size_t count_ = 0;
   bool closed_ = false;
 };

@@ -13,9 +13,9 @@
 namespace palpable {
 namespace {
 
-// s: of a camera's first frame the next one is expected then.
+// s, assumed time until the second frame of a camera.
 constexpr double kUsualInterval = 1.0 / 30;
-constexpr int kLate = 2;  // intervals for which ticks go on without a frame
+constexpr int kLate = 2;  // intervals during which ticks continue without a new frame
 
 double farthest(const Eigen::Matrix3Xf& a, const Eigen::Matrix3Xf& b) {
   return a.cols() == b.cols() && a.cols() > 0
@@ -26,9 +26,9 @@ double farthest(const Eigen::Matrix3Xf& a, const Eigen::Matrix3Xf& b) {
 }  // namespace
 
 ContactTicks::ContactTicks(const Session& session, const Settings& settings,
-                           std::function<void(const ContactTick&)> tell)
+                           std::function<void(const ContactTick&)> report)
     : settings_(settings),
-      tell_(std::move(tell)),
+      report_(std::move(report)),
       between_(session),
       skin_(3, session.body().model().surface.vertex_count()),
       skin_of_frame_(session.body().model().surface.vertices.cast<float>()),
@@ -85,14 +85,14 @@ void ContactTicks::run() {
     is_waiting_ = false;
     is_busy_ = true;
     lock.unlock();
-    answer_frame();
+    run_ticks();
     lock.lock();
     is_busy_ = false;
     changed_.notify_all();
   }
 }
 
-// Waits until a tick is due. False: the next frame is there, or the end; none is wanted any more.
+// Waits until a tick is due. Returns false when the next frame has come or the run ends.
 bool ContactTicks::is_due(double ahead, double begin) {
   if (!settings_.when_due) return true;
   std::unique_lock lock(mutex_);
@@ -101,7 +101,7 @@ bool ContactTicks::is_due(double ahead, double begin) {
   return !cuts_ && !ends_;
 }
 
-void ContactTicks::answer_frame() {
+void ContactTicks::run_ticks() {
   const double begin = system_clock().now();
   compare(frame_);
   between_.begin(frame_);
@@ -109,7 +109,7 @@ void ContactTicks::answer_frame() {
   const double interval = between_.interval() > 0 ? between_.interval() : kUsualInterval;
   const int of_frame = std::max(1, static_cast<int>(std::lround(settings_.rate * interval)));
   const int last = settings_.when_due ? kLate * of_frame : of_frame;
-  told_to_the_end_ = false;
+  reached_end_ = false;
   for (int tick = 1; tick <= last; ++tick) {
     const double ahead = tick / settings_.rate;
     if (!is_due(ahead, begin)) {
@@ -122,19 +122,19 @@ void ContactTicks::answer_frame() {
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
     if (!between_.touches().empty()) times_.add(took.count());
     ++figures_.ticks;
-    if (tell_) {
-      tell_({frame_.number, tick, ahead, frame_.time + ahead, &between_.touches(), &skin_});
+    if (report_) {
+      report_({frame_.number, tick, ahead, frame_.time + ahead, &between_.touches(), &skin_});
     }
     if (tick == of_frame) {
       skin_at_end_ = skin_;
-      told_to_the_end_ = true;
+      reached_end_ = true;
     }
   }
 }
 
-// With the next frame, before anything of the one before it is forgotten.
+// Measures the error of the last ticks; called with the next frame before between_ is updated.
 void ContactTicks::compare(const SolvedFrame& next) {
-  if (!told_to_the_end_ || between_.state().forces.empty() || next.state.forces.empty()) return;
+  if (!reached_end_ || between_.state().forces.empty() || next.state.forces.empty()) return;
   between_.place(next.state, skin_);
   ++figures_.frames;
   off_ += farthest(skin_, skin_at_end_);

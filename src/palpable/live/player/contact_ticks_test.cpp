@@ -11,20 +11,20 @@
 namespace palpable {
 namespace {
 
-struct Told {
+struct Reported {
   int frame, number;
   double ahead, force;
-  bool operator==(const Told&) const = default;
+  bool operator==(const Reported&) const = default;
 };
 
-// What is told while a finger goes 1 mm a frame into the sphere.
+// Records the ticks while a finger penetrates the sphere by 1 mm more in each frame.
 struct Run {
   explicit Run(const ContactTicks::Settings& settings)
       : ticks(loop.session, settings, [this](const ContactTick& tick) {
           double force = 0;
           for (const Touch& touch : *tick.touches) force += touch.force;
           const std::lock_guard lock(mutex);
-          told.push_back({tick.frame, tick.number, tick.ahead, force});
+          reported.push_back({tick.frame, tick.number, tick.ahead, force});
         }) {}
   void frame(int number) {
     loop.process(test::frame_with_finger(number, 0.001 * number));
@@ -34,8 +34,8 @@ struct Run {
 
   FrameLoop loop = test::touchable_sphere_loop();
   std::mutex mutex;
-  std::vector<Told> told;
-  ContactTicks ticks;  // last: its thread tells the rest
+  std::vector<Reported> reported;
+  ContactTicks ticks;  // last: its thread writes the members above
 };
 
 TEST_CASE("where frames wait, each has all its ticks, and they are the same each time",
@@ -47,17 +47,17 @@ TEST_CASE("where frames wait, each has all its ticks, and they are the same each
   }
   const ContactTickFigures figures = one.ticks.finish();
   static_cast<void>(again.ticks.finish());
-  REQUIRE(one.told.size() == 60);
+  REQUIRE(one.reported.size() == 60);
   CHECK(figures.ticks == 60);
   CHECK(figures.left_out == 0);
   for (int k = 0; k < 60; ++k) {
-    const Told& told = one.told[static_cast<std::size_t>(k)];
-    CHECK(told.frame == k / 10);
-    CHECK(told.number == k % 10 + 1);
-    CHECK(told.ahead == (k % 10 + 1) / 300.0);
+    const Reported& reported = one.reported[static_cast<std::size_t>(k)];
+    CHECK(reported.frame == k / 10);
+    CHECK(reported.number == k % 10 + 1);
+    CHECK(reported.ahead == (k % 10 + 1) / 300.0);
   }
-  CHECK(one.told == again.told);
-  CHECK(one.told.back().force > one.told[50].force);  // it goes on into the sphere
+  CHECK(one.reported == again.reported);
+  CHECK(one.reported.back().force > one.reported[50].force);  // the finger advances into the sphere
   CHECK(figures.frames > 0);
   CHECK(figures.off_held > 0);
   CHECK(figures.off < figures.off_held);
@@ -68,14 +68,14 @@ TEST_CASE("what is played live leaves out the ticks for which there was no time"
   Run run({.rate = 300, .when_due = true});
   run.loop.process(test::frame_with_finger(0, 0.003));
   Scene scene = run.loop.scene;
-  for (int n = 0; n < 100; ++n) {  // faster than a tick is due
+  for (int n = 0; n < 100; ++n) {  // frames come faster than ticks are due
     scene.number = n;
     scene.time = n / 30.0;
     run.ticks.end_frame();
     run.ticks.begin_frame(run.loop.session, scene);
   }
   const ContactTickFigures figures = run.ticks.finish();
-  CHECK(figures.ticks == run.told.size());
+  CHECK(figures.ticks == run.reported.size());
   CHECK(figures.ticks < 1000);
   CHECK(figures.left_out > 0);
 }
@@ -86,13 +86,13 @@ TEST_CASE("a late frame is waited for with ticks, for two intervals at most", "[
   run.frame(0);
   const auto count = [&] {
     const std::lock_guard lock(run.mutex);
-    return run.told.size();
+    return run.reported.size();
   };
   const auto end = std::chrono::steady_clock::now() + 60s;
   while (count() < 20 && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
   std::this_thread::sleep_for(20ms);
   static_cast<void>(run.ticks.finish());
-  CHECK(run.told.size() == 20);  // of 1/30 s each
+  CHECK(run.reported.size() == 20);  // 2 intervals of 1/30 s at 300 Hz
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace palpable {
 namespace {
 
-// What a frame is known to be of: compared between a loop with a thread and one without.
+// The results of one frame that are compared between a loop with a vision thread and one without.
 struct Known {
   int number = 0;
   TrackState state = TrackState::kStarting;
@@ -24,7 +24,7 @@ Known known_of(const Scene& scene) {
   return {scene.number, scene.camera.state, scene.camera.world_from_camera, scene.moving};
 }
 
-// Plays everything that a camera can do wrong, without a thread and with one.
+// Plays all malfunctions of a camera without a vision thread and with one.
 void follow_through_troubles(test::Shows shows) {
   using test::Act;
   const bool stereo = shows == test::Shows::kStereoRoom;
@@ -38,7 +38,7 @@ void follow_through_troubles(test::Shows shows) {
   acts.insert(acts.end(), 9, Act::kGood);
 
   const auto loop_of = [](const FrameSource& source) {
-    Rigid3 far_aside = Rigid3::Identity();  // the body is not what is looked at here
+    Rigid3 far_aside = Rigid3::Identity();  // the body is not tested here
     far_aside.translation() = Eigen::Vector3d(0.3, 0, 0.5);
     return std::move(FrameLoop::make(test::DentedSphere{}.body(), far_aside, source.format(),
                                      {.track = true, .map = true})
@@ -64,13 +64,13 @@ void follow_through_troubles(test::Shows shows) {
             test::tolerance(0.0016, "half a pixel of 250 on a wall 0.8 m away"));
       CHECK_FALSE(now.moving.empty());
     }
-    // At the end the finger moves and what is far from it does not.
+    // At the end the finger moves, and the pixels far from it are not in the mask.
     const MaskImage& moving = expected.back().moving;
     const double scale = static_cast<double>(moving.width()) / camera.format().width;
     const auto at = [&](double u, double v) {
       return moving(static_cast<int>(scale * u), static_cast<int>(scale * v)) != 0;
     };
-    // Of a pair, whose depth is of 80 x 60 px, the finger is too few tiles (moving_mask.h).
+    // In a pair with depth of 80 x 60 px the finger covers too few tiles (moving_mask.h).
     if (!stereo) CHECK(at(camera.tip().x(), camera.tip().y()));
     CHECK_FALSE(at(140, 100));
     CHECK(loop.session.slam().tracker()->counts().lost == 0);

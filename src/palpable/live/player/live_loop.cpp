@@ -58,12 +58,12 @@ void LiveLoop::begin_anew(const std::function<void(LiveRun&)>& change) {
 
 Scene* LiveLoop::next() {
   recycle();
-  return ended() ? nullptr : answer(vision_->next());
+  return ended() ? nullptr : process(vision_->next());
 }
 
 Scene* LiveLoop::next_within(double seconds) {
   recycle();
-  return ended() ? nullptr : answer(vision_->next_within(seconds));
+  return ended() ? nullptr : process(vision_->next_within(seconds));
 }
 
 bool LiveLoop::ended() {
@@ -83,7 +83,7 @@ const LiveCounts& LiveLoop::counts() {
   return counts_;
 }
 
-Scene* LiveLoop::answer(std::unique_ptr<FrameInFlight> flight) {
+Scene* LiveLoop::process(std::unique_ptr<FrameInFlight> flight) {
   counts();
   if (!flight) return nullptr;
   flight_ = std::move(flight);
@@ -97,7 +97,7 @@ Scene* LiveLoop::answer(std::unique_ptr<FrameInFlight> flight) {
   return &scene;
 }
 
-// Why it has ended.
+// Reports the reason why refinement has ended, if it has.
 void LiveLoop::report_refiner() {
   Refiner* refiner = run_.loop.session.refiner();
   std::optional<std::string> trouble = refiner != nullptr ? refiner->take_trouble() : std::nullopt;

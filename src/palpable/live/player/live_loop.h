@@ -1,6 +1,6 @@
 /// @file
-/// The run loop: gives a run's scenes one after the other, each answered, while the next frame is
-/// being read and seen on another thread.
+/// The frame loop of a run: returns the scenes of a run one after the other, while another thread
+/// reads and evaluates the next frame.
 #pragma once
 
 #include "palpable/live/player/live_counts.h"
@@ -17,45 +17,46 @@ namespace palpable {
 
 class LiveLoop {
  public:
-  /// @param run     must outlive this; its source and its camera belong to the loop until then
-  /// @param frames  at most so many; negative: up to the source's end
-  /// @param report  gets what the source reports of its troubles, and why nothing is refined any
-  ///                more, line by line, on the thread that calls the functions below
+  /// @param run     must outlive this; until then only the loop uses its source and camera
+  /// @param frames  largest number of frames; negative: up to the source's end
+  /// @param report  receives messages about the source, and the reason when refinement ends, line
+  ///                by line, on the thread that calls the functions below
   explicit LiveLoop(LiveRun& run, int frames = -1,
                     std::function<void(const std::string& line)> report = {});
 
-  /// Waits for the next frame and answers it; null at the end.
+  /// Waits for the next frame and processes it; null at the end.
   ///
-  /// The scene is the caller's until the next call, who may also swap it for another one to keep it
-  /// (a former scene, whose memory is then used again).
-  /// @throws Error when a stereo pair does not fit its calibration, naming the images; and what
-  /// went wrong on the thread that reads
+  /// The scene belongs to the caller until the next call. To keep it, the caller may swap it with
+  /// another one (an earlier scene, whose memory is then reused).
+  /// @throws Error when a stereo pair does not fit its calibration, naming the images; and
+  /// exceptions of the reading thread
   Scene* next();
 
-  /// The same, but waits at most so long: null then, too. ended() tells the two apart.
+  /// The same with a time limit, after which it returns null, too; ended() tells the
+  /// two cases apart.
   Scene* next_within(double seconds);
 
-  /// When the frame of the scene given last was taken (FrameInFlight::taken).
+  /// The time at which the last scene's frame was taken (FrameInFlight::taken).
   [[nodiscard]] double taken() const { return flight_->taken; }
 
-  /// Whether no frame comes any more.
+  /// Whether no further frame will come.
   [[nodiscard]] bool ended();
 
-  /// Frames that come in all, as far as that is known beforehand; else 0 or less.
+  /// Total number of frames if it is known beforehand; else 0 or less.
   [[nodiscard]] int total() const { return total_; }
 
-  /// Ends reading and seeing, lets `change` put another source or camera into the run, and goes on
-  /// with the source's next frame. Those that were read and not answered (at most three) are left
-  /// out. Not while the caller uses a scene.
-  /// @throws what `change` throws, with which the loop goes on all the same
+  /// Stops reading, lets `change` replace the source or the camera of the run, and continues with
+  /// the source's next frame. Frames that were read but not processed, at most three, are dropped.
+  /// The caller must not use a scene at that time.
+  /// @throws exceptions of `change`; the loop continues in that case, too
   void begin_anew(const std::function<void(LiveRun&)>& change);
 
-  /// What happened up to now. Reports what the source has said since the last call.
+  /// The events up to now. Passes the source's new messages to `report`.
   const LiveCounts& counts();
 
  private:
   void begin_seeing();
-  Scene* answer(std::unique_ptr<FrameInFlight> flight);
+  Scene* process(std::unique_ptr<FrameInFlight> flight);
   void report_refiner();
   void recycle();
 
@@ -64,9 +65,9 @@ class LiveLoop {
   std::function<void(const std::string&)> report_;
   LiveCounts counts_;
   int frames_;                      // at most; negative: all
-  SourceTroubles troubles_before_;  // of threads that have ended
+  SourceTroubles troubles_before_;  // of vision threads that have ended
   std::optional<VisionThread> vision_;
-  std::unique_ptr<FrameInFlight> flight_;  // whose scene the caller has
+  std::unique_ptr<FrameInFlight> flight_;  // the frame whose scene the caller has
 };
 
 }  // namespace palpable

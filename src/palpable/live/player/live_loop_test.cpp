@@ -17,7 +17,7 @@ namespace {
 
 using test::Act;
 
-// The sphere of 5 cm with its middle at (0, 0, 0.4), its top towards -Y of the camera.
+// A run with a sphere of radius 5 cm and centre (0, 0, 0.4) m, its top towards the camera's -Y.
 LiveRun run_of(const std::vector<Act>& acts) {
   auto camera = std::make_unique<test::MisbehavingCamera>(acts);
   Rigid3 pose = Rigid3::Identity();
@@ -48,7 +48,7 @@ TEST_CASE("a run's loop answers every frame, and counts what happened", "[player
   }
   CHECK(loop.ended());
   CHECK(loop.next() == nullptr);
-  CHECK(loop.total() <= 0);  // this camera does not know
+  CHECK(loop.total() <= 0);  // this camera does not state a number
   const LiveCounts& counts = loop.counts();
   CHECK(numbers.size() == 24);
   CHECK(counts.processed == numbers);
@@ -59,7 +59,7 @@ TEST_CASE("a run's loop answers every frame, and counts what happened", "[player
   CHECK(counts.deepest == deepest);
   CHECK(counts.troubles.unreadable == 3);
   CHECK(counts.last_trouble == "the picture is cut off");
-  CHECK(counts.reports.size() == 1);  // of three in a row
+  CHECK(counts.reports.size() == 1);  // of three unreadable frames in a row
   CHECK(reports == counts.reports);
 }
 
@@ -93,7 +93,8 @@ TEST_CASE("a loop that begins anew goes on with the source's next frame, and kee
     last = scene->number;
   }
   const LiveCounts& counts = loop.counts();
-  // What was read ahead is left out, each time at most three frames; and fifteen were asked for.
+  // At each restart at most three frames that were read ahead are dropped; the limit
+  // is fifteen frames.
   CHECK(counts.processed.size() >= 19 - 6 - 1);
   CHECK(counts.processed.size() <= 15);
   CHECK(counts.troubles.unreadable == 1);
@@ -105,7 +106,7 @@ TEST_CASE("a scene that is swapped out of the loop stays, and what is given inst
   LiveRun run = run_of(std::vector<Act>(30, Act::kGood));
   LiveLoop loop(run);
   Scene kept;
-  std::set<const float*> memory;  // of all depth images that the loop has used
+  std::set<const float*> memory;  // addresses of all depth images that the loop has used
   int number = -1;
   while (Scene* scene = loop.next()) {
     const Eigen::Matrix3Xf vertices = scene->bodies[0].vertices;
@@ -115,7 +116,7 @@ TEST_CASE("a scene that is swapped out of the loop stays, and what is given inst
     memory.insert(kept.seen.depth.data());
   }
   CHECK(number == 29);
-  CHECK(memory.size() <= 4);  // three that go round, one that was kept
+  CHECK(memory.size() <= 4);  // three that circulate and one that was kept
 }
 
 TEST_CASE("a loop that waits in vain for a silent camera returns, and has not ended",

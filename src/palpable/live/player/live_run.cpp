@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the first frames say that a body stands.
+// The pose of a body at an anchor, found in the first frames.
 Rigid3 anchored_pose(Anchor anchor, const LiveSettings& settings, const Footprint& room) {
   const std::unique_ptr<FrameSource> source = value_or_throw(open_source(settings.images));
   const DepthSettings& depth = settings.session.depth;
@@ -35,7 +35,7 @@ Rigid3 place_of(const LiveSettings& settings, const SceneFile& scene) {
                                  settings.images.device));
 }
 
-// The places that first frames show, of the kinds that some body asks for.
+// The poses of those anchors that have to be found in the first frames and that some body uses.
 std::map<Anchor, Rigid3> looked_for_places(const std::vector<LiveBody>& bodies,
                                            const LiveSettings& settings) {
   std::vector<BodyPlace> stands;
@@ -77,7 +77,8 @@ LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings) {
 LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings,
                   std::unique_ptr<FrameSource> source) {
   const fs::path images = settings.images.device;
-  // Who looks for a place opens the source, plays it and closes it again; a camera is open once.
+  // The search opens the source, plays it and closes it again, before it is opened here: a camera
+  // can be opened only once at a time.
   const std::map<Anchor, Rigid3> looked_for = looked_for_places(bodies, settings);
   if (!source) source = value_or_throw(open_source(settings.images));
   const SceneFile scene = scene_file_beside(images);

@@ -1,5 +1,5 @@
 /// @file
-/// From "these bodies, these images, this place" to a source and a frame loop that are ready to go.
+/// From bodies, images and a pose to a source and a frame loop that are ready to run.
 ///
 ///     LiveSettings wanted;
 ///     wanted.images.device = "my/clip";
@@ -7,7 +7,7 @@
 ///     LiveLoop loop(run);                               // live_loop.h
 ///     while (const Scene* scene = loop.next()) ...
 ///
-/// examples/run_session.cpp is that, as a program.
+/// examples/run_session.cpp is a complete program of this kind.
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
@@ -28,59 +28,61 @@
 namespace palpable {
 
 struct LiveSettings {
-  CameraRequest images;            ///< folder, images by name, video or camera (open_source.h)
-  bool paced = false;              ///< a recording at its own pace; else it waits for the loop
-  Anchor anchor = Anchor::kPlace;  ///< where bodies stand that have no anchor of their own
-  std::optional<Rigid3> place;     ///< of kPlace: world_from_body
-  std::optional<Eigen::Vector2d> at_px;  ///< of kPlane: at which pixel; nothing: it is looked for
-  BoardPattern board;                    ///< of kBoard
-  /// Whom to ask for exact answers; nothing: nobody. Whether frames wait for them is found out:
-  /// those of a camera and of a paced recording do not.
+  CameraRequest images;            ///< folder, named images, video or camera (open_source.h)
+  bool paced = false;              ///< play a recording at its own pace; else it waits for the loop
+  Anchor anchor = Anchor::kPlace;  ///< for bodies without an anchor of their own
+  std::optional<Rigid3> place;     ///< for kPlace: world_from_body
+  std::optional<Eigen::Vector2d> at_px;  ///< for kPlane: pixel; empty: a free position is searched
+  BoardPattern board;                    ///< for kBoard
+  /// The program that computes full-order solutions; empty: none. Frames wait for a solution,
+  /// except those of a camera or of a paced recording.
   std::optional<RefinerSettings> refine;
-  /// Of the run altogether (thread_shares.h); 0: as many as the machine has.
+  /// Threads of the whole run (thread_shares.h); 0: one for each processor.
   int threads = 0;
-  /// press_static is set if scene.toml asks for it; depth.threads follows from `threads`.
+  /// press_static is also set if scene.toml has it; depth.threads is overwritten
+  /// according to `threads`.
   SessionSettings session{.track = true, .map = true};
 };
 
-/// A run that is about to begin with the source's first frame.
+/// A run that is ready to begin with the source's first frame.
 struct LiveRun {
   std::unique_ptr<FrameSource> source;
   FrameLoop loop;
-  std::filesystem::path images;  ///< the folder, file or device that is played
+  std::filesystem::path images;  ///< folder, file or device of the source
 };
 
-/// Finds the places, opens the images, and makes the loop. OpenCV's threads are set for the whole
-/// process. For kPlane and kBoard the images are opened, played for a second, closed and opened
-/// again.
-/// @throws NoPlaceError (place.h) when nothing says where a body stands, Error for everything else
-///         that is not as hoped, bodies that stand in each other among it
+/// Determines the poses, opens the images, and makes the loop. Sets OpenCV's number of threads for
+/// the whole process. For anchors kPlane and kBoard the images are opened, played for one second,
+/// closed and opened again.
+/// @throws NoPlaceError (place.h) when the pose of a body cannot be determined; Error for other
+/// failures, e.g. bodies that penetrate each other
 [[nodiscard]] LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings);
 /// The same with one body.
 [[nodiscard]] LiveRun open_live(TouchableBody body, const LiveSettings& settings);
-/// The same with images that are open already; settings.images says what they are called, and what
-/// lies beside them (scene.toml).
+/// The same with a source that is already open. settings.images gives its name and the folder in
+/// which scene.toml is searched.
 [[nodiscard]] LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings,
                                 std::unique_ptr<FrameSource> source);
 
-/// Where bodies stand if a run begins anew with a frame: as open_live() puts them, but by this one
-/// frame, whose camera the world then is.
-/// @param skins   of the bodies at rest, in the order of their places
+/// New poses of the bodies when a run restarts with a given frame: determined as in open_live(),
+/// but from this frame only, whose camera becomes the world frame.
+/// @param skins   of the bodies at rest, in the order of `places`
 /// @param images  LiveRun::images
-/// @throws NoPlaceError where the frame does not show what some body is to stand on, or has no free
-///         place there
+/// @throws NoPlaceError where the frame does not show the desk or board that a body needs, or no
+/// position there is free
 [[nodiscard]] std::vector<Rigid3> places_anew(const std::vector<BodyPlace>& places,
                                               const std::vector<const SurfaceMesh*>& skins,
                                               const LiveSettings& settings,
                                               const std::filesystem::path& images,
                                               const SeenFrame& seen, const DepthNoise& noise);
 
-/// Gives a run its threads (thread_shares.h): OpenCV's, of the whole process, and the matcher's.
-/// @param threads  of the run altogether; 0: as many as the machine has
+/// Sets the numbers of threads of a run (thread_shares.h): OpenCV's, for the whole process,
+/// and the matcher's.
+/// @param threads  of the whole run; 0: one for each processor
 void share_threads(int threads, SessionSettings& session);
 
-/// A run whose bodies stand already, on a source that is open: a recording's.
-/// @param images  what messages call the source. @throws Error that names it
+/// A run of bodies with known poses on an open source, e.g. a recording.
+/// @param images  name of the source in messages. @throws Error that names it
 [[nodiscard]] LiveRun run_of(std::vector<PlacedBody> standing, std::unique_ptr<FrameSource> source,
                              const SessionSettings& settings, const std::filesystem::path& images);
 

@@ -37,7 +37,7 @@ std::string text_of(const LiveCounts& counts, const Session& session, double wal
   if (const SurfaceMap* room = session.slam().map();
       room != nullptr && (room->refused() > 0 || session.slam().space()->blocked() > 0)) {
     text += fmt::format(
-        "the map was full ({} blocks): in ground seen later what moves is told less well\n",
+        "the map was full ({} blocks): in ground seen later, moving things are found less well\n",
         room->blocks());
   }
   if (counts.first_touch) {
@@ -53,11 +53,10 @@ std::string text_of(const LiveCounts& counts, const Session& session, double wal
         counts.between_bodies, counts.between * 1e3, counts.imbalance);
   }
   if (const Refiner* refiner = session.refiner()) {
-    const RefinerCounts& asked = refiner->counts();
+    const RefinerCounts& counted = refiner->counts();
     text += fmt::format(
-        "refined by {} exact answers of {} that were asked for: {} came too late, {} were not "
-        "borne\n",
-        asked.taken_up, asked.asked, asked.late, asked.refused);
+        "refined by {} of {} requested full-order solutions: {} came too late, {} were refused\n",
+        counted.taken_up, counted.asked, counted.late, counted.refused);
   }
   return text;
 }

@@ -1,5 +1,5 @@
 /// @file
-/// What happened in a live run, in lines for people.
+/// A summary of a live run in readable lines.
 #pragma once
 
 #include "palpable/live/player/live_counts.h"
@@ -9,9 +9,9 @@
 
 namespace palpable {
 
-/// How many frames, at what pace, what went wrong, and when the body was touched.
-/// @param session  that answered the frames
-/// @param wall     s, by the clock on the wall
+/// Number of frames, rate, problems and touches.
+/// @param session  that processed the frames
+/// @param wall     s, wall-clock time of the run
 [[nodiscard]] std::string text_of(const LiveCounts& counts, const Session& session, double wall);
 
 }  // namespace palpable

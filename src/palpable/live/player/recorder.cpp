@@ -32,7 +32,7 @@ void Recorder::finish_thread() {
   thread_.join();
 }
 
-// Null where there is none; then a source leaves its frame out.
+// A free item; null if there is none, in which case the source drops its frame.
 std::unique_ptr<Recorder::Item> Recorder::room(bool waits) {
   std::optional<std::unique_ptr<Item>> item =
       waits ? free_.pop() : free_.pop_within(std::chrono::duration<double>(0));
@@ -48,7 +48,7 @@ bool Recorder::add_frame(const Frame& frame, std::optional<double> taken, bool w
     return false;
   }
   item->kind = Item::Kind::kFrame;
-  item->frame = frame;  // into memory that is there from the second time on
+  item->frame = frame;  // reuses memory from the second time on
   item->taken = taken;
   ready_.push(std::move(item));
   return true;
@@ -139,7 +139,7 @@ void Recorder::write(const Item& item) {
   }
 }
 
-// What was written up to now is whole.
+// The chunks written before remain readable.
 void Recorder::end_early(const std::string& why) {
   ended_early_ = true;
   const std::lock_guard lock(trouble_mutex_);
@@ -176,15 +176,15 @@ class RecordedSource final : public FrameSource {
   std::string last_trouble() const override { return trouble_; }
   bool is_live() const override { return !waits_; }
   std::optional<double> taken() const override { return source_->taken(); }
-  /// The loop is told of a camera's silence once it is recorded: what it then makes of the next
-  /// frame's time depends on it.
+  /// Changes of the camera's state are passed on only after they are recorded, because the loop's
+  /// treatment of the next frame's time depends on them.
   SourceState state() const override { return state_; }
 
   FrameStatus next(Frame& frame) override {
     FrameStatus status = source_->next(frame);
     if (status == FrameStatus::kEnd) return status;
     if (status != FrameStatus::kFrame) trouble_ = source_->last_trouble();
-    // What no loop can use is recorded as what it is for the loop.
+    // A frame of the wrong size is recorded as unreadable, as the loop treats it.
     if (status == FrameStatus::kFrame) {
       std::string wrong = wrong_size(frame, format());
       if (!wrong.empty()) {
@@ -203,8 +203,8 @@ class RecordedSource final : public FrameSource {
   std::unique_ptr<FrameSource> release() { return std::move(source_); }
 
  private:
-  // Pictures that come again are recorded with the first of them. @return whether what has just
-  // come may be recorded: not where there was no room for the silence before it
+  // The return to kRunning is recorded with the first frame after it. @return whether the item that
+  // has just come may be recorded: false if there was no room for the change of state before it
   bool pass_state_on() {
     const SourceState now = source_->state();
     if (now == state_) return true;

@@ -1,11 +1,12 @@
 /// @file
-/// Records a run while it goes on, on a thread of its own.
+/// Records a run while it runs, on a thread of its own.
 ///
 ///     source ──> recorded() ──────────────────────────> loop ──> state ──┐
 ///                   └─ copy ─> queue ─> thread: pack, write <────────────┘
 ///
-/// What the disk has no time for is not given to the loop either, where frames come at their own
-/// pace; a source that waits for its reader waits for the disk. So the loop runs on what was
+/// Where frames come at their own pace, a frame that the disk is too slow for is not passed to the
+/// loop either; a source that waits for its reader waits for the disk. So the loop processes
+/// exactly the recorded frames, and a replay processes the same ones.
 /// recorded, and a replay answers the same frames.
 #pragma once
 
@@ -29,49 +30,51 @@ namespace palpable {
 
 struct RecorderCounts {
   int frames = 0;           ///< in the file
-  int left_out = 0;         ///< not even given to the loop: the disk was behind
+  int left_out = 0;         ///< dropped, also for the loop, because the disk was too slow
   std::uint64_t bytes = 0;  ///< of the file
-  RunHash states;           ///< of those that are in the file
+  RunHash states;           ///< of the frames in the file
 };
 
-/// Where the disk does not take it (it is full), the recording ends with its last whole chunk, and
-/// the run goes on without: take_trouble() says so once.
+/// If the disk refuses data (it is full), the recording ends with its last complete chunk, and the
+/// run continues without it: take_trouble() reports that once.
 class Recorder {
  public:
-  /// Begins the file. @param run  what a replay is to know
+  /// Begins the file. @param run data of the run that a replay needs
   /// @throws Error when it cannot be written
   Recorder(const std::filesystem::path& file, const FrameFormat& format, const Json& run);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
-  /// Ends the thread; without finish() the file is one that was cut off.
+  /// Ends the thread. Without finish() the file counts as truncated.
   ~Recorder();
 
-  /// Frames that may wait for the disk: 0.2 s of a camera's, 33 MB at 720p.
+  /// Number of frames that may wait for the disk: 0.2 s of a camera, 33 MB at 720p.
   static constexpr std::size_t kFrames = 6;
 
-  /// On the source's thread: whether there was room for a copy of what it gave. Where it is to wait
-  /// for room there always is, and once the recording has ended early, too.
+  /// Called on the source's thread. Returns whether there was room for a copy; with `waits` it
+  /// waits for room. Always returns true once the recording has ended early.
   bool add_frame(const Frame& frame, std::optional<double> taken, bool waits);
   bool add_unreadable(int number, std::string_view why, bool waits);
   bool add_silence(SourceState state, std::string_view why, bool waits);
-  /// On the thread that answers: what a second process had to do with the frame whose state is
-  /// added next. @param exact  null: nothing was taken up
+  /// Called on the loop's thread: the part of the refiner's process in the frame whose
+  /// state is added next.
+  /// @param asked  whether a solution was requested
+  /// @param exact  the full-order solution that was adopted; null: none
   void add_refinement(bool asked, const Eigen::Matrix3Xf* exact);
-  /// On the thread that answers: what became of a frame.
-  /// @param line  of docs/touch_events.md
+  /// Called on the loop's thread: the result of a frame.
+  /// @param line  as in docs/touch_events.md
   void add_state(int number, std::uint64_t hash, std::string_view line);
 
-  /// Writes what waits, and ends the file. Frames that come later pass by.
+  /// Writes the waiting items and completes the file. Later frames are not recorded.
   RecorderCounts finish();
-  /// Why the recording has ended early, once.
+  /// The reason why the recording has ended early; returned once.
   [[nodiscard]] std::optional<std::string> take_trouble();
 
  private:
-  // Frames and what else a source gives go round in one ring, states in another: a source that is
-  // quick takes no room from the thread that answers.
+  // Items of the source and items of the loop have separate pools, so that a fast source cannot use
+  // up the items that the loop's thread needs.
   struct Item {
     enum class Kind { kFrame, kUnreadable, kSilence, kRefinement, kState } kind = Kind::kFrame;
-    Frame frame;  // of kUnreadable its number
+    Frame frame;  // kUnreadable: only its number
     std::optional<double> taken;
     SourceState silence = SourceState::kStalled;
     std::string why;
@@ -89,7 +92,7 @@ class Recorder {
 
   static constexpr std::size_t kStates = 64;
   std::filesystem::path path_;
-  RecordingWriter writer_;  // the thread's alone, as is counts_ but for left_out_
+  RecordingWriter writer_;  // used by the thread only, as is counts_ except left_out
   RecorderCounts counts_;
   std::atomic<int> left_out_ = 0;
   std::atomic<bool> ended_early_ = false;
@@ -99,15 +102,15 @@ class Recorder {
   Items free_states_;
   std::mutex trouble_mutex_;
   std::optional<std::string> trouble_;
-  std::thread thread_;  // last: it uses all of the above
+  std::thread thread_;  // last, as it uses the other members
 };
 
-/// A source that gives what `source` gives, as far as the recorder has it.
-/// @param recorder  must outlive it
+/// A source that returns the items of `source` that the recorder accepted.
+/// @param recorder  must outlive the source
 [[nodiscard]] std::unique_ptr<FrameSource> recorded(std::unique_ptr<FrameSource> source,
                                                     Recorder& recorder);
 
-/// The source that recorded() was given. @pre `source` comes from there
+/// The source that was given to recorded(). @pre `source` was returned by recorded()
 [[nodiscard]] std::unique_ptr<FrameSource> unrecorded(std::unique_ptr<FrameSource> source);
 
 }  // namespace palpable

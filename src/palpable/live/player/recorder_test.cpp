@@ -27,7 +27,7 @@ using test::Act;
 using test::Shows;
 namespace fs = std::filesystem;
 
-// A run of the sphere of 5 cm; in a room it stands aside of what is followed.
+// A run with a sphere of radius 5 cm; in a room it stands beside the tracked features.
 LiveRun run_on(std::unique_ptr<FrameSource> source, bool room, int threads = 2) {
   Rigid3 pose = Rigid3::Identity();
   pose.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
@@ -39,7 +39,8 @@ LiveRun run_on(std::unique_ptr<FrameSource> source, bool room, int threads = 2) 
   return run_of(std::move(bodies), std::move(source), settings, "a test's source");
 }
 
-// Everything that a camera can do wrong, a gap that is let through for the silence before it too.
+// All malfunctions of a camera, and a jump of its clock that is accepted because of a
+// stall before it.
 std::vector<Act> all_acts(bool stereo) {
   std::vector<Act> acts(test::MisbehavingCamera::kAlone, Act::kGood);
   for (const Act bad : {Act::kStall, Act::kDrop, Act::kResize, Act::kGarbage, Act::kNoTime,
@@ -103,7 +104,7 @@ TEST_CASE("a replay has the states of the live run, on one thread and on eight, 
     CHECK(contents.frames == counts.frames);
     CHECK(hashes(contents.states) == hashes(live.states));
     CHECK(contents.states.back().line == "a line");
-    // Only pairs are matched, on threads of their own.
+    // Only stereo pairs are matched with several threads.
     const bool pairs = shows == Shows::kStereoRoom;
     for (const int threads : pairs ? std::vector{1, 2, 8} : std::vector{2}) {
       INFO(threads << " threads");
@@ -139,7 +140,7 @@ TEST_CASE("a run that ends before its source does is replayed up to its last ans
   CHECK(hashes(play(again, 20).states) == hashes(live.states));
 }
 
-// A camera's pictures of noise, which nothing makes smaller: 80 kB each.
+// A camera with noise pictures, which are incompressible: 80 kB each.
 class NoiseSource final : public FrameSource {
  public:
   NoiseSource(int frames, bool live) : frames_(frames), live_(live) {
@@ -173,7 +174,7 @@ class NoiseSource final : public FrameSource {
   bool live_;
 };
 
-// A disk that stands still until it is told to go on: a pipe that nobody reads at first.
+// A disk that blocks until go_on(): a pipe that is not read before.
 class StuckDisk {
  public:
   explicit StuckDisk(fs::path pipe) : pipe_(std::move(pipe)) {
@@ -197,7 +198,7 @@ class StuckDisk {
       }
     });
   }
-  // What was written, once all is.
+  // The written bytes; waits for the end.
   std::string bytes() {
     thread_.join();
     return bytes_;
@@ -228,7 +229,7 @@ TEST_CASE("what the disk has no time for, the loop of a camera does not get eith
       if (status != FrameStatus::kFrame) CHECK(status == FrameStatus::kWaiting);
     }
     CHECK(given.size() >= Recorder::kFrames);
-    CHECK(given.size() <= Recorder::kFrames + 2);  // one that is written, one in the pipe
+    CHECK(given.size() <= Recorder::kFrames + 2);  // one being written, one in the pipe
     disk.go_on();
     counts = recorder.finish();
   }
@@ -287,7 +288,7 @@ TEST_CASE("on a full disk the run goes on, is told once, and what is there repla
   CHECK(trouble->starts_with(file.string() + ": cannot be written: "));
   CHECK(trouble->find("the run goes on") < trouble->size());
   CHECK_FALSE(recorder.take_trouble());
-  CHECK(live.states.size() > 30);  // with what the recorder left out before it knew
+  CHECK(live.states.size() > 30);  // including frames dropped before the recorder knew
   const RecordingContents contents = read_recording(file).value();
   CHECK_FALSE(contents.finished);
   CHECK_FALSE(contents.damaged);
@@ -315,7 +316,7 @@ TEST_CASE("recording takes no memory once it runs", "[player][recording]") {
       recorder.add_state(k, 1, line);
     }
   };
-  record(200);  // every item has been round
+  record(200);  // every item has been used once
   CHECK(test::allocations_during([&] { record(50); }) == 0);
 }
 
@@ -335,7 +336,7 @@ TEST_CASE("a source whose recording is finished goes on unrecorded, and can be r
       CHECK(frame.number == number);
     }
     CHECK(recorder.finish().frames == 5);
-    // More than the recorder has room for.
+    // More frames than the recorder has room for.
     for (std::size_t k = 0; k < 2 * Recorder::kFrames; ++k, ++number) {
       REQUIRE(source->next(frame) == FrameStatus::kFrame);
       CHECK(frame.number == number);

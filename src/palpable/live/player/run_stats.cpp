@@ -9,7 +9,7 @@ namespace palpable {
 namespace {
 
 constexpr double kShortest = 1e-3;  // ms
-constexpr double kWider = 1.02;     // a bin than the one before
+constexpr double kWider = 1.02;     // ratio of the widths of neighbouring bins
 
 std::size_t bin_of(double ms, std::size_t bins) {
   if (!(ms > kShortest)) return 0;
@@ -38,7 +38,7 @@ double DurationBins::percentile(double share) const {
     below += bins_[bin];
     if (static_cast<double>(below) > rank) break;
   }
-  return kShortest * std::pow(kWider, static_cast<double>(bin) + 0.5);  // its middle
+  return kShortest * std::pow(kWider, static_cast<double>(bin) + 0.5);  // centre of the bin
 }
 
 void RunStats::add(const StageTimes& times, double age_ms) {
@@ -59,7 +59,7 @@ void RunStats::Stretch::add(const StageTimes& times, double age_ms) {
     const auto end = names.begin() + static_cast<std::ptrdiff_t>(stage_count);
     const auto known = std::find(names.begin(), end, stage.name);
     const auto at = static_cast<std::size_t>(known - names.begin());
-    if (at == names.size()) continue;  // more stages than a frame can have
+    if (at == names.size()) continue;  // no room for more stages: it is not counted
     if (known == end) names[stage_count++] = stage.name;
     stages[at].add(stage.ms);
   }

@@ -1,8 +1,8 @@
 /// @file
-/// How fast a run goes: measured always, over the whole run and since the last line about it.
+/// Speed of a run, measured over the whole run and since the last report.
 ///
-/// Takes no memory after its construction, however long the run: durations are counted in bins.
-/// Reads no clock; who plays says what the clocks show.
+/// Allocates nothing after construction, however long the run is, because durations are counted in
+/// bins. Reads no clock: the caller passes the times.
 #pragma once
 
 #include "palpable/common/base/stage_clock.h"
@@ -17,14 +17,14 @@
 
 namespace palpable {
 
-/// Durations, counted in bins of which each is 2 % wider than the one before, from 1 us to 5 min:
-/// what lies below or above counts as that.
+/// A histogram of durations from 1 us to 5 min. Each bin is 2 % wider than the previous one;
+/// durations outside the range count in the first or last bin.
 class DurationBins {
  public:
   void add(double ms);
   void clear();
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  /// As percentile() of order_statistics.h, but off by up to 1 %; 0 where nothing was added.
+  /// As percentile() of order_statistics.h with an error up to 1 %; 0 without durations.
   [[nodiscard]] double percentile(double share) const;
 
  private:
@@ -33,15 +33,15 @@ class DurationBins {
   std::uint64_t count_ = 0;
 };
 
-/// What the clocks and counters show at one moment.
+/// Clocks and counters at one moment.
 struct RunMoment {
-  double now = 0;    ///< s, of a clock on the wall
-  double cpu = 0;    ///< s of all threads of this process (process_cpu())
-  int dropped = 0;   ///< frames that the source had and the loop did not get, so far
-  int left_out = 0;  ///< frames that the files have in their texts only, so far
+  double now = 0;    ///< s, wall clock
+  double cpu = 0;    ///< s, CPU time of all threads of this process (process_cpu())
+  int dropped = 0;   ///< frames that the source dropped before the loop, so far
+  int left_out = 0;  ///< frames that are in the text files only, so far
 };
 
-/// Figures of a stretch of a run.
+/// Figures of a part of a run.
 struct RunFigures {
   struct Stage {
     std::string_view name;
@@ -50,27 +50,27 @@ struct RunFigures {
   };
   std::uint64_t frames = 0;
   double frames_per_second = 0;
-  double age_p50_ms = 0;  ///< from when a frame was taken to when its picture was shown
+  double age_p50_ms = 0;  ///< time from taking a frame to showing its picture
   double age_p99_ms = 0;
   int dropped = 0;
   int left_out = 0;
   double cpu_ms_per_frame = 0;
-  std::vector<Stage> stages;  ///< in the order in which they first ran
+  std::vector<Stage> stages;  ///< in the order of their first run
 };
 
 class RunStats {
  public:
   explicit RunStats(const RunMoment& begin) : all_(begin), recent_(begin) {}
 
-  /// One frame that was shown, or answered where nobody looks.
-  /// @param age_ms  from when it was taken; NaN: not known
+  /// Adds one frame that was shown, or processed if there is no window.
+  /// @param age_ms  time since it was taken; NaN: unknown
   void add(const StageTimes& times, double age_ms);
 
-  /// Of the whole run.
+  /// The figures of the whole run.
   [[nodiscard]] RunFigures all(const RunMoment& now) const { return all_.figures(now); }
-  /// Whether the last stretch has taken a second.
+  /// Whether the current part has lasted a second.
   [[nodiscard]] bool is_second_over(double now) const { return now - recent_.begin.now >= 1; }
-  /// Of the stretch since the last call; begins the next one.
+  /// The figures since the last call. Begins a new part.
   [[nodiscard]] RunFigures end_stretch(const RunMoment& now);
 
  private:
@@ -91,7 +91,7 @@ class RunStats {
   Stretch recent_;
 };
 
-/// One line for people: "31.0 frames/s   age 48 ms (p99 61)   0 dropped, 12 in texts only   ...".
+/// One readable line: "31.0 frames/s age 48 ms (p99 61) 0 dropped, 12 in texts only ...".
 [[nodiscard]] std::string text_of(const RunFigures& figures);
 
 }  // namespace palpable

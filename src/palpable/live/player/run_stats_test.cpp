@@ -32,7 +32,7 @@ TEST_CASE("percentiles of binned durations are those of the durations, within 1 
   CHECK(bins.count() == 5000);
   for (const double share : {0.0, 0.1, 0.5, 0.9, 0.99, 1.0}) {
     INFO(share);
-    // A percent of the bins' width, and neighbours in rank that are some apart.
+    // 1 % for half a bin's width, and a little for the distance to the neighbouring durations.
     CHECK(bins.percentile(share) == Approx(percentile(durations, share)).epsilon(0.012));
   }
   bins.clear();
@@ -63,7 +63,7 @@ TEST_CASE("a run's figures are of all of it, a stretch's of what came since the 
   CHECK_FALSE(stats.is_second_over(101.5));
 
   for (int i = 0; i < 10; ++i) stats.add(times_of(4, 0), 80);
-  stats.add(times_of(4, 0), std::nan(""));  // nobody knows when it was taken
+  stats.add(times_of(4, 0), std::nan(""));  // the time of taking is unknown
   const RunFigures second =
       stats.end_stretch({.now = 103, .cpu = 8.11, .dropped = 5, .left_out = 4});
   CHECK(second.frames == 11);

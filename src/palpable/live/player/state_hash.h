@@ -1,6 +1,5 @@
 /// @file
-/// All that a run has answered to a frame, as one number: equal numbers say that nothing differs,
-/// not in the last bit.
+/// The results of a run as one number: equal numbers mean bit-identical results.
 #pragma once
 
 #include "palpable/common/base/word_hash.h"
@@ -14,12 +13,12 @@
 
 namespace palpable {
 
-/// Of one frame: its number and time, where the camera is, every number of every touch, what bodies
-/// do to each other, and of each body where it is drawn, its displaced vertices, their stress and
-/// the stated errors. Allocates nothing.
+/// Hash of one frame: its number and time, the camera's pose, all numbers of all touches, the
+/// penetration and imbalance between bodies, and of each body its pose, deformed vertices, stress
+/// and stated errors. Allocates nothing.
 [[nodiscard]] std::uint64_t state_hash(const Scene& scene);
 
-/// Of all states of a run, in their order.
+/// Hash of all states of a run, in their order.
 class RunHash {
  public:
   void add(std::uint64_t state) {
@@ -27,7 +26,7 @@ class RunHash {
     ++count_;
   }
   [[nodiscard]] int count() const { return count_; }
-  /// 16 digits.
+  /// 16 hexadecimal digits.
   [[nodiscard]] std::string text() const;
 
  private:
@@ -35,20 +34,19 @@ class RunHash {
   int count_ = 0;
 };
 
-/// A replay's states beside those that the live run had.
+/// Compares the states of a replay with those of the live run.
 class StateComparison {
  public:
   explicit StateComparison(std::vector<RecordedState> expected) : expected_(std::move(expected)) {}
 
-  /// The next state. Those behind the last one that is known count as equal.
+  /// Adds the next state. States after the end of the live run count as equal.
   void add(int number, std::uint64_t hash);
 
   [[nodiscard]] int compared() const { return compared_; }
   [[nodiscard]] int different() const { return different_; }
-  /// Number of the first frame whose state differs, or that is another frame than the live run
-  /// answered.
+  /// Number of the first frame whose state or number differs from the live run's.
   [[nodiscard]] std::optional<int> first_different() const { return first_different_; }
-  /// How many states are known.
+  /// Number of states of the live run.
   [[nodiscard]] int expected() const { return static_cast<int>(expected_.size()); }
 
  private:

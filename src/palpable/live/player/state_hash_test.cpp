@@ -75,7 +75,7 @@ TEST_CASE(
   Scene scene = some_scene();
   const std::uint64_t before = state_hash(scene);
   scene.times.add("contact", 3);
-  scene.bodies[1].cauchy.assign(24, 10.0F);  // only where somebody paints them
+  scene.bodies[1].cauchy.assign(24, 10.0F);  // used for drawing only
   CHECK(state_hash(scene) == before);
   std::uint64_t hash = 0;
   CHECK(test::allocations_during([&] { hash = state_hash(scene); }) == 0);
@@ -88,9 +88,9 @@ TEST_CASE("a comparison names the first frame that differs, and other frames dif
   comparison.add(0, 10);
   CHECK_FALSE(comparison.first_different());
   comparison.add(1, 12);
-  comparison.add(2, 13);  // the live run answered frame 3
+  comparison.add(2, 13);  // the live run has frame 3 here
   comparison.add(4, 14);
-  comparison.add(5, 15);  // the live run had ended
+  comparison.add(5, 15);  // after the end of the live run
   CHECK(comparison.compared() == 4);
   CHECK(comparison.expected() == 4);
   CHECK(comparison.different() == 2);

@@ -10,7 +10,7 @@ namespace palpable {
 
 ThreadShares thread_shares(int threads) {
   PALPABLE_EXPECT(threads >= 1, "a run has a thread");
-  // The matcher has 8 strips to hand out, the renderer a picture of 16 tiles across.
+  // The matcher has 8 strips; the renderer has 16 tiles across the picture.
   constexpr int kMostMatching = 8, kMostDrawing = 8;
   if (threads == 1) return {};
   return {.matching = std::min(threads, kMostMatching),

@@ -1,23 +1,23 @@
 /// @file
-/// One budget of threads for a run, and who gets how many of them. No result depends on it.
+/// Distribution of a run's threads among its parts. Does not change any result.
 #pragma once
 
 namespace palpable {
 
-/// Of the threads that a run may keep busy at a time, how many each part may use. Two threads take
-/// turns anyhow: one sees the next frame while the other answers and draws this one. (Beside
-/// them: one that writes files, one that adjusts keyframes now and then, and where that is wanted
-/// one that records and one that answers between frames.)
+/// Numbers of threads for the parts of a run that compute in parallel. Two further threads always
+/// exist, which work on alternate frames: one evaluates the next picture while the other responds
+/// to and draws the present one. (Others are mostly idle: one writes files, one adjusts keyframes
+/// from time to time, and on demand one records and one computes ticks between frames.)
 struct ThreadShares {
-  int matching = 1;  ///< of the stereo matcher (DepthSettings::threads)
-  int images = 1;    ///< of OpenCV: warping and converting
-  int drawing = 0;   ///< beside its own, of an OpenGL that draws in software; 0: none
+  int matching = 1;  ///< for the stereo matcher (DepthSettings::threads)
+  int images = 1;    ///< for OpenCV: warping and conversion
+  int drawing = 0;   ///< additional threads of a software OpenGL; 0: none
 };
 
 /// @param threads  >= 1
 [[nodiscard]] ThreadShares thread_shares(int threads);
 
-/// As many as there are processors for this process.
+/// The number of processors that this process may use.
 [[nodiscard]] int usual_threads();
 
 }  // namespace palpable

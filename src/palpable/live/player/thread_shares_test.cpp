@@ -28,8 +28,8 @@ TEST_CASE("whatever the budget, everybody has a thread and nobody more than ther
   CHECK_THROWS_AS(thread_shares(0), ContractViolation);
 }
 
-// All that a frame's answer is made of.
-struct Answer {
+// All results of a frame.
+struct FrameResult {
   int number = 0;
   ColorImage color;
   DepthImage depth;
@@ -38,8 +38,8 @@ struct Answer {
   Eigen::Matrix3Xf vertices;
 };
 
-bool same_bytes(const Answer& a, const Answer& b) {
-  // NaN is equal to NaN here.
+bool same_bytes(const FrameResult& a, const FrameResult& b) {
+  // Compares bytes, because NaN must equal NaN.
   const bool depth =
       a.depth.size() == b.depth.size() &&
       std::memcmp(a.depth.data(), b.depth.data(), a.depth.size() * sizeof(float)) == 0;
@@ -47,7 +47,7 @@ bool same_bytes(const Answer& a, const Answer& b) {
          a.world_from_camera == b.world_from_camera && a.vertices == b.vertices;
 }
 
-std::vector<Answer> answers_with(int threads) {
+std::vector<FrameResult> answers_with(int threads) {
   auto camera = std::make_unique<test::MisbehavingCamera>(
       std::vector<test::Act>(24, test::Act::kGood), test::Shows::kStereoRoom);
   Rigid3 place = Rigid3::Identity();
@@ -61,7 +61,7 @@ std::vector<Answer> answers_with(int threads) {
   LiveRun run = open_live(std::move(bodies), wanted, std::move(camera));
   CHECK(run.loop.session.settings().depth.threads == thread_shares(threads).matching);
   LiveLoop loop(run);
-  std::vector<Answer> answers;
+  std::vector<FrameResult> answers;
   while (const Scene* scene = loop.next()) {
     answers.push_back({scene->number, scene->seen.color, scene->seen.depth, scene->moving,
                        scene->camera.world_from_camera.matrix(), scene->bodies[0].vertices});
@@ -70,11 +70,11 @@ std::vector<Answer> answers_with(int threads) {
 }
 
 TEST_CASE("a run gives the same bytes with a budget of 1, 2 and 8 threads", "[player][threads]") {
-  const std::vector<Answer> alone = answers_with(1);
+  const std::vector<FrameResult> alone = answers_with(1);
   REQUIRE(alone.size() >= 20);
   for (const int threads : {2, 8}) {
     INFO(threads);
-    const std::vector<Answer> together = answers_with(threads);
+    const std::vector<FrameResult> together = answers_with(threads);
     REQUIRE(together.size() == alone.size());
     for (std::size_t i = 0; i < alone.size(); ++i) {
       INFO("frame " << alone[i].number);

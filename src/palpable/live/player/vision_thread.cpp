@@ -7,12 +7,13 @@
 
 namespace palpable {
 namespace {
-constexpr std::size_t kInFlight = 3;  // one being seen, one waiting, one being answered
+constexpr std::size_t kInFlight = 3;  // one being evaluated, one waiting, one being processed
 
-// s. Frames that seem older, or of the future, were stamped by another clock.
+// s. A frame that seems older, or taken in the future, has a time stamp of another clock.
 constexpr double kOldest = 10;
 
-// When the frame that the source has just given was taken, as far as that is known.
+// The time at which the source's latest frame was taken, if the source states a
+// plausible one; else now.
 double taken_by(const FrameSource& source) {
   const double now = system_clock().now();
   const double taken = source.taken().value_or(now);

@@ -1,12 +1,12 @@
 /// @file
-/// Reads and sees the next frames on a thread while the present one is answered and drawn.
+/// Reads and evaluates the next frames on a thread while the present one is processed and drawn.
 ///
 ///     free scenes ──> VisionThread: read, see ──> queue of one ──> next(): respond, draw ──┐
 ///          ^                                                                               │
 ///          └────────────────────────────── recycle() <─────────────────────────────────────┘
 ///
-/// A source that is silent or gone does not hold up the thread that answers: next_within() returns
-/// without a frame, and the answer to the last one can stay on the screen.
+/// A silent or unplugged camera does not block the processing thread: next_within() returns without
+/// a frame, and the last result can stay on the screen.
 #pragma once
 
 #include "palpable/live/depth/depth_camera.h"
@@ -25,41 +25,42 @@
 
 namespace palpable {
 
-/// One frame on its way through the loop. When it is done it is handed back with recycle(), and its
-/// memory is used for a later frame.
+/// One frame on its way through the loop. recycle() takes it back and reuses its memory
+/// for a later frame.
 struct FrameInFlight {
-  Frame frame;  ///< as it was read
+  Frame frame;  ///< as read from the source
   Scene scene;  ///< `seen` is filled, and `times` has "read" and the stages of seeing
-  /// When it was taken, s of system_clock(); else, and where a camera's clock is another one, when
-  /// it had been read.
+  /// s of system_clock(): the time at which the frame was taken; the time at which it was read if
+  /// the source does not state it or uses another clock.
   double taken = 0;
 };
 
-/// Frames are seen in their order and by one thread, so the results are those of a loop on a single
-/// thread, to the bit.
+/// One thread evaluates the frames in their order, so that the results are bit-identical to those
+/// of a loop on a single thread.
 class VisionThread {
  public:
-  /// @param source, camera  must outlive this; only the thread uses them until then
-  /// @param frames          ends after so many; negative: at the source's end
+  /// @param source, camera  must outlive this; until then only this thread uses them
+  /// @param frames          largest number of frames; negative: up to the source's end
   VisionThread(FrameSource& source, DepthCamera& camera, int frames);
   VisionThread(const VisionThread&) = delete;
   VisionThread& operator=(const VisionThread&) = delete;
   ~VisionThread();
 
-  /// The next frame, or null at the end. Rethrows what went wrong on the thread.
+  /// The next frame, or null at the end. Rethrows exceptions of the thread.
   std::unique_ptr<FrameInFlight> next();
-  /// The same, but waits at most so long: null then, too. ended() tells the two apart.
+  /// The same with a time limit, after which it returns null, too; ended() tells the
+  /// two cases apart.
   std::unique_ptr<FrameInFlight> next_within(double seconds);
-  /// Whether no frame comes any more. Rethrows what went wrong on the thread.
+  /// Whether no further frame will come. Rethrows exceptions of the thread.
   [[nodiscard]] bool ended();
-  /// Gives a frame's memory back.
+  /// Returns a frame's memory for reuse.
   void recycle(std::unique_ptr<FrameInFlight> frame);
 
-  /// What went wrong with the source since the last call, a line each.
+  /// Messages about problems of the source since the last call, one line each.
   [[nodiscard]] std::vector<std::string> take_reports();
-  /// The same, counted from the beginning.
+  /// The same problems, counted from the beginning.
   [[nodiscard]] SourceTroubles troubles();
-  /// Why the last unusable frame could not be used.
+  /// The reason why the last unusable frame was skipped.
   [[nodiscard]] std::string last_trouble();
 
  private:
@@ -69,8 +70,8 @@ class VisionThread {
 
   BoundedQueue<std::unique_ptr<FrameInFlight>> ready_;
   BoundedQueue<std::unique_ptr<FrameInFlight>> free_;
-  std::exception_ptr trouble_;  // read after ready_ is closed
-  std::mutex reports_mutex_;    // guards what follows
+  std::exception_ptr trouble_;  // read only after ready_ is closed
+  std::mutex reports_mutex_;    // guards the members below
   SourceTroubles troubles_;
   std::string last_trouble_;
   std::vector<std::string> reports_;

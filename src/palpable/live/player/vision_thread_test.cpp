@@ -17,7 +17,7 @@
 namespace palpable {
 namespace {
 
-/// A finger that sinks into a sphere 0.4 m away, frame by frame; every fifth image is damaged.
+/// A finger that penetrates a sphere 0.4 m away more in every frame; every fifth image is damaged.
 class FingerSource : public FrameSource {
  public:
   FingerSource() {
@@ -50,7 +50,7 @@ class FingerSource : public FrameSource {
   int number_ = 0;
 };
 
-// The sphere of 5 cm with its middle at (0, 0, 0.4), its top towards -Y of the camera.
+// A sphere of radius 5 cm and centre (0, 0, 0.4) m, its top towards the camera's -Y.
 FrameLoop loop_for(const FrameSource& source) {
   Rigid3 pose = Rigid3::Identity();
   pose.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
@@ -130,7 +130,7 @@ TEST_CASE("a camera that does everything wrong never stops the loop, and the las
   acts.push_back(Act::kNewClock);
   acts.insert(acts.end(), 9, Act::kGood);
 
-  // Only the good frames, without the loop: what the bad ones may not change.
+  // Expected results: only the good frames, without the vision thread.
   std::vector<Scene> expected;
   {
     test::MisbehavingCamera camera(acts);
@@ -153,14 +153,14 @@ TEST_CASE("a camera that does everything wrong never stops the loop, and the las
   while (!vision.ended()) {
     std::unique_ptr<FrameInFlight> flight = vision.next_within(0.001);
     for (std::string& line : vision.take_reports()) reports.push_back(std::move(line));
-    if (!flight) continue;  // the picture stays as it is
+    if (!flight) continue;  // the previous picture stays on the screen
     REQUIRE(n < expected.size());
     loop.session.respond(flight->scene);
     const Scene& scene = flight->scene;
     CHECK(scene.number == expected[n].number);
     CHECK(scene.bodies[0].vertices == expected[n].bodies[0].vertices);
     CHECK(scene.touches.size() == expected[n].touches.size());
-    // Once touched, touched through all of it: the finger never leaves.
+    // After the first touch every frame has the touch: the finger never leaves.
     if (n > 0 && !expected[n - 1].touches.empty()) CHECK(scene.touches.size() == 1);
     vision.recycle(std::move(flight));
     ++n;
@@ -172,8 +172,8 @@ TEST_CASE("a camera that does everything wrong never stops the loop, and the las
   CHECK(troubles.stalls == 1);
   CHECK(troubles.losses == 1);
   CHECK(troubles.back_in_time == 3 + SourceGuard::kClockRestart - 1);
-  // Six kinds of bad frames, the new clock's first old frames and its restart, stall, loss, and
-  // twice "come again".
+  // Six kinds of bad frames, the new clock's first outdated frames and its restart, stall, loss,
+  // and twice "come again".
   CHECK(reports.size() == 6 + 2 + 4);
 }
 

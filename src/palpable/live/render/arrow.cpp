@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kRim = 1.5f;  // px
 constexpr Rgb kRimColor{24, 26, 30};
-constexpr float kHeadLength = 3.2f;     // widths of the shaft
+constexpr float kHeadLength = 3.2f;     // ratio to the shaft's width
 constexpr float kHeadHalfWidth = 1.5f;  // likewise
 
 }  // namespace
@@ -30,14 +30,14 @@ void draw_arrow(ColorImage& picture, const Eigen::Vector2f& tail, const Eigen::V
   const int x1 = bound(std::max(tail.x(), tip.x()) + reach + 1.0f, picture.width());
   const int y0 = bound(std::min(tail.y(), tip.y()) - reach, picture.height());
   const int y1 = bound(std::max(tail.y(), tip.y()) + reach + 1.0f, picture.height());
-  // The sine of half the head's angle turns a way across the head into a way across its side.
+  // Factor from a distance perpendicular to the arrow to one perpendicular to the head's side.
   const float side = head / std::hypot(head, half_head);
   for (int y = y0; y < y1; ++y) {
     for (int x = x0; x < x1; ++x) {
       const Eigen::Vector2f p(static_cast<float>(x) - tail.x(), static_cast<float>(y) - tail.y());
       const float a = p.dot(along);                                     // px along the arrow
       const float b = std::abs(p.x() * along.y() - p.y() * along.x());  // px across it
-      // How far outside, px; negative inside.
+      // Distances outside of shaft and head, px; negative inside.
       const float of_shaft = std::max({b - 0.5f * width, -a, a - (length - 0.5f * head)});
       const float from_tip = length - a;
       const float of_head =

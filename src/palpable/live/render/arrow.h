@@ -8,11 +8,11 @@
 
 namespace palpable {
 
-/// Draws an arrow with soft edges and a dark rim, which stands out before light and dark alike.
+/// Draws an arrow with soft edges and a dark rim, so that it is visible on light and dark pictures.
 /// Parts outside of the picture are cut off; nothing is drawn unless both ends are finite.
 /// @param tail, tip  px, from the centre of the picture's first pixel
-/// @param width      px, of the shaft, > 0; the head is as wide as three of them. An arrow that is
-///                   shorter than its head is all head
+/// @param width      px, of the shaft, > 0; the head is three times as wide. An arrow that is
+///                   shorter than its head has no shaft
 void draw_arrow(ColorImage& picture, const Eigen::Vector2f& tail, const Eigen::Vector2f& tip,
                 float width, Rgb color);
 

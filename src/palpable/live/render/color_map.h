@@ -1,29 +1,29 @@
 /// @file
-/// The colour scales of what is painted on bodies, for pictures drawn on the CPU (legend). It
-/// compiles the same file as the shaders: shaders/color_map.glsl.
+/// The colour scales of fields painted on bodies, for pictures drawn on the CPU (legend). The source
+/// is compiled as C++ and as a shader: shaders/color_map.glsl.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
 
 namespace palpable {
 
-/// Colour of a place on the scale, 0 (lowest) .. 1 (highest); clamped. Luminance rises strictly
-/// with it.
+/// The colour at a share of the scale, 0 (lowest) .. 1 (highest); clamped. Its luminance strictly
+/// increases with the share.
 [[nodiscard]] Rgb color_of_share(float share);
 
-/// From this share of the scale on its colours cover a body's own wholly, where they are blended.
+/// With blending, the scale's colours cover the material completely above this share of the scale.
 inline constexpr float kOpaqueShare = 0.2f;
-/// So large that nothing is painted.
+/// A value of `opaque` at which the scale's colours never cover the material.
 inline constexpr float kNothingPainted = 1e9f;
 
-/// The same with a material below it, which shines through where little is painted.
-/// @param opaque  kOpaqueShare, or 0: the scale alone
+/// The same, blended with a material's colour, which is visible at low shares.
+/// @param opaque  kOpaqueShare, or 0: no blending
 [[nodiscard]] Rgb color_of_share(float share, Rgb material, float opaque);
 
-/// Of what has two signs: -1 (the scale's length below 0) .. 1; clamped. Luminance falls strictly
-/// from 0 to both ends.
+/// The colour for a field of two signs, -1 .. 1; clamped. Its luminance strictly decreases from 0 to
+/// both ends.
 [[nodiscard]] Rgb two_sided_color_of_share(float share);
-/// The same with a material below it, which shines through near 0. @param opaque  as above
+/// The same, blended with a material's colour, which is visible near 0. @param opaque  as above
 [[nodiscard]] Rgb two_sided_color_of_share(float share, Rgb material, float opaque);
 
 }  // namespace palpable

@@ -12,7 +12,7 @@ void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const Pixe
                   "the box lies within the image");
   PALPABLE_EXPECT(borrowed == nullptr ||
                       (borrowed->width() == depth.width() && borrowed->height() == depth.height()),
-                  "what is borrowed has the depth's size");
+                  "the mask of borrowed depths has the depth's size");
   PALPABLE_EXPECT(0 <= radius && radius < 64, "the radius fits a signed char");
   const int width = std::max(box.width(), 0);
   const int height = std::max(box.height(), 0);
@@ -50,8 +50,8 @@ void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const Pixe
       if (nearer || tie_farther) offset[x] = static_cast<signed char>(ahead);
     }
   }
-  // Along columns: the nearest of the pixels found in the rows. This may write to `filled` while it
-  // reads it, because all offsets lead to known pixels.
+  // Along columns: the nearest of the pixels found in the rows. `filled` can be read and written at
+  // once, because all offsets lead to known pixels, which are not written.
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       if (nearest_in_row[at(x, y)] == 0) continue;
@@ -70,8 +70,8 @@ void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const Pixe
       filled[at(x, y)] = value;
     }
   }
-  // Runs that only the left eye sees get the depth on their left, whichever known pixel is nearest.
-  // Offset 0 marks a known pixel.
+  // Runs that only the left eye sees get the depth on their left, even if another known pixel is
+  // nearer. Offset 0 marks a known pixel.
   for (int y = 0; y < height; ++y) {
     float* out = filled.data() + at(0, y);
     signed char* offset = nearest_in_row.data() + at(0, y);

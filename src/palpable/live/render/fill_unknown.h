@@ -1,7 +1,7 @@
 /// @file
-/// Closes the holes of a depth image, so that occlusion has a depth everywhere near an outline.
-/// A hole has one of two causes. Either only one eye sees the surface there, which is then
-/// background; or the matcher has rejected its match, and the nearest known pixel is a good guess.
+/// Closes the holes of a depth image, so that there is a depth for occlusion everywhere near an
+/// outline. A hole has one of two causes. Either only one eye sees the surface there, which is then
+/// background; or the matcher has rejected its match, and the nearest known depth is a good guess.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -45,8 +45,8 @@ inline constexpr signed char kHalfSeen = 126;
 ///                        known, kHalfSeen where it is the far depth of the first rule, else
 ///                        another number. Pass the same vectors again and nothing is allocated
 /// @param filled          (box.height x box.width) row-major, overwritten
-/// @param borrowed  of the image's size, or null: not 0 where the depth is none of the pixel's own,
-///                  and counts as unknown
+/// @param borrowed  of the image's size, or null: not 0 where the depth was taken over from another
+///                  pixel; such depths count as unknown
 void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const PixelRange& box,
                   int radius, std::vector<signed char>& nearest_in_row, std::vector<float>& filled);
 

@@ -12,15 +12,15 @@
 
 namespace palpable {
 
-/// How many threads beside the caller's a renderer in software (Mesa's llvmpipe) may use; 0: the
-/// caller draws alone. Sets LP_NUM_THREADS unless the user has. To be called before the first
-/// context of the process is made, while no other thread runs. @param threads  >= 0
+/// Sets how many threads besides the caller's a software renderer (Mesa's llvmpipe) may use; 0: the
+/// caller's thread alone. Sets LP_NUM_THREADS unless the user has set it. To be called before the
+/// first context of the process is made, while no other thread runs. @param threads  >= 0
 void use_drawing_threads(int threads);
 
 /// Collects the errors that the driver reports (KHR_debug) once it is attached.
 ///
-/// A GL error is a bug of this program. Tests require count() == 0; programs end with
-/// throw_if_any().
+/// An OpenGL error is a bug of this program. Tests require count() == 0; programs call
+/// throw_if_any() at their end.
 class GlErrorLog {
  public:
   /// Logs the errors of the context that is current on this thread, synchronously. The log must
@@ -41,8 +41,8 @@ class GlErrorLog {
   std::string first_;
 };
 
-/// A context that draws into framebuffers of its own only. Move-only. It belongs to the thread that
-/// made it current last; a thread has at most one current context.
+/// A context without a window, which draws into framebuffer objects only. Move-only. It belongs to
+/// the thread that made it current last; a thread has at most one current context.
 class GlContext {
  public:
   /// Creates a context and makes it current. Tries Mesa's surfaceless platform first, then every

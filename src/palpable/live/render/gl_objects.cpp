@@ -23,8 +23,8 @@ const ShaderFile* find(std::span<const ShaderFile> files, std::string_view name)
   return found == files.end() ? nullptr : &*found;
 }
 
-/// A shader with its includes inserted, and the origin of each line. `#line` would not do: Mesa
-/// loses the file number in errors that it finds after parsing.
+/// A shader with its includes inserted, and the origin of each line. `#line` is not used, because
+/// Mesa loses the file number in errors that it finds after parsing.
 struct ExpandedShader {
   struct Origin {
     std::string_view file;

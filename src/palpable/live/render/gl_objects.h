@@ -99,7 +99,7 @@ struct ProgramSource {
   std::string_view defines = {};
 };
 
-/// One program for each of `sources`, in the same order; or the first problem.
+/// Makes one program for each of `sources`, in the same order; or returns the first problem.
 [[nodiscard]] Result<std::vector<GlProgram>> make_programs(std::span<const ShaderFile> files,
                                                            std::span<const ProgramSource> sources);
 
@@ -107,8 +107,8 @@ struct ProgramSource {
 class GlBuffer {
  public:
   GlBuffer();
-  /// Replaces the content. The driver keeps the old storage for frames that still draw from it, so
-  /// the call does not wait for them.
+  /// Replaces the content. The driver keeps the old storage for frames that are still being drawn
+  /// with it, so the call does not wait for them.
   void stream(const void* data, std::size_t bytes);
   template <class T>
   void stream(std::span<const T> values) {
@@ -122,7 +122,7 @@ class GlBuffer {
   std::size_t capacity_ = 0;
 };
 
-/// Says which buffer each input of a vertex shader reads.
+/// Assigns a buffer to each input of a vertex shader.
 class GlVertexArray {
  public:
   GlVertexArray();
@@ -130,7 +130,7 @@ class GlVertexArray {
   /// A stride or offset of interleaved data is in bytes; stride 0 means tightly packed.
   void floats(GLuint location, const GlBuffer& buffer, int components, int stride = 0,
               int offset = 0, bool per_instance = false);
-  /// Input `location` reads four bytes per vertex, 0 .. 255 as 0 .. 1; the rest as floats().
+  /// Input `location` reads four bytes per vertex, 0 .. 255 as 0 .. 1; other parameters as floats().
   void bytes(GLuint location, const GlBuffer& buffer, int stride, int offset);
   void indices(const GlBuffer& buffer);
   void bind() const { glBindVertexArray(name_.get()); }
@@ -194,7 +194,7 @@ class GlFramebuffer {
   /// @param depth   null for none
   /// @throws ContractViolation when OpenGL calls the combination incomplete
   GlFramebuffer(std::span<const GlTexture* const> colors, const GlTexture* depth);
-  /// With one layer of an array as the only colour attachment.
+  /// Has one layer of an array as its only colour attachment.
   GlFramebuffer(const GlTextureArray& colors, int layer, const GlTexture& depth);
 
   /// Directs drawing to this framebuffer; the viewport becomes all of it.

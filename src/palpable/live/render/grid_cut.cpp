@@ -9,11 +9,11 @@ namespace palpable {
 
 void GridCut::begin(int width, int height) {
   PALPABLE_EXPECT(width >= 0 && height >= 0, "a grid has no negative size");
-  stride_ = width + 2;  // a rim of nodes without links: no step leaves the memory
+  stride_ = width + 2;  // a rim of nodes without links, so that every node has four neighbours
   step_ = {1, -1, stride_, -stride_};
   const auto count = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(height + 2);
   assign_with_room(left_, 4 * count, 0);
-  assign_with_room(wish_, count, 0);
+  assign_with_room(bias_, count, 0);
   assign_with_room(tree_, count, kFree);
   assign_with_room(parent_, count, kOrphan);
   assign_with_room(distance_, count, 0);
@@ -33,9 +33,9 @@ void GridCut::activate(int node) {
 }
 
 void GridCut::solve() {
-  for (int node = 0; node < static_cast<int>(wish_.size()); ++node) {
-    if (wish_[node] == 0) continue;
-    tree_[node] = wish_[node] > 0 ? kOne : kZero;
+  for (int node = 0; node < static_cast<int>(bias_.size()); ++node) {
+    if (bias_[node] == 0) continue;
+    tree_[node] = bias_[node] > 0 ? kOne : kZero;
     parent_[node] = kRoot;
     distance_[node] = 1;
     activate(node);
@@ -85,11 +85,11 @@ void GridCut::augment(int one, int direction) {
   for (; parent_[node] != kRoot; node = beside(node, parent_[node])) {
     flow = std::min(flow, left_of(beside(node, parent_[node]), parent_[node] ^ 1));
   }
-  flow = std::min(flow, wish_[node]);
+  flow = std::min(flow, bias_[node]);
   for (node = zero; parent_[node] != kRoot; node = beside(node, parent_[node])) {
     flow = std::min(flow, left_of(node, parent_[node]));
   }
-  flow = std::min(flow, -wish_[node]);
+  flow = std::min(flow, -bias_[node]);
 
   left_of(one, direction) -= flow;
   left_of(zero, direction ^ 1) += flow;
@@ -99,17 +99,18 @@ void GridCut::augment(int one, int direction) {
     if ((left_of(parent, d ^ 1) -= flow) == 0) orphan(node);
     node = parent;
   }
-  if ((wish_[node] -= flow) == 0) orphan(node);
+  if ((bias_[node] -= flow) == 0) orphan(node);
   for (node = zero; parent_[node] != kRoot;) {
     const int d = parent_[node], parent = beside(node, d);
     left_of(parent, d ^ 1) += flow;
     if ((left_of(node, d) -= flow) == 0) orphan(node);
     node = parent;
   }
-  if ((wish_[node] += flow) == 0) orphan(node);
+  if ((bias_[node] += flow) == 0) orphan(node);
 }
 
-// Nodes on the way are noted as checked, so that the next one that asks stops there.
+// The number of steps from a node to its root. Marks the nodes on the path as checked, so that later
+// calls can stop there.
 int GridCut::distance_to_root(int node) {
   constexpr int kNone = std::numeric_limits<int>::max();
   int steps = 0;

@@ -1,5 +1,5 @@
 /// @file
-/// The smallest cut of a grid: divides pixels into two sides so that a sum of costs is least.
+/// The minimum cut of a grid: divides pixels into two sides so that a sum of costs is minimal.
 ///
 ///     E(x) = sum_i (x_i = 0 ? bias_i : 0) + sum_{i, j neighbours} (x_i != x_j ? link_ij : 0)
 ///
@@ -15,8 +15,8 @@
 
 namespace palpable {
 
-/// Fills a vector; where that takes more memory, it takes half as much again, since a body's
-/// rectangle grows a little from frame to frame.
+/// Fills a vector. Where it must grow, half as much again is reserved, since a body's rectangle may
+/// grow a little from frame to frame.
 template <class T>
 void assign_with_room(std::vector<T>& to, std::size_t count, T value) {
   if (to.capacity() < count) to.reserve(count + count / 2);
@@ -30,15 +30,15 @@ class GridCut {
   /// Starts a grid of this size without costs. Allocates nothing up to a size that it has had.
   void begin(int width, int height);
 
-  /// A pixel's wish for side 1 (above 0) or side 0 (below 0): what the other side costs it. Adds
-  /// up.
-  void add_bias(int x, int y, int bias) { wish_[at(x, y)] += bias; }
-  /// What it costs when the pixel and its right, or its lower, neighbour lie on different sides;
-  /// >= 0. The neighbour must lie within the grid.
+  /// Adds to a pixel's bias. A bias above 0 is the cost of side 0, a bias below 0 is minus the cost of
+  /// side 1.
+  void add_bias(int x, int y, int bias) { bias_[at(x, y)] += bias; }
+  /// Adds to the cost (>= 0) of having a pixel and its right, or its lower, neighbour on different
+  /// sides. The neighbour must lie within the grid.
   void link_right(int x, int y, int cost) { link(at(x, y), kRight, cost); }
   void link_down(int x, int y, int cost) { link(at(x, y), kDown, cost); }
 
-  /// Divides. Of several least divisions it takes the one with the fewest pixels on side 1.
+  /// Finds the minimum cut. Of several, it takes the one with the fewest pixels on side 1.
   void solve();
 
   /// The pixel's side after solve().
@@ -61,8 +61,8 @@ class GridCut {
     left_of(node, direction) += cost;
     left_of(beside(node, direction), direction ^ 1) += cost;
   }
-  // What may still flow between a node and its neighbour, in the direction of its tree: away from
-  // the root in the first tree, towards it in the second.
+  // The residual capacity between a node and its neighbour in the direction of flow in its tree: away
+  // from the root in the first tree, towards it in the second.
   [[nodiscard]] int outwards(int node, int direction) {
     return tree_[node] == kOne ? left_of(node, direction)
                                : left_of(beside(node, direction), direction ^ 1);
@@ -80,8 +80,8 @@ class GridCut {
 
   int stride_ = 0;
   std::array<int, 4> step_{};
-  std::vector<int> left_;  // of each node and direction: what may still flow
-  std::vector<int> wish_;  // what may still flow from (above 0) or to (below 0) the root
+  std::vector<int> left_;  // residual capacity of each node and direction
+  std::vector<int> bias_;  // residual capacity from (above 0) or to (below 0) the root
   std::vector<std::uint8_t> tree_, parent_;
   std::vector<int> distance_, checked_;  // to the root, as it was at time `checked_`
   std::vector<std::uint8_t> active_;

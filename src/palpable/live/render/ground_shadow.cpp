@@ -19,7 +19,7 @@ void GroundShadow::cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi
   std::fill(height_.begin(), height_.end(), 0.0f);
   if (vertices.cols() == 0 || !(to_light.z() > 0.0f)) return;
 
-  // A long shadow would have large cells, and be blurred at its foot.
+  // A longer shadow would have larger cells, and be blurred at the body's foot.
   constexpr float kMostSlope = 1.2f;
   slope_ = -to_light.head<2>() / to_light.z();
   slope_ *= kMostSlope / std::max(kMostSlope, slope_.norm());

@@ -28,14 +28,14 @@ double tick_step(double top, int wanted) {
   return 10.0 * power;
 }
 
-/// Writes a tick's number with as many decimals as its step needs, into memory of the caller.
+/// Writes a tick's number with as many decimals as its step needs, into the caller's memory.
 std::string_view print_tick(double value, double step, std::array<char, 32>& text) {
   const int digits = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
   const auto end = fmt::format_to_n(text.data(), text.size(), "{:.{}f}", value, digits);
   return {text.data(), std::min(end.size, text.size())};
 }
 
-// A line of text, in memory of its own: a legend is drawn for every frame.
+// A line of text of limited length, without heap memory, since a legend is drawn for every frame.
 class ShortText {
  public:
   template <class... Values>
@@ -53,12 +53,12 @@ class ShortText {
 
 // The lines below the bar.
 struct PresentText {
-  explicit PresentText(const Legend& legend) : told(!std::isnan(legend.present)) {
-    if (!told) return;
+  explicit PresentText(const Legend& legend) : shown(!std::isnan(legend.present)) {
+    if (!shown) return;
     print_value("max", legend.present, largest);
     if (legend.two_sided) print_value("min", legend.present_least, least);
     if (!(legend.stated_error > 0)) return;
-    // Of an error more than one digit says too much.
+    // One significant digit: the error itself is not known better.
     const double percent = 100 * legend.stated_error;
     const std::string_view space = legend.error_of.empty() ? "" : " ";
     if (percent > 100) {
@@ -68,13 +68,13 @@ struct PresentText {
     }
   }
 
-  bool told;
+  bool shown;
   ShortText largest, least, error;
 
  private:
   static void print_value(std::string_view name, double value, ShortText& text) {
     const int digits = std::abs(value) < 10 ? 1 : 0;
-    // What rounds to nothing has no sign.
+    // A value that rounds to 0 is written without a sign.
     text.print("{} {:.{}f}", name, std::abs(value) < 0.05 ? 0.0 : value, digits);
   }
 };
@@ -92,12 +92,13 @@ struct Ticks {
   static double step_of(const Legend& legend, int wanted) {
     if (!legend.two_sided) return tick_step(legend.top, wanted);
     const double step = tick_step(2 * legend.top, wanted);
-    // 0 alone would say nothing. Steps are at most 2.5 times as large as the one before.
+    // If 0 were the only number, the scale could not be read. Consecutive steps differ by a factor of
+    // at most 2.5.
     return step <= legend.top ? step : tick_step(legend.top / 2.5, 1);
   }
 };
 
-// How far up the bar a number stands, 0 .. 1.
+// The height of a number on the bar, 0 .. 1.
 float height_of(double value, const Legend& legend) {
   const double share = value / legend.top;
   return static_cast<float>(std::clamp(legend.two_sided ? 0.5 + 0.5 * share : share, 0.0, 1.0));
@@ -109,7 +110,7 @@ Rgb color_at_height(float height, const Legend& legend) {
              : color_of_share(height, legend.material, legend.opaque);
 }
 
-// Lengths of a legend in px, and what it holds.
+// Lengths of a legend in px, and the number of its ticks.
 struct LegendLayout {
   explicit LegendLayout(const ColorImage& picture, float s)
       : small(picture.height() < kSmallPicture), pad((small ? 4.0f : 12.0f) * s) {
@@ -130,10 +131,10 @@ struct LegendLayout {
   int ticks = 0;
 };
 
-// Calls draw(line) for the lines of a text that is to be at most `room` px wide: broken where three
-// spaces are, or where that does not suffice at the last space that fits. A word that is wider
-// alone is not broken. Allocates nothing: captions are drawn for every frame.
-// In a picture that is too narrow for words nothing is broken: a column of them would hide it all.
+// Breaks a text into lines of at most `room` px and calls draw(line) for each. A line is broken at
+// three spaces if there are any, else at the last space that fits; a single word is never broken.
+// Allocates nothing, since captions are drawn for every frame.
+// In a very narrow picture nothing is broken: a column of words would hide all of it.
 template <class Draw>
 void for_each_line_within(std::string_view text, float size, float room, const Draw& draw) {
   constexpr float kNarrowest = 120;  // px
@@ -179,7 +180,7 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   std::array<char, 32> text;
 
   const PresentText present(legend);
-  const bool tells_present = present.told && !layout.small;
+  const bool writes_present = present.shown && !layout.small;
   const TextSize title = layout.small ? TextSize{} : measure_text(legend.title, size);
   const TextSize unit = measure_text(legend.unit, small);
   float number_width = 0;
@@ -189,8 +190,8 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   }
   const float line_height = measure_text("0", small).height();
   float inner = std::max({title.width, unit.width, bar_width + 10.0f * s + number_width});
-  // As wide as its widest numbers would be, so that it stands still while they change.
-  if (tells_present) {
+  // As wide as its widest possible numbers, so that the panel does not move while they change.
+  if (writes_present) {
     inner = std::max(inner, measure_text("max 000.0", small).width);
     if (!legend.error_of.empty()) {
       const float error = measure_text(" > 100 %", small).width;
@@ -198,9 +199,9 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
     }
   }
   const float width = inner + 2.0f * pad;
-  // Room for all lines: the panel stands still while the error comes and goes.
+  // Room for all lines, so that the panel does not move when the error appears or disappears.
   const float lines = legend.two_sided ? 3.0f : 2.0f;
-  const float below = tells_present ? 8.0f * s + lines * line_height : 0.0f;
+  const float below = writes_present ? 8.0f * s + lines * line_height : 0.0f;
   const float height = 2.0f * pad + title.height() + unit.height() + layout.above_bar + bar_height +
                        layout.below_bar + below;
   const float x = static_cast<float>(picture.width()) - width - layout.edge;
@@ -228,14 +229,14 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
     draw_text(picture, bar_x + bar_width + 9.0f * s, at - 0.5f * extent.height(), number, small,
               kInk);
   }
-  if (!present.told) return;
+  if (!present.shown) return;
   const auto mark = [&](double value) {
     fill_panel(picture, bar_x - 4.0f * s, std::round(y_of(value) - s), bar_width + 8.0f * s,
                std::max(2.0f, std::round(2.0f * s)), 0.0f, kInk);
   };
   mark(legend.present);
   if (legend.two_sided) mark(legend.present_least);
-  if (!tells_present) return;
+  if (!writes_present) return;
   float text_y = bar_y + bar_height + 12.0f * s;
   const auto write = [&](const ShortText& line, Rgb ink) {
     draw_text(picture, x + pad, text_y, line.view(), small, ink);
@@ -260,8 +261,8 @@ void draw_warning(ColorImage& picture, std::string_view text, float scale) {
   float size = 24.0f * scale;
   const float pad = 12.0f * scale;
   const float room = width - 4.0f * pad;
-  const float asked = measure_text(text, size).width;
-  if (asked > room) size *= std::max(room, 1.0f) / asked;
+  const float needed = measure_text(text, size).width;
+  if (needed > room) size *= std::max(room, 1.0f) / needed;
   float widest = 0;
   float height = 0;
   for_each_line_within(text, size, room, [&](std::string_view line) {

@@ -1,5 +1,5 @@
 /// @file
-/// Explanations drawn on a picture: the colour bar of what is painted, lines of text.
+/// Explanations drawn on a picture: the colour bar of the painted field, and lines of text.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -14,24 +14,23 @@ namespace palpable {
 
 /// A bar with the colours of color_map.h, labelled with round numbers.
 struct Legend {
-  std::string_view title;  ///< what is painted, e.g. "von Mises stress"
+  std::string_view title;  ///< the painted field, e.g. "von Mises stress"
   std::string_view unit;   ///< of the numbers, e.g. "kPa"
-  double top = 1;          ///< the number at the upper end, > 0; the lower end is 0,
-  bool two_sided = false;  ///< or -top, in the colours of what has two signs
-  Rgb material = {};       ///< under the colours (color_map.h)
-  float opaque = 0;        ///< share from which they cover it; 0: everywhere
-  /// The largest number that is painted at present: marked at the bar and written below it; NaN: it
-  /// is not told.
+  double top = 1;          ///< number at the upper end, > 0
+  bool two_sided = false;  ///< the lower end is -top, in the colours for two signs; else 0
+  Rgb material = {};       ///< colour of the material below the scale's colours (color_map.h)
+  float opaque = 0;        ///< share of the scale from which they cover it; 0: everywhere
+  /// The largest number painted at present, marked at the bar and written below it; NaN: not shown.
   double present = std::numeric_limits<double>::quiet_NaN();
-  double present_least = std::numeric_limits<double>::quiet_NaN();  ///< likewise, where two-sided
-  double stated_error = 0;                                          ///< as a share; 0: not known
-  std::string_view error_of = {};  ///< whose error it is; empty: that of `present`
-  float scale = 1;                 ///< of all lengths; 1 suits a picture of 720 rows
+  double present_least = std::numeric_limits<double>::quiet_NaN();  ///< the least, if two-sided
+  double stated_error = 0;         ///< relative, 1 = 100 %; 0: not known
+  std::string_view error_of = {};  ///< quantity of the error; empty: that of `present`
+  float scale = 1;                 ///< factor of all lengths; 1 suits a picture of 720 rows
 };
 
 /// Draws the bar on a translucent panel at the right edge, centred in height. Letters have a least
-/// size, so in a picture of fewer than kSmallPicture rows the panel holds what is needed to read
-/// the bar alone: unit, three numbers, the mark; it then covers some 4 % of the picture.
+/// size. In a picture of fewer than kSmallPicture rows, the panel therefore holds only what is needed
+/// to read the bar: unit, three numbers, the mark; it then covers about 4 % of the picture.
 void draw_legend(ColorImage& picture, const Legend& legend);
 
 inline constexpr int kSmallPicture = 300;  // rows
@@ -40,7 +39,7 @@ inline constexpr int kSmallPicture = 300;  // rows
 [[nodiscard]] float legend_scale(int rows);
 
 /// Draws lines of text on a translucent panel in the lower left corner. A line that is wider than
-/// the picture goes on below, if it can at three spaces, else at one.
+/// the picture is broken, if possible at three spaces, else at one.
 void draw_caption(ColorImage& picture, std::span<const std::string> lines, float scale);
 
 /// Draws a line of text with its top left corner at (x, y) px on a translucent panel around it.
@@ -48,7 +47,7 @@ void draw_caption(ColorImage& picture, std::span<const std::string> lines, float
 void draw_label(ColorImage& picture, float x, float y, std::string_view text, float size);
 
 /// Draws one line on a red panel at the middle of the top: something that the user has to act on. A
-/// line that would not fit gets smaller letters, and then goes on below.
+/// line that does not fit gets smaller letters, and is then broken.
 void draw_warning(ColorImage& picture, std::string_view text, float scale);
 
 /// Round numbers from 0 to at most `top` (> 0), about `wanted` of them, in steps of 1, 2 or 5 times

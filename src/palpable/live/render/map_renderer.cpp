@@ -46,7 +46,7 @@ struct MapBodyBuffers {
     inputs.floats(1, normals, 3);
     inputs.floats(2, scalar, 1);
     inputs.floats(3, marks, 1);
-    inputs.floats(4, marks, 1);  // nothing real throws shadows here, and nothing is marked
+    inputs.floats(4, marks, 1);  // all 0: no shade by real things, as there are no marks
     inputs.indices(triangles);
   }
   GlBuffer vertices, normals, scalar, marks, triangles;
@@ -174,7 +174,7 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
   while (bodies.size() < view.bodies.size()) bodies.emplace_back();
   for (std::size_t i = 0; i < view.bodies.size(); ++i) {
     const BodyLook& look = view.bodies[i];
-    PALPABLE_EXPECT(!look.two_sided, "a map paints what has one sign");
+    PALPABLE_EXPECT(!look.two_sided, "a map paints fields of one sign");
     MapBodyBuffers& to = bodies[i];
     const auto count = static_cast<std::size_t>(look.vertices->cols());
     to.vertices.stream(floats_in(*look.vertices));
@@ -240,7 +240,8 @@ void MapRenderer::State::draw_lines(const PinholeCamera& camera, const MapView& 
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
-  // Hidden parts of lines first. They must not overlap, or their blended ends would show as beads.
+  // Hidden parts of lines are drawn first, without round ends: blended ends that overlap would be
+  // visible as dots.
   for (const bool hidden : {true, false}) {
     glDepthFunc(hidden ? GL_LEQUAL : GL_GREATER);
     line.set("opacity", hidden ? kThroughSurface : 1.0f);

@@ -24,12 +24,12 @@ namespace palpable {
 /// The room's surface as plain arrays. Read during MapRenderer::set_surface() only.
 struct MapSurface {
   const Eigen::Matrix3Xf* vertices = nullptr;   ///< (3 x N) m
-  const Eigen::Matrix3Xf* normals = nullptr;    ///< (3 x N) unit, towards the side that was seen
+  const Eigen::Matrix3Xf* normals = nullptr;    ///< (3 x N) unit, towards the seen side
   const Eigen::Matrix3Xi* triangles = nullptr;  ///< (3 x M) counter-clockwise from that side
   std::span<const Rgb> colors;                  ///< (N)
 };
 
-/// A piece of a line.
+/// A straight line.
 struct MapLine {
   Eigen::Vector3f from = Eigen::Vector3f::Zero();
   Eigen::Vector3f to = Eigen::Vector3f::Zero();
@@ -43,20 +43,20 @@ struct MapPoint {
   Rgb color{};
 };
 
-/// All that one picture shows beside the surface. Spans are read during draw() only.
+/// The content of one picture except the surface. Spans are read during draw() only.
 struct MapView {
   PinholeCamera camera = {};  ///< of the picture
   Rigid3 camera_from_world = Rigid3::Identity();
   Eigen::Vector3d up = -Eigen::Vector3d::UnitY();  ///< unit; surfaces that face it are lighter
   std::span<const MapLine> lines = {};
   std::span<const MapPoint> points = {};
-  std::span<const BodyLook> bodies = {};  ///< their camera_from_body is of this view's camera
-  /// The picture is drawn larger by this factor and averaged: 1 for moving pictures, 2 for stills.
+  std::span<const BodyLook> bodies = {};  ///< with camera_from_body of this view's camera
+  /// The picture is drawn larger by this factor and averaged down: 1 for films, 2 for stills.
   int supersampling = 1;
 };
 
-/// Draws with the OpenGL context that is current now and in every later call. Allocates nothing on
-/// our side once sizes are known.
+/// Draws with the OpenGL context that is current now and in every later call. Itself allocates
+/// nothing after a picture of the same sizes.
 class MapRenderer {
  public:
   /// Needs a current context. The problem names shader and line.
@@ -70,8 +70,8 @@ class MapRenderer {
   /// @throws ContractViolation when sizes do not match
   void set_surface(const MapSurface& surface);
 
-  /// Draws `view`. Surfaces are drawn from the side from which they were seen only, so that the
-  /// near walls of a room do not hide its inside. Hidden parts of lines are drawn faintly.
+  /// Draws `view`. Only the side from which a surface was seen is drawn, so that the near walls of a
+  /// room do not hide its inside. Hidden parts of lines are drawn faintly.
   /// @param picture  overwritten, camera size
   void draw(const MapView& view, ColorImage& picture);
 

@@ -1,5 +1,5 @@
 /// @file
-/// Paint on a pixel of a picture.
+/// Blends a colour into a pixel.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -8,7 +8,7 @@
 
 namespace palpable {
 
-/// Moves a pixel towards a colour. @param share  0 leaves it, 1 makes it that colour
+/// Blends a colour into a pixel. @param share  0 leaves the pixel unchanged, 1 replaces it
 inline void mix_color(Rgb& pixel, Rgb color, float share) {
   const auto one = [share](std::uint8_t from, std::uint8_t to) {
     const float value =

@@ -1,5 +1,5 @@
 /// @file
-/// The shaders' occlusion_bias(), as C++ (shaders/occlusion_bias.glsl says what it is).
+/// The shaders' occlusion_bias() as a C++ function (see shaders/occlusion_bias.glsl).
 #pragma once
 
 #include "palpable/live/render/glsl_as_cpp.h"

@@ -1,5 +1,5 @@
 /// @file
-/// A camera that the mouse moves around a body.
+/// A camera that is moved around a body by the mouse.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -9,7 +9,7 @@
 
 namespace palpable {
 
-/// Looks at `target` from a distance. All in the body frame, Z up.
+/// A camera that looks at `target` from a distance. All in the body frame, Z up.
 struct OrbitCamera {
   Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< m, body frame: the middle of the picture
   double azimuth = 0;    ///< rad about Z; 0 looks from -Y along +Y, positive moves the eye to +X

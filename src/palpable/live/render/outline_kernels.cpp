@@ -1,5 +1,5 @@
-// Compiled once for each set of vector instructions, without contraction of a * b + c
-// (CMakeLists.txt), which would differ between them.
+// This file is compiled once for each set of vector instructions, without contraction of a * b + c
+// (CMakeLists.txt), because the contracted results would differ between them.
 
 #include "palpable/live/render/outline_kernels.h"
 
@@ -10,7 +10,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpable/live/render/outline_kernels.cpp"
-// What each file of Highway needs first:
+// Highway requires this header first.
 #include <hwy/foreach_target.h>
 // clang-format off
 #include <hwy/highway.h>
@@ -76,8 +76,8 @@ HWY_INLINE hn::Vec<Floats> bump_of(hn::Vec<Floats> squared, float reach) {
   return hn::Mul(share, share);
 }
 
-// Lanes that do not fit into one vector are worked on one part after the other: each lane has its
-// own sums, whatever the width.
+// If the lanes do not fit into one vector, they are summed in several passes. Each lane has its own
+// sums, so that the result does not depend on the vector's width.
 HWY_ATTR OutlineSums sums(const OutlineWindow& w, float split_at) {
   const Floats d;
   OutlineSums result;

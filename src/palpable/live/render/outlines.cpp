@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-constexpr float kNothing = 1e-3f;  // a sum of weights below this counts as none
+constexpr float kNothing = 1e-3f;  // sum of weights below which a side has no votes
 
 // Lattice pixels of a window in one row, rounded up to whole vector registers.
 constexpr int kWindowColumns = OutlineWindow::kColumns;
@@ -19,25 +19,27 @@ static_assert(kWindowColumns >= 2 * RealOutlines::kWindow / RealOutlines::kLatti
 
 constexpr float kFactor = 1 + RealOutlines::kJump;
 
-// Biases and links are in natural logarithms of likelihoods, times this, in the cut.
+// Biases and links are natural logarithms of ratios of likelihoods. In the cut they are integers, in
+// units of 1 / kUnits.
 constexpr float kUnits = 256;
-constexpr float kColorFloor = 0.03f;  // a fit to both sides below this says nothing
+constexpr float kColorFloor = 0.03f;  // added to P_k: fits to both sides far below it have no effect
 // Colours are compared by hue more than by brightness, which changes with shade.
 constexpr float kLuma = 0.5f;     // weight of a grey level
-constexpr float kHue = 400;       // of a difference of channels as a share of brightness
+constexpr float kHue = 400;       // weight of a difference of channels, as a ratio to brightness
 constexpr float kDark = 32;       // grey levels added to brightness: hues of dark pixels are noise
-constexpr float kMissed = 0.08f;  // how often what moves is not in the mask, near a border
-constexpr float kFalse = 0.5f;    // how often what rests is: the mask closes gaps and widens
-// Share of moving votes from which what moves is known to be behind the body.
+constexpr float kMissed = 0.08f;  // share of moving pixels near a border that the mask misses
+constexpr float kFalse = 0.5f;    // share of resting ones in the mask, which closes gaps and widens
+// Share of moving votes behind the body above which something that moves there is known.
 constexpr float kFarMoves = 0.03f;
-constexpr float kMeasured = 0.5f;      // a measured depth in doubt speaks for its side
-constexpr float kSure = 0.2f;          // and one that was sure until its neighbours disagreed
-constexpr float kHalfSeenSays = 1.0f;  // a strip that one eye alone sees is background
-constexpr float kCloseSays = 2.0f;     // a mark "too close" of the matcher
-constexpr float kLink = 1.5f;          // between neighbours of the same colour ...
-constexpr float kLeastLink = 0.9f;  // ... and of whatever colours: four outweigh one pixel's colour
-constexpr float kLinkReach = 30;    // of colours between neighbours from which kLeastLink is left
-constexpr int kBodyReach = 6;       // px beside the body where pixels vote as well
+// Terms of a bias, in natural logarithms:
+constexpr float kMeasured = 0.5f;      // towards the side of a measured depth in doubt
+constexpr float kSure = 0.2f;          // towards the side of a depth that is kDoubted
+constexpr float kHalfSeenSays = 1.0f;  // towards the background's side, in half-seen strips
+constexpr float kCloseSays = 2.0f;     // towards before the body, where marked too close
+constexpr float kLink = 1.5f;          // link between neighbours of the same colour
+constexpr float kLeastLink = 0.9f;  // of very different colours; four outweigh one pixel's colour
+constexpr float kLinkReach = 30;    // difference of colours above which a link is kLeastLink
+constexpr int kBodyReach = 6;       // px beside the body up to which pixels are classified as well
 
 float total(const OutlineLanes& lanes) {
   float sum = 0;
@@ -118,7 +120,7 @@ void RealOutlines::read_masks(const OutlineView& view) {
   knows_moving_ = read(view.moving, moving_);
   read(view.too_close, close_);
   for (std::size_t i = 0; i < close_.size(); ++i) {
-    if (knows_moving_) close_[i] &= moving_[i];  // else it is a mismatch
+    if (knows_moving_) close_[i] &= moving_[i];  // a resting pixel marked too close is a mismatch
     if (close_[i] != 0) z_[i] = kTooClose;
   }
 }
@@ -141,8 +143,8 @@ void RealOutlines::find_body(const OutlineView& view, const PixelRange& own,
       to[x] = z > 0.0f ? std::max(z - 1.5f * glsl::occlusion_bias(z), 1e-3f) : 0.0f;
     }
   }
-  // Beside the body it is taken to go on for a few pixels, so that both sides of a hand's outline
-  // that follows the body's take part. First along rows, then along columns.
+  // The body is extended by a few pixels, so that both sides of a hand's outline take part where it
+  // runs along the body's. First along rows, then along columns.
   const auto spread = [&](int count, int length, std::size_t step, const auto& first) {
     for (int k = 0; k < count; ++k) {
       float* const line = limit_.data() + first(k);
@@ -291,7 +293,7 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y, float limit, signed 
   }
   if (close_[i] != 0) verdict.bias += kCloseSays;
   const bool near = z_[i] > 0.0f && z_[i] < limit;
-  const float says = doubt_[i] == kAsked ? kSure : guess == kHalfSeen ? kHalfSeenSays : kMeasured;
+  const float says = doubt_[i] == kDoubted ? kSure : guess == kHalfSeen ? kHalfSeenSays : kMeasured;
   if (guess == 0 || guess == kHalfSeen || !knows_moving_) verdict.bias += near ? says : -says;
   return verdict;
 }
@@ -302,7 +304,8 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
   const auto place = [w](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
   };
-  // Whether (x, y) of the own box takes part, and if not whether something real is before it.
+  // Whether pixel (x, y) of the own box is classified by the cut; if not, whether a sure real surface
+  // there is before the body.
   enum class Role : std::uint8_t { kNone, kVoter, kBefore, kBehind };
   const auto role = [&](int x, int y) {
     const float limit = limit_[place(x, y)];
@@ -319,7 +322,7 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
     const float share = std::max(1.0f - away / (kLinkReach * kLinkReach), 0.0f);
     return units(kLeastLink + (kLink - kLeastLink) * share * share);
   };
-  const auto ask = [&](int x, int y) {
+  const auto find_bias = [&](int x, int y) {
     const auto k = place(x, y);
     verdicts_[k] =
         of_window(own.x0 + x, own.y0 + y, limit_[k], view.guessed[at(own.x0 + x, own.y0 + y)]);
@@ -328,20 +331,20 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       if (role(x, y) != Role::kVoter) continue;
-      ask(x, y);
+      find_bias(x, y);
       growing_.push_back(y * w + x);
     }
   }
-  // A sure neighbour of a pixel in doubt that is on its other side is asked, too; if it disagrees
-  // with its depth, so are its neighbours.
+  // A sure neighbour on the other side than a pixel's bias takes part as well; if its own bias
+  // contradicts its depth, so do its neighbours.
   for (std::size_t next = 0; next < growing_.size(); ++next) {
     const int x = growing_[next] % w, y = growing_[next] / w;
     const bool before = verdicts_[static_cast<std::size_t>(growing_[next])].bias > 0;
     const auto visit = [&](int u, int v) {
       if (u < 0 || v < 0 || u >= w || v >= h) return;
       if (role(u, v) != (before ? Role::kBehind : Role::kBefore)) return;
-      doubt_[at(own.x0 + u, own.y0 + v)] = kAsked;
-      ask(u, v);
+      doubt_[at(own.x0 + u, own.y0 + v)] = kDoubted;
+      find_bias(u, v);
       const int k = v * w + u;
       if ((verdicts_[static_cast<std::size_t>(k)].bias > 0) == before) growing_.push_back(k);
     };
@@ -390,7 +393,7 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
 }
 
 void RealOutlines::write_fine(const OutlineView& view, const PixelRange& inner) {
-  constexpr int kReach = 2;  // px of the depth image: the colours of a side are those this near
+  constexpr int kReach = 2;  // px of the depth image within which the colours of a side are averaged
   const std::size_t stride = 2 * static_cast<std::size_t>(inner.width());
   assign_with_room(fine_, stride * 2 * static_cast<std::size_t>(inner.height()), 0.0f);
   for (int y = inner.y0; y < inner.y1; ++y) {

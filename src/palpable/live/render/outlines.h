@@ -1,12 +1,12 @@
 /// @file
-/// Where real things hide the body, at the picture's resolution.
+/// Finds where real things hide the body, at the picture's resolution.
 ///
 /// A stereo matcher at half the resolution widens near things by up to six of its pixels towards
 /// the left, where only the left eye sees the background; it closes narrow gaps between near
-/// things, and knows no depth of what is nearer than its range. Colours and what is known to move
-/// do not have these errors. So where the depth is in doubt they say how likely something real is
-/// nearer than the body, and the smallest cut of the body's rectangle decides for all pixels
-/// together: no pixel decides alone, hence no specks.
+/// things, and gives no depth for things nearer than its range. Colours and the moving mask do not
+/// have these errors. Where the depth is in doubt, they give the likelihood that something real is
+/// nearer than the body, and the minimum cut of a graph over the body's rectangle classifies all
+/// pixels together. Since no pixel is classified alone, there are no specks.
 ///
 ///   w, h  size of the depth image, half that of the picture
 #pragma once
@@ -22,14 +22,14 @@
 
 namespace palpable {
 
-/// What is known before outlines are found. Read during find() only.
+/// Input of RealOutlines::find(). Read during find() only.
 struct OutlineView {
   const ColorImage& picture;     ///< twice as wide and high as the depth image, or one pixel more
   PixelRange box;                ///< the part of the depth image that `depth` holds, in its pixels
   std::span<const float> depth;  ///< (h x w) row-major, m, as fill_unknown() leaves it
   /// (h x w) nearest_in_row of fill_unknown(): not 0 where `depth` is a neighbour's.
   std::span<const signed char> guessed;
-  PixelRange inner;             ///< where the body may be, within `box`
+  PixelRange inner;             ///< the part that may show the body, within `box`
   std::span<const float> body;  ///< (2 inner.h x 2 inner.w) Z of the body, m; 0 beside it
   /// Of the depth image's size, or null: 255 where something moves (Scene::moving) ...
   const MaskImage* moving = nullptr;
@@ -37,16 +37,17 @@ struct OutlineView {
   const MaskImage* too_close = nullptr;
 };
 
-/// Finds on which side of the body real surfaces lie.
+/// Finds whether real surfaces lie before or behind the body.
 ///
 /// **Pixels in doubt.** For a pixel, let F be any pixel whose depth is a guess, or larger than its
 /// own by more than the share kJump. In doubt are the pixels up to kDoubtLeft px right of an F, up
 /// to kDoubtRight px left of one, and up to kDoubtAcross px above or below one; pixels with a
-/// neighbour that is nearer by more than kJump; and guesses. All others are sure: their depth says
-/// whether they are before the body (n, nearer than it by 1.5 occlusion_bias()) or not (f).
+/// neighbour that is nearer by more than kJump; and guesses. All others are sure: their depth
+/// determines whether they are before the body (n, nearer than it by 1.5 occlusion_bias()) or not
+/// (f).
 ///
-/// **Votes** for a pixel p in doubt with colour c_p: those of sure pixels q on a lattice with a
-/// step of kLatticeStep px, within kWindow px of p. What is too close counts as sure, and as n.
+/// **Votes** for a pixel p in doubt with colour c_p come from sure pixels q on a lattice with a
+/// step of kLatticeStep px, within kWindow px of p. Pixels marked too close count as sure, and as n.
 ///
 ///     P_k(p) = sum_{q in k} s(p, q) g(c_p - c_q)  /  sum_{q in k} s(p, q),     k = n, f
 ///     s = max(0, 1 - |p - q|^2 / R_s^2)^2,   g = max(0, 1 - |c_p - c_q|^2 / R_c^2)^2
@@ -55,35 +56,36 @@ struct OutlineView {
 ///
 ///     c = (Y / 2,  400 (R - B) / (Y + 32),  400 (R + B - 2 G) / (Y + 32))        R, G, B in 0..255
 ///
-/// P_k measures how well the colour fits side k, whatever the number of pixels on that side. (The
-/// weights are those of adaptive support, Yoon and Kweon 2006, applied to labels instead of costs.)
-/// Likewise M_k is the share of what moves on side k; where no vote is near, what is before the
-/// body is taken to move, and the rest not. With m_p whether p moves,
+/// P_k measures how well the colour fits side k, independently of the number of pixels on that side.
+/// (The weights are those of adaptive support, Yoon and Kweon 2006, applied to labels instead of
+/// costs.) Likewise M_k is the share of moving pixels on side k; without votes, M_n is 1 and M_f is
+/// 0. With m_p whether p moves,
 ///
-///     bias(p) = log P_n / P_f + log P(m_p | M_n) / P(m_p | M_f) + depth's own small say
+///     bias(p) = log P_n / P_f + log P(m_p | M_n) / P(m_p | M_f) + a small term from p's own depth
 ///
-/// So what moves, has no depth and has no depth of anything that moves around it is before the
-/// body: too close is in front of everything. A sure pixel beside one in doubt with a bias to its
-/// other side is asked, too, and on from there while they disagree with their depth.
+/// So a moving pixel without depth is before the body if no moving pixel around it has a depth: it is
+/// too close to be measured, and in front of everything. If a pixel has a bias to the side on which a
+/// sure neighbour is not, the neighbour gets a bias as well, and so do the neighbour's neighbours, as
+/// long as the bias contradicts their depth.
 ///
-/// **Vote of all.** grid_cut.h divides the pixels in doubt by these biases and by links between
-/// neighbours, which are the weaker the more their colours differ; sure neighbours keep their side.
-/// A pixel that changes sides gets the mean depth of the votes of its side; kTooClose where there
-/// are none before the body, 0 (unknown) where there are none behind it.
+/// **Cut.** grid_cut.h divides these pixels into two sides by their biases and by links between
+/// neighbours, which are weaker the more the neighbours' colours differ; sure neighbours keep their
+/// side. A pixel that changes sides gets the mean depth of the votes of its new side; without votes,
+/// kTooClose before the body and 0 (unknown) behind it.
 ///
 /// **Full resolution.** A pixel of the depth image beside a border covers four pixels of the
 /// picture. Each of these goes to the side whose mean colour, within 2 px of the depth image, is
 /// more like its own.
 class RealOutlines {
  public:
-  /// A change of depth from one pixel to the next is a jump above this share of the depth. A desk
-  /// seen at 80 degrees changes by 1.6 %.
+  /// The largest change of depth from one pixel to the next within a surface, as a ratio to the
+  /// depth. That of a desk seen at 80 degrees is 1.6 %.
   static constexpr float kJump = 0.06f;
   static constexpr int kDoubtLeft = 5;    ///< px; the matcher widens near things by 3-6 px
   static constexpr int kDoubtRight = 3;   ///< px
   static constexpr int kDoubtAcross = 3;  ///< px
   static constexpr int kLatticeStep = 4;  ///< px
-  static constexpr int kWindow = 28;  ///< px: behind a half-seen strip of 25 px lies its background
+  static constexpr int kWindow = 28;  ///< px; reaches across a half-seen strip of 25 px
   /// px by which `box` should exceed `inner` on each side, so that windows lie within it.
   static constexpr int kMargin = kWindow + kLatticeStep;
   /// m, written where something is nearer than the depth's range.
@@ -108,8 +110,8 @@ class RealOutlines {
     int height = 0;
     std::vector<float> sure, light, warm, pink, inverse, moving;  // inverse: 1/m
   };
-  // How well a colour and motion fit the two sides of a window, and their mean depths in m; 0 where
-  // a side has no votes.
+  // The bias of a pixel, and the mean depths (m) of the votes of both sides; 0 for a side without
+  // votes.
   struct Verdict {
     float bias = 0;  // above 0: before the body
     float near_depth = 0, far_depth = 0;
@@ -134,8 +136,8 @@ class RealOutlines {
   std::vector<float> scratch_;
   std::vector<float> z_, limit_, fine_;  // m; limit_: what is nearer is before the body, 0 no body
   std::vector<Color> color_;
-  static constexpr std::uint8_t kAsked = 2;   // sure, but a neighbour disagrees
-  std::vector<std::uint8_t> doubt_;           // 0, 1 or kAsked
+  static constexpr std::uint8_t kDoubted = 2;  // sure by itself, but a neighbour's bias contradicts
+  std::vector<std::uint8_t> doubt_;            // 0: sure, 1: in doubt, or kDoubted
   std::vector<std::uint8_t> moving_, close_;  // 0 or 1
   Lattice lattice_;
   GridCut cut_;

@@ -18,7 +18,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kRowsPerEm = 48;  // of the window: 15 px of 720
+constexpr int kRowsPerEm = 48;  // rows of the window per em: letters of 15 px for 720 rows
 constexpr float kOpaque = 1.0f;
 
 // The built-in size that is nearest to `em` px.
@@ -28,14 +28,14 @@ const detail::FontSize& font_size(const detail::FontTable& table, int em) {
       [em](const auto& a, const auto& b) { return std::abs(a.size - em) < std::abs(b.size - em); });
 }
 
-// Replaces ImGui's own letters by the built-in ones (render/text.h), as they are drawn in pictures.
+// Replaces ImGui's font by the built-in one (render/text.h), which is used in pictures as well.
 void set_letters(ImFontAtlas& atlas, int em) {
   const detail::FontTable table = detail::font_table();
   const detail::FontSize& size = font_size(table, em);
   atlas.Clear();
   ImFontConfig config;
   config.SizePixels = std::round(size.ascent + size.descent);  // of a line
-  // Of ImGui's font nothing but what every font has to have: the rest would cost room and time.
+  // Loads only the one letter of ImGui's font that ImGui requires, to save memory and time.
   static constexpr ImWchar kFewest[] = {'?', '?', 0};
   config.GlyphRanges = kFewest;
   ImFont* font = atlas.AddFontDefault(&config);
@@ -45,14 +45,14 @@ void set_letters(ImFontAtlas& atlas, int em) {
   for (const detail::Glyph& glyph : letters) {
     const auto left = static_cast<float>(glyph.left);
     const float top = std::round(size.ascent) + static_cast<float>(glyph.top);
-    // One px more than there is ink, which stays clear: between two letters of the texture.
+    // One px more than the ink on each side, which stays clear and separates letters in the texture.
     places.push_back(atlas.AddCustomRectFontGlyph(font, static_cast<ImWchar>(glyph.letter),
                                                   glyph.width + 1, glyph.height + 1,
                                                   std::round(glyph.advance), {left, top}));
   }
   unsigned char* pixels = nullptr;
   int width = 0, height = 0;
-  atlas.GetTexDataAsAlpha8(&pixels, &width, &height);  // it is built here
+  atlas.GetTexDataAsAlpha8(&pixels, &width, &height);  // builds the texture
   for (std::size_t i = 0; i < letters.size(); ++i) {
     const detail::Glyph& glyph = letters[i];
     const ImFontAtlasCustomRect& at = *atlas.GetCustomRectByIndex(places[i]);
@@ -64,7 +64,7 @@ void set_letters(ImFontAtlas& atlas, int em) {
   }
 }
 
-// Sizes of ImGui's usual look are those of letters of 13 px.
+// Sets colours and sizes; ImGui's default sizes are scaled to letters of `em` px.
 void set_style(int em) {
   ImGuiStyle style;
   ImGui::StyleColorsDark(&style);
@@ -87,7 +87,7 @@ struct PixelBox {
   int left, bottom, right, top;
 };
 
-// What of the window a list covers: all that its commands may touch, px from the upper left.
+// The rectangle of the window that a draw list may change, px from the upper left.
 ImVec4 covered_by(const ImDrawList& list) {
   ImVec4 all{1e9f, 1e9f, -1e9f, -1e9f};
   for (const ImDrawCmd& command : list.CmdBuffer) {
@@ -108,7 +108,7 @@ ImVec4 covered_by(const ImDrawList& list) {
 }  // namespace
 
 int panel_letters(int window_width, int window_height) {
-  // Of a window that is higher than wide the picture has fewer rows.
+  // In a window that is narrower than 16:9 the picture has fewer rows than the window.
   const int rows = std::min(window_height, window_width * 9 / 16);
   return std::clamp(rows / kRowsPerEm, 10, 42);
 }
@@ -120,10 +120,10 @@ struct Panel::State {
         imgui(ImGui::CreateContext()) {
     ImGui::SetCurrentContext(imgui);
     ImGuiIO& io = ImGui::GetIO();
-    io.IniFilename = nullptr;  // nothing is remembered in files
+    io.IniFilename = nullptr;  // no files are written
     io.LogFilename = nullptr;
     io.BackendFlags = ImGuiBackendFlags_RendererHasVtxOffset;
-    io.DeltaTime = 1.0f / 60.0f;  // no clock: nothing on a panel moves by itself
+    io.DeltaTime = 1.0f / 60.0f;  // constant, since panels have no animations
     io.ConfigFlags |= ImGuiConfigFlags_NoMouseCursorChange;
     constexpr int kVertex = sizeof(ImDrawVert);
     static_assert(sizeof(ImDrawVert) == 20 && sizeof(ImDrawIdx) == 2);
@@ -142,7 +142,7 @@ struct Panel::State {
     layout();
     ImGui::Render();
   }
-  // What ImGui would have drawn, one list after the other.
+  // Copies the vertices and indices of all of ImGui's draw lists into new_vertices and new_indices.
   void gather();
   void draw_anew(int width, int height);
 
@@ -152,13 +152,14 @@ struct Panel::State {
   int em = 0;
   std::array<bool, IM_ARRAYSIZE(ImGuiIO::MouseDown)> pressed_here{};  // by button
   GlTexture ink;
-  // As large as the window: without a GPU copying is several times faster than drawing.
+  // The panel as drawn last, of the window's size: without a GPU, copying is several times faster
+  // than drawing.
   GlTexture drawn;
   GlFramebuffer framebuffer;
-  std::vector<PixelBox> covered;  // of it, by panels
+  std::vector<PixelBox> covered;  // the parts of `drawn` that hold panels
   GlBuffer vertices, indices;
   GlVertexArray inputs;
-  // What was laid out last, and what is in the buffers.
+  // The content laid out last, and that in the buffers.
   std::vector<std::byte> new_vertices, new_indices, old_vertices, old_indices;
 };
 
@@ -168,7 +169,7 @@ Panel& Panel::operator=(Panel&&) noexcept = default;
 Panel::~Panel() = default;
 
 Result<Panel> Panel::make(Layout layout) {
-  PALPABLE_EXPECT(layout != nullptr, "something says what is on a panel");
+  PALPABLE_EXPECT(layout != nullptr, "a panel has a layout function");
   Result<GlProgram> program = GlProgram::make(render_shader_files(), "panel.vert", "panel.frag");
   if (!program.ok()) return program.problem();
   return Panel(std::make_unique<State>(std::move(program.value()), std::move(layout)));
@@ -190,7 +191,7 @@ void Panel::resize(int width, int height) {
     s.ink = GlTexture(GL_R8, ink_width, ink_height, GL_LINEAR);
     s.ink.upload(0, 0, ink_width, ink_height, GL_RED, GL_UNSIGNED_BYTE, pixels);
   }
-  // ImGui shows a window of a new size one time late.
+  // ImGui needs two passes until a window of a new size is shown correctly.
   s.lay_out();
   s.lay_out();
 }
@@ -215,11 +216,11 @@ bool Panel::handle(const WindowEvent& event) {
     case Kind::kMove:
       break;
   }
-  // The one time tells it where the mouse is and what it does, the other one what follows from it.
+  // The first pass takes in the mouse's state, the second shows its effect.
   s.lay_out();
   bool its_own = io.WantCaptureMouse;
   s.lay_out();
-  // A release belongs to whom the press was told, wherever the mouse is by then.
+  // A release belongs to the panel if the press did, wherever the mouse is now.
   if (event.kind == Kind::kPress) s.pressed_here[event.button] = its_own;
   if (event.kind == Kind::kRelease) its_own = s.pressed_here[event.button];
   return its_own;
@@ -262,7 +263,7 @@ void Panel::draw(int width, int height) {
     std::swap(s.new_indices, s.old_indices);
     s.draw_anew(width, height);
   }
-  // Panels hide what is below them: they are copied.
+  // Panels are opaque, so they can be copied without blending.
   for (const PixelBox& at : s.covered) {
     glBlitNamedFramebuffer(s.framebuffer.get(), 0, at.left, at.bottom, at.right, at.top, at.left,
                            at.bottom, at.right, at.top, GL_COLOR_BUFFER_BIT, GL_NEAREST);

@@ -24,8 +24,8 @@ using File = std::unique_ptr<std::FILE, CloseFile>;
 constexpr std::size_t kPixelBytes = 3;
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 27;
 
-/// libpng's error, as its handler leaves it here. libpng leaves a call with longjmp, so between
-/// setjmp and the last call no object with a destructor may be created.
+/// The message of libpng's error handler. libpng reports an error by longjmp, so no object with a
+/// destructor may be created between setjmp and the last call.
 struct Complaint {
   std::string message;
 };
@@ -42,7 +42,7 @@ void append_bytes(png_structp png, png_bytep bytes, png_size_t count) {
 }
 void flush_nothing(png_structp /*png*/) {}
 
-/// The bytes of a PNG of rows as they lie in memory. @return false after an error of libpng
+/// Encodes rows of pixels as a PNG file in memory. @return false after an error of libpng
 bool encode_rows(std::string& file, png_uint_32 width, png_uint_32 height, int color,
                  const std::vector<png_bytep>& rows, Complaint& complaint) {
   png_structp png =

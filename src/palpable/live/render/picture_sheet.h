@@ -1,5 +1,5 @@
 /// @file
-/// Several pictures as one.
+/// Combines several pictures into one.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -8,7 +8,7 @@
 
 namespace palpable {
 
-/// Pictures side by side, row by row, on white.
+/// Puts pictures side by side, row by row, on a white sheet.
 /// @param cells  at least one, all of one size
 [[nodiscard]] ColorImage sheet_of(const std::vector<ColorImage>& cells, int columns);
 

@@ -10,15 +10,15 @@
 namespace palpable {
 namespace {
 
-constexpr float kPlane = 0.008f;      // m: what is so near to the plane is taken to be on it
-constexpr float kSoftTop = 0.04f;     // m below what throws a shadow, over which it begins
-constexpr float kOnThings = 0.5f;     // of the shade: a hand that touches is lit from its side
+constexpr float kPlane = 0.008f;      // m: a surface this near to the plane is taken to be on it
+constexpr float kSoftTop = 0.04f;     // m over which a shadow fades out at its upper end
+constexpr float kOnThings = 0.5f;     // ratio of the shade on standing things to that on the plane
 constexpr float kThickness = 0.035f;  // m, of a hand
-constexpr float kLift = 0.003f;       // m, of a vertex along its normal before it looks
-constexpr float kDarkest = 0.85f;     // of the shade on a body: light comes round a finger
-constexpr int kBlock = 8;             // texels
+constexpr float kLift = 0.003f;       // m from the vertex, along its normal, to the start of the ray
+constexpr float kDarkest = 0.85f;     // largest shade on a body: light gets around a finger
+constexpr int kBlock = 8;             // texels, side of a block
 
-// Along the light, m: dense where things touch.
+// Distances along the ray to the lamp, m; dense near the vertex, where things touch.
 constexpr std::array<float, 12> kSteps = [] {
   std::array<float, 12> steps{};
   for (int i = 1; i <= 12; ++i) {
@@ -53,7 +53,7 @@ void ShadeOnReal::add(const GroundShadow& shadow, const Rigid3& camera_from_body
     const double v = box_.y0 + 2 * j + 1;  // px from the picture's edge
     for (int i = 0; i < width_; ++i) {
       const double u = box_.x0 + 2 * i + 1;
-      // Body frame, for each m of Z in the camera.
+      // The pixel's ray in the body frame, per m of Z in the camera.
       const Eigen::Vector3f along = body_from_camera.linear().col(2) +
                                     static_cast<float>(u - 0.5 - camera.cx_px) * right +
                                     static_cast<float>(v - 0.5 - camera.cy_px) * down;
@@ -67,7 +67,7 @@ void ShadeOnReal::add(const GroundShadow& shadow, const Rigid3& camera_from_body
       if (at.z() < -2.0f * tolerance) continue;
       const Eigen::Array2f cell =
           (at.head<2>().array() - (shadow.slope() * at.z()).array() - corner) * cells - 0.5f;
-      // Its rim is lit, so nothing is lost where there are no four neighbours.
+      // The rim of the shadow's image is lit, so cells without four neighbours can be left out.
       if (!(cell.minCoeff() >= 0.0f && cell.maxCoeff() < N - 1)) continue;
       const int x = static_cast<int>(cell.x()), y = static_cast<int>(cell.y());
       const float fx = cell.x() - static_cast<float>(x), fy = cell.y() - static_cast<float>(y);
@@ -75,7 +75,7 @@ void ShadeOnReal::add(const GroundShadow& shadow, const Rigid3& camera_from_body
       const float dark = (1 - fy) * ((1 - fx) * shade[0] + fx * shade[1]) +
                          fy * ((1 - fx) * shade[N] + fx * shade[N + 1]);
       if (dark == 0.0f) continue;
-      // On the plane the height is 0 but for rounding, on whose sign nothing may depend.
+      // On the plane at.z() is 0 up to rounding, so its sign must not be used there.
       float below = 1.0f;
       if (!on_plane && at.z() > 0.0f) {
         const float* top = shadow.height().data() + y * N + x;
@@ -86,7 +86,7 @@ void ShadeOnReal::add(const GroundShadow& shadow, const Rigid3& camera_from_body
       } else if (!on_plane) {
         below -= glsl::smoothstep(tolerance, 2.0f * tolerance, -at.z());
       }
-      // The texture is read between texels: one pixel more on each side is not all lit.
+      // The texture is interpolated, so the shade extends by one texel on each side.
       shaded_.x0 = std::min(shaded_.x0, std::max(box_.x0 + 2 * i - 2, box_.x0));
       shaded_.x1 = std::max(shaded_.x1, std::min(box_.x0 + 2 * i + 4, box_.x1));
       shaded_.y0 = std::min(shaded_.y0, std::max(box_.y0 + 2 * j - 2, box_.y0));
@@ -113,7 +113,7 @@ void ShadeOnBody::see(const RealSurface& real) {
   }
 }
 
-// Whether nothing is nearer than z between two places, texels of the box.
+// Whether no texel is nearer than z in the blocks between two positions (texels of the box).
 bool ShadeOnBody::free_up_to(float z, const Eigen::Vector2f& a, const Eigen::Vector2f& b) const {
   const auto block = [](float texel, int count) {
     return std::clamp(static_cast<int>(std::floor(texel)) / kBlock, 0, count - 1);

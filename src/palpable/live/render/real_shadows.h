@@ -1,7 +1,8 @@
 /// @file
-/// Shadows between bodies and what is real, as far as its depth is known: that of a body on the
-/// desk and on what stands there, and that of a hand on a body. On the CPU, for a renderer without
-/// a GPU walks all of a shader for each pixel and vertex; here most of them take a look.
+/// Shadows between bodies and real things with known depth: that of a body on the desk and on things
+/// that stand there, and that of a hand on a body. They are computed on the CPU: a software renderer
+/// would run all of a shader for each pixel and vertex, while the code here rejects most of them by
+/// one comparison.
 ///
 /// Pixels are the picture's, texels those of the real depth. Camera frame, m.
 #pragma once
@@ -26,7 +27,7 @@ struct RealSurface {
   Eigen::Vector2d texels_per_pixel = Eigen::Vector2d::Zero();
   PinholeCamera camera;  ///< of the picture
 
-  /// Z at a place of the picture, px from its top left corner; 0 unknown.
+  /// Z at a position in the picture, px from its top left corner; 0 unknown.
   [[nodiscard]] float at(double x_px, double y_px) const {
     const int x = static_cast<int>(x_px * texels_per_pixel.x()) - box.x0;
     const int y = static_cast<int>(y_px * texels_per_pixel.y()) - box.y0;
@@ -36,20 +37,20 @@ struct RealSurface {
   }
 };
 
-/// How dark bodies make what is real: one value for each 2 x 2 pixels of a rectangle.
+/// The shade of bodies on real things: one value for each 2 x 2 pixels of a rectangle.
 class ShadeOnReal {
  public:
   /// Begins a picture, without any shade. @param box  of the picture, px
   void clear(const PixelRange& box);
 
-  /// Adds the shade of a body: of what lies within 8 mm (and the noise) of its plane Z = 0, of what
-  /// has no depth, which is taken to lie there, and of what stands on it, as high as that which
-  /// throws the shadow. What lies below the plane is lit.
+  /// Adds the shade of a body on real surfaces: on those within 8 mm (plus the noise) of its plane
+  /// Z = 0, on pixels without depth, which are taken to lie in that plane, and on things that stand
+  /// on it, up to the height of the part that throws the shadow. Surfaces below the plane are lit.
   /// @param strength  0 .. 1: how dark a full shadow is
   void add(const GroundShadow& shadow, const Rigid3& camera_from_body, double strength,
            const RealSurface& real);
 
-  /// Of the picture, px: outside of it all light is left.
+  /// The part of the picture (px) that has any shade.
   [[nodiscard]] const PixelRange& shaded() const { return shaded_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
@@ -62,18 +63,18 @@ class ShadeOnReal {
   std::vector<float> left_;
 };
 
-/// What real things keep from a body: a vertex looks along the light, and where it comes behind a
-/// real surface, but not far behind, there stands something that throws a shadow. Only what the
-/// camera sees does, and it is taken to be 35 mm thick, as a hand is.
+/// The shade of real things on a body. A ray from each vertex towards the lamp is followed; where it
+/// passes behind a real surface by less than 35 mm, the thickness of a hand, that surface shades the
+/// vertex. Only surfaces that the camera sees throw shadows.
 class ShadeOnBody {
  public:
-  /// Notes what is real. Allocates nothing once it has seen a box of this size.
+  /// Sets the real surface. Allocates nothing once it has seen a box of this size.
   void see(const RealSurface& real);
 
   /// @param vertices  (3 x V) m, body frame
   /// @param normals   (3 x V) unit
   /// @param to_light  camera frame, unit
-  /// @param shaded    (V) overwritten: the share of the lamp that does not arrive
+  /// @param shaded    (V) overwritten: the share of the lamp's light that does not reach the vertex
   void find(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xf& normals,
             const Rigid3& camera_from_body, const Eigen::Vector3f& to_light,
             std::span<float> shaded) const;
@@ -83,7 +84,7 @@ class ShadeOnBody {
 
   RealSurface real_;
   int blocks_x_ = 0, blocks_y_ = 0;
-  std::vector<float> nearest_;  // Z of the nearest texel of each block; infinite: none is known
+  std::vector<float> nearest_;  // Z of the nearest texel of each block; infinite without any
 };
 
 }  // namespace palpable

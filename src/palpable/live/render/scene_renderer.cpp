@@ -22,7 +22,7 @@ namespace {
 
 constexpr float kSceneNear = 0.01f;  // m
 constexpr int kHoleRadius = 6;       // texels of the depth image; radius for fill_unknown()
-constexpr int kOutlineRadius = 2;    // px by which the soft outline may exceed the body
+constexpr int kOutlineRadius = 2;    // px by which the soft outline may extend beyond the body
 constexpr Rgb kPlainGrey{118, 118, 118};
 
 Eigen::Vector4f floats_of(const PixelRange& box) {
@@ -69,13 +69,13 @@ struct Targets {
   GlFramebuffer composed;  // the picture, and the mask of visible bodies
 };
 
-/// A rectangle that grows around projected points.
+/// The bounding box of projected points.
 struct Bounds {
   float x0 = std::numeric_limits<float>::max();
   float y0 = std::numeric_limits<float>::max();
   float x1 = std::numeric_limits<float>::lowest();
   float y1 = std::numeric_limits<float>::lowest();
-  bool everything = false;  // a point lies before the near plane, so it may cover any pixel
+  bool everything = false;  // a point is nearer than the near plane and may cover any pixel
 
   void add(const Eigen::Vector3f& x_in_camera, const PinholeCamera& camera, float radius) {
     const float z = x_in_camera.z() - radius;
@@ -114,7 +114,7 @@ void set_camera(const GlProgram& program, const PinholeCamera& camera) {
   program.set("near", kSceneNear);
 }
 
-/// Directions in the camera frame: the body's up, and towards the lamp.
+/// Directions in the camera frame: the body's up, and the one to the lamp.
 struct Light {
   Eigen::Vector3f up;
   Eigen::Vector3f key;
@@ -124,7 +124,7 @@ Light light_on(const BodyLook& body, const SceneLight& light) {
   return {up, light.to_lamp.value_or(usual_lamp(up.cast<double>()).cast<float>())};
 }
 
-// Least and largest value; NaN where nothing is painted.
+// The least and the largest painted value; NaN if nothing is painted.
 struct PaintedRange {
   explicit PaintedRange(const SceneView& view) {
     for (const BodyLook& body : view.bodies) {
@@ -145,7 +145,7 @@ void draw_on(ColorImage& picture, const Arrow& arrow, const PinholeCamera& camer
   draw_arrow(picture, tail, tip, 5.0f * scale, arrow.color);
   const float size = 15.0f * scale;
   const TextSize text = measure_text(arrow.label, size);
-  // Beside the tail, on the side that the arrow does not take.
+  // The label is beside the tail, on the side away from the arrow.
   const float x = tail.x() + (tail.x() < tip.x() ? -text.width - 8.0f * scale : 8.0f * scale);
   draw_label(picture, x, tail.y() - 0.5f * text.height(), arrow.label, size);
 }
@@ -188,8 +188,8 @@ struct SceneRenderer::State {
   GlTexture real_depth{GL_R32F, 1, 1};
   GlTexture nothing_real{GL_R32F, 1, 1};
   GlTexture fine_depth{GL_R32F, 1, 1};  // of the picture's size
-  PixelRange real_box;                  // texels of real_depth that hold this picture's
-  PixelRange fine_box;                  // of the picture, where fine_depth holds; empty: nowhere
+  PixelRange real_box;                  // texels of real_depth that are valid for this picture
+  PixelRange fine_box;                  // px where fine_depth is valid; empty: nowhere
   RealOutlines outlines;
   ShadeOnReal shade_on_real;
   ShadeOnBody shade_on_body;
@@ -299,7 +299,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     const Eigen::Vector2f depth_per_picture = s.upload_real_depth(view, boxes);
     const RealSurface real{s.filled, s.real_box, depth_per_picture.cast<double>(), view.camera};
     s.shade_bodies(view, real);
-    // Bodies are read one pixel beyond the box: nothing of an earlier picture may be there.
+    // The shaders read bodies up to one pixel beyond the box, which must be cleared as well.
     const int x0 = std::max(box.x0 - 1, 0), y0 = std::max(box.y0 - 1, 0);
     glScissor(x0, y0, std::min(box.x1 + 1, width) - x0, std::min(box.y1 + 1, height) - y0);
     s.draw_bodies(view);
@@ -378,7 +378,7 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
   const double sx = static_cast<double>(depth.width()) / view.camera.width;
   const double sy = static_cast<double>(depth.height()) / view.camera.height;
   const int margin = wants_outlines(view) ? RealOutlines::kMargin : kHoleRadius + 2;
-  // So wide that both ends of every strip that one eye alone sees lie within.
+  // Wide enough for both ends of every strip that one eye alone sees.
   const int row_margin = kLongestHalfSeen + 1;
   const PixelRange& box = boxes.all;
   const PixelRange texels{std::max(static_cast<int>(box.x0 * sx) - row_margin, 0),
@@ -398,7 +398,7 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
   return Eigen::Vector2d(sx, sy).cast<float>();
 }
 
-// After the bodies are drawn.
+// Finds outlines and uploads their depth. @pre the bodies are drawn
 void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRange& bodies) {
   const PixelRange& texels = real_box;
   const PixelRange inner{bodies.x0 / 2, bodies.y0 / 2, std::min((bodies.x1 + 1) / 2, texels.x1),
@@ -421,7 +421,8 @@ void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRan
                     outlines.depth().data());
 }
 
-// What moves and has no depth is not on the body's plane, where shadows would fall on it.
+// Gives moving pixels without depth the depth kTooClose. Otherwise they would count as parts of the
+// body's plane and be shaded.
 void SceneRenderer::State::mark_too_close(const MaskImage& moving) {
   if (moving.width() < real_box.x1 || moving.height() < real_box.y1) return;
   float* z = filled.data();
@@ -433,7 +434,8 @@ void SceneRenderer::State::mark_too_close(const MaskImage& moving) {
   }
 }
 
-// Into body_z: of the texels `inner`, at the picture's resolution; 0 outside of `bodies`.
+// Reads the bodies' depth within the texels `inner`, at the picture's resolution, into body_z; 0
+// outside of `bodies`.
 void SceneRenderer::State::read_body_depth(const PixelRange& bodies, const PixelRange& inner) {
   const int width = 2 * inner.width(), height = 2 * inner.height();
   assign_with_room(body_z, static_cast<std::size_t>(width) * static_cast<std::size_t>(height),

@@ -1,6 +1,6 @@
 /// @file
-/// Draws a scene: the camera's image with the body in it, hidden where something real is nearer
-/// (paper Sec. 3.5, Fig. 9), its stress as colours (Fig. 16).
+/// Draws a scene: the camera's image with bodies in it, hidden where something real is nearer (paper
+/// Sec. 3.5, Fig. 9), and with their stress as colours (Fig. 16).
 ///
 ///   V  vertices     T  triangles
 ///
@@ -32,21 +32,21 @@ struct Dot {
   Rgb color{240, 120, 20};
 };
 
-/// Where a lamp usually is: above, a little to the left and behind the camera, so that visible
-/// sides are lit. Camera frame, unit. @param up  of the scene, likewise
+/// The usual direction to the lamp: above, a little to the left and behind the camera, so that
+/// visible sides are lit. Camera frame, unit. @param up  of the scene, likewise
 [[nodiscard]] inline Eigen::Vector3d usual_lamp(const Eigen::Vector3d& up) {
   return (0.85 * up + Eigen::Vector3d(-0.55, 0.0, -0.45)).normalized();
 }
 
-/// The light that bodies are drawn in, and that they keep from what is real.
+/// The light in which bodies are drawn, and by which they throw shadows on real things.
 struct SceneLight {
-  /// Towards the lamp: camera frame, unit. Nothing: usual_lamp() above each body.
+  /// Towards the lamp: camera frame, unit. Nothing: usual_lamp() for each body.
   std::optional<Eigen::Vector3f> to_lamp = {};
-  float lamp = 1;                                   ///< its strength; 1: a window beside the desk
-  Eigen::Vector3f color = Eigen::Vector3f::Ones();  ///< linear R, G, B of all; 1: a well lit room
+  float lamp = 1;                                   ///< strength; 1: a window beside the desk
+  Eigen::Vector3f color = Eigen::Vector3f::Ones();  ///< linear R, G, B of all light; 1: a lit room
 };
 
-/// An arrow over everything that is drawn, and a text at its tail.
+/// An arrow in front of everything else, with a text at its tail.
 struct Arrow {
   Eigen::Vector3d tail = Eigen::Vector3d::Zero();  ///< m, camera frame
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();   ///< likewise
@@ -57,16 +57,16 @@ struct Arrow {
 /// One body as plain arrays. Pointers and spans are read during draw() only; none of the pointers
 /// may be null.
 struct BodyLook {
-  const Eigen::Matrix3Xf* vertices = nullptr;   ///< (3 x V) body frame, m, as it is now
+  const Eigen::Matrix3Xf* vertices = nullptr;   ///< (3 x V) body frame, m, deformed
   const Eigen::Matrix3Xf* normals = nullptr;    ///< (3 x V) body frame, unit, outwards
   const Eigen::Matrix3Xi* triangles = nullptr;  ///< (3 x T) counter-clockwise from outside
-  Rgb material = kRubber;                       ///< its own colour
-  std::span<const float> scalar;                ///< (V) what is painted on it; empty: nothing is
-  float scalar_max = 1;                         ///< > 0: upper end of the colour scale, as `scalar`
-  bool two_sided = false;  ///< its lower end is -scalar_max, else 0 (color_map.h)
-  /// Low values let the material's own colour through (color_map.h); false: the scale alone.
+  Rgb material = kRubber;                       ///< colour of the material
+  std::span<const float> scalar;                ///< (V) the field painted on it; empty: none
+  float scalar_max = 1;                         ///< > 0: top of the colour scale, unit of `scalar`
+  bool two_sided = false;  ///< the scale's lower end is -scalar_max, else 0 (color_map.h)
+  /// Low values show the material's own colour (color_map.h); false: the scale's colours everywhere.
   bool blended = true;
-  /// The share of the scale from which paint covers the material wholly.
+  /// The share of the scale above which the scale's colours cover the material completely.
   [[nodiscard]] float opaque_share() const {
     if (scalar.empty()) return kNothingPainted;
     return blended ? kOpaqueShare : 0.0f;
@@ -75,26 +75,26 @@ struct BodyLook {
   Rgb mark_color{250, 208, 60};
   std::span<const Dot> dots;
   Rigid3 camera_from_body = Rigid3::Identity();
-  /// Darkness of the shadow on the body's plane Z = 0 and on what real stands on it, from 0 (none)
-  /// to 1. Pixels whose real depth is unknown are taken to show the plane.
+  /// Darkness of the shadow on the body's plane Z = 0 and on real things that stand on it, from 0
+  /// (none) to 1. Pixels whose real depth is unknown are taken to show the plane.
   float shadow = 0.5f;
 };
 
-/// Content of one picture.
+/// The content of one picture.
 struct SceneView {
   const ColorImage* background = nullptr;  ///< camera size; null: a plain grey
-  /// Z of the real scene in m, NaN where unknown. It may have another size than the picture, with
-  /// the same field of view (camera.scaled_down(2), say). Null: nothing real hides the body.
+  /// Z of the real scene in m, NaN where unknown. Its size may differ from the picture's, with the
+  /// same field of view (such as camera.scaled_down(2)). Null: nothing real hides the body.
   const DepthImage* real_depth = nullptr;
   /// Of the size of `real_depth`, or null: 255 where something moves, and where something is nearer
   /// than the depth's range. Both help where the depth is in doubt (outlines.h).
   const MaskImage* moving = nullptr;
   const MaskImage* too_close = nullptr;
-  /// Of the size of `real_depth`, or null: 255 where its depth is none of the pixel's own, and
-  /// counts as unknown.
+  /// Of the size of `real_depth`, or null: 255 where the depth was taken over from another pixel;
+  /// such depths count as unknown.
   const MaskImage* borrowed = nullptr;
-  /// Each pixel decides alone: hidden where `real_depth` at its place is known and nearer (paper
-  /// Sec. 3.5). No hole is closed, no outline found, nothing is softened.
+  /// Hides each pixel of a body exactly where `real_depth` at the pixel is known and nearer (paper
+  /// Sec. 3.5). No holes are closed, no outlines found, nothing is softened.
   bool hard_occlusion = false;
   PinholeCamera camera = {};  ///< of the picture; width and height are the picture's
   std::vector<BodyLook> bodies = {};
@@ -103,20 +103,19 @@ struct SceneView {
   std::string legend_title = {};          ///< above the colour bar, e.g. "von Mises"; empty: no bar
   std::string legend_unit = "kPa";        ///< unit of the numbers at the colour bar
   double legend_scale = 1e-3;             ///< number shown = scalar * legend_scale
-  double stated_error = 0;                ///< as a share; 0: not known
-  std::string stated_error_of = {};       ///< what has it; empty: the largest painted value
+  double stated_error = 0;                ///< relative, 1 = 100 %; 0: not known
+  std::string stated_error_of = {};       ///< its quantity; empty: the largest painted value
   std::vector<std::string> caption = {};  ///< lines in a corner, UTF-8 (Latin)
   std::string warning = {};               ///< a red line at the top; empty: none
 };
 
 /// Draws scenes with the OpenGL context that is current now and in every later call.
 ///
-/// Only the rectangle that holds bodies and shadows passes through OpenGL; the rest of the picture
-/// is copied. Once it has drawn pictures and bodies of these sizes, draw() allocates nothing
-/// itself.
+/// Only the rectangle that holds bodies and shadows is drawn by OpenGL; the rest of the picture is
+/// copied. After pictures and bodies of the same sizes, draw() itself allocates nothing.
 class SceneRenderer {
  public:
-  /// Needs a current context (GlContext::offscreen() or Window). The problem names shader and line.
+  /// Needs a current context (GlContext::offscreen() or Window). A problem names shader and line.
   [[nodiscard]] static Result<SceneRenderer> make();
 
   SceneRenderer(SceneRenderer&&) noexcept;
@@ -130,10 +129,10 @@ class SceneRenderer {
   /// @param body_depth    may be null. Z in m of the nearest body, hidden or not; NaN elsewhere
   /// @throws ContractViolation when sizes do not match
   ///
-  /// Pixels of unknown depth hide nothing, but fill_unknown.h first closes holes: strips that one
-  /// eye alone sees with the background's depth, other holes with the nearest depth within 6
-  /// texels. If `real_depth` is half as large as `background`, real things are outlined at the
-  /// picture's resolution (outlines.h). Outlines are about 1 pixel soft. Parts of bodies nearer
+  /// Pixels of unknown depth hide nothing, but holes are closed before (fill_unknown.h): strips that
+  /// one eye alone sees get the background's depth, other holes the nearest depth within 6 texels. If
+  /// `real_depth` has half the size of `background`, the outlines of real things are found at the
+  /// picture's resolution (outlines.h). Outlines are soft over about 1 pixel. Parts of bodies nearer
   /// than 10 mm are cut off.
   void draw(const SceneView& view, ColorImage& picture, MaskImage* body_visible = nullptr,
             DepthImage* body_depth = nullptr);

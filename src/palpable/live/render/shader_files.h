@@ -8,7 +8,7 @@
 
 namespace palpable {
 
-/// All of them; names without the folder.
+/// All shader files, named without the folder.
 [[nodiscard]] std::span<const ShaderFile> render_shader_files();
 
 }  // namespace palpable

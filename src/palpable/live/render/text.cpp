@@ -89,7 +89,7 @@ void fill_panel(ColorImage& picture, float x, float y, float width, float height
   const int x1 = std::min(static_cast<int>(std::ceil(x + width)), picture.width());
   for (int v = y0; v < y1; ++v) {
     for (int u = x0; u < x1; ++u) {
-      // Distance to the outline, px, negative inside. The outline is one pixel soft.
+      // Distance to the outline, px, negative inside. The outline is soft over one pixel.
       const float dx = std::abs(static_cast<float>(u) + 0.5f - cx) - 0.5f * width + r;
       const float dy = std::abs(static_cast<float>(v) + 0.5f - cy) - 0.5f * height + r;
       const float outside =

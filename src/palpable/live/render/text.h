@@ -11,7 +11,7 @@
 
 namespace palpable {
 
-/// Lengths of a line of text, px.
+/// Size of a line of text, px.
 struct TextSize {
   float width = 0;
   float ascent = 0;   ///< above the baseline
@@ -19,7 +19,7 @@ struct TextSize {
   [[nodiscard]] float height() const { return ascent + descent; }
 };
 
-/// Size of one line of UTF-8 text.
+/// Measures one line of UTF-8 text.
 /// @param size  px per em; the nearest available size (10 .. 42) is used
 [[nodiscard]] TextSize measure_text(std::string_view text, float size);
 

@@ -24,11 +24,11 @@ std::string glfw_reason() {
   return text != nullptr ? text : "no reason given";
 }
 
-// What a key is called on the user's keyboard: GLFW's own numbers are places on a US one, where
-// another layout has another letter.
+// The letter of a key in the user's keyboard layout. GLFW's own numbers denote positions on a US
+// keyboard, where another layout may have another letter.
 int layout_key(int key, int scancode) {
   const char* name = glfwGetKeyName(key, scancode);
-  if (name == nullptr || std::strlen(name) != 1) return key;  // no letter, or none of Latin
+  if (name == nullptr || std::strlen(name) != 1) return key;  // no letter, or not a Latin one
   const auto letter = static_cast<unsigned char>(name[0]);
   return std::isalnum(letter) != 0 ? std::toupper(letter) : key;
 }
@@ -39,7 +39,7 @@ struct Window::State {
   GLFWwindow* window = nullptr;
   GlErrorLog errors;
   WindowEventLog log;
-  bool damaged = false;  // something of the window has to be painted again
+  bool damaged = false;  // the window must be painted again
   // The picture last shown; null before the first.
   struct Surface {
     GlTexture texture;
@@ -47,7 +47,7 @@ struct Window::State {
   };
   std::unique_ptr<Surface> surface;
   std::optional<Panel> panel;
-  std::vector<WindowEvent> events;  // that were handed out
+  std::vector<WindowEvent> events;  // returned by the last call of events()
 
   State() = default;
   State(const State&) = delete;
@@ -67,12 +67,12 @@ struct Window::State {
     return *static_cast<State*>(glfwGetWindowUserPointer(window));
   }
 
-  // Shows the picture last shown again.
+  // Paints the picture last shown.
   void paint();
-  // The panel's part of what was reported; the rest is in `events`.
+  // Passes the gathered events to the panel, and puts those that are not the panel's into `events`.
   void take_events();
   void fit_panel();
-  void listen();
+  void set_callbacks();
 };
 
 int Window::State::open_windows = 0;
@@ -104,11 +104,11 @@ Result<Window> Window::open(const std::string& title, int width, int height) {
   glfwGetWindowSize(window, &window_width, &window_height);
   state->log.shows(width, height);
   state->log.resized(window_width, window_height);
-  state->listen();
+  state->set_callbacks();
   return Window(std::move(state));
 }
 
-void Window::State::listen() {
+void Window::State::set_callbacks() {
   glfwSetWindowSizeCallback(
       window, [](GLFWwindow* w, int width, int height) { of(w).log.resized(width, height); });
   glfwSetFramebufferSizeCallback(
@@ -128,7 +128,7 @@ void Window::State::listen() {
     of(w).log.key(layout_key(key, scancode));
   });
   static_assert(WindowEvent::kEscape == GLFW_KEY_ESCAPE);
-  // Without this a press before the first motion would be at 0, 0.
+  // Else a press before the first motion would have the position (0, 0).
   double x = 0, y = 0;
   glfwGetCursorPos(window, &x, &y);
   log.moved(x, y);
@@ -140,7 +140,7 @@ void Window::State::paint() {
   glfwGetFramebufferSize(window, &width, &height);
   const GlTexture& picture = surface->texture;
   const auto at = place_picture(picture.width(), picture.height(), width, height);
-  if (!at) return;  // minimised: painted when it comes back
+  if (!at) return;  // minimised: painted when it is shown again
   glDisable(GL_SCISSOR_TEST);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
   if (at->width != width || at->height != height) {
@@ -166,7 +166,7 @@ void Window::State::take_events() {
   events.clear();
   bool on_panel = false;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    // A mouse moves a thousand times a second: of moves that follow each other the last one counts.
+    // A mouse may report a thousand moves per second; only the last of consecutive ones is handled.
     const bool counts = i + 1 == all.size() || all[i].kind != WindowEvent::Kind::kMove ||
                         all[i + 1].kind != WindowEvent::Kind::kMove;
     if (panel && counts) on_panel = panel->handle(all[i]);
@@ -211,7 +211,7 @@ std::span<const WindowEvent> Window::events(double wait) {
   } else {
     glfwPollEvents();
   }
-  // Once for all reports of a resize by mouse, which come faster than pictures are painted.
+  // Once for all reports of a resize by the mouse, which come faster than pictures can be painted.
   if (s.damaged && s.surface) {
     if (s.panel) s.fit_panel();
     s.paint();

@@ -1,5 +1,5 @@
 /// @file
-/// A window that shows pictures and reports mouse and keyboard as plain data.
+/// A window that shows pictures and returns events of mouse and keyboard as plain data.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -25,21 +25,22 @@ class Window {
   Window& operator=(Window&&) noexcept;
   ~Window();
 
-  /// Puts a panel over the picture, laid out anew whenever a picture is shown and after each event.
-  /// It is in the window only: pictures that are shown stay as they are.
-  /// @param layout  what it refers to outlives the window, or the next panel; empty: no panel
+  /// Puts a panel over the picture. It is laid out anew whenever a picture is shown and after each
+  /// event, and is drawn in the window only, not into the pictures.
+  /// @param layout  everything it refers to must outlive the window or the next set_panel(); empty:
+  ///                no panel
   /// @throws Error when the panel's shaders do not compile
   void set_panel(Panel::Layout layout);
 
   /// Shows a picture as large as the window allows with its proportions kept. Waits for the
-  /// screen's next refresh. The picture stays: events() paints it again where the window was
-  /// resized or uncovered.
+  /// screen's next refresh. events() paints the picture again when the window was resized or
+  /// uncovered.
   void show(const ColorImage& picture);
-  /// The events since the last call; valid until the next call. Without any it waits up to `wait`
-  /// seconds for one. Keys are named by the user's layout; repeats of a key that is held, and keys
-  /// together with Ctrl, Alt or Super, are left out. A window that loses the keyboard reports its
-  /// buttons as released. What the mouse does on the panel is not among them; what it changed there
-  /// is seen when the next picture is shown, or at the next call.
+  /// Returns the events since the last call; valid until the next call. If there are none, waits up
+  /// to `wait` seconds for one. Keys are named by the user's keyboard layout; repeats of a key that is
+  /// held, and keys together with Ctrl, Alt or Super, are left out. A window that loses the keyboard
+  /// reports its buttons as released. Events of the mouse on the panel are handled by the panel and
+  /// left out; their effect is visible when the next picture is shown, or after the next call.
   [[nodiscard]] std::span<const WindowEvent> events(double wait = 0);
   /// True once the user has asked to close the window.
   [[nodiscard]] bool closed() const;

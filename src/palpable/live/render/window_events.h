@@ -1,6 +1,6 @@
 /// @file
-/// What mouse and keyboard did in a window, as plain data. Knows no window: what the operating
-/// system reports comes in, so that a test can be the operating system.
+/// Events of mouse and keyboard in a window, as plain data. Does not depend on a window: the reports
+/// of the operating system are passed in, so that a test can be the operating system.
 #pragma once
 
 #include <optional>
@@ -9,9 +9,9 @@
 
 namespace palpable {
 
-/// One event of mouse or keyboard. Positions are px of the picture last shown ((0, 0) is the centre
-/// of its first pixel), whatever the size of the window; they are where the pointer was when it
-/// happened, beside the picture too.
+/// One event of mouse or keyboard. Positions are those of the pointer at the event, in px of the
+/// picture last shown ((0, 0) is the centre of its first pixel), independently of the window's size;
+/// they may lie beside the picture.
 struct WindowEvent {
   enum class Kind { kPress, kRelease, kMove, kWheel, kKey };
   Kind kind = Kind::kMove;
@@ -29,21 +29,21 @@ struct PicturePlace {
   int x = 0, y = 0, width = 1, height = 1;
 };
 
-/// As large as the window allows, proportions kept, in its middle. Nothing when the window has no
-/// area, as while it is minimised.
+/// The rectangle of a picture that is shown as large as the window allows, with its proportions kept,
+/// in the middle. Nothing when the window has no area, as while it is minimised.
 /// @param picture_width, picture_height  > 0
 [[nodiscard]] std::optional<PicturePlace> place_picture(int picture_width, int picture_height,
                                                         int window_width, int window_height);
 
-/// Gathers events between two frames. A button's report has no position: it happened where the
-/// pointer was last reported. (Asking where the pointer is now, as the reports are read, would take
-/// a press and a drag within one frame for a press at the end of the drag.)
+/// Gathers events between two frames. The report of a button has no position; its event gets the
+/// position of the pointer that was reported last. (The pointer's position at the time of reading
+/// would turn a press and a drag within one frame into a press at the end of the drag.)
 class WindowEventLog {
  public:
-  /// The window's size, px of the positions reported to moved(). Of a size without area the places
-  /// before it stay.
+  /// Sets the window's size, in the px of moved(). After a size without area, positions are computed
+  /// with the last size that had one.
   void resized(int width, int height);
-  /// The picture that is shown from now on.
+  /// Sets the size of the picture that is shown from now on.
   void shows(int picture_width, int picture_height);
 
   void moved(double x, double y);
@@ -62,7 +62,7 @@ class WindowEventLog {
   int window_width_ = 1, window_height_ = 1;
   int picture_width_ = 1, picture_height_ = 1;
   PicturePlace place_;
-  double x_ = 0, y_ = 0;  // of the pointer, px of the window
+  double x_ = 0, y_ = 0;  // the pointer's position, px of the window
   std::vector<WindowEvent> gathered_, handed_out_;
 };
 

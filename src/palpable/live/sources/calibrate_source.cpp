@@ -28,14 +28,14 @@ std::unique_ptr<FrameSource> open_raw_pairs(CameraRequest request, VideoSystem& 
   return source;
 }
 
-// Where live will look for this camera's calibration.
+// The file in which `palpable live` will look for this camera's calibration.
 fs::path kept_file(const CameraRequest& request, const FrameFormat& format, VideoSystem& system) {
   if (!request.device.starts_with("/dev/")) {
     throw Error(fmt::format(
         "{}: only a camera's calibration has a place of its own; name the file to write",
         request.device));
   }
-  const CameraInfo info = value_or_throw(ask_camera(system, request.device));
+  const CameraInfo info = value_or_throw(query_camera(system, request.device));
   const fs::path folder = request.folders.front();
   make_folder(folder);
   return folder / calibration_name(info.name, format.width, format.height);
@@ -64,7 +64,7 @@ CalibratedSource calibrate_source(const BoardOrder& order, const fs::path& file,
   const FrameFormat& format = source->format();
   CalibratedSource result;
   result.file = file.empty() ? kept_file(order.source, format, system) : file;
-  expect_writable(result.file);  // before anybody shows boards
+  expect_writable(result.file);  // fails before anybody shows boards
   result.seen = find_boards(*source, order.pattern, order.views, on_step);
   Result<BoardCalibration> found =
       calibrate_boards(result.seen.views, order.pattern, format.width, format.height, order.limits);
@@ -81,7 +81,7 @@ CheckedCalibration check_calibration(const BoardOrder& order, const fs::path& fi
                                      VideoSystem& system,
                                      const std::function<void(const BoardSearchStep&)>& on_step) {
   const std::unique_ptr<FrameSource> source = open_raw_pairs(order.source, system);
-  const StereoRig rig = rig_to_check(file, source->format());  // before anybody shows boards
+  const StereoRig rig = rig_to_check(file, source->format());  // fails before anybody shows boards
   CheckedCalibration result;
   result.seen = find_boards(*source, order.pattern, order.views, on_step);
   const Result<double> error = row_error_px(result.seen.views, rig);

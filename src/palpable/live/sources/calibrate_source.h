@@ -1,5 +1,5 @@
 /// @file
-/// A stereo source that shows a chessboard, recorded or live, to a calibration file.
+/// Calibrates a stereo source, recorded or live, from pictures of a chessboard.
 #pragma once
 
 #include "palpable/live/calibrate/board_calibration.h"
@@ -11,37 +11,37 @@
 
 namespace palpable {
 
-/// The boards that are looked at.
+/// What to search for, and where.
 struct BoardOrder {
-  CameraRequest source;  ///< its calibration is left out; folders.front() keeps a camera's
+  CameraRequest source;  ///< its calibration is ignored; folders.front() receives a camera's
   BoardPattern pattern;
-  int views = 20;  ///< of a camera: boards to take
+  int views = 20;  ///< of a camera: number of boards to find
   BoardLimits limits;
 };
 
 struct CalibratedSource {
   SeenBoards seen;
   BoardCalibration found;
-  std::filesystem::path file;  ///< written
+  std::filesystem::path file;  ///< the file that was written
 };
 
-/// Looks at the source until it ends or, for a camera, until there are enough boards
+/// Searches the source until it ends or, for a camera, until there are enough boards
 /// (seen_boards.h), and writes the rig's calibration.
-/// @param file  to write; empty: a camera's is kept where `palpable live` looks for it
-/// @throws Error when the source cannot be opened, the file not be written (said before anybody
-///         shows boards), or the boards give no calibration that can be trusted
+/// @param file  to write; empty: for a camera, the file that `palpable live` looks for
+/// @throws Error when the source cannot be opened, when the file cannot be written (reported before
+/// the first board is shown), or when the boards give no reliable calibration
 [[nodiscard]] CalibratedSource calibrate_source(
     const BoardOrder& order, const std::filesystem::path& file, VideoSystem& system,
     const std::function<void(const BoardSearchStep&)>& on_step);
 
 struct CheckedCalibration {
   SeenBoards seen;
-  double row_error_px = 0;  ///< rms of the corners' rows once the calibration has rectified them
+  double row_error_px = 0;  ///< rms row difference of the rectified corners
 };
 
-/// How good a calibration is on boards that it may never have seen.
-/// @throws Error when the source or the file cannot be read, when the file is of another size or no
-///         raw stereo rig's, or when no board was seen
+/// Measures the error of a calibration with boards that need not be those of the calibration.
+/// @throws Error when the source or the file cannot be read, when the file is for another size or
+/// not for a raw stereo rig, or when no board was found
 [[nodiscard]] CheckedCalibration check_calibration(
     const BoardOrder& order, const std::filesystem::path& file, VideoSystem& system,
     const std::function<void(const BoardSearchStep&)>& on_step);

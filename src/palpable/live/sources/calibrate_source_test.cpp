@@ -26,7 +26,7 @@ constexpr double kFocal = 300;      // px
 constexpr double kBaseline = 0.07;  // m
 const BoardPattern kBoard{7, 4, 0.03};
 
-// left_from_board of a board tilted about X and Y, its middle at a place.
+// left_from_board of a board with centre `middle`, rotated about X and Y.
 Rigid3 board_at(double about_x, double about_y, const Vector3d& middle) {
   Rigid3 pose = Rigid3::Identity();
   pose.linear() = (Eigen::AngleAxisd(about_x, Vector3d::UnitX()) *
@@ -36,7 +36,7 @@ Rigid3 board_at(double about_x, double about_y, const Vector3d& middle) {
   return pose;
 }
 
-// What a stereo camera sends of it: both eyes side by side, gray.
+// The picture of a stereo camera: both eyes side by side, grey.
 std::vector<std::uint8_t> seen_by_both(const Rigid3& left_from_board) {
   const DistortedCamera eye{{kWidth, kHeight, kFocal, kFocal, 159.5, 119.5}, {}};
   Rigid3 right_from_left = Rigid3::Identity();
@@ -88,7 +88,8 @@ TEST_CASE("a board shown to a live camera becomes the calibration that cameras a
       board_at(0.3, 0.3, {0.03, 0.04, 0.45}), board_at(-0.3, -0.3, {0.02, -0.03, 0.38})};
   std::vector<std::vector<std::uint8_t>> pictures;
   for (const Rigid3& board : boards) pictures.push_back(seen_by_both(board));
-  // Held still for one picture, then taken away for another; two more boards than are wanted.
+  // One board stays for a second picture and is then absent for one; two boards more than
+  // required follow.
   const std::vector<std::uint8_t> nothing(pictures[0].size(), 90);
   pictures.insert(pictures.begin() + 1, {pictures[0], nothing});
   pictures.push_back(pictures[0]);
@@ -106,7 +107,7 @@ TEST_CASE("a board shown to a live camera becomes the calibration that cameras a
   CHECK(made.seen.pairs == 8);
   CHECK(made.seen.alike == 1);
   CHECK(done == std::vector<int>{1, 1, 1, 2, 3, 4, 5, 6});
-  CHECK(video.cameras[0].shots.size() == 2);  // enough is enough
+  CHECK(video.cameras[0].shots.size() == 2);  // the search ended before these
   CHECK(video.opened == 0);
 
   const std::filesystem::path kept = folder.path() / "kept/two-eyes-320x240.yml";
@@ -116,7 +117,7 @@ TEST_CASE("a board shown to a live camera becomes the calibration that cameras a
   CHECK(rig.left.pinhole.fx_px == Approx(kFocal).epsilon(percent));
   CHECK(rig.right.pinhole.fy_px == Approx(kFocal).epsilon(percent));
   CHECK(-rig.right_from_left.translation().x() == Approx(kBaseline).epsilon(percent));
-  // It is found again, and is good on the boards that are left in the camera.
+  // The file is found again, and its error on the remaining pictures is small.
   CHECK(known_calibration("Two Eyes", kWidth, kHeight, {folder.path() / "kept"}) == kept);
   video = camera_that_sees({pictures[0], pictures[3]});
   const CheckedCalibration checked = check_calibration(order_in(folder, 2), kept, video, quietly);
@@ -139,13 +140,13 @@ TEST_CASE("what is wrong with a live calibration is said before or after boards 
   }
   CHECK(std::filesystem::is_empty(folder.path() / "kept"));
 
-  // Nobody is asked to show boards when the file cannot be written: the picture is still there.
+  // A file that cannot be written is reported before a picture is read: the camera still has it.
   video = camera_that_sees({board});
   CHECK_THROWS_WITH(
       calibrate_source(order, folder.path() / "no such folder/calibration.yml", video, quietly),
       Catch::Contains("cannot be written"));
   CHECK(video.cameras[0].shots.size() == 1);
-  // Nor when the calibration that is to be checked cannot be read.
+  // The same when the calibration to check cannot be read.
   CHECK_THROWS_WITH(check_calibration(order, folder.path() / "none.yml", video, quietly),
                     Catch::Contains("none.yml"));
   CHECK(video.cameras[0].shots.size() == 1);

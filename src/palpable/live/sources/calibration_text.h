@@ -1,5 +1,5 @@
 /// @file
-/// A calibration from boards, and how far it can be trusted, told to people and to other programs.
+/// A calibration from boards and its uncertainty, as text and as JSON.
 #pragma once
 
 #include "palpable/common/base/json.h"
@@ -10,12 +10,12 @@
 
 namespace palpable {
 
-/// Lines: the error of each view, lenses, baseline, and what is known of them.
-/// @param seen  gave `found`
+/// Readable lines: the error of each view, lenses, baseline, and their uncertainties.
+/// @param seen  the boards from which `found` was computed
 [[nodiscard]] std::string text_of(const BoardCalibration& found, const SeenBoards& seen,
                                   const BoardPattern& pattern);
 
-/// The same, without the views. Lengths in m, the rest as its key says.
+/// The same without the views. Lengths in m, other units in the keys.
 [[nodiscard]] Json json_of(const BoardCalibration& found, const SeenBoards& seen);
 
 }  // namespace palpable

@@ -11,7 +11,7 @@ using Catch::Matchers::Contains;
 
 constexpr double kRightAngle = 1.5707963267948966;
 
-// Of two boards that were seen: numbers that are told apart by their digits.
+// A calibration from two boards in which every number has other digits.
 struct Example {
   SeenBoards seen;
   BoardCalibration found;

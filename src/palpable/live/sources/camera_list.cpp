@@ -18,7 +18,7 @@ std::string rates_text(const CameraMode& mode) {
   return text.empty() ? "?" : text;
 }
 
-// What the pictures of one mode are taken to be.
+// Kind of pictures of one mode, for the list.
 const char* kind_of(const CameraMode& mode) {
   if (is_depth_format(mode.format)) return "depth";
   return looks_side_by_side(mode.width, mode.height) ? "both eyes side by side" : "one eye";
@@ -63,7 +63,7 @@ std::vector<ListedCamera> list_cameras(VideoSystem& system,
                                        const std::vector<std::filesystem::path>& folders) {
   std::vector<ListedCamera> cameras;
   for (const std::string& path : system.devices()) {
-    const Result<CameraInfo> info = ask_camera(system, path);
+    const Result<CameraInfo> info = query_camera(system, path);
     ListedCamera& camera = cameras.emplace_back();
     camera.info.path = path;
     if (!info.ok()) {

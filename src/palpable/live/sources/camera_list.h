@@ -1,5 +1,5 @@
 /// @file
-/// What is plugged in, and what it can do.
+/// The connected cameras and their capabilities.
 #pragma once
 
 #include "palpable/common/base/json.h"
@@ -12,28 +12,28 @@
 
 namespace palpable {
 
-/// What the pictures of a device are taken to be.
+/// Kind of a device, judged by its formats and picture sizes.
 enum class CameraKind { kUnreadable, kSideBySide, kDepth, kOneEye };
 
 struct ListedCamera {
-  CameraInfo info;      ///< only its path where there is trouble
-  std::string trouble;  ///< why it could not be asked; empty: it was
+  CameraInfo info;      ///< only the path if there is a problem
+  std::string trouble;  ///< why the device could not be queried; empty: no problem
   CameraKind kind = CameraKind::kUnreadable;
-  /// Of two eyes: the file that open_camera() would take for the mode that it would choose; empty:
-  /// none is known.
+  /// kSideBySide: the calibration file that open_camera() would use for its default mode;
+  /// empty: none is known.
   std::filesystem::path calibration;
 };
 
-/// Every device that may be a camera.
-/// @param folders  where calibrations are kept
+/// All devices that may be cameras.
+/// @param folders  that may contain calibrations
 [[nodiscard]] std::vector<ListedCamera> list_cameras(
     VideoSystem& system, const std::vector<std::filesystem::path>& folders);
 
-/// Lines for people: sizes, formats and rates, what the pictures look like, whether exposure and
-/// gain can be fixed; or the trouble.
+/// Readable lines: sizes, formats and rates, kind of pictures, whether exposure and gain can be
+/// fixed; or the problem.
 [[nodiscard]] std::string text_of(const ListedCamera& camera);
 
-/// {"cameras": [...]}, the same for programs.
+/// {"cameras": [...]}: the same as JSON.
 [[nodiscard]] Json json_of(const std::vector<ListedCamera>& cameras);
 
 }  // namespace palpable

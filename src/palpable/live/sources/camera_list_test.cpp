@@ -32,8 +32,8 @@ test::FakeDevice device(const char* path, const char* card, std::vector<test::Fa
   return camera;
 }
 
-// One of each kind: both eyes side by side, one eye, depth, one that nobody may open, one whose
-// pictures cannot be read.
+// One device of each kind: both eyes side by side, one eye, depth, one without permission, one with
+// an unknown format.
 test::FakeVideo one_of_each() {
   test::FakeVideo video;
   video.cameras = {device("/dev/video0", "ZED-M", {{kYuyv, 2560, 720, {60, 30}}}),
@@ -103,7 +103,7 @@ TEST_CASE("programs are told the same of the cameras", "[sources][camera]") {
   CHECK(json_of(list_cameras(none, {})).dump() == R"({"cameras":[]})");
 }
 
-// Sets a variable of the environment, or removes it, until the end of the scope.
+// Sets an environment variable, or removes it, until the end of the scope.
 class Variable {
  public:
   Variable(const char* name, const char* value) : name_(name) {

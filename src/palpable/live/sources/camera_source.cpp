@@ -16,10 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kStall = 0.5;         // s without a picture
+constexpr double kStall = 0.5;         // s without a picture until the state is kStalled
 constexpr double kReopen = 1.0;        // s between attempts to open a lost device
-constexpr double kTogether = 0.6;      // periods; free-running cameras are up to half of one apart
-constexpr double kLockAfter = 1.0;     // s, until an automatic exposure has settled
+constexpr double kTogether = 0.6;      // periods; unsynchronized cameras differ by up to 0.5
+constexpr double kLockAfter = 1.0;     // s, time in which an automatic exposure settles
 constexpr int kPreferredWidth = 2560;  // px, both eyes
 constexpr int kPreferredHeight = 720;  // px
 
@@ -30,7 +30,7 @@ struct EyeSize {
 
 class CameraSource final : public FrameSource {
  public:
-  // @param keeps_yuyv  hand over pictures of both eyes in YUYV as they are
+  // @param keeps_yuyv  pass YUYV pictures of both eyes on unconverted
   CameraSource(VideoSystem& system, FrameFormat format, double depth_unit, bool lock,
                bool keeps_yuyv, V4l2Camera first, std::optional<V4l2Camera> second)
       : system_(system),
@@ -56,7 +56,7 @@ class CameraSource final : public FrameSource {
     const double until = system_.now() + kLongestWait;
     while (!has_first_ || (second_ && !has_second_)) {
       const double left = std::max(0.0, until - system_.now());
-      // Which of the two is looked at first does not matter: both drivers keep their newest.
+      // The order of the two cameras does not matter: both drivers keep their newest picture.
       const bool is_first = !has_first_;
       V4l2Camera& camera = is_first ? first_ : *second_;
       const V4l2Camera::Grab grab = camera.grab(left);
@@ -103,7 +103,8 @@ class CameraSource final : public FrameSource {
       return fmt::format("the picture is {} x {} px, not {} x {}", width, height, 2 * format_.width,
                          format_.height);
     }
-    // A camera that was plugged in again may send another format: nothing of the other one is left.
+    // A camera that was plugged in again may send another format, so that the images of the other
+    // format are cleared.
     if (as_it_is) {
       left_.resize(0, 0);
       right_.resize(0, 0);
@@ -114,7 +115,7 @@ class CameraSource final : public FrameSource {
     return {};
   }
 
-  // Two pictures that are too far apart in time are not one moment.
+  // If two pictures are too far apart in time for one frame, the older one is dropped.
   void forget_the_older() {
     const double apart = first_.time() - second_->time();
     if (std::abs(apart) * first_.frames_per_second() <= kTogether) return;
@@ -151,7 +152,7 @@ class CameraSource final : public FrameSource {
     if (!cannot.empty()) notes_.push_back(fmt::format("{} does not lock: {}", which, cannot));
   }
 
-  // True when all devices are there again.
+  // Returns whether all devices are available again.
   bool reopen() {
     if (system_.now() - last_try_ < kReopen) {
       system_.sleep(kLongestWait);
@@ -160,7 +161,7 @@ class CameraSource final : public FrameSource {
     last_try_ = system_.now();
     if (!first_.reopen() || (second_ && !second_->reopen())) return false;
     last_picture_ = system_.now();
-    is_locked_ = !wants_lock_;  // a device that was plugged in again is automatic again
+    is_locked_ = !wants_lock_;  // a device that was plugged in again has automatic settings
     running_from_.reset();
     state_ = SourceState::kStalled;  // until a picture comes
     return true;
@@ -176,20 +177,20 @@ class CameraSource final : public FrameSource {
   FrameFormat format_;
   double depth_unit_;
   bool keeps_yuyv_;
-  bool is_locked_;  // or is not to be
+  bool is_locked_;  // or need not be
   bool wants_lock_;
   V4l2Camera first_;
   std::optional<V4l2Camera> second_;
   SourceState state_ = SourceState::kRunning;
   std::vector<std::string> notes_;
   std::string trouble_;
-  std::optional<double> taken_;         // the driver's time of the frame that was given
+  std::optional<double> taken_;         // the driver's time of the last frame that was returned
   std::optional<double> begin_;         // the driver's time of the first frame
-  std::optional<double> running_from_;  // Frame::time of the first one since the device is open
-  double last_picture_;      // when a frame or an unreadable picture came, by the system's clock
-  bool never_pair_ = false;  // what came since then was of different moments
+  std::optional<double> running_from_;  // Frame::time of the first frame since opening
+  double last_picture_;                 // last frame or unreadable picture, system's clock
+  bool never_pair_ = false;             // the pictures since then did not match in time
   double last_try_ = 0;
-  bool has_first_ = false;  // left_ (or both eyes) is filled and not given away yet
+  bool has_first_ = false;  // left_ (or both eyes) is filled and not yet returned
   bool has_second_ = false;
   ColorImage both_;
   ColorImage left_;
@@ -198,7 +199,7 @@ class CameraSource final : public FrameSource {
   DepthImage depth_;
 };
 
-// The largest size of these modes that is not higher than 720 px, or else the smallest.
+// The largest size of these modes with a height up to 720 px; if there is none, the smallest.
 EyeSize comfortable_size(const CameraInfo& info, bool depth, const CameraInfo* also) {
   const auto has = [](const CameraInfo& other, const CameraMode& mode) {
     return std::any_of(other.modes.begin(), other.modes.end(), [&](const CameraMode& m) {
@@ -218,16 +219,16 @@ EyeSize comfortable_size(const CameraInfo& info, bool depth, const CameraInfo* a
   return best;
 }
 
-// The device beside the first one: the depth's or the right eye's; empty: there is one device.
+// The second device: depth or right eye; empty if there is only one.
 const std::string& other_device(const CameraRequest& request) {
   return request.depth.empty() ? request.right : request.depth;
 }
 
-// The size at which both devices give pictures.
+// A size that both devices have.
 Result<EyeSize> common_size(const CameraRequest& request, const CameraInfo& first,
                             VideoSystem& system) {
   const bool has_depth = !request.depth.empty();
-  const Result<CameraInfo> second = ask_camera(system, other_device(request));
+  const Result<CameraInfo> second = query_camera(system, other_device(request));
   if (!second.ok()) return second.problem();
   const EyeSize size = comfortable_size(second.value(), has_depth, &first);
   if (size.width > 0) return size;
@@ -235,7 +236,7 @@ Result<EyeSize> common_size(const CameraRequest& request, const CameraInfo& firs
                              other_device(request), has_depth ? "depth and " : "")};
 }
 
-// The size of one eye: asked for, or the calibration's, or what the camera does best.
+// The size of one eye: the requested one, or the calibration's, or the camera's default.
 Result<EyeSize> eye_size(const CameraRequest& request, const CameraInfo& info,
                          VideoSystem& system) {
   const bool two = !other_device(request).empty();
@@ -259,7 +260,7 @@ Result<EyeSize> eye_size(const CameraRequest& request, const CameraInfo& info,
   return EyeSize{mode->width / 2, mode->height};
 }
 
-// The calibration that the request names, or the one that is known of a camera of this name.
+// The calibration file in the request, or the known one for a camera of this name.
 Result<SourceCalibration> calibration_of_camera(const CameraRequest& request,
                                                 const std::string& camera, const EyeSize& eye) {
   const bool has_depth = !request.depth.empty();
@@ -304,7 +305,7 @@ CameraSettings first_settings(const CameraRequest& request, const EyeSize& eye) 
   return settings;
 }
 
-// Exposure and gain are the colour's; a depth device has none that could be set with them.
+// Exposure and gain apply to the colour camera; a depth device does not share these controls.
 CameraSettings second_settings(const CameraRequest& request, const EyeSize& eye) {
   CameraSettings settings = first_settings(request, eye);
   settings.depth = !request.depth.empty();
@@ -366,7 +367,7 @@ std::optional<fs::path> known_calibration(const std::string& camera, int width, 
 
 Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
                                                  VideoSystem& system) {
-  const Result<CameraInfo> info = ask_camera(system, request.device);
+  const Result<CameraInfo> info = query_camera(system, request.device);
   if (!info.ok()) return info.problem();
   if (request.lock && !info.value().has_exposure && !info.value().has_gain) {
     return Problem{
@@ -388,7 +389,7 @@ Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
     if (!opened.ok()) return opened.problem();
     second = std::move(opened).value();
   }
-  constexpr double kMillimetre = 1e-3;  // what depth devices step in unless it is said
+  constexpr double kMillimetre = 1e-3;  // usual step of depth devices
   return std::unique_ptr<FrameSource>(std::make_unique<CameraSource>(
       system, calibration.value().format, calibration.value().depth_unit.value_or(kMillimetre),
       request.lock, !request.without_calibration, std::move(first).value(), std::move(second)));

@@ -31,8 +31,7 @@ constexpr std::uint32_t kDepth = four_letters("Z16 ");
 constexpr int kWidth = 32;  // px, one eye
 constexpr int kHeight = 10;
 
-// A stereo camera that gives both eyes at once, one gray level per picture: level of picture i is
-// i.
+// A stereo camera that sends both eyes in one picture; all pixels of picture i have grey level i.
 FakeDevice stereo_camera() {
   FakeDevice camera;
   camera.path = "/dev/video0";
@@ -84,7 +83,7 @@ TEST_CASE("a stereo camera's pictures come as pairs with the driver's times", "[
     Frame frame;
     int waits = 0;
     while (source->next(frame) == FrameStatus::kWaiting) ++waits;
-    CHECK(waits <= 5);  // half a second until the first
+    CHECK(waits <= 5);  // the first picture comes after half a second
     for (int i = 0; i < 5; ++i) {
       INFO(i);
       if (i > 0) REQUIRE(source->next(frame) == FrameStatus::kFrame);
@@ -103,7 +102,7 @@ TEST_CASE("a stereo camera's pictures come as pairs with the driver's times", "[
   CHECK(video.mapped == 0);
 }
 
-// With a calibration, which is written into the folder.
+// A request with a calibration file, which is written into the folder.
 CameraRequest calibrated_request(const fs::path& folder) {
   StereoCalibration calibration;
   calibration.rig.left.pinhole = calibration.rig.right.pinhole = {kWidth, kHeight, 30, 30, 16, 5};
@@ -136,7 +135,7 @@ TEST_CASE("a calibrated camera's YUYV is handed over as it is", "[sources][camer
     CHECK(std::memcmp(frame.both.data(), bytes.data(), bytes.size()) == 0);
     CHECK(frame.left.empty());
   }
-  // Boards are looked for in colours.
+  // The search for boards needs colours.
   FakeVideo again;
   again.cameras = {stereo_camera()};
   again.cameras[0].modes = {{kYuyv, 2 * kWidth, kHeight, {30}}};
@@ -187,12 +186,12 @@ TEST_CASE("a late reader gets the newest picture, and what it missed counts as d
   Frame frame;
   REQUIRE(guard.next(frame) == FrameStatus::kFrame);
   CHECK(frame.number == 0);
-  video.time += 2.5 / 60;  // two pictures
+  video.time += 2.5 / 60;  // two pictures come
   REQUIRE(guard.next(frame) == FrameStatus::kFrame);
   CHECK(frame.number == 2);
   CHECK(frame.left(0, 0).r == 2);
   CHECK(guard.troubles().dropped == 1);
-  // Far longer than the driver has buffers: what it kept is old, but nothing newer is there.
+  // A gap longer than the driver's buffers: the kept picture is old, but there is no newer one.
   video.time += 0.5;
   REQUIRE(guard.next(frame) == FrameStatus::kFrame);
   const int kept = frame.number;
@@ -220,7 +219,7 @@ TEST_CASE("a camera that stalls, goes and comes back is followed through all of 
   while (video.time < 111) {
     const double before = video.time;
     if (guard.next(frame) == FrameStatus::kFrame) numbers.push_back(frame.number);
-    CHECK(video.time - before <= 0.1001);  // it never keeps its caller longer
+    CHECK(video.time - before <= 0.1001);  // next() never blocks longer than kLongestWait
     for (std::string& line : guard.take_reports()) reports.push_back(std::move(line));
   }
   CHECK(numbers.size() > 30);
@@ -289,7 +288,7 @@ TEST_CASE("two cameras whose pictures are never of one moment are stalled, and s
   FakeDevice right = left;
   right.path = "/dev/video2";
   left.film(100, 30, 10, kOne, 0);
-  right.film(100.05, 30, 10, kOne, 100);  // 50 ms apart; a period of what they promise has 33
+  right.film(100.05, 30, 10, kOne, 100);  // 50 ms apart, 1.5 of the stated periods
   video.cameras = {left, right};
   CameraRequest wanted = request();
   wanted.right = "/dev/video2";
@@ -322,7 +321,7 @@ TEST_CASE("a camera that comes back is held again as it was asked for", "[source
   while (video.time < 105) static_cast<void>(source->next(frame));
   CHECK(source->state() == SourceState::kGone);
   CHECK(camera.controls[V4L2_CID_EXPOSURE_AUTO] == V4L2_EXPOSURE_MANUAL);
-  camera.controls = automatic;  // it was without power
+  camera.controls = automatic;  // the camera has lost power
   while (video.time < 110.9) static_cast<void>(source->next(frame));
   CHECK(camera.controls == automatic);
   while (video.time < 111.5) static_cast<void>(source->next(frame));
@@ -391,14 +390,14 @@ TEST_CASE("exposure and gain are set, or held as the camera has found them", "[s
   Frame frame;
   for (int i = 0; i < 30; ++i) REQUIRE(source->next(frame) == FrameStatus::kFrame);
   CHECK(controls == automatic);
-  controls[V4L2_CID_EXPOSURE_ABSOLUTE] = 91;  // the camera at work
+  controls[V4L2_CID_EXPOSURE_ABSOLUTE] = 91;  // changed by the camera's automatic exposure
   for (int i = 0; i < 5; ++i) REQUIRE(source->next(frame) == FrameStatus::kFrame);
   CHECK(controls[V4L2_CID_EXPOSURE_AUTO] == V4L2_EXPOSURE_MANUAL);
   CHECK(controls[V4L2_CID_EXPOSURE_ABSOLUTE] == 91);
   CHECK(controls[V4L2_CID_AUTO_WHITE_BALANCE] == 0);
   CHECK(source->take_notes().empty());
 
-  // What does not lock is told, once, and the rest is locked.
+  // A value that cannot be locked is reported once, and the others are locked.
   controls = {{V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_APERTURE_PRIORITY},
               {V4L2_CID_EXPOSURE_ABSOLUTE, 50}};
   video.cameras[0].film(video.time + 1, 45, 30, kBoth);
@@ -431,9 +430,9 @@ TEST_CASE("what a camera can do is asked for, size by size", "[sources][camera]"
                   {kYuyv, 4416, 1242, {15}},
                   {four_letters("H264"), 1920, 1080, {30}}};
   camera.controls = {{V4L2_CID_GAIN, 5}};
-  const CameraInfo info = value_or_throw(ask_camera(video, "/dev/video0"));
+  const CameraInfo info = value_or_throw(query_camera(video, "/dev/video0"));
   CHECK(info.name == "ZED-M: test");
-  REQUIRE(info.modes.size() == 3);  // H264 cannot be converted
+  REQUIRE(info.modes.size() == 3);  // H264 cannot be converted and is not listed
   CHECK(info.modes[0].rates == std::vector<double>{100, 60, 30, 15});
   CHECK(info.has_gain);
   CHECK_FALSE(info.has_exposure);
@@ -462,7 +461,7 @@ TEST_CASE("a calibration is known by the camera's name and size, or by the ZED's
   CHECK(known_calibration("ZED-M", 1280, 720, folders) == folder / "zed-m-1280x720.yml");
   CHECK_FALSE(known_calibration("ZED-M", 672, 376, folders));
 
-  // And it is what the camera is opened with.
+  // The camera is opened with this file.
   StereoCalibration calibration;
   calibration.rig.left.pinhole = calibration.rig.right.pinhole = {kWidth, kHeight, 30, 30, 16, 5};
   calibration.rig.right_from_left.translation().x() = -0.06;
@@ -540,7 +539,7 @@ TEST_CASE("raw pictures become the colours that they hold", "[sources][camera]")
   raw = {four_letters("NV12"), 2, 2, 2, nv12.data(), nv12.size()};
   REQUIRE(to_color(raw, image).empty());
   CHECK(image.height() == 2);
-  CHECK(image(1, 1).r == image(0, 0).b);  // no colour in it
+  CHECK(image(1, 1).r == image(0, 0).b);  // grey
 
   std::vector<std::uint8_t> jpeg;
   cv::imencode(".jpg", cv::Mat(16, 16, CV_8UC3, cv::Scalar(10, 20, 200)), jpeg);
@@ -560,7 +559,7 @@ TEST_CASE("raw pictures become the colours that they hold", "[sources][camera]")
   DepthImage depth;
   raw.format = kDepth;
   CHECK(contains(to_depth(raw, 1e-3, depth), "a row has 2 bytes; 2 px have 4"));
-  // A header that declares a gigapixel is not believed.
+  // A header that declares a gigapixel is rejected.
   raw = {four_letters("MJPG"), 16, 16, 0, jpeg.data(), jpeg.size()};
   const std::array<std::uint8_t, 2> frame_header{0xFF, 0xC0};
   const auto at = std::search(jpeg.begin(), jpeg.end(), frame_header.begin(), frame_header.end());

@@ -26,9 +26,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameMoment = 0.02;  // s, as TUM's own tool has it
+constexpr double kSameMoment = 0.02;  // s, the limit of TUM's own tool
 
-// The images directly in `folder` whose names match, in natural order.
+// The images directly in `folder` that match the pattern, in natural order.
 std::vector<fs::path> images_in(const fs::path& folder, std::string_view pattern = "*") {
   std::vector<fs::path> images;
   std::error_code error;
@@ -56,7 +56,7 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, ignored);
 }
 
-// The last number in a name before its ending; nothing without one.
+// The last number in a name before its extension; empty without a number.
 std::optional<long long> number_in(const fs::path& image) {
   const std::string name = image.stem().string();
   const auto last = name.find_last_of("0123456789");
@@ -66,8 +66,9 @@ std::optional<long long> number_in(const fs::path& image) {
   return to_whole_number(std::string_view(name).substr(from, last + 1 - from));
 }
 
-// The first image whose number the other side does not have, if most numbers are on both sides: the
-// names then are numbers of frames. Otherwise each side has its own stamps or counters.
+// The first image whose number does not occur on the other side, if most numbers occur on
+// both sides, so that they number the frames. Empty otherwise: then each side has its own
+// stamps or counters.
 std::optional<fs::path> without_partner(const std::vector<fs::path>& first,
                                         const std::vector<fs::path>& second) {
   std::map<long long, int> sides;  // bit 0: in the first, bit 1: in the second
@@ -88,7 +89,7 @@ std::optional<fs::path> without_partner(const std::vector<fs::path>& first,
   return *images.at(odd->first);
 }
 
-// Partners by position; a problem when one has none.
+// Pairs the images by their index; a problem when one has no partner.
 std::optional<Problem> join(const fs::path& folder, const std::vector<fs::path>& first,
                             const std::vector<fs::path>& second, std::string_view first_name,
                             std::string_view second_name, Recording& recording) {
@@ -117,7 +118,7 @@ Rigid3 pose_of(const Eigen::Vector3d& position, double qw, double qx, double qy,
   return pose;
 }
 
-// Numbers row by row; 12 or 16 of them.
+// A pose from 12 or 16 numbers in row order.
 std::optional<Rigid3> pose_of(const std::vector<double>& n) {
   if (n.size() != 12 && n.size() != 16) return std::nullopt;
   Rigid3 pose = Rigid3::Identity();
@@ -126,7 +127,7 @@ std::optional<Rigid3> pose_of(const std::vector<double>& n) {
   return pose;
 }
 
-// The entry of a time-ordered map nearest to `time`, if it is of the same moment.
+// The entry nearest to `time`, if it is within kSameMoment; else null.
 template <class T>
 const T* nearest(const std::map<double, T>& entries, double time) {
   const auto after = entries.lower_bound(time);
@@ -151,7 +152,7 @@ void count_from_first(Recording& recording) {
 
 // --- EuRoC: https://projects.asl.ethz.ch/datasets ----------------------------------------------
 
-// The numbers in the first [...] after `key:`; empty without one.
+// The numbers in the first [...] after `key:`; empty if there is none.
 std::vector<double> list_after(const std::string& text, std::string_view key) {
   const auto at = text.find(std::string(key) + ":");
   if (at == std::string::npos) return {};
@@ -209,12 +210,12 @@ Result<EurocCamera> read_euroc_camera(const fs::path& path) {
 
 constexpr double kNanosecond = 1e-9;  // s
 
-// -1 if the text is no time stamp.
+// -1 if the text is not a time stamp.
 long long nanoseconds(std::string_view text) {
   return std::max(to_whole_number(text).value_or(-1), -1LL);
 }
 
-// The rig of both cameras' sensor.yaml.
+// The rig from the sensor.yaml of both cameras.
 Result<SourceCalibration> euroc_calibration(const fs::path& folder) {
   for (const char* file : {"cam0/sensor.yaml", "cam1/sensor.yaml"}) {
     if (!is_there(folder / file)) {
@@ -254,7 +255,7 @@ Result<Recording> euroc(const fs::path& folder) {
   const Result<EurocCamera> first = read_euroc_camera(folder / "cam0/sensor.yaml");
   const Rigid3 body_from_camera = first.ok() ? first.value().body_from_camera : Rigid3::Identity();
 
-  // Times are kept relative to the first image: 1e18 ns do not fit a double.
+  // Times are relative to the first image, because 1e18 ns exceed a double's precision.
   const std::vector<fs::path> lefts = images_in(folder / "cam0/data");
   const long long begin = lefts.empty() ? 0 : nanoseconds(lefts.front().stem().string());
   recording.starts_at = kNanosecond * static_cast<double>(begin);
@@ -288,7 +289,7 @@ Result<Recording> kitti(const fs::path& folder, std::string_view left, std::stri
                           recording)) {
     return *problem;
   }
-  // P0: the 12 numbers of a projection, row by row; some copies leave the names out.
+  // P0: the 12 numbers of a projection in row order; some copies lack the names.
   const fs::path path = folder / "calib.txt";
   const auto lines = read_lines(path);
   if (!lines) {
@@ -313,7 +314,7 @@ Result<Recording> kitti(const fs::path& folder, std::string_view left, std::stri
   SourceCalibration calibration;
   FrameFormat& format = calibration.format;
   format.already_rectified = true;
-  // The size is that of the images, which are read when the folder is opened.
+  // The image size is not in the file; it is read from the first image when the folder is opened.
   format.rectified = {{0, 0, L[0], L[5], L[2], L[6]}, (L[3] - R[3]) / L[0], L[2] - R[2]};
   calibration.frames_per_second = 10;
   recording.calibration = calibration;
@@ -327,7 +328,7 @@ Result<Recording> kitti(const fs::path& folder, std::string_view left, std::stri
     if (!poses || i >= poses->size()) continue;
     frame.world_from_camera = pose_of(to_numbers((*poses)[i]).value_or(std::vector<double>{}));
     if (!frame.world_from_camera) continue;
-    // The poses are camera 0's; ours may stand beside it: K t = 4th column of P.
+    // The poses are those of camera 0, and the left camera may be beside it: K t = 4th column of P.
     const double x = -L[3] / L[0];
     *frame.world_from_camera = *frame.world_from_camera * Eigen::Translation3d(x, 0, 0);
   }
@@ -336,8 +337,8 @@ Result<Recording> kitti(const fs::path& folder, std::string_view left, std::stri
 
 // --- TUM: https://cvg.cit.tum.de/data/datasets/rgbd-dataset ------------------------------------
 
-// "1305031102.1758 rgb/1305031102.1758.png", in the order of their stamps. Lines without a stamp,
-// or with that of an earlier line, are left out and counted.
+// Reads lines like "1305031102.1758 rgb/1305031102.1758.png", sorted by stamp. Lines without a
+// stamp, or with the stamp of an earlier line, are skipped and counted.
 std::map<double, fs::path> stamped_files(const fs::path& folder, const char* list, int& left_out) {
   std::map<double, fs::path> files;
   const auto lines = read_lines(folder / list);
@@ -403,9 +404,9 @@ Result<Recording> tum(const fs::path& folder) {
 constexpr const char* kSevenScenes = "7-Scenes";
 const PinholeCamera kSevenScenesDepth{0, 0, 585, 585, 320, 240};
 
-// The data set does not say how its Kinect's two sensors stand. The focal length and the rotation
-// and translation are those that the relocalisation papers work with (setup_7scenes.py of
-// github.com/tsattler/visloc_pseudo_gt_limitations, Brachmann et al., ICCV 2021), taken from
+// The data set does not give the pose of its Kinect's two sensors. The focal length, rotation and
+// translation here are those used by relocalisation papers (setup_7scenes.py of
+// github.com/tsattler/visloc_pseudo_gt_limitations, Brachmann et al., ICCV 2021), measured with
 // another Kinect: projet.liris.cnrs.fr/voir/activities-dataset/kinect-calibration.html.
 ColorSensor seven_scenes_color() {
   ColorSensor color{{0, 0, 525, 525, 320, 240}, Rigid3::Identity()};
@@ -443,7 +444,7 @@ Result<Recording> seven_scenes(const fs::path& folder) {
   return recording;
 }
 
-// --- ours ---------------------------------------------------------------------------------------
+// --- Palpable's own layouts ---------------------------------------------------------------------
 
 Result<Recording> two_folders(const fs::path& folder) {
   Recording recording;
@@ -467,9 +468,9 @@ Result<Recording> color_and_depth(const fs::path& folder, const std::vector<fs::
   return recording;
 }
 
-// --- Middlebury: https://vision.middlebury.edu/stereo/data, and pairs named alike ----------------
+// --- Middlebury: https://vision.middlebury.edu/stereo/data, and pairs with similar names ---------
 
-// The value of `key=` in a calib.txt of Middlebury; empty without one.
+// The value of `key=` in Middlebury's calib.txt; empty if there is none.
 std::vector<double> middlebury_numbers(const std::vector<std::string>& lines,
                                        std::string_view key) {
   for (const std::string& line : lines) {
@@ -483,9 +484,8 @@ std::vector<double> middlebury_numbers(const std::vector<std::string>& lines,
   return {};
 }
 
-// calib.txt as Middlebury's sets since 2014 and ETH3D's pairs have it: cam0=[f 0 cx; 0 f cy; 0 0
-// 1], doffs (px), baseline (mm), width, height. A problem where it is there and says something
-// else.
+// Reads calib.txt of Middlebury's sets since 2014 and of ETH3D's pairs: cam0=[f 0 cx; 0 f cy; 0 0
+// 1], doffs (px), baseline (mm), width, height. A problem when the file has another content.
 Result<SourceCalibration> middlebury_calibration(const fs::path& path) {
   const std::vector<std::string> lines = read_lines(path).value_or(std::vector<std::string>{});
   const auto one = [&](std::string_view key) {
@@ -515,7 +515,7 @@ Result<SourceCalibration> middlebury_calibration(const fs::path& path) {
   return calibration;
 }
 
-// im0 and im1, imL and imR, view1 and view5: the one pair that is called so; nothing without.
+// The pair im0 and im1, imL and imR, or view1 and view5; empty if there is none.
 std::optional<Recording> named_pair(const std::vector<fs::path>& images) {
   constexpr std::array kNames{std::pair{"im0", "im1"}, std::pair{"imL", "imR"},
                               std::pair{"view1", "view5"}};
@@ -543,7 +543,7 @@ std::optional<Recording> named_pair(const std::vector<fs::path>& images) {
   return std::nullopt;
 }
 
-// Whether a picture shows two eyes, as far as its size says.
+// Whether the size of a picture is that of two eyes side by side.
 bool shows_two_eyes(const fs::path& image) {
   ImageFileReader reader;
   ColorImage picture;
@@ -551,15 +551,15 @@ bool shows_two_eyes(const fs::path& image) {
          looks_side_by_side(picture.width(), picture.height());
 }
 
-// *_0 and *_1, *_left and *_right, *_L and *_R: pairs where every image of the folder has its
-// partner; nothing otherwise. Two pictures side by side may be numbered _0 and _1, too.
+// *_0 and *_1, *_left and *_right, *_L and *_R: pairs, if every image of the folder has its partner
+// and does not have the size of two eyes side by side; else empty.
 std::optional<Recording> ended_pairs(const std::vector<fs::path>& images) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kEndings{
       std::pair{"_0", "_1"}, std::pair{"_left", "_right"}, std::pair{"_L", "_R"}};
   for (const auto& [left, right] : kEndings) {
     Recording recording;
     recording.layout = fmt::format("*{} and *{}", left, right);
-    std::map<std::string, fs::path> rights;  // by what stands before the ending
+    std::map<std::string, fs::path> rights;  // by the name before the ending
     std::vector<std::pair<std::string, fs::path>> lefts;
     for (const fs::path& image : images) {
       const std::string stem = image.stem().string();

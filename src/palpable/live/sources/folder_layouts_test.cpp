@@ -105,7 +105,7 @@ TEST_CASE("a folder of EuRoC: pairs of one stamp, the rig from its files, poses 
     write_image(mav / "cam1/data" / (std::string(ns) + ".png"), 20);
   }
   fs::remove(mav / "cam1/data/1403636579813555456.png");
-  // The body's x is up the picture: the right eye stands 0.11 m along the left camera's X.
+  // The body's x axis points up in the picture: the right eye is 0.11 m along the left camera's X.
   write_bytes(mav / "cam0/sensor.yaml", euroc_sensor(0.02));
   write_bytes(mav / "cam1/sensor.yaml", euroc_sensor(0.13));
   write_bytes(mav / "state_groundtruth_estimate0/data.csv",
@@ -118,7 +118,7 @@ TEST_CASE("a folder of EuRoC: pairs of one stamp, the rig from its files, poses 
   CHECK(*recording.frames[1].time == Approx(0.1).epsilon(1e-6));
   REQUIRE(recording.frames[0].world_from_camera);
   CHECK(recording.frames[0].world_from_camera->translation().isApprox(Vector3d(1.1, 2.02, 3)));
-  // Turned by 90 degrees about Z: the camera at (0.1, 0.02, 0) of the body is at (-0.02, 0.1, 0).
+  // Rotation by 90 degrees about Z: the camera at (0.1, 0.02, 0) of the body is at (-0.02, 0.1, 0).
   REQUIRE(recording.frames[1].world_from_camera);
   CHECK(
       recording.frames[1].world_from_camera->translation().isApprox(Vector3d(3.98, 5.1, 6), 1e-6));
@@ -135,7 +135,7 @@ TEST_CASE("a folder of EuRoC: pairs of one stamp, the rig from its files, poses 
   CHECK(frame.time == Approx(0.1).epsilon(1e-6));
   CHECK(frame.right(0, 0).r == 20);
 
-  // A rate that is none and a stamp beyond 64 bits are left alone.
+  // An invalid rate and a stamp beyond 64 bits are ignored.
   std::string odd = euroc_sensor(0.02);
   odd.replace(odd.find("rate_hz: 20"), 11, "rate_hz:");
   write_bytes(mav / "cam0/sensor.yaml", odd);
@@ -181,7 +181,7 @@ TEST_CASE("a folder of KITTI: aligned rows, the baseline from its projections",
     CHECK(frame.time == Approx(time).margin(1e-12));
   }
   const Recording recording = value_or_throw(recognise_folder(folder.path()));
-  // Camera 2 stands 1.8 / 30 m to the left of camera 0, whose poses these are.
+  // Camera 2 is 1.8 / 30 m to the left of camera 0, to which the poses belong.
   CHECK(recording.frames[1].world_from_camera->translation().isApprox(Vector3d(6.94, 0, 2)));
   CHECK_FALSE(recording.frames[2].world_from_camera);
 
@@ -206,7 +206,7 @@ TEST_CASE("a folder of TUM: colour and depth of one moment, depth in fifths of a
               "# timestamp tx ty tz qx qy qz qw\n1311868164.43 1 2 3 0 0 1 0\n");
   const Recording recording = value_or_throw(recognise_folder(set));
   CHECK(recording.layout == "TUM");
-  CHECK(recording.unmatched == 1);  // b.png: the next depth is 30 ms away
+  CHECK(recording.unmatched == 1);  // b.png: the nearest depth image is 30 ms away
   REQUIRE(recording.frames.size() == 2);
   CHECK_FALSE(recording.frames[0].world_from_camera);
   REQUIRE(recording.frames[1].world_from_camera);
@@ -229,7 +229,7 @@ TEST_CASE("a folder of TUM: colour and depth of one moment, depth in fifths of a
   CHECK(frame.time == Approx(0.07));
   CHECK(source->format().starts_at == Approx(1311868164.36).margin(1e-6));
 
-  // intrinsics.txt wins over the published numbers; without a unit in it the unit stays TUM's.
+  // intrinsics.txt overrides the published numbers; without a unit in it, TUM's unit remains.
   write_bytes(set / "intrinsics.txt", "31 31 20 12");
   const auto own = value_or_throw(open_folder(set));
   CHECK(own->format().depth_camera.fx_px == 31);
@@ -256,7 +256,7 @@ TEST_CASE("damaged lines of a TUM list are left out and counted", "[sources][fol
   const Recording recording = value_or_throw(recognise_folder(folder.path()));
   CHECK(recording.layout == "TUM");
   REQUIRE(recording.frames.size() == 2);
-  CHECK(recording.frames[0].first.filename() == "a.png");  // the earlier line has the stamp
+  CHECK(recording.frames[0].first.filename() == "a.png");  // the earlier line counts
   CHECK(recording.unmatched == 4);
 }
 
@@ -275,8 +275,8 @@ TEST_CASE("a folder of 7-Scenes: its names, its poses, its published camera",
   CHECK(recording.frames[1].world_from_camera->translation() == Vector3d(0.5, -0.25, 2));
   const auto source = value_or_throw(open_folder(folder.path()));
   CHECK(source->format().depth_camera == PinholeCamera{kWidth, kHeight, 585, 585, 320, 240});
-  // Its colour has a lens of its own, 25 mm beside the depth's; whoever writes other figures into
-  // the folder has them.
+  // Its colour sensor has another lens, 25 mm beside the depth sensor; numbers in the folder's
+  // files override it.
   REQUIRE(source->format().color_sensor);
   CHECK(source->format().color_sensor->camera ==
         PinholeCamera{kWidth, kHeight, 525, 525, 320, 240});
@@ -291,7 +291,7 @@ TEST_CASE("a folder of 7-Scenes: its names, its poses, its published camera",
     return value_or_throw(open_folder(folder.path()))->format();
   };
   CHECK(with("31 0 20\n0 32 12\n0 0 1\n").depth_camera.fy_px == 32);
-  CHECK_FALSE(with("31 0 20\n0 32 12\n0 0 1\n").color_sensor);  // no Kinect of 7-Scenes
+  CHECK_FALSE(with("31 0 20\n0 32 12\n0 0 1\n").color_sensor);  // f is not that of 7-Scenes' Kinect
   CHECK(with("585 0 320\n0 585 240\n0 0 1\n").color_sensor->camera.fx_px == 525);
   CHECK(with("585 585 320 240\ncolor 530 531 322 243\n").color_sensor->camera ==
         PinholeCamera{kWidth, kHeight, 530, 531, 322, 243});
@@ -345,7 +345,7 @@ TEST_CASE("left* and right* in one folder, or any two patterns of names, are pai
                  "holds a stereo rig but"));
 }
 
-// Whose brightness stands in which eye.
+// Checks the brightness of both eyes.
 void check_pair(const std::unique_ptr<FrameSource>& source, int left, int right) {
   Frame frame;
   REQUIRE(source->next(frame) == FrameStatus::kFrame);
@@ -363,7 +363,7 @@ TEST_CASE("one pair is read by the names of its two images, or as Middlebury cal
     INFO(folder.string());
     write_image(folder / (std::string(left) + ".png"), 11);
     write_image(folder / (std::string(right) + ".png"), 99);
-    write_image(folder / "groundtruth.png", 50);  // beside them, and no part of the pair
+    write_image(folder / "groundtruth.png", 50);  // a file that does not belong to the pair
     CHECK(contains(refusal(folder), "no calibration: put calibration.yml"));
     write_rectified_calibration(folder / "rectified.yml",
                                 {{{kWidth, kHeight, 30, 30, 20, 12}, 0.06, 4}, 30});
@@ -423,7 +423,7 @@ TEST_CASE("names that end in _0 and _1, _left and _right, _L and _R are pairs, i
     write_image(folder / "another.png", 1);
     CHECK(contains(refusal(folder), "was not recognised"));
   }
-  // Two moments side by side, numbered.
+  // Two numbered images, each with both eyes side by side.
   const fs::path both = root / "both";
   fs::create_directories(both);
   for (const char* name : {"pair_0.png", "pair_1.png"}) {
@@ -474,7 +474,7 @@ TEST_CASE("stereo images open without a calibration for whoever looks for one",
   CHECK(contains(one.problem().message, "is 40 x 24 px, which is no pair side by side"));
 }
 
-// What nobody here made.
+// Original data of other groups.
 TEST_CASE("real sets of KITTI and 7-Scenes open with their poses", "[sources][folder][real]") {
   const fs::path data = "../shared/data";
   if (!fs::exists(data / "stereo_video_kitti1") || !fs::exists(data / "rgbd_pose_7scenes")) {
@@ -485,7 +485,7 @@ TEST_CASE("real sets of KITTI and 7-Scenes open with their poses", "[sources][fo
   CHECK(kitti->format().width == 1226);
   CHECK(kitti->format().rectified.baseline == Approx(379.8145 / 707.0912));
   const Recording drive = value_or_throw(recognise_folder(data / "stereo_video_kitti1"));
-  // A car: about a metre forward from frame to frame (poses.txt).
+  // The camera of a car: about 1 m forward per frame (poses.txt).
   for (std::size_t i = 1; i < drive.frames.size(); ++i) {
     REQUIRE(drive.frames[i].world_from_camera);
     const Vector3d step = drive.frames[i].world_from_camera->translation() -

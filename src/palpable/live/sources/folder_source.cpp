@@ -26,7 +26,7 @@ struct ImageSize {
   fs::path path;
 };
 
-// Of the first image that can be read.
+// The size of the first readable image.
 std::optional<ImageSize> first_readable_size(const Recording& recording) {
   ImageFileReader reader;
   ColorImage image;
@@ -38,7 +38,7 @@ std::optional<ImageSize> first_readable_size(const Recording& recording) {
   return std::nullopt;
 }
 
-// The calibration that the settings name, or the layout's, or the folder's.
+// The calibration file of the settings, or the layout's calibration, or the folder's file.
 Result<SourceCalibration> calibration_of_folder(const fs::path& folder, const Recording& recording,
                                                 const FolderSettings& settings,
                                                 const std::optional<ImageSize>& image) {
@@ -90,7 +90,7 @@ Result<SourceCalibration> calibration_of_folder(const fs::path& folder, const Re
       folder.string(), is_image_name(folder) ? "beside it" : "into it")};
 }
 
-// Images of one eye that nothing has joined to pairs, in a folder or alone by name.
+// The message for images of one eye that do not form pairs, in a folder or named singly.
 Problem not_recognised(const fs::path& name, const ImageSize& found) {
   if (is_image_name(name) || is_pattern(name)) {
     return Problem{fmt::format(
@@ -103,12 +103,13 @@ Problem not_recognised(const fs::path& name, const ImageSize& found) {
       name.string(), found.path.filename().string(), found.width, found.height, known_layouts())};
 }
 
-// Compares the images with the calibration; sets the format's size where only images know it.
+// Compares the images' size with the calibration's; sets the format's size if the
+// calibration has none.
 std::optional<Problem> fit_size(const fs::path& folder, const Recording& recording,
                                 const ImageSize& found, FrameFormat& format) {
   const bool side_by_side = recording.pair == ImagePair::kSideBySide;
   const int eye_width = side_by_side ? found.width / 2 : found.width;
-  if (format.width == 0 && !side_by_side) {  // intrinsics without a size, KITTI
+  if (format.width == 0 && !side_by_side) {  // KITTI, and intrinsics without a size
     set_size(format, found.width, found.height);
     if (format.already_rectified) {
       format.rectified.camera.width = found.width;
@@ -129,7 +130,7 @@ std::optional<Problem> fit_size(const fs::path& folder, const Recording& recordi
       found.path.filename().string(), found.width, found.height)};
 }
 
-// Reads single frames of a recording.
+// Reads single frames of a recording, without a thread.
 class ImageReader final : public FrameReader {
  public:
   ImageReader(Recording recording, const SourceCalibration& calibration)
@@ -220,8 +221,8 @@ Result<std::unique_ptr<FrameSource>> open_images(const fs::path& name, Result<Re
   const bool maybe_one_eye = recording.pair == ImagePair::kSideBySide && found &&
                              !looks_side_by_side(found->width, found->height);
   Result<SourceCalibration> calibration = calibration_of_folder(name, recording, settings, found);
-  // Pairs side by side are known by their calibration, whose eyes are half as wide, or their
-  // aspect.
+  // Images side by side are recognised by a calibration for eyes of half their width, or
+  // by their aspect.
   if (maybe_one_eye && (!calibration.ok() || settings.without_calibration ||
                         2 * calibration.value().format.width != found->width)) {
     return not_recognised(name, *found);

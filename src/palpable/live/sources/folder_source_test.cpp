@@ -55,7 +55,7 @@ std::unique_ptr<FrameSource> opened(const fs::path& folder) {
   return value_or_throw(open_folder(folder));
 }
 
-// The problem's one line; a folder that opens is a failure.
+// The message of a folder that cannot be opened.
 std::string refusal(const fs::path& folder) {
   const auto result = open_folder(folder);
   REQUIRE_FALSE(result.ok());
@@ -228,7 +228,7 @@ TEST_CASE("a folder that cannot be used says why and what to do", "[sources][fol
   REQUIRE_FALSE(alone.ok());
   CHECK(contains(alone.problem().message, "name the other eye's with --right"));
 
-  // Colour with depth of another program: no pairs of images.
+  // Colour images with depth files in another program's format.
   write_image(root / "npz/rgb_0.png", 1);
   write_bytes(root / "npz/depth_0.npz", "PK");
   CHECK(contains(refusal(root / "npz"), "was not recognised: rgb_0.png is 40 x 24"));

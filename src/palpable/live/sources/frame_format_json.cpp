@@ -10,9 +10,9 @@
 namespace palpable {
 namespace {
 
-constexpr int kSide = 4;                           // of a transform's matrix
+constexpr int kSide = 4;                           // rows and columns of a transform
 constexpr int kLongestSide = 32'768;               // px
-constexpr std::int64_t kMostPixels = 200'000'000;  // far above any camera
+constexpr std::int64_t kMostPixels = 200'000'000;  // a limit far above any camera
 
 Json json_of_pinhole(const PinholeCamera& camera) {
   return {{"width", camera.width}, {"height", camera.height}, {"fx_px", camera.fx_px},

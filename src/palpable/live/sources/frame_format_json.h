@@ -1,5 +1,5 @@
 /// @file
-/// What all frames of a source have in common, as JSON: the calibration that a recording carries.
+/// A source's frame format as JSON: the calibration that is stored in a recording.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -8,13 +8,14 @@
 
 namespace palpable {
 
-/// A transform as 16 numbers, row by row; they come back to the bit.
+/// A transform as 16 numbers in row order; reading them returns the identical bits.
 [[nodiscard]] Json json_of(const Rigid3& transform);
-/// @throws Error when it is no list of 16 numbers
+/// @throws Error when it is not a list of 16 numbers
 [[nodiscard]] Rigid3 rigid_of(const Json& rows);
 
 [[nodiscard]] Json json_of(const FrameFormat& format);
-/// The same numbers to the bit. A problem, without a file's name, when they make no camera.
+/// Returns the identical numbers. A problem, without a file's name, when they are
+/// not a valid camera.
 [[nodiscard]] Result<FrameFormat> frame_format_of(const Json& json);
 
 }  // namespace palpable

@@ -31,8 +31,8 @@ bool starts_with(const Bytes& bytes, std::string_view start) {
   return bytes.size() >= start.size() && std::memcmp(bytes.data(), start.data(), start.size()) == 0;
 }
 
-// Whether the bytes begin like one of the formats that folder_source.h lists. OpenCV knows many
-// more, and hands what it does not know to GDAL, which would try a hundred on a broken file.
+// Whether the first bytes are those of a format listed in folder_source.h. OpenCV supports many
+// more and passes unknown files to GDAL, which would try about a hundred formats on a broken file.
 bool is_known_format(const Bytes& bytes) {
   for (const std::string_view start :
        {std::string_view("\x89PNG\r\n\x1a\n"), std::string_view("\xff\xd8"), std::string_view("BM"),
@@ -43,7 +43,7 @@ bool is_known_format(const Bytes& bytes) {
   return bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6';
 }
 
-// Writers may pad behind the last mark, so it is looked for in the last kilobyte.
+// The end mark is searched in the last kilobyte, because some writers append padding.
 bool ends_with_mark(const Bytes& bytes, std::string_view mark) {
   const auto tail = bytes.end() - std::min<std::ptrdiff_t>(1024, std::ssize(bytes));
   return std::search(tail, bytes.end(), mark.begin(), mark.end(), [](std::uint8_t a, char b) {
@@ -57,7 +57,8 @@ std::uint64_t big_endian(const Bytes& bytes, std::size_t at, int count) {
   return value;
 }
 
-// What its first and last bytes show to be wrong with a file, before it is decoded; empty: nothing.
+// What is wrong with a file according to its first and last bytes, before it is decoded;
+// empty if nothing.
 std::string why_no_image(const Bytes& bytes) {
   if (!is_known_format(bytes)) return "is no image";
   std::optional<SizeInHeader> size;
@@ -83,7 +84,7 @@ struct ImageFileReader::Buffers {
   Bytes bytes;
   cv::Mat decoded;
 
-  // Empty, or why there is nothing in `decoded`.
+  // Fills `decoded`. Returns an empty string, or why that failed.
   std::string decode(const std::filesystem::path& path, int flags) {
     std::error_code error;
     const std::uintmax_t size = std::filesystem::file_size(path, error);
@@ -96,11 +97,12 @@ struct ImageFileReader::Buffers {
     if (!in) return "cannot be read";
     const std::string wrong = why_no_image(bytes);
     if (!wrong.empty()) return wrong;
-    // Emptied first: of bytes that are no image at all, imdecode leaves the last picture in place.
+    // Emptied first: given bytes that are not an image, imdecode leaves the previous
+    // picture in place.
     decoded.release();
     try {
       decoded = cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION, &decoded);
-    } catch (const std::exception&) {  // cv::Exception among them
+    } catch (const std::exception&) {  // including cv::Exception
       decoded.release();
     }
     return decoded.empty() ? "is damaged" : "";

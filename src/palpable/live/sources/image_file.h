@@ -1,5 +1,5 @@
 /// @file
-/// Reads one image file, whatever its bytes.
+/// Reads image files; damaged files are reported, never fatal.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -12,10 +12,9 @@
 
 namespace palpable {
 
-/// Decodes images one after the other and keeps its buffers between them. Not for two threads at
-/// once. Nothing throws: a file that is missing, cut off, garbage, larger than 64 Mpx or not an
-/// image is a problem that names it. So is a JPEG that is cut off, which decoders silently fill up
-/// with gray.
+/// Decodes one image after the other and reuses its buffers. Not thread-safe. Never throws: a file
+/// that is missing, truncated, garbage, larger than 64 Mpx or not an image is a problem that names
+/// it. That includes a truncated JPEG, which decoders silently complete with grey.
 class ImageFileReader {
  public:
   ImageFileReader();
@@ -23,10 +22,10 @@ class ImageFileReader {
   ImageFileReader(const ImageFileReader&) = delete;
   ImageFileReader& operator=(const ImageFileReader&) = delete;
 
-  /// 8-bit colour; gray files become gray colours. The answer is ok or the problem.
+  /// Reads 8-bit colour; grey files become grey colours. Returns true, or the problem.
   [[nodiscard]] Result<bool> read_color(const std::filesystem::path& path, ColorImage& image);
 
-  /// 16-bit gray as it is in the file.
+  /// Reads 16-bit grey without conversion.
   [[nodiscard]] Result<bool> read_16bit(const std::filesystem::path& path,
                                         Image<std::uint16_t>& image);
 

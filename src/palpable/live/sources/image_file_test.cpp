@@ -15,7 +15,7 @@ using test::file_bytes;
 using test::ScratchFolder;
 using test::write_bytes;
 
-// Not square; every pixel another colour, blue far from red.
+// Not square; every pixel has another colour, with blue far from red.
 cv::Mat some_picture() {
   cv::Mat bgr(24, 40, CV_8UC3);
   for (int y = 0; y < bgr.rows; ++y) {
@@ -78,7 +78,7 @@ TEST_CASE("an image that is cut off anywhere is a problem, not a gray picture",
       REQUIRE_FALSE(result.ok());
       CHECK(result.problem().message.find(cut.string()) != std::string::npos);
     }
-    REQUIRE(reader.read_color(whole, image).ok());  // the reader is none the worse
+    REQUIRE(reader.read_color(whole, image).ok());  // the reader still works
   }
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("an image with bytes changed at random never harms", "[sources][image_
       INFO(extension << ", seed " << seed);
       auto random = test::random_case(seed);
       std::string bytes = good;
-      // Half of the changes hit the header, where sizes and offsets are.
+      // Half of the seeds change the header, which contains sizes and offsets.
       const std::size_t end =
           seed % 2 == 0 ? std::min<std::size_t>(64, bytes.size()) : bytes.size();
       for (unsigned change = 0; change <= seed % 5; ++change) {
@@ -114,7 +114,7 @@ TEST_CASE("an image that claims a huge size is refused before memory is taken fo
   cv::imwrite((folder / "huge.png").string(), some_picture());
   std::string bytes = file_bytes(folder / "huge.png");
   bytes[16] = '\x00';
-  bytes[17] = '\x01';  // 65576 wide
+  bytes[17] = '\x01';  // width 65576
   bytes[21] = '\x01';
   write_bytes(folder / "huge.png", bytes);
   ImageFileReader reader;
@@ -125,7 +125,7 @@ TEST_CASE("an image that claims a huge size is refused before memory is taken fo
 
   for (const char* name : {"missing.png", "."})
     CHECK_FALSE(reader.read_color(folder / name, image).ok());
-  // After a good image, so that its picture would still be there to be taken for this one's.
+  // After a good image, because its picture could be returned by mistake.
   cv::imwrite((folder / "good.png").string(), some_picture());
   for (const std::string& start : {std::string("BM"), std::string("P6"), std::string("II*\0", 4)}) {
     REQUIRE(reader.read_color(folder / "good.png", image).ok());

@@ -13,8 +13,7 @@ struct JpegSize {
   std::uint32_t height = 0;  ///< px
 };
 
-/// The size that the frame header of a JPEG's bytes declares; nothing if there is none (ITU-T T.81,
-/// B.2.2).
+/// The size in the frame header of a JPEG; empty if there is none (ITU-T T.81, B.2.2).
 [[nodiscard]] std::optional<JpegSize> jpeg_size(const std::uint8_t* bytes, std::size_t count);
 
 }  // namespace palpable

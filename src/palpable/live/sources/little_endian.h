@@ -1,5 +1,5 @@
 /// @file
-/// Numbers in bytes, the lowest byte first.
+/// Numbers as bytes in little-endian order.
 #pragma once
 
 #include <bit>
@@ -21,7 +21,7 @@ void put(std::string& bytes, T number) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
-/// Takes a number off the front; nothing where there are too few bytes.
+/// Removes a number from the front and returns it; empty if there are too few bytes.
 template <class T>
 requires std::is_arithmetic_v<T>
 [[nodiscard]] std::optional<T> take(std::string_view& bytes) {

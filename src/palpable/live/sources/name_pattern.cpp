@@ -5,8 +5,8 @@
 namespace palpable {
 
 bool matches_pattern(std::string_view name, std::string_view pattern) {
-  // Only the last star that was met has to be tried with more characters: what stood before it
-  // fits as early as it can, which leaves the most for the rest.
+  // Only the last star needs to be extended after a mismatch: the part before it is matched as
+  // early as possible, which leaves most characters for the rest.
   std::size_t n = 0, p = 0;
   std::size_t star = std::string_view::npos, behind_star = 0;
   while (n < name.size()) {

@@ -7,7 +7,7 @@
 namespace palpable {
 namespace {
 
-// What the two signs mean, word by word; takes time without end where there are many stars.
+// The definition of the two signs as a recursion; exponential time with many stars.
 bool obviously(std::string_view name, std::string_view pattern) {
   if (pattern.empty()) return name.empty();
   if (pattern.front() == '*') {
@@ -53,7 +53,7 @@ TEST_CASE("many stars take no time without end", "[sources][pattern]") {
   std::string pattern;
   for (int i = 0; i < 60; ++i) pattern += "*a";
   CHECK(matches_pattern(name, pattern + "*"));
-  CHECK_FALSE(matches_pattern(name, pattern + "*b.png"));  // 250 over 60 ways to fail
+  CHECK_FALSE(matches_pattern(name, pattern + "*b.png"));  // 250 over 60 combinations
 }
 
 }  // namespace

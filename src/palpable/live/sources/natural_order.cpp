@@ -7,7 +7,7 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Removes the digits at the front of `text`; returns them without leading zeros.
+// Removes the digits at the front of `text` and returns them without leading zeros.
 std::string_view remove_number(std::string_view& text) {
   std::size_t end = 0;
   while (end < text.size() && is_digit(text[end])) ++end;

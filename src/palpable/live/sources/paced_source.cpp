@@ -43,7 +43,7 @@ class PacedSource final : public FrameSource {
 
  private:
   void read_ahead() {
-    // A gap in a recording is shortened to this, and a wrong time does not stop the playing.
+    // Longer gaps of a recording are shortened to this, so that a wrong time cannot stop it.
     constexpr double kLongestStep = 2;  // s
     ahead_status_ = source_->next(ahead_);
     if (ahead_status_ != FrameStatus::kFrame || !std::isfinite(ahead_.time)) {
@@ -59,11 +59,11 @@ class PacedSource final : public FrameSource {
   WallClock& clock_;
   bool skips_;
   Frame ahead_;
-  std::optional<FrameStatus> ahead_status_;    // nothing: ahead_ is not filled
-  SourceState state_ = SourceState::kRunning;  // of what was given, not of what is read ahead
-  std::optional<double> due_;                  // when the last frame read is due, on the clock
-  std::optional<double> last_time_;            // its own time
-  std::optional<double> taken_;                // when the frame that was given was due
+  std::optional<FrameStatus> ahead_status_;    // empty: ahead_ is not filled
+  SourceState state_ = SourceState::kRunning;  // of the last returned frame, not of ahead_
+  std::optional<double> due_;                  // clock time at which the last frame read is due
+  std::optional<double> last_time_;            // Frame::time of that frame
+  std::optional<double> taken_;                // when the returned frame was due
 };
 
 }  // namespace

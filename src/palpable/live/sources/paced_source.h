@@ -1,5 +1,5 @@
 /// @file
-/// A recording that plays at its own pace, as a camera would.
+/// Plays a recording at its own pace, as a camera would.
 #pragma once
 
 #include "palpable/live/sources/frame_source.h"
@@ -9,13 +9,13 @@
 
 namespace palpable {
 
-/// What a reader gets that comes when a later frame is due already.
+/// What a late reader receives, i.e. one that comes when a later frame is already due.
 enum class Late {
-  kSkipped,  ///< the newest frame that is due: those before it are left out, the source is live
-  kKept      ///< the next frame, at once: none is left out, and the reader sets the pace
+  kSkipped,  ///< the newest frame that is due; earlier ones are skipped, the source is live
+  kKept      ///< the next frame at once; none is skipped, and the reader sets the pace
 };
 
-/// Gives each frame when it is due, by its time since the first frame, or later.
+/// Returns each frame when it is due according to its time since the first frame, or later.
 ///
 /// @param clock  must outlive the source
 [[nodiscard]] std::unique_ptr<FrameSource> paced(std::unique_ptr<FrameSource> source,

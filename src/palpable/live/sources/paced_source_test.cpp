@@ -12,7 +12,7 @@ namespace {
 using test::Act;
 using test::MisbehavingCamera;
 
-/// Goes on only when someone sleeps or the test says so.
+/// A clock that advances only by sleep() or by the test.
 class HandClock final : public WallClock {
  public:
   double now() override { return time; }
@@ -46,7 +46,7 @@ TEST_CASE("a late reader gets the newest frame that is due", "[sources][paced]")
   while (source->next(frame) == FrameStatus::kFrame) {
     CHECK(source->taken().value() - begin == Approx(frame.number / 30.0).margin(1e-9));  // due
     numbers.push_back(frame.number);
-    clock.time += 0.105;  // three frames and a bit
+    clock.time += 0.105;  // a little more than three frames
   }
   CHECK(numbers == std::vector<int>{0, 3, 6, 9, 12, 15, 18, 22, 25, 28, 29});
 }
@@ -72,7 +72,7 @@ TEST_CASE("an unreadable frame is told, and a long wait is cut into short ones",
           "[sources][paced]") {
   HandClock clock;
   std::vector<Act> acts{Act::kGood, Act::kGarbage};
-  acts.insert(acts.end(), 9, Act::kDrop);  // a third of a second without anything
+  acts.insert(acts.end(), 9, Act::kDrop);  // no frames for a third of a second
   acts.push_back(Act::kGood);
   const auto source = paced(std::make_unique<MisbehavingCamera>(acts), clock);
   Frame frame;
@@ -97,7 +97,7 @@ TEST_CASE("a time from the far future or none at all holds nothing up", "[source
     for (int calls = 0; calls < 100; ++calls) {
       if (source->next(frame) == FrameStatus::kFrame) ++frames;
     }
-    CHECK(frames >= 8);  // of two that are due at once, the newer
+    CHECK(frames >= 8);  // if two frames are due at once, the newer is returned
     CHECK(frame.number == 8);
     CHECK(clock.time - begin < 4);
   }

@@ -12,7 +12,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kLevel = 1;  // of zstd
+constexpr int kLevel = 1;  // of zstd: the fastest
 constexpr std::size_t kColorBytes = 3;
 constexpr std::size_t kDepthBytes = sizeof(float);
 
@@ -114,7 +114,7 @@ ImageUnpacker::ImageUnpacker(ImageUnpacker&&) noexcept = default;
 ImageUnpacker& ImageUnpacker::operator=(ImageUnpacker&&) noexcept = default;
 ImageUnpacker::~ImageUnpacker() = default;
 
-// Takes the next packed bytes off the front and unpacks them, which gives `size` bytes.
+// Removes the next packed block from the front and unpacks it to `size` bytes.
 bool ImageUnpacker::take_planes(std::string_view& bytes, std::size_t size) {
   const auto packed = take<std::uint64_t>(bytes);
   if (!packed || *packed > bytes.size()) return false;

@@ -1,7 +1,7 @@
 /// @file
-/// Images packed without loss and fast: each byte as its difference to the row above, and red and
-/// blue as theirs to green; plane by plane, through zstd at its quickest. docs/recording_file.md
-/// has the layout, and what a 720p pair takes.
+/// Fast lossless compression of images: each byte is stored as its difference to the row above, and
+/// red and blue as their differences to green; plane by plane, with zstd at its fastest level.
+/// docs/recording_file.md has the layout, and size and time of a 720p pair.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -15,7 +15,7 @@
 
 namespace palpable {
 
-/// Keeps its memory from image to image. One thread at a time.
+/// Reuses its memory from image to image. Not thread-safe.
 class ImagePacker {
  public:
   ImagePacker();
@@ -23,10 +23,10 @@ class ImagePacker {
   ImagePacker& operator=(ImagePacker&&) noexcept;
   ~ImagePacker();
 
-  /// Appends the packed image. @throws Error when there is no memory for it
+  /// Appends the packed image. @throws Error when there is not enough memory
   void pack(const ColorImage& image, std::string& bytes);
   void pack(const YuyvImage& image, std::string& bytes);
-  /// Depth comes back bit by bit, whatever NaN it is.
+  /// Depth is restored bit by bit, the bits of NaN included.
   void pack(const DepthImage& image, std::string& bytes);
 
  private:
@@ -35,12 +35,12 @@ class ImagePacker {
   struct Coder;
   std::unique_ptr<Coder> coder_;
   std::vector<std::uint8_t> planes_;
-  std::vector<Rgb> no_colors_;  // the row above the first
+  std::vector<Rgb> no_colors_;  // zeros, used as the row above the first
   std::vector<Yuyv> no_pairs_;
   std::vector<float> no_depths_;
 };
 
-/// The other way round.
+/// The inverse of ImagePacker.
 class ImageUnpacker {
  public:
   ImageUnpacker();
@@ -48,9 +48,9 @@ class ImageUnpacker {
   ImageUnpacker& operator=(ImageUnpacker&&) noexcept;
   ~ImageUnpacker();
 
-  /// Takes one image off the front of `bytes`. Its size is known beforehand, and no memory is taken
-  /// for what the bytes say of theirs.
-  /// @return whether the bytes were such an image; otherwise what `image` holds is unspecified
+  /// Removes one image from the front of `bytes`. The expected size is an argument, so that no
+  /// memory is allocated according to sizes in the data.
+  /// @return whether the bytes were such an image; if not, the content of `image` is unspecified
   [[nodiscard]] bool unpack(std::string_view& bytes, int width, int height, ColorImage& image);
   [[nodiscard]] bool unpack(std::string_view& bytes, int width, int height, YuyvImage& image);
   [[nodiscard]] bool unpack(std::string_view& bytes, int width, int height, DepthImage& image);
@@ -61,7 +61,7 @@ class ImageUnpacker {
   struct Coder;
   std::unique_ptr<Coder> coder_;
   std::vector<std::uint8_t> planes_;
-  std::vector<Rgb> no_colors_;  // the row above the first
+  std::vector<Rgb> no_colors_;  // zeros, used as the row above the first
   std::vector<Yuyv> no_pairs_;
   std::vector<float> no_depths_;
 };

@@ -21,7 +21,7 @@ namespace {
 struct ColorFormat {
   std::uint32_t code;
   int type;        // OpenCV's
-  int conversion;  // OpenCV's, to RGB; -1: none is needed
+  int conversion;  // OpenCV's, to RGB; -1: not needed
   int bits;        // per pixel
 };
 
@@ -46,8 +46,7 @@ std::string too_short(const RawPicture& raw, std::size_t wanted) {
   return fmt::format("the camera sent {} of {} bytes", raw.size, wanted);
 }
 
-// Rows that a device says are shorter than their pixels would be read beyond their end. Empty, or
-// what is wrong.
+// Rows shorter than their pixels would be read beyond their end. Returns empty, or what is wrong.
 std::string row_trouble(const RawPicture& raw, int pixel_bytes) {
   const std::size_t least = static_cast<std::size_t>(raw.width) * pixel_bytes;
   if (raw.row_bytes >= least) return {};
@@ -56,7 +55,8 @@ std::string row_trouble(const RawPicture& raw, int pixel_bytes) {
 }
 
 std::string decode_jpeg(const RawPicture& raw, ColorImage& image) {
-  // A decoder fills a cut picture up with gray and says nothing. Cameras pad behind the last mark.
+  // A decoder silently completes a truncated picture with grey. Cameras append padding
+  // after the last mark.
   constexpr std::array<std::uint8_t, 2> kEnd{0xFF, 0xD9};
   const std::uint8_t* end = raw.data + raw.size;
   const std::uint8_t* tail = end - std::min<std::size_t>(raw.size, 1024);
@@ -68,7 +68,7 @@ std::string decode_jpeg(const RawPicture& raw, ColorImage& image) {
     return fmt::format("the picture says it has {} x {} px, not {} x {}", size->width, size->height,
                        raw.width, raw.height);
   }
-  // For reading only; OpenCV has no matrix of constants.
+  // Only read; OpenCV has no matrix of const data.
   const cv::Mat bytes(1, static_cast<int>(raw.size), CV_8UC1,
                       const_cast<std::uint8_t*>(raw.data));  // NOLINT
   const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
@@ -104,7 +104,7 @@ std::string to_color(const RawPicture& raw, ColorImage& image) {
     if (std::string trouble = row_trouble(raw, CV_ELEM_SIZE(format->type)); !trouble.empty()) {
       return trouble;
     }
-    const bool planes = format->bits == 12;  // luma rows, then half as many of colour
+    const bool planes = format->bits == 12;  // NV12: luma rows, then half as many chroma rows
     const int rows = planes ? raw.height * 3 / 2 : raw.height;
     const std::size_t wanted = raw.row_bytes * rows;
     if (raw.size < wanted) return too_short(raw, wanted);
@@ -121,7 +121,7 @@ std::string to_color(const RawPicture& raw, ColorImage& image) {
     return {};
   } catch (const cv::Exception& e) {
     return "the picture is damaged: " + e.err;
-  } catch (const std::exception& e) {  // no memory
+  } catch (const std::exception& e) {  // out of memory
     return fmt::format("the picture cannot be kept: {}", e.what());
   }
 }
@@ -132,7 +132,7 @@ std::string to_yuyv(const RawPicture& raw, YuyvImage& image) {
   if (raw.size < wanted) return too_short(raw, wanted);
   try {
     image.resize(raw.width / 2, raw.height);
-  } catch (const std::exception& e) {  // no memory
+  } catch (const std::exception& e) {  // out of memory
     return fmt::format("the picture cannot be kept: {}", e.what());
   }
   const std::size_t row = static_cast<std::size_t>(image.width()) * sizeof(Yuyv);

@@ -11,7 +11,7 @@
 
 namespace palpable {
 
-/// Four letters as V4L2 writes them, the first in the lowest byte.
+/// A V4L2 format code from four letters, the first in the lowest byte.
 constexpr std::uint32_t four_letters(const char (&text)[5]) {
   std::uint32_t code = 0;
   for (int i = 3; i >= 0; --i) code = code << 8 | static_cast<unsigned char>(text[i]);
@@ -19,7 +19,7 @@ constexpr std::uint32_t four_letters(const char (&text)[5]) {
 }
 [[nodiscard]] std::string letters_of(std::uint32_t code);
 
-/// A picture in memory that belongs to the device.
+/// A picture in memory of the device.
 struct RawPicture {
   std::uint32_t format = 0;
   int width = 0;   ///< px
@@ -34,14 +34,14 @@ struct RawPicture {
 [[nodiscard]] bool is_color_format(std::uint32_t format);
 [[nodiscard]] bool is_depth_format(std::uint32_t format);
 
-/// Converts. YUV is BT.601 with luma in 16 .. 235; a gray picture gives gray colours.
-/// @return empty, or why the bytes are no picture of this size: too few, a JPEG that is cut off
+/// Converts a picture. YUV is BT.601 with luma in 16 .. 235; a grey picture gives grey colours.
+/// @return empty, or why the bytes are not a picture of this size, e.g. too few or a truncated JPEG
 [[nodiscard]] std::string to_color(const RawPicture& raw, ColorImage& image);
 
-/// Copies a picture in YUYV as it is. @return as above
+/// Copies a YUYV picture without conversion. @return as to_color()
 [[nodiscard]] std::string to_yuyv(const RawPicture& raw, YuyvImage& image);
 
-/// The same for depth: steps of `unit` m; 0 and 65535 become NaN.
+/// Converts a depth picture with steps of `unit` m; 0 and 65535 become NaN. @return as to_color()
 [[nodiscard]] std::string to_depth(const RawPicture& raw, double unit, DepthImage& image);
 
 }  // namespace palpable

@@ -44,7 +44,7 @@ class ReadAhead final : public FrameSource {
     changed_.wait(lock, [this] { return is_full_; });
     const FrameStatus status = status_;
     ended_ = status == FrameStatus::kEnd;
-    if (!ended_) std::swap(frame, ahead_);  // the loop's old images are the next ones' memory
+    if (!ended_) std::swap(frame, ahead_);  // the loop's old images are reused for the next frame
     std::string trouble = std::exchange(trouble_, {});
     state_ = ahead_state_;
     is_full_ = false;
@@ -62,12 +62,12 @@ class ReadAhead final : public FrameSource {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [this] { return stop_ || !is_full_; });
       if (stop_) return;
-      // While it is not full, `ahead_` and `trouble_` are this thread's.
+      // While `full_` is false, `ahead_` and `trouble_` belong to this thread.
       lock.unlock();
       std::string trouble;
       try {
         status = reader_->read(number, ahead_, trouble);
-      } catch (const std::exception& e) {  // no memory, say
+      } catch (const std::exception& e) {  // e.g. out of memory
         ahead_.number = number;
         status = count_ >= 0 && number >= count_ ? FrameStatus::kEnd : FrameStatus::kUnreadable;
         trouble = fmt::format("frame {} cannot be read: {}", number, e.what());
@@ -82,7 +82,7 @@ class ReadAhead final : public FrameSource {
     }
   }
 
-  std::unique_ptr<FrameReader> reader_;  // the thread's alone
+  std::unique_ptr<FrameReader> reader_;  // used by the thread only
   FrameFormat format_;
   int count_ = 0;
   std::vector<std::string> notes_;
@@ -98,7 +98,7 @@ class ReadAhead final : public FrameSource {
   SourceState ahead_state_ = SourceState::kRunning;
   Frame ahead_;
   std::string trouble_;
-  std::thread thread_;  // last: it uses all of the above
+  std::thread thread_;  // last, as it uses the other members
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 /// @file
-/// Recorded frames, read one ahead on a thread of their own: decoding a 720p pair takes about
-/// 10 ms, for which the frame loop would otherwise wait.
+/// Reads recorded frames one ahead on a thread of its own: decoding a 720p pair takes about 10 ms,
+/// for which the frame loop would otherwise wait.
 #pragma once
 
 #include "palpable/live/sources/frame_source.h"
@@ -11,24 +11,24 @@
 
 namespace palpable {
 
-/// Reads the frames of one recording; used by one thread.
+/// Reads the frames of one recording. Used by one thread.
 class FrameReader {
  public:
   virtual ~FrameReader() = default;
   [[nodiscard]] virtual const FrameFormat& format() const = 0;
-  /// Frames in all; -1 when it is not known.
+  /// Number of all frames; -1 if unknown.
   [[nodiscard]] virtual int count() const = 0;
-  /// What FrameSource::take_notes() hands out.
+  /// The result of FrameSource::take_notes().
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
-  /// Reads frame `number`; called with 0, 1, 2, ... until it returns kEnd. With kUnreadable and
-  /// kWaiting, `trouble` says why.
+  /// Reads frame `number`; called with 0, 1, 2, ... until it returns kEnd. `trouble` receives the
+  /// reason for kUnreadable and kWaiting.
   virtual FrameStatus read(int number, Frame& frame, std::string& trouble) = 0;
-  /// What FrameSource::state() says after the last read(): of files always kRunning, of a recorded
-  /// camera what it was.
+  /// The result of FrameSource::state() after the last read(): always kRunning for files, the
+  /// recorded state for a recorded camera.
   [[nodiscard]] virtual SourceState state() const { return SourceState::kRunning; }
 };
 
-/// A source that decodes the next frame while the last one is used.
+/// A source that decodes the next frame while the previous one is used.
 [[nodiscard]] std::unique_ptr<FrameSource> read_ahead(std::unique_ptr<FrameReader> reader);
 
 }  // namespace palpable

@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view kMagic = "PALPREC\n";
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kStart = kMagic.size() + sizeof kVersion;
-// Of a chunk, before its payload: kind, length of the payload, checksum of kind, length and
-// payload.
+// Bytes of a chunk before its payload: kind, length of the payload, checksum of kind,
+// length and payload.
 constexpr std::size_t kHead = sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t);
 
 constexpr std::uint32_t kAbout = four_letters("ABOU");
@@ -37,14 +37,14 @@ constexpr std::uint32_t kRefinement = four_letters("EXAC");
 constexpr std::uint32_t kState = four_letters("STAT");
 constexpr std::uint32_t kEnd = four_letters("END ");
 
-// Which images a frame has, in this order.
+// Bits of the set of images that a frame has. The images follow in this order.
 constexpr std::uint8_t kLeft = 1;
 constexpr std::uint8_t kRight = 2;
 constexpr std::uint8_t kDepth = 4;
 constexpr std::uint8_t kBoth = 8;
 
-// Bytes of a payload that is no frame's: far above any, also above an exact answer's 12 bytes for
-// each of a million nodes.
+// Largest number of bytes of a payload without images, far above any real one, including a
+// full-order solution with 12 bytes for each of a million nodes.
 constexpr std::uint64_t kLongestText = 16'000'000;
 
 std::uint64_t checksum_of(std::uint32_t kind, std::string_view payload) {
@@ -54,7 +54,7 @@ std::uint64_t checksum_of(std::uint32_t kind, std::string_view payload) {
   return hash.value();
 }
 
-// More than packing makes of images that cannot be packed.
+// More bytes than packing makes of incompressible images.
 std::uint64_t longest_frame(const FrameFormat& format) {
   constexpr std::uint64_t kPerPixel = 2 * (sizeof(Rgb) + sizeof(float));
   return kPerPixel * static_cast<std::uint64_t>(format.width) *
@@ -62,7 +62,7 @@ std::uint64_t longest_frame(const FrameFormat& format) {
          kLongestText;
 }
 
-// A file that is read in any order.
+// A file with random access.
 class OpenFile {
  public:
   explicit OpenFile(const fs::path& path)
@@ -85,10 +85,11 @@ class OpenFile {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
 
-  [[nodiscard]] const std::string& why() const { return why_; }  // not opened; empty: it is
+  // Why the file could not be opened; empty: it is open.
+  [[nodiscard]] const std::string& why() const { return why_; }
   [[nodiscard]] std::uint64_t size() const { return size_; }
 
-  // Fills `bytes` from `offset` on. @return whether the file has so many
+  // Fills `bytes` from `offset` on. @return false if the file ends before
   [[nodiscard]] bool read(std::uint64_t offset, char* bytes, std::size_t count) const {
     while (count > 0) {
       const ssize_t got = ::pread(descriptor_, bytes, count, static_cast<off_t>(offset));
@@ -109,7 +110,7 @@ class OpenFile {
 
 struct Chunk {
   std::uint32_t kind = 0;
-  std::uint64_t begin = 0;  // of the payload in the file
+  std::uint64_t begin = 0;  // position of the payload in the file
   std::uint64_t size = 0;   // of the payload
   std::uint64_t checksum = 0;
 };
@@ -125,14 +126,14 @@ struct Index {
   OpenFile file;
   RecordingContents contents;
   std::vector<Chunk> events;         // frames, unreadable ones and silences
-  std::map<int, Chunk> refinements;  // by the number of their state
+  std::map<int, Chunk> refinements;  // key: index of their state
 };
 
-// What begins at a place of the file.
+// What is at a position of the file.
 enum class Next {
   kChunk,
-  kNothing,  // the file's end
-  kCut,      // a chunk that goes on behind the file's end
+  kNothing,  // the end of the file
+  kCut,      // a chunk that exceeds the end of the file
   kGarbage
 };
 
@@ -140,7 +141,7 @@ bool is_event(std::uint32_t kind) {
   return kind == kFrame || kind == kUnreadable || kind == kSilence;
 }
 
-// Bytes that the payload of a chunk may have. @param frame  those of a frame's
+// Largest payload of a chunk, bytes; empty for an unknown kind. @param frame that of a frame
 std::optional<std::uint64_t> longest_payload(std::uint32_t kind, std::uint64_t frame) {
   if (kind == kFrame) return frame;
   if (is_event(kind) || kind == kAbout || kind == kState || kind == kRefinement || kind == kEnd) {
@@ -164,7 +165,7 @@ Next next_chunk(const OpenFile& file, std::uint64_t at, std::uint64_t most, Chun
   return chunk.size > file.size() - chunk.begin ? Next::kCut : Next::kChunk;
 }
 
-// Takes up a chunk that is no event. @return whether it is what it should be
+// Adds a chunk that is not an event to the contents. @return whether the chunk is valid
 bool take_up(const OpenFile& file, const Chunk& chunk, RecordingContents& contents) {
   std::string payload;
   if (!read_payload(file, chunk, payload)) return false;
@@ -177,7 +178,7 @@ bool take_up(const OpenFile& file, const Chunk& chunk, RecordingContents& conten
   return true;
 }
 
-// Looks at all chunks behind the first, up to an odd one.
+// Scans all chunks after the first, up to an invalid one.
 void look_through(Index& index, std::uint64_t at) {
   RecordingContents& contents = index.contents;
   const std::uint64_t most = longest_frame(contents.format);
@@ -205,7 +206,7 @@ void look_through(Index& index, std::uint64_t at) {
   }
 }
 
-// Reads the first chunk. Returns what is wrong with it, else nothing.
+// Reads the first chunk. Returns what is wrong with it; empty if nothing.
 std::string read_about(const OpenFile& file, const Chunk& chunk, RecordingContents& contents) {
   std::string payload;
   if (chunk.kind != kAbout || !read_payload(file, chunk, payload))
@@ -284,12 +285,12 @@ class RecordingReader final : public FrameReader {
   }
 
  private:
-  // Each returns nothing where the payload is not what it should be.
+  // The functions below return nothing if the payload is invalid.
   std::optional<FrameStatus> read_frame(std::string_view rest, Frame& frame) {
     const FrameFormat& format = index_.contents.format;
     const auto number = take<std::int32_t>(rest);
     const auto time = take<double>(rest);
-    const auto taken = take<double>(rest);  // by a clock that has gone on since: not played
+    const auto taken = take<double>(rest);  // by a clock of the past: not returned
     const auto images = take<std::uint8_t>(rest);
     if (!number || !time || !taken || !images) return {};
     frame.number = *number;
@@ -357,7 +358,7 @@ void RecordingWriter::begin(std::uint32_t kind) {
   std::memcpy(chunk_.data(), &kind, sizeof kind);
 }
 
-// Appends the chunk that was begun.
+// Completes the chunk that was begun and appends it to the file.
 void RecordingWriter::append() {
   std::uint32_t kind = 0;
   std::memcpy(&kind, chunk_.data(), sizeof kind);

@@ -73,7 +73,7 @@ Frame some_frame(const FrameFormat& format, int number) {
   return frame;
 }
 
-// The same as a camera sends it.
+// A frame as a camera sends it in YUYV.
 Frame some_yuyv_frame(int number) {
   auto random = test::random_case(static_cast<unsigned>(number));
   Frame frame;
@@ -106,8 +106,8 @@ void write_some(const fs::path& path, const FrameFormat& format, bool finish = t
   if (finish) writer.finish();
 }
 
-// All that a source gives, in words.
-std::vector<std::string> told(FrameSource& source, const FrameFormat& format) {
+// A readable line for every item of a source.
+std::vector<std::string> lines_of(FrameSource& source, const FrameFormat& format) {
   std::vector<std::string> lines;
   Frame frame;
   for (int calls = 0; calls < 100; ++calls) {
@@ -163,7 +163,7 @@ TEST_CASE("what was recorded is played: frames, what could not be read, silence,
     CHECK(source->frame_count() == 4);
     CHECK_FALSE(source->is_live());
     CHECK(source->take_notes().empty());
-    CHECK(told(*source, format) == kAll);
+    CHECK(lines_of(*source, format) == kAll);
     CHECK(source->state() == SourceState::kRunning);
   }
 }
@@ -281,7 +281,7 @@ TEST_CASE("a recording that was cut off anywhere is played up to its last whole 
     const auto notes = source->take_notes();
     REQUIRE(notes.size() == 1);
     CHECK(notes.front() == path.string() + " " + contents.value().ending);
-    CHECK(told(*source, format) ==
+    CHECK(lines_of(*source, format) ==
           std::vector(kAll.begin(), kAll.begin() + static_cast<std::ptrdiff_t>(events)));
   }
 }
@@ -303,17 +303,17 @@ TEST_CASE("any changed bit of a recording ends it there, and never changes a fra
     if (!contents.ok()) continue;
     const Result<std::unique_ptr<FrameSource>> source = open_recording(path);
     if (!source.ok()) continue;
-    std::vector<std::string> lines = told(*source.value(), format);
-    const bool tells =
+    std::vector<std::string> lines = lines_of(*source.value(), format);
+    const bool reports_damage =
         !lines.empty() && lines.back().find("is damaged at byte") < lines.back().size();
-    if (tells) lines.pop_back();
-    unreadable += tells;
-    // Whoever plays it, or looks at its end, is told.
-    CHECK((tells || !contents.value().ending.empty()));
+    if (reports_damage) lines.pop_back();
+    unreadable += reports_damage;
+    // The damage is reported by the source or in the contents.
+    CHECK((reports_damage || !contents.value().ending.empty()));
     REQUIRE(lines.size() <= kAll.size());
     CHECK(std::equal(lines.begin(), lines.end(), kAll.begin()));
   }
-  CHECK(unreadable > 1000);  // bytes of images
+  CHECK(unreadable > 1000);  // most bytes belong to images
 }
 
 TEST_CASE("damage behind right checksums, lengths of exabytes among it, harms nobody",

@@ -9,7 +9,7 @@
 namespace palpable {
 namespace {
 
-constexpr double kNewShare = 0.02;  // of the picture's width by which a board has to have moved
+constexpr double kNewShare = 0.02;  // required motion of a board, ratio to the picture's width
 
 void add(BoardView board, double new_px, SeenBoards& seen) {
   const bool alike = std::any_of(seen.views.begin(), seen.views.end(), [&](const BoardView& other) {

@@ -1,5 +1,5 @@
 /// @file
-/// The chessboards that a stereo source shows, for a calibration.
+/// Searches a stereo source for chessboards, for a calibration.
 #pragma once
 
 #include "palpable/live/calibrate/board_calibration.h"
@@ -12,24 +12,24 @@
 namespace palpable {
 
 struct SeenBoards {
-  std::vector<BoardView> views;  ///< different enough from each other
+  std::vector<BoardView> views;  ///< sufficiently different from each other
   int pairs = 0;                 ///< stereo pairs that were searched
-  int alike = 0;                 ///< boards left out: they stood nearly where another one had
+  int alike = 0;                 ///< skipped boards: nearly the pose of another one
 };
 
-/// After each attempt to read a frame.
+/// Progress, reported after each attempt to read a frame.
 struct BoardSearchStep {
   const SeenBoards& seen;
-  bool searched = false;             ///< a pair was read and searched
-  bool is_live = false;              ///< the source is a camera: it ends when enough were seen
-  int done = 0;                      ///< boards of a camera, pairs of a recording
-  int total = 0;                     ///< what `done` will be at the end
-  std::vector<std::string> reports;  ///< of the source since the step before, a line each
+  bool searched = false;  ///< a pair was read and searched
+  bool is_live = false;   ///< the source is a camera: the search ends when enough boards were found
+  int done = 0;           ///< boards for a camera, pairs for a recording
+  int total = 0;          ///< final value of `done`
+  std::vector<std::string> reports;  ///< of the source since the previous step, one line each
 };
 
-/// Searches a source until it ends or, a camera, until `wanted` boards were seen. A board that
-/// moved by less than 2 % of the picture's width since another one teaches a calibration next to
-/// nothing and is left out.
+/// Searches a source until it ends or, for a camera, until `wanted` boards were found. A board
+/// that moved by less than 2 % of the picture's width from another one adds almost no
+/// information and is skipped.
 [[nodiscard]] SeenBoards find_boards(FrameSource& source, const BoardPattern& pattern, int wanted,
                                      const std::function<void(const BoardSearchStep&)>& on_step);
 

@@ -8,7 +8,8 @@
 
 namespace palpable {
 
-/// The left half to `left`, the right half to `right`. Of an odd width the last column is lost.
+/// Copies the left half to `left` and the right half to `right`. The last column of an odd
+/// width is dropped.
 inline void split_side_by_side(const ColorImage& both, ColorImage& left, ColorImage& right) {
   const int width = both.width() / 2;
   left.resize(width, both.height());
@@ -20,8 +21,8 @@ inline void split_side_by_side(const ColorImage& both, ColorImage& left, ColorIm
   }
 }
 
-/// Whether a picture of this size shows two eyes rather than one, by its aspect: the widest cinema
-/// format is 2.4 times as wide as high, two eyes of 4 : 3 are 2.67 times.
+/// Whether a picture of this size has the aspect of two eyes: the widest cinema format has a width
+/// of 2.4 times the height, two eyes of 4 : 3 side by side have 2.67 times.
 [[nodiscard]] inline bool looks_side_by_side(int width, int height) {
   return width % 2 == 0 && width >= 2.5 * height;
 }

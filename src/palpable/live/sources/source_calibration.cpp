@@ -20,7 +20,7 @@
 namespace palpable {
 namespace {
 
-// A rig that cannot be rectified is of no use to anybody: said here, where the file is known.
+// Checks here, where the file is known, that the rig can be rectified.
 Result<SourceCalibration> from_rig(const StereoCalibration& stereo,
                                    const std::filesystem::path& path) {
   const Result<RectifiedGeometry> geometry = rectify_rig(stereo.rig);
@@ -46,7 +46,8 @@ SourceCalibration from_rectified(const RectifiedCalibration& rectified) {
   return calibration;
 }
 
-// "fx fy cx cy", then if the colour stands elsewhere the 12 numbers of color_from_depth.
+// "fx fy cx cy", then, if the colour sensor has another position, the 12 numbers of
+// color_from_depth.
 Result<ColorSensor> read_color_sensor(const std::string& numbers,
                                       const std::filesystem::path& path) {
   const std::vector<double> n = to_numbers(numbers).value_or(std::vector<double>{});
@@ -69,7 +70,7 @@ Result<ColorSensor> read_color_sensor(const std::string& numbers,
   using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
   color.color_from_depth.matrix().topRows<3>() = Eigen::Map<const Rows>(n.data() + kLens);
   const Eigen::Matrix3d R = color.color_from_depth.linear();
-  constexpr double kFarthestApart = 1;  // m: more is in another unit
+  constexpr double kFarthestApart = 1;  // m; a larger value has a wrong unit
   const double apart = color.color_from_depth.translation().norm();
   const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(off <= 1e-3) || R.determinant() < 0) {
@@ -99,7 +100,7 @@ Result<SourceCalibration> read_intrinsics(const std::filesystem::path& path) {
   }
   std::vector<double> n = to_numbers(text).value_or(std::vector<double>{});
   constexpr std::size_t kFewest = 4;  // fx fy cx cy
-  constexpr std::size_t kMost = 7;    // and width height unit_m
+  constexpr std::size_t kMost = 7;    // also width height unit_m
   if (n.size() == 9 && n[1] == 0 && n[3] == 0 && n[6] == 0 && n[7] == 0 && n[8] == 1) {
     n = {n[0], n[4], n[2], n[5]};
   }
@@ -126,7 +127,7 @@ Result<SourceCalibration> read_intrinsics(const std::filesystem::path& path) {
   }
   if (n.size() == kMost) {
     calibration.depth_unit = n[6];
-    // From a micrometre to a metre a step; outside of it, the number is in another unit.
+    // A number outside 1 um to 1 m per step has a wrong unit.
     if (!(n[6] >= 1e-6 && n[6] <= 1)) {
       return Problem{fmt::format("{} has depth steps of {} m; a sensor in millimetres has 0.001",
                                  path.string(), n[6])};
@@ -139,7 +140,7 @@ Result<SourceCalibration> read_intrinsics(const std::filesystem::path& path) {
 
 Result<SourceCalibration> read_source_calibration(const std::filesystem::path& path, int width,
                                                   int height) {
-  // Reading a pipe would wait for ever, a recording named by mistake would be read to its end.
+  // A pipe would block for ever, and a recording named by mistake would be read to its end.
   constexpr std::uintmax_t kLargestFile = 1u << 20;  // bytes
   std::error_code error;
   const bool is_file = std::filesystem::is_regular_file(path, error);

@@ -1,5 +1,5 @@
 /// @file
-/// One reader for every calibration file that a source may have.
+/// Reads calibration files of all kinds.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -13,10 +13,10 @@ namespace palpable {
 struct SourceCalibration {
   FrameFormat format;
   double frames_per_second = 30;
-  std::optional<double> depth_unit;  ///< kColorDepth: m per step of a depth image, if the file says
+  std::optional<double> depth_unit;  ///< kColorDepth: m per step of a depth image, if in the file
 };
 
-/// Reads, by what the file holds,
+/// Reads a file whose kind follows from its content:
 ///
 ///   SN*.conf        a ZED's factory numbers (factory_calibration.h)
 ///   OpenCV YAML     with K1: a rig of raw images; with fx: rows aligned (calibration_file.h)
@@ -25,8 +25,8 @@ struct SourceCalibration {
 ///                   colour camera has its own lens, one more line: `color fx fy cx cy`, followed
 ///                   by the 12 numbers of color_from_depth (row by row, m) if it has its own place
 ///
-/// @param width, height  of one eye's image in px, to choose a section of a .conf; 0: not known.
-///                       The caller compares them with the calibration's.
+/// @param width, height  px, of one eye's image, to choose a section of a .conf; 0: unknown. The
+///                       caller compares them with the calibration's.
 /// A problem, one line that names the file, when it cannot be used.
 [[nodiscard]] Result<SourceCalibration> read_source_calibration(const std::filesystem::path& path,
                                                                 int width, int height);

@@ -36,9 +36,9 @@ FrameStatus SourceGuard::next(Frame& frame) {
 
 namespace {
 
-// Makes unknown what is no depth. If more than a few pixels are none, the image is no measurement.
+// Sets invalid depths to unknown. If more than 1 % are invalid, the image counts as garbage.
 std::string depth_trouble(DepthImage& depth) {
-  constexpr std::size_t kFew = 100;  // one pixel in a hundred
+  constexpr std::size_t kFew = 100;  // 1 / largest share of invalid pixels
   std::size_t impossible = 0;
   for (float& Z : depth) {
     if (std::isnan(Z) || (Z > 0 && !std::isinf(Z))) continue;
@@ -58,7 +58,8 @@ std::string wrong_size(const Frame& frame, const FrameFormat& format) {
                        image.height(), format.width, format.height);
   };
   const bool stereo = format.kind == FrameFormat::Kind::kStereo;
-  const bool together = stereo && !frame.both.empty();  // as many pairs of pixels as an eye has px
+  // YUYV: as many pairs of pixels as one eye has pixels
+  const bool together = stereo && !frame.both.empty();
   if (together) return trouble_of("side-by-side", frame.both);
   std::string trouble = trouble_of(stereo ? "left" : "colour", frame.left);
   if (!trouble.empty()) return trouble;
@@ -77,7 +78,7 @@ std::string SourceGuard::what_is_wrong_with(Frame& frame) {
 
 std::string SourceGuard::time_trouble(Frame& frame) {
   if (!std::isfinite(frame.time)) return "its time is not a number";
-  constexpr double kLongestPeriod = 1;  // s; more is a gap
+  constexpr double kLongestPeriod = 1;  // s; a longer one is a gap
   double time = frame.time + offset_;
   Odd odd = Odd::kNone;
   if (has_time_ && time <= last_time_) odd = Odd::kBehind;
@@ -142,7 +143,7 @@ void SourceGuard::watch_state() {
 void SourceGuard::report(std::string line) {
   if (reported_ == kMostReports) return;
   ++reported_;
-  if (reported_ == kMostReports) line += "; what follows is counted without a word";
+  if (reported_ == kMostReports) line += "; further ones are only counted";
   reports_.push_back(std::move(line));
 }
 

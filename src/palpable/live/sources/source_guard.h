@@ -1,5 +1,5 @@
 /// @file
-/// Stands between a source and the frame loop, so that no fault of a camera can stop the loop.
+/// A filter between a source and the frame loop, so that no malfunction of a camera stops the loop.
 #pragma once
 
 #include "palpable/live/sources/frame_source.h"
@@ -11,49 +11,50 @@
 
 namespace palpable {
 
-/// Faults of a source, counted. All of them are expected to happen; the loop goes on.
+/// Counts of a source's malfunctions. All of them are normal events; the loop continues.
 struct SourceTroubles {
-  int unreadable = 0;    ///< frames that could not be used: garbage, another size, no time
-  int back_in_time = 0;  ///< of these, frames older than the one before
-  int dropped = 0;       ///< numbers missing between frames that came
-  int stalls = 0;        ///< how often pictures stopped coming
-  int losses = 0;        ///< how often the camera was unplugged or failed
+  int unreadable = 0;    ///< unusable frames: garbage, another size, no time
+  int back_in_time = 0;  ///< of these, frames older than the previous one
+  int dropped = 0;       ///< missing numbers between frames
+  int stalls = 0;        ///< times that pictures stopped
+  int losses = 0;        ///< times that the camera was unplugged or failed
 };
 
-/// Why a frame's images do not have the sizes that its source has said; empty where they have.
+/// Why a frame's images do not have the sizes of the source's format; empty if they have.
 [[nodiscard]] std::string wrong_size(const Frame& frame, const FrameFormat& format);
 
-/// Lets through only frames that the loop can use: images of the format's size, depths that are
-/// positive or NaN, times that increase. All others become kUnreadable; the caller keeps its state.
+/// Passes on only frames that the loop can use: images of the format's size, depths that are
+/// positive or NaN, increasing times. All others become kUnreadable.
 ///
-/// When a camera's clock restarts (it was plugged in again, its driver restarted), every frame
-/// would be older than the last good one for ever. So after kClockRestart frames in a row that are
-/// older than the last good one, but in order among themselves, an offset is added to their times
-/// and to all later ones, so that time continues.
+/// When a camera's clock restarts (the camera was plugged in again, or its driver restarted), all
+/// later frames are older than the last good one. Therefore, after kClockRestart consecutive frames
+/// that are older than the last good one but in order among themselves, an offset is added to their
+/// times and to all later ones, so that time continues.
 ///
-/// One frame from the far future would make all later frames old. So after a jump of more than
-/// kLongestGap frames are held back until kClockRestart of them in a row, each later than the one
-/// before, confirm the jump; their times are then kept. After a stall or a loss a jump is normal
-/// and let through at once.
+/// After a single frame from the far future all later frames would be too old. Therefore, frames
+/// after a jump of more than kLongestGap are rejected until kClockRestart consecutive ones with
+/// increasing times confirm the jump; their times are then kept. After a stall or a loss a jump is
+/// normal and accepted at once.
 class SourceGuard {
  public:
   static constexpr int kClockRestart = 5;
   static constexpr double kLongestGap = 5;  ///< s
-  /// After so many reports faults are only counted, so that a camera that fails in every second
-  /// frame all day does not fill the disk. That a camera is gone or back is always reported.
+  /// After this number of reports, malfunctions are only counted, so that a camera that fails
+  /// in every second frame does not fill the disk in a day. Loss and return of a camera are
+  /// always reported.
   static constexpr int kMostReports = 200;
 
   /// @param source  must outlive this
   explicit SourceGuard(FrameSource& source);
 
-  /// As FrameSource::next. Frame::time grows from frame to frame.
+  /// As FrameSource::next(); Frame::time increases from frame to frame.
   FrameStatus next(Frame& frame);
 
   [[nodiscard]] const SourceTroubles& troubles() const { return troubles_; }
-  /// Why the last frame was not usable; empty when there was none.
+  /// Why the last unusable frame was unusable; empty if there was none.
   [[nodiscard]] const std::string& last_trouble() const { return last_trouble_; }
   /// Reports since the last call, one line each: the source's notes, the first bad frame of a
-  /// series, a stall, a camera that is gone or back.
+  /// series, a stall, loss and return of a camera.
   [[nodiscard]] std::vector<std::string> take_reports();
 
  private:
@@ -72,15 +73,15 @@ class SourceGuard {
   bool in_bad_row_ = false;  // the last frame was unusable
   int last_number_ = -1;
   bool has_time_ = false;
-  bool may_jump_ = false;             // pictures come again, and none was let through yet
-  bool is_lost_ = false;              // the camera is gone, and no picture has come since
-  double last_time_ = 0;              // s, of the last frame let through
-  double period_ = 1.0 / 30;          // s, between the last two
-  double longest_gap_ = kLongestGap;  // s; more where a source's frames are that far apart
-  double offset_ = 0;                 // s, added to the source's times since its clock began anew
+  bool may_jump_ = false;             // pictures have come back, and none was passed on yet
+  bool is_lost_ = false;              // the camera was lost, and no picture has come since
+  double last_time_ = 0;              // s, of the last frame passed on
+  double period_ = 1.0 / 30;          // s, between the last two frames
+  double longest_gap_ = kLongestGap;  // s; larger if the source's frames are that far apart
+  double offset_ = 0;                 // s, added to the source's times after a restart of its clock
   enum class Odd { kNone, kBehind, kAhead } odd_ = Odd::kNone;
-  int odd_row_ = 0;      // frames in a row that were odd in the same way
-  double odd_time_ = 0;  // the last such frame's
+  int odd_row_ = 0;      // number of consecutive frames that were odd in the same way
+  double odd_time_ = 0;  // time of the last odd frame
 };
 
 }  // namespace palpable

@@ -16,7 +16,7 @@ using test::Act;
 using test::MisbehavingCamera;
 
 struct Run {
-  std::vector<int> frames;    // numbers let through
+  std::vector<int> frames;    // numbers of the frames passed on
   std::vector<double> times;  // s
   std::vector<std::string> reports;
   SourceTroubles troubles;
@@ -72,7 +72,7 @@ TEST_CASE("of a pair both images have to be there, each of its size", "[sources]
   }
 }
 
-// Gives both eyes in one picture, as some cameras send them, of these widths in turn.
+// Returns pictures with both eyes side by side, of these widths in turn.
 class SideBySide final : public FrameSource {
  public:
   explicit SideBySide(std::vector<int> pairs) : pairs_(std::move(pairs)) {
@@ -190,7 +190,7 @@ TEST_CASE("a recording's gap costs a few frames and leaves the clock's pace as i
   std::vector<Act> acts(10, Act::kGood);
   acts.push_back(Act::kLateClock);
   acts.insert(acts.end(), SourceGuard::kClockRestart - 1, Act::kGood);
-  acts.push_back(Act::kNewClock);  // its times go on by a period, not by a minute
+  acts.push_back(Act::kNewClock);  // its times continue after a period, not after a minute
   acts.insert(acts.end(), 9, Act::kGood);
   const Run result = run(acts);
   const int held = SourceGuard::kClockRestart - 1;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kCapture = V4L2_BUF_TYPE_VIDEO_CAPTURE;
 constexpr std::uint32_t kBuffers = 4;
-constexpr std::uint32_t kMostEntries = 1000;  // of any list, for a device whose list has no end
+constexpr std::uint32_t kMostEntries = 1000;  // of any list; a device's list may be endless
 
 std::string text_from(const __u8* text, std::size_t size) {
   const auto* begin = reinterpret_cast<const char*>(text);
@@ -107,8 +107,8 @@ std::vector<CameraMode> modes_of(VideoSystem& system, int device) {
   return modes;
 }
 
-// Asks an open device.
-Result<CameraInfo> ask(VideoSystem& system, int device, const std::string& path) {
+// Queries an open device.
+Result<CameraInfo> query(VideoSystem& system, int device, const std::string& path) {
   auto capability = zeroed<v4l2_capability>();
   if (system.control(device, VIDIOC_QUERYCAP, &capability) != 0) {
     return Problem{fmt::format("{} is no video device", path)};
@@ -129,7 +129,7 @@ Result<CameraInfo> ask(VideoSystem& system, int device, const std::string& path)
   return info;
 }
 
-// The order in which formats of the same size and rate are preferred: what costs least to convert.
+// Order of preference of formats with equal size and rate: the cheapest conversion first.
 int rank(std::uint32_t format) {
   constexpr std::array kOrder{four_letters("YUYV"), four_letters("UYVY"), four_letters("RGB3"),
                               four_letters("BGR3"), four_letters("NV12"), four_letters("GREY"),
@@ -137,7 +137,7 @@ int rank(std::uint32_t format) {
   return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), format) - kOrder.begin());
 }
 
-// The mode for these settings; null when the camera has none of this size.
+// The mode for these settings; null if the camera does not have the size.
 const CameraMode* choose(const CameraInfo& info, const CameraSettings& settings) {
   const double wanted = settings.frames_per_second;
   const auto rate = [&](const CameraMode& mode) {
@@ -167,10 +167,10 @@ std::string sizes_of(const CameraInfo& info, bool depth) {
 
 }  // namespace
 
-Result<CameraInfo> ask_camera(VideoSystem& system, const std::string& path) {
+Result<CameraInfo> query_camera(VideoSystem& system, const std::string& path) {
   const int device = system.open(path);
   if (device < 0) return cannot_open(path, -device);
-  Result<CameraInfo> info = ask(system, device, path);
+  Result<CameraInfo> info = query(system, device, path);
   system.close(device);
   return info;
 }
@@ -186,13 +186,13 @@ struct V4l2Camera::Parts {
   CameraSettings settings;
   int device = -1;
   std::vector<Buffer> buffers;
-  std::optional<std::uint32_t> held;  // the buffer behind `picture`
+  std::optional<std::uint32_t> held;  // index of the buffer that holds `picture`
   RawPicture picture;
   double rate = 30;
   double time = 0;
   int sequence = -1;
-  int before_loss = 0;                      // sequence counted until the device was opened last
-  std::optional<std::uint32_t> first_seen;  // its own count at its first picture
+  int before_loss = 0;                      // value of `sequence` when the device was last opened
+  std::optional<std::uint32_t> first_seen;  // the device's number of its first picture
   std::string trouble;
 
   Parts(VideoSystem& system_of, std::string path_of, const CameraSettings& settings_of)
@@ -222,7 +222,7 @@ struct V4l2Camera::Parts {
   }
 
   std::optional<Problem> set_up() {
-    const Result<CameraInfo> info = ask(system, device, path);
+    const Result<CameraInfo> info = query(system, device, path);
     if (!info.ok()) return info.problem();
     if (settings.width == 0) { return Problem{fmt::format("{}: no size is asked for", path)}; }
     const CameraMode* mode = choose(info.value(), settings);
@@ -264,7 +264,7 @@ struct V4l2Camera::Parts {
   }
 
   std::optional<Problem> set_rate(const CameraMode& mode) {
-    // The rate next to what is wanted; a camera that does not let it be set keeps its own.
+    // The nearest available rate; a camera that cannot set it keeps its own.
     rate = mode.rates.empty() ? 30 : mode.rates.front();
     for (const double r : mode.rates) {
       if (settings.frames_per_second > 0 &&
@@ -292,7 +292,7 @@ struct V4l2Camera::Parts {
           set_control(system, device, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL) != 0) {
         return refuse("exposure");
       }
-      // In steps of 0.1 ms.
+      // The unit is 0.1 ms.
       const int steps = static_cast<int>(std::lround(10 * *settings.exposure_ms));
       if (set_control(system, device, V4L2_CID_EXPOSURE_ABSOLUTE, steps) != 0) {
         return refuse("exposure");
@@ -379,13 +379,13 @@ struct V4l2Camera::Parts {
     return (newest.flags & V4L2_BUF_FLAG_ERROR) != 0 ? Grab::kBroken : Grab::kPicture;
   }
 
-  // Points `picture` at the buffer's memory, and sets its time and number.
+  // Points `picture` to the buffer's memory and sets its time and number.
   void show(const v4l2_buffer& buffer) {
     const Buffer& memory = buffers[buffer.index];
     picture.data = static_cast<const std::uint8_t*>(memory.memory);
     picture.size = std::min<std::size_t>(buffer.bytesused, memory.length);
     if (!first_seen) first_seen = buffer.sequence;
-    // Some drivers do not number their pictures; then each picture seen is the next one.
+    // Some drivers do not number their pictures; then they are counted here.
     sequence =
         std::max(before_loss + static_cast<int>(buffer.sequence - *first_seen), sequence + 1);
     const double stamp = static_cast<double>(buffer.timestamp.tv_sec) +
@@ -428,7 +428,7 @@ std::string V4l2Camera::lock() {
   const auto fail = [&](const char* what) {
     cannot += (cannot.empty() ? "" : ", ") + std::string(what);
   };
-  // The value that the automatic has found is read first, and written back once it is off.
+  // The present automatic value is read first and written back once the automatic is off.
   const auto hold = [&](std::uint32_t automatic, int off, std::uint32_t value, const char* what) {
     auto now = zeroed<v4l2_control>();
     now.id = value;

@@ -1,5 +1,5 @@
 /// @file
-/// One video device: what it can do, and its pictures (Linux, V4L2; UVC cameras among them).
+/// One video device: its capabilities and its pictures (Linux V4L2, which includes UVC cameras).
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -18,70 +18,71 @@ struct CameraMode {
   std::uint32_t format = 0;   ///< four letters
   int width = 0;              ///< px, of the whole picture
   int height = 0;             ///< px
-  std::vector<double> rates;  ///< frames per second, the fastest first; empty: it does not say
+  std::vector<double> rates;  ///< 1/s, the fastest first; empty: unknown
 };
 
 struct CameraInfo {
   std::string path;               ///< /dev/video0
-  std::string name;               ///< the maker's
-  std::string bus;                ///< where it is plugged in
-  std::vector<CameraMode> modes;  ///< those whose format can be converted
+  std::string name;               ///< the maker's name for it
+  std::string bus;                ///< the connector that it is plugged into
+  std::vector<CameraMode> modes;  ///< those with a convertible format
   bool has_exposure = false;
   bool has_gain = false;
 };
 
-/// Asks a device what it is and can do. A problem names the device and says that it does not exist,
-/// is no camera (a node for metadata, an encoder) or may not be opened (and to join the group
-/// `video`).
-[[nodiscard]] Result<CameraInfo> ask_camera(VideoSystem& system, const std::string& path);
+/// Queries the capabilities of a device. A problem names the device and says that it does
+/// not exist, is not a camera (but a metadata node or an encoder), or needs a permission
+/// (the group `video`).
+[[nodiscard]] Result<CameraInfo> query_camera(VideoSystem& system, const std::string& path);
 
-/// How one device is to be set.
+/// Settings of one device.
 struct CameraSettings {
-  int width = 0;   ///< px of the whole picture; both eyes' when they come side by side
-  int height = 0;  ///< px
-  double frames_per_second = 0;       ///< 0: as fast as it can
-  std::optional<double> exposure_ms;  ///< fixed; nothing: left to the camera
+  int width = 0;                 ///< px, of the whole picture, i.e. of both eyes if side by side
+  int height = 0;                ///< px
+  double frames_per_second = 0;  ///< 0: the fastest
+  std::optional<double> exposure_ms;  ///< fixed; empty: automatic
   std::optional<double> gain;         ///< in the camera's own unit
   bool depth = false;                 ///< a depth format instead of a colour one
 };
 
-/// A device that streams into memory shared with it. After a loss call reopen() until it is back.
+/// A device that streams into shared memory. After a loss, reopen() must be called
+/// until it succeeds.
 class V4l2Camera {
  public:
   enum class Grab {
     kPicture,  ///< picture() is new
-    kNothing,  ///< none came in time
-    kBroken,   ///< one came, and the device says it is damaged
-    kGone      ///< the device is not there any more, and closed
+    kNothing,  ///< no picture came in time
+    kBroken,   ///< a picture came that the device marked as damaged
+    kGone      ///< the device was disconnected and is closed
   };
 
-  /// Opens, sets size, rate, exposure and gain, and starts the stream. A problem names the device
-  /// and the sizes that it has instead, or says that another program uses it.
+  /// Opens the device, sets size, rate, exposure and gain, and starts the stream. A problem names
+  /// the device and its available sizes, or says that another program uses it.
   [[nodiscard]] static Result<V4l2Camera> open(VideoSystem& system, const std::string& path,
                                                const CameraSettings& settings);
   V4l2Camera(V4l2Camera&&) noexcept;
   V4l2Camera& operator=(V4l2Camera&&) noexcept;
   ~V4l2Camera();
 
-  /// Waits up to `seconds` for a picture; if several have come, gives the newest.
+  /// Waits up to `seconds` for a picture; returns the newest if several have come.
   [[nodiscard]] Grab grab(double seconds);
   /// Valid until the next call of grab().
   [[nodiscard]] const RawPicture& picture() const;
-  /// When the picture was taken: s, by the driver's clock or, if it has none, the system's.
+  /// Time of the picture, s, by the driver's clock or, without one, the system's.
   [[nodiscard]] double time() const;
-  /// Number of the picture; pictures that the device took but grab() did not give are counted too.
+  /// Number of the picture, counting pictures that the device took but grab() skipped.
   [[nodiscard]] int sequence() const;
 
   /// After kGone: opens the device again with the same settings; false while it is not there.
   [[nodiscard]] bool reopen();
-  /// Why the device failed last.
+  /// The reason of the last failure.
   [[nodiscard]] const std::string& trouble() const;
 
   /// Switches automatic exposure, gain and white balance off and keeps their present values.
-  /// @return which of them the camera cannot hold; empty when it holds all
+  /// @return the names of those that the camera cannot hold; empty if it holds all
   [[nodiscard]] std::string lock();
 
-  /// As the device says; 30 if it does not.
+  /// 1/s, as stated by the device; 30 if it states none.
   [[nodiscard]] double frames_per_second() const;
 
  private:

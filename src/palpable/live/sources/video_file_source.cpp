@@ -28,15 +28,15 @@ struct VideoFile {
   cv::VideoCapture capture;
   int width = 0;
   int height = 0;
-  double rate = 0;  // frames per second; 0: the file does not say
+  double rate = 0;  // frames per second; 0: unknown
   int frames = -1;
 
-  // Empty, or why not.
+  // Opens the file. Returns an empty string, or why that failed.
   std::string open() {
     std::error_code error;
     if (!fs::exists(path, error)) return "does not exist";
     try {
-      // Not whatever OpenCV finds: its other readers take a name for a pattern or a camera.
+      // Only these two: OpenCV's other readers interpret a name as a pattern or a camera.
       for (const int reader : {cv::CAP_FFMPEG, cv::CAP_OPENCV_MJPEG}) {
         if (capture.open(path.string(), reader)) break;
       }
@@ -72,10 +72,10 @@ class VideoReader final : public FrameReader {
     frame.time = number / frames_per_second_;
     const bool two = !right_.path.empty();
     if (!next(left_, two ? frame.left : both_)) return end(left_, number, trouble);
-    // Before the first frame's own time is known there is none to subtract.
+    // Times are relative to the first frame's.
     const double time = 1e-3 * left_.capture.get(cv::CAP_PROP_POS_MSEC);
     if (number == 0) begin_ = time;
-    // Some containers say 0 for all.
+    // Some containers have time 0 for all frames.
     if (std::isfinite(time) && time - begin_ > last_time_) frame.time = time - begin_;
     last_time_ = frame.time;
     if (two) {
@@ -94,8 +94,8 @@ class VideoReader final : public FrameReader {
   }
 
  private:
-  // A video that has fewer frames than it says is damaged: one unreadable frame reports that, then
-  // the video ends.
+  // A video with fewer frames than stated is damaged: one unreadable frame reports that,
+  // then the video ends.
   FrameStatus end(const VideoFile& file, int number, std::string& trouble) {
     if (number >= count()) return FrameStatus::kEnd;
     is_damaged_ = true;
@@ -111,7 +111,7 @@ class VideoReader final : public FrameReader {
       cv::Mat target = view(image);
       cv::cvtColor(decoded_, target, cv::COLOR_BGR2RGB);
       return true;
-    } catch (const cv::Exception&) { return false; }  // damaged beyond this point
+    } catch (const cv::Exception&) { return false; }  // damaged from here on
   }
 
   VideoFile left_;
@@ -125,7 +125,7 @@ class VideoReader final : public FrameReader {
   ColorImage both_;
 };
 
-// The calibration that the settings name, or one beside the video.
+// The calibration file of the settings, or one beside the video.
 Result<SourceCalibration> calibration_of_video(const fs::path& video, const VideoSettings& settings,
                                                int width, int height) {
   if (!settings.calibration.empty()) {
@@ -164,8 +164,8 @@ std::optional<Problem> not_side_by_side(const VideoFile& both) {
                   both.path.string(), both.width, both.height)};
 }
 
-// A stereo rig's calibration for eyes of this size; with settings.without_calibration the size
-// alone.
+// The calibration of a stereo rig for eyes of this size; only the size with
+// settings.without_calibration.
 Result<SourceCalibration> fitting_calibration(const fs::path& video, const VideoSettings& settings,
                                               int eye_width, int height) {
   if (settings.without_calibration) {

@@ -1,5 +1,5 @@
 /// @file
-/// A recorded video as a source of frames: both eyes side by side, or a file for each eye.
+/// A recorded video as a source of frames: both eyes side by side, or one file per eye.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -14,25 +14,25 @@ namespace palpable {
 
 struct VideoSettings {
   /// Empty: a file beside the video with its name and .yml (clip.mp4, clip.yml), or
-  /// calibration.yml, rectified.yml or the one SN*.conf in its folder.
+  /// calibration.yml, rectified.yml or the only SN*.conf in its folder.
   std::filesystem::path calibration{};
   bool without_calibration = false;  ///< see FolderSettings
 };
 
-/// The endings of video files' names.
+/// The extensions of video files.
 inline constexpr std::array<std::string_view, 7> kVideoEndings = {".avi",  ".mp4", ".mkv", ".mov",
                                                                   ".webm", ".m4v", ".mpg"};
 
-/// Whether the name ends with one of kVideoEndings, in small letters or large ones.
+/// Whether the name ends with one of kVideoEndings, in lower or upper case.
 [[nodiscard]] bool is_video_name(const std::filesystem::path& path);
 
-/// Opens the left eye's (or both eyes') file and, if named, the right eye's; frames of the same
-/// number are a pair. Frames are decoded one ahead; times are the file's own. A file that is cut
-/// off or damaged ends there, after one unreadable frame that says so; frames of another size are
-/// unreadable.
+/// Opens the file of the left eye (or both eyes) and, if named, of the right eye; frames of the
+/// same number are a pair. Frames are decoded one ahead; times are those of the file. A
+/// truncated or damaged file ends there, after one unreadable frame that reports it; frames of
+/// another size are unreadable.
 ///
-/// A problem, one line that names the file: not there, no video that can be decoded, no or a wrong
-/// calibration, files of different sizes.
+/// A problem, one line that names the file: it does not exist, is not a decodable video, has no
+/// calibration or a wrong one, or the two files have different sizes.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> open_video(const std::filesystem::path& left,
                                                               const std::filesystem::path& right,
                                                               const VideoSettings& settings = {});

@@ -22,7 +22,7 @@ using test::ScratchFolder;
 constexpr int kWidth = 64;
 constexpr int kHeight = 48;
 
-// Motion JPEG in AVI, OpenCV's own writer: no ffmpeg is asked. Brightness base + 8 i.
+// Motion JPEG in AVI by OpenCV's own writer, which does not need FFmpeg. Brightness base + 8 i.
 void write_video(const fs::path& path, int width, int frames, int base, int step_at = -1) {
   cv::VideoWriter writer(path.string(), cv::CAP_OPENCV_MJPEG,
                          cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20, cv::Size(width, kHeight));
@@ -69,7 +69,7 @@ TEST_CASE("a video of both eyes, or a file for each, gives every frame with its 
       REQUIRE(source->next(frame) == FrameStatus::kFrame);
       CHECK(frame.number == i);
       CHECK(frame.time == Approx(i / 20.0));
-      const int loss = 4;  // of JPEG
+      const int loss = 4;  // JPEG's loss
       CHECK(std::abs(frame.left(20, 20).g - (10 + 8 * i)) <= loss);
       CHECK(std::abs(frame.right(20, 20).g - (110 + 8 * i)) <= loss);
     }
@@ -104,7 +104,7 @@ TEST_CASE("a video that is cut off ends there, and one that is none is refused",
   const std::string bytes = test::file_bytes(folder / "both.avi");
   test::write_bytes(folder / "cut.avi", bytes.substr(0, bytes.size() / 2));
   const auto cut = open_video(folder / "cut.avi", "", {{}, true});
-  if (!cut.ok()) return;  // a reader may want the index at the end
+  if (!cut.ok()) return;  // a reader may need the index at the end
   Frame frame;
   int frames = 0;
   while (cut.value()->next(frame) == FrameStatus::kFrame) ++frames;

@@ -1,6 +1,6 @@
 /// @file
-/// The calls of the operating system that a camera needs (Linux: V4L2), so that everything above
-/// them can be tested against a camera made of code.
+/// The operating system's calls for a camera (Linux: V4L2), as an interface, so that the code above
+/// can be tested with a simulated camera.
 #pragma once
 
 #include "palpable/live/sources/wall_clock.h"
@@ -12,15 +12,15 @@
 
 namespace palpable {
 
-/// Like the system's own calls, but errors are returned: callers do not read errno.
+/// Like the system's own calls, but errors are returned instead of set in errno.
 class VideoSystem : public WallClock {
  public:
-  /// Paths of devices that may be cameras, /dev/video2 before /dev/video10.
+  /// Paths of possible cameras in natural order: /dev/video2 before /dev/video10.
   [[nodiscard]] virtual std::vector<std::string> devices() = 0;
-  /// A file descriptor, or the error's number with a minus.
+  /// A file descriptor, or the negative error number.
   [[nodiscard]] virtual int open(const std::string& path) = 0;
   virtual void close(int device) = 0;
-  /// An ioctl: 0, or the error's number. Interrupted ones are made again.
+  /// An ioctl: 0, or the error number. Interrupted calls are repeated.
   [[nodiscard]] virtual int control(int device, unsigned long request, void* argument) = 0;
   /// Memory shared with the device; null when that fails.
   [[nodiscard]] virtual void* map(int device, std::size_t length, std::uint32_t offset) = 0;
@@ -30,7 +30,7 @@ class VideoSystem : public WallClock {
   [[nodiscard]] virtual int wait(int device, double seconds) = 0;
 };
 
-/// The machine's.
+/// The implementation for this machine.
 [[nodiscard]] VideoSystem& linux_video();
 
 }  // namespace palpable

@@ -1,5 +1,5 @@
 /// @file
-/// The clock as an argument, so that code that waits can be tested without waiting.
+/// A clock as an interface, so that code that waits can be tested without waiting.
 #pragma once
 
 namespace palpable {
@@ -7,13 +7,13 @@ namespace palpable {
 class WallClock {
  public:
   virtual ~WallClock() = default;
-  /// s since some moment; never decreases.
+  /// s since a fixed moment; never decreases.
   [[nodiscard]] virtual double now() = 0;
   /// Returns after this many seconds.
   virtual void sleep(double seconds) = 0;
 };
 
-/// The machine's.
+/// The machine's clock.
 [[nodiscard]] WallClock& system_clock();
 
 }  // namespace palpable

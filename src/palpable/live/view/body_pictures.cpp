@@ -46,7 +46,7 @@ const ColorImage& draw_shot(StudioScene& scene, const Shot& shot) {
   return scene.draw(shot.camera);
 }
 
-// A body that is moved and painted vertex by vertex.
+// A body whose displacement and colours are set per vertex.
 struct PaintedBody {
   explicit PaintedBody(const ReducedBody& body)
       : at_rest(body.surface.vertices.cast<float>()),
@@ -72,7 +72,8 @@ struct PaintedBody {
   BodyLook look;
 };
 
-// Each moves the body as its mode does; modes of stress are painted on the body at rest.
+// Draws each mode of displacement as the body's shape, and each mode of stress as colours of the
+// body at rest.
 void draw_shapes(const std::vector<ModeShape>& shapes, double body_size, const OrbitCamera& camera,
                  StudioScene& scene, PaintedBody& painted, std::vector<ColorImage>& cells) {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -86,7 +87,7 @@ void draw_shapes(const std::vector<ModeShape>& shapes, double body_size, const O
       cells.push_back(painted.draw(scene, {"von Mises", "kPa", 1e-3}, camera));
       continue;
     }
-    // As large as a picture needs it: an eighth of the body.
+    // Enlarged to an eighth of the body's size.
     const double shown = shape.largest > 0 ? 0.125 * body_size / shape.largest : 0.0;
     painted.vertices += static_cast<float>(shown) * shape.displacement.reshaped(3, V);
     scene.caption = {fmt::format("mode {}: up to {:.3g} mm, drawn {:.2g} times as large", i + 1,
@@ -95,7 +96,7 @@ void draw_shapes(const std::vector<ModeShape>& shapes, double body_size, const O
   }
 }
 
-// Each paints the sites' patches with its mode's function of the load's position.
+// Draws each mode's function of the load position as colours of the sites' patches.
 void draw_functions(const ReducedBody& body, const std::vector<ModeShape>& shapes,
                     const OrbitCamera& camera, StudioScene& scene, PaintedBody& painted,
                     std::vector<ColorImage>& cells) {

@@ -1,5 +1,5 @@
 /// @file
-/// Pictures of a reduced body for people who have no window: presses, and its modes.
+/// Pictures of a reduced body, drawn without a window: presses, and its modes.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -25,9 +25,9 @@ void draw_presses(const ReducedBody& body, int site, double level, const NamedPa
                   PictureSize size,
                   const std::function<void(const std::string& name, const ColorImage&)>& show);
 
-/// Modes side by side, those of displacement drawn so large that they can be seen, and below each
-/// the function of the load's position that goes with it (paper Figs. 11 and 13). Needs a current
-/// OpenGL context.
+/// Draws modes side by side, and below each its function of the load position (paper Figs. 11 and
+/// 13). Modes of displacement are enlarged so that they are visible. Needs a current OpenGL
+/// context.
 /// @param shapes  at least one: first_modes() of the body
 /// @param size    of a picture twice as wide and high as each cell of the sheet
 [[nodiscard]] ColorImage draw_modes(const ReducedBody& body, const std::vector<ModeShape>& shapes,

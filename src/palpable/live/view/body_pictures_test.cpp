@@ -15,7 +15,7 @@ namespace {
 
 constexpr PictureSize kSize{160, 96};
 
-TEST_CASE("presses are drawn under names that tell them apart, and then on one sheet",
+TEST_CASE("presses are drawn under different names, and then on one sheet",
           "[view][body_pictures]") {
   const Result<GlContext> context = GlContext::offscreen();
   if (!context.ok()) PALPABLE_SKIP(context.problem().message);

@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-// What is said under the picture: the press, and the keys.
+// Sets what the scene shows, and the caption below it: the press, and the keys.
 void write_caption(const ViewControls& controls, double level, StudioScene& scene) {
   scene.field = controls.field;
   scene.component = controls.component;
@@ -24,7 +24,7 @@ void write_caption(const ViewControls& controls, double level, StudioScene& scen
                        ViewControls::help().end());
 }
 
-// @return whether something was switched
+// Lays out the panel. @return whether something was switched
 bool lay_out(ViewControls& controls) {
   if (!controls.panel_shown) return false;
   bool switched = false;
@@ -46,10 +46,10 @@ bool lay_out(ViewControls& controls) {
   return switched;
 }
 
-// What the mouse presses: a finger anywhere, or a site.
+// Presses the body by the mouse: with a finger anywhere, or at a site.
 class MousePress {
  public:
-  // @param from_site  whether a site is pressed to begin with
+  // @param from_site  whether a site is pressed at the start
   MousePress(const std::shared_ptr<const TouchableBody>& body, bool from_site, StudioScene& scene)
       : scene_(scene) {
     if (!body->touch) return;
@@ -77,7 +77,7 @@ class MousePress {
     }
   }
 
-  // Whether what is shown is not yet what is pressed.
+  // Whether the body shown has not yet reached the level.
   [[nodiscard]] bool is_behind(double level) const {
     return level != (place_ ? finger_->level() : scene_.pressed().level()) ||
            (place_ && finger_->moving());
@@ -86,7 +86,7 @@ class MousePress {
  private:
   StudioScene& scene_;
   std::optional<FingerPress> finger_;
-  std::optional<FingerPress::Place> place_;  // nothing: a site, until the mouse has pressed
+  std::optional<FingerPress::Place> place_;  // of the finger; nothing: a site is pressed
 };
 
 }  // namespace

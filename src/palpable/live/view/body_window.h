@@ -1,5 +1,5 @@
 /// @file
-/// A body in a window, turned and pressed by mouse and keys, as `palpable view` shows it.
+/// A window in which a body is turned and pressed by mouse and keys (`palpable view`).
 #pragma once
 
 #include "palpable/common/response/touchable_body.h"
@@ -15,19 +15,18 @@ namespace palpable {
 
 struct BodyWindowSettings {
   PictureSize size{1280, 720};
-  int site = -1;                  ///< held at `level` until another is pressed; -1: none is
+  int site = -1;                  ///< pressed at `level` until another is pressed; -1: none
   double level = 1;               ///< 0 .. 1 of the site's full load
-  NamedPaint paint = kPaints[0];  ///< to begin with, and after R
-  double close_after = 0;         ///< s; 0: when the user wants
+  NamedPaint paint = kPaints[0];  ///< at the start, and after R
+  double close_after = 0;         ///< s; 0: only when the user closes the window
 };
 
-/// Shows the body until the user closes the window (view_controls.h says what the user can do; a
-/// panel switches the same). The mouse presses a body with tables of touch anywhere, as a finger
-/// does (finger_press.h), and another one at its sites.
-/// Draws only when something changes; waits for events otherwise.
-/// @param keep_picture  called with the picture that is shown when the user asks to keep it;
-/// returns
-///                      what became of it, in a line that the window then shows
+/// Shows the body until the user closes the window. The controls are those of view_controls.h; a
+/// panel switches the same. The mouse presses a body with tables of touch anywhere, as a finger
+/// does (finger_press.h), and another body at its sites. Draws only when something changes; waits
+/// for events otherwise.
+/// @param keep_picture  called with the present picture when the user wants to keep it; returns a
+///                      line about the result, which the window then shows
 /// @throws Error when OpenGL reported errors
 void show_body(Window& window, const std::shared_ptr<const TouchableBody>& body,
                const BodyWindowSettings& settings,

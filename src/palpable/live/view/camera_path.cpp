@@ -3,7 +3,7 @@
 namespace palpable {
 namespace {
 
-constexpr std::size_t kMost = 4096;  // points
+constexpr std::size_t kMost = 4096;  // points, see CameraPath
 constexpr Rgb kColor{28, 84, 222};
 constexpr float kPathWidth = 3.5f;  // px
 
@@ -15,7 +15,7 @@ void CameraPath::add(const TrackedPose& camera) {
     return;
   }
   const Rigid3& pose = camera.world_from_camera;
-  // A closed loop corrects the pose at once: the camera did not travel there.
+  // Closing a loop makes the pose jump, which is no motion of the camera.
   const bool continues = now_.has_value() && !camera.closed_loop;
   now_ = pose;
   if (continues && (poses_.back().translation() - pose.translation()).norm() < step_) return;

@@ -1,5 +1,5 @@
 /// @file
-/// The path of a camera through a room, to be drawn.
+/// The path of a camera through a room, for drawing.
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
@@ -11,16 +11,16 @@
 
 namespace palpable {
 
-/// Where the camera has been: one point every centimetre, and a gap where it was lost or a loop was
-/// closed. Points before the loop are not corrected by it. The memory is bounded: when a path
-/// reaches 4,096 points, every second one is dropped and later ones are twice as far apart.
+/// The positions of the camera: one point every centimetre, with a gap where the camera was lost or
+/// a loop was closed. Closing a loop does not correct earlier points. The memory is bounded: when a
+/// path reaches 4,096 points, every second one is dropped, and later ones are twice as far apart.
 class CameraPath {
  public:
-  /// Call it for every frame, in order.
+  /// Adds a frame's pose; to be called for every frame, in order.
   void add(const TrackedPose& camera);
-  /// Appends the path as lines, up to where the camera is now.
+  /// Appends the path as lines, up to the camera's present position.
   void draw(std::vector<MapLine>& lines) const;
-  /// Poses along it, one for each point.
+  /// The camera's poses at the points.
   [[nodiscard]] const std::vector<Rigid3>& poses() const { return poses_; }
 
  private:
@@ -28,7 +28,7 @@ class CameraPath {
 
   double step_ = 0.01;           // m between two points
   std::vector<Rigid3> poses_;    // world_from_camera
-  std::vector<bool> continues_;  // a line leads here from the point before
+  std::vector<bool> continues_;  // whether a line leads here from the previous point
   std::optional<Rigid3> now_;    // nothing while the camera is lost
 };
 

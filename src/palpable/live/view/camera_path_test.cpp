@@ -11,7 +11,7 @@ TrackedPose at(double x, TrackState state = TrackState::kTracking) {
   return camera;
 }
 
-TEST_CASE("the way of a camera has a point every centimetre and ends where the camera is",
+TEST_CASE("the path of a camera has a point every centimetre and ends where the camera is",
           "[view][camera_path]") {
   CameraPath path;
   for (int n = 0; n <= 25; ++n) path.add(at(0.004 * n));  // 0.1 m
@@ -24,20 +24,20 @@ TEST_CASE("the way of a camera has a point every centimetre and ends where the c
   CHECK(lines.back().to.x() == Approx(0.1));
 }
 
-TEST_CASE("a camera that stands adds nothing to its way", "[view][camera_path]") {
+TEST_CASE("a camera that stands adds nothing to its path", "[view][camera_path]") {
   CameraPath path;
   for (int n = 0; n < 100; ++n) path.add(at(1, TrackState::kFixed));
   CHECK(path.poses().size() == 1);
 }
 
-TEST_CASE("the way has a gap where the camera was lost", "[view][camera_path]") {
+TEST_CASE("the path has a gap where the camera was lost", "[view][camera_path]") {
   CameraPath path;
   path.add(at(0));
   path.add(at(0.1));
   path.add(at(0.1, TrackState::kLost));
   std::vector<MapLine> lines;
   path.draw(lines);
-  CHECK(lines.size() == 1);  // nothing leads to a place that is not known
+  CHECK(lines.size() == 1);  // no line leads to an unknown position
   path.add(at(0.5));
   path.add(at(0.6));
   lines.clear();
@@ -47,7 +47,7 @@ TEST_CASE("the way has a gap where the camera was lost", "[view][camera_path]") 
   CHECK(length == Approx(0.2));
 }
 
-TEST_CASE("the way has a gap where a loop was closed: the camera did not go there",
+TEST_CASE("the path has a gap where a loop was closed: the camera did not move there",
           "[view][camera_path]") {
   CameraPath path;
   path.add(at(0));
@@ -63,10 +63,10 @@ TEST_CASE("the way has a gap where a loop was closed: the camera did not go ther
   CHECK(length == Approx(0.2));
 }
 
-TEST_CASE("a way of hours keeps its length and its gaps, and takes no more memory",
+TEST_CASE("a path of hours keeps its length and its gaps, and takes no more memory",
           "[view][camera_path]") {
   CameraPath path;
-  // Two ways of 100 m straight ahead, 50 m apart.
+  // Two straight paths of 100 m, 50 m apart.
   for (int i = 0; i <= 10000; ++i) path.add(at(0.01001 * i));
   path.add(at(0, TrackState::kLost));
   for (int i = 0; i <= 10000; ++i) path.add(at(150 + 0.01001 * i));
@@ -80,7 +80,7 @@ TEST_CASE("a way of hours keeps its length and its gaps, and takes no more memor
                       0.16, "the last step before the gap: 1 cm, doubled four times")));
 }
 
-TEST_CASE("a camera that was never known has no way", "[view][camera_path]") {
+TEST_CASE("a camera that was never known has no path", "[view][camera_path]") {
   CameraPath path;
   path.add(at(0, TrackState::kStarting));
   std::vector<MapLine> lines;

@@ -1,5 +1,5 @@
 /// @file
-/// A scene, and what drawing adds to it.
+/// A scene and its picture.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -8,16 +8,16 @@
 
 namespace palpable {
 
-/// One frame, from what was seen to what is shown. Kept and filled again: its memory goes round.
+/// The results of one frame. Reused for the next frame, so that no memory is allocated.
 struct DrawnFrame {
   Scene scene;
-  /// Whether pictures, depth and masks of it are written; if not, nobody needs its masks.
+  /// Whether pictures, depth and masks are written to files; if not, no masks are needed.
   bool in_files = true;
-  ColorImage picture;  ///< what is shown: of the camera's size, or the map's picture
-  /// 255 where the picture shows the body, full size; filled in only for who draws masks.
+  ColorImage picture;  ///< of the camera's size, or the picture of another view
+  /// 255 where the picture shows the body, full size; filled in only if masks are drawn.
   MaskImage visible;
   DepthImage body_depth;  ///< likewise: Z of the whole body (m), full size; NaN beside it
-  FigureScores scores{};  ///< filled in only where somebody asks for them
+  FigureScores scores{};  ///< filled in only on request
 };
 
 }  // namespace palpable

@@ -7,13 +7,14 @@
 namespace palpable {
 namespace {
 
-// m around a touch whose stress counts for its picture.
+// m, the radius around a touch in which stress is summed.
 constexpr float kAroundTouch = 0.04f;
 
-// m behind the body up to which something counts as passing behind it, not as far background.
+// m: a presser up to this far behind the body counts as passing behind it; the rest is background.
 constexpr float kJustBehind = 0.3f;
 
-// The stress around a place, as much of it as faces the camera.
+// The sum of the von Mises stress around a position, weighted by how much the skin faces the
+// camera.
 double stress_towards_camera(const SceneBody& body, const Eigen::Vector3f& place) {
   const Eigen::Matrix3f R = body.camera_from_body.linear().cast<float>();
   const Eigen::Vector3f t = body.camera_from_body.translation().cast<float>();
@@ -63,7 +64,7 @@ FigureScores figure_scores(const Scene& scene, const Session& session, const Mas
     }
   }
   if (pixels == 0) return scores;
-  // Best when half of the body is left: a body that is hidden altogether shows nothing.
+  // Largest when half of the body is hidden; 0 when all of it is.
   const double share = static_cast<double>(hidden) / static_cast<double>(pixels);
   scores.hand_nearer = std::min(share, 1 - share);
   scores.body_nearer = static_cast<double>(before_hand) / static_cast<double>(pixels);

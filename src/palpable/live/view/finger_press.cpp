@@ -10,9 +10,9 @@
 namespace palpable {
 namespace {
 
-constexpr double kLength = 0.06;   // m, of the stick: longer than the deepest push
-constexpr double kOfHeight = 0.1;  // of the body's, at most, that it is pushed
-constexpr double kSettled = 2e-5;  // m: what is not seen to move any more
+constexpr double kLength = 0.06;   // m, of the capsule: longer than the largest push
+constexpr double kOfHeight = 0.1;  // largest push, as a ratio to the body's height
+constexpr double kSettled = 2e-5;  // m: smaller motion is not visible and counts as none
 
 const std::shared_ptr<const TouchableBody>& with_tables(
     const std::shared_ptr<const TouchableBody>& body) {
@@ -52,7 +52,7 @@ void FingerPress::press(const Place& place, double level) {
 
 void FingerPress::rest() {
   level_ = 0;
-  solver_.forget();  // what it remembers would be seen in the last bit
+  solver_.forget();  // else its history would change the last bits of the result
   advance({});
 }
 
@@ -87,7 +87,7 @@ void FingerPress::finger_dots(float radius, std::vector<Dot>& dots) const {
   const Eigen::Vector3f tip = (place_.point + push() * place_.inwards).cast<float>();
   constexpr int kBalls = 6;
   for (int i = 0; i < kBalls; ++i) {
-    // Smaller towards the body, as an arrow is.
+    // Smaller towards the body, like the head of an arrow.
     const float outwards = (1.2f + 2.3f * static_cast<float>(i)) * radius;
     Dot dot;
     dot.at_in_body = tip - outwards * place_.inwards.cast<float>();

@@ -1,6 +1,6 @@
 /// @file
-/// A body with tables of touch that a finger presses, anywhere on its skin: a ball of 8 mm with a
-/// round stick behind it, which is pushed along the skin's inward normal.
+/// Presses a body with tables of touch by a finger, anywhere on its skin. The finger is a capsule
+/// of radius 8 mm that is pushed along the skin's inward normal.
 #pragma once
 
 #include "palpable/common/response/touchable_body.h"
@@ -17,34 +17,36 @@
 
 namespace palpable {
 
+/// The body, the finger, and the result of contact between them.
 class FingerPress {
  public:
   static constexpr double kRadius = 0.008;   ///< m, of the finger
-  static constexpr double kDeepest = 0.010;  ///< m, at full level, of a body that is high enough
+  static constexpr double kDeepest = 0.010;  ///< m, largest push at level 1
 
-  /// Where a finger presses, body frame, at rest.
+  /// The position and direction of a press; body frame, body at rest.
   struct Place {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< m, on the skin
     Eigen::Vector3d inwards = Eigen::Vector3d::Zero();  ///< unit
   };
 
-  /// @param body  with tables of touch (TouchableBody::touch); at rest to begin with
+  /// Begins at rest. @param body  one with tables of touch (TouchableBody::touch)
   explicit FingerPress(const std::shared_ptr<const TouchableBody>& body);
 
-  /// The place that lies now where `at` is on the skin as it is shown. @param at  m, body frame
+  /// The place that has moved to the position `at` of the deformed skin. @param at  m, body frame
   [[nodiscard]] Place place_at(const Eigen::Vector3d& at) const;
 
-  /// Pushes the finger so far beyond the place that at level 0 it touches it there, and at level 1
-  /// by kDeepest, or a tenth of the body's height if that is less.
+  /// Moves the finger so that its tip lies inwards of the place by push(): 0 at level 0, and at
+  /// level 1 kDeepest, or a tenth of the body's height if that is less.
   void press(const Place& place, double level);
-  /// Takes it away.
+  /// Removes the finger.
   void rest();
-  /// The state is not there yet: another press() at the same place goes on.
+  /// Whether the body has not yet reached equilibrium because of the step limit: another press() at
+  /// the same place continues.
   [[nodiscard]] bool moving() const { return left_to_move_ > 0; }
 
   [[nodiscard]] double level() const { return level_; }
-  [[nodiscard]] double force() const;              ///< N, of all touches together
-  [[nodiscard]] double push() const;               ///< m, of the finger beyond the place
+  [[nodiscard]] double force() const;              ///< N, norm of the sum over all touches
+  [[nodiscard]] double push() const;               ///< m, displacement of the tip from the place
   [[nodiscard]] double largest_von_mises() const;  ///< Pa
   /// (6V) Pa, as SceneBody::cauchy.
   [[nodiscard]] const std::vector<float>& cauchy() const { return shown_.cauchy; }
@@ -57,7 +59,7 @@ class FingerPress {
 
   /// Arrays of this object; as PressedBody::look().
   [[nodiscard]] BodyLook look() const;
-  /// Appends a row of dots that comes to the place along the finger. @param radius  m
+  /// Appends a row of dots along the finger, towards its tip. @param radius  m
   void finger_dots(float radius, std::vector<Dot>& dots) const;
 
  private:

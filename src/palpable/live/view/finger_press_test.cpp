@@ -40,8 +40,9 @@ TEST_CASE("a finger presses where it is put, deeper with its level, and leaves n
     const double moved =
         static_cast<double>(((*finger.look().vertices).col(vertex) - rest.col(vertex))
                                 .dot(place.inwards.cast<float>()));
-    // The finger is round and touches there first. The solver's softness lets it enter the skin by
-    // a hundredth of what this point alone would give way (TouchSettings::softness).
+    // The finger touches this point first, because its tip is a sphere. By the solver's softness it
+    // enters the skin by a hundredth of the displacement of this point alone
+    // (TouchSettings::softness).
     CHECK(moved > depth);
     CHECK(moved <= finger.push() + 1e-6);
     CHECK(moved > 0.9 * finger.push());
@@ -52,7 +53,7 @@ TEST_CASE("a finger presses where it is put, deeper with its level, and leaves n
   CHECK(finger.cauchy().size() == 6 * finger.look().scalar.size());
   CHECK(finger.contact_pressure().size() == finger.look().scalar.size());
   CHECK(finger.contact_pressure()[static_cast<std::size_t>(vertex)] > 0);
-  // The same place of the skin, seen where it has gone.
+  // The same point of the skin, queried at its displaced position.
   const FingerPress::Place again =
       finger.place_at(finger.look().vertices->col(vertex).cast<double>());
   CHECK((again.point - place.point).norm() < 1e-6);

@@ -9,7 +9,7 @@ namespace palpable {
 namespace {
 
 constexpr double kElevation = 0.65;  // rad above the floor
-constexpr double kHalfIn = 0.4;      // s until the eye has come half the way to its place
+constexpr double kHalfIn = 0.4;      // s in which the eye halves the distance to its usual position
 
 }  // namespace
 

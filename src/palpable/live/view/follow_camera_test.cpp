@@ -13,17 +13,17 @@ using test::tolerance;
 
 const Vector3d kUp = -Vector3d::UnitY();
 
-// Turned to the right by `yaw` about the vertical, standing at `at`.
+// The pose of a camera at `at` that is turned to the right by `yaw` about the vertical.
 Rigid3 pose(const Vector3d& at, double yaw) {
   return Eigen::Translation3d(at) * Rigid3(Eigen::AngleAxisd(yaw, Vector3d::UnitY()));
 }
 
-// Where the eye is, in the frame of the camera that is followed: X right, Y down, Z forward.
+// The position of the eye in the frame of the camera that it follows: X right, Y down, Z forward.
 Vector3d eye_beside(const FollowCamera& view, const Rigid3& world_from_camera) {
   return world_from_camera.inverse() * Vector3d(view.camera_from_world().inverse().translation());
 }
 
-TEST_CASE("the map is looked at from behind and above the camera, wherever it heads",
+TEST_CASE("the map is seen from behind and above the camera, whatever the camera's heading",
           "[view][follow_camera]") {
   std::vector<Vector3d> eyes;
   for (const double yaw : {0.0, 0.7, -2.5, 3.1}) {
@@ -38,7 +38,7 @@ TEST_CASE("the map is looked at from behind and above the camera, wherever it he
     const Rigid3 seen = view.camera_from_world();
     CHECK(std::abs((seen.linear() * kUp).x()) < tolerance(1e-9, "rounding"));
     CHECK((seen.linear() * kUp).y() < 0);  // upright
-    // What the camera looks at is in the middle.
+    // The point that the camera looks at is in the middle of the picture.
     const Vector3d target = seen * (camera * Vector3d(0, 0, 0.25));
     CHECK(target.head<2>().norm() < tolerance(1e-9, "rounding"));
   }

@@ -81,7 +81,7 @@ void LiveControls::handle(const WindowEvent& event) {
       panel_shown = !panel_shown;
       break;
     case 'H':
-      // Where it is read has to be there.
+      // The help is on the panel, so the panel is shown as well.
       help_shown = !help_shown || !panel_shown;
       panel_shown |= help_shown;
       break;
@@ -119,7 +119,7 @@ bool LiveControls::shows_camera() const {
 
 void LiveControls::begin_placing() {
   placing = run_may_change && !placing;
-  if (placing && !shows_camera()) view = LiveView::kCamera;  // where a click says a place
+  if (placing && !shows_camera()) view = LiveView::kCamera;  // else a click has no camera pixel
 }
 
 void LiveControls::begin_anew() { wishes.anew = run_may_change; }

@@ -1,6 +1,6 @@
 /// @file
-/// What the user of a live run's window may switch, and what the keys mean. The panel
-/// (live_panel.h) switches the same. Knows no window: events come in, so that a test can be the
+/// The state that the user of a live run's window can switch, by keys or by the panel
+/// (live_panel.h). Does not depend on a window: events are passed in, so that a test can be the
 /// user.
 #pragma once
 
@@ -18,85 +18,86 @@
 
 namespace palpable {
 
-/// What is looked at.
+/// The kind of picture that is shown.
 enum class LiveView {
-  kCamera,   ///< what the camera sees, with the bodies
-  kDepth,    ///< how far away it is (sensed_picture.h)
-  kMoving,   ///< what of it moves (likewise)
-  kSurface,  ///< what contact knows near the bodies, from outside (surface_picture.h)
+  kCamera,   ///< the camera's picture with the bodies
+  kDepth,    ///< its depth (sensed_picture.h)
+  kMoving,   ///< what moves in it (likewise)
+  kSurface,  ///< the surface that contact uses near the bodies, from outside (surface_picture.h)
   kMap       ///< the room from outside (map_picture.h)
 };
 
-/// A key, and what it does, in a word or two.
+/// A key and its effect, in a word or two.
 struct KeyMeaning {
   const char* key;
   const char* meaning;
 };
 
-/// A parameter of a body that the user may set while the run goes on (ReducedBody::further).
+/// A parameter of a body that the user may set during the run (ReducedBody::further).
 struct LiveParameter {
   int body = 0;
   std::string name;
-  double low = 0, high = 1;  ///< between which the body was baked
+  double low = 0, high = 1;  ///< bounds for which the body was baked
   double value = 0;
 
   friend bool operator==(const LiveParameter&, const LiveParameter&) = default;
 };
 
-/// What the user has asked for that changes the run itself, and the picture only in the end.
+/// Requests of the user that change the run itself, not only the picture.
 struct LiveWishes {
-  /// Where a body is to stand: px of the camera's picture.
+  /// The position at which a body is to stand: px of the camera's picture.
   std::optional<Eigen::Vector2d> place = {};
-  bool anew = false;        ///< as if the run began with the next frame
-  bool recording = false;   ///< to begin or to end one
-  bool parameters = false;  ///< to have the values of LiveControls::parameters
+  bool anew = false;        ///< begin the run anew with the next frame
+  bool recording = false;   ///< begin a recording, or end the present one
+  bool parameters = false;  ///< apply the values of LiveControls::parameters
 
-  /// Whether there is one that the next frame is needed for.
+  /// Whether fulfilling them needs the next frame.
   [[nodiscard]] bool of_frame() const { return place || anew || parameters; }
 };
 
+/// The state of the controls.
 class LiveControls {
  public:
-  /// @param view, show  to begin with, and to return to with R
-  /// @param bodies      how many there are
+  /// @param view, show  at the start, and after R
+  /// @param bodies      number of bodies
   LiveControls(LiveView view, const SceneShow& show, int bodies);
 
   void handle(const WindowEvent& event);
 
-  /// The same by the panel. The next one of the values comes after each, and the first after the
-  /// last one.
+  /// The effects of keys, for the panel. next_...() switch to the next value, and from the last one
+  /// to the first.
   void next_field();
   void next_occlusion();
   void next_body();
   void reset();
-  /// From a pause on by one frame; begins a pause otherwise.
+  /// Advances by one frame if paused; pauses otherwise.
   void step();
-  /// The next click into the picture says where a body stands; or no longer.
+  /// Makes the next click into the picture place a body; called again, cancels that.
   void begin_placing();
   void begin_anew();
 
   [[nodiscard]] int body_count() const { return bodies_; }
-  /// What the keys do, for the help.
+  /// The list of keys, for the help.
   [[nodiscard]] static std::span<const KeyMeaning> keys();
 
   LiveView view;
   SceneShow show;
-  int body = -1;  ///< which is placed, and whose touches are listed; -1: all
+  int body = -1;  ///< the one to be placed, whose touches are listed; -1: all
   bool paused = false;
-  bool step_wanted = false;     ///< the reader resets it
+  bool step_wanted = false;     ///< reset by whoever fulfils it
   bool picture_wanted = false;  ///< likewise
   bool panel_shown = true;
   bool help_shown = false;
   bool ended = false;
 
-  /// Whether the run itself may be changed: without it the rest stays as it is.
+  /// Whether the run itself may be changed; if not, `placing` and `wishes` are never set.
   bool run_may_change = false;
-  bool placing = false;
-  LiveWishes wishes;  ///< the reader resets them
+  bool placing = false;  ///< the next click places a body
+  LiveWishes wishes;     ///< reset by the caller that fulfils them
   std::vector<LiveParameter> parameters = {};
 
  private:
-  // Whether the picture has the camera's pixels.
+  // Whether pixels of the picture are pixels of the camera.
   [[nodiscard]] bool shows_camera() const;
 
   LiveView first_view_;

@@ -103,7 +103,7 @@ TEST_CASE("a click says where a body stands only after A, where the camera's pix
   controls.wishes = {};
   controls.handle(clicked(50, 60));  // one A, one place
   CHECK_FALSE(controls.wishes.place);
-  // Escape takes the A back; the next one ends.
+  // Escape cancels the A; the next Escape ends the run.
   type(controls, "A");
   controls.handle(typed(WindowEvent::kEscape));
   CHECK_FALSE(controls.placing);
@@ -112,8 +112,7 @@ TEST_CASE("a click says where a body stands only after A, where the camera's pix
   CHECK(controls.ended);
 }
 
-TEST_CASE("a run is changed where it may be, and nothing is asked of another",
-          "[view][live_controls]") {
+TEST_CASE("a run is changed only if it may be changed", "[view][live_controls]") {
   for (const bool may_change : {true, false}) {
     INFO("may change: " << may_change);
     LiveControls controls(LiveView::kCamera, {}, 1);

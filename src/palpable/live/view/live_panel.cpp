@@ -13,9 +13,9 @@
 namespace palpable {
 namespace {
 
-constexpr std::chrono::duration<double> kReadable{0.5};  // s that a number stays as it is
+constexpr std::chrono::duration<double> kReadable{0.5};  // s for which a number stays unchanged
 
-// A line of text, formatted without taking memory.
+// Writes a formatted line of text without allocating memory.
 template <class... Values>
 void text(fmt::format_string<Values...> format, Values&&... values) {
   std::array<char, 160> line{};
@@ -116,7 +116,7 @@ void LivePanel::lay_out_parameters(LiveControls& controls) const {
     ImGui::SetNextItemWidth(-1);
     ImGui::SliderScalar("##value", ImGuiDataType_Double, &parameter.value, &parameter.low,
                         &parameter.high, "%.3g", ImGuiSliderFlags_AlwaysClamp);
-    // Bodies are settled anew for a value: for the one where the mouse lets go.
+    // Applying a value takes long, so it is done once the mouse button is released.
     controls.wishes.parameters |= ImGui::IsItemDeactivatedAfterEdit();
     ImGui::PopID();
   }

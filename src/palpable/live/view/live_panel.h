@@ -1,5 +1,5 @@
 /// @file
-/// The panel of a live run's window: how fast it runs, what touches the bodies, and everything that
+/// The panel of a live run's window: its frame rate, the touches of the bodies, and everything that
 /// live_controls.h switches.
 #pragma once
 
@@ -20,16 +20,16 @@ class LivePanel {
   /// @param names  of the bodies
   explicit LivePanel(std::vector<std::string> names) : names_(std::move(names)) {}
 
-  /// Takes over what is said of a scene that is about to be shown. Frame rate and times are means
-  /// of half a second, so that they can be read.
+  /// Takes over touches and times of a scene that is about to be shown. Frame rate and times are
+  /// means over half a second, so that they can be read.
   void add(const Scene& scene);
 
-  /// Between ImGui's NewFrame and Render.
+  /// Lays out the panel; to be called between ImGui's NewFrame and Render.
   void lay_out(LiveControls& controls);
 
-  /// For the user to read: what became of a picture that was to be kept, or of another wish.
+  /// A line for the user, such as the result of keeping a picture or of another wish.
   std::string note;
-  /// The file's name of the recording that goes on, without its folder; empty: none does.
+  /// The file name of the present recording, without its folder; empty: there is none.
   std::string recording;
 
  private:
@@ -43,9 +43,9 @@ class LivePanel {
 
   std::vector<std::string> names_;
   std::vector<Touch> touches_;
-  StageTimes sums_, means_;  // ms: of the present half second, of a frame of the last one
-  int frames_ = 0;           // of the present half second
-  double rate_ = 0;          // 1/s, of the last one
+  StageTimes sums_, means_;  // ms: sums over the present half second, means over the last one
+  int frames_ = 0;           // in the present half second
+  double rate_ = 0;          // frames per s in the last half second
   Clock::time_point since_ = Clock::now();
 };
 

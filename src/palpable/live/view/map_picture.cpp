@@ -17,9 +17,9 @@ namespace palpable {
 namespace {
 
 constexpr double kFieldOfView = 0.9;  // rad, vertical
-constexpr int kKeyframesEvery = 30;   // frames: how often their adjusted poses are asked for
-constexpr int kDrawEvery = 3;         // frames: ten pictures a second, unless it is turned or lost
-constexpr int kMovingStep = 4;        // px of the depth between two points of what moves
+constexpr int kKeyframesEvery = 30;   // frames after which the adjusted key frames are copied again
+constexpr int kDrawEvery = 3;         // frames after which the room is drawn again: 10 per second
+constexpr int kMovingStep = 4;        // px of the depth between two points of moving things
 
 constexpr Rgb kKeyframe{92, 110, 140};
 constexpr Rgb kCamera{245, 140, 20};
@@ -54,7 +54,7 @@ void MapPicture::add_moving(const Scene& scene) {
       if (scene.moving(x, y) == 0 || !(Z > 0)) continue;
       const Rgb seen = scene.seen.color(factor * x, factor * y);
       const auto mixed = [](int a, int b) { return static_cast<std::uint8_t>((3 * a + b) / 4); };
-      // As wide as the pixels between two points.
+      // Half the distance between two points.
       const double radius = 0.5 * kMovingStep * Z / scene.seen.depth_camera.fx_px;
       points_.push_back(
           {(scene.camera.world_from_camera * scene.seen.depth_camera.unproject(x, y, Z))
@@ -81,7 +81,7 @@ void MapPicture::draw(const Scene& scene, const Session& session, double scale,
     }
   }
   const bool known = is_known(scene.camera);
-  // Now and then: they are copied.
+  // Not in every frame, since they are copied.
   const Tracker* tracker = session.slam().tracker();
   if (tracker != nullptr && (scene.camera.keyframe || frames_ > next_keyframes_)) {
     keyframes_ = tracker->keyframes();
@@ -136,7 +136,7 @@ ColorImage picture_of_scan(MapRenderer& renderer, const MapMesh& surface, const 
   add_keyframes(lines, keyframes, camera);
   MapView view;
   view.camera = camera_of_view(1280, 720, kFieldOfView);
-  // A camera that could follow nothing stood where the world begins.
+  // If the camera was never tracked, its pose is taken to be the world's origin.
   const std::vector<Rigid3> stood{Rigid3::Identity()};
   const std::vector<Rigid3>& way = path.poses().empty() ? stood : path.poses();
   view.up = up_of_room(surface.normals, way.front());

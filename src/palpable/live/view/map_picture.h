@@ -1,6 +1,6 @@
 /// @file
-/// The map from outside as `live --view map` and `scan --picture` show it (the paper's Fig. 6): the
-/// room, the way through it as a blue line, keyframes, the camera as it stands, the bodies.
+/// A picture of the map from outside (`live --view map`, `scan --picture`; the paper's Fig. 6): the
+/// room, the camera's path as a blue line, key frames, the camera's present pose, the bodies.
 #pragma once
 
 #include "palpable/live/map/map_mesher.h"
@@ -20,23 +20,23 @@ namespace palpable {
 /// The picture of a running session, frame by frame.
 class MapPicture {
  public:
-  /// @param world_from_body  of the first body, whose Z is up
+  /// @param world_from_body  pose of the first body, whose Z is up
   MapPicture(MapRenderer renderer, const Rigid3& world_from_body);
 
-  /// Turns and zooms (follow_camera.h).
+  /// Turns and zooms the view (follow_camera.h).
   void handle(const WindowEvent& event) { turned_ |= view_.handle(event); }
 
-  /// Takes note of where the camera is; draw() does, too. Call one of them for every frame.
+  /// Adds the camera's pose to its path; draw() does so, too. Call one of them for every frame.
   void follow(const Scene& scene);
 
-  /// The room is drawn anew in every third one only, and when the view is
-  /// turned or the camera is lost or found: without a GPU that costs about as much as everything
-  /// else.
-  /// @param scene   of the frame answered last: its touches and stress are painted on the bodies
-  /// @param session  that answered it: its map, keyframes and bodies
-  /// @param scale   Pa, top of the bodies' colours
-  /// @param inside  what the camera sees, with the bodies: it becomes a small picture in a corner
-  /// @param picture overwritten, as large as `inside`
+  /// Draws the picture. The room is drawn anew only in every third frame, and when the view is
+  /// turned or the camera is lost or found: without a GPU, drawing it takes about as long as
+  /// everything else together.
+  /// @param scene    the result of the last frame; its stress is painted on the bodies
+  /// @param session  the one that made the scene, with its map, key frames and bodies
+  /// @param scale    Pa, top of the bodies' colours
+  /// @param inside   the camera's picture with the bodies, drawn as an inset
+  /// @param picture  overwritten, as large as `inside`
   void draw(const Scene& scene, const Session& session, double scale, const ColorImage& inside,
             ColorImage& picture);
 
@@ -50,9 +50,9 @@ class MapPicture {
   CameraPath path_;
   Eigen::Vector3d up_;
   std::vector<KeyframePose> keyframes_;
-  int frames_ = 0;          // that were followed
-  int next_drawn_ = 0;      // of these: from which on the room is due again,
-  int next_keyframes_ = 0;  // and the keyframes
+  int frames_ = 0;          // number of frames followed
+  int next_drawn_ = 0;      // the room is drawn again when frames_ exceeds this,
+  int next_keyframes_ = 0;  // and the key frames are copied again when it exceeds this
   bool turned_ = false;
   bool was_known_ = true;
   ColorImage room_;  // the picture without what is written in it
@@ -61,8 +61,8 @@ class MapPicture {
   std::vector<BodyLook> looks_;
 };
 
-/// The picture of what was scanned, 1280 x 720.
-/// @param surface  of the whole room, not empty
+/// Draws the picture of a scanned room, 1280 x 720.
+/// @param surface    of the whole room, not empty
 /// @param keyframes  may be empty
 [[nodiscard]] ColorImage picture_of_scan(MapRenderer& renderer, const MapMesh& surface,
                                          const CameraPath& path,

@@ -13,7 +13,7 @@
 namespace palpable {
 namespace {
 
-// A session that follows a camera before a wall, and its map from outside.
+// A session that tracks a camera before a wall, and the picture of its map from outside.
 struct Outside {
   Result<GlContext> context = GlContext::offscreen();
   std::optional<FrameLoop> loop;
@@ -57,7 +57,7 @@ bool is_blue(Rgb c) { return c.b > 150 && c.b > c.g + 60 && c.b > c.r + 90; }
 bool is_red(Rgb c) { return c.r > 205 && c.g < 60 && c.b < 60; }
 bool is_warning(Rgb c) { return c.r > 150 && c.r < 200 && c.g < 70 && c.b < 70; }
 bool is_orange(Rgb c) { return c.r > 200 && c.g > 110 && c.g < 190 && c.b < 100; }
-// The wall's: the background is lighter and a little blue.
+// Whether a pixel shows the wall; the background is lighter and slightly blue.
 bool is_grey(Rgb c) { return c.r == c.g && c.g == c.b && c.r < 225; }
 
 #define PALPABLE_NEEDS_OUTSIDE(name) \
@@ -148,7 +148,7 @@ TEST_CASE("the caption says how deep and how hard, and how many touches there ar
   CHECK(caption_of(scene) == "2.00 s   31 % hidden since the start, not felt there");
 }
 
-TEST_CASE("that a touch is held without being seen is said on the picture",
+TEST_CASE("a warning on the picture says that a touch is held without being seen",
           "[view][scene_picture]") {
   Scene scene;
   scene.camera.state = TrackState::kTracking;
@@ -165,7 +165,7 @@ TEST_CASE("that a touch is held without being seen is said on the picture",
   CHECK(warning_of(scene).find("Depth in 3 % of the picture only") != std::string::npos);
 }
 
-TEST_CASE("a scan has a picture without a way, too: before a bare wall nothing is followed",
+TEST_CASE("a scan has a picture without a path, too: before a bare wall the camera is not tracked",
           "[view][map_picture]") {
   const Result<GlContext> context = GlContext::offscreen();
   if (!context.ok()) PALPABLE_SKIP(context.problem().message);

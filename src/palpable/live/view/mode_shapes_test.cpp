@@ -55,7 +55,7 @@ TEST_CASE("modes of stress are as large as their von Mises stress, and move noth
   const Eigen::Index V = body.surface.vertices.cols();
   CHECK(shapes[0].displacement.size() == 0);
   REQUIRE(shapes[0].size.size() == V);
-  // The largest that the first mode gets under a full load, at each vertex by its own formula.
+  // The von Mises stress of the first mode where its factor is largest, computed independently.
   double most = 0;
   const Eigen::MatrixXd &G = field.axes()[0].functions, &level = field.axes()[1].functions;
   for (Eigen::Index s = 0; s < G.rows(); ++s) {

@@ -1,5 +1,5 @@
 /// @file
-/// What a mouse drags in a picture.
+/// Motion of the mouse while a button is held.
 #pragma once
 
 #include "palpable/live/render/window_events.h"
@@ -8,14 +8,15 @@
 
 namespace palpable {
 
-/// Any button drags; of several the first one, until it is released.
+/// Any button drags. While several are held, the first one counts until it is released.
 class MouseDrag {
  public:
   struct Way {
     double x_px = 0, y_px = 0;
   };
 
-  /// To be told of every event. @return how far a held button has moved with this one
+  /// To be called with every event. @return the displacement (px) by this event while a button is
+  /// held
   std::optional<Way> follow(const WindowEvent& event) {
     using Kind = WindowEvent::Kind;
     if (event.kind == Kind::kPress && !button_) button_ = event.button;
@@ -28,7 +29,7 @@ class MouseDrag {
   }
 
  private:
-  std::optional<int> button_;  // that is held
+  std::optional<int> button_;  // the one that is held
   double x_before_ = 0, y_before_ = 0;
 };
 

@@ -1,6 +1,6 @@
 /// @file
-/// What may be painted beside von Mises stress: pressure in the material or one of the six
-/// components, and how hard things press the skin.
+/// Fields that may be painted besides von Mises stress: the pressure in the material, one of the
+/// six components of stress, and the contact pressure on the skin.
 ///
 ///   V  vertices
 #pragma once
@@ -15,42 +15,43 @@
 
 namespace palpable {
 
-/// Whether a field is made of SceneBody::cauchy, and has two signs.
+/// Whether a field is computed from SceneBody::cauchy; such fields have two signs.
 [[nodiscard]] bool needs_components(SceneShow::Field field);
 
-/// What a scene needs to have for a field to be painted.
+/// The extras that a scene must have for a field to be painted.
 [[nodiscard]] SceneExtras extras_for(SceneShow::Field field);
 
-/// Top of the colours of contact pressure, against that of von Mises stress: what hardly gives way
-/// in volume bears two to three times its largest von Mises stress below a fingertip.
+/// Ratio of the top of contact pressure's colours to that of von Mises stress. Below a fingertip,
+/// in a nearly incompressible material, the pressure is two to three times the largest von Mises
+/// stress.
 inline constexpr double kContactOfStress = 3;
 inline constexpr const char* kContactPressure = "contact pressure";
-/// Above the bar instead: sites know forces alone.
+/// The legend's title where a body has no contact pressure: the law of sites gives forces only.
 inline constexpr const char* kNoContactKnown = "no contact known";
 
-/// Whether a body's file holds its stress; modes of other programs may come without (then all of it
-/// is 0).
+/// Whether a body's file holds its stress. Modes of other programs may come without stress, which
+/// is then 0 everywhere.
 [[nodiscard]] bool knows_stress(const ReducedBody& body);
-/// The same of a session's body: tables of touch always know it.
+/// The same for a session's body; one with tables of touch always has stress.
 [[nodiscard]] bool knows_stress(const Session& session, int number);
-/// Whether it is known how hard things press a session's body at each vertex: not at its sites.
+/// Whether a session's body has a contact pressure at each vertex, which takes tables of touch.
 [[nodiscard]] bool knows_contact(const Session& session, int number);
 
-/// p = -(xx + yy + zz) / 3, or the component alone.
+/// Computes the pressure p = -(xx + yy + zz) / 3, or one component.
 /// @param field   one that needs_components()
 /// @param cauchy  (6V) Pa, as SceneBody::cauchy
 /// @param value   (V) Pa, overwritten; keeps its memory
 void painted_stress(SceneShow::Field field, SceneShow::Component component,
                     std::span<const float> cauchy, std::vector<float>& value);
 
-/// Above the colour bar: "pressure" or "stress zz". Takes no memory of its own.
+/// Writes the legend's title, "pressure" or "stress zz", into `name`, which keeps its memory.
 void name_painted_stress(SceneShow::Field field, SceneShow::Component component, std::string& name);
 
-/// Above the bar instead, where no body knows its stress.
+/// The legend's title where no body has stress.
 inline constexpr const char* kNoStressKnown = "no stress known";
 
-/// What the stated error beside the bar of such a field is of: von Mises stress. Nothing states
-/// that of a component.
+/// Names the quantity of the stated error in the legend of such a field: the error is that of von
+/// Mises stress, since none is stated for components.
 inline constexpr const char* kErrorOfStress = "stress";
 
 }  // namespace palpable

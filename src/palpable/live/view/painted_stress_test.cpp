@@ -43,7 +43,7 @@ TEST_CASE("each component is painted as it is, by its name", "[view][painted_str
     name_painted_stress(Field::kComponent, component, name);
     CHECK(name == std::string("stress ") + kComponentNames[c]);
   }
-  // What --paint calls them.
+  // Their names in the option --paint.
   std::set<std::string> names;
   for (const NamedPaint& paint : kPaints) {
     names.insert(paint.name);
@@ -54,8 +54,9 @@ TEST_CASE("each component is painted as it is, by its name", "[view][painted_str
   CHECK(names.size() == kPaints.size());
 }
 
-TEST_CASE("only pressure and components need the six, and painting them takes no memory again",
-          "[view][painted_stress]") {
+TEST_CASE(
+    "only pressure and components need SceneBody::cauchy; painting them again takes no memory",
+    "[view][painted_stress]") {
   CHECK(needs_components(Field::kPressure));
   CHECK(needs_components(Field::kComponent));
   for (const Field field : {Field::kVonMises, Field::kDisplacement, Field::kNone}) {

@@ -3,7 +3,7 @@
 namespace palpable {
 namespace {
 
-constexpr float kPanelWidth = 14;  // lines of text
+constexpr float kPanelWidth = 14;  // ratio to the font size
 
 }  // namespace
 

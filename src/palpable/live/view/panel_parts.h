@@ -1,5 +1,5 @@
 /// @file
-/// What the panels of both windows are made of. To be called between ImGui's NewFrame and Render.
+/// Parts of the panels of both windows. Call them between ImGui's NewFrame and Render.
 #pragma once
 
 #include <array>
@@ -8,25 +8,27 @@
 
 namespace palpable {
 
-/// Begins a panel that stands where it is told and is as high as what is on it, or as the window.
+/// Begins a panel at a fixed position. It is as high as its content, but no higher than the window.
 /// ImGui::End() ends it. @param at  px, its upper left corner
 void begin_panel(const char* name, ImVec2 at);
 
-/// Width of a panel that begin_panel() began, px.
+/// The width of all panels of begin_panel(), px.
 [[nodiscard]] float panel_width();
 
-/// A button as wide as `count` of them in one row are.
+/// A button of such a width that `count` of them fill one row. @return whether it was clicked
 [[nodiscard]] bool button_in_row(const char* label, int count);
 
-/// Which of its values an enumeration or a bool has, by their names.
-/// @return whether the user has chosen another one
+/// Radio buttons for the values of an enumeration or a bool.
+/// @param of     the label above them
+/// @param value  set to the user's choice
+/// @return whether the user has clicked one
 template <class Value, std::size_t N>
 bool choice(const char* of, const std::array<const char*, N>& names, Value& value) {
   bool chosen = false;
   ImGui::PushID(of);
   ImGui::TextDisabled("%s", of);
   for (std::size_t i = 0; i < N; ++i) {
-    // As many in a row as there is room for.
+    // A new row where this one is full.
     const float width = ImGui::CalcTextSize(names[i]).x + 2 * ImGui::GetFrameHeight();
     if (i > 0) ImGui::SameLine();
     if (i > 0 && ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();

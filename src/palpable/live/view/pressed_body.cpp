@@ -66,7 +66,7 @@ void PressedBody::load_dots(float radius, std::vector<Dot>& dots) const {
   const Site& site = body_.sites[site_];
   constexpr int kBalls = 6;
   for (int i = 0; i < kBalls; ++i) {
-    // Smaller towards the body, as an arrow is.
+    // Smaller towards the body, like the head of an arrow.
     const auto outwards = (1.2f + 2.3f * static_cast<float>(i)) * radius;
     Dot dot;
     dot.at_in_body = vertices_.col(site.vertex) - outwards * site.direction.cast<float>();
@@ -94,18 +94,18 @@ std::vector<int> sites_to_show(const ReducedBody& body, int count) {
     return Eigen::Vector3d(body.surface.vertices.col(body.sites[site].vertex));
   };
   const int site_count = static_cast<int>(body.sites.size());
-  // Near the support nothing gives way.
+  // Below this height the body is near its support and hardly deforms.
   const double lowest = 0.3 * body.surface.vertices.row(2).maxCoeff();
   std::vector<int> chosen;
   while (static_cast<int>(chosen.size()) < std::min(count, site_count)) {
     int best = 0;
     double best_value = -std::numeric_limits<double>::max();
     for (int s = 0; s < site_count; ++s) {
-      double value = middle(s).z();  // the first one: the highest
+      double value = middle(s).z();  // the first site is the highest
       if (!chosen.empty()) {
         value = std::numeric_limits<double>::max();
         for (const int c : chosen) value = std::min(value, (middle(s) - middle(c)).norm());
-        if (middle(s).z() < lowest) value *= 1e-3;  // the others first
+        if (middle(s).z() < lowest) value *= 1e-3;  // chosen only after all others
       }
       if (value > best_value) {
         best_value = value;

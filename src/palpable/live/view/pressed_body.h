@@ -1,5 +1,5 @@
 /// @file
-/// A reduced body pressed at one site, as the arrays that a picture takes.
+/// A reduced body pressed at one site, as arrays for the renderer.
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
@@ -12,10 +12,10 @@
 
 namespace palpable {
 
-/// What the body looks like now. Body frame, m.
+/// The present shape and stress of the body. Body frame, m.
 class PressedBody {
  public:
-  /// @param body  must outlive this object; at rest to begin with
+  /// Begins at rest. @param body  must outlive this object
   explicit PressedBody(const ReducedBody& body);
 
   /// Presses `site` at `level` (0..1 of its full load; 0 is at rest).
@@ -29,16 +29,16 @@ class PressedBody {
   /// (6V) Pa, as SceneBody::cauchy.
   [[nodiscard]] const std::vector<float>& cauchy() const { return cauchy_; }
 
-  /// Arrays of this object and of the body; nothing is marked. The colour scale ends at
+  /// Points to arrays of this object and of the body; no marks. The top of the colour scale is
   /// stress_scale_of_site().
   [[nodiscard]] BodyLook look() const;
-  /// Appends an orange dot on each site as it lies now. @param radius  m
+  /// Appends an orange dot at the present position of each site. @param radius  m
   void site_dots(float radius, std::vector<Dot>& dots) const;
-  /// Appends a row of dots that comes to the pressed site along its load. @param radius  m
+  /// Appends a row of dots along the load, towards the pressed site. @param radius  m
   void load_dots(float radius, std::vector<Dot>& dots) const;
-  /// 1 on vertices of some site's patch, 0 elsewhere.
+  /// 1 at vertices that belong to the patch of a site, 0 elsewhere.
   [[nodiscard]] const std::vector<float>& patch_marks() const { return patch_marks_; }
-  /// The site whose middle lies nearest to a point on the body as it is now.
+  /// The site whose middle is nearest to a point on the deformed body.
   [[nodiscard]] int nearest_site(const Eigen::Vector3d& at_in_body) const;
 
  private:
@@ -50,8 +50,8 @@ class PressedBody {
   std::vector<float> von_mises_, cauchy_, patch_marks_;
 };
 
-/// Up to `count` different sites far from each other, the highest first and low ones last: what
-/// shows a body best.
+/// Chooses up to `count` sites for pictures of a body: far from each other, the highest first and
+/// low ones last.
 [[nodiscard]] std::vector<int> sites_to_show(const ReducedBody& body, int count);
 
 }  // namespace palpable

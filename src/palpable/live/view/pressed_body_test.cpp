@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("a pressed body gives way at its site by the tabulated depth", "[view][pressed_body]") {
+TEST_CASE("a pressed body deforms at its site by the tabulated depth", "[view][pressed_body]") {
   const ReducedBody body = test::pressed_ball();
   PressedBody pressed(body);
   const BodyLook at_rest = pressed.look();
@@ -55,7 +55,7 @@ TEST_CASE("the colour scale belongs to the site, not to how hard it is pressed",
   const float scale = pressed.look().scalar_max;
   pressed.press(2, 0.9);
   CHECK(pressed.look().scalar_max == scale);
-  // 99 % of the vertices lie below; at most 1 % are cut off.
+  // At most 1 % of the vertices exceed the scale.
   pressed.press(2, 1.0);
   const auto stress = pressed.look().scalar;
   const auto above =
@@ -87,7 +87,7 @@ TEST_CASE("patches are marked and each site has its dot", "[view][pressed_body]"
   CHECK(dots[3].at_in_body.isApprox(
       body.surface.vertices.col(body.sites[3].vertex).cast<float>().eval()));
   CHECK(dots[3].color == Rgb{240, 120, 20});
-  // The row of the load lies outside, on the line of the load.
+  // The row of dots lies outside of the body, on the line of the load.
   dots.clear();
   pressed.press(4, 0.5);
   pressed.load_dots(0.001f, dots);

@@ -14,12 +14,12 @@
 namespace palpable {
 namespace {
 
-constexpr double kFilled = 0.95;            // share of the picture that the room fills
+constexpr double kFilled = 0.95;            // ratio of the room's extent to the picture's
 constexpr double kOverviewElevation = 0.6;  // rad above the floor
 constexpr double kFarthestEye = 100;        // m from the eye to the middle of the room
-constexpr double kNearest = 0.1;            // m from the eye to anything
+constexpr double kNearest = 0.1;            // m, least distance of the eye from any point
 
-// Where a room lies in the picture: relative to the picture's middle, in shares of its half.
+// The extent of a room in the picture, relative to the picture's middle, in units of half its size.
 struct Extent {
   Eigen::Vector2d low, high;
   [[nodiscard]] double largest() const {
@@ -27,13 +27,13 @@ struct Extent {
   }
 };
 
-// An eye that is moved until it sees a room and the path through it.
+// A viewpoint that is moved until it shows a room and the path through it.
 class Onlooker {
  public:
   Onlooker(const Eigen::Matrix3Xf& points, std::span<const Rigid3> path, const Eigen::Vector3d& up,
            const PinholeCamera& camera)
       : points_(points), path_(path), camera_(camera), to_room_(room_from_world(up)) {
-    // The mean heading, as a direction.
+    // The mean heading, by averaging unit vectors.
     Eigen::Vector2d heading = Eigen::Vector2d::Zero();
     for (const Rigid3& pose : path) {
       const double a = heading_of(to_room_ * pose);
@@ -46,7 +46,7 @@ class Onlooker {
 
   [[nodiscard]] Rigid3 camera_from_world() const { return orbit_.camera_from_body() * to_room_; }
 
-  // As near as everything stays in the picture.
+  // Finds the least distance at which everything is in the picture, by bisection.
   void step_back() {
     double near = 0, far = kFarthestEye;
     for (int i = 0; i < 30; ++i) {
@@ -57,8 +57,8 @@ class Onlooker {
     orbit_.distance = far;
   }
 
-  // Moves the middle of what is seen into the picture's middle, at the target's depth. False when
-  // something lies behind the eye.
+  // Moves the middle of the room's extent to the picture's middle, at the target's depth. Returns
+  // false when something lies behind the eye.
   bool centre() {
     const auto seen = extent();
     if (!seen) return false;
@@ -72,8 +72,8 @@ class Onlooker {
   }
 
  private:
-  // Of all points but 2 % on each side, and of the whole path; nothing when something lies behind
-  // the eye.
+  // The extent of all points except 2 % on each side, and of the whole path. Nothing when something
+  // lies behind the eye.
   std::optional<Extent> extent() {
     const Rigid3 view = camera_from_world();
     across_.clear();
@@ -101,7 +101,8 @@ class Onlooker {
     return result;
   }
 
-  // Appends a point of the eye's frame. False when it lies behind the eye.
+  // Appends the projection of a point of the eye's frame. Returns false when it lies behind the
+  // eye.
   bool project(const Eigen::Vector3d& x) {
     if (x.z() < kNearest) return false;
     const Eigen::Vector2d p = camera_.project(x);

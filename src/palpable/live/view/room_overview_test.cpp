@@ -15,7 +15,7 @@ using test::tolerance;
 
 const Vector3d kUp = -Vector3d::UnitY();
 
-// Turned to the right by `yaw` about the vertical, standing at `at`.
+// The pose of a camera at `at` that is turned to the right by `yaw` about the vertical.
 Rigid3 pose(const Vector3d& at, double yaw) {
   return Eigen::Translation3d(at) * Rigid3(Eigen::AngleAxisd(yaw, Vector3d::UnitY()));
 }
@@ -55,7 +55,7 @@ TEST_CASE("up is found from the floor of a room, however its camera looked and w
   const Vector3d true_up(0, 0, 1);
   for (const double pitch : {-55.0, -24.0, 0.0, 25.0}) {  // degrees, up
     INFO("pitch " << pitch);
-    // Of eleven normals six are the floor's, three those of a wall ahead, one a slope's, one none.
+    // Eleven normals: six of the floor, three of a wall ahead, one of a slope, one of length 0.
     const Vector3d wall = Vector3d(0, -1, 0);  // the camera looks along Y
     Eigen::Matrix3Xf normals(3, 11);
     for (int i = 0; i < 6; ++i) normals.col(i) = true_up.cast<float>();

@@ -18,18 +18,19 @@ constexpr int kHueSteps = 16;  // across each of the two directions of the hue
 constexpr int kCellsX = 8;     // of the picture, in which one hue has one albedo
 constexpr int kCellsY = 5;
 constexpr int kColorCells = kHueSteps * kHueSteps * kCellsX * kCellsY;
-constexpr int kFewest = 12;            // samples of one paint
-constexpr float kLeastTurn = 0.02f;    // 1 - |mean normal| of a paint: 0.2 rad about the mean
+constexpr int kFewest = 12;            // samples that a paint must have
+constexpr float kLeastTurn = 0.02f;    // least 1 - |mean normal| of a paint: 0.2 rad about the mean
 constexpr int kFirstRounds = 40;       // of the first fit
-constexpr int kRounds = 8;             // of one that begins with the last
-constexpr double kUsualWeight = 5e-4;  // of the usual light, against that of all samples
-constexpr double kUsualDirected = 1.5;
-constexpr double kDirectedByWindow = 0.8;  // what is found beside a window (of 2.2 in truth)
-constexpr double kMostDirected = 4;    // the sun in a room is five times as bright as its shadows
-constexpr double kFollow = 0.2;        // share of a new estimate in what is told
-constexpr double kCauchy = 1.5;        // of the spread of residuals
-constexpr double kLeastSpread = 0.05;  // so even is nothing: one smooth wall must not outvote all
-constexpr double kHueShare = 0.25;     // of the picture's mean hue in the light's
+constexpr int kRounds = 8;             // of a fit that begins with the last estimate
+constexpr double kUsualWeight = 5e-4;  // of the usual light, as a ratio to that of all samples
+constexpr double kUsualDirected = 1.5;  // |b| of the usual light
+constexpr double kDirectedByWindow =
+    0.8;                               // |b| estimated beside a window, where the true one is 2.2
+constexpr double kMostDirected = 4;    // |b|: the sun in a room is 5 times as bright as its shadows
+constexpr double kFollow = 0.2;        // weight of a new estimate in light()
+constexpr double kCauchy = 1.5;        // Cauchy scale, as a ratio to the spread of residuals
+constexpr double kLeastSpread = 0.05;  // of residuals; or one smooth wall would outweigh the rest
+constexpr double kHueShare = 0.25;     // share of the picture's mean hue in the light's colour
 
 const std::array<float, 256>& linear_of_byte() {
   static const std::array<float, 256> table = [] {
@@ -47,7 +48,7 @@ Eigen::Vector3f linear_of(Rgb c) {
   return {t[c.r], t[c.g], t[c.b]};
 }
 
-// Of a colour, whatever its brightness.
+// The index of a colour's hue, which does not depend on its brightness.
 int hue_of(const Eigen::Vector3f& c) {
   const Eigen::Vector3f share = c / c.sum();
   const auto step = [](float value) {
@@ -110,9 +111,9 @@ void LightEstimator::see(const SeenFrame& seen, const Rigid3& camera_from_body) 
 
   const double follow = began_ ? kFollow : 1.0;
   began_ = true;
-  const Eigen::Vector3d told = (1 - follow) * light_.directed * light_.to_light + follow * fitted_;
-  light_.directed = told.norm();
-  if (light_.directed > 1e-6) light_.to_light = told / light_.directed;
+  const Eigen::Vector3d b = (1 - follow) * light_.directed * light_.to_light + follow * fitted_;
+  light_.directed = b.norm();
+  if (light_.directed > 1e-6) light_.to_light = b / light_.directed;
   light_.brightness += follow * (brightness - light_.brightness);
   light_.tint += follow * (tint - light_.tint);
 }
@@ -130,7 +131,8 @@ void LightEstimator::sample_surfaces(const SeenFrame& seen) {
       const float z = depth(x, y);
       const float left = depth(x - kReach, y), right = depth(x + kReach, y);
       const float above = depth(x, y - kReach), below = depth(x, y + kReach);
-      // A surface, and no edge between two: both ends lie in a line with the middle. NaN fails.
+      // One surface and not an edge between two: both ends lie on a line with the middle. NaN
+      // fails.
       if (!(z < kFarthest && std::abs(left + right - 2 * z) < 0.01f * z &&
             std::abs(above + below - 2 * z) < 0.01f * z && std::abs(right - left) < 0.06f * z &&
             std::abs(below - above) < 0.15f * z)) {
@@ -151,15 +153,14 @@ void LightEstimator::sample_surfaces(const SeenFrame& seen) {
       samples_.push_back({normal, luminance, hue_of(color) * (kCellsX * kCellsY) + cell});
     }
   }
-  // Samples of one paint beside each other.
+  // Sorts the samples by paint.
   first_of_paint_.assign(kColorCells + 1, 0);
   for (const Sample& s : samples_) ++first_of_paint_[static_cast<std::size_t>(s.paint) + 1];
   for (std::size_t k = 1; k < first_of_paint_.size(); ++k)
     first_of_paint_[k] += first_of_paint_[k - 1];
   std::sort(samples_.begin(), samples_.end(),
             [](const Sample& a, const Sample& b) { return a.paint < b.paint; });
-  // A paint that is flat says nothing of the light, but the noise of its normals would say that
-  // there is none.
+  // A flat paint does not determine the light; the noise of its normals would lower |b|.
   flat_.resize(kColorCells);
   for (std::size_t k = 0; k < flat_.size(); ++k) {
     Eigen::Vector3f mean = Eigen::Vector3f::Zero();
@@ -192,7 +193,7 @@ Eigen::Vector3d LightEstimator::fit(Eigen::Vector3d b, const Eigen::Vector3d& us
   const int rounds = began_ ? kRounds : kFirstRounds;
   for (int round = 0; round < rounds; ++round) {
     fit_albedos(b);
-    // Residuals of what the model gives, as a share of it.
+    // Residuals of luminance, relative to the model's.
     const auto light_on = [&](const Sample& s) {
       return 1.0 + std::max(b.dot(s.normal.cast<double>()), 0.0);
     };
@@ -208,7 +209,7 @@ Eigen::Vector3d LightEstimator::fit(Eigen::Vector3d b, const Eigen::Vector3d& us
     const double typical =
         kCauchy * std::max(1.48 * static_cast<double>(median_of(std::span(spread).first(used))),
                            kLeastSpread);
-    // Unknowns: how much the constant part is off, and b.
+    // Unknowns: the factor of the room's light, and b.
     Eigen::Matrix4d normal_matrix = kUsualWeight * Eigen::Matrix4d::Identity();
     Eigen::Vector4d right_side = kUsualWeight * (Eigen::Vector4d() << 1, usual).finished();
     for (const Sample& s : samples_) {
@@ -216,7 +217,7 @@ Eigen::Vector3d LightEstimator::fit(Eigen::Vector3d b, const Eigen::Vector3d& us
       const double r = residual(s) / typical;
       const double weight = 1.0 / ((1.0 + r * r) * static_cast<double>(used));
       const double light = light_on(s);
-      // What faces away from the last b is taken to face away from the next.
+      // A surface that faces away from the last b is taken to face away from the new one.
       Eigen::Vector4d row(1, 0, 0, 0);
       if (light > 1.0) row.tail<3>() = s.normal.cast<double>();
       row /= light;

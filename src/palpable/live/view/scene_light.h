@@ -1,25 +1,27 @@
 /// @file
-/// The light of the room, estimated from what the camera sees: bodies are drawn in it.
+/// Estimates the light of the room from the camera's pictures, so that bodies can be drawn in it.
 ///
-/// **Model.** Surfaces are matt; one lamp and the room light them; what has one
-/// hue in one of 8 x 5 parts of the picture has one albedo (one paint):
+/// **Model.** Surfaces are matt, and are lit by one lamp and by the room. Pixels of one hue in one
+/// of 8 x 5 parts of the picture are called a paint, and have one albedo:
 ///
 ///     I_p = rho_k(p) ( 1 + max(0, b . n_p) )
 ///
-/// with I_p the linear luminance of a pixel, n_p its surface's normal (from the depth), k(p) its
-/// paint and rho_k one unknown for each. b points to the lamp; |b| is its share against the room's
-/// light, and comes out too small: noise of the normals blurs it. Shading within one paint says
-/// what b is: a hand, a mug. Flat paints say nothing and are left out; of a bare desk b is what is
-/// usual (usual_lamp()), which has a small weight always.
+/// with I_p the linear luminance of a pixel, n_p the normal of its surface (from the depth), k(p)
+/// its paint, and rho_k an unknown for each paint. b points to the lamp; |b| is the ratio of the
+/// lamp's light to the room's, and is estimated too small, because noise of the normals blurs the
+/// shading. Shading within one paint determines b (a hand, a mug). Flat paints do not, and are left
+/// out. For a bare desk b is the usual light (usual_lamp()), which enters every fit with a small
+/// weight.
 ///
 /// b is a weighted least-squares fit with Cauchy weights (shadows, highlights and prints are not in
-/// the model), rho_k the median of its paint; some rounds of both, from the last estimate on. Few
-/// frames are asked, and the estimate follows slowly: light that flickers is worse than light that
-/// is late.
+/// the model), and rho_k the median over its paint; both are repeated for some rounds, beginning
+/// with the last estimate. Only every tenth frame is used, and the estimate follows slowly: light
+/// that flickers would be worse than light that lags.
 ///
-/// Brightness is the geometric mean of the picture's linear luminance against kUsualMean: cameras
-/// expose a lit desk so, and a body must get darker with its picture. Colour is the picture's mean
-/// hue (grey world), a quarter of it: the rest is the desk's own.
+/// Brightness is the ratio of the geometric mean of the picture's linear luminance to kUsualMean,
+/// the mean to which cameras expose a lit desk; so a body gets darker when its picture does. The
+/// light's colour is the picture's mean hue (grey-world assumption), reduced to a quarter, since
+/// the rest is the colour of the desk.
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
@@ -32,27 +34,27 @@
 
 namespace palpable {
 
-/// Light in a frame of its user's.
+/// The light of a room, in a frame that the user of LightEstimator chooses.
 struct RoomLight {
   Eigen::Vector3d to_light = Eigen::Vector3d::UnitZ();  ///< unit
-  double directed = 1.5;                                ///< |b|: 0 the same from everywhere
+  double directed = 1.5;                                ///< |b|; 0: equal from all directions
   double brightness = 1;                                ///< 1: a desk in a well lit room
   Eigen::Vector3d tint = Eigen::Vector3d::Ones();       ///< linear R, G, B; their mean is 1
 };
 
-/// The renderer's light. @param camera_from_body  from the light's frame
+/// Converts to the renderer's light. @param camera_from_body  the body frame is that of `light`
 [[nodiscard]] SceneLight light_in_camera(const RoomLight& light, const Rigid3& camera_from_body);
 
 /// Follows the light of a room. Deterministic; allocates nothing after the first frame.
 class LightEstimator {
  public:
-  static constexpr int kEvery = 10;           ///< frames from one that is asked to the next
-  static constexpr double kUsualMean = 0.28;  ///< of the linear luminance, 1 being white
+  static constexpr int kEvery = 10;           ///< frames from one that is used to the next
+  static constexpr double kUsualMean = 0.28;  ///< of the linear luminance, with 1 for white
 
-  /// @param camera_from_body  where the light's frame is; its Z is up
+  /// Adds a frame. @param camera_from_body  pose of the light's frame, whose Z is up
   void see(const SeenFrame& seen, const Rigid3& camera_from_body);
 
-  /// In the body's frame.
+  /// The present estimate, in the body's frame.
   [[nodiscard]] const RoomLight& light() const { return light_; }
 
  private:
@@ -72,8 +74,8 @@ class LightEstimator {
   std::vector<Sample> samples_;
   std::vector<int> first_of_paint_;  // (paints + 1) into by_paint_
   std::vector<float> by_paint_;      // luminance over light, sorted by paint
-  std::vector<char> flat_;           // of each paint: of one normal, or of too few samples
-  std::vector<double> albedo_;       // of each paint; 0: it does not count
+  std::vector<char> flat_;           // per paint: not 0 if it has one normal or too few samples
+  std::vector<double> albedo_;       // per paint; 0: it is left out
 };
 
 }  // namespace palpable

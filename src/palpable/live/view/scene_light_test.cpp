@@ -65,7 +65,7 @@ TEST_CASE("the light on a matt ball is found from wherever it comes", "[view][li
     estimator.see(lit_ball(to_light.normalized(), 0.4), camera_from_body);
     const Eigen::Vector3d found = camera_from_body.linear() * estimator.light().to_light;
     INFO(found.transpose());
-    // Bytes are coarse in the dark, and the weak prior pulls upwards.
+    // In the dark, 8-bit pixels are coarse, and the prior pulls the light upwards.
     CHECK(degrees_between(found, to_light) < 10);
   }
 }
@@ -87,14 +87,14 @@ TEST_CASE("a darker picture is darker light, and light follows slowly", "[view][
   const auto see_times = [&](const SeenFrame& seen, int frames) {
     for (int i = 0; i < frames; ++i) estimator.see(seen, upright());
   };
-  see_times(dark, LightEstimator::kEvery);  // the first of the dark is asked
+  see_times(dark, LightEstimator::kEvery);  // the first dark frame is used
   CHECK(estimator.light().brightness < before);
   CHECK(estimator.light().brightness > 0.7 * before);
   see_times(dark, 40 * LightEstimator::kEvery);
   CHECK(estimator.light().brightness == Approx(0.25 * before).epsilon(0.05));
 }
 
-TEST_CASE("where nothing tells, light comes from where it usually does", "[view][light]") {
+TEST_CASE("without any shading the light comes from the usual direction", "[view][light]") {
   SeenFrame seen = lit_ball(Eigen::Vector3d(-1, 0, 0), 0.4);
   std::fill(seen.depth.begin(), seen.depth.end(), std::numeric_limits<float>::quiet_NaN());
   LightEstimator estimator;

@@ -55,7 +55,7 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
   gather_parameters();
 }
 
-// In a window each may be switched to.
+// Makes the views from outside that may be shown; in a window the user can switch to each.
 void ScenePainter::make_outside_views(LiveView view) {
   if (window_ || view == LiveView::kMap || has_tile(Tile::kMap)) {
     map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
@@ -91,10 +91,10 @@ SceneExtras ScenePainter::wants() const {
 
 void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
   drawn_for_window_ = window_ && !holds();
-  const bool nobody_looks = !drawn_for_window_ && !drawn.in_files;
+  const bool is_unused = !drawn_for_window_ && !drawn.in_files;
   const bool draws_map = controls_.view == LiveView::kMap || has_tile(Tile::kMap);
-  if (map_ && (nobody_looks || !draws_map)) map_->follow(drawn.scene);
-  if (nobody_looks) return;
+  if (map_ && (is_unused || !draws_map)) map_->follow(drawn.scene);
+  if (is_unused) return;
   {
     const StageTimer timer(drawn.scene.times, "draw");
     const bool masks = masks_ && drawn.in_files;
@@ -127,7 +127,7 @@ void ScenePainter::draw_look(const Scene& scene, const Session& session, ColorIm
     const Rigid3& camera_from_body = scene.bodies.front().camera_from_body;
     light_.see(scene.seen, camera_from_body);
     view.light = light_in_camera(light_.light(), camera_from_body);
-    if (outside) {  // its own caption says it
+    if (outside) {  // that view has a caption of its own
       view.legend_title.clear();
       view.caption.clear();
       view.warning.clear();
@@ -201,7 +201,7 @@ void ScenePainter::handle(const WindowEvent& event) {
   controls_.handle(event);
   if (places) return;
   const bool key = event.kind == WindowEvent::Kind::kKey;
-  // R goes back to the start in both; the mouse turns what is seen.
+  // The key R resets both views; the mouse turns the one that is shown.
   if (key || controls_.view == LiveView::kMap) map_->handle(event);
   if (key || controls_.view == LiveView::kSurface) surface_->handle(event);
 }
@@ -214,14 +214,14 @@ void ScenePainter::handle_events(double wait) {
     happened = true;
   }
   ended_ |= controls_.ended || window_->closed();
-  // What is wanted is done with the next frame, and wants to be seen.
+  // A wish is fulfilled with the next frame, which must be shown for that.
   if (controls_.paused && controls_.wishes.of_frame()) controls_.step_wanted = true;
   if (!holds()) return;
   const bool outside = controls_.view == LiveView::kMap || controls_.view == LiveView::kSurface;
   if ((happened && outside) || controls_.view != held_view_ || !(controls_.show == held_show_)) {
     draw_held();
   } else if (happened || controls_.picture_wanted) {
-    window_->show(held_picture_);  // with what the panel says now
+    window_->show(held_picture_);  // with the panel's present content
   }
   if (controls_.picture_wanted) keep_picture(held_picture_);
 }

@@ -1,6 +1,7 @@
 /// @file
-/// A session's scenes, drawn: what its camera sees with the body in it, what it senses, the room
-/// from outside, or what contact knows near the body. In a window with a panel, if it is wanted.
+/// Draws a session's scenes: the camera's picture with the body in it, the sensed depth or motion,
+/// the room from outside, or the surface that contact uses near the body. Optionally in a window
+/// with a panel.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -27,48 +28,51 @@
 namespace palpable {
 
 struct ScenePainterSettings {
-  bool window = false;                ///< also show the pictures in a window; else draw off screen
-  LiveView view = LiveView::kCamera;  ///< to begin with
-  SceneShow show = {};                ///< what of a scene is shown to begin with
-  bool paused = false;  ///< stop at the first scene, until the user of the window goes on
-  bool masks = true;  ///< also fill DrawnFrame::visible and body_depth, which are read back for it
-  /// Whether the user of the window may change the run itself: who plays it looks at wishes().
+  bool window = false;                ///< show the pictures in a window; else draw off screen
+  LiveView view = LiveView::kCamera;  ///< at the start
+  SceneShow show = {};                ///< at the start
+  bool paused = false;  ///< pause at the first scene until the user of the window continues
+  bool masks = true;    ///< also fill DrawnFrame::visible and body_depth, which costs a read-back
+  /// Whether the user of the window may change the run itself (LiveControls::wishes, which the
+  /// caller must then fulfil).
   bool run_may_change = false;
-  /// Several views in one picture, instead of `view`; none: that one. Not in a window.
+  /// Views to be shown side by side in one picture; empty: `view` alone. Not in a window.
   std::vector<Tile> tiles = {};
-  /// For Tile::kTruth: the true depth of the frame with this number; nothing: it is not known.
+  /// For Tile::kTruth: returns the true depth of the frame with this number, or nothing where it is
+  /// not known.
   std::function<std::optional<DepthImage>(int number)> true_depth = {};
-  /// Called with the picture that is shown when the user of the window asks to keep it; returns
-  /// what became of it, in a line for the panel.
+  /// Called with the present picture when the user of the window wants to keep it; returns a line
+  /// about the result for the panel.
   std::function<std::string(const ColorImage&)> keep_picture = {};
 };
 
 /// Draws the scenes of one frame loop, in their order. Main thread only.
 class ScenePainter {
  public:
-  /// @param loop  outlives this, at its place
+  /// @param loop  must outlive this object and keep its address
   /// @throws Error when there is no OpenGL context, no display for a window, or a shader does not
   ///         compile
   ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop);
-  ScenePainter(const ScenePainter&) = delete;  // the window's panel knows where it is
+  ScenePainter(const ScenePainter&) = delete;  // the window's panel holds its address
   ScenePainter& operator=(const ScenePainter&) = delete;
 
-  /// Fills in what drawing adds to a scene, but for the scores; its time goes to the stage "draw".
-  /// Without masks, and for a frame that is in no file, `visible` and `body_depth` stay as they
-  /// are. What is in no file and not shown in the window is not drawn.
+  /// Fills in everything of `drawn` except the scores; the time is added to the stage "draw".
+  /// `visible` and `body_depth` are left unchanged without masks, and for frames with in_files ==
+  /// false. A frame that is neither written to files nor shown in the window is not drawn.
   void draw(DrawnFrame& drawn, const Session& session);
 
-  /// Shows a picture that was just drawn in the window, unless the user has paused it, and handles
-  /// what the user did there; nothing without a window.
+  /// Shows the picture drawn last in the window, unless the user has paused it, and handles the
+  /// user's input. Does nothing without a window.
   void show(const ColorImage& picture);
 
-  /// Does what mouse and keys say: turns what is seen from outside, switches, notes whether the
-  /// user wants to end. What is held is drawn again when it changes.
-  /// @param wait  s, at most, for something to happen
+  /// Handles input of mouse and keyboard: turns the views from outside, switches what is shown, and
+  /// notes whether the user wants to quit. Draws the held scene again if needed.
+  /// @param wait  s, the longest time to wait for input
   void handle_events(double wait = 0);
 
-  /// Whether the user has paused, so that a scene is held in the window. A recording should wait
-  /// then, in handle_events(); a camera goes on, and its newest frame is shown at the next step.
+  /// Whether the user has paused, so that the window holds one scene. The caller should then stop
+  /// reading a recording and call handle_events(); a camera continues, and the next step shows its
+  /// newest frame.
   [[nodiscard]] bool holds() const {
     return held_ && controls_.paused && !controls_.step_wanted && !ended_;
   }
@@ -76,24 +80,24 @@ class ScenePainter {
   /// Whether the user has closed the window or pressed Escape or Q.
   [[nodiscard]] bool ended() const { return ended_; }
 
-  /// What the scenes to come should have (Session::keep): it is painted, or may be while the window
-  /// holds one of them.
+  /// The extras that the next scenes must have (Session::keep) because they are painted, or may be
+  /// painted while the window holds one of them.
   [[nodiscard]] SceneExtras wants() const;
 
-  /// What the user wants changed of the run; with run_may_change alone there is something. Who has
-  /// done it resets it.
+  /// The state of the controls. With run_may_change, `wishes` holds what the user wants changed in
+  /// the run; the caller resets a wish that it has fulfilled.
   [[nodiscard]] LiveControls& controls() { return controls_; }
-  /// Says something on the panel.
+  /// The panel, on which the caller can write a note.
   [[nodiscard]] LivePanel& panel() { return panel_; }
   /// The scene that the window shows while it is paused; else null.
   [[nodiscard]] const Scene* held() const { return held_ ? &*held_ : nullptr; }
 
-  /// The loop's session is another one from now on, of the same bodies perhaps elsewhere and of
-  /// other stiffness.
+  /// To be called after the loop's session was replaced by another one with the same bodies, whose
+  /// poses and parameters may differ.
   void begin_anew();
-  /// Paints the window again while it is paused, with what the panel says now.
+  /// Paints the window again with the panel's present content, if it is paused.
   void refresh_panel();
-  /// Has the panel show the values that the session's bodies have.
+  /// Takes over the parameters of the session's bodies into the panel.
   void gather_parameters();
 
   /// @throws Error when OpenGL reported errors
@@ -113,12 +117,12 @@ class ScenePainter {
   std::optional<GlContext> offscreen_;
   std::optional<Window> window_;
   std::optional<SceneRenderer> renderer_;
-  std::unique_ptr<MapPicture> map_;          // if it may be shown
+  std::unique_ptr<MapPicture> map_;          // null if this view is never shown
   std::unique_ptr<SurfacePicture> surface_;  // likewise
   double scale_;                             // Pa, top of the stress's colours
   SceneViews views_;
   LightEstimator light_;  // in the first body's frame
-  ColorImage inside_;     // what the camera sees, where the picture is another
+  ColorImage inside_;     // the camera's picture, for the inset of another view
   bool masks_;
   std::vector<Tile> tiles_;
   std::function<std::optional<DepthImage>(int)> true_depth_;
@@ -126,11 +130,11 @@ class ScenePainter {
   std::function<std::string(const ColorImage&)> keep_picture_;
   LiveControls controls_;
   LivePanel panel_;
-  bool drawn_for_window_ = false;  // the picture drawn last
-  std::optional<Scene> held_;      // what the window has shown since the user paused
+  bool drawn_for_window_ = false;  // whether the picture drawn last is for the window
+  std::optional<Scene> held_;      // the scene in the window while the user has paused
   ColorImage held_picture_;
-  LiveView held_view_ = LiveView::kCamera;  // with which it was drawn,
-  SceneShow held_show_;                     // and what of it
+  LiveView held_view_ = LiveView::kCamera;  // of held_picture_
+  SceneShow held_show_;                     // likewise
   bool ended_ = false;
 };
 

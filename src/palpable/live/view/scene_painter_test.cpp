@@ -28,7 +28,7 @@ std::optional<ScenePainter> painter_of(const ScenePainterSettings& settings,
   } catch (const Error&) { return std::nullopt; }  // no OpenGL
 }
 
-TEST_CASE("masks are filled in for who wants them, and the picture is the same without",
+TEST_CASE("masks are filled in only on request, and the picture is the same without them",
           "[view][pixels]") {
   FrameLoop loop = loop_before_sphere();
   DrawnFrame with, without;
@@ -49,7 +49,7 @@ TEST_CASE("masks are filled in for who wants them, and the picture is the same w
   CHECK(without.picture == with.picture);
 }
 
-// What drawing a scene that nothing touches takes of memory when it is drawn again.
+// The number of allocations when a scene that nothing touches is drawn again.
 int allocations_of_redrawing(ScenePainter& painter, FrameLoop& loop) {
   DrawnFrame drawn;
   drawn.scene = loop.process(test::frame_of_wall(0, 0));
@@ -80,7 +80,7 @@ TEST_CASE("components are wanted where they are painted, and painting them takes
   CHECK(painter->wants() == SceneExtras{.contact_pressure = true});
   painter->controls().next_field();
   CHECK(painter->wants() == SceneExtras{});
-  painter->controls().paused = true;  // what is held may be looked at in all ways
+  painter->controls().paused = true;  // the held scene may be painted with any field
   CHECK(painter->wants() == SceneExtras{.components = true, .contact_pressure = true});
   painter->controls().paused = false;
 
@@ -89,7 +89,7 @@ TEST_CASE("components are wanted where they are painted, and painting them takes
   CHECK(allocations_of_redrawing(*painter, loop) == 0);
 }
 
-TEST_CASE("of a frame that is in no file and in no window nothing is drawn", "[view][pixels]") {
+TEST_CASE("a frame that is in no file and in no window is not drawn", "[view][pixels]") {
   FrameLoop loop = loop_before_sphere();
   std::optional<ScenePainter> painter = painter_of({}, loop);
   if (!painter) PALPABLE_SKIP("no OpenGL");

@@ -14,19 +14,19 @@ namespace palpable {
 
 namespace {
 
-constexpr double kSameGround = 0.003;      // m
-constexpr double kNewWorldShown = 5;       // s for which it is said that a world is new
-constexpr float kShownOfHeight = 0.1f;     // displacement at the top of the scale, of the height
+constexpr double kSameGround = 0.003;      // m, difference in height below which grounds are one
+constexpr double kNewWorldShown = 5;       // s for which the warning of a new world is shown
+constexpr float kShownOfHeight = 0.1f;     // top of displacement's colours, ratio to the height
 constexpr float kDotRadius = 0.0022f;      // m
 constexpr double kShortestArrow = 0.012;   // m
 constexpr double kArrowPerNewton = 0.006;  // m
 constexpr std::size_t kMostArrows = 6;
-constexpr double kLeastOfStrongest = 0.05;  // of the strongest touch's force
+constexpr double kLeastOfStrongest = 0.05;  // force for an arrow, ratio to the strongest touch's
 constexpr double kLongestArrow = 0.06;      // m
 constexpr Rgb kTouch{245, 130, 32};
-constexpr Rgb kHeldTouch{150, 150, 155};  // what presses is not seen at present
+constexpr Rgb kHeldTouch{150, 150, 155};  // the obstacle is not seen at present
 
-// Of several bodies what the one says that is known worst; nothing where none says anything.
+// The largest stated errors of all bodies; nothing if no body states one.
 std::optional<StatedError> worst_stated_error(const Scene& scene) {
   std::optional<StatedError> worst;
   for (const SceneBody& body : scene.bodies) {
@@ -38,7 +38,7 @@ std::optional<StatedError> worst_stated_error(const Scene& scene) {
   return worst;
 }
 
-// Whether something holds for one of a session's bodies, by their numbers.
+// Whether holds(number) is true for one of a session's bodies.
 template <class Holds>
 bool for_any_body(const Session& session, const Holds& holds) {
   for (int k = 0; k < session.body_count(); ++k) {
@@ -95,13 +95,13 @@ std::string caption_of(const Scene& scene) {
 }
 
 std::string caption_of(const StatedError& error) {
-  // More than the whole is no figure: it says that the answer is not to be relied on.
-  const auto told = [](double share, std::string_view some) {
+  // Above 100 % the number has no meaning; the response is then not reliable.
+  const auto percent = [](double share, std::string_view some) {
     return share > 1 ? std::string("more than 100 %")
                      : fmt::format("{}{:.2g} %", some, 100 * share);
   };
-  return fmt::format("off by {}, stress {}", told(error.displacement, "some "),
-                     told(error.von_mises, ""));
+  return fmt::format("off by {}, stress {}", percent(error.displacement, "some "),
+                     percent(error.von_mises, ""));
 }
 
 std::string caption_of(std::span<const Touch> touches) {
@@ -196,7 +196,7 @@ void SceneViews::show_legend(const Scene& scene, const Session& session, const S
       break;
     case Field::kContact:
       view_.legend_title = any_knows_contact(session) ? kContactPressure : kNoContactKnown;
-      view_.stated_error = 0;  // that of the stress says nothing of it
+      view_.stated_error = 0;  // none is stated for contact pressure
       break;
     case Field::kDisplacement:
       view_.legend_title = "displacement";
@@ -251,7 +251,7 @@ void SceneViews::show_touches(const Scene& scene, const SceneShow& show) {
     const Rgb color = touch.unseen_for > 0 ? kHeldTouch : kTouch;
     const Eigen::Vector3f point = touch.point_in_body.cast<float>();
     if (show.contacts) dots_[k].push_back({point, kDotRadius, color});
-    // The strongest stand first; many small ones beside them would hide what they are about.
+    // Touches are sorted by force; arrows for many weak ones would hide the body.
     if (!show.forces || view_.arrows.size() >= kMostArrows ||
         touch.force < kLeastOfStrongest * scene.touches.front().force) {
       continue;

@@ -1,5 +1,5 @@
 /// @file
-/// A scene of a session in the terms of the renderer.
+/// Converts a session's scene to the renderer's input.
 #pragma once
 
 #include "palpable/common/response/stated_error.h"
@@ -14,39 +14,41 @@
 
 namespace palpable {
 
-/// A body of a scene where the camera sees it; pointers into both arguments. A body that stands
-/// elsewhere than on the first one's ground throws no shadow on it.
-/// @param session  that made the scene
+/// A body of a scene at its pose in the camera's picture, with pointers into both arguments. A body
+/// that does not stand on the first body's ground throws no shadow.
+/// @param session  the one that made the scene
 /// @param number   of the body
 /// @param scale    Pa, top of the colours
 [[nodiscard]] BodyLook look_of_body(const Scene& scene, const Session& session, int number,
                                     double scale);
 
-/// One line about a scene: its time and its touches.
+/// One line about a scene: its time, touches and stated error.
 [[nodiscard]] std::string caption_of(const Scene& scene);
-/// Depth of the deepest touch, and the force of all, or the site; "not touched".
+/// The depth of the deepest touch and the sum of their forces, with the site or the number of
+/// touches; "not touched" without any.
 [[nodiscard]] std::string caption_of(std::span<const Touch> touches);
-/// "off by some 2.1 %, stress 7 %"; what is off by more than all of it says so.
+/// "off by some 2.1 %, stress 7 %"; "more than 100 %" for errors above 1.
 [[nodiscard]] std::string caption_of(const StatedError& error);
-/// That the camera is lost, and what to do; or that what presses is not seen. Else empty.
+/// The most urgent warning, with what the user can do: a lost camera, new surroundings, an obstacle
+/// that is not seen, or a trouble of the depth. Empty without any.
 [[nodiscard]] std::string warning_of(const Scene& scene);
 
-/// How far each vertex is from where it was baked. @param now  (3 x V) m. @param moved  (V) m,
-/// overwritten; keeps its memory
+/// The length of each vertex's displacement from its baked position. @param now  (3 x V) m
+/// @param moved  (V) m, overwritten; keeps its memory
 void displacement_of(const Eigen::Matrix3Xf& now, const SurfaceMesh& baked,
                      std::vector<float>& moved);
-/// At the top of displacement's colours: m, a tenth of the body's height.
+/// The top of displacement's colours, m: a tenth of the body's height.
 [[nodiscard]] float displacement_scale(const SurfaceMesh& baked);
 
-/// Scenes in the terms of the renderer, one after the other; their memory is used again.
+/// Converts scenes to the renderer's input, one after the other, and reuses its memory.
 class SceneViews {
  public:
-  /// @param scale  Pa, top of the stress's colours; of what has two signs both ends
+  /// @param scale  Pa, top of the stress's colours; for fields of two signs the lower end is -scale
   explicit SceneViews(double scale) : scale_(scale) {}
 
-  /// @param session  that made the scene
-  /// @param show     what of it is shown; the scene has its extras_for() (painted_stress.h)
-  /// @return pointers into both and into this object, valid until the next call; it may be changed
+  /// @param session  the one that made the scene
+  /// @param show     what is shown; the scene must have its extras_for() (painted_stress.h)
+  /// @return points into both and into this object; valid until the next call, and may be changed
   SceneView& of(const Scene& scene, const Session& session, const SceneShow& show);
 
  private:
@@ -58,8 +60,8 @@ class SceneViews {
 
   double scale_;
   SceneView view_;
-  // Of each body.
-  std::vector<std::vector<float>> painted_;  // m or Pa, where it is no von Mises stress
+  // Per body.
+  std::vector<std::vector<float>> painted_;  // m or Pa, for fields other than von Mises stress
   std::vector<std::vector<Dot>> dots_;
 };
 

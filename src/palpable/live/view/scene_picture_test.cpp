@@ -12,7 +12,7 @@
 namespace palpable {
 namespace {
 
-// A sphere on whose top a finger of 2 N presses, 10 mm deep.
+// A sphere pressed on its top by a finger with 2 N, 10 mm deep.
 struct Pressed {
   FrameLoop loop = [] {
     Rigid3 camera_from_body = Rigid3::Identity();
@@ -100,7 +100,7 @@ TEST_CASE("pressure and components are painted on a scale of two sides, of von M
   pressed.views.of(pressed.scene, pressed.loop.session, show);
   CHECK(view.legend_title.empty());
 
-  // What is painted next has one side again.
+  // The next field has a one-sided scale again.
   pressed.views.of(pressed.scene, pressed.loop.session, {});
   CHECK_FALSE(look.two_sided);
   CHECK(view.stated_error_of.empty());
@@ -164,7 +164,7 @@ TEST_CASE("touches are shown where they are, on request", "[view]") {
   CHECK(arrow.label == "2.00 N");
   REQUIRE(view.bodies.front().dots.size() == 1);
   CHECK(view.bodies.front().dots.front().at_in_body.isApprox(Eigen::Vector3f(0, 0, 0.09f)));
-  // A stronger force is a longer arrow, up to a point.
+  // A stronger force gives a longer arrow, up to a limit.
   const double length = (arrow.tip - arrow.tail).norm();
   const auto length_at = [&](double force) {
     pressed.scene.touches.front().force = force;
@@ -174,7 +174,7 @@ TEST_CASE("touches are shown where they are, on request", "[view]") {
   CHECK(length_at(4) > length);
   CHECK(length_at(400) == Approx(length_at(40)));
 
-  // Of many touches the strong ones have arrows, all of them balls.
+  // All touches have balls, but only the strongest have arrows.
   pressed.scene.touches.resize(12, pressed.scene.touches.front());
   for (std::size_t i = 1; i < 12; ++i) pressed.scene.touches[i].force = i < 3 ? 100 : 1;
   pressed.views.of(pressed.scene, pressed.loop.session, show);

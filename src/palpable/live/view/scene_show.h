@@ -1,35 +1,35 @@
 /// @file
-/// What of a scene people see: chosen once, or changed while a run goes on (keys, panel).
+/// What is shown of a scene: set once, or changed during a run (keys, panel).
 #pragma once
 
 namespace palpable {
 
 struct SceneShow {
-  /// What is painted on bodies.
+  /// The field that is painted on bodies.
   enum class Field {
     kVonMises,      ///< Pa
-    kPressure,      ///< Pa, minus a third of the stress's trace: above 0 where it is compressed
-    kComponent,     ///< Pa, one of the six: `component`
-    kContact,       ///< Pa, how hard things press there: SceneBody::contact_pressure
+    kPressure,      ///< Pa, minus a third of the stress's trace; above 0 in compression
+    kComponent,     ///< Pa, the component of stress chosen by `component`
+    kContact,       ///< Pa, contact pressure on the skin: SceneBody::contact_pressure
     kDisplacement,  ///< m, length of the displacement from the shape that was baked
     kNone           ///< the material alone
   };
-  /// Of the Cauchy stress along the body frame's axes, in the order of SceneBody::cauchy. Normal
-  /// ones are above 0 where the material is pulled along the axis.
+  /// Components of the Cauchy stress along the body frame's axes, in the order of
+  /// SceneBody::cauchy. Normal components are above 0 in tension.
   enum class Component { kXx, kYy, kZz, kXy, kYz, kZx };
-  /// What real things do to bodies behind them.
+  /// How real things hide bodies behind them.
   enum class Occlusion {
-    kNone,  ///< nothing: bodies are always in front
-    kHard,  ///< each pixel decides by its measured depth alone (paper Sec. 3.5)
-    kSoft   ///< outlines at the picture's resolution, found together (render/outlines.h)
+    kNone,  ///< not at all: bodies are always in front
+    kHard,  ///< each pixel by its measured depth alone (paper Sec. 3.5)
+    kSoft   ///< by outlines at the picture's resolution (render/outlines.h)
   };
   Field field = Field::kVonMises;
   Component component = Component::kZz;  ///< for Field::kComponent
-  bool blended = true;  ///< low values let the material through; false: the colours alone
+  bool blended = true;  ///< low values show the material's own colour; false: the scale's colours
   Occlusion occlusion = Occlusion::kSoft;
-  bool contacts = false;  ///< balls where bodies are touched
-  bool forces = false;    ///< arrows: where, whither and how hard; of many touches the strongest
-  bool legend = true;     ///< the bar of colours
+  bool contacts = false;  ///< draw a ball at each touch
+  bool forces = false;    ///< draw the forces of the strongest touches as arrows with their size
+  bool legend = true;     ///< draw the colour bar
 
   friend bool operator==(const SceneShow&, const SceneShow&) = default;
 };

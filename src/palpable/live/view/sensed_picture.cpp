@@ -15,7 +15,7 @@ namespace {
 constexpr Rgb kUnknown{70, 70, 74};
 constexpr Rgb kTooClose{220, 30, 30};
 
-// As color_of_share(), which is asked for every pixel.
+// A table of color_of_share(), since it is needed for every pixel.
 const std::array<Rgb, 256>& colors() {
   static const std::array<Rgb, 256> table = [] {
     std::array<Rgb, 256> made{};

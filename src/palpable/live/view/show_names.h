@@ -1,5 +1,6 @@
 /// @file
-/// What the values of scene_show.h are called: on panels, in their order, and on command lines.
+/// Names of the values of scene_show.h, in the order of the enumerations, for panels and command
+/// lines.
 #pragma once
 
 #include "palpable/live/view/scene_show.h"
@@ -14,7 +15,7 @@ inline constexpr std::array<const char*, 6> kFieldNames{"stress",  "pressure",  
 inline constexpr std::array<const char*, 6> kComponentNames{"xx", "yy", "zz", "xy", "yz", "zx"};
 inline constexpr std::array<const char*, 3> kOcclusionNames{"none", "hard", "soft"};
 
-/// What may be painted, as the option --paint says it.
+/// A value of the option --paint.
 struct NamedPaint {
   const char* name;
   SceneShow::Field field;
@@ -33,7 +34,8 @@ inline constexpr std::array<NamedPaint, 11> kPaints{
      {"displacement", SceneShow::Field::kDisplacement},
      {"none", SceneShow::Field::kNone}}};
 
-/// The value after `value` of those that `names` names; the first after the last one.
+/// The next value of an enumeration that has as many values as `names`; after the last one, the
+/// first.
 template <class Value, std::size_t N>
 [[nodiscard]] Value next_of(Value value, const std::array<const char*, N>& /*names*/) {
   return static_cast<Value>((static_cast<std::size_t>(value) + 1) % N);

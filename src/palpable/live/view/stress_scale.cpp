@@ -9,7 +9,7 @@
 namespace palpable {
 namespace {
 
-// What 99 % of the vertices stay below under the site's full load, Pa.
+// The 99th percentile of the vertices' von Mises stress under the site's full load, Pa.
 double high_stress(const ReducedBody& body, int site) {
   const auto V = static_cast<std::size_t>(body.surface.vertices.cols());
   std::vector<float> stress(6 * V), mises(V);

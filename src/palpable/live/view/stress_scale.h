@@ -1,5 +1,5 @@
 /// @file
-/// Where the colours of stress end.
+/// The stress at the top of the colour scale.
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
@@ -7,16 +7,16 @@
 
 namespace palpable {
 
-/// Pa at the top of the colour scale when one site is pressed: what 99 % of the vertices stay below
-/// under its full load, at least 1. The largest of all stands at a few vertices at the rim of the
-/// support or of the patch; a scale up to there leaves the rest of the body in its lowest colours.
+/// The top (Pa) for a body that is pressed at one site: the 99th percentile of the vertices' von
+/// Mises stress under the site's full load, and at least 1. The maximum occurs at a few vertices at
+/// the rim of the support or of the patch; with that as the top, the rest of the body would have
+/// the lowest colours only.
 [[nodiscard]] double stress_scale_of_site(const ReducedBody& body, int site);
 
-/// The same for a body that is pressed anywhere: that of a site that is stiffer than three quarters
-/// of the others.
+/// The top (Pa) for a body that is pressed anywhere: the 75th percentile over its sites.
 [[nodiscard]] double stress_scale(const ReducedBody& body);
 
-/// One for all bodies of a session, which share a legend: the largest of theirs.
+/// The top (Pa) for all bodies of a session, which share a legend: the largest of their tops.
 [[nodiscard]] double stress_scale(const Session& session);
 
 }  // namespace palpable

@@ -26,7 +26,7 @@ OrbitCamera usual_camera(const ReducedBody& body, double aspect) {
     radius = std::max(radius, (x.col(i) - camera.target).norm());
   }
   camera.distance = 1.12 * radius / std::sin(0.5 * kViewAngle * std::min(aspect, 1.0));
-  // The horizontal direction in which it extends least is the one to look along.
+  // Looks along the horizontal direction in which the body extends least.
   const Eigen::Matrix2Xd flat = x.topRows<2>().colwise() - camera.target.head<2>();
   const Eigen::Matrix2d spread = flat * flat.transpose();
   const double longest = 0.5 * std::atan2(2.0 * spread(0, 1), spread(0, 0) - spread(1, 1));
@@ -78,7 +78,7 @@ bool StudioScene::is_pressed() const {
   return (finger_ != nullptr ? finger_->level() : pressed_.level()) > 0;
 }
 
-// Colours of the chosen field, and its legend.
+// Sets the values of the chosen field, and its legend.
 void StudioScene::paint(BodyLook& look) {
   view_.legend_title.clear();
   view_.legend_unit = "kPa";
@@ -138,7 +138,7 @@ const ColorImage& StudioScene::draw(BodyLook look, const OrbitCamera& orbit) {
   view_.background = &background_;
   look.camera_from_body = camera_from_body;
   view_.bodies.assign(1, look);
-  view_.light.color.setConstant(1.12f);  // a studio is lit better than a room
+  view_.light.color.setConstant(1.12f);  // brighter than a room
   view_.caption = caption;
   renderer_.draw(view_, picture_, nullptr, &depth_);
   return picture_;

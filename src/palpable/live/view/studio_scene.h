@@ -1,5 +1,5 @@
 /// @file
-/// A reduced body in the studio: pressed at one site, seen from any side.
+/// Draws a reduced body in the studio: pressed at one site or by a finger, from any viewpoint.
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
@@ -18,11 +18,11 @@
 
 namespace palpable {
 
-/// Of colours that are no pressed body's stress.
+/// The legend of a field other than a pressed body's stress.
 struct OtherLegend {
   std::string title = {};  ///< above the colour bar; empty: no bar
   std::string unit = {};   ///< of the numbers beside it
-  double scale = 1;        ///< of that unit in one of the scalar's
+  double scale = 1;        ///< number shown = scalar * scale
 };
 
 /// The size of a picture, px.
@@ -32,24 +32,25 @@ struct PictureSize {
   [[nodiscard]] double aspect() const { return static_cast<double>(width) / height; }
 };
 
-/// Where to stand to see the whole body from its broad side.
-/// @param aspect  width by height of the picture
+/// A viewpoint that shows the whole body from its broad side.
+/// @param aspect  width of the picture / height
 [[nodiscard]] OrbitCamera usual_camera(const ReducedBody& body, double aspect);
 
-/// The same from the side of a site, somewhat beside its load so that the dent has a profile.
+/// Turns a viewpoint to the side of a site, 0.75 rad beside its load so that the dent is seen in
+/// profile.
 [[nodiscard]] OrbitCamera camera_towards(const Site& site, OrbitCamera camera);
 
 /// Draws a body in the studio, with the OpenGL context that is current now and in every later call.
 class StudioScene {
  public:
-  /// @param body  must outlive this object; at rest to begin with
+  /// Begins with the body at rest. @param body  must outlive this object
   /// @throws Error when the shaders do not compile
   StudioScene(const ReducedBody& body, PictureSize size);
 
   void resize(PictureSize size);
 
   [[nodiscard]] PressedBody& pressed() { return pressed_; }
-  /// From now on draws the same body as a finger presses it. @param finger  null: at its site
+  /// Makes draw() show the body pressed by `finger`; null: pressed at its site.
   void show_finger(const FingerPress* finger) { finger_ = finger; }
   SceneShow::Field field = SceneShow::Field::kVonMises;
   SceneShow::Component component = SceneShow::Component::kZz;
@@ -57,19 +58,19 @@ class StudioScene {
   bool legend_shown = true;
   std::vector<std::string> caption;
 
-  /// The pressed body. The picture is valid until the next one is drawn.
+  /// Draws the pressed body. The picture is valid until the next one is drawn.
   const ColorImage& draw(const OrbitCamera& orbit);
-  /// Another look than the pressed body's.
+  /// Draws a look that the caller has made.
   const ColorImage& draw_other(const BodyLook& look, const OtherLegend& legend,
                                const OrbitCamera& orbit);
 
-  /// The point of the body (body frame, m) that the last picture shows at a pixel; nothing where it
-  /// shows no body.
+  /// The point of the body (body frame, m) that the last picture shows at a pixel; nothing beside
+  /// the body.
   [[nodiscard]] std::optional<Eigen::Vector3d> point_at(double x_px, double y_px) const;
 
-  /// Name and size of the body.
+  /// Name of the body, and its numbers of vertices and sites.
   [[nodiscard]] std::string title() const;
-  /// Site and level, or the finger's push; force, depth and stress of the press.
+  /// A line about the press: site, level and depth, or the finger's push; force and stress.
   [[nodiscard]] std::string reading() const;
 
  private:
@@ -80,7 +81,7 @@ class StudioScene {
   const ReducedBody& body_;
   PressedBody pressed_;
   const FingerPress* finger_ = nullptr;
-  std::vector<float> painted_;  // m or Pa, where it is no von Mises stress
+  std::vector<float> painted_;  // m or Pa, for fields other than von Mises stress
   Studio studio_;
   SceneRenderer renderer_;
   float dot_radius_;  // m

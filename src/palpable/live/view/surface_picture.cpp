@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSurfaceFieldOfView = 0.7;  // rad, vertical
 constexpr double kSurfaceElevation = 0.5;    // rad above the floor
-constexpr double kAround = 0.06;             // m round the body: what is seen there is drawn
+constexpr double kAround = 0.06;             // m around the body in which seen points are drawn
 constexpr int kPointStep = 2;                // px of the depth between two points
 
 constexpr Rgb kMeasured{60, 160, 110};
@@ -91,7 +91,7 @@ void SurfacePicture::add_points(const Scene& scene) {
   }
 }
 
-// Where a ball is near two bodies it stands there twice, and looks as once.
+// Gathers the balls of all bodies. A ball near two bodies is drawn twice in the same position.
 void SurfacePicture::gather_balls(const Session& session) {
   balls_.clear();
   for (int k = 0; k < session.body_count(); ++k) {

@@ -1,11 +1,11 @@
 /// @file
-/// What contact knows of the real world near bodies, from outside (`live --view surface`): the
-/// points that the camera sees, the balls behind them, and the pressed skins.
+/// A view from outside of the surface that contact uses near the bodies (`live --view surface`):
+/// the points that the camera sees, the balls that stand for obstacles, and the pressed skins.
 ///
-///     points in their own colours   what is seen near the body, the room too
-///     green                         the things that press: the side that is seen
+///     points in their own colours   everything seen near the bodies, the room included
+///     green                         obstacles: the side that the camera sees
 ///     orange                        their other side, which is assumed
-///     grey                          not seen at present: held for a moment (held_balls.h)
+///     grey                          not seen at present, but held for a moment (held_balls.h)
 #pragma once
 
 #include "palpable/common/contact/object_ball.h"
@@ -24,7 +24,8 @@
 
 namespace palpable {
 
-/// The balls as one mesh that is drawn: a sphere each; what lies inside others is hidden by them.
+/// Balls as one mesh for drawing: one sphere for each ball. Parts inside of other spheres are
+/// hidden by them in the picture.
 struct BallMesh {
   Eigen::Matrix3Xf vertices;   ///< (3 x N) m, body frame
   Eigen::Matrix3Xf normals;    ///< (3 x N) unit, outwards
@@ -32,7 +33,8 @@ struct BallMesh {
   std::vector<Rgb> colors;     ///< (N)
 };
 
-/// @param camera_in_body  where the camera stands: what faces it is measured
+/// Makes the mesh.
+/// @param camera_in_body  m, the camera's position: surfaces that face it were measured
 /// @param mesh            overwritten; keeps its memory
 void mesh_balls(std::span<const ObjectBall> balls, const Eigen::Vector3f& camera_in_body,
                 BallMesh& mesh);
@@ -40,16 +42,16 @@ void mesh_balls(std::span<const ObjectBall> balls, const Eigen::Vector3f& camera
 /// The picture of a running session, frame by frame.
 class SurfacePicture {
  public:
-  /// @param session  whose bodies it looks at
+  /// @param session  the bodies that the picture shows
   SurfacePicture(MapRenderer renderer, const Session& session);
 
-  /// Any button turns (of several the first one), the wheel zooms, R takes both back.
+  /// Any button turns the view (while several are held, the first one), the wheel zooms, R resets.
   void handle(const WindowEvent& event);
 
-  /// @param scene    of the frame answered last
-  /// @param session  that answered it: of each body the balls near it
+  /// @param scene    the result of the last frame
+  /// @param session  the one that made the scene, with the balls near each body
   /// @param scale    Pa, top of the bodies' colours
-  /// @param inside   what the camera sees, with the bodies: it becomes a small picture in a corner
+  /// @param inside   the camera's picture with the bodies, drawn as an inset
   /// @param picture  overwritten, as large as `inside`
   void draw(const Scene& scene, const Session& session, double scale, const ColorImage& inside,
             ColorImage& picture);
@@ -60,9 +62,9 @@ class SurfacePicture {
 
   MapRenderer renderer_;
   // All in the first body's frame.
-  Eigen::AlignedBox3d near_;  // what of the seen points is drawn
+  Eigen::AlignedBox3d near_;  // seen points inside are drawn
   OrbitCamera usual_, orbit_;
-  bool placed_ = false;  // the first picture looks from beside the camera
+  bool placed_ = false;  // whether the first picture has placed the eye beside the camera
   MouseDrag drag_;
   BallMesh mesh_;
   std::vector<MapPoint> points_;

@@ -7,10 +7,10 @@ namespace palpable {
 namespace {
 
 constexpr int kLeft = 0;
-constexpr double kFullAfter = 1.2;      // s of holding still until the full load
-constexpr double kFullDrag_px = 280.0;  // or this far from where the press began
-constexpr double kSpring = 28.0;        // rad/s, critically damped: back in a fifth of a second
-constexpr double kNothing = 1e-3;       // a level that nobody sees
+constexpr double kFullAfter = 1.2;      // s from the start of a press until the full load
+constexpr double kFullDrag_px = 280.0;  // px of dragging until the full load
+constexpr double kSpring = 28.0;        // rad/s, critically damped: springs back in 0.2 s
+constexpr double kNothing = 1e-3;       // a level below this is not visible and counts as 0
 
 }  // namespace
 

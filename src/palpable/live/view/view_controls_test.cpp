@@ -27,7 +27,7 @@ WindowEvent typed(int key) {
   return event;
 }
 
-/// The body covers x < 100; its site is the tens of x.
+/// A body that covers x < 100 px; the site is x / 10.
 std::optional<int> site_at(double x, double /*y*/) {
   return x < 100 ? std::optional<int>(static_cast<int>(x) / 10) : std::nullopt;
 }
