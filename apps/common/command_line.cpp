@@ -18,7 +18,7 @@
 namespace palpable::app {
 namespace {
 
-// The subcommand that was being parsed: the innermost one that the user named.
+// The innermost subcommand that the user named.
 const CLI::App* innermost(const CLI::App& app) {
   const CLI::App* inner = &app;
   while (!inner->get_subcommands().empty()) inner = inner->get_subcommands().back();
@@ -61,7 +61,7 @@ std::string unexpected_argument(const CLI::App& app) {
                      full_name(*inner));
 }
 
-// CLI11's own messages quote the largest number that there is, in full.
+// Used instead of CLI11's range, whose message prints the largest double in full.
 std::string why_negative(const std::string& text) {
   const std::optional<double> number = to_number(text);
   return number && *number >= 0.0 ? "" : fmt::format("must be 0 or more, not '{}'", text);
@@ -71,13 +71,13 @@ std::string why_not_positive(const std::string& text) {
   return number && *number > 0.0 ? "" : fmt::format("must be above 0, not '{}'", text);
 }
 
-// NaN lies in every range that CLI11 checks, since it is neither below nor above a number.
+// Rejects NaN, which passes CLI11's ranges because it is neither below nor above a number.
 std::string why_no_number(const std::string& text) {
   if (to_number(text)) return {};
   return fmt::format("{} is no number that is finite", text);
 }
 
-// @return the exit code
+// Flushes stdout; prints an error if that fails. @return the exit code
 int success_if_printed() {
   const std::string trouble = flush_standard_output();
   if (!trouble.empty()) print_error(trouble);
@@ -105,7 +105,7 @@ void print_error(std::string_view message) {
     }
   }
   while (line.ends_with("; ")) line.resize(line.size() - 2);
-  // Not fmt::print, which throws where the terminal was closed.
+  // Not fmt::print(), which throws when the terminal was closed.
   std::fputs(fmt::format("palpable: {}\n", line).c_str(), stderr);
 }
 
@@ -215,7 +215,7 @@ CommandLine::~CommandLine() = default;
 int CommandLine::run(int argc, const char* const* argv) {
   prepare_standard_streams();
   CLI::App& app = this->app();
-  // A word that is no command is looked at first: CLI11 would complain that a command is missing.
+  // An unknown word is reported first; CLI11 would report that a command is missing.
   if (argc > 1 && argv[1][0] != '-') {
     const std::vector<std::string> commands = subcommand_names(app);
     if (std::find(commands.begin(), commands.end(), argv[1]) == commands.end()) {
@@ -229,13 +229,14 @@ int CommandLine::run(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
     return success_if_printed();
-  } catch (const CLI::Success& asked) {  // --help, --version: printed by CLI11 on stdout
-    app.exit(asked);
+  } catch (const CLI::Success& success) {  // --help, --version: printed by CLI11 on stdout
+    app.exit(success);
     return success_if_printed();
   } catch (const CLI::ExtrasError&) {
     print_error(unexpected_argument(app));
   } catch (const CLI::ParseError& error) {
-    // What is unknown explains what is missing: "--ouput" before "--out is required".
+    // An unknown option is reported before a missing one, which it explains: "--ouput" before
+    // "--out is required".
     const std::vector<std::string> rest = app.remaining(true);
     const bool unknown = std::any_of(rest.begin(), rest.end(),
                                      [](const std::string& word) { return word.starts_with("-"); });

@@ -1,8 +1,8 @@
 /// @file
-/// The command line of both programs: what CLI11 offers them, without its header, which takes ten
-/// seconds to compile. Only command_line.cpp includes it.
+/// The command line of both programs: a wrapper of CLI11 that does not include its header, which
+/// takes ten seconds to compile. Only command_line.cpp includes it.
 ///
-/// On top of CLI11: one line per error, exit code 1, a guess for a mistyped word.
+/// In addition to CLI11: one line per error, exit code 1, and a suggestion for a mistyped word.
 #pragma once
 
 #include <array>
@@ -24,7 +24,8 @@ class Option;
 
 namespace palpable::app {
 
-/// What an option can fill. A list takes all words up to the next option, or several mentions.
+/// Types of an option's value. A list takes all words up to the next option, or
+/// several occurrences.
 template <class T>
 concept OptionValue = std::same_as<T, std::string> || std::same_as<T, std::filesystem::path> ||
     std::same_as<T, int> || std::same_as<T, unsigned> || std::same_as<T, double> ||
@@ -32,18 +33,18 @@ concept OptionValue = std::same_as<T, std::string> || std::same_as<T, std::files
     std::same_as<T, std::vector<int>> || std::same_as<T, std::vector<double>> ||
     std::same_as<T, std::vector<std::string>>;
 
-/// One option of a command. A handle: copies mean the same option, which lives as long as its
-/// CommandLine does.
+/// One option of a command. A handle: copies refer to the same option, which lives as long as
+/// its CommandLine.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
 
   Option required();
-  /// What --help says instead of TEXT, INT or FLOAT.
+  /// The name of the value in --help, instead of TEXT, INT or FLOAT.
   Option type_name(const std::string& name);
-  /// --help shows the value that the variable holds now.
+  /// Shows the variable's present value as the default in --help.
   Option show_default();
-  /// Both ends are allowed.
+  /// Allowed range; both ends are included.
   Option in_range(int least, int most);
   Option in_range(double least, double most);
   Option in_range(std::uint64_t least, std::uint64_t most);
@@ -52,9 +53,9 @@ class Option {
   Option one_of(const std::vector<std::string>& words);
   Option existing_path();
   Option existing_folder();
-  /// How many words follow it.
+  /// Smallest and largest number of words that follow the option.
   Option words(int fewest, int most);
-  /// Refused together with `other`.
+  /// Both options together are an error.
   Option excludes(const Option& other);
   Option excludes(const std::string& name);
 
@@ -62,32 +63,31 @@ class Option {
   CLI::Option* option_;
 };
 
-/// A command, or the program itself: options and subcommands are added to it. A handle, as Option
-/// is.
+/// A command, or the program itself, to which options and subcommands are added. A
+/// handle, like Option.
 class Command {
  public:
   explicit Command(CLI::App* app) : app_(app) {}
 
   Command add_subcommand(const std::string& name, const std::string& what);
-  /// One of the subcommands has to be named.
+  /// A call without a subcommand is an error.
   void require_subcommand();
 
-  /// @param names  "-o,--out" for an option, a bare word for an argument known by its position
-  /// A floating-point number has to be finite: "nan" and "inf" are refused before any range is
-  /// looked at.
-  /// @param value  filled when the command line is parsed, before the callback; has to live until
-  ///               then
+  /// @param names  "-o,--out" for an option, a bare word for a positional argument
+  /// @param value  filled when the command line is parsed, before the callback; must live until
+  ///               then. A floating-point number must be finite: "nan" and "inf" are rejected
+  ///               before the range is checked
   template <OptionValue T>
   Option add_option(const std::string& names, T& value, const std::string& what);
-  /// @param read  gets the words that follow the option; returns why they are refused, else nothing
+  /// @param read  receives the words after the option; returns an error message, or an empty string
   Option add_option(const std::string& name,
                     std::function<std::string(const std::vector<std::string>&)> read,
                     const std::string& what);
   Option add_flag(const std::string& names, bool& value, const std::string& what);
 
-  /// What --help ends with.
+  /// The text at the end of --help.
   void footer(const std::string& text);
-  /// What the command does, once its options are read.
+  /// The function of the command, called after its options are read.
   void callback(std::function<void()> run);
 
  protected:
@@ -97,19 +97,19 @@ class Command {
   CLI::App* app_;
 };
 
-/// A whole program: the top command, with --help and --version.
+/// A whole program: the top command with --help and --version.
 class CommandLine : public Command {
  public:
-  /// @param version  what --version prints
+  /// @param version  the text of --version
   CommandLine(const std::string& what, const std::string& name, const std::string& version);
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
   ~CommandLine();
 
-  /// Parses, runs the chosen subcommand's callback, and says what went wrong in one line
-  /// "palpable: ..." on stderr.
+  /// Parses the arguments and runs the callback of the chosen subcommand. Prints an error as one
+  /// line "palpable: ..." on stderr.
   ///
-  /// @return the program's exit code: 0, or 1 after any error (CLI11's own codes are not passed on)
+  /// @return the program's exit code: 0, or 1 after any error (CLI11's own codes are not used)
   int run(int argc, const char* const* argv);
 
  private:
@@ -118,11 +118,11 @@ class CommandLine : public Command {
   std::unique_ptr<CLI::App> owned_;
 };
 
-/// The arguments of a program of benches, which is started as `palpable bench NAME ...` by
-/// `palpable` or by itself, as `palpable-bench NAME ...`: its --help says what can be typed again.
+/// The arguments of a benchmark program, which is started by `palpable` as `palpable bench NAME
+/// ...` or directly as `palpable-bench NAME ...`. Its --help shows the command as it was typed.
 struct BenchCall {
   BenchCall(int argc, char** argv);
-  std::string name;  ///< "palpable bench", or that of the program
+  std::string name;  ///< "palpable bench", or the program's name
   int argc;          ///< without the word bench
   char** argv;
 };
@@ -130,18 +130,18 @@ struct BenchCall {
 /// Prints "palpable: <message>" on stderr, line breaks replaced by "; ".
 void print_error(std::string_view message);
 
-/// "ears=0.5" each, a finite number. @throws Error for another form, which says that it must be a
-/// parameter and `what`
-/// @param option  after which they stood
+/// Parses texts of the form "ears=0.5" with a finite number. @throws Error for another form; its
+/// message asks for a parameter and `what`
+/// @param option  the option before the texts, for the message
 [[nodiscard]] std::map<std::string, double> parse_settings(
     const std::vector<std::string>& texts, std::string_view option = "--set",
     std::string_view what = "its value, such as stiffness=2");
 
-/// The two of "1280x720": whole numbers from 1 to kLongestSide; nothing for another text.
+/// Parses "1280x720": two whole numbers from 1 to kLongestSide; empty for any other text.
 inline constexpr int kLongestSide = 1'000'000;
 [[nodiscard]] std::optional<std::array<int, 2>> parse_extent(std::string_view text);
 
-/// --set NAME=VALUE, as often as there are parameters beyond site and level.
+/// Adds --set NAME=VALUE, which may be given once for each parameter beyond site and level.
 void add_set_option(Command command, std::vector<std::string>& texts);
 
 }  // namespace palpable::app

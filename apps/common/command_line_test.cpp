@@ -15,7 +15,7 @@
 namespace palpable::app {
 namespace {
 
-// A program with one command that takes a number and may fail.
+// Runs a program with one command that takes a number and may fail.
 int run(std::vector<const char*> words) {
   CommandLine app("A program", "prog", "prog 1");
   app.require_subcommand();
@@ -58,7 +58,7 @@ TEST_CASE("every error ends with exit code 1, whatever CLI11 calls it", "[apps][
   CHECK(run({"--nonsense"}) == 1);
 }
 
-// What the program prints on stdout for these words.
+// The program's output on stdout for these words.
 std::string printed(CommandLine& app, std::vector<const char*> words) {
   words.insert(words.begin(), "prog");
   std::ostringstream text;
@@ -101,7 +101,8 @@ TEST_CASE("help is at most 100 columns wide and says in words what an option may
   CHECK(says("yyy \\\n           zzz"));
 }
 
-// How a program with one option of each kind of number ends; what it read goes to `read`.
+// Runs a program with one option of each numeric type; the values go to `read`.
+// Returns the exit code.
 int run_numbers(std::vector<const char*> words, std::vector<double>& read) {
   CommandLine app("A program", "prog", "prog 1");
   app.require_subcommand();

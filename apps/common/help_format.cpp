@@ -18,10 +18,10 @@ namespace {
 constexpr std::size_t kTextColumn = 30;
 constexpr std::size_t kHelpWidth = 100;  // columns
 
-// A type as CLI11 names it ("TEXT:{a,b}", "FLOAT:FLOAT in [0 - 1]"), as people read it.
+// A readable form of CLI11's type name ("TEXT:{a,b}", "FLOAT:FLOAT in [0 - 1]").
 struct TypeWords {
-  std::string type;                // what is to be typed
-  std::vector<std::string> rules;  // which of it is allowed
+  std::string type;                // name of the value
+  std::vector<std::string> rules;  // restrictions of the value
 };
 
 TypeWords type_words(const std::string& cli_name) {
@@ -56,7 +56,7 @@ TypeWords type_words(const std::string& cli_name) {
   return words;
 }
 
-// " left column    text, wrapped"
+// A row with `name` in the left column and the wrapped text in the right one.
 std::string row(const std::string& name, const std::string& text) {
   std::string line = "  " + name;
   if (text.empty()) return line + "\n";
@@ -89,9 +89,9 @@ class HelpFormat : public CLI::Formatter {
   std::string make_option(const CLI::Option* option, bool is_positional) const override {
     std::string name = make_option_name(option, is_positional);
     std::vector<std::string> rules;
-    if (option->get_type_size() != 0) {  // else a flag
+    if (option->get_type_size() != 0) {  // not a flag
       TypeWords type = type_words(option->get_type_name());
-      // "body Body file" needs no PATH, "surface" no SURFACE.
+      // Omits a type that says nothing new: "body Body file" needs no PATH, "surface" no SURFACE.
       const bool says_more =
           type.type != "TEXT" && type.type != "PATH" && CLI::detail::to_lower(type.type) != name;
       if (!is_positional || says_more) name += " " + type.type;
@@ -102,7 +102,7 @@ class HelpFormat : public CLI::Formatter {
       }
     }
     if (option->get_required() && !is_positional) rules.emplace_back("required");
-    std::set<std::string> others;  // in the alphabet's order: CLI11 has them by their addresses
+    std::set<std::string> others;  // sorted by name; CLI11 has them sorted by address
     for (const CLI::Option* other : option->get_excludes()) others.insert(other->get_name());
     if (!others.empty()) rules.push_back(fmt::format("not with {}", fmt::join(others, ", ")));
     std::string text = option->get_description();

@@ -1,5 +1,5 @@
 /// @file
-/// How --help looks. Apart from command_line.h, as both are read by few.
+/// The layout of --help. Separate from command_line.h because few files need it.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@ class FormatterBase;
 
 namespace palpable::app {
 
-/// For a CLI::App, and its subcommands of later. No line is wider than 100 columns; what limits an
-/// option stands behind its text, in brackets.
+/// A formatter for a CLI::App and its later subcommands. No line is wider than 100 columns; the
+/// limits of an option follow its text in brackets.
 [[nodiscard]] std::shared_ptr<CLI::FormatterBase> help_format();
 
 }  // namespace palpable::app

@@ -42,7 +42,7 @@ void ProgressBar::say(std::string_view line) {
   print(fmt::format("{}\n", line));
 }
 
-// Not fmt::print, which throws: a terminal that was closed is no reason to lose the work.
+// Not fmt::print(), which throws: the work must not be lost because a terminal was closed.
 void ProgressBar::print(const std::string& text) {
   std::fputs(text.c_str(), stream_);
   std::fflush(stream_);
@@ -56,7 +56,7 @@ void ProgressBar::show(const ProgressReport& report) {
     begin_ = now;
     begun_ = std::clamp(report.done / report.total, 0.0, 1.0);
     drawn_ = now - std::chrono::hours(1);
-    if (!terminal_) drawn_ = now;  // a log needs no line for a task that has just begun
+    if (!terminal_) drawn_ = now;  // no line for a task that has just begun
   }
   last_line_ = progress_line(report, seconds(now - begin_), terminal_ ? kBarWidth : 0, begun_);
   shown_last_ = false;

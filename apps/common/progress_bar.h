@@ -1,6 +1,6 @@
 /// @file
-/// How far long work is, on stderr: a bar with the remaining time, or plain lines now and then
-/// where stderr is no terminal (a log file, CI).
+/// Progress of long work on stderr: a bar with the remaining time on a terminal, or occasional
+/// lines elsewhere (a log file, CI).
 #pragma once
 
 #include "palpable/common/base/progress.h"
@@ -12,17 +12,17 @@
 
 namespace palpable::app {
 
-/// One task after another. To be used as a Progress:
+/// Shows one task after another. Used as a Progress:
 ///
 ///     ProgressBar bar;
 ///     bake_body(description, settings, bar.progress());
 ///
-/// The destructor ends an open bar's line, so what is printed next starts on a line of its own.
-/// Where nothing can be printed, on a terminal that was closed, the work goes on without a word.
+/// The destructor ends the line of an open bar, so that later output starts on a line of its own.
+/// Failures to print, e.g. on a closed terminal, are ignored.
 class ProgressBar {
  public:
-  /// @param stream    where to draw; stderr, unless a test looks at it
-  /// @param terminal  redraw one line (true) or print few lines (false)
+  /// @param stream    output; stderr except in tests
+  /// @param terminal  true: redraw one line; false: print few lines
   explicit ProgressBar(std::FILE* stream = stderr);
   ProgressBar(std::FILE* stream, bool terminal);
   ProgressBar(const ProgressBar&) = delete;
@@ -30,12 +30,12 @@ class ProgressBar {
   ~ProgressBar();
 
   void show(const ProgressReport& report);
-  /// Ends an open bar's line, as the destructor does.
+  /// Ends the line of an open bar, as the destructor does.
   void finish();
-  /// A line of its own, for what is not progress; an open bar's line ends before it.
+  /// Prints a line that is not progress, after ending the line of an open bar.
   void say(std::string_view line);
 
-  /// A function that shows reports here; valid as long as this object.
+  /// A function that shows its reports here; valid as long as this object.
   [[nodiscard]] Progress progress() {
     return [this](const ProgressReport& report) { show(report); };
   }
@@ -47,12 +47,12 @@ class ProgressBar {
 
   std::FILE* stream_;
   bool terminal_;
-  std::string task_;         // the task being shown; empty before the first
-  std::string last_line_;    // of it, for its end
-  bool shown_last_ = false;  // last_line_ has been printed
-  Clock::time_point begin_;  // of the task
-  double begun_ = 0;         // fraction done at that time
-  Clock::time_point drawn_;  // when something was last drawn
+  std::string task_;         // the present task; empty before the first
+  std::string last_line_;    // the task's last line, printed at its end
+  bool shown_last_ = false;  // last_line_ is on the screen
+  Clock::time_point begin_;  // start of the task
+  double begun_ = 0;         // fraction done at begin_
+  Clock::time_point drawn_;  // last time at which something was drawn
 };
 
 }  // namespace palpable::app

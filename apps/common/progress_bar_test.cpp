@@ -12,7 +12,7 @@ namespace {
 
 using Catch::Matchers::Contains;
 
-// What `work` makes a bar print.
+// The output of a bar during `work`.
 template <class Work>
 std::string printed(bool terminal, const Work& work) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
@@ -31,7 +31,7 @@ std::string printed(bool terminal, const Work& work) {
 TEST_CASE("a bar on a terminal that was closed does not stop the work", "[apps][progress]") {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> full(std::fopen("/dev/full", "w"),
                                                              &std::fclose);
-  std::setvbuf(full.get(), nullptr, _IONBF, 0);  // as stderr has none
+  std::setvbuf(full.get(), nullptr, _IONBF, 0);  // unbuffered, as stderr is
   const auto work = [&](bool terminal) {
     ProgressBar bar(full.get(), terminal);
     for (int i = 0; i <= 5; ++i) bar.show({"first", double(i), 5, ""});

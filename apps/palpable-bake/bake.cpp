@@ -49,9 +49,9 @@ struct BakeOptions {
   FileOptions file;
 };
 
-// "2/4" is the second of four.
+// Parses "2/4", the second of four shards.
 void read_shard(const std::string& text, FillSettings& settings) {
-  constexpr long long kMostShards = 100'000;  // as many as a body may have sites
+  constexpr long long kMostShards = 100'000;  // the largest number of sites of a body
   const std::size_t slash = std::min(text.find('/'), text.size());
   const auto number = to_whole_number(std::string_view(text).substr(0, slash));
   const auto count = to_whole_number(std::string_view(text).substr(slash + (slash < text.size())));
@@ -70,7 +70,7 @@ std::filesystem::path store_of(const BakeOptions& options) {
   return std::filesystem::path(options.output).replace_extension(".snapshots");
 }
 
-// No campaign: the PGD solves.
+// Bakes a body by PGD, which needs no campaign.
 void bake_without_campaign(const BakeOptions& options, const BodyDescription& description,
                            const std::string& command_line) {
   for (const auto& [option, given] : {std::pair{"--snapshots", !options.store.empty()},
@@ -148,8 +148,8 @@ void print_parameters(const StoreContent& content, const ReducedBody& body,
   }
 }
 
-// The description as far as --until wants it baked. What is made is kept with the snapshots, so
-// that the whole bake goes on from there.
+// Shortens the description to the stages up to --until. Their results are kept with the snapshots,
+// so that a later complete bake continues from there.
 void shorten(const std::string& until, BodyDescription& description) {
   if (until.empty()) return;
   using Tables = BodyDescription::Touch::Tables;
@@ -160,7 +160,7 @@ void shorten(const std::string& until, BodyDescription& description) {
   description.touch.held_out = 0;
 }
 
-// Reduces a campaign that is complete, checks and writes the body.
+// Reduces a complete campaign, measures the errors, and writes the body.
 BakedBody reduce_and_write(const BakeOptions& options, const ReduceSettings& reduction,
                            const BodyDescription& description, const FillSettings& settings,
                            const SnapshotStore& store, const Progress& progress) {
@@ -174,8 +174,8 @@ BakedBody reduce_and_write(const BakeOptions& options, const ReduceSettings& red
   return baked;
 }
 
-// Makes the tables that the description wants and writes the body file anew after each stage.
-// Returns what they can do, or why there are none.
+// Makes the tables of the description and writes the body file again after each stage. Returns a
+// summary of the tables, or why there are none.
 std::string add_touch(const BakeOptions& options, const BodyDescription& description,
                       const FilledStore& filled, int threads, ReducedBody& body,
                       const Progress& progress) {

@@ -1,5 +1,5 @@
 /// @file
-/// What bake and reduce say about the body that they made, and the options that they share.
+/// Printed results of bake and reduce, and their common options.
 #pragma once
 
 #include "palpable/bake/describe/body_description.h"
@@ -15,7 +15,7 @@ namespace palpable::app {
 
 class Command;
 
-/// What goes into a body file beside what its description says: --volume, --float16.
+/// Content of a body file beyond its description: --volume, --float16.
 struct FileOptions {
   bool volume = false, float16 = false;
 
@@ -24,18 +24,18 @@ struct FileOptions {
   }
 };
 
-/// @param options  outlives `command`
+/// @param options  must outlive `command`
 void add_file_options(Command command, FileOptions& options);
 
-/// The first line of what takes minutes: name and size. A size that nobody touches is remarked on,
-/// on stderr, with the unit that is likely.
+/// Prints the body's name and size before work that takes minutes. An implausible size is followed
+/// by a warning on stderr with the probable unit.
 void print_size(const BodyDescription& description);
 
-/// Errors against the number of modes, sites that fall short, sizes, and the file.
+/// Prints errors for each number of modes, sites with too large errors, sizes, and the file.
 /// @param seconds  since the command began
 void print_body_report(const BakedBody& baked, const std::string& output, double seconds);
 
-/// "ears=0.5" each, as after --at. @throws Error for another form
+/// Parses texts "ears=0.5" of --at. @throws Error for another form
 [[nodiscard]] std::map<std::string, double> parse_values(const std::vector<std::string>& texts);
 
 }  // namespace palpable::app

@@ -1,7 +1,7 @@
 /// @file
-/// The subcommands of `palpable-bake`: one file each, named after the command. add_x() describes
-/// the command's options and stores what to do; the callback throws Error when the world is not as
-/// hoped, and main() turns that into one line on stderr and exit code 1.
+/// The subcommands of `palpable-bake`, one file each, named after the command. add_x() declares the
+/// command's options and its callback. Callbacks throw Error; main() prints it as one line on
+/// stderr and exits with code 1.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ class Command;
 
 void add_mesh(Command app);
 /// @param command_line  as typed, for the provenance
-/// @param crew          outlives the app
+/// @param crew          must outlive the app
 void add_bake(Command app, const std::string& command_line, Crew& crew);
 void add_merge(Command app);
 void add_import_snapshots(Command app);

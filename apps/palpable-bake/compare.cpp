@@ -1,4 +1,4 @@
-// palpable compare bunny.snapshots bunny.palpable: methods and bodies on one chart.
+// palpable compare bunny.snapshots bunny.palpable: shows methods and bodies in one chart.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -28,7 +28,7 @@ struct CompareOptions {
   CompareSettings settings;
 };
 
-// Bodies first, as the chart lists them.
+// Adds the bodies first, in the chart's order.
 void add_inputs(const CompareOptions& options, MethodPage& page) {
   CompareSettings settings = options.settings;
   settings.at = parse_values(options.at);

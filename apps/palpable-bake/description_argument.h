@@ -8,8 +8,8 @@
 
 namespace palpable::app {
 
-/// Reads a description. Where the file is the body's surface or mesh instead, which people try
-/// first, a description of it to begin with is printed on stderr before that is refused.
+/// Reads a description. If the file is the body's surface or mesh, a frequent mistake, it prints a
+/// minimal description of it on stderr and throws.
 [[nodiscard]] BodyDescription read_description(const std::string& file);
 
 }  // namespace palpable::app

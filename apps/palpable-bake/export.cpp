@@ -26,17 +26,17 @@ namespace fs = std::filesystem;
 
 struct ExportOptions {
   std::string input, to, output;
-  int site = -1;  // all
+  int site = -1;  // -1: all
   std::vector<std::string> set;
 };
 
-// All sites unless one is named.
+// The chosen site; empty: all sites.
 std::optional<int> one_site(const ExportOptions& options) {
   return options.site < 0 ? std::nullopt : std::optional(options.site);
 }
 
 void export_body(const ExportOptions& options) {
-  if (options.to == "numpy" || options.to == "pxdmf") {  // all parameters, nothing settled
+  if (options.to == "numpy" || options.to == "pxdmf") {  // with all parameters
     const ForeignModes modes = modes_of_body(value_or_throw(read_body_file(options.input)));
     options.to == "numpy" ? write_numpy_modes(options.output, modes)
                           : write_pxdmf(options.output, modes);

@@ -24,8 +24,8 @@ int run(int argc, char** argv) {
     }
   }
   Crew& crew = ranks ? static_cast<Crew&>(*ranks) : threads;
-  // Under the name by which it was called, `palpable` or `palpable-bake`, so that what --help and
-  // the provenance say can be typed again.
+  // The name by which it was called, `palpable` or `palpable-bake`, so that commands in --help and
+  // in the provenance can be typed again.
   const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "";
   CommandLine app("The offline half of Palpable: meshes, solves and reduces a body into a file.",
                   name, std::string("palpable-bake ") + PALPABLE_VERSION);

@@ -21,7 +21,7 @@ struct MergeOptions {
 };
 
 void merge(const MergeOptions& options) {
-  guard_output_folder(options.output, {});  // it may be one of the parts
+  guard_output_folder(options.output, {});  // the output may be one of the parts
   ProgressBar bar;
   const auto [merged, aside] =
       merge_stores({options.parts.begin(), options.parts.end()}, options.output, bar.progress());

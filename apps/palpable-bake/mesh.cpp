@@ -33,7 +33,7 @@ struct MeshCommandOptions {
   int order = 1;
 };
 
-// Said first; a forgotten unit costs minutes and gigabytes.
+// Printed before meshing: a wrong unit costs minutes and gigabytes.
 void print_mesh_size(const MeshCommandOptions& options, const SurfaceMesh& surface, double unit) {
   const Eigen::Vector3d size =
       surface.vertices.rowwise().maxCoeff() - surface.vertices.rowwise().minCoeff();
@@ -46,7 +46,7 @@ void print_mesh_size(const MeshCommandOptions& options, const SurfaceMesh& surfa
   }
 }
 
-// As the file has it, unless a wish about unit or placing moves it.
+// The surface in m; it is moved only if --height or --up is given.
 SurfaceMesh placed_surface(const MeshCommandOptions& options) {
   SurfaceMesh surface = value_or_throw(read_surface_file(options.surface));
   require_no_stray(surface.vertices, options.surface);

@@ -37,7 +37,7 @@ struct ReduceOptions {
   FileOptions file;
 };
 
-// The words of the user, as a method of the whole table or as sparse PGD.
+// Selects a method for the whole tensor, or sparse PGD.
 void set_method(const ReduceOptions& options, ReduceSettings& settings) {
   const bool sparse = options.method == kSparsePgdName;
   if (!sparse && (options.part || options.seed > 0)) {

@@ -1,4 +1,5 @@
-// palpable-bake refine BODY.toml: what `palpable live --refine` starts and talks to.
+// palpable-bake refine BODY.toml: the process that `palpable live --refine` starts and
+// exchanges messages with.
 
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
@@ -18,11 +19,11 @@ void refine(const std::string& description) {
   if (::isatty(STDIN_FILENO) != 0) {
     throw Error("refine is started by 'palpable live BODY --refine " + description + "'");
   }
-  // It ends when the run ends, not with the user's Ctrl-C; and it takes what time is left.
+  // It ends when the run ends, not by the user's Ctrl-C, and runs at low priority.
   ::signal(SIGINT, SIG_IGN);
   ::signal(SIGPIPE, SIG_IGN);
   (void)!::nice(5);
-  // What libraries print is no answer.
+  // Output of libraries must not mix with the messages on stdout.
   const int out = ::dup(STDOUT_FILENO);
   ::dup2(STDERR_FILENO, STDOUT_FILENO);
   if (!serve_full_solutions([&] { return exact_body(read_description(description)); }, STDIN_FILENO,
@@ -36,12 +37,12 @@ void refine(const std::string& description) {
 void add_refine(Command app) {
   const auto description = std::make_shared<std::string>();
   Command command = app.add_subcommand(
-      "refine", "Answer loads exactly, for 'palpable live --refine', which starts it");
+      "refine", "Full-order solutions of loads, for 'palpable live --refine', which starts it");
   command.add_option("body", *description, "The body that is touched (docs/body.md)")
       .required()
       .type_name("BODY.toml");
   command.footer(
-      "Loads come on standard input, answers go to standard output, in binary\n"
+      "Loads come on standard input, solutions go to standard output, in binary\n"
       "(src/palpable/common/response/solution_messages.h).\n"
       "Example: palpable live bunny.palpable --refine bodies/bunny-demo.toml --source synthetic "
       "--out out");

@@ -1,5 +1,4 @@
-// palpable report bunny.palpable: what a body gives up, costs and is made of, as a page and a
-// table.
+// palpable report bunny.palpable: a page and a table of a body's errors, cost and content.
 
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"

@@ -33,7 +33,7 @@ struct ReproduceOptions {
   bool json = false;
 };
 
-// The project's folder: here, or above the program.
+// The project's folder: the current folder or one above it, or one above the program.
 fs::path project_root() {
   for (const fs::path& from : {fs::current_path(), folder_of_program()}) {
     for (fs::path folder = from; folder != folder.root_path(); folder = folder.parent_path()) {
@@ -53,7 +53,7 @@ std::vector<PaperExample> examples_of(const std::string& what) {
   return {PaperExample::kBeams, PaperExample::kBunny, PaperExample::kDragon};
 }
 
-// As docs/results/ wants a section (tools/write_results.py), with the keys of --json.
+// A section for docs/results/ (tools/write_results.py), with the keys of --json.
 Json result_of(const std::string& what, const std::vector<PaperFigure>& figures,
                const std::vector<PaperNumber>& numbers, const StepTimes& times) {
   Json result{{"title", "The paper's examples, side by side"},

@@ -30,11 +30,11 @@ struct SolveOptions {
   std::string output;
   int site = 0;
   double level = 1.0;
-  int order = 0;  // as the description says
+  int order = 0;  // 0: as in the description
   ObstacleOptions obstacle;
 };
 
-// The description's levels below the one that is asked for, and that one.
+// The description's load levels below `level`, and `level`.
 std::vector<double> levels_to(double level, int count) {
   std::vector<double> levels;
   for (int l = 1; l <= count; ++l) {
@@ -74,7 +74,7 @@ void print_problem(const BodyDescription& description, const BodyProblem& proble
              site.direction[2]);
 }
 
-// N; the description's force, or what presses as deep as it asks.
+// N: the force of the description, or the force that presses to the depth of the description.
 double find_full_load(const SolveOptions& options, const BodyProblem& problem,
                       const PressSolver& presses, const Eigen::Matrix3Xd& unit) {
   if (problem.force > 0.0) {
@@ -91,7 +91,7 @@ double find_full_load(const SolveOptions& options, const BodyProblem& problem,
   return search.load;
 }
 
-// @throws Error when not even the first level was reached
+// Prints the equilibrium path. @throws Error when not even the first level was reached
 void print_path(const SolveOptions& options, const BodyProblem& problem, const PathResult& path,
                 const Eigen::Matrix3Xd& unit, const PressSolver& presses) {
   fmt::print("{}\n", path_table(path, unit, presses.rest()));
@@ -102,7 +102,7 @@ void print_path(const SolveOptions& options, const BodyProblem& problem, const P
   if (!path.complete) fmt::print("{}\n", path.why_stopped);
 }
 
-// The body under what acts before anybody presses it.
+// The body under the loads that act before it is pressed.
 PressSolver preloaded(const SolveOptions& options, const EquilibriumSolver& solver,
                       const BodyProblem& problem) {
   try {
@@ -112,7 +112,7 @@ PressSolver preloaded(const SolveOptions& options, const EquilibriumSolver& solv
   }
 }
 
-// What a solve reads. Obstacles that are forms are no files, and destroyed by nothing.
+// The files that a solve reads. An obstacle may also be a shape, whose text names no file.
 std::vector<std::filesystem::path> inputs_of(const SolveOptions& options,
                                              const BodyDescription& description) {
   std::vector<std::filesystem::path> inputs{options.description, description.shape.file,

@@ -1,5 +1,6 @@
 /// @file
-/// palpable solve BODY.toml --obstacle "sphere 8mm at ... to ...": contact instead of a load.
+/// palpable solve BODY.toml --obstacle "sphere 8mm at ... to ...": solves contact
+/// instead of a load.
 #pragma once
 
 #include "palpable/bake/campaign/press_solver.h"
@@ -14,11 +15,11 @@ struct ObstacleOptions {
   std::vector<std::string> obstacles;
   std::string pose_file;
   int steps = 10;
-  double spacing_mm = 0;  // 0: as ContactSettings has it
+  double spacing_mm = 0;  // 0: default of ContactSettings
 };
 
-/// Follows the obstacles on their way, prints a table of the steps and writes the last state.
-/// @throws Error when not even the first step can be made
+/// Moves the obstacles along their paths, prints a table of the steps and writes the last state.
+/// @throws Error when not even the first step converges
 void solve_obstacle(const ObstacleOptions& options, const std::string& output,
                     const BodyProblem& problem, const PressSolver& presses);
 

@@ -80,7 +80,7 @@ void find_truth_of_scene(const TruthOptions& options) {
                line.scored ? "" : "  not scored: " + line.why);
   }
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-  fmt::print("{}/truth/bodies: {} answers; {}\n", options.clip, frames.size(),
+  fmt::print("{}/truth/bodies: {} solutions; {}\n", options.clip, frames.size(),
              duration_text(taken.count()));
 }
 
@@ -112,8 +112,8 @@ void add_truth(Command app) {
   const auto options = std::make_shared<TruthOptions>();
   options->settings.threads =
       static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 16U));
-  Command command = app.add_subcommand(
-      "truth", "The full finite-element answer to the true hand of a filmed clip");
+  Command command =
+      app.add_subcommand("truth", "The full-order solution for the true hand of a synthetic clip");
   command.add_option("clip", options->clip, "What synth filmed: has frames/ and truth/")
       .required()
       .type_name("CLIP");

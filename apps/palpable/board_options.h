@@ -1,5 +1,5 @@
 /// @file
-/// Which chessboard, as users say it: what `calibrate` and `live --anchor board` share.
+/// Options that describe a chessboard, shared by `calibrate` and `live --anchor board`.
 #pragma once
 
 #include "palpable/live/calibrate/board_calibration.h"
@@ -18,7 +18,7 @@ struct BoardOptions {
 /// Adds --board and --square.
 void add_board_options(Command command, BoardOptions& options);
 
-/// @throws Error when --board is no board
+/// @throws Error when --board is invalid
 [[nodiscard]] BoardPattern pattern_of(const BoardOptions& options);
 
 }  // namespace palpable::app

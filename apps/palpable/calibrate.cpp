@@ -1,4 +1,5 @@
-// palpable calibrate: pictures of a chessboard to a calibration file, or a file's errors on them.
+// palpable calibrate: makes a calibration file from pictures of a chessboard, or measures the
+// errors of a calibration file.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -33,7 +34,7 @@ struct CalibrateOptions {
   bool json = false;
 };
 
-// A bar, and the source's troubles on stderr.
+// Shows the search in a bar and prints the source's messages on stderr.
 std::function<void(const BoardSearchStep&)> shown_by(ProgressBar& bar) {
   return [&bar](const BoardSearchStep& step) {
     for (const std::string& line : step.reports) bar.say(line);

@@ -1,5 +1,5 @@
 /// @file
-/// How a camera that is plugged in is used with this program.
+/// Commands with which a connected camera is used in this program.
 #pragma once
 
 #include "palpable/live/sources/camera_list.h"
@@ -8,7 +8,7 @@
 
 namespace palpable::app {
 
-/// What to type for it, in lines below text_of(camera); nothing where it cannot be used.
+/// The commands to type for it, as lines to follow text_of(camera); empty if it cannot be used.
 [[nodiscard]] std::string use_of(const ListedCamera& camera);
 
 }  // namespace palpable::app

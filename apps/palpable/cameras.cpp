@@ -1,4 +1,4 @@
-// palpable cameras: what is plugged in, what it can do, and how it is used.
+// palpable cameras: the connected cameras, their capabilities, and the commands that use them.
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/camera_use.h"

@@ -1,7 +1,7 @@
 /// @file
-/// The subcommands of `palpable`: one file each, named after the command. add_x() describes the
-/// command's options and stores what to do; the callback throws Error when the world is not as
-/// hoped, and main() turns that into one line on stderr and exit code 1.
+/// The subcommands of `palpable`, one file each, named after the command. add_x() declares the
+/// command's options and its callback. Callbacks throw Error; main() prints it as one line on
+/// stderr and exits with code 1.
 #pragma once
 
 namespace palpable::app {

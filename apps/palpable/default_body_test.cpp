@@ -15,9 +15,9 @@ TEST_CASE("a bare word is the installed body of that name, and nothing else is",
   test::write_bytes(shipped / "post.palpable", "a body");
   const fs::path post = shipped / "post.palpable";
   CHECK(find_body("post", shipped.path()) == post);
-  // No such body is installed: whoever reads the file will say that it is not there.
+  // Not an installed body: the reader of the file will report that it does not exist.
   CHECK(find_body("bunny", shipped.path()) == "bunny");
-  // Paths and names with an ending are the user's own.
+  // Paths, and names with an extension, are not looked up.
   CHECK(find_body("post.palpable", shipped.path()) == "post.palpable");
   CHECK(find_body("./post", shipped.path()) == "./post");
   CHECK(find_body("bodies/post", shipped.path()) == "bodies/post");

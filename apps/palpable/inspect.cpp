@@ -1,4 +1,4 @@
-// palpable inspect: what is in a body file.
+// palpable inspect: prints the content of a body file.
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"

@@ -24,7 +24,7 @@ std::string keep_picture(const fs::path& body, const std::string& what, const Co
     guard_output_file(name(n), {body});
     write_png(name(n), picture);
     fmt::print("{}\n", name(n));
-    std::fflush(stdout);  // a window is open for long: who reads a pipe wants to know now
+    std::fflush(stdout);  // at once also for a pipe: the window may stay open for long
     return name(n);
   } catch (const Error& error) {
     print_error(error.what());

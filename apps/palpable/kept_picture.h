@@ -1,5 +1,5 @@
 /// @file
-/// Pictures that the user of a window asks to keep.
+/// Pictures that the user saves from a window.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -9,10 +9,10 @@
 
 namespace palpable::app {
 
-/// Writes a picture into the present folder as STEM_WHAT_N.png, STEM being the body's file without
-/// its ending and N the first number that is not taken. One that cannot be written is no reason to
-/// close the window: that is printed.
-/// @return what became of it: the file's name, or why there is none
+/// Writes a picture to the current folder as STEM_WHAT_N.png, where STEM is the body file's
+/// name without extension and N the first unused number. A failure is printed, as it must not
+/// close the window.
+/// @return a line for the user: the file's name, or why there is none
 [[nodiscard]] std::string keep_picture(const std::filesystem::path& body, const std::string& what,
                                        const ColorImage& picture);
 

@@ -1,4 +1,4 @@
-// palpable live: images in, the pressed body in them out.
+// palpable live: presses bodies by what a camera sees.
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
@@ -25,10 +25,10 @@ namespace fs = std::filesystem;
 struct Options {
   LiveOptions live;
   PlayOptions play;
-  fs::path record;  // empty: nothing is recorded
+  fs::path record;  // empty: no recording
 };
 
-// Before bodies are read: whether the recording can be written.
+// Fails before bodies are read if the recording cannot be written.
 void check_recording(const Options& options) {
   if (options.record.empty()) return;
   const std::string file = options.record.string();

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// In the present folder, by the body's name and the time of day.
+// In the current folder, with the body's name and the time of day.
 fs::path usual_recording(const fs::path& body) {
   fs::path file = fmt::format("{}_{:%Y-%m-%d_%H-%M-%S}{}", body.stem().string(),
                               fmt::localtime(std::time(nullptr)), kRecordingEnding);
@@ -100,7 +100,7 @@ void LiveChanges::report() const {
   if (ended_with_run_) recording_->report();
 }
 
-// Its source stays wrapped, and passes frames on, up to the next recording.
+// The source remains wrapped and passes frames on until the next recording.
 std::string LiveChanges::end_recording() {
   recording_->finish();
   recording_->report();
@@ -134,7 +134,7 @@ void LiveChanges::plan_values(const LiveControls& controls, Plan& plan) const {
   }
 }
 
-// Bodies of other values are read again: a settled one knows of no others.
+// Bodies with other values are read again: a body in memory is already evaluated at its values.
 void LiveChanges::plan_bodies(Plan& plan) const {
   for (std::size_t k = 0; k < plan.set.size(); ++k) {
     DescribedBody body = setup_.bodies[k];
@@ -210,14 +210,14 @@ void LiveChanges::apply(ScenePainter& painter, Scene& scene, LiveEvents& events)
     controls.placing = controls.wishes.place.has_value();
     painter.gather_parameters();
   }
-  controls.wishes = {.recording = controls.wishes.recording};  // done between two frames
+  controls.wishes = {.recording = controls.wishes.recording};  // for record()
   painter.panel().note = std::move(note);
 }
 
 void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& events) {
   LiveWishes& wishes = painter.controls().wishes;
   LivePanel& panel = painter.panel();
-  if (records()) panel.recording = recording_name();  // --record has begun it
+  if (records()) panel.recording = recording_name();  // begun by --record
   if (!wishes.recording) return;
   wishes.recording = false;
   if (records()) {
@@ -226,7 +226,7 @@ void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& even
     painter.refresh_panel();
     return;
   }
-  if (camera_from_body_.empty()) return;  // nothing has been answered: ask again
+  if (camera_from_body_.empty()) return;  // no frame was processed yet: try again later
   try {
     const fs::path file = usual_recording(setup_.bodies.front().file);
     loop.begin_anew([&](LiveRun& run) { begin_recorded_session(file, run); });
@@ -238,7 +238,7 @@ void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& even
   events.begin_anew(setup_.run.loop.session);
 }
 
-// With a camera that has learnt nothing of its rows, as a replay's.
+// Starts with a new camera without a learnt row correction, as a replay does.
 void LiveChanges::begin_recorded_session(const fs::path& file, LiveRun& run) {
   std::vector<PlacedBody> bodies = run.loop.session.take_bodies();
   for (std::size_t k = 0; k < bodies.size(); ++k) {

@@ -1,9 +1,10 @@
 /// @file
-/// What the user of a live run's window changes of the run while it goes on: where bodies stand,
-/// what they are made of, a new beginning, a recording.
+/// Changes that the user of a live run's window makes during the run: the bodies' poses and
+/// materials, a restart, a recording.
 ///
-/// Each of them begins a new session, whose world is the camera of its first frame: tracking, map
-/// and touches begin anew. A recording is of one session, so that a replay answers the same.
+/// Each change begins a new session, whose world frame is the camera of its first frame:
+/// tracking, map and touches start again. A recording contains one session, so that a replay has
+/// the same results.
 #pragma once
 
 #include "apps/palpable/live_events.h"
@@ -21,20 +22,20 @@
 
 namespace palpable::app {
 
-/// One recording of a run: its file, and what goes into it.
+/// One recording of a run: its file and its content.
 class Recording {
  public:
-  /// Begins the file; the run's frames go through it from now on.
-  /// @throws Error where it cannot be written
+  /// Begins the file and wraps the run's source, so that its frames are recorded.
+  /// @throws Error when the file cannot be written
   Recording(const std::filesystem::path& file, const LiveOptions& options, LiveSetUp& setup);
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
 
-  /// @return why the recording has ended early, once
+  /// Adds the results of a frame. @return the reason when the recording has ended early, once
   [[nodiscard]] std::optional<std::string> add(const Scene& scene);
-  /// Ends the file. @return what live.json says of its states
+  /// Completes the file. @return the states for live.json
   LiveSummary::States finish();
-  /// Prints what became of it; after finish().
+  /// Prints a summary; to be called after finish().
   void report() const;
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] bool is_finished() const { return finished_; }
@@ -43,7 +44,7 @@ class Recording {
   std::filesystem::path file_;
   EventLines lines_;
   Recorder recorder_;
-  const Refiner* refiner_;  // the session's; null: nothing is refined
+  const Refiner* refiner_;  // the session's; null: no refinement
   RecorderCounts counts_;
   std::string trouble_;
   bool finished_ = false;
@@ -51,31 +52,33 @@ class Recording {
 
 class LiveChanges {
  public:
-  /// @param setup  outlives this
+  /// @param setup  must outlive this
   LiveChanges(const LiveOptions& options, LiveSetUp& setup);
 
-  /// Begins a recording before the run does.
+  /// Begins a recording before the run begins.
   void begin_recording(const std::filesystem::path& file);
-  /// For LivePlay::play(): adds states to the recording, and ends it.
+  /// Callbacks for LivePlay::play() that add states to the recording and end it.
   [[nodiscard]] StateWatch watch();
-  /// What became of a recording that went on to the run's end.
+  /// Prints a summary of a recording that lasted to the run's end.
   void report() const;
 
-  /// Whether these runs can be changed: a refiner and answers between frames are of one session.
+  /// Whether such runs can be changed: those with a refiner or with ticks between frames cannot,
+  /// because both are bound to one session.
   [[nodiscard]] static bool possible(const LiveOptions& options, const PlayOptions& play);
 
-  /// Does what needs a frame, once it is answered: then the scene is the new session's answer.
-  /// @param painter  whose user wants it; told what became of it
+  /// Applies the changes that need a frame; called after the frame was processed. The scene then
+  /// has the results of the new session.
+  /// @param painter  has the user's wishes and gets a note of the outcome
   void apply(ScenePainter& painter, Scene& scene, LiveEvents& events);
-  /// Begins or ends a recording where that is wanted, between two frames.
+  /// Begins or ends a recording if the user wishes it; called between two frames.
   void record(ScenePainter& painter, LiveLoop& loop, LiveEvents& events);
 
  private:
-  // What is to become of the bodies, of which the session knows nothing yet.
+  // The new state of the bodies, before the session is changed.
   struct Plan {
-    std::vector<Rigid3> world_from_body;             // the new world's
-    std::vector<std::vector<std::string>> set;       // NAME=VALUE, of each body
-    std::vector<std::optional<TouchableBody>> read;  // of those that are no longer what they were
+    std::vector<Rigid3> world_from_body;             // in the new world frame
+    std::vector<std::vector<std::string>> set;       // NAME=VALUE, for each body
+    std::vector<std::optional<TouchableBody>> read;  // bodies with new values, read again
   };
   [[nodiscard]] Plan plan_of(const LiveControls& controls, const Scene* held,
                              const Scene& scene) const;
@@ -86,19 +89,19 @@ class LiveChanges {
   void begin_session(std::vector<PlacedBody> bodies);
   void begin_recorded_session(const std::filesystem::path& file, LiveRun& run);
   [[nodiscard]] bool records() const { return recording_ && !recording_->is_finished(); }
-  // For the panel: without its folder, so that a long one does not wrap.
+  // Without the folder, because a long name would wrap in the panel.
   [[nodiscard]] std::string recording_name() const {
     return recording_->file().filename().string();
   }
-  // @return what became of it, in a line for the panel
+  // @return a line for the panel
   std::string end_recording();
 
   LiveOptions options_;
   LiveSetUp& setup_;
-  std::vector<std::vector<std::string>> set_at_first_;  // NAME=VALUE of each body
+  std::vector<std::vector<std::string>> set_at_first_;  // NAME=VALUE for each body
   std::optional<Recording> recording_;
-  std::vector<Rigid3> camera_from_body_;  // of the frame answered last
-  bool ended_with_run_ = false;           // the recording
+  std::vector<Rigid3> camera_from_body_;  // of the last processed frame
+  bool ended_with_run_ = false;           // the recording lasted to the run's end
 };
 
 }  // namespace palpable::app

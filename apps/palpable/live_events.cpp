@@ -31,7 +31,7 @@ void LiveEvents::begin(const Session& session) {
   lines_.emplace(bodies);
   server_->greet_with(hello_line(bodies));
   fmt::print("events: {}\n", server_->name());
-  std::fflush(stdout);  // who reads it through a pipe waits for it
+  std::fflush(stdout);  // at once also for a pipe
 }
 
 void LiveEvents::begin_anew(const Session& session) {
@@ -42,12 +42,12 @@ void LiveEvents::begin_anew(const Session& session) {
   server_->greet_with(hello_line(bodies));
 }
 
-void LiveEvents::tell(const Scene& scene) {
+void LiveEvents::send(const Scene& scene) {
   const std::lock_guard lock(mutex_);
   if (lines_) server_->send(lines_->line_of(scene));
 }
 
-void LiveEvents::tell(const ContactTick& tick) {
+void LiveEvents::send(const ContactTick& tick) {
   const std::lock_guard lock(mutex_);
   if (lines_) server_->send(lines_->tick_line(tick.frame, tick.number, tick.time, *tick.touches));
 }

@@ -1,5 +1,5 @@
 /// @file
-/// `palpable live --events`: whoever connects is told of touches while the run goes on.
+/// `palpable live --events`: sends touches to clients during the run.
 #pragma once
 
 #include "palpable/live/events/event_lines.h"
@@ -19,33 +19,33 @@ inline constexpr const char* kNoEvents = "none";
 /// Adds --events to a command.
 void add_events_option(Command command, std::string& events);
 
-/// The clients of one run; of kNoEvents nothing happens. From begin() on any thread may tell and
-/// serve.
+/// The clients of one run; without effect for kNoEvents. After begin(), send() and serve() may be
+/// called on any thread.
 class LiveEvents {
  public:
-  /// Listens; who connects waits until begin().
-  /// @param events  kNoEvents, or what event_address() reads
+  /// Listens. Clients that connect are accepted only after begin().
+  /// @param events  kNoEvents, or a text for event_address()
   /// @throws Error that names --events
   explicit LiveEvents(const std::string& events);
 
-  /// Lets clients in from now on, and prints where they are to connect.
+  /// Accepts clients from now on, and prints the address.
   void begin(const Session& session);
-  /// From now on what is told is of another session, whose bodies may stand elsewhere; who connects
-  /// is greeted with that.
+  /// Switches to a new session, whose bodies may have other poses; clients that connect later are
+  /// greeted with these.
   void begin_anew(const Session& session);
-  /// Tells what was answered to a frame.
-  void tell(const Scene& scene);
-  /// What was answered between two frames.
-  void tell(const ContactTick& tick);
-  /// While no frame comes.
+  /// Sends the results of a frame.
+  void send(const Scene& scene);
+  /// Sends the touches of a tick between two frames.
+  void send(const ContactTick& tick);
+  /// To be called regularly while no frame comes.
   void serve();
-  /// Prints what became of them.
+  /// Prints the numbers of clients and lines.
   void report() const;
 
  private:
   std::optional<EventServer> server_;
   std::optional<EventLines> lines_;
-  std::mutex mutex_;  // guards both from begin() on: ticks come on a thread of their own
+  std::mutex mutex_;  // guards both after begin(): ticks come on another thread
 };
 
 }  // namespace palpable::app

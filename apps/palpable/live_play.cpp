@@ -43,14 +43,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPauseWait = 0.05;  // s, of a paused recording, between two looks at other things
+constexpr double kPauseWait = 0.05;  // s, wait for window events while a recording is paused
 
-// Whether anybody looks at pictures.
+// Whether pictures are needed.
 [[nodiscard]] bool has_pictures(const PlayOptions& options) {
   return options.window || !options.out.empty();
 }
 
-// Options that make sense together. @param other_output  whether --overwrite is about another file
+// Returns the options if they do not contradict each other. @param other_output whether --overwrite
+// also applies to another file
 const PlayOptions& checked(const PlayOptions& options, bool other_output) {
   if (options.pictures && options.view != "camera") {
     throw Error("--pictures are what the camera sees: leave out --view " + options.view);
@@ -61,7 +62,7 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
   }
   if (options.paused && !options.window) throw Error("--paused: a --window is paused");
   if (!options.out.empty()) return options;
-  // What says how files are written says nothing where none are.
+  // Options about written files are an error without --out.
   for (const auto& [wanted, name] :
        {std::pair{options.pictures, "--pictures"}, std::pair{options.meshes, "--meshes"},
         std::pair{!options.frame_pictures.empty(), "--frame-pictures"},
@@ -92,8 +93,8 @@ std::vector<Tile> tiles_of(const PlayOptions& options) {
   return tiles;
 }
 
-// The true depths that a filmed clip has beside its pictures. @param images  its frames/
-// @throws Error where it has none
+// The true depths that a synthetic clip has beside its pictures. @param images its folder frames/
+// @throws Error if there are none
 std::function<std::optional<DepthImage>(int)> true_depths(const fs::path& images) {
   const fs::path truth = (fs::absolute(images) / ".." / "truth").lexically_normal();
   std::error_code ignored;
@@ -123,7 +124,7 @@ SceneShow show_of(const PlayOptions& options) {
   return show;
 }
 
-// A run on a house around the desk goes well and touches nothing.
+// Warns of a body that is far too large for the view: nothing would touch it.
 void warn_of_size(const LiveRun& run) {
   const Session& session = run.loop.session;
   for (int k = 0; k < session.body_count(); ++k) {
@@ -133,7 +134,7 @@ void warn_of_size(const LiveRun& run) {
   }
 }
 
-// The skins of which every frame's are to be written.
+// The skins at rest, if meshes of every frame are to be written; else empty.
 std::vector<SurfaceMesh> meshes_of(const PlayOptions& options, const Session& session) {
   std::vector<SurfaceMesh> skins;
   for (int k = 0; options.meshes && k < session.body_count(); ++k) {
@@ -142,7 +143,7 @@ std::vector<SurfaceMesh> meshes_of(const PlayOptions& options, const Session& se
   return skins;
 }
 
-// Of several bodies their names.
+// The bodies' names if there are several; empty for one.
 std::vector<std::string> names_of_several(const Session& session) {
   std::vector<std::string> names;
   for (int k = 0; session.body_count() > 1 && k < session.body_count(); ++k) {
@@ -154,7 +155,7 @@ std::vector<std::string> names_of_several(const Session& session) {
 struct Played {
   LiveCounts counts;
   RunFigures figures;
-  std::unique_ptr<LiveOutput> output;  // null: nothing is written, or no frame came
+  std::unique_ptr<LiveOutput> output;  // null: no output, or no frame came
   bool user_ended = false;
   std::optional<ContactTickFigures> ticks;
 };
@@ -166,7 +167,7 @@ RunMoment moment_of(const LiveCounts& counts, const LiveOutput* output) {
           .left_out = output != nullptr ? output->left_out() : 0};
 }
 
-// Whoever answers between frames; nobody where that is not wanted.
+// Computes touches between frames; null if that is not wanted.
 std::unique_ptr<ContactTicks> ticks_of(const PlayOptions& options, const LiveRun& run,
                                        LiveEvents& events) {
   if (options.contact_rate == 0) return nullptr;
@@ -174,14 +175,14 @@ std::unique_ptr<ContactTicks> ticks_of(const PlayOptions& options, const LiveRun
       run.loop.session,
       ContactTicks::Settings{.rate = options.contact_rate,
                              .when_due = run.source->is_live() || options.paced},
-      [&events](const ContactTick& tick) { events.tell(tick); });
+      [&events](const ContactTick& tick) { events.send(tick); });
 }
 
-// Plays the run to its end, or to the user's.
-// @param painter       null: nobody looks, nothing is drawn
-// @param changes       null: nothing of the run changes
-// @param begin_output  makes the output, or null; called when the first frame was answered, so that
-//                      nothing is replaced by a run that cannot begin
+// Plays the run until the source or the user ends it.
+// @param painter       null: nothing is drawn
+// @param changes       null: the run cannot be changed
+// @param begin_output  makes the output, or null; called after the first frame was processed, so
+//                      that a run that cannot begin replaces no files
 template <class BeginOutput>
 Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePainter* painter,
                 LiveEvents& events, const StateWatch& watch, LiveChanges* changes,
@@ -190,15 +191,16 @@ Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePaint
   ProgressBar bar;
   RunStats stats(moment_of({}, nullptr));
   LiveLoop loop(run, frames, [&](const std::string& line) { bar.say(line); });
-  // Who neither sees pictures nor how far a recording is would see nothing at all.
-  const bool tells_stats = options.stats || (painter == nullptr && loop.total() <= 0);
+  // Without pictures and without a known number of frames, statistics are the only
+  // sign of progress.
+  const bool prints_stats = options.stats || (painter == nullptr && loop.total() <= 0);
   const std::unique_ptr<ContactTicks> ticks = ticks_of(options, run, events);
   std::unique_ptr<LiveOutput> output;
-  auto kept = std::make_unique<DrawnFrame>();  // where there is no output: drawn again and again
+  auto kept = std::make_unique<DrawnFrame>();  // reused for every frame if there is no output
   const auto user_ended = [&] {
     return asked_to_end() || (painter != nullptr && painter->ended());
   };
-  // A recording waits while it is paused; a camera's frames are answered as ever, and not shown.
+  // A recording stops while it is paused; frames of a camera are still processed, but not shown.
   const auto waits = [&, live = run.source->is_live()] {
     return !live && painter != nullptr && painter->holds();
   };
@@ -211,17 +213,17 @@ Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePaint
     }
     run.loop.session.keep(painter != nullptr ? painter->wants() : SceneExtras{});
     Scene* scene = loop.next_within(FrameSource::kLongestWait);
-    if (tells_stats && stats.is_second_over(system_clock().now())) {
+    if (prints_stats && stats.is_second_over(system_clock().now())) {
       bar.say(text_of(stats.end_stretch(moment_of(loop.counts(), output.get()))));
     }
-    if (scene == nullptr) {  // the picture and the body stay as they are
+    if (scene == nullptr) {  // picture and body stay unchanged
       if (painter != nullptr) painter->handle_events();
       events.serve();
       continue;
     }
     if (changes != nullptr) changes->apply(*painter, *scene, events);
     if (ticks) ticks->end_frame();
-    events.tell(*scene);
+    events.send(*scene);
     if (ticks) ticks->begin_frame(session, *scene);
     if (watch.answered) {
       if (const auto line = watch.answered(*scene)) bar.say(*line);
@@ -268,13 +270,13 @@ LiveSummary summary(const PlayOptions& options, const LiveSetUp& setup, const Pl
   return result;
 }
 
-// Folder of a run, so that no other one writes there; nothing where nothing is written.
+// Locks the output folder against other runs; empty if nothing is written.
 std::optional<FolderLock> lock_of(const fs::path& out) {
   if (out.empty()) return std::nullopt;
   return std::optional<FolderLock>(std::in_place, out);
 }
 
-// --frame-pictures: which frames' pictures are kept.
+// --frame-pictures: the frames whose pictures are written.
 void read_frame_pictures(const std::vector<std::string>& words, LiveOutputSettings& settings) {
   constexpr long long kMostFrames = 100'000'000;
   for (const std::string& word : words) {
@@ -455,9 +457,9 @@ void add_play_options(Command command, PlayOptions& options) {
   add_events_option(command, options.events);
   command
       .add_option("--contact-rate", options.contact_rate,
-                  "Answer between frames, too, HZ times a second, on a thread of its own: "
-                  "what presses goes on as it was seen to move. For haptic devices; --events tells "
-                  "each answer")
+                  "Compute contact also between frames, HZ times a second, on a thread of its own: "
+                  "the obstacle continues its measured motion. For haptic devices; --events sends "
+                  "each result")
       .type_name("HZ")
       .in_range(30, 10'000);
   command.add_flag("--window", options.window,

@@ -1,5 +1,6 @@
 /// @file
-/// What `live` and `replay` share: a run that is set up is played, shown, told of and written.
+/// The common part of `live` and `replay`: plays a run, shows it, sends its events and
+/// writes its files.
 #pragma once
 
 #include "apps/palpable/live_events.h"
@@ -19,16 +20,16 @@ namespace palpable::app {
 class Command;
 
 struct PlayOptions {
-  std::filesystem::path out;  ///< empty: nothing is written
+  std::filesystem::path out;  ///< empty: no files
   std::string events = kNoEvents;
   std::string view = "camera";
-  std::vector<std::string> views = {};  ///< several in one picture; none: `view` alone
-  std::string paint = "stress";         ///< on bodies
-  bool opaque = false;                  ///< the paint alone, without the material below it
-  std::string occlusion = "soft";       ///< of bodies by what is real and nearer
-  bool forces = false;                  ///< where and how hard bodies are pressed is drawn
+  std::vector<std::string> views = {};  ///< several in one picture; empty: only `view`
+  std::string paint = "stress";         ///< quantity that is painted on bodies
+  bool opaque = false;                  ///< paint only, without the material below it
+  std::string occlusion = "soft";       ///< how nearer real things hide bodies
+  bool forces = false;                  ///< draw contact positions and forces
   bool window = false;
-  bool paused = false;  ///< the window begins with the first frame held
+  bool paused = false;  ///< the window opens with the first frame paused
   bool pictures = false;
   std::vector<std::string> frame_pictures = {};  ///< numbers of frames, or "all"
   bool no_masks = false;
@@ -37,8 +38,8 @@ struct PlayOptions {
   bool overwrite = false;
   bool every_frame = false;
   bool stats = false;
-  double contact_rate = 0;  ///< Hz, of answers between frames; 0: there are none
-  bool paced = false;       ///< a replay that keeps time, though no frame is left out
+  double contact_rate = 0;  ///< Hz, ticks between frames; 0: none
+  bool paced = false;       ///< a replay at the recorded pace, without skipping frames
 };
 
 /// Adds the options to a command.
@@ -46,33 +47,33 @@ void add_play_options(Command command, PlayOptions& options);
 
 class LiveChanges;
 
-/// Who looks at each state.
+/// Callbacks for the states of a run.
 struct StateWatch {
-  /// Gets each scene once it is answered, on the thread that plays. @return a line for the user, if
-  /// there is something to say
+  /// Called with each scene after it was processed, on the playing thread. @return a line for
+  /// the user, if any
   std::function<std::optional<std::string>(const Scene&)> answered = {};
-  /// Called when the last one was answered. @return what live.json says of all states; nothing: it
-  /// says nothing
+  /// Called after the last scene. @return the states for live.json; empty: none
   std::function<std::optional<LiveSummary::States>()> ended = {};
 };
 
-/// One run. Its folder and its socket are taken when it is made, before bodies are read.
+/// One run. The constructor acquires the output folder and the socket, before bodies are read.
 class LivePlay {
  public:
   /// @param inputs        files and folders that the run reads; it removes none of them
-  /// @param other_output  another file that --overwrite is about; empty: there is none
-  /// @throws Error when the options make no sense, or the folder or socket cannot be had
+  /// @param other_output  another file to which --overwrite applies; empty: there is none
+  /// @throws Error when the options contradict each other, or the folder or socket is not available
   LivePlay(const PlayOptions& options, const std::vector<std::filesystem::path>& inputs,
            const std::filesystem::path& other_output = {});
 
-  /// @throws Error when the options ask for what these bodies do not do. play() asks, too
+  /// @throws Error when the options require something that these bodies do not have.
+  /// play() calls it, too
   void check(const LiveSetUp& setup) const;
 
-  /// Plays to the end, or to the user's, and prints what came of it.
-  /// @param frames  at most so many; negative: all
-  /// @param scene   the file of the scene; empty: one body
-  /// @param changes  what the window's user may change of the run; null: nothing
-  /// @return whether it was the user who ended it
+  /// Plays until the source or the user ends the run, and prints a summary.
+  /// @param frames   largest number; negative: all
+  /// @param scene    the scene's file; empty: one body
+  /// @param changes  changes that the window's user may make; null: none
+  /// @return whether the user ended it
   bool play(LiveSetUp& setup, int frames, const std::filesystem::path& scene,
             const StateWatch& watch = {}, LiveChanges* changes = nullptr);
 

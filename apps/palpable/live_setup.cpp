@@ -25,12 +25,12 @@
 namespace palpable::app {
 namespace {
 
-constexpr const char* kSynthetic = "synthetic";  // a source that is filmed here
+constexpr const char* kSynthetic = "synthetic";  // the source that is rendered here
 
-constexpr double kMm = 1e3;      // in a metre
-constexpr double kMostMm = 500;  // of a distance: a body is hardly larger
+constexpr double kMm = 1e3;      // mm per m
+constexpr double kMostMm = 500;  // limit of distances: larger than most bodies
 
-// Reads what follows --anchor. Returns why it is refused, else nothing.
+// Parses the words after --anchor. Returns an error message, or an empty string.
 std::string read_anchor(const std::vector<std::string>& words, LiveOptions& options) {
   const std::string& how = words.front();
   const bool looks = how == "plane" || how == "board";
@@ -45,7 +45,7 @@ std::string read_anchor(const std::vector<std::string>& words, LiveOptions& opti
   return {};
 }
 
-// Where --place or --anchor pose says that the body stands; nothing without either.
+// The body's pose from --place or --anchor pose; empty without either.
 std::optional<Rigid3> given_place(const LiveOptions& options) {
   if (options.place.empty()) return std::nullopt;
   std::string text;
@@ -58,7 +58,7 @@ Anchor anchor_of(const LiveOptions& options) {
   return options.anchor == "board" ? Anchor::kBoard : Anchor::kPlace;
 }
 
-// The pixel of --at; nothing without it.
+// The pixel of --at; empty without it.
 std::optional<Eigen::Vector2d> given_pixel(const LiveOptions& options) {
   if (options.at.empty()) return std::nullopt;
   const auto numbers = to_numbers(options.at);
@@ -71,7 +71,7 @@ std::optional<Eigen::Vector2d> given_pixel(const LiveOptions& options) {
   return Eigen::Vector2d((*numbers)[0], (*numbers)[1]);
 }
 
-// What else to type where nothing says where the body stands.
+// Advice on other options if the body's pose cannot be determined.
 std::string_view other_places(Anchor anchor) {
   switch (anchor) {
     case Anchor::kPlane:
@@ -85,7 +85,7 @@ std::string_view other_places(Anchor anchor) {
          "yaw\"";
 }
 
-// Who answers loads exactly; nothing if nobody is to.
+// The settings of the refiner; empty if none is wanted.
 std::optional<RefinerSettings> refinement(const LiveOptions& options, bool has_tables) {
   if (options.refine.empty()) return std::nullopt;
   std::error_code ignored;
@@ -128,7 +128,7 @@ std::vector<DescribedBody> wanted_bodies(const LiveOptions& options) {
   return read_scene_description(options.scene);
 }
 
-// Where frames come from and what is matched.
+// Options for the source of frames and for depth.
 void add_input_options(Command command, LiveOptions& options) {
   command
       .add_option(
@@ -145,7 +145,7 @@ void add_input_options(Command command, LiveOptions& options) {
                    "otherwise it waits for the loop");
 }
 
-// Where the body stands, and how large it is.
+// Options for the body's pose and scale.
 void add_place_options(Command command, LiveOptions& options) {
   command
       .add_option("--place", options.place,
@@ -177,7 +177,7 @@ void add_place_options(Command command, LiveOptions& options) {
       .show_default();
 }
 
-// What Algorithm 1 leaves open.
+// Options for parameters that Algorithm 1 leaves open.
 void add_paper_options(Command command, PaperOptions& paper) {
   const PaperSettings usual;
   command
@@ -215,7 +215,7 @@ void add_paper_options(Command command, PaperOptions& paper) {
       .one_of({"grid", "voxmap"});
 }
 
-// What the loop makes of them.
+// Options of the frame loop.
 void add_loop_options(Command command, LiveOptions& options) {
   command.add_flag("--press-static", options.press_static,
                    "What is there when the body is anchored, its desk too, presses it (scene.toml "
@@ -225,7 +225,7 @@ void add_loop_options(Command command, LiveOptions& options) {
   command
       .add_option(
           "--contact", options.contact,
-          "What the body answers. anywhere: nothing that is seen may enter its skin, however "
+          "How the body responds. anywhere: nothing that is seen may enter its skin, however "
           "many things there are; site: one touch at a time, at the nearest of its sites, "
           "by the measured depth; paper: at its sites by the paper's Algorithm 1, as "
           "printed. Default: anywhere if the body file has tables of touch, else site")
@@ -241,13 +241,13 @@ void add_loop_options(Command command, LiveOptions& options) {
   command
       .add_option("--refine", options.refine,
                   "The description that the body was baked from: while something presses, a second "
-                  "process answers the load exactly, and what it says is blended in over 6 frames. "
+                  "process computes the full-order solution, which is blended in over 6 frames. "
                   "Squeezes and things held still gain, the stress most")
       .type_name("BODY.toml");
   command
       .add_option("--refine-latency", options.refine_latency,
-                  "Frames after which an exact answer is taken up. A recording waits for it, a "
-                  "camera does without one that is late")
+                  "Frames after which a full-order solution is adopted. A recording waits for it; "
+                  "with a camera a late one is discarded")
       .in_range(1, 600)
       .show_default();
   add_set_option(command, options.set);
@@ -307,7 +307,7 @@ SessionSettings session_settings(const LiveOptions& options) {
 
 TouchableBody read_live_body(const DescribedBody& wanted, const std::string& contact) {
   const std::map<std::string, double> values = parse_settings(wanted.set);
-  // At its sites a body plays whatever its tables are.
+  // The contact laws at sites do not need the body's tables.
   const bool at_sites = contact == "site" || contact == "paper";
   TouchableBody body = at_sites
                            ? TouchableBody(value_or_throw(read_pressable_body(wanted.file, values)))
@@ -341,7 +341,7 @@ void share_drawing_threads(int threads) {
 
 std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
   SourceOptions input = options.input;
-  if (input.source == kSynthetic) input.source.clear();  // no path
+  if (input.source == kSynthetic) input.source.clear();  // not a path
   std::vector<std::filesystem::path> inputs = inputs_of(input);
   for (const auto& file : {options.body, options.scene}) {
     if (!file.empty()) inputs.push_back(file);

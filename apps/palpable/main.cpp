@@ -1,6 +1,6 @@
-// palpable: one command for the user. What bakes lives in a second program, palpable-bake, which
-// is started from here, so that nothing of a mesher or a sparse factor is linked into this one. The
-// benches are programs of their own, too: who only uses palpable need not compile them.
+// palpable: the user's command. Baking is in a second program, palpable-bake, which is started from
+// here, so that no mesher and no sparse solver is linked into this one. The benchmarks are separate
+// programs, too, which users need not compile.
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
@@ -36,19 +36,19 @@ constexpr std::array kBakeCommands{
     BakeCommand{"report", "Write errors, costs and modes of a body file as a page"},
     BakeCommand{"compare", "Put all methods of reduction on one chart of errors"},
     BakeCommand{"solve", "Press a body at one site and write it for ParaView"},
-    BakeCommand{"truth", "The full finite-element answer to the true hand of a filmed clip"},
+    BakeCommand{"truth", "The full-order solution for the true hand of a synthetic clip"},
     BakeCommand{"export", "Write a body or its snapshots for other programs"},
     BakeCommand{"import-modes", "Make a body file from another program's modes"},
     BakeCommand{"reproduce", "The paper's examples and figures beside its own numbers, as a page"},
 };
 
-// Of `palpable bench`, those of the offline half.
+// The names of `palpable bench` that belong to the offline half.
 constexpr std::array<std::string_view, 11> kBakeBenches{
     "bake",     "beam",     "bodies", "campaign", "clip", "elements",
     "friction", "obstacle", "reduce", "solid",    "touch"};
 
-/// Becomes another of the project's programs with the same arguments; returns only when that cannot
-/// be.
+/// Replaces this process by another program of the project with the same arguments. Returns
+/// only on failure.
 int become(const char* name, char** argv) {
   try {
     const std::filesystem::path program = sibling_program(name);
@@ -62,7 +62,7 @@ int become(const char* name, char** argv) {
   return 1;
 }
 
-// Which program has the bench that is asked for; without one, that which lists them all.
+// The program that has the requested benchmark; without a name, the one that lists all of them.
 const char* program_of_bench(int argc, char** argv) {
   const bool bakes = argc > 2 && std::find(kBakeBenches.begin(), kBakeBenches.end(), argv[2]) !=
                                      kBakeBenches.end();
@@ -70,7 +70,7 @@ const char* program_of_bench(int argc, char** argv) {
 }
 
 int run(int argc, char** argv) {
-  // The chatter of image and video readers about codecs is no message of ours.
+  // Suppresses messages of image and video libraries about codecs.
   ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   ::setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
 

@@ -1,5 +1,5 @@
 /// @file
-/// Loads as a user names them: a point of the body and a force.
+/// Loads given by a user as a point of the body and a force.
 #pragma once
 
 #include "palpable/common/reduced/loaded_body.h"
@@ -9,7 +9,8 @@
 
 namespace palpable::app {
 
-/// "X,Y,Z=F" each: m in the body's frame, N. @throws Error for another form, and as load_at()
+/// Parses texts "X,Y,Z=F": m in the body's frame, N. @throws Error for another form,
+/// and as load_at()
 [[nodiscard]] std::vector<PlacedLoad> parse_loads(const ReducedBody& body,
                                                   const std::vector<std::string>& texts);
 

@@ -1,4 +1,4 @@
-// palpable press: what a body does under one load, or under several at once, in numbers.
+// palpable press: prints a body's response to one load, or to several at once.
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
@@ -29,8 +29,8 @@ void press(const PressOptions& options) {
   const ReducedBody body = value_or_throw(read_pressable_body(options.body));
   const std::vector<PlacedLoad> loads = parse_loads(body, options.loads);
   const auto S = static_cast<int>(body.sites.size());
-  const PressResponse answer = find_press_response(body, loads);
-  const Eigen::Map<const Eigen::Matrix3Xf> u(answer.displacement.data(), 3,
+  const PressResponse response = find_press_response(body, loads);
+  const Eigen::Map<const Eigen::Matrix3Xf> u(response.displacement.data(), 3,
                                              body.surface.vertex_count());
   Eigen::Index vertex = 0;
   const double largest = static_cast<double>(u.colwise().norm().maxCoeff(&vertex));
@@ -45,33 +45,33 @@ void press(const PressOptions& options) {
          {"vertex", at.vertex},
          {"force_n", loads[k].level * at.full_load},
          {"level", loads[k].level},
-         {"depth_m", answer.depth[k]}});
+         {"depth_m", response.depth[k]}});
     if (options.json) continue;
     const Eigen::Vector3d X = body.surface.vertices.col(at.vertex);
     fmt::print(
         "{:<22}{:.4g} N at {} {} ({:.4g}, {:.4g}, {:.4g}) m, which moves {:.4g} mm along it\n",
         fmt::format("load {}", k + 1), loads[k].level * at.full_load,
         reaction ? "reaction" : "site", loads[k].place - (reaction ? S : 0), X[0], X[1], X[2],
-        1e3 * answer.depth[k]);
+        1e3 * response.depth[k]);
   }
   result["largest_displacement_m"] = largest;
   result["largest_displacement_vertex"] = vertex;
-  if (answer.largest_von_mises) result["largest_von_mises_pa"] = *answer.largest_von_mises;
-  result["displacement_error_worst"] = answer.error;
+  if (response.largest_von_mises) result["largest_von_mises_pa"] = *response.largest_von_mises;
+  result["displacement_error_worst"] = response.error;
   if (options.json) {
     fmt::print("{}\n", result.dump(2));
     return;
   }
   fmt::print("{:<22}{:.4g} mm, at ({:.4g}, {:.4g}, {:.4g}) m\n", "largest displacement",
              1e3 * largest, where[0], where[1], where[2]);
-  if (answer.largest_von_mises) {
+  if (response.largest_von_mises) {
     fmt::print("{:<22}{:.3g} kPa (von Mises)\n", "largest stress",
-               1e-3 * *answer.largest_von_mises);
+               1e-3 * *response.largest_von_mises);
   } else {
     fmt::print("{:<22}not known under several loads\n", "largest stress");
   }
   fmt::print("{:<22}{:.2e} of the displacement, relative L2, at the worst that was checked\n",
-             "error", answer.error);
+             "error", response.error);
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ void add_press(Command app) {
       .add_option("--load", options->loads,
                   "Where on the skin at rest (m, body frame) and how hard (N), along the "
                   "direction in which the body was loaded there; several act together, where "
-                  "'palpable inspect' says that the body answers several loads")
+                  "'palpable inspect' says that the body supports several loads")
       .required()
       .type_name("X,Y,Z=F");
   command.add_flag("--json", options->json, "One JSON object on stdout");

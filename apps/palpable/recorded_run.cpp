@@ -50,7 +50,7 @@ RecordedRun::Body body_of(const Json& json) {
   return body;
 }
 
-// How Algorithm 1 was asked, all of it, so that a run stays what it was when what is usual changes.
+// Replaces defaults by their values, so that a replay does not change when a default changes.
 PaperOptions written_out(PaperOptions paper) {
   const PaperSettings usual;
   if (paper.step == 0) paper.step = ObjectSurfaceSettings{}.step;
@@ -101,7 +101,7 @@ RecordedRun recorded_run(const LiveOptions& options, const LiveSetUp& setup) {
   run.options.input.farthest = options.input.farthest;
   run.options.fixed_camera = options.fixed_camera;
   run.options.refine = options.refine;
-  run.options.press_static = session.settings().press_static;  // scene.toml may have asked for it
+  run.options.press_static = session.settings().press_static;  // may be from scene.toml
   for (int k = 0; k < session.body_count(); ++k) {
     RecordedRun::Body& body = run.bodies.emplace_back();
     body.body = setup.bodies[static_cast<std::size_t>(k)];
@@ -148,12 +148,12 @@ RecordedRun recorded_run_of(const Json& json) {
   run.source = json["source"].get<std::string>();
   run.scene = json["scene"].get<std::string>();
   run.options.contact = json["contact"].get<std::string>();
-  // What earlier versions recorded does not have it: what is usual.
+  // Recordings of earlier versions do not have it: defaults apply.
   if (json.contains("paper") && !json["paper"].is_null()) {
     run.options.paper = paper_of(json["paper"]);
   }
   run.options.matcher = json["matcher"].get<std::string>();
-  if (json.contains("depth")) {  // earlier recordings have half
+  if (json.contains("depth")) {  // recordings without it used half resolution
     run.options.input.depth = json["depth"].get<std::string>();
     run.options.input.farthest = json["farthest"].get<double>();
   }
@@ -205,10 +205,8 @@ void find_body_files(RecordedRun& run, const std::vector<std::string>& elsewhere
     const char* why = !elsewhere.empty()         ? "and no file of --body is that one (checksum)"
                       : file_checksum(file).ok() ? "and that is another file now (checksum)"
                                                  : "which is not there";
-    throw Error(
-        fmt::format("the body '{}' was answered from {}, {}; name the file that it was "
-                    "with --body",
-                    body.body.name, file.string(), why));
+    throw Error(fmt::format("the body '{}' was read from {}, {}; name that file with --body",
+                            body.body.name, file.string(), why));
   }
 }
 

@@ -1,6 +1,6 @@
 /// @file
-/// What a recording says of the run that made it, beside its frames: which bodies stood where, and
-/// how they were answered.
+/// The data of a run that its recording has beside the frames: the bodies, their poses,
+/// and the settings.
 #pragma once
 
 #include "apps/palpable/live_setup.h"
@@ -16,27 +16,26 @@ namespace palpable::app {
 struct RecordedRun {
   struct Body {
     DescribedBody body;
-    std::uint64_t checksum = 0;  ///< of its file (base/file_checksum.h)
+    std::uint64_t checksum = 0;  ///< of the body file (base/file_checksum.h)
     Rigid3 world_from_body = Rigid3::Identity();
   };
   std::string version;          ///< of the program
-  std::string source;           ///< what was played
+  std::string source;           ///< name of the source that was played
   std::filesystem::path scene;  ///< empty: one body
   std::vector<Body> bodies;
   LiveOptions options;  ///< contact, paper, matcher, fixed_camera, press_static, refine
 };
 
-/// Of a run that is about to begin.
+/// The data of a run that is about to begin.
 /// @throws Error when a body's file cannot be read
 [[nodiscard]] RecordedRun recorded_run(const LiveOptions& options, const LiveSetUp& setup);
 
 [[nodiscard]] Json json_of_run(const RecordedRun& run);
-/// @throws Error, without a file's name, when it is none
+/// @throws Error, without a file's name, when the JSON is invalid
 [[nodiscard]] RecordedRun recorded_run_of(const Json& json);
 
-/// The files of the bodies: where they lay, or one of `elsewhere`. A file is taken for a body's
-/// when it has its checksum. @throws Error that names a body whose file is not there, or another
-/// one
+/// Finds the body files: at their recorded paths, or among `elsewhere`. A file belongs to a body if
+/// it has its checksum. @throws Error that names a body whose file is missing or different
 void find_body_files(RecordedRun& run, const std::vector<std::string>& elsewhere);
 
 }  // namespace palpable::app

@@ -1,4 +1,4 @@
-// palpable replay: what was recorded, answered again, and whether it gives the same.
+// palpable replay: processes a recording again and checks that the results are the same.
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 
 struct ReplayOptions {
   fs::path file;
-  std::vector<std::string> bodies;  // where their files are now
-  int threads = 0;                  // 0: as many as usual
+  std::vector<std::string> bodies;  // their present paths
+  int threads = 0;                  // 0: the default
   bool paced = false;
   PlayOptions play;
 };
@@ -42,9 +42,9 @@ RecordedRun run_of_recording(const ReplayOptions& options, const RecordingConten
   }
 }
 
-// Does what the live run's refiner did, as the recording has it; no process is started.
+// Repeats the recorded behaviour of the live run's refiner, without starting a process.
 Refiner recorded_refiner(const fs::path& file) {
-  // Shared, for what may be copied as a function may; nobody else has it.
+  // Shared, because std::function must be copyable; there is no other owner.
   const auto recorded =
       std::make_shared<RecordedRefinements>(value_or_throw(RecordedRefinements::open(file)));
   return Refiner::repeating([recorded](int n, RefinerStep& step) {
@@ -77,7 +77,7 @@ LiveSetUp set_up_replay(const ReplayOptions& options, const RecordedRun& run) {
   return setup;
 }
 
-// @throws Error at a difference
+// Prints the comparison. @throws Error at a difference
 void report(const ReplayOptions& options, const RecordingContents& contents,
             const StateComparison& comparison, const RecordedRun& run, bool user_ended) {
   const std::string file = options.file.string();
@@ -120,7 +120,7 @@ void replay(const ReplayOptions& options) {
                          [&]() -> std::optional<LiveSummary::States> {
                            return LiveSummary::States{hash.text(), hash.count()};
                          }};
-  // What came in after the live run's last answer was recorded, too.
+  // Frames after the last processed one are in the recording, too, but are not replayed.
   const int frames = contents.states.empty() ? -1 : comparison.expected();
   const bool user_ended = play.play(setup, frames, run.scene, watch);
   report(options, contents, comparison, run, user_ended);

@@ -1,4 +1,4 @@
-// palpable scan: what a camera saw, as one surface.
+// palpable scan: reconstructs what a camera saw as one surface.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Fewer are no surface but specks: one voxel on a wall makes two.
+// A mesh with fewer triangles is not a surface: a single voxel on a wall already gives two.
 constexpr int kLeastTriangles = 100;
 
 struct ScanOptions {
@@ -51,7 +51,7 @@ void write_room_picture(const fs::path& file, const RoomScan& scanned) {
                                   scanned.camera));
 }
 
-// Not after an hour's scan.
+// Fails before the scan if the file cannot be written or is an input.
 void expect_output(const fs::path& file, const ScanOptions& options) {
   std::vector<fs::path> inputs = inputs_of(options.input);
   inputs.push_back(options.trajectory);
@@ -77,7 +77,7 @@ std::vector<StampedPose> given_poses(const fs::path& file) {
   return poses;
 }
 
-// Plays the source, with a bar, until it or the user ends.
+// Plays the source with a progress bar until the source or the user ends.
 RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>& given) {
   RoomScanSettings settings;
   settings.slam.fuse_every = options.fuse_every;
@@ -86,13 +86,13 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   set_depth(options.input, settings.depth);
   if (options.input.farthest > 0) {
     SurfaceMapSettings& surface = settings.slam.surface;
-    // The scatter of depth grows with its square; the largest one in step with the way, or the
-    // surface would be blurred over metres.
+    // The standard deviation of depth grows with the square of the distance. The limit grows only
+    // linearly, because otherwise the surface would be blurred over metres.
     const double farther = std::max(options.input.farthest / surface.farthest, 1.0);
     surface.best_sigma *= farther * farther;
     surface.largest_sigma *= farther;
     surface.farthest = options.input.farthest;
-    // The camera is followed by what is farther than the surface, too.
+    // Tracking also uses points beyond the surface's range.
     if (options.input.farthest < kUsualFarthest) settings.depth.farthest = std::nullopt;
   }
   settings.most_frames = options.frames;

@@ -1,4 +1,4 @@
-// palpable score: what a run did against the truth of what it saw, whoever made the run.
+// palpable score: compares the output of a run, whichever program made it, with the truth.
 // docs/benchmark.md has the formats of both folders and the meaning of every score.
 
 #include "apps/common/command_line.h"
@@ -23,12 +23,12 @@ struct ScoreOptions {
   std::filesystem::path truth;
   std::filesystem::path result;
   std::filesystem::path body;
-  std::filesystem::path poses;  // empty: truth is a folder of a film's truth
-  double poses_per_second = 0;  // 0: as their format has them
+  std::filesystem::path poses;  // empty: `truth` is the folder truth/ of a clip
+  double poses_per_second = 0;  // 0: times of the file
   bool json = false;
 };
 
-// A camera's path alone, against poses that somebody has published.
+// Scores only a camera's path, against published poses.
 void score_path_of(const ScoreOptions& options) {
   if (!options.result.empty() || !options.body.empty()) {
     throw Error("--poses takes the place of the truth: give the result's folder or file alone");
@@ -70,10 +70,11 @@ void add_score(Command app) {
   command.add_option(
       "result", options->result,
       "What a run left: the --out folder of palpable live, or another system's files");
-  command.add_option("--body", options->body,
-                     "The body of the run: then it is also scored how deep the hand stays in it, "
-                     "how it jumps, and how far it is from the true answer. Of a body that was "
-                     "touched anywhere that takes live --meshes");
+  command.add_option(
+      "--body", options->body,
+      "The body of the run: then it is also scored how deep the hand stays in it, "
+      "how it jumps, and its error relative to the true solution. For a body that was "
+      "touched anywhere this needs live --meshes");
   command
       .add_option("--poses", options->poses,
                   "Poses that a data set has published of the camera, instead of a truth: a file "

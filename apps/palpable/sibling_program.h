@@ -1,5 +1,5 @@
 /// @file
-/// The project's other programs, which lie in the folder of this one: the solver and the benches.
+/// The project's other programs in the folder of this one: the solver and the benchmarks.
 #pragma once
 
 #include <filesystem>
@@ -8,11 +8,11 @@
 namespace palpable::app {
 
 inline constexpr const char* kBakeProgram = "palpable-bake";    ///< the offline half
-inline constexpr const char* kBenchProgram = "palpable-bench";  ///< benches of the live half
+inline constexpr const char* kBenchProgram = "palpable-bench";  ///< benchmarks of the live half
 inline constexpr const char* kBakeBenchProgram =
-    "palpable-bake-bench";  ///< benches of the offline half
+    "palpable-bake-bench";  ///< benchmarks of the offline half
 
-/// Where the program lies. @throws Error when this program's own folder is not known
+/// The path of a program. @throws Error when this program's own folder is unknown
 [[nodiscard]] std::filesystem::path sibling_program(std::string_view name);
 
 }  // namespace palpable::app

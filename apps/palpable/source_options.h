@@ -1,5 +1,5 @@
 /// @file
-/// What commands that look at images share: the options that name a source, and the source itself.
+/// Options that name a source of images, shared by several commands, and the request for it.
 #pragma once
 
 #include "palpable/live/sources/camera_source.h"
@@ -18,10 +18,10 @@ class Command;
 struct SourceOptions {
   std::string source;  ///< folder, images by name, video file or /dev/video*
   std::string right;
-  std::string depth;    ///< a depth camera or its images; or a word of kDepthSizes
-  double farthest = 0;  ///< m; 0: what the command takes without it
+  std::string depth;    ///< a depth camera or its images; or one of kDepthSizes
+  double farthest = 0;  ///< m; 0: the command's default
   std::filesystem::path calibration;
-  std::string size;  ///< "2560x720"; empty: chosen
+  std::string size;  ///< "2560x720"; empty: automatic choice
   double frames_per_second = 0;
   double exposure_ms = 0;  ///< 0: automatic
   double gain = -1;        ///< negative: automatic
@@ -30,35 +30,35 @@ struct SourceOptions {
 
 enum class SourceKind {
   kAny,
-  kRawStereo,  ///< to be calibrated: neither --depth nor --calibration
+  kRawStereo,  ///< for calibration: without --depth and --calibration
 };
 
-/// The words of --depth that say at which size stereo is matched, the usual one first.
+/// The words of --depth that select the resolution of stereo matching; the first is the default.
 inline constexpr std::array<std::string_view, 3> kDepthSizes = {"half", "full", "auto"};
 
-/// --depth as such a word; empty where it is none.
+/// The word of kDepthSizes in --depth; empty if it is none of them.
 [[nodiscard]] std::string depth_size(const SourceOptions& options);
 
-/// What --depth and --farthest say of how depth is measured.
-/// @param depth  as it is without them. A template: programs include no header of depth
+/// Applies --depth and --farthest.
+/// @param depth  settings with defaults. A template, because programs include no header of depth
 template <class DepthSettings>
 void set_depth(const SourceOptions& options, DepthSettings& depth) {
-  constexpr int kSmall = 640;  // px; of pictures that small auto matches all of it
+  constexpr int kSmall = 640;  // px; "auto" matches pictures up to this width at full resolution
   const std::string size = depth_size(options);
   depth.full_resolution = size == "full";
   depth.full_up_to_px = size == "auto" ? kSmall : 0;
   if (options.farthest > 0) depth.farthest = options.farthest;
 }
 
-/// Adds all but --source, which commands explain in their own words.
+/// Adds all options except --source, which commands explain in their own words.
 void add_source_options(Command command, SourceOptions& options,
                         SourceKind kind = SourceKind::kAny);
 
-/// The options as the library reads them. @throws Error when --size is no size
+/// The request for open_source(). @throws Error when --size is invalid
 [[nodiscard]] CameraRequest request_of(const SourceOptions& options);
 
-/// The files and folders that the options name, for guards of outputs; images by name as the folder
-/// that holds them.
+/// The files and folders that the options name, which outputs must not replace. For images by
+/// name, their folder.
 [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const SourceOptions& options);
 
 }  // namespace palpable::app

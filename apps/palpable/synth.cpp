@@ -1,9 +1,9 @@
-// palpable synth: the synthetic desk as a folder of images, and its truth beside them.
+// palpable synth: renders the synthetic desk to a folder of images, with the truth beside them.
 //
 //   DIR/frames/{left,right}/%06d.jpg   raw pairs, as a camera gives them
 //   DIR/frames/calibration.yml         OpenCV stereo calibration (T in metres)
-//   DIR/frames/scene.toml              where the body stands, in the first rectified left camera
-//   DIR/truth/                         what docs/benchmark.md lists
+//   DIR/frames/scene.toml              the body's pose in the first rectified left camera
+//   DIR/truth/                         see docs/benchmark.md
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -40,12 +40,12 @@ struct SynthOptions {
   std::string name;
   fs::path body;
   fs::path scene;
-  int frames = 0;  // 0: the sequence's own
+  int frames = 0;  // 0: the length of the sequence
   std::uint64_t seed = 1;
   fs::path out;
 };
 
-// Of scenes: palpable synth NAME --scene.
+// The sequence of a scene: palpable synth NAME --scene.
 constexpr SequenceKind kBeams{"beams", kBeamsFrames,
                               "of a scene with two beams: a finger presses the upper one until it "
                               "lies on the lower one"};
@@ -72,7 +72,7 @@ std::string list_of_kinds() {
   return text + fmt::format("  {:<14}{:>5}  {}\n", kBeams.name, kBeams.frames, kBeams.what);
 }
 
-// The bodies of a scene, each in its size.
+// The bodies of a scene with their scales applied.
 std::vector<ReducedBody> read_bodies(const fs::path& scene,
                                      const std::vector<DescribedBody>& described) {
   std::vector<ReducedBody> bodies;

@@ -1,5 +1,5 @@
-// palpable view: a body in a window, turned and pressed by the mouse; or pictures of it in a
-// folder.
+// palpable view: shows a body in a window, where the mouse turns and presses it, or writes pictures
+// of it to a folder.
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
@@ -36,15 +36,15 @@ namespace fs = std::filesystem;
 struct ViewOptions {
   fs::path body;
   fs::path out;
-  int site = -1;  // -1: not asked for
+  int site = -1;  // -1: not given
   double level = 1.0;
-  std::string load;  // X,Y,Z=F instead of site and level
-  int modes = 0;     // drawn instead of presses, if above 0
+  std::string load;  // X,Y,Z=F, in place of site and level
+  int modes = 0;     // > 0: number of modes to draw in place of presses
   std::string modes_of = "displacement";
   std::string paint = "stress";
   std::vector<std::string> set;  // NAME=VALUE
   std::string size = "1280x720";
-  double close_after = 0;  // s; 0: when the user wants
+  double close_after = 0;  // s; 0: the user closes the window
 };
 
 PictureSize read_size(const std::string& text) {
@@ -66,7 +66,7 @@ void write_picture(const fs::path& body, const fs::path& folder, const std::stri
   guard_output_file(file, {body});
   write_png(file, picture);
   fmt::print("{}\n", file.string());
-  std::fflush(stdout);  // a window is open for long: who reads a pipe wants to know now
+  std::fflush(stdout);  // at once also for a pipe: the window may stay open for long
 }
 
 void write_pictures(const ReducedBody& body, const ViewOptions& options, PictureSize size,
@@ -102,7 +102,7 @@ void show_window(Window& window, const std::shared_ptr<const TouchableBody>& bod
             [&](const ColorImage& picture) { return keep_picture(options.body, "view", picture); });
 }
 
-// --load as --site and --level.
+// Converts --load to --site and --level.
 void settle_load(const ReducedBody& body, ViewOptions& options) {
   const PlacedLoad load = parse_loads(body, {options.load})[0];
   if (load.place >= static_cast<int>(body.sites.size())) {
@@ -126,7 +126,7 @@ void run_view(ViewOptions options) {
     throw Error(fmt::format("--site {}: {} has the sites 0 to {}", options.site,
                             options.body.string(), site_count - 1));
   }
-  // Pictures show it pressed at its sites.
+  // In pictures the body is pressed at its sites, which has no contact pressure.
   const bool anywhere = touchable->touch.has_value();
   expect_paintable(options.paint, knows_stress(body) || anywhere, anywhere && options.out.empty(),
                    options.body);

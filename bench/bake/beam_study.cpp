@@ -22,12 +22,12 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Positions of equal Y, by X.
+// Groups the positions by Y; each group is sorted by X.
 std::vector<std::vector<Index>> rows_of(const TravellingLoad& travelling) {
   const Eigen::Matrix3Xd& X = travelling.problem.mesh.boundary.surface.vertices;
   std::map<long long, std::vector<Index>> rows;
   for (std::size_t s = 0; s < travelling.problem.sites.size(); ++s) {
-    // To a thousandth of the patch.
+    // Y is rounded to a thousandth of the patch radius.
     const double y = X(1, travelling.problem.sites[s].vertex);
     rows[std::llround(1e3 * y / travelling.patch_radius)].push_back(static_cast<Index>(s));
   }
@@ -132,7 +132,7 @@ BodyDifference body_difference(const ReducedBody& body, const ReducedBody& other
     const std::size_t components = a.size() / static_cast<std::size_t>(V);
     double gone = 0, whole = 0;
     for (std::size_t k = 0; k < a.size(); ++k) {
-      // Shear stands twice in the tensor.
+      // Shear components count twice in the tensor's norm.
       const double weight =
           areas[static_cast<Index>(k / components)] * (components == 6 && k % 6 >= 3 ? 2.0 : 1.0);
       const double truth = static_cast<double>(b[k]);
@@ -184,7 +184,7 @@ std::vector<NewtonCheck> newton_checks(const IntrusiveBake& made, int count, uns
   std::vector<float> u(3 * V), sigma(6 * V);
   std::vector<NewtonCheck> checks;
   for (int k = 0; k < count; ++k) {
-    // 53 random bits, the same on every system.
+    // 53 random bits: the same number on every system.
     const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     NewtonCheck check;
     check.site = static_cast<int>(uniform() * static_cast<double>(made.body.sites.size()));
@@ -206,7 +206,7 @@ std::vector<NewtonCheck> newton_checks(const IntrusiveBake& made, int count, uns
         stress;
     const auto norm = [&](const MatrixXd& field) {
       VectorXd rows = field.cwiseAbs2() * areas;
-      if (rows.size() == 6) rows.tail<3>() *= 2.0;  // shear stands twice in the tensor
+      if (rows.size() == 6) rows.tail<3>() *= 2.0;  // shear components count twice
       return std::sqrt(rows.sum());
     };
     check.deflection = truth.colwise().norm().maxCoeff();

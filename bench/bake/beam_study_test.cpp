@@ -23,7 +23,7 @@ TEST_CASE("fresh Newton solves are met within what is stated", "[bake][intrusive
     CHECK(check.stress <= 2.0 * made().report.stress_worst);
     CHECK(check.deflection > 0.0);
   }
-  // The same seed, the same presses.
+  // The seed determines the presses.
   CHECK(newton_checks(made(), 2, 1)[1].level == checks[1].level);
   CHECK(newton_checks(made(), 1, 2)[0].level != checks[0].level);
 }
@@ -32,12 +32,13 @@ TEST_CASE("left out, every second position is met; a linear body is not", "[bake
   const IntrusiveBake& m = made();
   const HeldOutPositions held_out = held_out_positions(m.series, m.travelling, m.table, 40);
   CHECK(held_out.held_out + held_out.trained_on == m.table.positions());
-  // 12 positions in a row of 2.5 cm: coarser than the beam itself, whose rows have 52.
+  // 12 positions in a row, 2.5 cm apart: coarser than the real beam, whose rows have 52.
   CHECK(held_out.held_out >= m.table.positions() / 3);
   CHECK(held_out.global <= tolerance(5e-3, "positions 2.5 cm apart and patches of that size"));
   CHECK(held_out.worst <= tolerance(0.03, "likewise"));
   CHECK(held_out.worst > held_out.global);
-  // About 0.55 of deflection over length (0.15), by prototypes: it lacks the shortening.
+  // Prototypes had an error of about 0.55 * deflection / length, which is 0.15 here: a linear model
+  // lacks the shortening.
   CHECK(linear_model_error(m.table) > 0.05);
   CHECK(linear_model_error(m.table) < 0.2);
 }
@@ -54,7 +55,7 @@ TEST_CASE("a body differs from itself in nothing, from a poorer one by what that
   poorer.sites.pop_back();
   const BodyDifference some = body_difference(poorer, body);
   CHECK(some.shared == none.shared - 1);
-  // Its full load is half of the other's: at equal forces its levels are twice those.
+  // Its full load is half of the other's, so that at equal forces its levels are twice as high.
   CHECK(some.displacement_pooled > 0.8);
   CHECK(some.displacement_median <= some.displacement_worst);
   CHECK(some.stress_worst > 0.0);

@@ -1,4 +1,4 @@
-// What several benches of the offline half share.
+// Functions shared by several benchmarks of the offline half.
 
 #include "bench/bake/bench.h"
 

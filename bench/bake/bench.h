@@ -1,5 +1,5 @@
 /// @file
-/// The benches of the offline half: one file each, named after the bench.
+/// The benchmarks of the offline half, one file each, named after the benchmark.
 #pragma once
 
 #include "palpable/common/base/json.h"
@@ -10,10 +10,10 @@ namespace palpable::app {
 
 class Command;
 
-/// Seconds of wall time.
+/// s of wall time.
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point begin);
 
-/// Prints what a bench found, and on which machine and when: one JSON object, or a line for each.
+/// Prints the results with the machine and the date, as one JSON object or as one line for each.
 void print_figures(Json figures, bool json);
 
 void add_bench_bake(Command bench);

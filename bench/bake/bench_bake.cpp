@@ -1,4 +1,4 @@
-// palpable bench bake: how long the stages of a bake take.
+// palpable bench bake: measures the times of the stages of a bake.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"

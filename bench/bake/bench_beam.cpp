@@ -1,5 +1,5 @@
-// palpable bench beam: the beam by intrusive PGD, against the SVD of its own fields, positions
-// left out, fresh Newton solves and the linear model.
+// palpable bench beam: compares the beam by intrusive PGD with the SVD of its own fields, with
+// held-out positions, with full-order solutions and with the linear model.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -33,14 +33,14 @@ struct BenchBeamOptions {
   bool json = false;
 };
 
-// How many modes it takes; nothing where they do not suffice.
+// The smallest number of modes with this tolerance; null if all of them do not suffice.
 Json modes_at(const Eigen::VectorXd& errors, double tolerance) {
   const auto met =
       std::find_if(errors.begin(), errors.end(), [&](double e) { return e <= tolerance; });
   return met == errors.end() ? Json() : Json(met - errors.begin() + 1);
 }
 
-// us of CPU time, the median of many evaluations at changing loads.
+// CPU time of an evaluation, us: median over many evaluations with changing loads.
 double evaluation_us(const SeparatedField& field, int sites) {
   std::vector<float> values(field.value_count());
   std::vector<double> times;
@@ -53,7 +53,7 @@ double evaluation_us(const SeparatedField& field, int sites) {
   return upper_median(times);
 }
 
-// Both ways of the linear PGD, each in both norms.
+// Both variants of the linear PGD, each in both norms.
 Json linear_figures(const IntrusiveBake& made) {
   Json result;
   constexpr int kModes = 16;
@@ -85,7 +85,7 @@ Json series_figures(const SeriesTable& table) {
       {"pade_gap", table.worst_pade_gap}};
 }
 
-// How many modes the greedy PGD, that recompressed, and the SVD of the same fields take.
+// Numbers of modes of the greedy PGD, of the recompressed PGD, and of the SVD of the same fields.
 Json modes_figures(const IntrusiveBake& made, const Progress& progress) {
   const SeriesPgdGoal plain{.weight = SeriesWeight::kPlain, .modes = 18, .tolerance = 6e-4};
   const SeriesPgd raw = series_pgd(made.series, made.table, plain, progress);
@@ -106,7 +106,7 @@ void add_held_out(const IntrusiveBake& made, const Progress& progress, Json& res
   result["heldout_position_worst"] = held_out.worst;
 }
 
-// As the bake stated them; here with the deflections, steps and times beside.
+// The errors as the bake stated them, with deflections, steps and times in addition.
 void add_two_loads(const IntrusiveBake& made, Json& result) {
   if (!made.body.several) return;
   std::vector<double> steps, ms, deflections;

@@ -1,4 +1,4 @@
-// palpable-bake bench bodies: bodies that press each other, against full finite elements.
+// palpable-bake bench bodies: compares bodies that press each other with full-order solutions.
 
 #include "apps/common/command_line.h"
 #include "palpable/common/base/error.h"
@@ -38,25 +38,25 @@ void bench_bodies(const BenchBodiesOptions& options) {
     if (described[k].scale != 1) body = scaled(body, described[k].scale);
     bodies.push_back({described[k].name, std::move(body), poses[k]});
   }
-  const BodiesResult answer = compare_bodies(bodies, options.clip);
-  Json figures{{"frames", answer.frames},
-               {"u_error_median", at(answer.displacement, 0.5)},
-               {"u_error_p90", at(answer.displacement, 0.9)},
-               {"stress_error_median", at(answer.stress, 0.5)},
-               {"stress_error_p90", at(answer.stress, 0.9)},
-               {"between_force_error", at(answer.between_force, 0.5)},
-               {"between_force_error_p90", at(answer.between_force, 0.9)},
-               {"between_frames", answer.touching},
-               {"between_frames_true", answer.touching_true},
-               {"between_frames_disagree", answer.disagree},
-               {"between_penetration_median_mm", at(answer.between_penetration, 0.5, 1e3)},
-               {"between_imbalance_n", answer.imbalance},
-               {"ms_two_beams", at(answer.milliseconds, 0.5)},
-               {"ms_two_beams_p99", at(answer.milliseconds, 0.99)},
+  const BodiesResult compared = compare_bodies(bodies, options.clip);
+  Json figures{{"frames", compared.frames},
+               {"u_error_median", at(compared.displacement, 0.5)},
+               {"u_error_p90", at(compared.displacement, 0.9)},
+               {"stress_error_median", at(compared.stress, 0.5)},
+               {"stress_error_p90", at(compared.stress, 0.9)},
+               {"between_force_error", at(compared.between_force, 0.5)},
+               {"between_force_error_p90", at(compared.between_force, 0.9)},
+               {"between_frames", compared.touching},
+               {"between_frames_true", compared.touching_true},
+               {"between_frames_disagree", compared.disagree},
+               {"between_penetration_median_mm", at(compared.between_penetration, 0.5, 1e3)},
+               {"between_imbalance_n", compared.imbalance},
+               {"ms_two_beams", at(compared.milliseconds, 0.5)},
+               {"ms_two_beams_p99", at(compared.milliseconds, 0.99)},
                {"ms_three_bodies_ratio", nullptr}};
-  if (!answer.milliseconds_alone.empty()) {
+  if (!compared.milliseconds_alone.empty()) {
     figures["ms_three_bodies_ratio"] =
-        percentile(answer.milliseconds_three, 0.5) / percentile(answer.milliseconds_alone, 0.5);
+        percentile(compared.milliseconds_three, 0.5) / percentile(compared.milliseconds_alone, 0.5);
   }
   print_figures(figures, options.json);
 }

@@ -1,4 +1,4 @@
-// palpable bench campaign: from a description to all snapshots on disk, into an empty folder.
+// palpable bench campaign: time from a description to all snapshots on disk, in an empty folder.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -33,7 +33,7 @@ struct BenchCampaignOptions {
   bool json = false;
 };
 
-// Empty when made, gone with its content at the end.
+// A folder that is empty after construction and removed with its content by the destructor.
 class EmptyFolder {
  public:
   explicit EmptyFolder(const std::string& name)
@@ -56,15 +56,16 @@ struct Outcome {
   double wall_s = 0;  // mesh, loads, solves, stress, writing
   int sites = 0, levels = 0, points = 0;
   int nodes = 0, tets = 0, skin = 0;
-  int reaching = 0;  // sites, of all points
+  int reaching = 0;  // sites of all points
   long newton_steps = 0, cg_iterations = 0;
   double stored_mb = 0;
   StageTimes wall, threads;
   double floor_s = 0;
 };
 
-// What the iterations of conjugate gradients cannot do without, on all cores: each reads the
-// elements once, and the factor twice in a pass that 16 of them share.
+// s, lower bound of the time of the conjugate-gradient iterations on all cores: each iteration
+// reads the elements once, and the factor twice in a pass that is shared by
+// CholeskyFactor::kMostTogether iterations.
 double campaign_floor(const SolverSetup& setup, long cg_iterations, int threads) {
   const MachineRates machine = measure_machine(std::size_t{64} << 20U);
   const double bytes =

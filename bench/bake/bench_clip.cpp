@@ -1,4 +1,4 @@
-// palpable-bake bench clip: the answer of a body's tables to the true hand of a filmed clip.
+// palpable-bake bench clip: response of a body's tables to the true hand of a synthetic clip.
 
 #include "apps/common/command_line.h"
 #include "palpable/common/base/error.h"
@@ -18,7 +18,7 @@
 namespace palpable::app {
 namespace {
 
-constexpr double kDeep = 0.004;  // m, as `palpable score`: in shallower touches errors are noise
+constexpr double kDeep = 0.004;  // m, as in `palpable score`; shallower touches are noise
 
 struct BenchClipOptions {
   std::filesystem::path body;
@@ -27,16 +27,16 @@ struct BenchClipOptions {
   bool json = false;
 };
 
-// What `palpable score` calls the numbers of a frame.
+// Names of the errors of a frame, as in `palpable score`.
 constexpr std::array<std::pair<const char*, double ClipFrame::*>, 4> kErrors{
     {{"displacement_error", &ClipFrame::displacement},
      {"displacement_error_mm", &ClipFrame::worst_vertex_mm},
      {"force_error", &ClipFrame::force},
      {"von_mises_error", &ClipFrame::von_mises}}};
 
-Json frames_of(const ClipResult& answer) {
+Json frames_of(const ClipResult& compared) {
   Json frames = Json::array();
-  for (const ClipFrame& frame : answer.frames) {
+  for (const ClipFrame& frame : compared.frames) {
     Json line{{"frame", frame.frame}};
     for (const auto& [name, error] : kErrors) line[name] = frame.*error;
     frames.push_back(std::move(line));
@@ -44,19 +44,19 @@ Json frames_of(const ClipResult& answer) {
   return frames;
 }
 
-Json clip_figures(const ClipResult& answer) {
-  Json figures{{"frames", answer.frames.size()}, {"frames_unseen", answer.unseen}};
+Json clip_figures(const ClipResult& compared) {
+  Json figures{{"frames", compared.frames.size()}, {"frames_unseen", compared.unseen}};
   for (const auto& [name, error] : kErrors) {
     std::vector<double> values;
-    for (const ClipFrame& frame : answer.frames) values.push_back(frame.*error);
+    for (const ClipFrame& frame : compared.frames) values.push_back(frame.*error);
     figures[name] = nullptr;
     if (values.empty()) continue;
     figures[name] = {{"median", percentile(values, 0.5)}, {"p90", percentile(values, 0.9)}};
   }
-  figures["largest_jump_mm"] = answer.largest_jump_mm;
-  if (!answer.milliseconds.empty()) {
-    figures["ms"] = {{"median", percentile(answer.milliseconds, 0.5)},
-                     {"p99", percentile(answer.milliseconds, 0.99)}};
+  figures["largest_jump_mm"] = compared.largest_jump_mm;
+  if (!compared.milliseconds.empty()) {
+    figures["ms"] = {{"median", percentile(compared.milliseconds, 0.5)},
+                     {"p99", percentile(compared.milliseconds, 0.99)}};
   }
   return figures;
 }
@@ -74,10 +74,10 @@ void bench_clip(const BenchClipOptions& options) {
   ClipResult all;
   Json each = Json::object();
   for (const std::string& clip : options.clips) {
-    const ClipResult answer = compare_with_true_hand(body, clip, hand, kDeep);
-    each[clip] = clip_figures(answer);
-    each[clip]["by_frame"] = frames_of(answer);
-    add(all, answer);
+    const ClipResult compared = compare_with_true_hand(body, clip, hand, kDeep);
+    each[clip] = clip_figures(compared);
+    each[clip]["by_frame"] = frames_of(compared);
+    add(all, compared);
   }
   Json figures = clip_figures(all);
   if (options.json) figures["clips"] = each;
@@ -89,7 +89,8 @@ void bench_clip(const BenchClipOptions& options) {
 void add_bench_clip(Command bench) {
   const auto options = std::make_shared<BenchClipOptions>();
   Command command = bench.add_subcommand(
-      "clip", "The answer of a body's tables to the true hand of filmed clips, against the truth");
+      "clip",
+      "The response of a body's tables to the true hand of synthetic clips, against the truth");
   command
       .add_option("body", options->body, "Body file with tables of touch: the one that was filmed")
       .required()
@@ -102,13 +103,13 @@ void add_bench_clip(Command bench) {
                    "other side that live assumes, not with the whole hand");
   command.add_flag("--json", options->json, "One JSON object");
   command.footer(
-      "No camera: the hand's own capsules press, in every frame; what is off is the answer's "
-      "alone.\n"
-      "With --true-depth the unseen side's share is added (ms include it then), and frames of "
-      "which\n"
-      "no camera sees what touches are left out. What palpable live is off beyond that is the\n"
-      "camera's share.\n"
-      "Frames at least 4 mm deep, pooled over the clips.\n"
+      "No camera: the hand's own capsules press in every frame, so that the errors are those of "
+      "the\n"
+      "tables alone. With --true-depth the error of the assumed unseen side is included (and its "
+      "time\n"
+      "in the ms), and frames in which no camera sees the touching part are left out. Errors of\n"
+      "palpable live beyond that are the camera's. Frames at least 4 mm deep, pooled over the "
+      "clips.\n"
       "Example: palpable bench clip out/demo/bunny.palpable out/demo/clip --json");
   command.callback([options] { bench_clip(*options); });
 }

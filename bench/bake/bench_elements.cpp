@@ -1,4 +1,4 @@
-// palpable-bake bench elements: how true 4-node and 10-node tetrahedra are on a body's presses.
+// palpable-bake bench elements: accuracy of 4-node and 10-node tetrahedra for presses of a body.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -31,7 +31,7 @@ struct BenchElementsOptions {
   bool json = false;
 };
 
-// NaN has no form in JSON.
+// JSON has no NaN.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json study_json(const ElementStudy& study, double height) {
@@ -121,7 +121,7 @@ struct Studied {
   double height = 0, full_press = 0;  // m
 };
 
-// One mesh of this edge and finer ones within it, or the mesh alone.
+// Studies a mesh with this edge length and finer meshes nested in it, or the mesh alone.
 Studied study_body(const BenchElementsOptions& options, BodyDescription description, double edge,
                    bool nested, ProgressBar& bar) {
   ElementStudySettings settings = settings_of(options, description);
@@ -182,7 +182,7 @@ void bench_elements(const BenchElementsOptions& options) {
                     options.description));
   }
   ProgressBar bar;
-  // Split in eight, a mesh of twice the edge has the body's.
+  // A mesh with twice the edge length, split in eight, has the body's edge length.
   const double edge = *description.shape.edge;
   const Studied nested = study_body(options, description, 2.0 * edge, true, bar);
   const Studied direct = study_body(options, description, edge, false, bar);

@@ -1,4 +1,4 @@
-// palpable-bake bench friction: what friction, which the tables of touch leave out, would change.
+// palpable-bake bench friction: the effect of friction, which the tables of touch ignore.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -29,11 +29,11 @@ struct BenchFrictionOptions {
   std::string body = "bodies/bunny-demo.toml";
   int each = 2;
   double coefficient = 0.3;
-  std::uint64_t seed = 0;  // 0: drawn
+  std::uint64_t seed = 0;  // 0: random
   bool json = false;
 };
 
-// A squeeze has no way aside.
+// Without the squeeze, which is not dragged aside.
 constexpr std::array kThings{PressingThing::kFinger, PressingThing::kPencil, PressingThing::kPalm,
                              PressingThing::kHand, PressingThing::kRim};
 
@@ -42,20 +42,20 @@ std::string moment_of(const FrictionDifference& d) {
                        : fmt::format("at_{:g}mm", 1e3 * d.depth);
 }
 
-// What is told of a moment, and the unit that it is told in.
-struct Told {
+// Name and unit of the differences in the output.
+struct ReportedDifference {
   const char* name;
   double FrictionDifference::*value;
   double per_unit;
 };
-constexpr std::array kTold{
-    Told{"u_median", &FrictionDifference::displacement, 1},
-    Told{"worst_vertex_median_mm", &FrictionDifference::worst_vertex, 1e3},
-    Told{"force_median", &FrictionDifference::force, 1},
-    Told{"angle_median_deg", &FrictionDifference::angle, 180 / std::numbers::pi},
-    Told{"vm_median", &FrictionDifference::von_mises, 1}};
+constexpr std::array kReported{
+    ReportedDifference{"u_median", &FrictionDifference::displacement, 1},
+    ReportedDifference{"worst_vertex_median_mm", &FrictionDifference::worst_vertex, 1e3},
+    ReportedDifference{"force_median", &FrictionDifference::force, 1},
+    ReportedDifference{"angle_median_deg", &FrictionDifference::angle, 180 / std::numbers::pi},
+    ReportedDifference{"vm_median", &FrictionDifference::von_mises, 1}};
 
-// By thing and moment.
+// Medians of the differences for each thing and moment.
 Json medians_of(const std::vector<FrictionDifference>& all) {
   std::map<std::pair<std::string, std::string>, std::vector<FrictionDifference>> groups;
   for (const FrictionDifference& d : all) groups[{name_of(d.thing), moment_of(d)}].push_back(d);
@@ -63,10 +63,10 @@ Json medians_of(const std::vector<FrictionDifference>& all) {
   for (const auto& [group, differences] : groups) {
     Json& entry = figures[group.first][group.second];
     entry["scenes"] = differences.size();
-    for (const Told& told : kTold) {
+    for (const ReportedDifference& reported : kReported) {
       std::vector<double> values;
-      for (const FrictionDifference& d : differences) values.push_back(d.*told.value);
-      entry[told.name] = told.per_unit * percentile(values, 0.5);
+      for (const FrictionDifference& d : differences) values.push_back(d.*reported.value);
+      entry[reported.name] = reported.per_unit * percentile(values, 0.5);
     }
   }
   return figures;
@@ -116,9 +116,9 @@ void add_bench_friction(Command bench) {
   command.add_option("--seed", options->seed, "Of the scenes; 0: a fresh one, which is printed");
   command.add_flag("--json", options->json, "One JSON object");
   command.footer(
-      "Things press the body by 5 mm and are then dragged aside by 5 mm. The answer to touch "
-      "leaves\n"
-      "friction out: this says how far off that is.\n"
+      "Things press the body by 5 mm and are then dragged aside by 5 mm. The tables of touch "
+      "ignore\n"
+      "friction: this measures the error that it causes.\n"
       "Example: palpable bench friction bodies/bunny-demo.toml --coefficient 0.5");
   command.callback([options] { bench_friction(*options); });
 }

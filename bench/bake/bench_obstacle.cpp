@@ -1,4 +1,5 @@
-// palpable-bake bench obstacle: contact against Hertz, against CalculiX, and on a body.
+// palpable-bake bench obstacle: compares contact with Hertz's solution and with CalculiX, and
+// measures it on a body.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -23,7 +24,7 @@ namespace {
 
 struct BenchObstacleOptions {
   std::string body = "bodies/bunny-demo.toml";
-  std::vector<int> hertz{12, 17, 24, 28};  // cells
+  std::vector<int> hertz{12, 17, 24, 28};  // numbers of cells
   bool json = false;
 };
 
@@ -65,7 +66,7 @@ Json calculix_figures(ProgressBar& bar) {
           {"ccx_difference_force", differences.back().force}};
 }
 
-// A finger's tip that comes down on the highest place of the body, a tenth of its height deep.
+// A fingertip that moves down onto the highest point of the body, by a tenth of its height.
 Json body_figures(const BenchObstacleOptions& options, ProgressBar& bar) {
   constexpr int kSteps = 10;
   constexpr double kRadius = 8e-3;

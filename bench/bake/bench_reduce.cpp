@@ -1,5 +1,5 @@
-// palpable bench reduce: all methods on the bunny, the default body against states solved
-// afresh, and sparse PGD on a part of the beam's samples.
+// palpable bench reduce: all methods on the bunny, the default body compared with full-order
+// solutions, and sparse PGD on a part of the beam's samples.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -51,7 +51,7 @@ SnapshotStore solved(const std::string& file, const fs::path& folder,
   return std::move(filled.store);
 }
 
-// The names that results have had from the beginning.
+// Names used in the published results since the first version.
 const char* short_name(ReductionMethod method) {
   switch (method) {
     case ReductionMethod::kPgd2:
@@ -107,11 +107,12 @@ void compare(const SnapshotStore& store, Json& result) {
   }
 }
 
-// What touches between sites cost, with the description's sites, four and sixteen times as many.
+// Errors of touches between sites, with the description's number of sites, and with four and
+// sixteen times as many.
 void compare_sites(const BenchReduceOptions& options, Json& result) {
   BodyDescription description = read_body_description(options.description);
   const int usual = description.sites.count;
-  if (usual < 2 || !description.parameters.empty()) return;  // one body, whose sites are chosen
+  if (usual < 2 || !description.parameters.empty()) return;  // needs one body with chosen sites
   description.sites.count = 16 * usual;
   description.sites.linear = false;
   const BodyProblem problem = pose_body(description);
@@ -165,7 +166,7 @@ void bench_reduce(const BenchReduceOptions& options) {
   const SnapshotStore between =
       solved(options.description, folder / "body.held-out", options, &bunny);
 
-  // The clock: from a folder of snapshots to a body file, the paper's form and the default.
+  // Time from a folder of snapshots to a body file, in the paper's form and by default.
   const Clock::time_point begin = Clock::now();
   const SnapshotStore store = SnapshotStore::open(bunny.folder());
   ReduceSettings paper;

@@ -1,5 +1,5 @@
-// palpable-bake bench solid: one equilibrium path against CalculiX' on the same mesh and loads, in
-// CPU time and digit by digit.
+// palpable-bake bench solid: compares one equilibrium path with CalculiX's on the same mesh under
+// the same loads, in CPU time and accuracy.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -48,7 +48,8 @@ struct BenchSolidOptions {
 };
 
 constexpr double kTolerance = 1e-8;  // of both programs
-// Short of where either program stops: the last stretch before it is solved by luck.
+// Ratio to the last load that both programs reach: convergence on the last part of the path
+// depends on chance.
 constexpr double kShareOfLast = 0.95;
 
 double median(std::vector<double> values) { return percentile(std::move(values), 0.5); }
@@ -59,11 +60,11 @@ std::vector<double> even_levels(int count) {
   return levels;
 }
 
-// One path of ours, all of it: the solver made, its factor of the undeformed body included.
+// One of our paths, including construction of the solver and the factor of the undeformed body.
 struct OurPath {
   PathResult path;
-  double cpu_s = 0;    // the median of the repeats; all else is of that repeat
-  double setup_s = 0;  // of it, making the solver
+  double cpu_s = 0;    // median of the repeats; all other members are of that repeat
+  double setup_s = 0;  // part of cpu_s: construction of the solver
   SolverSetup setup;
 };
 OurPath solve_ours(const SolidModel& model, const Matrix3Xd& load,
@@ -94,7 +95,7 @@ Counts counts_of(const PathResult& path) {
   return counts;
 }
 
-// Where the CPU time went.
+// Distribution of the CPU time.
 Json stages_of(const OurPath& ours) {
   const SolverSetup& setup = ours.setup;
   const SolveTimes& times = ours.path.times;
@@ -124,11 +125,11 @@ Json path_json(const OurPath& ours) {
           {"levels_reached", ours.path.steps.size()}};
 }
 
-// How far all runs of CalculiX together are.
+// Progress of all runs of CalculiX together.
 class Runs {
  public:
   explicit Runs(double total) : total_(total) {}
-  // A run that counts as `share` of the total.
+  // Begins a run that counts as `share` of the total.
   [[nodiscard]] Progress next(double share, const std::string& what) {
     begun_ += share_;
     share_ = share;
@@ -147,19 +148,19 @@ class Runs {
   double total_, begun_ = 0, share_ = 0;
 };
 
-// Both programs on one path, and what they differ by.
+// Results of both programs on one path, and their difference.
 struct Pair {
   OurPath ours;
   CalculixRun theirs;
   PathDifference difference;
-  double share = 1;  // of the load that was asked for
+  double share = 1;  // ratio to the requested load
 };
 Pair solve_both(const SolidModel& model, const Matrix3Xd& full_load,
                 const std::vector<double>& levels, const BenchSolidOptions& options,
                 double share_of_runs, const std::string& what, Runs& runs) {
   Pair pair;
   Matrix3Xd load = full_load;
-  // A second time where one of the two does not get to the end.
+  // Repeated with a smaller load if one of the programs does not reach the end.
   for (int attempt = 0;; ++attempt) {
     pair.ours = solve_ours(model, load, levels, options.repeats);
     pair.theirs = {};
@@ -201,16 +202,16 @@ Json path_json(const Pair& pair, const BenchSolidOptions& options) {
   return row;
 }
 
-// What one path takes at least on this machine, by any method that for each level evaluates the
-// forces once, a product with the tangent once and the factor once, and makes one factor: bytes at
-// the rate of a copy between arrays as large as the factor, operations at the rate of multiply-adds
-// in registers, in single precision, nothing overlapping and nothing kept in a cache.
+// Lower bound of the time of one path on this machine, for any method that makes one factor and,
+// for each level, evaluates the forces once, multiplies by the tangent once and applies the factor
+// once. Bytes are counted at the rate of a copy between arrays as large as the factor, operations
+// at the rate of single-precision multiply-adds in registers; without overlap and without caching.
 Json path_floor(const TetMesh& mesh, const SolverSetup& setup, int levels) {
   const MachineRates rates = measure_machine(static_cast<std::size_t>(setup.factor_bytes));
-  // Displacements read, forces written and read, 3 doubles a node each.
+  // Displacements read, forces written and read: 3 doubles per node each.
   const double element_bytes = setup.element_bytes + 72.0 * mesh.node_count();
-  // At each point F and the forces take 18 multiply-adds a node together, the law about 100
-  // operations.
+  // At each point, F and the forces take 18 multiply-adds per node, and the material law
+  // about 100 operations.
   const double points = mesh.is_quadratic() ? 4 : 1, nodes = mesh.is_quadratic() ? 10 : 4;
   const double element_flops = mesh.tet_count() * points * (36.0 * nodes + 100.0);
   const double pass =
@@ -232,8 +233,9 @@ Json path_floor(const TetMesh& mesh, const SolverSetup& setup, int levels) {
 
 Json at_json(const Vector3d& at) { return {at[0], at[1], at[2]}; }
 
-// The body of 10-node tetrahedra with about as many nodes, to be pressed at the same places: meshed
-// with twice the edge, it has the same patches, since its edges' middles are vertices of its skin.
+// A description of the body with 10-node tetrahedra and about as many nodes, to be pressed at the
+// same positions. With twice the edge length it has the same patches, because the midpoints of its
+// edges are vertices of its skin.
 BodyDescription of_ten_nodes(const BodyDescription& description,
                              const std::vector<Vector3d>& places) {
   BodyDescription coarse = description;
@@ -267,7 +269,8 @@ Json ten_node_figures(const BodyProblem& problem, const std::vector<double>& lev
           {"sites", std::move(rows)}};
 }
 
-// The paper's beam, of its size, by St. Venant-Kirchhoff: bent at its tip by a fifth of its length.
+// The paper's beam in its original size, with the St. Venant-Kirchhoff law: its tip is displaced by
+// a fifth of its length.
 struct Beam {
   SolidModel model;
   Matrix3Xd load;
@@ -291,7 +294,8 @@ Beam full_size_beam() {
   return beam;
 }
 
-// The body as the bench needs it: one material that CalculiX has, an edge that can be doubled.
+// The body with the properties that this benchmark needs: one material that CalculiX has, and an
+// edge length that can be doubled.
 BodyDescription described(const BenchSolidOptions& options) {
   BodyDescription description = read_body_description(options.description);
   if (!description.shape.edge || !description.material.constants.empty()) {
@@ -321,29 +325,29 @@ BodyProblem posed(const BodyDescription& description, const BenchSolidOptions& o
   return problem;
 }
 
-// The largest differences of both programs, and the paths on which they are too large.
-struct Bars {
+// The largest differences between both programs, and the paths on which they exceed the limits.
+struct Differences {
   double displacement = 0, stress = 0;
   std::vector<std::string> beyond;
 
-  void hold(const std::string& what, const PathDifference& difference) {
+  void add(const std::string& what, const PathDifference& difference) {
     displacement = std::max(displacement, difference.displacement);
     stress = std::max(stress, difference.stress);
-    if (difference.displacement <= kDisplacementBar && difference.stress <= kStressBar) return;
+    if (difference.displacement <= kDisplacementLimit && difference.stress <= kStressLimit) return;
     beyond.push_back(fmt::format("{}: displacement {:.1e} (bar {:.0e}), stress {:.1e} (bar {:.0e})",
-                                 what, difference.displacement, kDisplacementBar, difference.stress,
-                                 kStressBar));
+                                 what, difference.displacement, kDisplacementLimit,
+                                 difference.stress, kStressLimit));
   }
 };
 
 struct SitePaths {
   Json sites = Json::array(), floor;
   std::vector<Vector3d> places;
-  std::vector<double> cpu, ccx_cpu, ratios, fractions;  // a number for each site
+  std::vector<double> cpu, ccx_cpu, ratios, fractions;  // one value per site
 };
 
 SitePaths press_sites(const BodyProblem& problem, const std::vector<double>& levels,
-                      const BenchSolidOptions& options, Runs& runs, Bars& bars) {
+                      const BenchSolidOptions& options, Runs& runs, Differences& differences) {
   const TetMesh& mesh = problem.model.mesh;
   const EquilibriumSolver search_solver(problem.model, {.tolerance = kTolerance});
   SitePaths paths;
@@ -369,21 +373,21 @@ SitePaths press_sites(const BodyProblem& problem, const std::vector<double>& lev
     paths.ccx_cpu.push_back(pair.theirs.cpu_seconds);
     paths.ratios.push_back(pair.theirs.cpu_seconds / pair.ours.cpu_s);
     paths.fractions.push_back(press);
-    if (!options.ours_only) bars.hold(what, pair.difference);
+    if (!options.ours_only) differences.add(what, pair.difference);
   }
   return paths;
 }
 
-// Both programs on the paper's beam and on 10-node tetrahedra.
+// Compares both programs on the paper's beam and on 10-node tetrahedra.
 Json verify_others(const BodyProblem& ten, const BenchSolidOptions& options, Runs& runs,
-                   Bars& bars) {
+                   Differences& differences) {
   Json verified = Json::array();
   const auto verify = [&](const std::string& what, const SolidModel& model, const Matrix3Xd& load,
                           int count, double share) {
     BenchSolidOptions once = options;
     once.repeats = 1;
     const Pair pair = solve_both(model, load, even_levels(count), once, share, what, runs);
-    bars.hold(what, pair.difference);
+    differences.add(what, pair.difference);
     Json row = {{"body", what},
                 {"law", law_name(model.material)},
                 {"nodes", model.mesh.node_count()},
@@ -405,7 +409,8 @@ Json verify_others(const BodyProblem& ten, const BenchSolidOptions& options, Run
 }
 
 Json solid_figures(const BodyDescription& description, const BodyProblem& problem,
-                   const BenchSolidOptions& options, SitePaths paths, const Bars& bars) {
+                   const BenchSolidOptions& options, SitePaths paths,
+                   const Differences& differences) {
   Json result;
   result["title"] = "An equilibrium path against CalculiX";
   result["order"] = 40;
@@ -428,8 +433,8 @@ Json solid_figures(const BodyDescription& description, const BodyProblem& proble
   if (!options.ours_only) {
     result["ccx_cpu_s"] = median(paths.ccx_cpu);
     result["ratio_to_ccx"] = median(paths.ratios);
-    result["max_rel_difference_u"] = bars.displacement;
-    result["max_rel_difference_stress"] = bars.stress;
+    result["max_rel_difference_u"] = differences.displacement;
+    result["max_rel_difference_stress"] = differences.stress;
   }
   result["floor_s"] = paths.floor["path_s"];
   result["memory_bytes"] = peak_memory();
@@ -450,16 +455,16 @@ void bench_solid(const BenchSolidOptions& options) {
   const BodyProblem problem = posed(description, options);
   const std::vector<double> levels = even_levels(options.levels);
   Runs runs((options.verify ? 1.5 : 1.0) * static_cast<double>(options.sites.size()));
-  Bars bars;
-  SitePaths paths = press_sites(problem, levels, options, runs, bars);
+  Differences differences;
+  SitePaths paths = press_sites(problem, levels, options, runs, differences);
   const std::vector<Vector3d> places = paths.places;
-  Json result = solid_figures(description, problem, options, std::move(paths), bars);
+  Json result = solid_figures(description, problem, options, std::move(paths), differences);
   const BodyProblem ten = pose_body(of_ten_nodes(description, places));
   result["ten_node"] = ten_node_figures(ten, levels, options.repeats);
   if (options.verify && !options.ours_only) {
-    result["verified"] = verify_others(ten, options, runs, bars);
-    result["max_rel_difference_u"] = bars.displacement;
-    result["max_rel_difference_stress"] = bars.stress;
+    result["verified"] = verify_others(ten, options, runs, differences);
+    result["max_rel_difference_u"] = differences.displacement;
+    result["max_rel_difference_stress"] = differences.stress;
   }
   result["text"] = solid_section_text(result, options.law, options.levels, kTolerance);
   result["tables"] = solid_section_tables(result);
@@ -471,9 +476,9 @@ void bench_solid(const BenchSolidOptions& options) {
   } else {
     for (const auto& [key, value] : result.items()) fmt::print("{:<26} {}\n", key, value.dump());
   }
-  if (options.verify && !bars.beyond.empty()) {
-    throw Error(
-        fmt::format("the programs differ by more than they may: {}", fmt::join(bars.beyond, "; ")));
+  if (options.verify && !differences.beyond.empty()) {
+    throw Error(fmt::format("the programs differ by more than they may: {}",
+                            fmt::join(differences.beyond, "; ")));
   }
 }
 

@@ -1,4 +1,4 @@
-// palpable-bake bench touch: the answer to touch by a body's tables against full finite elements.
+// palpable-bake bench touch: compares the response of a body's tables with full-order solutions.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -42,18 +42,19 @@ namespace {
 struct BenchTouchOptions {
   std::string body = "bodies/bunny-demo.toml";
   int each = 4;
-  std::uint64_t seed = 0;  // 0: drawn
+  std::uint64_t seed = 0;  // 0: random
   int refine = 0;
   std::filesystem::path baked;  // empty: the tables are made
   bool linear = false;
-  std::filesystem::path pictures;  // folder; empty: none
+  std::filesystem::path pictures;  // folder; empty: no pictures
   bool json = false;
 };
 
 constexpr std::array kDepths{0.0025, 0.005, 0.010};  // m
-constexpr int kLinearLoads = 100;                    // against which the compliance is held
+constexpr int kLinearLoads = 100;                    // for the error of the compliance table
 
-// Median and p90 of each thing at each depth, after so many exact answers.
+// Median and p90 of the differences for each thing and depth, after `refined` full-order
+// solutions were adopted.
 Json differences_of(const std::vector<TouchDifference>& all, int refined) {
   Json figures = Json::object();
   for (int k = 0; k < kPressingThings; ++k) {
@@ -105,8 +106,8 @@ Json scenes_of(const std::vector<TouchDifference>& all) {
   return scenes;
 }
 
-// What the answer says of its own error, against the true one: to be at 0.7 to 1.4 in the median,
-// and below a half in 5 % at most.
+// Ratio of the stated error to the true one. Intended: a median of 0.7 to 1.4, and less than 0.5
+// for at most 5 % of the touches.
 Json stated_over_true(const std::vector<TouchDifference>& all, int refined,
                       std::optional<PressingThing> thing, double deepest,
                       double StatedError::*stated, double HeldOutTouch::*truth) {
@@ -161,7 +162,8 @@ class Pictures {
   TouchPictures pictures_;
 };
 
-// Of a body that was baked before; of a skin that is carried those of the one that carries it.
+// Reads the tables of a baked body; of an embedded skin, those of the coarse body in
+// which it is embedded.
 TouchTables tables_in(const std::filesystem::path& file, const SkinResponse& skin) {
   TouchableBody body = value_or_throw(read_pressable_touchable_body(file));
   const auto are_of_skin = [&] {
@@ -191,7 +193,7 @@ void bench_touch(const BenchTouchOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
     TouchTables made = make_touch_tables(skin, settings, report);
     bake_s = seconds_since(begin);
-    // They calibrate what the answer says of its own error; their seed is another one.
+    // The held-out touches calibrate the stated error; they have another seed than this benchmark.
     made.held_out = make_held_out(body.solver, skin, body.presses.preloaded(), made,
                                   {.threads = settings.threads}, report);
     return made;
@@ -208,7 +210,8 @@ void bench_touch(const BenchTouchOptions& options) {
     const auto thing = static_cast<PressingThing>(k);
     int number = 0;
     for (const TouchScene& scene : touch_scenes(skin, thing, options.each, seed)) {
-      bar.show({"the full answer, scene by scene", static_cast<double>(k * options.each + number++),
+      bar.show({"full-order solutions, scene by scene",
+                static_cast<double>(k * options.each + number++),
                 static_cast<double>(kPressingThings * options.each), name_of(thing)});
       const std::string why = compare_touch(
           body.solver, skin, body.presses.preloaded(), touch, tables.point_spacing, scene, kDepths,
@@ -273,20 +276,19 @@ void add_bench_touch(Command bench) {
   command.add_option("--seed", options->seed, "Of the scenes; 0: a fresh one, which is printed");
   command
       .add_option("--refine", options->refine,
-                  "So many exact answers to the load are then taken up, and the touch is compared "
+                  "Number of full-order solutions that are then adopted; the touch is compared "
                   "after each")
       .in_range(0, 20)
       .show_default();
   command
       .add_option("--baked", options->baked,
-                  "The body file that was baked from it: its tables are asked, none are made")
+                  "The body file that was baked from it: its tables are used, none are made")
       .type_name("BODY.palpable");
   command.add_flag("--linear", options->linear, "The first stage of the tables alone");
   command
-      .add_option(
-          "--pictures", options->pictures,
-          "Folder for a picture of each scene and depth: the tables' answer beside the full "
-          "one, and how far apart they are")
+      .add_option("--pictures", options->pictures,
+                  "Folder for a picture of each scene and depth: the tables' response beside the "
+                  "full-order solution, and their difference")
       .type_name("FOLDER");
   command.add_flag("--json", options->json, "One JSON object");
   command.footer("Example: palpable bench touch bodies/bunny-demo.toml --each 2 --json");

@@ -28,9 +28,9 @@ namespace fs = std::filesystem;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kTouches = 0.01;  // N between bodies
+constexpr double kTouches = 0.01;  // N, smallest force between bodies that counts as touching
 
-// What is known of a body.
+// The truth of one body.
 struct Truth {
   fs::path folder;
   ClipHands hands;
@@ -61,7 +61,7 @@ Truth truth_of(const StudiedBody& body, const fs::path& clip) {
   return truth;
 }
 
-// Some bodies, played frame by frame.
+// Several bodies whose contact is computed frame by frame.
 class Players {
  public:
   explicit Players(const std::vector<const StudiedBody*>& bodies) {
@@ -74,7 +74,8 @@ class Players {
     for (const auto& part : parts_) part->use_state();
   }
 
-  // Contact, and all that is shown of what moved. @return ms of CPU
+  // Solves the contact of a frame and computes all results of the bodies that moved.
+  // @return CPU time, ms
   double advance(std::span<const Obstacles* const> seen) {
     std::vector<ContactSolver::Near> near;
     for (const Obstacles* obstacles : seen) near.push_back({obstacles});
@@ -94,7 +95,7 @@ class Players {
     return std::any_of(forces.begin(), forces.end(),
                        [](const PointForce& at) { return at.by < 0; });
   }
-  // N, scene frame.
+  // Sum of the forces of other bodies on body k, N, scene frame.
   [[nodiscard]] Vector3d by_others(std::size_t k) const {
     Vector3d sum = Vector3d::Zero();
     for (const PointForce& at : parts_[k]->contact_body().forces()) {
@@ -182,7 +183,7 @@ BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::pa
     truths.push_back(truth_of(body, clip));
     all.push_back(&body);
   }
-  // The one that the hand presses.
+  // The body that the hand presses.
   const auto pressed = static_cast<std::size_t>(
       std::max_element(truths.begin(), truths.end(),
                        [](const Truth& a, const Truth& b) {
@@ -195,14 +196,14 @@ BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::pa
                        }) -
       truths.begin());
   Players players(all), alone({all[pressed]});
-  // Two more of it that stand a metre aside.
+  // Two copies of it, placed a metre and more aside.
   std::vector<StudiedBody> aside(2, bodies[pressed]);
   for (std::size_t k = 0; k < 2; ++k) {
     aside[k].scene_from_body.translation().x() += 1.0 + static_cast<double>(k);
   }
   Players three({all[pressed], &aside[0], &aside[1]});
 
-  BodiesResult answer;
+  BodiesResult compared;
   for (int frame = 0; frame < truths.front().hands.frame_count(); ++frame) {
     const auto at = static_cast<std::size_t>(frame);
     std::vector<std::unique_ptr<ObstacleGaps>> gaps;
@@ -219,19 +220,19 @@ BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::pa
     const std::vector<const Obstacles*> of_three{seen[pressed], nullptr, nullptr};
     const double ms_alone = alone.advance({&seen[pressed], 1}), ms_three = three.advance(of_three);
     if (players.is_anything_near()) {
-      answer.milliseconds.push_back(ms);
-      answer.milliseconds_alone.push_back(ms_alone);
-      answer.milliseconds_three.push_back(ms_three);
+      compared.milliseconds.push_back(ms);
+      compared.milliseconds_alone.push_back(ms_alone);
+      compared.milliseconds_three.push_back(ms_three);
     }
-    answer.imbalance = std::max(answer.imbalance, players.report().imbalance);
+    compared.imbalance = std::max(compared.imbalance, players.report().imbalance);
     const auto touching = [&](std::size_t k) { return players.by_others(k).norm() > kTouches; };
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       if (k != pressed && touching(k)) {
-        answer.between_penetration.push_back(players.report().between);
+        compared.between_penetration.push_back(players.report().between);
       }
     }
     if (!truths.front().lines.contains(frame)) continue;
-    ++answer.frames;
+    ++compared.frames;
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       const Truth& truth = truths[k];
       const auto line = truth.lines.find(frame);
@@ -240,30 +241,31 @@ BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::pa
           read_valued_ply(deformed_skin_file(truth.folder, frame), kVonMisesProperty));
       const Matrix3Xd true_u = true_skin.surface.vertices - truth.rest;
       const Matrix3Xd u = players.skin(k).cast<double>() - bodies[k].body.body.surface.vertices;
-      const bool moved = true_u.colwise().norm().maxCoeff() > 1e-4;  // m: else nothing is relative
+      const bool moved = true_u.colwise().norm().maxCoeff() > 1e-4;  // m, or nothing is relative
       if (moved) {
-        answer.displacement.push_back(displacement_error(true_u, u, truth.areas).relative);
+        compared.displacement.push_back(displacement_error(true_u, u, truth.areas).relative);
         const std::span<const float> found = players.von_mises(k);
         const Eigen::VectorXd stress =
             Eigen::Map<const Eigen::VectorXf>(found.data(), std::ssize(found)).cast<double>();
-        answer.stress.push_back((stress - true_skin.values).norm() / true_skin.values.norm());
+        compared.stress.push_back((stress - true_skin.values).norm() / true_skin.values.norm());
       }
-      // The truth has one force for each body: that of other bodies where no hand touches it.
+      // The truth has only the total force on each body. Without a touching hand it is the force
+      // of other bodies.
       if (k == pressed || truth.hands.contacts[at].touching || players.is_touched_by_hand(k)) {
         continue;
       }
       const Vector3d true_force = bodies[k].scene_from_body.linear() * line->second.force;
       const bool here = touching(k), truly = true_force.norm() > kTouches;
-      answer.touching += here;
-      answer.touching_true += truly;
-      answer.disagree += here != truly;
+      compared.touching += here;
+      compared.touching_true += truly;
+      compared.disagree += here != truly;
       if (truly) {
-        answer.between_force.push_back((players.by_others(k) - true_force).norm() /
-                                       true_force.norm());
+        compared.between_force.push_back((players.by_others(k) - true_force).norm() /
+                                         true_force.norm());
       }
     }
   }
-  return answer;
+  return compared;
 }
 
 }  // namespace palpable

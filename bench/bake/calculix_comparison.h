@@ -1,5 +1,5 @@
 /// @file
-/// Our path and CalculiX' on the same mesh under the same loads, state by state.
+/// Comparison of our path with CalculiX's on the same mesh under the same loads, state by state.
 #pragma once
 
 #include "palpable/bake/campaign/calculix.h"
@@ -7,22 +7,22 @@
 
 namespace palpable {
 
-/// Over all levels that both reached. Differences are the largest over nodes (displacement,
+/// Differences over all levels that both programs reached: the largest over nodes (displacement,
 /// Euclidean norm) or integration points (Cauchy stress, any component), relative to the largest
-/// value of that level; of the levels, the worst.
+/// value of that level; of the worst level.
 struct PathDifference {
   double displacement = 0;
   double stress = 0;
-  int levels = 0;                   ///< compared
-  double largest_displacement = 0;  ///< m, ours, over all levels
-  double largest_stress = 0;        ///< Pa, likewise, any component
+  int levels = 0;                   ///< number of levels compared
+  double largest_displacement = 0;  ///< m, of our path, over all levels
+  double largest_stress = 0;        ///< Pa, of our path, over all levels, any component
   double smallest_volume_ratio = 1;
 };
 
-/// What both programs are held to when both solve to 1e-8; CalculiX prints seven digits.
-inline constexpr double kDisplacementBar = 1e-6, kStressBar = 1e-5;
+/// Allowed differences when both programs solve to 1e-8. CalculiX prints seven digits.
+inline constexpr double kDisplacementLimit = 1e-6, kStressLimit = 1e-5;
 
-/// @pre both are paths of `model`, and their levels agree as far as both go
+/// @pre both are paths of `model` with the same levels, up to the end of the shorter one
 [[nodiscard]] PathDifference compare_paths(const SolidModel& model, const PathResult& ours,
                                            const CalculixRun& theirs);
 

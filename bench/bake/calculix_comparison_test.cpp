@@ -37,7 +37,7 @@ TEST_CASE("the worst level, node and component of two paths is what their differ
   CHECK(same.stress == 0.0);
   CHECK(same.largest_displacement == ours.steps[1].displacement.colwise().norm().maxCoeff());
 
-  // A hundredth of the first level's largest value, which is smaller than the second's.
+  // 1 % of the largest value of the first level, which is smaller than that of the second level.
   const double u = ours.steps[0].displacement.colwise().norm().maxCoeff();
   theirs.states[0].displacement.col(tip) += Eigen::Vector3d(0.006, 0.008, 0) * u;
   const double sigma = theirs.states[0].stress.cwiseAbs().maxCoeff();
@@ -46,7 +46,7 @@ TEST_CASE("the worst level, node and component of two paths is what their differ
   CHECK(compare_paths(model, ours, theirs).displacement == Approx(0.01).epsilon(rounding));
   CHECK(compare_paths(model, ours, theirs).stress == Approx(0.02).epsilon(rounding));
 
-  theirs.states.pop_back();  // CalculiX stopped early
+  theirs.states.pop_back();  // as if CalculiX had stopped early
   CHECK(compare_paths(model, ours, theirs).levels == 1);
   theirs.states[0].level = 0.75;
   CHECK_THROWS_AS(compare_paths(model, ours, theirs), ContractViolation);

@@ -44,7 +44,7 @@ ValuedSurface skin_in(const fs::path& file, const SurfaceMesh& of) {
   return skin;
 }
 
-// Those that count, by frame.
+// The lines of the frames that are compared, by frame.
 std::map<int, DeformedLine> lines_of(const fs::path& deformed, double depth) {
   std::map<int, DeformedLine> lines;
   for (const DeformedLine& line : read_deformed_lines(deformed)) {
@@ -57,14 +57,14 @@ std::map<int, DeformedLine> lines_of(const fs::path& deformed, double depth) {
   return lines;
 }
 
-// What a body does about the hand: one frame of the contact, and the stress of a state.
-struct Answer {
+// A body's contact in one frame, and the stress and the skin of a state.
+struct BodyContact {
   std::function<TouchReport(int frame, TouchState& state)> advance;
   std::function<void(const TouchState& state, std::span<float> von_mises)> stress;
   std::function<void(const TouchState& state, Eigen::Matrix3Xf& skin)> place;
 };
 
-Answer to_capsules(const TouchableBody& body, const ClipHands& hands) {
+BodyContact to_capsules(const TouchableBody& body, const ClipHands& hands) {
   const auto solver =
       std::make_shared<TouchSolver>(body.body.surface, body.body.fixed, *body.touch);
   return {
@@ -80,15 +80,15 @@ Answer to_capsules(const TouchableBody& body, const ClipHands& hands) {
       [solver](const TouchState& state, Eigen::Matrix3Xf& skin) { solver->place(state, skin); }};
 }
 
-// The hand's front, with its other side assumed.
-Answer to_depth(const TouchableBody& body, const fs::path& clip, const ClipHands& hands) {
+// Contact with the visible side of the hand, its hidden side assumed.
+BodyContact to_depth(const TouchableBody& body, const fs::path& clip, const ClipHands& hands) {
   const SurfaceMesh& rest = body.body.surface;
   const fs::path truth = clip / "truth";
   const TruthCamera camera = read_truth_camera(truth / "camera.toml");
   if (!camera.camera) throw Error((truth / "camera.toml").string() + ": has no camera");
   ObjectSurfaceSettings exact;
   exact.noise_quadratic = 0;
-  exact.noise_constant = camera.depth_unit / std::sqrt(12.0);  // rounded to whole units
+  exact.noise_constant = camera.depth_unit / std::sqrt(12.0);  // sigma of rounding
   const auto surface = std::make_shared<ObjectSurface>(exact);
   const auto contact = std::make_shared<SkinContact>(rest, body.body.fixed, *body.touch);
   const Eigen::AlignedBox3d region(rest.vertices.rowwise().minCoeff(),
@@ -126,28 +126,28 @@ ClipResult compare_with_true_hand(const TouchableBody& body, const fs::path& cli
   }
   const ClipHands hands = read_clip_hands(clip);
   const Eigen::VectorXd areas = vertex_areas(rest);
-  const Answer to_hand =
+  const BodyContact to_hand =
       hand == TrueHand::kCapsules ? to_capsules(body, hands) : to_depth(body, clip, hands);
   TouchState state;
   Matrix3Xd before = Matrix3Xd::Zero(3, rest.vertex_count());
   Eigen::Matrix3Xf skin(3, rest.vertex_count());
   std::vector<float> stress(static_cast<std::size_t>(rest.vertex_count()));
-  ClipResult answer;
+  ClipResult compared;
   for (int frame = 0; frame < hands.frame_count(); ++frame) {
     const auto begin = std::chrono::steady_clock::now();
     const TouchReport report = to_hand.advance(frame, state);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
-    if (report.candidates > 0) answer.milliseconds.push_back(took.count());
+    if (report.candidates > 0) compared.milliseconds.push_back(took.count());
     to_hand.place(state, skin);
     const Matrix3Xd u = skin.cast<double>() - rest.vertices;
-    answer.largest_jump_mm =
-        std::max(answer.largest_jump_mm, 1e3 * (u - before).colwise().norm().maxCoeff());
+    compared.largest_jump_mm =
+        std::max(compared.largest_jump_mm, 1e3 * (u - before).colwise().norm().maxCoeff());
     before = u;
     const auto line = lines.find(frame);
     if (line == lines.end()) continue;
     const ContactLine& contact = hands.contacts[static_cast<std::size_t>(frame)];
     if (hand == TrueHand::kDepth && contact.seen_share.value_or(1) < kSeenFrom) {
-      ++answer.unseen;
+      ++compared.unseen;
       continue;
     }
     const ValuedSurface truth = skin_in(deformed_skin_file(deformed, frame), rest);
@@ -156,7 +156,7 @@ ClipResult compare_with_true_hand(const TouchableBody& body, const fs::path& cli
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     for (const PointForce& point : state.forces) force += point.force.cast<double>();
     to_hand.stress(state, stress);
-    answer.frames.push_back(
+    compared.frames.push_back(
         {.frame = frame,
          .displacement = error.relative,
          .worst_vertex_mm = 1e3 * error.worst,
@@ -165,7 +165,7 @@ ClipResult compare_with_true_hand(const TouchableBody& body, const fs::path& cli
              truth.values, Eigen::Map<const Eigen::VectorXf>(stress.data(), rest.vertex_count())
                                .cast<double>())});
   }
-  return answer;
+  return compared;
 }
 
 }  // namespace palpable

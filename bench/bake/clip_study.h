@@ -1,6 +1,6 @@
 /// @file
-/// The answer of a body's tables of touch to the true hand of a filmed clip, without a camera's
-/// errors: what is left when the hand is known exactly, or when only its front is.
+/// Response of a body's tables of touch to the true hand of a synthetic clip, without a camera's
+/// errors: the errors that remain when the hand, or only its visible side, is known exactly.
 #pragma once
 
 #include "palpable/common/response/touchable_body.h"
@@ -10,32 +10,33 @@
 
 namespace palpable {
 
-/// How far the answer is off in a frame.
+/// Errors of the response in one frame.
 struct ClipFrame {
   int frame = 0;
   double displacement = 0;  ///< relative L2 over the skin
   double worst_vertex_mm = 0;
   double force = 0;      ///< of the resultant, relative
-  double von_mises = 0;  ///< worst vertex against the largest
+  double von_mises = 0;  ///< error of the worst vertex / largest stress
 };
 
 struct ClipResult {
-  std::vector<ClipFrame> frames;     ///< those that are scored and deep enough, in their order
-  std::vector<double> milliseconds;  ///< of all frames in which something is near
-  int unseen = 0;                    ///< frames left out: no camera sees what touches (kDepth)
-  double largest_jump_mm = 0;        ///< of a vertex, from any frame to the next
+  std::vector<ClipFrame> frames;     ///< scored frames that are deep enough, in their order
+  std::vector<double> milliseconds;  ///< of all frames with an obstacle nearby
+  int unseen = 0;                    ///< skipped frames: no camera sees the touching part (kDepth)
+  double largest_jump_mm = 0;        ///< of a vertex between two successive frames
 };
 
-/// What presses.
+/// The obstacle.
 enum class TrueHand {
-  kCapsules,  ///< the hand itself
-  kDepth,     ///< what a perfect depth camera sees of it, its other side assumed as live does
+  kCapsules,  ///< the hand's own capsules
+  kDepth,     ///< as a perfect depth camera measures it, hidden side assumed as in `live`
 };
 
-/// Plays all frames of the clip and compares with CLIP/truth/deformed (`palpable truth` writes it).
-/// @param body   with tables; the one that was filmed
-/// @param depth  m: of the undeformed body; shallower frames are not compared
-/// @throws Error naming the file that is missing or of another body
+/// Plays all frames of the clip and compares with CLIP/truth/deformed (written by
+/// `palpable truth`).
+/// @param body   with tables; the body of the clip
+/// @param depth  m, penetration of the undeformed body; shallower frames are not compared
+/// @throws Error naming a file that is missing or belongs to another body
 [[nodiscard]] ClipResult compare_with_true_hand(const TouchableBody& body,
                                                 const std::filesystem::path& clip, TrueHand hand,
                                                 double depth);

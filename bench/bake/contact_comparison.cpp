@@ -33,7 +33,7 @@ SolidModel block(int cells) {
 Vector3d lid_normal() { return {std::sin(kTilt), 0.0, -std::cos(kTilt)}; }
 Vector3d lid_place(double level) { return {0.0, 0.5 * kSide, kSide - level * kDown}; }
 
-// N, what of the internal forces acts at nodes that nothing holds: all from the lid.
+// N, sum of the internal forces at free nodes, which equals the lid's force.
 Vector3d force_of(const EquilibriumSolver& solver, const Matrix3Xd& u) {
   Matrix3Xd force = solver.internal_force(u);
   for (const int node : solver.model().fixed_nodes) force.col(node).setZero();
@@ -45,7 +45,7 @@ Vector3d force_of(const EquilibriumSolver& solver, const Matrix3Xd& u) {
 std::vector<ContactDifference> compare_contact(int cells, const std::vector<double>& stiffnesses) {
   const EquilibriumSolver solver(block(cells));
   const auto way = [](double t) { return Obstacle{.half_spaces = {{lid_place(t), lid_normal()}}}; };
-  // So far apart that corners of the skin are the only points.
+  // With this spacing the corners of the skin are the only contact points.
   ContactWalk walk(solver, way, 0.0, {.spacing = kSide});
   for (const double t : {0.25, 0.5, 0.75, 1.0}) {
     if (!walk.advance(t)) throw Error("our contact: " + walk.why_stopped());

@@ -36,7 +36,8 @@ Sparse identity(Eigen::Index n) {
   return one;
 }
 
-// Several elements say the same about a node they share: the first is taken.
+// Rows of a matrix, each set once: elements give equal rows for a node they share, and
+// the first is kept.
 class Rows {
  public:
   Rows(int rows, int columns) : matrix_(rows, columns), done_(rows, false) {}
@@ -59,7 +60,7 @@ class Rows {
   std::vector<Eigen::Triplet<double>> entries_;
 };
 
-// A field of 4-node tetrahedra at the nodes of the same mesh with edge nodes.
+// Maps a field of 4-node tetrahedra to the nodes of the same mesh with edge nodes.
 Sparse linear_at_edge_nodes(const TetMesh& mesh, const TetMesh& with_edges) {
   Rows rows(with_edges.node_count(), mesh.node_count());
   for (int n = 0; n < mesh.node_count(); ++n) {
@@ -76,8 +77,8 @@ Sparse linear_at_edge_nodes(const TetMesh& mesh, const TetMesh& with_edges) {
   return rows.finish();
 }
 
-// A field of 10-node tetrahedra at the nodes of with_edge_nodes(split_into_eight(coarse)): there it
-// is the same field, since a quadratic polynomial is one on each part.
+// Maps a field of 10-node tetrahedra to the nodes of with_edge_nodes(split_into_eight(coarse)),
+// where it is the same field, because a quadratic polynomial is quadratic on each part.
 Sparse quadratic_at_split_nodes(const TetMesh& coarse, const TetMesh& fine) {
   Rows rows(fine.node_count(), coarse.node_count());
   for (int n = 0; n < coarse.node_count(); ++n) {
@@ -111,7 +112,7 @@ SolidModel split(const SolidModel& model) {
   return fine;
 }
 
-// All that the states of one mesh are compared by.
+// The quantities of a state that are compared.
 struct State {
   Matrix3Xd u;         // at the reference's nodes
   VectorXd at_points;  // von Mises stress at the reference's integration points
@@ -124,7 +125,7 @@ double relative_l2(const VectorXd& weights, const auto& difference_squared,
   return std::sqrt(weights.dot(difference_squared) / weights.dot(reference_squared));
 }
 
-// One mesh after the other through all presses.
+// Solves all presses, one mesh after the other.
 class Study {
  public:
   Study(const ElementFamily& family, const ElementStudySettings& settings, const Progress& progress)
@@ -165,7 +166,7 @@ class Study {
     for (std::size_t p = 0; p < settings_.poisson.size(); ++p) {
       truth_.clear();
       const std::size_t first = study_.presses.size();
-      // The reference first: the others are compared with it.
+      // The reference is solved first, because the others are compared with it.
       solve(family_.members.size(), p);
       for (std::size_t m = 0; m < family_.members.size(); ++m) {
         if (jobs(m, p) == 0) continue;
@@ -181,11 +182,11 @@ class Study {
   [[nodiscard]] const SolidModel& model_of(std::size_t m) const {
     return m < family_.members.size() ? family_.members[m].model : family_.reference;
   }
-  // A fine mesh of as many nodes as the reference is for the finite presses only.
+  // A fine mesh with as many nodes as the reference is used for the finite presses only.
   [[nodiscard]] bool in_linear_response(std::size_t m) const {
     return m == family_.members.size() || family_.members[m].nested;
   }
-  // About what it costs: a factor takes the square of the nodes, a solve the power 4/3.
+  // Approximate cost: a factor costs nodes^2, a solve nodes^(4/3).
   [[nodiscard]] double weight(std::size_t m) const {
     return std::pow(model_of(m).mesh.node_count() / 1000.0, 1.33);
   }
@@ -207,7 +208,7 @@ class Study {
     if (m == family_.members.size()) return unit_[site];
     const ElementMember& member = family_.members[m];
     if (member.nested) return unit_[site] * member.to_reference;
-    // The traction, linear between the corners of the reference, at all of its nodes.
+    // The traction at all nodes of the reference, linear between its corners.
     const TetMesh& reference = family_.reference.mesh;
     const int corners = corner_count(reference);
     Matrix3Xd traction(3, reference.node_count());
@@ -228,8 +229,9 @@ class Study {
     for (std::size_t s = 0; s < study_.sites.size(); ++s) {
       show("loads");
       const Matrix3Xd unit = load_of(m, s);
-      // Linear to about a per cent, and the same load for all meshes. With a ten-thousandth the
-      // energy's rounding, which goes with the strain's square, stops Newton's method at an ear.
+      // At this load the response is linear within about 1 %, and all meshes get the same load.
+      // With 1e-4 of the press, rounding of the energy, which is proportional to the square of the
+      // strain, stops Newton's method at an ear.
       const LoadSearch small = solver.find_load(unit, 1e-2 * settings_.press);
       if (!small.reached) throw Error("a site cannot be pressed: " + small.why_stopped);
       loads_.push_back({small.load});
@@ -242,14 +244,14 @@ class Study {
     }
   }
 
-  // All presses of one mesh under one Poisson's ratio; the reference's become truth_, the others
-  // are compared with those, which begin at `first` of study_.presses.
+  // Solves all presses of one mesh with one Poisson's ratio. The reference's states become truth_;
+  // others are compared with these, beginning with study_.presses[first].
   void solve(std::size_t m, std::size_t p, std::size_t first = 0) {
     const bool is_reference = m == family_.members.size();
     const double poisson = settings_.poisson[p];
     ElementMemberReport& report_of = study_.members[m];
     EquilibriumSettings settings;
-    // A factor of so many nodes is worth more iterations than the default has in mind.
+    // The factor of a large mesh is worth more iterations than by default.
     if (model_of(m).mesh.node_count() > 50'000) settings.refresh_iterations = 100;
     show(fmt::format("{}, factor", report_of.name));
     const double begin = process_cpu_seconds();
@@ -281,7 +283,7 @@ class Study {
             const Matrix3Xd& u = path.steps[k].displacement;
             state.press = unit.cwiseProduct(u).sum();
             state.u = is_reference ? u : Matrix3Xd(u * family_.members[m].to_reference.transpose());
-            // The same gradients as on its own mesh, where that is nested.
+            // Gradients are the same as on its own mesh if that is nested.
             if (in_linear_response(m)) {
               state.at_points = von_mises(point_cauchy_stress(there, state.u));
             }
@@ -308,7 +310,7 @@ class Study {
 
   [[nodiscard]] ElementErrors errors(const State& state, const State& truth) const {
     if (state.u.cols() == 0 || truth.u.cols() == 0) { return kNoErrors; }
-    // Stress where both have recovered it: a family's meshes share their first nodes.
+    // The nodes at which both have recovered stress: the first nodes are common to a family.
     const Eigen::Index shared =
         std::min<Eigen::Index>(state.at_nodes.size(), corner_count(family_.reference.mesh));
     const VectorXd mine = state.at_nodes.head(shared), right = truth.at_nodes.head(shared);
@@ -330,11 +332,10 @@ class Study {
   ElementStudy study_;
   std::vector<Matrix3Xd> corner_traction_;  // per site, Pa at the reference's corners
   std::vector<Matrix3Xd> unit_;             // per site, N at the reference's nodes
-  std::vector<std::vector<double>>
-      loads_;                 // per site: that of the linear response, those of shares
-  std::vector<State> truth_;  // of one Poisson's ratio
-  VectorXd volumes_;          // m^3, at the reference's nodes
-  VectorXd point_volumes_;    // m^3 of the element, at the reference\'s points
+  std::vector<std::vector<double>> loads_;  // per site: of the linear response, then of the shares
+  std::vector<State> truth_;                // for one Poisson's ratio
+  VectorXd volumes_;                        // m^3, at the reference's nodes
+  VectorXd point_volumes_;                  // m^3, of the element, at the reference's points
   double done_ = 0, total_ = 1;
 };
 
@@ -348,7 +349,7 @@ ElementFamily nested_family(const SolidModel& coarse) {
   const SolidModel fine = split(family.reference);
   family.skin = boundary_of(four.mesh);
   const Sparse from_ten = quadratic_at_split_nodes(ten.mesh, family.reference.mesh);
-  // A field of the coarse mesh is one of the 10-node mesh, too.
+  // A field of the coarse mesh is also a field of the 10-node mesh.
   const Sparse from_coarse = from_ten * linear_at_edge_nodes(coarse.mesh, ten.mesh);
   const Sparse from_four = linear_at_edge_nodes(four.mesh, family.reference.mesh);
   family.members = {

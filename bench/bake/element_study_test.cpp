@@ -39,7 +39,7 @@ TEST_CASE("meshes of a family carry their own polynomials to the reference uncha
     CHECK((there - sampled(family.reference.mesh, degree)).cwiseAbs().maxCoeff() <=
           tolerance(1e-15, "sums of ten numbers of 0.1"));
   }
-  // Held where the reference is: at no node more and at none less.
+  // Each mesh is held at exactly the nodes on the reference's support.
   const auto held_area = [](const SolidModel& model) {
     for (const int n : model.fixed_nodes) {
       if (model.mesh.nodes(2, n) != 0.0) return std::size_t{0};
@@ -84,10 +84,10 @@ TEST_CASE("a study compares every mesh under every press, and the reference with
       before = press.load;
     }
     for (const std::size_t m : {0u, 1u, 2u}) {
-      CHECK(press.errors[m].press < 0.0);  // fewer functions: too stiff
+      CHECK(press.errors[m].press < 0.0);  // fewer shape functions: too stiff
       CHECK(press.errors[m].displacement > 0.0);
     }
-    // Fewer functions, larger errors.
+    // Fewer shape functions give larger errors.
     CHECK(press.errors[0].press < press.errors[2].press);
     CHECK(press.errors[0].press < press.errors[1].press);
     CHECK(std::abs(press.errors[3].press) <= tolerance(1e-7, "both solved to 1e-8"));

@@ -14,11 +14,11 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kStep = 0.625e-3;  // m: friction asks for small ones
-constexpr double kDepth = 5e-3;     // m, and as far aside after that
+constexpr double kStep = 0.625e-3;  // m; friction needs small steps
+constexpr double kDepth = 5e-3;     // m, also of the drag
 constexpr std::array kLooks{2.5e-3, 5e-3, 7.5e-3, 10e-3};
 
-// A scene's thing after a way of `t` m, down and then aside.
+// The scene's obstacle after a path of `t` m: down, then aside.
 Obstacle after(const TouchScene& scene, double t) {
   const double aside = std::max(0.0, t - kDepth);
   Rigid3 drag = Rigid3::Identity();
@@ -60,7 +60,7 @@ std::string compare_friction(const EquilibriumSolver& solver, const SkinResponse
       if (!without.advance(t)) return "without friction " + without.why_stopped();
       if (!with.advance(t)) return "with friction " + with.why_stopped();
     }
-    // Dragged off the body there is nothing to compare.
+    // When the obstacle was dragged off the body there is nothing to compare.
     if (with.now().touching == 0 || without.now().touching == 0) return {};
     FrictionDifference d = difference_of(skin, without.now(), with.now());
     d.thing = scene.thing;

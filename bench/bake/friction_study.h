@@ -1,5 +1,6 @@
 /// @file
-/// What friction changes: things press and drag a body, by the full solver with and without it.
+/// The effect of friction: things press and drag a body, solved in full order with and
+/// without friction.
 #pragma once
 
 #include "palpable/bake/solid/contact.h"
@@ -12,23 +13,23 @@
 
 namespace palpable {
 
-/// How far the answer without friction is from the one with it, at one moment.
+/// Difference of the solution without friction from the one with friction, at one moment.
 struct FrictionDifference {
   PressingThing thing = PressingThing::kFinger;
-  double depth = 0;         ///< m that the thing has gone on since it just touched
-  double dragged = 0;       ///< m that it has gone aside after that
+  double depth = 0;         ///< m, motion of the thing since its first contact
+  double dragged = 0;       ///< m, motion aside after that
   double displacement = 0;  ///< relative L2 over the skin's vertices
   double worst_vertex = 0;  ///< m
   double force = 0;         ///< of the resultant, relative
-  double angle = 0;         ///< rad between the two resultants
-  double von_mises = 0;     ///< of the stress at the worst vertex, against the largest on the skin
+  double angle = 0;         ///< rad, between the two resultants
+  double von_mises = 0;     ///< error of the worst vertex / largest stress on the skin
 };
 
-/// Presses a scene to 2.5 and 5 mm, then drags it aside by 2.5 and 5 mm, square to its way, and
-/// compares at each of the four.
+/// Presses a scene to 2.5 and 5 mm, then drags it by 2.5 and 5 mm perpendicular to its path, and
+/// compares the solutions at each of the four moments.
 /// @param coefficient  Coulomb's, > 0
-/// @param found        is called at each
-/// @returns why one of the two walks stopped before the end; empty if neither did
+/// @param found        called at each moment
+/// @returns why one of the two solutions stopped before the end; empty if neither did
 [[nodiscard]] std::string compare_friction(
     const EquilibriumSolver& solver, const SkinResponse& skin, const Preloaded* preloaded,
     double point_spacing, const TouchScene& scene, double coefficient,

@@ -13,7 +13,7 @@ using test::tolerance;
 
 TEST_CASE("what friction changes: little under a straight press, Coulomb's angle when dragged",
           "[bench][friction]") {
-  constexpr double kRadius = 0.05;  // m: of many contact points no one counts for much
+  constexpr double kRadius = 0.05;  // m; with many contact points a single one matters little
   const SolidModel model =
       test::standing_rubber(box_tets({-0.03, -0.025, 0}, {0.03, 0.025, 0.04}, 6, 5, 4));
   const EquilibriumSolver solver(model);

@@ -14,7 +14,7 @@
 namespace palpable {
 namespace {
 
-// Eight chains hide the latency of a multiply-add on two ports.
+// Independent chains of operations: eight hide the latency of multiply-adds on two ports.
 constexpr int kChains = 8;
 
 #if defined(__x86_64__)
@@ -68,7 +68,7 @@ MachineRates measure_machine(std::size_t copied_bytes) {
     std::memcpy(to.data(), from.data(), copied_bytes);
     rates.bytes_per_s = std::max(rates.bytes_per_s, 2.0 * static_cast<double>(copied_bytes) /
                                                         (process_cpu_seconds() - begin));
-    // Read, so that the copy is not dropped.
+    // Reading the result keeps the compiler from removing the copy.
     if (to[0] != from[0]) rates.bytes_per_s = 0;
   }
 

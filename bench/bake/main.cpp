@@ -1,5 +1,5 @@
-// palpable-bake-bench: what the parts of the offline half cost, and how true they are. Users start
-// it through `palpable bench`.
+// palpable-bake-bench: cost and accuracy of the parts of the offline half. Users start it by
+// `palpable bench`.
 
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/processor_kernels.h"

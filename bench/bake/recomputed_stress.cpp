@@ -20,7 +20,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kSiteStep = 4, kLevelStep = 5;
-constexpr int kFewest = 4, kMost = 6;  // modes of displacement a site
+constexpr int kFewest = 4, kMost = 6;  // modes of displacement per site
 
 struct Account {
   std::vector<double> errors;
@@ -41,8 +41,8 @@ double microseconds_of(int times, const Work& work) {
          times;
 }
 
-// The elements from which stress on the skin follows: a node there takes what patches of inner
-// nodes beside it say (stress_recovery.h), so two layers of elements.
+// The elements on which stress on the skin depends: two layers, because stress at a node of the
+// skin is recovered from patches of the inner nodes beside it (stress_recovery.h).
 TetMesh outer_layers(const TetMesh& mesh, const Boundary& boundary) {
   std::vector<char> node(mesh.node_count(), 0);
   for (const int n : boundary.node_of_vertex) node[n] = 1;
@@ -69,7 +69,7 @@ TetMesh outer_layers(const TetMesh& mesh, const Boundary& boundary) {
   return part;
 }
 
-// What is compared, with all that the states have in common.
+// The compared snapshots, and the data that all states share.
 struct Campaign {
   const SnapshotStore& store;
   const SnapshotStore& held_out;
@@ -81,7 +81,7 @@ struct Campaign {
   }
 };
 
-// Displacement of one site at all nodes over the level, in up to kMost modes.
+// Displacement of one site at all nodes as a function of the level, in up to kMost modes.
 SeparatedField few_modes(const Campaign& campaign, int site) {
   const StoreContent& content = campaign.store.content();
   const StoredField field = *find_field(content, "displacement");
@@ -100,7 +100,7 @@ SeparatedField few_modes(const Campaign& campaign, int site) {
   return {block.F.cast<float>(), {{"level", content.levels, G, Between::kSmooth}}};
 }
 
-// Errors at some levels between of one site: [m] from m modes of displacement.
+// Adds the errors of one site at some intermediate levels; recomputed[m] is for m modes.
 void add_site(const Campaign& campaign, int site, std::vector<Account>& recomputed) {
   const SolidModel& model = campaign.problem.model;
   const int N = model.mesh.node_count();
@@ -131,7 +131,7 @@ Json row_of(const std::string& name, const Account& account, double bytes, doubl
           {"us", us}};
 }
 
-// The live half's way: both fields are evaluated.
+// Time of evaluating both fields, as the live half does, us.
 double own_field_us(const ReducedBody& body) {
   std::vector<float> u(body.displacement.value_count());
   std::vector<float> sigma(body.stress.value_count());
@@ -144,7 +144,7 @@ double own_field_us(const ReducedBody& body) {
   });
 }
 
-// Displacement of n nodes from m modes over the level.
+// Time of evaluating the displacement of n nodes from m modes, us.
 double displacement_us(const VectorXd& levels, int n, int m) {
   const SeparatedField few(Eigen::MatrixXf::Ones(Index{3} * n, m),
                            {{"level", levels, MatrixXd::Ones(levels.size(), m), Between::kSmooth}});

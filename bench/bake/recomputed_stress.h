@@ -1,6 +1,6 @@
 /// @file
-/// For palpable bench reduce: stress computed anew from the modes of displacement, against stress
-/// that is a field of its own.
+/// For palpable bench reduce: compares stress computed from the modes of displacement with stress
+/// stored as a field of its own.
 #pragma once
 
 #include "palpable/bake/campaign/snapshot_store.h"
@@ -10,10 +10,11 @@
 
 namespace palpable::app {
 
-/// A row for each number of displacement modes a site, and one for `body`'s own field: von Mises on
-/// the skin against levels between (worst vertex, over the field's largest), bytes, microseconds.
-/// Every fourth site, every fifth level.
-/// @param store     of the description, complete; @param held_out  of the levels between
+/// A row for each number of displacement modes per site, and one for the stress field of `body`:
+/// error of von Mises stress on the skin at intermediate levels (worst vertex / largest value of
+/// the field), bytes, us. Uses every fourth site and every fifth level.
+/// @param store     the complete campaign of the description
+/// @param held_out  snapshots of the intermediate levels
 [[nodiscard]] Json recomputed_stress(const BodyDescription& description, const SnapshotStore& store,
                                      const SnapshotStore& held_out, const ReducedBody& body);
 

@@ -7,7 +7,7 @@
 namespace palpable::app {
 namespace {
 
-// One path a row: the sites', and those of the 10-node body.
+// One path per row: those of the sites, and those of the body with 10-node tetrahedra.
 Json paths_table(const Json& result) {
   const bool with_calculix = result.contains("ratio_to_ccx");
   Json paths = {{"columns",
@@ -98,7 +98,7 @@ std::string solid_section_text(const Json& result, const std::string& law, int l
       "load is in neither.",
       result["body"].get<std::string>(), result["nodes"].get<int>(), result["tets"].get<int>(), law,
       levels, 100 * result["press_fraction"].get<double>(), tolerance);
-  if (!result.contains("ratio_to_ccx")) return text;  // ours only
+  if (!result.contains("ratio_to_ccx")) return text;  // without CalculiX
   return text + fmt::format(" Medians: {:.2f} s against {:.0f} s, **{:.0f} times less**.",
                             result["path_cpu_s"].get<double>(), result["ccx_cpu_s"].get<double>(),
                             result["ratio_to_ccx"].get<double>());

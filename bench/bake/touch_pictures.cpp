@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 
 constexpr int kSize = 640;           // px, of a view
 constexpr double kViewAngle = 0.55;  // rad
-constexpr double kBeside = 0.9;      // rad, from the way of the thing: so a dent has a profile
+constexpr double kBeside = 0.9;      // rad, to the obstacle's path: shows the dent in profile
 
 OrbitCamera camera_of(const SurfaceMesh& skin, const Vector3d& way) {
   const Vector3d low = skin.vertices.rowwise().minCoeff(),

@@ -1,6 +1,6 @@
 /// @file
-/// Pictures of a touch: the answer of a body's tables beside the one of full finite elements, in
-/// the same colours, and how far apart the two are.
+/// Pictures of a touch: the response of a body's tables beside the full-order solution in the same
+/// colours, and their difference.
 #pragma once
 
 #include "palpable/bake/touch_bake/touch_difference.h"
@@ -16,15 +16,17 @@
 
 namespace palpable {
 
-/// Draws with the OpenGL context that is current now and in every later call.
+/// Draws with the OpenGL context that is current at construction, which must be
+/// current in every call.
 class TouchPictures {
  public:
-  /// @param skin  in the state in which presses begin; outlives this
+  /// @param skin  before the press; must outlive this
   /// @throws Error when the shaders do not compile
   explicit TouchPictures(const SurfaceMesh& skin);
 
-  /// Three views of 640 x 640 px: von Mises stress on the body as the tables move it, the same of
-  /// the full answer, and the distance between the two places of each vertex.
+  /// Three views of 640 x 640 px: von Mises stress on the deformed body according to the
+  /// tables, the same according to the full-order solution, and the distance between the two
+  /// positions of each vertex.
   [[nodiscard]] ColorImage draw(const TouchScene& scene, const TouchDifference& difference);
 
  private:

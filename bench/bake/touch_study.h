@@ -1,5 +1,5 @@
 /// @file
-/// What the bench of touch asks beyond how far an answer is from the full one
+/// Measurements of the touch benchmark beyond the difference from full-order solutions
 /// (touch_bake/touch_difference.h).
 #pragma once
 
@@ -12,14 +12,14 @@
 
 namespace palpable {
 
-/// What the table of the compliance leaves out, relative L2 over the skin: for smooth loads of 8 mm
-/// radius along the normal at `count` random vertices that are not held.
+/// Error of the compliance table, relative L2 over the skin, for smooth loads of 8 mm radius along
+/// the normal at `count` random free vertices.
 [[nodiscard]] std::vector<double> compliance_errors(const SkinResponse& skin,
                                                     const Compliance& compliance, int count,
                                                     std::uint64_t seed);
 
-/// The largest jump of a vertex from frame to frame, m, while a finger that is 4 mm deep slides
-/// over the skin by 0.5 mm a frame.
+/// m, largest displacement of a vertex between two frames while a finger with a penetration of 4 mm
+/// slides over the skin by 0.5 mm per frame.
 [[nodiscard]] double largest_slide_jump(const SkinResponse& skin, TouchSolver& touch,
                                         std::uint64_t seed);
 

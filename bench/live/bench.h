@@ -1,12 +1,12 @@
 /// @file
-/// The benches of the live half: one file each, named after the bench.
+/// The benchmarks of the live half, one file each, named after the benchmark.
 #pragma once
 
 namespace palpable::app {
 
 class Command;
 
-void add_bench_body(Command bench);  ///< two: evaluate and contact
+void add_bench_body(Command bench);  ///< evaluate and contact
 void add_bench_depth(Command bench);
 void add_bench_live(Command bench);
 void add_bench_render(Command bench);

@@ -1,4 +1,4 @@
-// palpable bench evaluate, palpable bench contact: what one body costs, without a camera.
+// palpable bench evaluate, palpable bench contact: cost of one body without a camera.
 
 #include "apps/common/command_line.h"
 #include "palpable/common/base/error.h"
@@ -91,11 +91,11 @@ Json about(const char* bench, const ReducedBody& body) {
   return result;
 }
 
-// The size of the paper's bunny as the paper reduces it: modes for all sites together.
+// The size of the paper's bunny with the paper's reduction: one set of modes for all sites.
 constexpr int kGlobalVertices = 3731;
 constexpr int kGlobalModes = 60;
 
-// Its numbers are of no interest, its size is.
+// A field of that size with arbitrary values.
 SeparatedField global_field() {
   Eigen::MatrixXf F(3 * kGlobalVertices, kGlobalModes);
   for (Eigen::Index i = 0; i < F.size(); ++i) F(i) = static_cast<float>(i % 1000 - 500) * 1e-5f;
@@ -124,7 +124,7 @@ void bench_evaluate(const BodyOptions& options) {
     }
     for (const StageTime& stage : times.stages()) add_to(series, stage.name, stage.ms);
   };
-  // Side by side, so that whatever else the machine does falls on both.
+  // The variants alternate, so that other load on the machine affects all of them.
   for (int i = 0; i < options.repeats; ++i) {
     const std::array mu{static_cast<double>(i % 34), 0.1 + 0.8 * (i % 97) / 97.0};
     timed("copy", [&] {
@@ -134,7 +134,7 @@ void bench_evaluate(const BodyOptions& options) {
     timed("global_60", [&] { global.evaluate(mu, global_u); });
   }
   for (int i = 0; i < options.repeats; ++i) {
-    // Each site for some frames, as a hand stays at one.
+    // Each site for several frames, as a hand stays at one.
     const std::array mu{static_cast<double>(static_cast<std::size_t>(i / 16) % body.sites.size()),
                         0.1 + 0.8 * (i % 97) / 97.0};
     timed("per_site", [&] { body.displacement.evaluate(mu, u); });
@@ -154,13 +154,13 @@ void bench_evaluate(const BodyOptions& options) {
   result["us_derivative"] = median_us("derivative");
   result["us_all"] = median_us("all");
   result["copy_us"] = median_us("copy");
-  // Bytes read and written per second, against those of the copy, which reads and writes each.
+  // Bytes read and written per second, relative to the copy, which reads and writes each byte.
   result["bandwidth_fraction"] =
       (moved / median_us("global_60")) / (2 * mode_bytes / median_us("copy"));
   print(result, series, options.json);
 }
 
-// What a depth camera sees of a finger on the body's first site, and of a plane 0.1 m behind it.
+// The depth image of a finger on the body's first site in front of a plane at Z = `wall`.
 DepthImage depth_of_finger(const Capsule& finger, const PinholeCamera& camera, double wall) {
   DepthImage depth(camera.width, camera.height, static_cast<float>(wall));
   for (int v = 0; v < camera.height; ++v) {
@@ -195,7 +195,7 @@ void bench_contact(const BodyOptions& options) {
   std::vector<DepthImage> frames;
   const Site& site = body.sites.front();
   for (int i = 0; i < kPoses; ++i) {
-    // Along the load, from just outside to 7 mm inside.
+    // Along the load's direction, from just outside to 7 mm inside.
     const Eigen::Vector3d x = body.surface.vertices.col(site.vertex);
     const Eigen::Vector3d tip = x - (0.008 - 0.001 * i) * site.direction;
     const Capsule finger{camera_from_body * tip, camera_from_body * (tip - 0.1 * site.direction),

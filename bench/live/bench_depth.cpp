@@ -1,4 +1,4 @@
-// palpable bench depth: time and truth of the stereo matcher, OpenCV's SGBM beside it.
+// palpable bench depth: time and accuracy of the stereo matcher, compared with OpenCV's SGBM.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -36,7 +36,7 @@ namespace {
 
 constexpr int kNearRange = 384;  // disparities of a 720p pair: down to 0.115 m
 constexpr int kFullRange = 128;
-constexpr double kTooFar = 1.2;                                          // of the true depth
+constexpr double kTooFar = 1.2;                                          // ratio to the true depth
 constexpr std::array kDepths{0.2, 0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0};  // m
 constexpr double kDepthBand = 0.15;
 
@@ -59,7 +59,8 @@ const StereoKernels& kernels_named(const std::string& name) {
   throw Error(fmt::format("--simd {}: this processor has {}", name, names));
 }
 
-// The reference with the settings of docs/benchmark.md, its picture padded left by the range.
+// The reference matcher with the settings of docs/benchmark.md; its picture is padded on the
+// left by the range.
 cv::Mat sgbm(const GrayImage& left, const GrayImage& right, int range) {
   const cv::Ptr<cv::StereoSGBM> matcher = cv::StereoSGBM::create(0, range, 5);
   matcher->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
@@ -101,13 +102,13 @@ Times timed(const Work& work) {
   return {1e3 * (process_cpu_seconds() - cpu), wall.count()};
 }
 
-// Least of many: other work on the machine only adds.
+// Keeps the smallest of several times, because other load on the machine only adds.
 void keep_least(Times& least, const Times& now) {
   least.cpu_ms = least.cpu_ms == 0 ? now.cpu_ms : std::min(least.cpu_ms, now.cpu_ms);
   least.wall_ms = least.wall_ms == 0 ? now.wall_ms : std::min(least.wall_ms, now.wall_ms);
 }
 
-// The near mode from rectified luma on: halved, matched, refined.
+// The near mode from rectified luma on: halving, matching, refinement.
 class NearMode {
  public:
   NearMode(int width, int threads, const StereoKernels& kernels)
@@ -151,7 +152,7 @@ void time_matchers(const GrayImage& left, const GrayImage& right, int repeats,
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
   for (int i = 0; i < repeats; ++i) {
-    // All in turn, so that whatever else the machine does meets all of them.
+    // The variants alternate, so that other load on the machine affects all of them.
     keep_least(sgbm_near, timed([&] { sgbm(left, right, kNearRange); }));
     keep_least(sgbm_full, timed([&] { sgbm(left, right, kFullRange); }));
     for (int k = 0; k < 3; ++k) {
@@ -178,7 +179,8 @@ void time_matchers(const GrayImage& left, const GrayImage& right, int repeats,
   result["sgbm_ms_full"] = sgbm_full.cpu_ms;
 }
 
-// Share of the true, not occluded pixels that are off by more than 2 px or have no disparity.
+// Share of the visible pixels with a true disparity whose disparity is wrong by more than
+// 2 px or missing.
 template <class DisparityAt>
 double bad_share(const MiddleburyPair& pair, const DisparityAt& at) {
   std::size_t count = 0, bad = 0;
@@ -186,7 +188,7 @@ double bad_share(const MiddleburyPair& pair, const DisparityAt& at) {
     for (int x = 0; x < pair.truth.width(); ++x) {
       if (std::isnan(pair.truth(x, y))) continue;
       ++count;
-      const double d = at(x, y);  // NaN: a hole
+      const double d = at(x, y);  // NaN: missing
       bad += std::abs(d - static_cast<double>(pair.truth(x, y))) <= 2 ? 0 : 1;
     }
   return count == 0 ? std::nan("") : static_cast<double>(bad) / static_cast<double>(count);
@@ -227,7 +229,7 @@ void compare_scenes(const std::filesystem::path& data, const StereoKernels& kern
   result["bad2_sgbm"] = theirs;
 }
 
-// What the whole chain, from raw pair to depth, finds of the near frames of `press`.
+// Result of the whole chain, from the raw pair to depth, on the near frames of `press`.
 struct NearScore {
   std::size_t hand = 0, known = 0, within = 0, close = 0, called_far = 0, marked_close = 0;
   std::vector<double> errors;
@@ -261,13 +263,13 @@ struct NearScore {
   }
 };
 
-// What the outlines before a body cost: holes closed and sides decided in a box of the picture's
-// middle, as large as the demo's body at 720p with a margin.
+// Cost of the occluders' outlines in front of a body: closing holes and deciding sides, in a box at
+// the centre of the picture as large as the demo's body at 720p with a margin.
 class OutlineTimes {
  public:
   void add(const SeenFrame& seen) {
-    constexpr int kSide = 144, kHoles = 6;  // half px
-    constexpr float kBodyZ = 0.4f;          // m: a plate between hand and desk
+    constexpr int kSide = 144, kHoles = 6;  // px at half resolution
+    constexpr float kBodyZ = 0.4f;          // m, a plate between hand and desk
     const int cx = seen.depth.width() / 2, cy = seen.depth.height() / 2;
     const PixelRange inner{cx - kSide / 2, cy - kSide / 2, cx + kSide / 2, cy + kSide / 2};
     const PixelRange box{std::max(inner.x0 - kLongestHalfSeen - 1, 0),
@@ -342,7 +344,7 @@ void print_depth_table(const Json& r) {
   }
 }
 
-// The whole chain on frames of `press`, from raw pair to depth and outlines.
+// The whole chain on frames of `press`, from the raw pair to depth and outlines.
 class NearBench {
  public:
   NearBench(NearFrames& near, ProgressBar& bar)
@@ -351,8 +353,8 @@ class NearBench {
         camera_(value_or_throw(DepthCamera::make(format_of(near.rig()), {}))),
         rectification_(near.rig()) {}
 
-  // Scores the frames of these numbers; of near ones the outlines are timed, too, and the pair in
-  // the middle is kept.
+  // Scores the frames with these numbers. For near frames it also measures the time of the outlines
+  // and keeps the middle pair.
   void run(const std::vector<int>& numbers, const char* what, bool is_near) {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       near_.draw(numbers[i], 2, pair_, truth_);
@@ -395,7 +397,7 @@ class NearBench {
     }
   }
 
-  // Rectified, of the pair in the middle of the near frames.
+  // The rectified middle pair of the near frames.
   [[nodiscard]] const GrayImage& left() const { return left_; }
   [[nodiscard]] const GrayImage& right() const { return right_; }
 

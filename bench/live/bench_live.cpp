@@ -1,4 +1,5 @@
-// palpable bench live: frames a second, CPU and age of the whole loop, run by run.
+// palpable bench live: rate, CPU time and age of frames of the whole loop, for
+// several configurations.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -42,25 +43,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWarmUpFrames = 30;  // first frames of a run: memory is taken, shaders are compiled
-constexpr double kRate = 30;       // frames a second of a paced run
+constexpr int kWarmUpFrames = 30;  // first frames: memory is allocated, shaders compiled
+constexpr double kRate = 30;       // 1/s, of a paced run
 
 struct LiveBenchOptions {
   fs::path body;
   fs::path dragon;
-  fs::path source;      // the user's own pictures instead of the films; empty: none
-  fs::path scene;       // with `source`: several bodies instead of one
-  std::string contact;  // with `source`; empty: what the body has tables for
+  fs::path source;      // the user's own pictures instead of the synthetic clips; empty: the clips
+  fs::path scene;       // with `source`: a scene of several bodies
+  std::string contact;  // with `source`; empty: depends on the body's tables
   fs::path clips = fs::temp_directory_path() / "palpable-bench-live";
   std::vector<std::string> runs;  // empty: all
-  int film = 300;                 // frames of each film; played there and back
+  int film = 300;                 // frames of each clip, which is played forwards and backwards
   int frames = 300;
   double seconds = 60;
-  int threads = 0;  // 0: as many as the machine has
+  int threads = 0;  // 0: one for each processor
   bool json = false;
 };
 
-// One run of the loop.
+// One configuration of the loop.
 struct LiveCase {
   std::string_view name;
   std::string_view film = "press";
@@ -68,13 +69,13 @@ struct LiveCase {
   bool picture = true;
   bool files = false;
   bool paced = false;
-  bool converted = false;         // pictures become colours on arrival
-  std::string_view contact = {};  // empty: what the body has tables for
-  int width = 0;                  // px of an eye; 0: as filmed, 1280 x 720
+  bool converted = false;         // pictures are converted to colours on arrival
+  std::string_view contact = {};  // empty: depends on the body's tables
+  int width = 0;                  // px of one eye; 0: as rendered, 1280 x 720
   int height = 0;
 };
 
-// In an order in which each film is read once.
+// In an order in which each clip is read only once.
 constexpr std::array kCases{LiveCase{.name = "bunny"},
                             LiveCase{.name = "bare", .picture = false},
                             LiveCase{.name = "files", .files = true},
@@ -86,7 +87,7 @@ constexpr std::array kCases{LiveCase{.name = "bunny"},
                             LiveCase{.name = "1080p", .width = 1920, .height = 1080},
                             LiveCase{.name = "bunny_moving", .film = "walk-hand"},
                             LiveCase{.name = "dragon", .dragon = true}};
-// Of --source, alone.
+// The only configuration with --source.
 constexpr LiveCase kSourceCase{.name = "source"};
 
 std::string names_of_cases() {
@@ -98,14 +99,14 @@ std::string names_of_cases() {
 
 struct LiveFigures {
   RunFigures run;
-  double total_p50_ms = 0;  // of all stages of a frame together
+  double total_p50_ms = 0;  // sum of all stages of a frame
   double total_p99_ms = 0;
-  double copy_ms = 0;  // of a frame's bytes
+  double copy_ms = 0;  // time to copy a frame's bytes
   int allocations = 0;
-  double peak_memory = 0;  // bytes, of the process so far
+  double peak_memory = 0;  // bytes, of the process up to now
 };
 
-// What copying a frame's bytes takes: ten of a film's pictures, which are in no cache.
+// Measures the time to copy a frame's bytes, with ten pictures that are in no cache.
 void time_copies(const MemoryFilm& film, std::vector<double>& ms) {
   std::vector<std::uint8_t> copy(film.pictures.front().size());
   for (std::size_t i = 0; i < 10; ++i) {
@@ -122,14 +123,14 @@ RunMoment moment_of(const LiveCounts& counts) {
   return {.now = system_clock().now(), .cpu = process_cpu(), .dropped = counts.troubles.dropped};
 }
 
-// What `palpable live --out` writes unless it is told otherwise.
+// The default files of `palpable live --out`.
 std::unique_ptr<LiveOutput> output_in(const fs::path& folder) {
   remove_earlier_run(earlier_run(folder, true, {}));
   return std::make_unique<LiveOutput>(LiveOutputSettings{.folder = folder, .complete = true});
 }
 
-// The loop of `palpable live`. Counted are the frames after the warm-up, up to the last one's
-// picture; its files may still be under way.
+// The loop of `palpable live`. Counts the frames after the warm-up until the last one is drawn; its
+// files may still be in progress.
 class LiveCasePlayer {
  public:
   LiveCasePlayer(LiveRun& run, ScenePainter* painter, LiveOutput* output, int frames,
@@ -160,7 +161,7 @@ class LiveCasePlayer {
   }
 
  private:
-  // One frame; false at the end.
+  // Processes one frame; returns false at the end.
   bool advance(RunStats* stats) {
     Scene* scene = nullptr;
     while (scene == nullptr) {
@@ -185,8 +186,8 @@ class LiveCasePlayer {
 
   const Session& session_;
   LiveLoop loop_;
-  ScenePainter* painter_;  // null: nobody looks
-  LiveOutput* output_;     // null: nothing is written
+  ScenePainter* painter_;  // null: nothing is drawn
+  LiveOutput* output_;     // null: no files
   int frames_;
   int done_ = 0;
   std::unique_ptr<DrawnFrame> kept_ = std::make_unique<DrawnFrame>();
@@ -194,14 +195,14 @@ class LiveCasePlayer {
   ProgressBar& bar_;
 };
 
-// The films of one bench: filmed once and kept, the one that is played last in memory.
+// The clips of one benchmark: rendered once and kept on disk; the last one played is in memory.
 class Films {
  public:
-  // @param length  frames of each
+  // @param length  frames of each clip
   Films(fs::path folder, int length, ProgressBar& bar)
       : folder_(std::move(folder)), length_(length), bar_(bar) {}
 
-  // Where the images of a case lie.
+  // The images' folder of a configuration.
   fs::path folder_of(const LiveCase& one, const fs::path& body) {
     const fs::path clip = folder_ / fmt::format("{}-{}", one.dragon ? "dragon" : "bunny", one.film);
     if (const auto known = frames_.find(clip.string()); known != frames_.end()) {
@@ -217,7 +218,7 @@ class Films {
     const std::string key = fmt::format("{} {}", frames.string(), one.width);
     if (key != key_) {
       film_ = {};
-      // A film of 1080p would take 2.5 GB.
+      // A clip of 1080p would take 2.5 GB.
       const int count = one.height > 720 ? (length_ + 2) / 3 : length_;
       film_ = read_film(frames, {.frames = count, .width = one.width, .height = one.height});
       key_ = key;
@@ -234,7 +235,7 @@ class Films {
   MemoryFilm film_;
 };
 
-// @param live  bodies, the folder that the film was read from, contact
+// @param live  with bodies, the folder of the clip, and the contact law
 LiveFigures play_case(const LiveCase& one, LiveOptions live, const MemoryFilm& film,
                       const LiveBenchOptions& options, ProgressBar& bar) {
   live.threads = options.threads;
@@ -250,7 +251,7 @@ LiveFigures play_case(const LiveCase& one, LiveOptions live, const MemoryFilm& f
   }
   std::unique_ptr<LiveOutput> output;
   if (one.files) output = output_in(options.clips / "files");
-  std::vector<double> copies;  // before and after the run, ms
+  std::vector<double> copies;  // ms, before and after the run
   time_copies(film, copies);
   LiveFigures figures =
       LiveCasePlayer(setup.run, painter.get(), output.get(), count, bar).play(one.name);
@@ -272,7 +273,7 @@ LiveFigures run_case(const LiveCase& one, const LiveBenchOptions& options, const
   return play_case(one, live, films.film_of(one, frames), options, bar);
 }
 
-// The user's own pictures.
+// Runs the loop on the user's own pictures.
 LiveFigures run_source(const LiveBenchOptions& options, ProgressBar& bar) {
   LiveOptions live;
   live.body = options.body;
@@ -305,7 +306,7 @@ Json mode_of(const LiveFigures& figures) {
 
 using AllFigures = std::map<std::string_view, LiveFigures>;
 
-// The keys of docs/benchmark.md; null where the run was not made.
+// The keys of docs/benchmark.md; null for configurations that were not run.
 void add_keys(const AllFigures& all, Json& result) {
   const auto of = [&](std::string_view name, const std::function<Json(const LiveFigures&)>& get) {
     const auto found = all.find(name);
@@ -331,10 +332,10 @@ void add_keys(const AllFigures& all, Json& result) {
       of("bunny", [](const LiveFigures& f) { return Json(1e-6 * f.peak_memory); });
 }
 
-// Which runs were not made, and why.
+// Configurations that were not run, with the reason.
 using LeftOut = std::map<std::string, std::string>;
 
-// As the runs were made.
+// The figures in the order of kCases.
 std::vector<std::pair<std::string_view, LiveFigures>> in_order(const AllFigures& all) {
   std::vector<std::pair<std::string_view, LiveFigures>> figures;
   const auto add = [&](std::string_view name) {

@@ -17,19 +17,19 @@
 namespace palpable::app {
 namespace {
 
-constexpr int kLookEvery = 3;  // frames, of whose hands traces are looked for
-constexpr int kBeside = 3;     // px by which the edge of a true surface may be off
-// A trace lies more than max(kLeastError, kSigmas * sigma_Z) before all true surfaces.
+constexpr int kLookEvery = 3;  // interval of frames whose hand is searched for ghosts
+constexpr int kBeside = 3;     // px, tolerance for the edge of a true surface
+// A ghost is nearer than all true surfaces by more than max(kLeastError, kSigmas * sigma_Z).
 constexpr double kLeastError = 0.04;  // m
 constexpr double kSigmas = 4;
 
 // The nearest true depth within kBeside of a point's pixel, m; infinite where nothing is there, NaN
-// outside of the picture.
+// outside the picture.
 double nearest_truth(const DepthImage& truth, const PinholeCamera& view,
                      const Eigen::Vector3d& point) {
   if (!(point.z() > 0)) return std::nan("");
   const Eigen::Vector2d at = view.project(point);
-  // Compared before rounding: the pixel of a point beside the camera may not fit into an int.
+  // Compared before rounding, because the pixel of a point beside the camera may exceed an int.
   if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < view.width - 0.5 &&
         at.y() < view.height - 0.5)) {
     return std::nan("");
@@ -45,8 +45,8 @@ double nearest_truth(const DepthImage& truth, const PinholeCamera& view,
   return nearest;
 }
 
-// Counts the vertices of the map's surface that lie where the hand was in any frame before `last`,
-// and where nothing is in truth.
+// Counts the vertices of the map's surface that are at the hand's position of any frame before
+// `last`, where in truth nothing is.
 int ghosts(const SurfaceMap& map, const Sequence& sequence, int last, const DepthCamera& camera,
            DeskRenderer& renderer) {
   Sequence alone = sequence;
@@ -102,7 +102,7 @@ void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, Progress
   Frame frame;
   SeenFrame seen;
   StageTimes times;
-  SlamCounts before;  // before the hand comes
+  SlamCounts before;  // before the hand appears
   for (int n = 0; n < frames; ++n) {
     if (n == gone) {
       result["ghost_voxels_no_mask"] = ghosts(of_all, sequence, gone, camera, film.renderer);

@@ -12,12 +12,12 @@ namespace palpable::app {
 
 class ProgressBar;
 
-/// The last frames of the film are without the hand.
+/// The last frames of the clip are without the hand.
 inline constexpr int kFramesAfterHand = 15;
 inline constexpr int kFewestHandFrames = kFramesWithoutHand + 2 * kFramesAfterHand;
 
-/// Films `frames` (>= kFewestHandFrames) of walk-hand and follows them as `palpable live` does, the
-/// depth measured, the poses tracked.
+/// Renders `frames` (>= kFewestHandFrames) of walk-hand and processes them as `palpable live` does,
+/// with measured depth and tracked poses.
 ///
 ///     map_ms                CPU ms of fusing one depth image; mean from the hand on
 ///     mask_ms               CPU ms of one frame's mask and free space; mean from the hand on

@@ -1,4 +1,4 @@
-// palpable bench render: processor time of drawing alone, of scenes that were answered before.
+// palpable bench render: CPU time of drawing alone, for scenes that were computed before.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -28,10 +28,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFilm = 300;       // frames; the hand comes in the 60th
-constexpr int kFirst = 70;       // frame that is drawn first
-constexpr int kStep = 6;         // from one that is drawn to the next
-constexpr int kWarmUpDraws = 2;  // times that all of them are drawn before the clock starts
+constexpr int kFilm = 300;       // number of frames; the hand appears in frame 60
+constexpr int kFirst = 70;       // first frame that is drawn
+constexpr int kStep = 6;         // frames between two that are drawn
+constexpr int kWarmUpDraws = 2;  // rounds of drawing all frames before the measurement
 
 struct RenderBenchOptions {
   fs::path body;
@@ -41,14 +41,14 @@ struct RenderBenchOptions {
   bool json = false;
 };
 
-// Of one body; ms of CPU of the whole process, all drawing threads together.
+// Figures of one body: CPU time of the whole process, ms, all drawing threads together.
 struct RenderFigures {
   double median = 0, p99 = 0;  // of all pictures
   int pictures = 0;
 };
 
-// The scenes of a film in which a hand is at the body, as they were answered.
-std::vector<DrawnFrame> answered_scenes(FrameLoop& loop, const MemoryFilm& film) {
+// The scenes of a clip in which a hand is at the body, with their results.
+std::vector<DrawnFrame> processed_scenes(FrameLoop& loop, const MemoryFilm& film) {
   const std::unique_ptr<FrameSource> source = play(film, false);
   std::vector<DrawnFrame> scenes;
   Frame frame;
@@ -84,7 +84,7 @@ RenderFigures run_body(const fs::path& body, const std::string& name,
   live.body = body;
   live.input.source = frames.string();
   LiveSetUp setup = set_up_live(live, play(film, false));
-  std::vector<DrawnFrame> scenes = answered_scenes(setup.run.loop, film);
+  std::vector<DrawnFrame> scenes = processed_scenes(setup.run.loop, film);
   return draw_all(scenes, setup.run.loop, options.repeats);
 }
 
@@ -100,7 +100,7 @@ void bench_render(RenderBenchOptions options) {
   result["bench"] = "render";
   result["machine"] = processor_name();
   result["renderer"] = renderer;
-  result["ms_dragon_720p"] = nullptr;  // unless there is one
+  result["ms_dragon_720p"] = nullptr;  // stays null without a dragon
   for (const auto& [name, file] : {std::pair{std::string("bunny"), options.body},
                                    std::pair{std::string("dragon"), options.dragon}}) {
     if (file.empty()) continue;
@@ -135,9 +135,9 @@ void add_bench_render(Command bench) {
       .show_default();
   command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
   command.footer(
-      "Scenes of the film `press` with a hand at the body are answered once and then drawn again "
+      "Scenes of the clip `press` with a hand at the body are computed once and then drawn again "
       "and again: body, light, shadows, occlusion, legend. Processor time of the whole process, "
-      "for a renderer in software has threads of its own.\n"
+      "because a renderer in software has threads of its own.\n"
       "Example: palpable bench render out/demo/bunny.palpable --json");
   command.callback([options] { bench_render(*options); });
 }

@@ -1,6 +1,6 @@
 // palpable bench sgbm-reference: OpenCV's SGBM on the near frames of `press`. On the prototypes'
-// scenes it got three quarters of a near hand's pixels to within 1 %; a scene on which it gets many
-// more is too easy to say anything about hands (docs/benchmark.md).
+// scenes it measured three quarters of a near hand's pixels within 1 %. A scene on which it reaches
+// much more is too easy to be evidence about hands (docs/benchmark.md).
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -27,14 +27,14 @@ namespace palpable::app {
 namespace {
 
 constexpr int kRange = 320;            // disparities
-constexpr double kLeastWithin = 0.65;  // what a scene must give to prove something about hands
+constexpr double kLeastWithin = 0.65;  // required range of the share within 1 %
 constexpr double kMostWithin = 0.85;
-constexpr std::size_t kLeastNear = 60;  // frames that must be near to say so
+constexpr std::size_t kLeastNear = 60;  // smallest number of near frames
 
 struct SgbmOptions {
   std::filesystem::path body;
   std::uint64_t seed = 1;
-  std::size_t frames = 72;  // matched: of the near ones, evenly spread
+  std::size_t frames = 72;  // number of near frames to match, evenly spread
   bool json = false;
 };
 
@@ -54,12 +54,13 @@ cv::Ptr<cv::StereoSGBM> reference_matcher() {
   return matcher;
 }
 
-// Pixels of the hand that both eyes see: how many have a depth, how many a good one.
+// Numbers of the hand's pixels that both eyes see, of those with a depth, and of those with
+// an accurate depth.
 struct HandScore {
   std::size_t hand = 0, dense = 0, within = 0;
   std::vector<double> errors;  // of every seventh such pixel
 
-  // `disparity` in sixteenths, padded left by kRange.
+  // `disparity` is in sixteenths of a pixel and padded on the left by kRange.
   void add(const cv::Mat& disparity, const DeskTruth& truth, const RectifiedStereo& stereo) {
     constexpr std::uint8_t kWanted = kMovesLabel | kBothSeeLabel;
     for (int y = 0; y < truth.depth.height(); ++y)
@@ -75,7 +76,7 @@ struct HandScore {
         if ((x + y) % 7 == 0) errors.push_back(error);
       }
   }
-  // Of the hand's pixels.
+  // Ratio to the hand's pixels.
   [[nodiscard]] double share(std::size_t part) const {
     return static_cast<double>(part) / static_cast<double>(hand);
   }

@@ -1,4 +1,5 @@
-// palpable bench surface: the seen surface against the true things that a film shows.
+// palpable bench surface: compares the measured surface of objects with the true objects of
+// synthetic clips.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -42,16 +43,16 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kNearBody = 0.015;      // m: the unseen side is asked for so near to the body
+constexpr double kNearBody = 0.015;      // m, the unseen side is judged up to this distance
 constexpr double kPointSpacing = 0.002;  // m, between points of the unseen side and of the skin
-constexpr double kGhostNear = 0.005;     // m: something presses so near to the body
-constexpr double kGhostFar = 0.010;      // m: and nothing true is as near as this
-constexpr double kMissed = 0.002;        // m: so deep, and not felt
-constexpr double kSeen = 0.5;            // the share of a touch that must be seen to be missed
-constexpr int kDenseQueries = 22982;     // vertices of the paper's dragon
+constexpr double kGhostNear = 0.005;     // m: a ghost is measured nearer to the body than this
+constexpr double kGhostFar = 0.010;      // m: while every true surface is farther than this
+constexpr double kMissed = 0.002;        // m: a missed touch penetrates at least this deep
+constexpr double kSeen = 0.5;  // share of a touch that must be visible for it to count as missed
+constexpr int kDenseQueries = 22982;  // vertices of the paper's dragon
 constexpr int kBunnyQueries = 7000;
 
-// Whose unseen side is judged, and the sequence in which it is seen.
+// Things whose unseen side is judged, and the sequence that shows them.
 constexpr std::array<std::array<const char*, 2>, 3> kThings{
     {{"finger", "press"}, {"palm", "palm"}, {"pencil", "pencil"}}};
 
@@ -60,15 +61,15 @@ struct SurfaceBenchOptions {
   fs::path films;
   std::vector<std::string> only{"press",     "pencil",      "palm",      "cup",
                                 "two-hands", "textureless", "walk-hand", "rest"};
-  std::uint64_t seed = 0;  // 0: a held-out one for each film
-  int frames = 0;          // 0: each sequence's own
+  std::uint64_t seed = 0;  // 0: a held-out one for each clip
+  int frames = 0;          // 0: the sequence's own number
   int every = 5;
   bool json = false;
 };
 
-// Errors of a guess of the unseen side.
+// Errors of the assumed unseen side.
 struct SideErrors {
-  std::vector<double> errors;  // m, of points for which something was assumed
+  std::vector<double> errors;  // m, of points for which a surface was assumed
   std::vector<double> signed_errors;
   std::size_t points = 0;
 
@@ -82,7 +83,7 @@ struct SideErrors {
   [[nodiscard]] Json quantile_mm(double share) const {
     return errors.empty() ? Json(nullptr) : Json(1e3 * percentile(errors, share));
   }
-  /// Positive: the guess is too thin.
+  /// Positive: the assumed thing is too thin.
   [[nodiscard]] Json bias_mm() const {
     return errors.empty() ? Json(nullptr) : Json(1e3 * percentile(signed_errors, 0.5));
   }
@@ -92,8 +93,8 @@ struct SideErrors {
   }
 };
 
-// Of all of the unseen side, and of that part of it which is the back of what is seen. The rest
-// lies behind other things: one view says nothing of it.
+// Errors on the whole unseen side, and on its part `back`, which is the rear of the visible
+// surface. The rest is behind other things, so that a single view gives no information about it.
 struct SideErrorsByPlace {
   SideErrors all, back;
 
@@ -119,7 +120,8 @@ struct Counts {
   int timed = 0, allocations = 0;
   double max_difference = 0;
 
-  // Of another film: all but the unseen side, which is judged thing by thing.
+  // Adds the counts of another clip, except those of the unseen side, which is
+  // judged for each thing.
   void add(const Counts& other) {
     frames += other.frames, ghosts += other.ghosts;
     deep += other.deep, missed += other.missed;
@@ -129,7 +131,7 @@ struct Counts {
   }
 };
 
-// What does not change from frame to frame.
+// Data that are constant during a clip.
 struct Judge {
   const ReducedBody& body;
   SurfaceDistance distance;
@@ -154,7 +156,7 @@ double least_phi(const ObjectSurface& surface, const Eigen::Matrix3Xf& points) {
   return least;
 }
 
-// One film, as far as one thing may be asked of one frame after the other.
+// The truth of one clip.
 struct SurfaceFilm {
   fs::path folder;
   TruthCamera camera;
@@ -197,7 +199,7 @@ void time_surface(const Judge& judge, const Scene& scene, const Session& session
     (void)least_phi(surface, points);
   };
   once(judge.some, counts.cpu_s);
-  // The second time there was as much to see before.
+  // Allocations are counted in the second call, which needs no more memory than the first.
   counts.allocations = std::max(counts.allocations,
                                 allocations_during([&] { once(judge.many, counts.dense_cpu_s); }));
   ++counts.timed;
@@ -210,7 +212,7 @@ void time_surface(const Judge& judge, const Scene& scene, const Session& session
   }
 }
 
-// The middle of a held touch moves with nothing: what phi says there trembles with the measurement.
+// The point of a held touch does not move, so that phi there varies only with the measurement.
 void look_at_held_touch(const SurfaceFilm& film, int frame, const ObjectSurface& surface,
                         const Rigid3& body_from_camera, std::optional<Vector3d>& held,
                         Counts& counts) {
@@ -294,7 +296,7 @@ Json sigma_mm(const std::vector<double>& plane) {
   return plane.empty() ? Json(nullptr) : Json(1e3 * deviation(plane));
 }
 
-// What is pooled over films as well as said of each.
+// Figures that are given for each clip and for all clips together.
 void add_pooled(const Counts& c, Json& entry) {
   entry["ghost_share"] = share(c.ghosts, c.frames);
   entry["missed_share"] = share(c.missed, c.deep);
@@ -325,7 +327,7 @@ Json entry_of(const Counts& c, std::uint64_t seed) {
   return entry;
 }
 
-// The figures of the issue: of each thing its unseen side, the rest pooled over all films.
+// The figures of the summary: the unseen side for each thing, the others for all clips together.
 void summarize(const std::map<std::string, Counts>& counts, Json& result) {
   for (const auto& [thing, sequence] : kThings) {
     const auto found = counts.find(sequence);
@@ -346,7 +348,7 @@ void summarize(const std::map<std::string, Counts>& counts, Json& result) {
       rest == counts.end() ? Json(nullptr) : sigma_mm(rest->second.plane);
 }
 
-// Which number of a sequence stands in which column.
+// The key of a clip's figure and the column in which it is listed.
 constexpr std::array<std::array<const char*, 2>, 17> kColumns{{
     {"ghosts", "ghost_share"},
     {"missed", "missed_share"},
@@ -403,7 +405,7 @@ void bench_surface(SurfaceBenchOptions options) {
   Json result, sequences;
   std::map<std::string, Counts> counts;
   for (const std::string& name : options.only) {
-    // Seeds from 1000 on are held out: nobody tunes to them.
+    // Seeds from 1000 on are held out: no parameter is tuned with them.
     const std::uint64_t seed = options.seed > 0 ? options.seed : 1000 + random() % 999'000;
     const SurfaceFilm film(filmed(options, name, seed, body, body_file.stem().string(), bar));
     counts[name] = play_film(options, name, film, judge, bar);

@@ -1,4 +1,5 @@
-// palpable bench ticks: what is answered between frames, against the true hand at that moment.
+// palpable bench ticks: error of the contact between frames, compared with the true
+// hand at that moment.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -30,9 +31,10 @@ namespace fs = std::filesystem;
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
-constexpr double kBetweenBalls = 0.001;  // m, along a capsule: 0.02 mm of bumps on a finger
-constexpr double kFrame = 1.0 / 30;      // s, of every film
-// m: what the true answer moves by at least to be compared.
+// m, spacing of balls along a capsule; the ripples on a finger are 0.02 mm high.
+constexpr double kBetweenBalls = 0.001;
+constexpr double kFrame = 1.0 / 30;  // s, of every clip
+// m, smallest largest displacement of the true response that is compared.
 constexpr double kPressed = 0.001;
 
 struct TicksBenchOptions {
@@ -42,7 +44,7 @@ struct TicksBenchOptions {
   bool json = false;
 };
 
-// The true hand as balls, so that it is asked as a seen one is.
+// Adds balls that fill a capsule, so that the true hand has the same form as a measured one.
 void add_balls(const Capsule& capsule, const Rigid3& body_from_camera,
                std::vector<ObjectBall>& balls) {
   const int steps =
@@ -60,7 +62,7 @@ void add_balls(const Capsule& capsule, const Rigid3& body_from_camera,
   }
 }
 
-// `part` of a frame after frame `from`.
+// The hand at the fraction `part` between two frames.
 std::vector<ObjectBall> hand_between(const HandLine& from, const HandLine& to, double part,
                                      const Rigid3& body_from_camera) {
   std::vector<ObjectBall> balls;
@@ -83,10 +85,10 @@ double force_of(const TouchState& state) {
   return static_cast<double>(sum.norm());
 }
 
-// Errors of one way to know the state between frames.
+// Errors of one method to obtain the state between frames.
 struct Errors {
-  std::vector<double> place;  // of the true answer's largest displacement
-  std::vector<double> force;  // of the true force
+  std::vector<double> place;  // ratio to the largest true displacement
+  std::vector<double> force;  // ratio to the true force
 
   void add(double off, double of, double force_off, double true_force) {
     place.push_back(off / of);
@@ -103,7 +105,7 @@ struct Errors {
   }
 };
 
-// The true hand's answer, on its way through the film tick by tick.
+// The response to the true hand, advanced tick by tick through the clip.
 struct Truth {
   Truth(const Session& session, double rate)
       : ticks(std::max(1, static_cast<int>(std::lround(rate * kFrame)))),
@@ -126,7 +128,8 @@ struct Truth {
   Matrix3Xf skin;
 };
 
-// What is compared with it: a frame's answer carried on, and the same held.
+// Two approximations that are compared with it: the state of a frame advanced by the ticks, and the
+// state held unchanged.
 struct Follower {
   explicit Follower(const Session& session)
       : between(session), skin(3, session.body().model().surface.vertex_count()), held(skin) {}
@@ -177,7 +180,7 @@ void bench_ticks(TicksBenchOptions options) {
     if (n + 1 >= hands.size()) break;
     const Rigid3 body_from_camera = scene->bodies.front().camera_from_body.inverse();
     const Vector3f camera = body_from_camera.translation().cast<float>();
-    // The frame itself: the truth's state at this moment is what a frame would have found.
+    // At the frame itself, the true state takes the place of a frame's solution.
     const std::vector<ObjectBall> now = hand_between(hands[n], hands[n + 1], 0, body_from_camera);
     truth.advance(now, camera);
     exact.number = scene->number;
@@ -214,7 +217,7 @@ void bench_ticks(TicksBenchOptions options) {
   }
   fmt::print("{} ticks at {} Hz, {:.2f} ms of CPU each (p99 {:.2f})\n", ms.size(), options.rate,
              percentile(ms, 0.5), percentile(ms, 0.99));
-  fmt::print("off the true hand's answer at that moment, %, median (90 of 100):\n");
+  fmt::print("error relative to the response to the true hand at that moment, %, median (p90):\n");
   fmt::print("{:<44} {:>16} {:>16}\n", "", "displacement", "force");
   for (const auto& [name, what] : std::map<std::string, std::string>{
            {"camera_carried", "seen by the camera, carried on"},
@@ -234,18 +237,17 @@ void bench_ticks(TicksBenchOptions options) {
 void add_bench_ticks(Command bench) {
   auto options = std::make_shared<TicksBenchOptions>();
   Command command = bench.add_subcommand("ticks",
-                                         "What is answered between frames (live --contact-rate), "
+                                         "Contact between frames (live --contact-rate), "
                                          "against the true hand at that moment");
   command.add_option("body", options->live.body, "Body file with tables of touch").required();
   command.add_option("clip", options->clip, "Folder that palpable synth has made").required();
-  command.add_option("--rate", options->rate, "Answers a second")
-      .in_range(30, 10'000)
-      .show_default();
+  command.add_option("--rate", options->rate, "Ticks a second").in_range(30, 10'000).show_default();
   command.add_option("--frames", options->live.frames, "Stop after so many").in_range(1, 100'000);
   command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
   command.footer(
-      "Truth is the same tables' answer to the hand of truth/hand.jsonl, which goes straight from "
-      "frame to frame: it compares moments, not tables (palpable bench touch does).\n"
+      "The truth is the response of the same tables to the hand of truth/hand.jsonl, which moves "
+      "linearly from frame to frame: this compares moments, not tables (palpable bench touch "
+      "does).\n"
       "Example: palpable synth press --seed 5 --frames 300 -o press\n"
       "         palpable bench ticks bunny.palpable press");
   command.callback([options] { bench_ticks(*options); });

@@ -1,4 +1,4 @@
-// palpable bench track: CPU time of following the camera and of the map, and errors against truth.
+// palpable bench track: CPU time of tracking and of the map, and errors compared with the truth.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
@@ -40,14 +40,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kWalkFrames = 900;        // of the planned sequence
-constexpr int kSkipped = 10;            // first frames, which allocate: they are not timed
-constexpr int kFixedFrames = 40;        // of a camera on a tripod
+constexpr int kSkipped = 10;            // first frames, which allocate, are not timed
+constexpr int kFixedFrames = 40;        // with a camera on a tripod
 constexpr int kDarkFrames = 30;         // 1 s
-constexpr int kAfterDark = 30;          // frames in which the camera should find its pose again
-constexpr double kFoundWithin = 0.010;  // m: a pose that is farther off counts as not found
-constexpr double kMoved = 0.1;          // m from where a camera began: it no longer stands there
-constexpr int kQuick = 6;               // of so many frames of the kitchen one is read
-// m up to which OpenCV's odometry uses depths: its own default, and what its street needs.
+constexpr int kAfterDark = 30;          // frames within which the camera should find its pose again
+constexpr double kFoundWithin = 0.010;  // m; a pose with a larger error counts as not found
+constexpr double kMoved = 0.1;          // m from its start: the camera has moved
+constexpr int kQuick = 6;               // interval between the frames of the kitchen that are read
+// m, largest depth for OpenCV's odometry: its own default, and the value needed for the street.
 constexpr double kKitchenDepth = 4;
 constexpr double kStreetDepth = 60;
 
@@ -60,7 +60,7 @@ struct TrackBenchOptions {
   bool json = false;
 };
 
-// --- the walk: CPU time, and how soon the pose is found again after a second of darkness ---------
+// --- the walk: CPU time, and time to find the pose again after a second of darkness -------------
 
 void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, ProgressBar& bar,
                 Json& result) {
@@ -100,7 +100,7 @@ void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, Progr
       break;
     }
     if (n == options.frames - 1) {
-      // An adjustment that is still under way is not counted: one in many.
+      // An adjustment in progress is not counted: it is one of many.
       const TrackerCounts now = tracker.counts();
       const double frames = now.frames - before.frames;
       result["cpu_ms_720p"] =
@@ -113,7 +113,7 @@ void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, Progr
   result["relocalise_s"] = back ? Json((*back - dark_end) / 30.0) : Json(nullptr);
 }
 
-// --- a camera that stands: CPU time of finding that out -----------------------------------------
+// --- a fixed camera: CPU time until it is known to be fixed --------------------------------------
 
 void bench_fixed(const ReducedBody& body, const TrackBenchOptions& options, ProgressBar& bar,
                  Json& result) {
@@ -147,25 +147,25 @@ void bench_fixed(const ReducedBody& body, const TrackBenchOptions& options, Prog
 
 // --- recordings ----------------------------------------------------------------------------------
 
-// A recording with the poses that its data set publishes: of the left camera, or of the depth
-// camera.
+// A tracked recording with the poses published with its data set: of the left camera, or of
+// the depth camera.
 struct Followed {
   std::vector<PosePair> pairs;
-  std::vector<PosePair> opencv;    // the same by OpenCV's RGB-D odometry; FollowSettings::opencv
+  std::vector<PosePair> opencv;    // by OpenCV's RGB-D odometry; FollowSettings::opencv
   std::vector<DepthImage> depths;  // as recorded; FollowSettings::keep_depths
   PinholeCamera depth_camera;
   int lost = 0;        // frames without a pose
-  int identities = 0;  // frames in which the camera has moved and is said to be where it began
+  int identities = 0;  // frames in which the camera has moved but its pose is the identity
 };
 
 struct FollowSettings {
-  int every = 1;           // frame that is read: a camera so many times as fast
-  bool with_mask = false;  // what moves is left out, as `palpable live` does it
+  int every = 1;           // interval of the frames that are read: a faster camera
+  bool with_mask = false;  // moving things are masked, as in `palpable live`
   bool keep_depths = false;
-  double opencv = 0;  // m: OpenCV's odometry uses depths up to here; 0: it is not asked
+  double opencv = 0;  // m, largest depth for OpenCV's odometry; 0: it is not run
 };
 
-// Follows the camera through a folder whose frames have their published poses by their numbers.
+// Tracks the camera in a folder; the published poses are assigned by frame number.
 Followed follow(const fs::path& folder, const FollowSettings& how) {
   const std::vector<StampedPose> published = read_published_poses(folder).poses;
   auto source = value_or_throw(open_folder(folder));
@@ -250,7 +250,8 @@ void bench_long_kitchen(const fs::path& folder, Json& result) {
   result["ate_7scenes_quick_mm"] = ate_mm(quick.pairs);
 }
 
-// How far off the last camera is as seen from the first one, by the length of the true path.
+// Error of the last camera position relative to the first camera, divided by the length
+// of the true path.
 double end_error(std::span<const PosePair> pairs) {
   double path = 0;
   for (std::size_t i = 1; i < pairs.size(); ++i) {
@@ -273,7 +274,7 @@ void bench_street(const fs::path& folder, Json& result) {
   result["kitti_position_error_opencv"] = end_error(f.opencv);
 }
 
-// The whole clip, and with two to four times the speed: up to 4.8 m from picture to picture.
+// The whole clip, and the clip at two to four times the speed: up to 4.8 m between pictures.
 void bench_long_street(const fs::path& folder, Json& result) {
   for (const char* key :
        {"kitti_long_position_error", "kitti_long_position_error_opencv",

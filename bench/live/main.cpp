@@ -1,5 +1,5 @@
-// palpable-bench: ms per stage of the live half, median and 99th percentile. Users start it through
-// `palpable bench`.
+// palpable-bench: times of the live half's stages in ms, median and 99th percentile. Users start it
+// by `palpable bench`.
 
 #include "apps/common/command_line.h"
 
@@ -10,7 +10,7 @@ namespace palpable::app {
 namespace {
 
 int run_benches(int argc, char** argv) {
-  // The chatter of image and video readers about codecs is no message of ours.
+  // Suppresses messages of image and video libraries about codecs.
   ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   ::setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
 

@@ -20,7 +20,7 @@ constexpr double kFramesPerSecond = 30;
 
 ColorImage resampled(const ColorImage& image, int width, int height) {
   if (image.width() == width && image.height() == height) return image;
-  // For reading only; OpenCV has no matrix of constants.
+  // Only read; OpenCV has no matrix of const data.
   const cv::Mat from(image.height(), image.width(), CV_8UC3,
                      const_cast<Rgb*>(image.data()));  // NOLINT
   ColorImage result(width, height);
@@ -29,7 +29,7 @@ ColorImage resampled(const ColorImage& image, int width, int height) {
   return result;
 }
 
-// The middle of a pixel stays where it is in the picture.
+// The centre of a pixel keeps its relative position in the picture.
 PinholeCamera resampled(const PinholeCamera& camera, int width, int height) {
   const double x = static_cast<double>(width) / camera.width;
   const double y = static_cast<double>(height) / camera.height;
@@ -41,7 +41,8 @@ PinholeCamera resampled(const PinholeCamera& camera, int width, int height) {
           (camera.cy_px + 0.5) * y - 0.5};
 }
 
-// BT.601 with luma in 16 .. 235, as cameras send it; two pixels share their mean colour.
+// BT.601 with luma in 16 .. 235, as cameras send it; two neighbouring pixels share
+// their mean chroma.
 void add_eye(const ColorImage& eye, int at_column, int row_pixels,
              std::vector<std::uint8_t>& picture) {
   const auto byte = [](double value) {
@@ -74,7 +75,7 @@ class FilmSource final : public FrameSource {
 
   FrameStatus next(Frame& frame) override {
     const int count = static_cast<int>(film_.pictures.size());
-    const int lap = std::max(2 * count - 2, 1);  // there and back, neither end twice
+    const int lap = std::max(2 * count - 2, 1);  // there and back, the ends once
     const int at = next_ % lap;
     const auto& bytes = film_.pictures[static_cast<std::size_t>(at < count ? at : lap - at)];
     frame.number = next_++;

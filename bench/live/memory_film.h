@@ -1,6 +1,6 @@
 /// @file
-/// A film in memory that plays as a side-by-side camera would: raw pictures in, whose conversion is
-/// the loop's work.
+/// A clip in memory that is played like a side-by-side camera: it returns raw pictures, and the
+/// loop converts them.
 #pragma once
 
 #include "palpable/common/geometry/frame.h"
@@ -13,27 +13,27 @@
 
 namespace palpable::app {
 
-/// Raw pictures of both eyes side by side, YUYV: 2 bytes a pixel, rows without gaps.
+/// Raw pictures of both eyes side by side in YUYV: 2 bytes per pixel, rows without gaps.
 struct MemoryFilm {
   FrameFormat format;  ///< of one eye
   std::vector<std::vector<std::uint8_t>> pictures;
 };
 
-/// Which frames of a recorded film, and how large.
+/// The number and size of frames to read from a recorded clip.
 struct FilmSize {
-  int frames = 0;  ///< at most
-  int width = 0;   ///< px of one eye, even; 0: as recorded
+  int frames = 0;  ///< largest number
+  int width = 0;   ///< px, of one eye, even; 0: as recorded
   int height = 0;  ///< px
 };
 
-/// Decodes a folder of raw stereo pairs. Of another size pictures are resampled, and the
-/// calibration with them. @throws Error when it cannot be read or is no raw stereo
+/// Decodes a folder of raw stereo pairs. For another size the pictures and the calibration are
+/// resampled. @throws Error when the folder is unreadable or has no raw stereo pairs
 [[nodiscard]] MemoryFilm read_film(const std::filesystem::path& folder, const FilmSize& size);
 
-/// Plays it without an end, forwards and backwards in turn, so that nothing jumps: 30 frames a
-/// second by their times, as fast as they are taken.
+/// Plays it endlessly, alternately forwards and backwards, so that there are no jumps: with time
+/// stamps of 30 frames a second, as fast as the frames are read.
 /// @param film       must outlive the source
-/// @param converted  to colours on arrival, as pictures of cameras are that send another format
+/// @param converted  to colours on arrival, as for cameras that send another format
 [[nodiscard]] std::unique_ptr<FrameSource> play(const MemoryFilm& film, bool converted);
 
 }  // namespace palpable::app

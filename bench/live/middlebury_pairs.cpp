@@ -24,7 +24,7 @@ GrayImage image_of(const cv::Mat& mat) {
   return image;
 }
 
-// Disparities are published times a whole number: 16 for tsukuba, 4 for the others of 2003, 2 for
+// Steps per px of the published disparities: 16 for tsukuba, 4 for the other sets of 2003, 2 for
 // the half-size sets of 2006.
 double steps_of(const std::filesystem::path& folder) {
   return folder.filename() == "tsukuba" ? 16 : 4;

@@ -24,7 +24,7 @@ bool shows_near_hand(const DeskTruth& truth) {
   return median >= 0.12 && median <= 0.5;
 }
 
-// Nearer than any range that is searched, on 1 % of the image or more.
+// Whether 1 % of the image or more is nearer than any searched range.
 bool has_too_close(const DeskTruth& truth) {
   const auto pixels = std::count_if(truth.depth.begin(), truth.depth.end(),
                                     [](float Z) { return Z > 0 && Z < kTooCloseDepth; });

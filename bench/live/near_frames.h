@@ -1,6 +1,6 @@
 /// @file
-/// The near frames of the sequence `press`, as the player of a written sequence gets them: benches
-/// of depth are measured on these (docs/benchmark.md).
+/// The near frames of the sequence `press`, with raw pairs as in a written sequence: benchmarks of
+/// depth use them (docs/benchmark.md).
 #pragma once
 
 #include "palpable/common/base/progress.h"
@@ -16,33 +16,35 @@
 
 namespace palpable::app {
 
-/// A score counts what is nearer than this as "too close", m.
+/// m; scores count pixels nearer than this as "too close".
 inline constexpr float kTooCloseDepth = 0.11F;
 
-/// Frames of `press` in which the hand's median depth is 0.12-0.5 m and it covers 5 % of the image
-/// or more. Needs OpenGL.
+/// The frames of `press` in which the hand's median depth is 0.12-0.5 m and the hand covers 5 % of
+/// the image or more. Needs OpenGL.
 class NearFrames {
  public:
-  /// Plans the sequence for the body in the file and looks at every second frame's truth.
+  /// Plans the sequence for the body in the file and checks the truth of every second frame.
   /// @throws Error when the body cannot be read or hides the hand, or without OpenGL
   NearFrames(const std::filesystem::path& body, std::uint64_t seed, const Progress& progress);
 
   [[nodiscard]] const std::string& body_name() const { return body_name_; }
   [[nodiscard]] const StereoRig& rig() const { return film_.rig; }
   [[nodiscard]] const RectifiedStereo& stereo() const { return film_.geometry.stereo; }
-  /// Their numbers in the sequence, in order; of two neighbours only one was looked at.
+  /// Their numbers in the sequence, in order; only every second frame was checked.
   [[nodiscard]] const std::vector<int>& numbers() const { return near_; }
-  /// How many the sequence has, the frames that were not looked at included.
+  /// Estimated number of near frames in the sequence, including those that were not checked.
   [[nodiscard]] std::size_t estimate() const { return kStep * near_.size(); }
-  /// So many of them, evenly spread; all if there are no more.
+  /// At most `most` of them, evenly spread.
   [[nodiscard]] std::vector<int> spread(std::size_t most) const;
 
-  /// Of the frames that have pixels nearer than kTooCloseDepth on 1 % of the image or more.
+  /// The same for the frames that have pixels nearer than kTooCloseDepth on 1 % of
+  /// the image or more.
   [[nodiscard]] std::vector<int> spread_too_close(std::size_t most) const;
 
-  /// Raw pair through JPEG, and truth in the rectified left camera scaled down by `shrink`.
+  /// Renders the raw pair through JPEG, and the truth in the rectified left camera scaled
+  /// down by `shrink`.
   void draw(int number, int shrink, RawPair& pair, DeskTruth& truth);
-  /// Truth alone.
+  /// Renders the truth only.
   void draw_truth(int number, int shrink, DeskTruth& truth);
 
  private:

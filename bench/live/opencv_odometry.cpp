@@ -13,23 +13,23 @@
 namespace palpable::app {
 namespace {
 
-// A camera that has gone or turned farther gets a new keyframe: m as a share of the farthest depth
-// that counts, and rad. With half of both OpenCV's path through the kitchen of 400 frames is off by
-// 48 mm, with these by 42, with twice as much by 72.
+// A camera that moves or turns by more than this gets a new keyframe: ratio to the largest depth
+// used, and rad. Error of OpenCV's path through the kitchen of 400 frames: 42 mm with these values,
+// 48 mm with half of both, 72 mm with twice both.
 constexpr double kFarFromKeyframe = 0.05;
 constexpr double kTurnedFromKeyframe = 0.2;
 
 cv::Ptr<cv::rgbd::RgbdOdometry> odometry_of(const PinholeCamera& camera, double farthest) {
   const cv::Matx33f K(static_cast<float>(camera.fx_px), 0, static_cast<float>(camera.cx_px), 0,
                       static_cast<float>(camera.fy_px), static_cast<float>(camera.cy_px), 0, 0, 1);
-  // Depths of one point in two frames that differ by more are two surfaces: 0.07 m of 4 m is
-  // OpenCV's own default.
+  // Depths of one point in two frames that differ by more than this are of two surfaces: OpenCV's
+  // default is 0.07 m for depths up to 4 m.
   const double difference = 0.07 / 4 * farthest;
   return cv::rgbd::RgbdOdometry::create(cv::Mat(K), 0, static_cast<float>(farthest),
                                         static_cast<float>(difference));
 }
 
-// With a rotation that is one to the last digit: the loop multiplies hundreds of them.
+// Makes the rotation orthonormal to the last digit, because the loop multiplies hundreds of them.
 Rigid3 rigid_of(const cv::Mat& Rt) {
   Rigid3 pose = Rigid3::Identity();
   for (int k = 0; k < 12; ++k) pose.matrix()(k / 4, k % 4) = Rt.at<double>(k / 4, k % 4);
@@ -53,7 +53,7 @@ struct OpenCvOdometry::Parts {
   Rigid3 last_from_now = Rigid3::Identity();  // the last motion
   int failed = 0;
 
-  // keyframe_from_camera, near `guess`.
+  // Computes keyframe_from_camera, starting from `guess`.
   bool find(const cv::Ptr<cv::rgbd::OdometryFrame>& now, const Rigid3& guess, Rigid3& found) const {
     cv::Mat Rt;
     cv::Ptr<cv::rgbd::OdometryFrame> a = now, b = keyframe;

@@ -1,7 +1,7 @@
 /// @file
-/// The camera's path by OpenCV's RGB-D odometry (Steinbrücker et al., ICCV Workshops 2011) and
-/// nothing else: each frame against a keyframe, by brightness and depth, no map, no adjustment.
-/// What our tracker has to be better than.
+/// The camera's path by OpenCV's RGB-D odometry (Steinbrücker et al., ICCV Workshops 2011) alone:
+/// each frame is aligned to a keyframe by brightness and depth, without a map or adjustment. A
+/// baseline for our tracker.
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
@@ -14,15 +14,15 @@ namespace palpable::app {
 class OpenCvOdometry {
  public:
   /// @param camera    of the left, or colour, image
-  /// @param farthest  m; pixels beyond do not count
+  /// @param farthest  m; pixels with a larger depth are ignored
   OpenCvOdometry(const PinholeCamera& camera, double farthest);
   OpenCvOdometry(OpenCvOdometry&&) noexcept;
   ~OpenCvOdometry();
 
-  /// world_from_camera of the next frame; the world is the first one's camera. Where OpenCV finds
-  /// no motion the camera goes on as before.
+  /// world_from_camera of the next frame; the world is the camera of the first one. If OpenCV finds
+  /// no motion, the last motion is repeated.
   Rigid3 follow(const SeenFrame& seen);
-  [[nodiscard]] int failed() const;  ///< frames for which it found no motion
+  [[nodiscard]] int failed() const;  ///< number of frames without a motion found
 
  private:
   struct Parts;

@@ -12,17 +12,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-// m: a ray that meets a thing this much before a point does not see the point.
+// m; a point is hidden if a ray meets a thing this far or farther before it.
 constexpr double kHidden = 5e-4;
 
-// m: a ray that leaves things and enters the next within less stays inside: bones of one palm.
+// m; a gap along a ray that is shorter than this does not count, e.g. between the
+// bones of one palm.
 constexpr double kLeastGap = 1e-4;
 
-// Whether a ray from the camera comes out of things between two distances along it.
+// Whether a ray from the camera leaves the things between two distances along it.
 bool comes_out(std::span<const Capsule> things, const Vector3d& direction, double from, double to) {
   double t = from;
   while (t < to) {
-    // The ball of this radius round the place lies inside.
+    // The ball of this radius around the point is inside the things.
     const double inside = -signed_distance(things, t * direction);
     if (inside < -kLeastGap) return true;
     t += std::max(inside, kLeastGap);
@@ -30,7 +31,7 @@ bool comes_out(std::span<const Capsule> things, const Vector3d& direction, doubl
   return false;
 }
 
-// Points all over one capsule, before the others are asked.
+// Points on the whole surface of one capsule, which may be inside others.
 void add_points(const Capsule& capsule, double spacing, std::vector<Vector3d>& points) {
   const CapsuleField field(capsule);
   const double length = (capsule.b - capsule.a).norm();
@@ -42,7 +43,8 @@ void add_points(const Capsule& capsule, double spacing, std::vector<Vector3d>& p
   const int along = std::max(1, static_cast<int>(length / spacing));
   const int round = std::max(3, static_cast<int>(std::numbers::pi / 2 * widest / spacing));
   const auto add = [&](const Vector3d& x) {
-    // Of a cone the nearest surface point lies a little beside; one step along the normal meets it.
+    // For a tapered capsule the point is not exactly on the surface; one step along the
+    // normal moves it there.
     const Vector3d on = x - field.distance(x) * field.normal(x);
     if (on.allFinite()) points.push_back(on);
   };
@@ -80,7 +82,7 @@ UnseenPoints unseen_points(std::span<const Capsule> things, const PinholeCamera&
     add_points(thing, spacing, candidates);
   }
   for (const Vector3d& x : candidates) {
-    if (signed_distance(things, x) < -1e-6) continue;  // inside another
+    if (signed_distance(things, x) < -1e-6) continue;  // inside another capsule
     const Vector3d in_body = body_from_camera * x;
     if (!bounds.contains(in_body)) continue;
     const double u = camera.cx_px + camera.fx_px * x.x() / x.z();

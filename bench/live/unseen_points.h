@@ -1,5 +1,6 @@
 /// @file
-/// The side of true things that a camera does not see, as points: what a guess of it is judged by.
+/// Points on the side of true objects that a camera does not see, by which an assumption about
+/// that side is judged.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -16,15 +17,16 @@ namespace palpable::app {
 
 struct UnseenPoints {
   Eigen::Matrix3Xd points;  ///< (3 x P) camera frame, m
-  /// P: the point lies behind another thing, or another part of its own: on the way to it the
-  /// camera's ray comes out of what it has met. The others are the back of what is seen there.
+  /// P: whether the point is behind another thing, or behind another part of its own: the camera's
+  /// ray leaves the things before it reaches the point. The other points are on the rear of the
+  /// visible surface.
   std::vector<bool> is_behind;
 };
 
-/// Points of the capsules' outer surface that the camera does not see: they face away from it, or
-/// lie behind other parts of the same things. Only those near a body and inside the picture.
+/// Points of the capsules' outer surface that the camera does not see, because they face away from
+/// it or are behind other parts of the same things. Only points near a body and inside the picture.
 /// @param things   camera frame, m
-/// @param reach    m: from the body's surface, outside
+/// @param reach    m, largest distance from the body's surface, outside
 /// @param spacing  m, between neighbouring points
 [[nodiscard]] UnseenPoints unseen_points(std::span<const Capsule> things,
                                          const PinholeCamera& camera,

@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
-// A response per metre that its own vertex goes.
+// A response divided by the displacement of its own vertex: a touch of 1 m depth.
 VectorXd per_depth(const MatrixXf& responses, Index column, int vertex) {
   const VectorXd u = responses.col(column).cast<double>();
   return u / u.segment<3>(Index{3} * vertex).norm();

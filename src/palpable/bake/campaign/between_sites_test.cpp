@@ -23,7 +23,7 @@ TEST_CASE("a touch is compared with the nearest site's field of equal depth",
   const int b = static_cast<int>(far), near_a = neighbours[0].front();
   const Index V = skin.vertex_count();
   // Site a moves everything along x, site b along y. A touch beside a moves everything along x and
-  // a tenth of that along z: its error is what is missing after both go equally far.
+  // a tenth of that along z: its error is the difference after both are scaled to equal depth.
   MatrixXf sites = MatrixXf::Zero(3 * V, 2), touch = MatrixXf::Zero(3 * V, 1);
   for (Index v = 0; v < V; ++v) {
     sites(3 * v, 0) = 2;
@@ -37,7 +37,7 @@ TEST_CASE("a touch is compared with the nearest site's field of equal depth",
   CHECK(one.touches == 1);
   CHECK(one.median == Approx(expected).epsilon(tolerance(1e-6, "single precision")));
   CHECK(one.worst == one.median);
-  // With the sites the other way round the nearest one is wrong altogether.
+  // With the sites exchanged, the field of the nearest site is perpendicular to that of the touch.
   const BetweenSites other = between_sites(skin, {b, a}, sites, {near_a}, touch);
   CHECK(other.median == Approx(std::sqrt(2.0)).epsilon(tolerance(1e-6, "single precision")));
 }

@@ -37,17 +37,19 @@ using Clock = std::chrono::steady_clock;
 // Name of all files of a run; short, because ccx keeps file names in 132 characters.
 constexpr std::string_view kJob = "body";
 
+// Messages of ccx that mean that it cannot follow the path any further.
 constexpr std::array<std::string_view, 5> kGaveUp{
     "increment size smaller than minimum", "too many cutbacks", "too many iterations needed",
     "solution seems to diverge", "max. # of increments reached"};
 
-// A running program; killed if its owner leaves before it is done.
+// A child process. The destructor kills it if it is still running.
 class Child {
  public:
   // Runs `program argument` in `folder` with one thread, its output going to `log`.
   Child(const fs::path& program, std::string_view argument, const fs::path& folder,
         const fs::path& log) {
-    // All memory is taken before the fork: in between only calls that are safe there.
+    // All memory is allocated before the fork: between fork and exec only async-signal-safe calls
+    // are allowed.
     const std::string program_text = program.string(), argument_text(argument);
     const std::string folder_text = folder.string(), log_text = log.string();
     std::array<char*, 3> arguments{const_cast<char*>(program_text.c_str()),
@@ -72,7 +74,7 @@ class Child {
     if (pid_ < 0)
       throw Error(fmt::format("cannot start {}: {}", program_text, std::strerror(errno)));
     if (pid_ > 0) return;
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // an orphan would go on for minutes
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // otherwise an orphan runs on for minutes
     const int out = ::open(log_text.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     const int in = ::open("/dev/null", O_RDONLY);
     if (out < 0 || in < 0 || ::chdir(folder_text.c_str()) != 0) ::_exit(126);
@@ -90,7 +92,7 @@ class Child {
     while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {}
   }
 
-  // True once the program has ended; then status() and usage() say how.
+  // True once the program has ended; status() and cpu_seconds() are valid from then on.
   bool ended() {
     if (done_) return true;
     const pid_t found = ::wait4(pid_, &status_, WNOHANG, &usage_);
@@ -115,7 +117,7 @@ class Child {
   rusage usage_{};
 };
 
-// What ccx's .sta file says, one line for each attempt at an increment.
+// Summary of ccx's .sta file, which has one line for each attempt at an increment.
 struct StaSummary {
   int increments = 0, iterations = 0;
   double level = 0;  // time, which is the level in our decks
@@ -177,7 +179,7 @@ class JobFiles {
 void show_progress(const JobFiles& files, std::span<const double> levels,
                    const Progress& progress) {
   const StaSummary sta = read_sta(files.of("sta"));
-  // Between two levels, the share of the way.
+  // Progress between two levels is interpolated.
   const auto above = std::upper_bound(levels.begin(), levels.end(), sta.level * (1.0 + 1e-6));
   double done = static_cast<double>(above - levels.begin());
   if (above != levels.end()) {
@@ -192,7 +194,8 @@ void show_progress(const JobFiles& files, std::span<const double> levels,
           .note = fmt::format("{} increments, {} iterations", sta.increments, sta.iterations)});
 }
 
-// Sleeps until the program has ended. Short runs are not kept waiting, long ones not disturbed.
+// Waits until the program has ended. Polls after 2 ms and then ever more rarely, down to every 100
+// ms, so that short runs are not delayed and long ones hardly disturbed.
 void wait_for(Child& child, const JobFiles& files, std::span<const double> levels,
               const Progress& progress) {
   Clock::time_point shown = Clock::now();
@@ -206,21 +209,22 @@ void wait_for(Child& child, const JobFiles& files, std::span<const double> level
   }
 }
 
-// Throws unless the program ended with results: all of them, or (true) those up to where CalculiX
-// gave up, which is how ccx says that the path does not go on.
-bool require_answer(int status, const std::string& said, double level, const std::string& where) {
+// Throws unless the program ended with results.
+// @returns whether CalculiX gave up before the last level, because the path does not continue
+bool require_results(int status, const std::string& message, double level,
+                     const std::string& where) {
   if (WIFSIGNALED(status)) {
     throw Error(
         fmt::format("CalculiX was ended by signal {} ({}) at level {:.4g}; out of memory?{}",
                     WTERMSIG(status), ::strsignal(WTERMSIG(status)), level, where));
   }
   const bool gave_up = std::any_of(kGaveUp.begin(), kGaveUp.end(), [&](std::string_view words) {
-    return said.find(words) != std::string::npos;
+    return message.find(words) != std::string::npos;
   });
-  if (!gave_up && (WEXITSTATUS(status) != 0 || !said.empty())) {
-    throw Error(fmt::format("CalculiX failed: {}{}",
-                            said.empty() ? fmt::format("exit code {}", WEXITSTATUS(status)) : said,
-                            where));
+  if (!gave_up && (WEXITSTATUS(status) != 0 || !message.empty())) {
+    throw Error(fmt::format(
+        "CalculiX failed: {}{}",
+        message.empty() ? fmt::format("exit code {}", WEXITSTATUS(status)) : message, where));
   }
   return gave_up;
 }
@@ -315,11 +319,11 @@ CalculixRun solve_with_calculix(const SolidModel& model, const Matrix3Xd& full_l
   run.iterations = sta.iterations;
   run.last_level = sta.level;
 
-  // Whoever keeps the folder can look further.
+  // Where the folder is kept, messages name its log file.
   const std::string where =
       temporary ? std::string() : fmt::format(" (see {})", files.of("log").string());
-  const std::string said = calculix_error(read_text(files.of("log")));
-  const bool gave_up = require_answer(child.status(), said, sta.level, where);
+  const std::string message = calculix_error(read_text(files.of("log")));
+  const bool gave_up = require_results(child.status(), message, sta.level, where);
   run.states = read_states(files, model, levels);
   run.complete = run.states.size() == levels.size();
   if (!run.complete && !gave_up) {
@@ -330,7 +334,7 @@ CalculixRun solve_with_calculix(const SolidModel& model, const Matrix3Xd& full_l
     run.why_stopped = fmt::format(
         "load level {:.6g} was not reached, the last increment that converged ended at {:.6g}: "
         "CalculiX: {}",
-        levels[run.states.size()], run.last_level, said);
+        levels[run.states.size()], run.last_level, message);
   }
   show_progress(files, levels, progress);
   return run;

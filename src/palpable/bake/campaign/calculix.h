@@ -1,11 +1,11 @@
 /// @file
-/// Equilibrium paths by CalculiX (`ccx`), a solver that others wrote and trust, run as a program:
-/// to compare ours with it, and for those who would rather have their snapshots from it.
+/// Equilibrium paths by CalculiX (`ccx`), an independent finite-element program, run as a child
+/// process: to verify our solver against it, or to compute snapshots with it instead.
 ///
 ///   N  nodes
 ///   level  factor of the full load, as in solid/equilibrium.h
 ///
-/// The deck is calculix_deck.h's, the states are read by calculix_dat.h.
+/// calculix_deck.h writes the input deck; calculix_dat.h reads the states.
 #pragma once
 
 #include "palpable/bake/campaign/calculix_dat.h"
@@ -26,31 +26,33 @@ namespace palpable {
 
 struct CalculixSettings {
   std::string program = "ccx";  ///< a name on PATH, or a path
-  /// Largest residual at a degree of freedom over CalculiX' average nodal force (R_n and R_p of
-  /// *CONTROLS, FIELD). Its test of the last correction is switched off: the residual decides.
+  /// Convergence bound: largest residual at a degree of freedom, as a ratio to CalculiX' average
+  /// nodal force (R_n and R_p of *CONTROLS, FIELD). CalculiX' test of the last correction is
+  /// switched off, so the residual alone decides.
   double tolerance = 1e-8;
-  /// Where deck and results go; made if absent, overwritten, kept. Empty: a temporary folder, which
-  /// is removed, also when something fails.
+  /// Folder of the deck and the results: created if absent; its files are overwritten and kept.
+  /// Empty: a temporary folder, which is removed even after an error.
   std::filesystem::path folder;
-  std::optional<CalculixLid> lid = {};  ///< presses the body's skin
+  std::optional<CalculixLid> lid = {};  ///< a rigid box that presses the skin
 };
 
 struct CalculixRun {
   std::vector<CalculixState> states;  ///< one per level reached, in order
   bool complete = false;              ///< all levels reached
-  std::string why_stopped;            ///< empty when complete: one line, in CalculiX' words
-  double last_level = 0;              ///< the last that converged; it may lie between two levels
-  int increments = 0;                 ///< that converged
-  int iterations = 0;                 ///< of Newton's method, those of failed increments included
-  double cpu_seconds = 0;             ///< of the ccx process, user and system
+  std::string why_stopped;            ///< CalculiX' reason, one line; empty when complete
+  double last_level = 0;   ///< of the last increment that converged; may lie between levels
+  int increments = 0;      ///< number of increments that converged
+  int iterations = 0;      ///< of Newton's method, including failed increments
+  double cpu_seconds = 0;  ///< of the ccx process, user and system
   double wall_seconds = 0;
 };
 
 /// Solves for the states at `levels` of the dead load `full_load` (and of the model's fixed
 /// displacements) with one thread. Progress is reported in levels, from ccx's own .sta file.
 ///
-/// Where ccx cuts its increments down to nothing, the states so far are the answer and why_stopped
-/// says so. Costs minutes for 16,000 nodes: a sparse factorisation per Newton step.
+/// Where ccx gives up, for instance because its increments become too small, the states reached so
+/// far are returned and why_stopped holds the reason. Takes minutes for 16,000 nodes: one sparse
+/// factorisation per Newton step.
 /// @param full_load  (3 x N) N at level 1; may be zero if there are fixed displacements
 /// @param levels     > 0, increasing, at least one
 /// @throws Error as check_model(); for a law that CalculiX does not have; a load of the wrong size;
@@ -64,8 +66,8 @@ struct CalculixRun {
 /// The program's full path if it can be run; nothing otherwise. @param program  name or path
 [[nodiscard]] std::optional<std::filesystem::path> find_calculix(std::string_view program = "ccx");
 
-/// CalculiX' own words about what went wrong, from its standard output: the first "*ERROR" with its
-/// continuation lines, as one line without runs of blanks; empty if there is none.
+/// CalculiX' error message, from its standard output: the first "*ERROR" with its continuation
+/// lines, as one line without runs of blanks; empty if there is none.
 [[nodiscard]] std::string calculix_error(std::string_view log);
 
 }  // namespace palpable

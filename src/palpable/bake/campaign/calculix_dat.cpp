@@ -32,7 +32,7 @@ bool parse_fortran(std::string_view word, double& value) {
   const std::string with_e = fmt::format("{}E{}", word.substr(0, sign), word.substr(sign));
   const char* const end = with_e.data() + with_e.size();
   const auto [stop, code] = std::from_chars(with_e.data(), end, value);
-  // Below the smallest double is zero, as far as a printed result is concerned.
+  // A number below the smallest double is read as zero.
   if (code == std::errc::result_out_of_range && word[sign] == '-') {
     value = 0.0;
     return true;
@@ -45,7 +45,7 @@ bool parse_index(std::string_view word, int& value) {
   return code == std::errc() && stop == word.data() + word.size();
 }
 
-// The words of a line, at most as many as fit; `count` may be larger.
+// The first words of a line, at most `Most`; `count` is the number of all its words.
 template <std::size_t Most>
 std::array<std::string_view, Most> split(std::string_view line, std::size_t& count) {
   std::array<std::string_view, Most> words;
@@ -61,7 +61,7 @@ std::array<std::string_view, Most> split(std::string_view line, std::size_t& cou
   }
 }
 
-// Reads a .dat file line by line; what it throws never leaves this file.
+// Reads a .dat file line by line. It throws Bad, which read_calculix_dat() turns into a Problem.
 class DatReader {
  public:
   struct Bad {
@@ -131,14 +131,15 @@ class DatReader {
   }
 
   static void need_level(double time, double level) {
-    // Seven digits are printed; levels nearer to each other than that make no sense.
+    // ccx prints seven digits, so levels nearer to each other than that cannot be told apart.
     if (std::abs(time - level) <= 1e-6 * level) return;
     throw Bad{fmt::format("a result at time {} where level {} should be", time, level)};
   }
 
-  // Lines of: index and 3 numbers (points 0); or index, number of the integration point and 6
-  // numbers, a line for each of the points. `store` gets the column: index, or points index +
-  // point.
+  // Reads the rows of `count` nodes or elements. Without integration points (points = 0) a row
+  // holds an index and 3 numbers; with them there is a row for each point, with the index, the
+  // number of the point and 6 numbers. Calls store(column, numbers) for each row, where the column,
+  // from 0, is that of the node, or of the element's integration point.
   template <class Store>
   void table(std::string_view what, int count, int points, const Store& store) {
     const std::size_t indices = points == 0 ? 1 : 2, values = points == 0 ? 3 : 6;

@@ -30,12 +30,12 @@ struct CalculixDatLayout {
   int node_count = 0;
   int tet_count = 0;
   int points = 1;              ///< Q
-  std::vector<double> levels;  ///< those asked for; fewer may be there
+  std::vector<double> levels;  ///< requested ones; the file may hold fewer
   CalculixUnits units;         ///< calculix_units()
 };
 
-/// Reads the printed states. Whatever the bytes: states that are complete (each node and element
-/// once, all numbers finite, levels in order) or a problem that names the line.
+/// Reads the printed states. For any input the result is either complete states (each node and
+/// element once, all numbers finite, levels in order) or a problem that names the line.
 /// @param name  for messages
 [[nodiscard]] Result<std::vector<CalculixState>> read_calculix_dat(std::istream& dat,
                                                                    const CalculixDatLayout& layout,

@@ -18,7 +18,7 @@ using Eigen::Matrix3Xd;
 
 namespace {
 
-// The shortest form with the most digits that fits into the 20 characters that ccx reads.
+// The number with as many digits as fit into the 20 characters that ccx reads.
 std::string number(double value) {
   std::string text;
   for (int digits = 17; digits >= 12; --digits) {
@@ -87,7 +87,7 @@ void append_mesh(const TetMesh& mesh, const CalculixUnits& units, std::string& d
   }
 }
 
-// What is in no group is BODY, the groups are GROUP1 and so on.
+// Elements of no group form the set BODY; the groups are GROUP1, GROUP2, ...
 void append_materials(const SolidModel& model, const CalculixUnits& units, std::string& deck) {
   const auto out = std::back_inserter(deck);
   const std::vector<int> group_of = material_groups(model);
@@ -104,7 +104,7 @@ void append_materials(const SolidModel& model, const CalculixUnits& units, std::
   }
 }
 
-// A box of one element behind the skin's nodes, numbered after the body's.
+// The lid: a box of one element, whose nodes and element are numbered after the body's.
 void write_lid(const SolidModel& model, const CalculixLid& lid, const CalculixUnits& units,
                std::string& deck) {
   const auto out = std::back_inserter(deck);
@@ -121,14 +121,15 @@ void write_lid(const SolidModel& model, const CalculixLid& lid, const CalculixUn
   }
   fmt::format_to(out, "*ELEMENT, TYPE=C3D8, ELSET=LID\n{}", E + 1);
   for (int k = 0; k < 8; ++k) fmt::format_to(out, ",{}", N + 1 + k);
-  // All its nodes are moved, so its law means nothing.
+  // All nodes of the box have prescribed displacements, so its material has no effect.
   deck += "\n*MATERIAL, NAME=LID\n*ELASTIC\n1000., 0.\n*SOLID SECTION, ELSET=LID, MATERIAL=LID\n";
   deck += "*SURFACE, NAME=SKIN, TYPE=NODE\n";
   for (const int node : boundary_of(model.mesh).node_of_vertex) {
     fmt::format_to(out, "{}\n", node + 1);
   }
   fmt::format_to(out, "*SURFACE, NAME=FACE, TYPE=ELEMENT\n{},S1\n", E + 1);
-  // Below the overclosure 0 the pressure tends to -s, here a millionth of the shear modulus.
+  // The second number is the tension of an open contact: here a millionth of the shear modulus,
+  // which is of order 1e3 in the deck's units.
   fmt::format_to(out,
                  "*SURFACE INTERACTION, NAME=TOUCH\n"
                  "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{},{}\n"
@@ -147,7 +148,8 @@ void move_lid(const CalculixLid& lid, int first_node, double last, const Calculi
   }
 }
 
-// The beginning of the step: when results are wanted, and what ends an iteration or an increment.
+// The beginning of the step: the levels at which results are printed, and the criteria that end an
+// iteration or an increment.
 void write_step(std::span<const double> levels, double tolerance, std::string& deck) {
   const auto out = std::back_inserter(deck);
   double smallest_step = levels.front(), before = 0.0;
@@ -158,16 +160,16 @@ void write_step(std::span<const double> levels, double tolerance, std::string& d
   deck += "*TIME POINTS, NAME=LEVELS\n";
   for (const double level : levels) fmt::format_to(out, "{}\n", number(level));
 
-  // Loads and displacements are given at the end of the step and grow linearly with time. An
-  // increment of a thousandth of the smallest step means that there is no way on.
+  // Loads and displacements are given at the end of the step and grow linearly with time. Where an
+  // increment would have to be below a thousandth of the smallest step, ccx gives up.
   fmt::format_to(out, "*STEP, NLGEOM, INC=1000000\n*STATIC\n{},{},{}\n", number(levels.front()),
                  number(levels.back()), number(1e-3 * smallest_step));
-  // R_n, C_n, q_0, q_u, R_p, eps, C_eps, R_l. C_n = 1: the size of the last correction decides
-  // nothing. R_l: a residual so small would end the iteration whatever the correction.
+  // R_n, C_n, q_0, q_u, R_p, eps, C_eps, R_l. C_n = 1 switches off the test of the last correction.
+  // R_l: a residual below it ends the iteration whatever the correction.
   fmt::format_to(out, "*CONTROLS, PARAMETERS=FIELD\n{0:g},1.,,,{0:g},,,{1:g}\n", tolerance,
                  1e-4 * tolerance);
-  // I_0, I_R, I_P, I_C: a tight tolerance takes more iterations before divergence is suspected
-  // (from I_0 on), slow convergence (I_R) and failure (I_C).
+  // I_0, I_R, I_P, I_C: with a tight tolerance, more iterations are allowed than by default before
+  // divergence is checked (I_0), convergence counts as slow (I_R) and the increment fails (I_C).
   deck += "*CONTROLS, PARAMETERS=TIME INCREMENTATION\n8,16,9,24\n";
 }
 
@@ -178,7 +180,7 @@ void write_loads(const Matrix3Xd& full_load, const std::vector<HeldComponent>& h
   deck += "*BOUNDARY\n";
   Matrix3Xd load = full_load;
   for (const HeldComponent& h : held) {
-    load.reshaped()[h.at] = 0.0;  // moves nothing
+    load.reshaped()[h.at] = 0.0;  // a force on a held component has no effect
     if (h.displacement == 0.0) continue;
     fmt::format_to(out, "{0},{1},{1},{2}\n", h.at / 3 + 1, h.at % 3 + 1,
                    number(last * h.displacement / units.length));

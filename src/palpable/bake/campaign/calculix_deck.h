@@ -8,11 +8,12 @@
 /// NLGEOM: *ELASTIC is St. Venant-Kirchhoff, *HYPERELASTIC, NEO HOOKE is NeoHookeanAbaqus (compared
 /// with the closed forms in tests/verification). It has no law like eq. (7).
 ///
-/// Two traps of ccx 2.20, both about units. A residual below 1e-6 counts as zero, whatever the
-/// deck's unit: a soft body of 0.1 m has nodal forces of 1e-3 N, so "1e-8" would mean 1e-3. And a
-/// D1 below 1e-10 counts as not given and is replaced by 0.1 / (2 C10): in 1/Pa that is any
-/// solid as stiff as glass. So decks are written in units in which an element's shear modulus and
-/// edge are of order 1e3 each, so its stiffness 1e9; results are converted back on reading.
+/// ccx 2.20 has two absolute thresholds, so the units of a deck matter. (1) A residual below 1e-6
+/// counts as zero, whatever the deck's unit: a soft body of 0.1 m has nodal forces of 1e-3 N, so a
+/// tolerance of 1e-8 would in effect be 1e-3. (2) A D1 below 1e-10 counts as not given and is
+/// replaced by 0.1 / (2 C10); in 1/Pa that concerns any solid as stiff as glass. Decks are
+/// therefore written in units in which the shear modulus and the edge of an element are of order
+/// 1e3 each, and nodal forces of order 1e9 times the strain; results are converted back on reading.
 #pragma once
 
 #include "palpable/bake/solid/solid_model.h"
@@ -35,18 +36,18 @@ struct CalculixUnits {
 /// A rigid box that presses the body with one of its faces: CalculiX' own contact (node to surface,
 /// linear pressure over overclosure, no friction), to compare ours with.
 struct CalculixLid {
-  Eigen::Vector3d middle;  ///< m, of the pressing face at level 0
-  Eigen::Vector3d normal;  ///< unit, out of the box at that face
-  double side = 0;         ///< m, of the box; the face is larger than what it presses
-  Eigen::Vector3d way;     ///< m, where the box is at level 1 from there
+  Eigen::Vector3d middle;  ///< m, centre of the pressing face at level 0
+  Eigen::Vector3d normal;  ///< unit, outward normal of that face
+  double side = 0;         ///< m, edge of the box; larger than the pressed area
+  Eigen::Vector3d way;     ///< m, displacement of the box at level 1
   double stiffness = 0;    ///< Pa/m, pressure over overclosure
 };
 
-/// The deck. Numbers have as many digits as CalculiX reads, which is 20 characters, so at least 13
-/// significant digits. Nodes and elements are numbered from 1 in the model's order.
+/// The deck. Numbers have as many digits as fit into the 20 characters that CalculiX reads: at
+/// least 13 significant ones. Nodes and elements are numbered from 1 in the model's order.
 /// @param full_load  (3 x N) N at level 1; may be zero if there are fixed displacements
 /// @param levels     > 0, increasing, at least one
-/// @param lid        presses the body's skin too; nullptr: nothing does
+/// @param lid        a rigid box that presses the skin as well; nullptr: none
 /// @throws Error as check_model(); for a law that CalculiX does not have; a load of the wrong size
 [[nodiscard]] std::string calculix_deck(const SolidModel& model, const Eigen::Matrix3Xd& full_load,
                                         std::span<const double> levels, double tolerance = 1e-8,

@@ -16,9 +16,10 @@ namespace {
 using Eigen::Index;
 using Eigen::Matrix3Xd;
 
-// A site that stops early is taken up to this fraction of the last level that ccx found.
+// Where the path of a site ends early, its load is lowered to this fraction of the last one that
+// was reached.
 constexpr double kBackOff = 0.97;
-constexpr int kMaxLowerings = 4;
+constexpr int kMaxLowerings = 4;  // paths that are tried, the first included
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 /// @file
-/// The work of a campaign done by CalculiX instead of our solver: same question, same answer.
+/// Computes the snapshots of a campaign by CalculiX instead of our solver, from the same input.
 #pragma once
 
 #include "palpable/bake/campaign/site_run.h"
@@ -10,9 +10,10 @@
 
 namespace palpable {
 
-/// Loads are found by our solver (CalculiX has no search for one), paths by `ccx`, one process per
-/// site; stress at the nodes is recovered from CalculiX' displacement as from ours, so that both
-/// kinds of snapshots mean the same. Seven digits of each displacement are all that ccx prints.
+/// Our solver finds the load of each site, because CalculiX has no search for a load; `ccx`
+/// computes the path, in one process per site. Nodal stress is recovered from CalculiX'
+/// displacements in the same way as from ours, so that both kinds of snapshots can be compared. ccx
+/// prints seven digits of each displacement.
 class CalculixSites {
  public:
   /// @param solver   outlives this
@@ -21,8 +22,7 @@ class CalculixSites {
   ///         stays while another one grows
   CalculixSites(const SiteSolver& solver, std::string program);
 
-  /// As solve_sites(); the error of a deck that ccx refuses, or of a law that it does not have, is
-  /// in its own words.
+  /// As solve_sites(). Where ccx refuses a deck, the Error holds ccx's message.
   void solve(std::span<const Site> sites, const SiteRunSettings& settings, int threads,
              const SiteStream& stream) const;
 

@@ -54,7 +54,7 @@ TEST_CASE("CalculiX and the own solver give the same snapshots", "[campaign][cal
     CHECK((theirs[s].displacement.cast<double>() - u).norm() <=
           tolerance(1e-5, "seven digits of each displacement") * u.norm());
     CHECK((theirs[s].stress.cast<double>() - sigma).norm() <=
-          tolerance(1e-4, "of them the stress, which differences them") * sigma.norm());
+          tolerance(1e-4, "stress is computed from differences of them") * sigma.norm());
     CHECK((theirs[s].press_depth - ours.press_depth.col(static_cast<Eigen::Index>(s))).norm() <=
           tolerance(1e-5, "likewise") * theirs[s].press_depth.norm());
     CHECK(theirs[s].outcome.reached_press);

@@ -30,7 +30,7 @@ using test::tolerance;
 
 constexpr const char* kNoCalculix = "CalculiX (ccx, Debian calculix-ccx) is not installed";
 
-// A soft block of 0.1 m on its base; not a cube, so that no swapped axis goes unseen.
+// A soft block of 0.1 m on its base; not a cube, so that swapped axes are noticed.
 SolidModel block(const Material& material = material_from_young("neo-hooke-abaqus", 60e3, 0.4)) {
   SolidModel model;
   model.mesh = box_tets({0, 0, 0}, {0.1, 0.08, 0.06}, 3, 2, 2);
@@ -99,7 +99,7 @@ TEST_CASE("the printed results of CalculiX are read in our order and units",
   CHECK(states[1].stress.col(1) == expected);
 }
 
-TEST_CASE("fewer states than levels are an answer, as when CalculiX stops on the way",
+TEST_CASE("fewer states than levels are accepted, as when CalculiX stops early",
           "[campaign][calculix][reader]") {
   REQUIRE(parse(some_dat(1)).ok());
   CHECK(parse(some_dat(1)).value().size() == 1);
@@ -158,8 +158,7 @@ TEST_CASE("a file that is cut off anywhere gives whole states or one clear line"
     }
     ++accepted;
     const std::size_t whole = result.value().size();
-    // The last number of a state may lose its last digits unseen: that is the reader's limit, and
-    // ccx's exit code tells.
+    // The reader cannot notice a cut within the last number of a state; ccx's exit code reveals it.
     CHECK(whole <= (size < one - 30 ? 0u : size < good.size() - 30 ? 1u : 2u));
   }
   CHECK(accepted < 100);
@@ -274,7 +273,7 @@ TEST_CASE("a body or load that CalculiX cannot be given is refused before it is 
   CHECK_THROWS_WITH(solve(good, load), Contains("/nowhere/ccx") && Contains("calculix-ccx"));
 }
 
-// A program that acts as `script` says, in place of ccx.
+// A shell script that runs in place of ccx.
 std::filesystem::path stand_in(const test::ScratchFolder& folder, const std::string& script) {
   const std::filesystem::path path = folder / "stand-in";
   test::write_bytes(path, "#!/bin/sh\n" + script + "\n");
@@ -397,7 +396,7 @@ TEST_CASE("CalculiX stretches ten-node tetrahedra as the closed form says, at al
   CHECK((xx.array() - 1169.587).abs().maxCoeff() <= tolerance(2e-3, "seven printed digits"));
 }
 
-TEST_CASE("where CalculiX finds no way on, the states so far are the answer",
+TEST_CASE("where CalculiX gives up, the states reached so far are returned",
           "[campaign][calculix]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   // St. Venant-Kirchhoff collapses below 0.58 of its height.
@@ -412,7 +411,7 @@ TEST_CASE("where CalculiX finds no way on, the states so far are the answer",
                                   Contains("increment size smaller than minimum"));
 }
 
-TEST_CASE("whoever stops listening to the progress stops CalculiX", "[campaign][calculix]") {
+TEST_CASE("an exception from the progress callback stops CalculiX", "[campaign][calculix]") {
   const test::ScratchFolder folder("calculix_cancel");
   const SolidModel model = block();
   struct Cancelled {};

@@ -29,7 +29,7 @@ void add(Digest& digest, const Site& site) {
   digest.add(site.direction);
 }
 
-// What all points share.
+// Digest of the inputs that all points share.
 Digest digest_of_problem(const CampaignPlan& plan) {
   Digest digest;
   digest.add(kSnapshotLayout);
@@ -64,7 +64,7 @@ SolidModel model_at(const CampaignPlan& plan, int point) {
   return model;
 }
 
-// A press that no site reaches is a wrong wish and not a property of the body.
+// A press that no site reaches is an error of the description, not a property of the body.
 void refuse_if_out_of_reach(const SnapshotStore& store, int point, double press) {
   const int S = store.content().site_count();
   std::optional<SiteOutcome> farthest;
@@ -79,8 +79,8 @@ void refuse_if_out_of_reach(const SnapshotStore& store, int point, double press)
       S, press, farthest->press, farthest->shortfall));
 }
 
-// Solves what is missing of the linear responses, file by file.
-// @param solver  of the sites, if any were solved here: its factor serves these, too
+// Solves the linear responses that the store lacks, file by file.
+// @param solver  that of the sites, if any were solved here: its factor is used again
 void solve_linear_responses(const CampaignPlan& plan, const SnapshotStore& store, Crew& crew,
                             const CampaignSettings& settings, const Progress& progress,
                             std::optional<EquilibriumSolver>& solver, CampaignReport& result) {
@@ -102,7 +102,8 @@ void solve_linear_responses(const CampaignPlan& plan, const SnapshotStore& store
   if (pending.empty()) return;
   const double total = there + static_cast<double>(pending.size());
   report(progress, {"linear responses", static_cast<double>(there), total, ""});
-  // A response is exact to the solver's tolerance of a residual that is as small as its load.
+  // The residual of a linear response is relative to its load, so a load of 1 N needs no tighter
+  // tolerance than a press.
   if (!solver) {
     solver.emplace(model_at(plan, 0), EquilibriumSettings{.tolerance = kSnapshotTolerance});
   }
@@ -128,7 +129,7 @@ void solve_linear_responses(const CampaignPlan& plan, const SnapshotStore& store
       });
 }
 
-// Counts sites for the bar, those of earlier runs included.
+// Counts sites for the progress bar, including those of earlier runs.
 class Account {
  public:
   Account(const Progress& progress, int there, int total, int units)
@@ -139,7 +140,7 @@ class Account {
     const std::lock_guard lock(mutex_);
     show();
   }
-  // A part of a unit that is being solved here.
+  // Sets which part (0 .. 1) of a unit in progress is done.
   void part(int unit, double part) {
     const std::lock_guard lock(mutex_);
     parts_[unit] = part;
@@ -206,7 +207,8 @@ std::vector<std::uint64_t> unit_keys(const CampaignPlan& plan) {
 
 namespace {
 
-// The units of this shard that the store does not hold yet, known to all of the crew.
+// The units of this shard that the store does not hold yet. The leader looks them up; all processes
+// of the crew get the same list.
 std::vector<int> pending_units(const SnapshotStore& store, Crew& crew,
                                const CampaignSettings& settings, const Progress& progress,
                                CampaignReport& result) {
@@ -225,7 +227,7 @@ std::vector<int> pending_units(const SnapshotStore& store, Crew& crew,
   return crew.agree(std::move(pending));
 }
 
-// Solves sites of one point and writes each as it ends.
+// Solves sites of one point and writes each as soon as it is solved.
 class PointRun {
  public:
   PointRun(const CampaignPlan& plan, const SnapshotStore& store, const EquilibriumSolver& solver,
@@ -303,7 +305,7 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
     }
     if (sites.empty()) continue;
     account.begin();
-    solver.reset();  // one factor at a time
+    solver.reset();  // keep one factor in memory at a time
     solver.emplace(model_at(plan, p), EquilibriumSettings{.tolerance = kSnapshotTolerance});
     result.setup = solver->setup();
     PointRun run(plan, store, *solver, p, std::move(sites), settings);

@@ -1,5 +1,5 @@
 /// @file
-/// All sites at all load levels and all parameter values, solved into a store (paper Sec. 5.2).
+/// Solves all sites at all load levels and all parameter values into a store (paper Sec. 5.2).
 ///
 ///   N  nodes     S  sites     L  solved levels     P  points (snapshot_store.h)
 #pragma once
@@ -35,7 +35,7 @@ enum class FeSolver {
   kCalculix  ///< calculix_sites.h
 };
 
-/// "own" or "calculix": what a user types, and what the keys of units are mixed from.
+/// "own" or "calculix": the name that a user types; it also enters the keys of units.
 [[nodiscard]] std::string_view fe_solver_name(FeSolver solver);
 
 /// What is to be solved.
@@ -43,23 +43,23 @@ struct CampaignPlan {
   SolidModel model;         ///< at the first point
   Boundary boundary;        ///< of model.mesh; sites refer to its vertices
   std::vector<Site> sites;  ///< (S) full loads not known yet
-  /// Whose linear responses are stored, too; may be none. Only with one point.
+  /// Sites whose linear responses are stored as well; may be empty. Only with one point.
   std::vector<Site> linear;
   SiteRunSettings run;
-  /// (3 x N) N: what acts on the body all the while; no columns: nothing. Supports that move have
-  /// moved all the way before the first press.
+  /// (3 x N) N: forces that act at every level; no columns: none. Supports that move have reached
+  /// their final displacement before the first press.
   Eigen::Matrix3Xd preload = Eigen::Matrix3Xd(3, 0);
   std::vector<PointMaterials> points;  ///< (P) at least one
   FeSolver solver = FeSolver::kOwn;
-  /// (P S) with run.at: the load of each unit at level 1, N; run.full_loads is then not read.
+  /// (P S) N: load of each unit at level 1, if run.at is given; run.full_loads is not read.
   std::vector<double> full_loads = {};
 };
 
-/// (P S) for each unit what it is computed from: layout and revision of this program's work, mesh,
-/// materials, supports, loads, levels, and its site.
+/// (P S) The key of each unit: a hash of everything it is computed from, i.e. file layout, revision
+/// of the solver, mesh, materials, supports, loads, levels, and its site.
 [[nodiscard]] std::vector<std::uint64_t> unit_keys(const CampaignPlan& plan);
 
-/// The same of the linear responses.
+/// The same for the linear responses.
 [[nodiscard]] std::uint64_t linear_key(const CampaignPlan& plan);
 
 struct CampaignSettings {
@@ -71,23 +71,24 @@ struct CampaignSettings {
 };
 
 struct CampaignReport {
-  int reused = 0;  ///< units that were there already
+  int reused = 0;  ///< units that the store held already
   int solved = 0;
-  int missing = 0;        ///< of other shards
-  int linear_solved = 0;  ///< files of linear responses
+  int missing = 0;        ///< units and files of other shards
+  int linear_solved = 0;  ///< files of linear responses that were solved
   StageTimes times;       ///< solve, stress, write: milliseconds, summed over sites
   SolverSetup setup;      ///< of the last point that was solved
 };
 
-/// Solves what the store does not hold yet. A site's file is written as it ends; nothing that is
-/// finished is lost, whatever ends the program. The store's bytes depend on nothing but the plan.
+/// Solves the units that the store does not hold yet. A site's file is written as soon as it is
+/// solved, so an aborted run loses only the sites in progress. The bytes of the store depend on the
+/// plan alone.
 ///
-/// Memory: the solver (equilibrium.h), 24 N L + 1,500 N bytes for each site in progress, of which
-/// there are 20 a thread or as many as 2 GB hold (lockstep.h), and 60 N L for the snapshots of one
-/// that is being written and their file.
+/// Memory: that of the solver (equilibrium.h); 24 N L + 1,500 N bytes for each site in progress, of
+/// which there are at most 20 per thread and about as many as fit into 2 GB (lockstep.h); and, for
+/// each site that is being written, another 60 N L bytes.
 /// @param store  of unit_keys(plan)
 /// @throws Error if no site of a point reaches the press, one site cannot be pressed at all, the
-///         body cannot bear the preload, or the store cannot be written
+///         body has no equilibrium under the preload, or the store cannot be written
 [[nodiscard]] CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store,
                                           Crew& crew, const CampaignSettings& settings,
                                           const Progress& progress = {});

@@ -23,7 +23,8 @@ using Catch::Matchers::Contains;
 using Catch::Matchers::EndsWith;
 using test::file_bytes;
 
-// A block of rubber that stands on the ground, at two stiffnesses of its upper half.
+// A block of rubber that stands on the ground; the stiffness of every second element is a
+// parameter.
 struct Block {
   CampaignPlan plan;
   StoreContent content;
@@ -245,7 +246,7 @@ TEST_CASE("linear responses are reciprocal and the beginning of every press", "[
   CHECK(store.content().linear == vertices);
   Eigen::MatrixXd G(store.linear(0).rows(), static_cast<Eigen::Index>(vertices.size()));
   G << store.linear(0).cast<double>(), store.linear(1).cast<double>();
-  // (V x n) what each site's load does at each patch: w_i . G_j, symmetric (Betti).
+  // (n x n) work of each site's load on each response: w_i . G_j, symmetric (Betti).
   Eigen::MatrixXd work(G.cols(), G.cols());
   for (Eigen::Index i = 0; i < G.cols(); ++i) {
     const Site& site = block.plan.linear[i];

@@ -20,9 +20,9 @@ void LocalCrew::share(int count, const std::function<void(const Pieces&)>& run,
          const int i = next++;
          return i < count ? std::optional(i) : std::nullopt;
        },
-       [&](int piece, int answer) {
+       [&](int piece, int result) {
          const std::lock_guard lock(finishing);
-         finished(piece, answer);
+         finished(piece, result);
        }});
 }
 

@@ -1,5 +1,5 @@
 /// @file
-/// Who works on a campaign: the threads of one process, or of several (mpi_crew.h).
+/// The workers of a campaign: the threads of one process, or of several processes (mpi_crew.h).
 #pragma once
 
 #include <functional>
@@ -8,11 +8,12 @@
 
 namespace palpable {
 
-/// How a process comes by its pieces of work.
+/// How a process gets pieces of work and reports them as finished.
 struct Pieces {
-  std::function<std::optional<int>()> next;
-  /// Two numbers for the leader about a piece that is done: which work it was, and how it went.
-  std::function<void(int what, int answer)> finished;
+  std::function<std::optional<int>()> next;  ///< number of the next piece; nothing: no more
+  /// Reports a finished piece to the leader by two numbers, which are passed on unchanged: what was
+  /// done, and its result.
+  std::function<void(int what, int result)> finished;
 };
 
 /// Hands out numbered pieces of work. All processes of a crew call the same members in the same
@@ -21,18 +22,18 @@ class Crew {
  public:
   virtual ~Crew() = default;
 
-  /// One process leads: it looks after the store, shows progress, reduces.
+  /// Whether this process is the leader, which manages the store, shows progress and reduces.
   [[nodiscard]] virtual bool leads() const = 0;
-  /// Threads that this process is to use where the user asked for `wanted`; 0: as many as fit.
+  /// Number of threads for this process. @param wanted  requested by the user; 0: as many as fit
   [[nodiscard]] virtual int threads(int wanted) const = 0;
-  /// The leader's list, in every process.
+  /// Returns the leader's list in every process.
   [[nodiscard]] virtual std::vector<int> agree(std::vector<int> list) = 0;
 
-  /// Hands out each 0 <= i < count once, in increasing order: every process calls run() once, which
-  /// asks `next` for pieces, from any of its threads, until there are none, and calls `finished`
+  /// Hands out each 0 <= i < count once, in increasing order. Every process calls run() once; run()
+  /// takes pieces by `next`, from any of its threads, until there are none, and calls `finished`
   /// for each. In the leader, finished() is then called with the same numbers, one call at a time.
-  /// @throws what run() threw, when all processes have ended; nothing more is handed out then. In
-  ///         a process that does not lead: an Error for a failure of any other
+  /// @throws what run() threw, after all processes have ended; no piece is handed out after a
+  ///         failure. In a process that is not the leader: an Error when any other process failed
   virtual void share(int count, const std::function<void(const Pieces&)>& run,
                      const std::function<void(int, int)>& finished) = 0;
 };

@@ -76,7 +76,7 @@ std::string preload_line(const BodyDescription& description) {
   return line + "and what supports move, first and in full";
 }
 
-// (P) what the body is made of at each combination of the parameters' values.
+// (P) The materials of the body at each combination of the parameters' values.
 std::vector<PointMaterials> points_of(const BodyDescription& description) {
   std::size_t P = 1;
   for (const BodyDescription::Parameter& parameter : description.parameters) {
@@ -104,7 +104,7 @@ std::vector<PointMaterials> points_of(const BodyDescription& description) {
   return points;
 }
 
-// Turns the plan of a campaign into that of the levels between its own.
+// Replaces the levels of a campaign's plan by those half way between them.
 void hold_out(const SnapshotStore& campaign, CampaignPlan& plan, StoreContent& content) {
   if (campaign.content().keys != content.keys) {
     throw Error(fmt::format("{}: is of another campaign than this description's",
@@ -124,7 +124,7 @@ void hold_out(const SnapshotStore& campaign, CampaignPlan& plan, StoreContent& c
   content.keys = unit_keys(plan);
 }
 
-// The plan of all sites, levels and points of `problem`, whose parts it takes.
+// The plan of all sites, levels and points of `problem`, which is moved from.
 CampaignPlan plan_of(const BodyDescription& description, BodyProblem&& problem,
                      const FillSettings& settings) {
   return {
@@ -178,7 +178,7 @@ StoreContent content_of(const BodyDescription& description, const BodyProblem& p
     content.materials.push_back(group.material);
   }
   content.material_of_element = material_groups(problem.model);
-  for (int& material : content.material_of_element) ++material;  // -1 is the first
+  for (int& material : content.material_of_element) ++material;  // -1: the body's own
   content.sites = problem.sites;
   for (const BodyDescription::Parameter& parameter : description.parameters) {
     content.parameters.push_back(

@@ -1,5 +1,5 @@
 /// @file
-/// From a body's description to a store full of its snapshots: mesh, plan, campaign.
+/// Computes the snapshots of a described body into a store: mesh, plan, campaign.
 #pragma once
 
 #include "palpable/bake/campaign/campaign.h"
@@ -20,13 +20,13 @@ namespace palpable {
 
 struct FillSettings {
   int threads = 0;  ///< 0: one per core
-  /// Folder of the snapshots, made if absent; what is valid there is not solved again.
+  /// Folder of the snapshots, created if absent; valid snapshots in it are not solved again.
   std::filesystem::path store = {};
   FeSolver solver = FeSolver::kOwn;
   int shard = 0, shards = 1;  ///< as CampaignSettings
-  /// A complete campaign of the same description: then `store` gets the levels half way between its
-  /// levels, (m + 1/2) / L, of the same loads, solved afresh: what a reduced body was not made
-  /// from.
+  /// A complete campaign of the same description. If given, `store` gets held-out snapshots: levels
+  /// half way between those of the campaign, (m + 1/2) / L, under the same loads. They measure the
+  /// error of a body that was reduced from the campaign.
   const SnapshotStore* held_out_of = nullptr;
 };
 
@@ -34,22 +34,23 @@ struct FilledStore {
   SnapshotStore store;
   CampaignPlan plan;  ///< what was solved
   CampaignReport campaign;
-  StageTimes wall;  ///< ms by the clock on the wall: mesh, campaign
-  /// Snapshots of another description that were in the folder; on the leader of the crew.
+  StageTimes wall;  ///< wall time, ms: mesh, campaign
+  /// Snapshots of another description that were in the folder; set in the leader only.
   std::optional<SetAside> set_aside = {};
-  /// Keeps other campaigns out of the folder; on the leader of the crew.
+  /// Lock that keeps other campaigns out of the folder; held by the leader only.
   std::unique_ptr<FolderLock> held = {};
 };
 
-/// What is known of a body before anything is solved. Levels, keys, and where the snapshots come
-/// from are left to the caller.
+/// The part of a store's content that is known before anything is solved. The caller adds levels,
+/// keys and the provenance of the snapshots.
 [[nodiscard]] StoreContent content_of(const BodyDescription& description,
                                       const BodyProblem& problem);
 
-/// Meshes the body and solves its campaign into settings.store; what is there of another campaign
-/// is set aside first.
+/// Meshes the body and solves its campaign into settings.store; snapshots of another campaign in
+/// that folder are set aside first.
 /// @pre settings.store is not empty
-/// @throws Error for everything in the world that is not as hoped: mesh, supports, loads, disk
+/// @throws Error for a mesh, supports or loads that cannot be used, and when the disk cannot be
+///         written
 [[nodiscard]] FilledStore fill_store(const BodyDescription& description,
                                      const FillSettings& settings, Crew& crew,
                                      const Progress& progress = {});

@@ -24,7 +24,7 @@ TEST_CASE("levels between are solved under the loads of the campaign", "[campaig
   REQUIRE(between.content().level_count() == 2);
   CHECK(between.content().levels[1] == 0.25);
   CHECK(between.content().levels[2] == 0.75);
-  // Of a campaign with twice the levels, every other level is the same state.
+  // In a campaign with twice the levels, every other level is the same state.
   const SnapshotStore fine = solved_store(egg_body(scratch.path(), 4), scratch.path() / "fine");
   const StoredField& moved = between.content().fields[0];
   const Eigen::Index rows = 3 * between.content().mesh.node_count();
@@ -66,7 +66,7 @@ TEST_CASE("a store holds the mesh and the laws' constants as numbers", "[campaig
   CHECK(law_name(read.materials[1]) == "mooney-rivlin");
   CHECK(constants_of(read.materials[1]) == std::vector{1e3, 2e3, 3e3});
   CHECK(read.material_of_element == written.material_of_element);
-  // The same pull in the stored law and in the one that was solved with.
+  // The same stretch gives the same stress in the stored law and in the one that was solved with.
   const Eigen::Matrix3d F = Eigen::Vector3d(1.2, 0.9, 1.0).asDiagonal();
   CHECK(first_piola(read.materials[0], F) == first_piola(problem.model.material, F));
 

@@ -1,6 +1,6 @@
 /// @file
-/// How wrong a reduced body is where it was not made from: against states solved afresh, at levels
-/// between its own.
+/// Errors of a reduced body at held-out states: full-order solutions at load levels between those
+/// of its snapshots.
 #pragma once
 
 #include "palpable/bake/campaign/snapshot_store.h"
@@ -10,13 +10,14 @@
 
 namespace palpable {
 
-/// Of the body as the live half evaluates it (single precision, interpolated between levels), on
-/// its skin.
+/// Errors on the skin of the body as the live half evaluates it (single precision, interpolated
+/// between levels).
 struct HeldOutErrors {
   /// (L x S) |u - u_r| / |u| of each snapshot, |.|^2 an integral over the skin (nodal areas).
   Eigen::MatrixXd displacement;
-  double displacement_pooled = 0;  ///< of all together
-  /// (L x S) the worst vertex: largest | vM - vM_r | over the largest vM of the same snapshot.
+  double displacement_pooled = 0;  ///< of all snapshots together
+  /// (L x S) error of the worst vertex: largest | vM - vM_r | over the largest vM of the same
+  /// snapshot.
   Eigen::MatrixXd von_mises;
 
   Eigen::VectorXd levels = {};  ///< (L)
@@ -27,15 +28,15 @@ struct HeldOutErrors {
   [[nodiscard]] double von_mises_median() const;
 };
 
-/// Which state of the body a held-out one is compared with.
+/// The state of the body with which a held-out state is compared.
 enum class HeldOutAt {
-  kLevel,  ///< the one at its level: loads are the same
-  kDepth   ///< the one that is pressed as deep, as the live half finds it from a measured depth
+  kLevel,  ///< at the same level, i.e. under the same load
+  kDepth   ///< at the same press depth, which is what the live half measures
 };
 
 /// @pre body.is_settled()
-/// @param held_out  units of the point from which the body is (as ReduceSettings::at), or to which
-///                  it was settled
+/// @param held_out  store with the units of `point`, from which the body was reduced
+///                  (ReduceSettings::at) or to which it was settled
 /// @throws Error if a unit is missing, or the store is of another mesh or other sites
 [[nodiscard]] HeldOutErrors held_out_errors(const ReducedBody& body, const SnapshotStore& held_out,
                                             int point = 0, HeldOutAt at = HeldOutAt::kLevel);

@@ -98,7 +98,7 @@ ImportManifest::Snapshot read_snapshot(TomlSection& section, const BodyDescripti
   return snapshot;
 }
 
-// From rows of a file to nodes of the body.
+// Finds the row of a file for each node of the body.
 class NodeMatch {
  public:
   NodeMatch(const VolumeMesh& volume) : volume_(volume) {
@@ -121,12 +121,12 @@ class NodeMatch {
       } else if (count == N) {
         number = sorted_[i];
       } else {
-        number = i + (sorted_.front() > 0 ? 1 : 0);  // all nodes of the file, unused ones as well
+        number = i + (sorted_.front() > 0 ? 1 : 0);  // a row for every node, also unused ones
       }
       const auto at = node_of_.find(number);
       if (at != node_of_.end()) row[at->second] = i;
     }
-    if (file.points.cols() > 0 && !fits(file, row)) row = by_place(file, name);
+    if (file.points.cols() > 0 && !fits(file, row)) row = by_position(file, name);
     const auto lost = std::find(row.begin(), row.end(), -1);
     if (lost != row.end()) {
       throw Error(
@@ -151,7 +151,8 @@ class NodeMatch {
     }
     return true;
   }
-  [[nodiscard]] std::vector<Index> by_place(const NodalFile& file, const std::string& name) const {
+  [[nodiscard]] std::vector<Index> by_position(const NodalFile& file,
+                                               const std::string& name) const {
     using Cell = std::array<std::int64_t, 3>;
     const double size = 4.0 * near();
     const auto cell_of = [&](const Eigen::Vector3d& x) {
@@ -222,7 +223,7 @@ MatrixXd values_of(const NodalFile& file, const ImportManifest::Field& field,
     values.middleRows(at, part->rows()) = *part;
     at += part->rows();
   }
-  // A whole tensor, row by row, as VTK's files have it.
+  // A full 3 x 3 tensor, row by row, as in VTK's files.
   if (field.name == "stress" && rows == 9) {
     values = MatrixXd(values(std::vector<int>{0, 4, 8, 1, 5, 2}, Eigen::all));
   }
@@ -238,7 +239,8 @@ MatrixXd values_of(const NodalFile& file, const ImportManifest::Field& field,
   return field.unit * values;
 }
 
-// Into the body frame: `up` turns to Z, x to y to z cyclically (place_in_body_frame()).
+// Rotates values into the body frame: `up` becomes Z by a cyclic permutation of the axes, as in
+// place_in_body_frame().
 void turn_up(MatrixXd& values, const std::string& field, UpAxis up) {
   const int first = up == UpAxis::kX ? 1 : up == UpAxis::kY ? 2 : 0;
   const MatrixXd given = values;
@@ -247,7 +249,7 @@ void turn_up(MatrixXd& values, const std::string& field, UpAxis up) {
   } else if (field == "stress") {
     for (int k = 0; k < 3; ++k) {
       values.row(k) = given.row((first + k) % 3);
-      values.row(3 + k) = given.row(3 + (first + k) % 3);  // xy yz zx follow their first letter
+      values.row(3 + k) = given.row(3 + (first + k) % 3);  // xy yz zx permute as x y z do
     }
   }
 }
@@ -287,7 +289,7 @@ struct Reader {
   }
 };
 
-// The place of each snapshot: [unit][level].
+// The index of each snapshot in the manifest: [unit][level].
 std::vector<std::vector<int>> arrange(const ImportManifest& manifest, const StoreContent& content) {
   const int S = content.site_count(), L = content.level_count();
   std::size_t P = 1;
@@ -334,7 +336,7 @@ std::vector<std::vector<int>> arrange(const ImportManifest& manifest, const Stor
   return at;
 }
 
-// Rest, full load and what is in between.
+// All levels, increasing, with 0 (rest) and 1 (full load).
 Eigen::VectorXd levels_of(const ImportManifest& manifest) {
   std::set<double> levels{0.0, 1.0};
   for (const ImportManifest::Snapshot& s : manifest.snapshots) levels.insert(s.level);
@@ -343,7 +345,7 @@ Eigen::VectorXd levels_of(const ImportManifest& manifest) {
   return sorted;
 }
 
-// The manifest's fields, displacement first, stress next, as every store has them.
+// Indices of the manifest's fields in the order of a store: displacement, stress, others.
 std::vector<std::size_t> fields_in_store_order(const ImportManifest& manifest) {
   const auto rank = [&](std::size_t k) {
     const std::string& name = manifest.fields[k].name;
@@ -442,7 +444,7 @@ struct UnitReader {
   }
 };
 
-// The key of imported snapshots is what they are.
+// Imported snapshots have no known inputs, so their key is a hash of their values.
 std::uint64_t key_of(const TetMesh& mesh, const ImportedUnit& unit, int number) {
   Digest digest;
   digest.add(std::string("imported"));

@@ -1,5 +1,5 @@
 /// @file
-/// Snapshots that somebody else has computed, taken into a store: docs/snapshots.md, "Import".
+/// Imports snapshots that another program has computed into a store: docs/snapshots.md, "Import".
 #pragma once
 
 #include "palpable/bake/campaign/set_aside.h"
@@ -13,25 +13,25 @@
 
 namespace palpable {
 
-/// Which file is which snapshot, as text (TOML).
+/// A TOML file that says which file holds which snapshot.
 struct ImportManifest {
   std::filesystem::path source;  ///< the TOML file
   std::filesystem::path body;    ///< the description of mesh, support, sites and parameters
 
   struct Field {
-    std::string name;               ///< in the store
-    std::vector<std::string> from;  ///< in the files: one field, or one for each component
-    double unit = 1;                ///< SI of a number in the files
-    std::string place;              ///< how messages about it begin
+    std::string name;               ///< name in the store
+    std::vector<std::string> from;  ///< fields in the files: one, or one for each component
+    double unit = 1;                ///< SI value of 1 in the files
+    std::string place;              ///< prefix of messages about it
   };
   std::vector<Field> fields;
 
   struct Snapshot {
     int site = 0;
     double level = 1;
-    double force = 0;                               ///< N at this level; 0: not said
+    double force = 0;                               ///< N at this level; 0: not given
     std::map<std::string, double> at = {};          ///< values of the body's parameters
-    std::filesystem::path file;                     ///< with all fields; empty: see files
+    std::filesystem::path file;                     ///< file with all fields; empty: see files
     std::map<std::string, std::string> files = {};  ///< field -> its own file
     std::string place;
   };
@@ -41,12 +41,13 @@ struct ImportManifest {
 /// @throws Error naming file, line and key, as read_body_description()
 [[nodiscard]] ImportManifest read_import_manifest(const std::filesystem::path& path);
 
-/// Reads all files and writes the store. Vectors and stresses are turned as the mesh is (`up`).
-/// Nodes are matched by their numbers, or by their places where the files have those.
-/// @param folder  where the files are
-/// @param output  the store
-/// @throws Error when a file cannot be read, lacks a field or nodes, a snapshot is missing or
-///         there twice, or the body gives way less at a higher level
+/// Reads all files and writes the store. Vectors and stresses are rotated as the mesh is (`up`).
+/// Nodes are matched by number, or by position where a file has positions that do not fit its
+/// numbers.
+/// @param folder  of the files
+/// @param output  folder of the store
+/// @throws Error when a file cannot be read, lacks a field or nodes, a snapshot is missing or given
+///         twice, or a patch is not displaced further at a higher level
 CollectedStore import_snapshots(const std::filesystem::path& folder, const ImportManifest& manifest,
                                 const std::filesystem::path& output, const Progress& progress = {});
 

@@ -31,7 +31,7 @@ PressSolver::PressSolver(const EquilibriumSolver& solver, const Matrix3Xd& prelo
   is_preloaded_ = moves_supports(solver.model()) || (preload.cols() > 0 && !preload.isZero(0.0));
   if (!is_preloaded_) return;
   preloaded_.force = preload.cols() > 0 ? preload : preloaded_.rest;
-  // Half way first: the second step then starts on a line through two states.
+  // Half of the preload first: the second step then starts from a linear extrapolation.
   PathResult path = solver.solve_path(preloaded_.force, std::array{0.5, 1.0});
   if (!path.complete) {
     throw Error(

@@ -1,6 +1,5 @@
 /// @file
-/// Presses on a body that something else acts on already: its weight, pressures, supports that
-/// move.
+/// Solves presses on a body under a preload: its weight, pressures, supports that move.
 ///
 ///   N  nodes      u  displacement from the unloaded body, (3 x N) m
 #pragma once
@@ -14,34 +13,36 @@
 
 namespace palpable {
 
-/// EquilibriumSettings::tolerance for snapshots. Against 1e-9, on eight sites of the bunny with six
-/// levels, ears among them, it changed displacements by at most 1.4e-6 of their norm and stresses
-/// by 3.7e-6 (steps overshoot it); a reduction gives up more. 1e-6 takes a sixth more iterations.
+/// EquilibriumSettings::tolerance for snapshots. Compared with 1e-9, on eight sites of the bunny
+/// (ears among them) with six levels, displacements change by at most 1.4e-6 of their norm and
+/// stresses by 3.7e-6: less than 1e-5, because the last Newton step overshoots the tolerance. The
+/// error of a reduction is larger. 1e-6 would take a sixth more iterations.
 inline constexpr double kSnapshotTolerance = 1e-5;
 
 /// Equilibria under  preload + level * press,  supports moved all the way at every level.
 ///
-/// The preload comes first and in full; presses and their levels are counted from the shape that it
-/// gives the body, and paths start there: they cost what paths of the unloaded body do. Without
-/// a preload, everything is handed to EquilibriumSolver as it is.
+/// The full preload is applied first. Presses and their levels are measured from the preloaded
+/// state, and paths start there, so they take as long as paths of the unloaded body. Without a
+/// preload, all calls are passed to EquilibriumSolver unchanged.
 ///
 /// Const members may be called from several threads.
 class PressSolver {
  public:
   /// @param solver   outlives this
   /// @param preload  (3 x N) N, or no columns for none
-  /// @throws Error when the body cannot bear the preload
+  /// @throws Error when the body has no equilibrium under the preload
   PressSolver(const EquilibriumSolver& solver, const Eigen::Matrix3Xd& preload);
 
   [[nodiscard]] const EquilibriumSolver& solver() const { return solver_; }
   [[nodiscard]] bool is_preloaded() const { return is_preloaded_; }
-  /// What acts before anything presses; nullptr without.
+  /// The preload and its equilibrium; nullptr without a preload.
   [[nodiscard]] const Preloaded* preloaded() const { return is_preloaded_ ? &preloaded_ : nullptr; }
   /// (3 x N) u under the preload alone; zero without one.
   [[nodiscard]] const Eigen::Matrix3Xd& rest() const { return preloaded_.rest; }
 
-  /// As EquilibriumSolver's; displacements are from the unloaded body, presses from rest().
-  /// @param lane  shares passes through the factor; nullptr: alone
+  /// As the functions of EquilibriumSolver. Displacements are measured from the unloaded body,
+  /// presses from rest().
+  /// @param lane  shares passes through the factor with other solves; nullptr: solves alone
   /// @param tick  see PathOptions
   [[nodiscard]] PathResult solve_path(const Eigen::Matrix3Xd& full_load,
                                       std::span<const double> levels, Lane* lane = nullptr) const;

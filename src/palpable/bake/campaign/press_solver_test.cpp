@@ -97,7 +97,7 @@ TEST_CASE("a base that is moved takes the body along before it is pressed", "[ca
   REQUIRE((a.reached && b.reached));
   CHECK(b.load ==
         Approx(a.load).epsilon(tolerance(1e-4, "two searches, each to 1e-5 of the press")));
-  // Nothing else than a motion that bends the body is a preload, too.
+  // A motion of supports that bends the body is a preload even without other loads.
   for (Support& support : moved.supports) {
     support.displacement = Vector3d(0, 0, 0.05 * moved.mesh.nodes(0, support.node));
   }

@@ -23,7 +23,7 @@ fs::path aside_of(const fs::path& folder, const StoreContent& content) {
   return aside;
 }
 
-// By the names of files: what each was, or would be, computed from.
+// The key of each file, by the file's name.
 using Keys = std::map<std::string, std::uint64_t>;
 
 Keys keys_of_units(const SnapshotStore& store) {
@@ -76,8 +76,8 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
   if (error) throw Error(fmt::format("{}: cannot be made: {}", to.string(), error.message()));
 }
 
-// Tables of touch carry keys of their own; those that do not hold any more are made again in the
-// place of their links.
+// Tables of touch carry their own keys, so all of them are linked; one that is no longer valid is
+// made again later and replaces its link.
 void link_touch_tables(const fs::path& from, const fs::path& to) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(from, error)) {
@@ -110,7 +110,7 @@ std::optional<SetAside> set_aside_other_campaign(const fs::path& folder,
   if (!fs::exists(folder / "campaign.h5", error)) return std::nullopt;
   const SnapshotStore old = SnapshotStore::open(folder);
   const SnapshotStore now = SnapshotStore::attach(folder, content);
-  // A run that is under way would go on in the folder of this one.
+  // Otherwise a run in progress would continue to write its campaign into this campaign's folder.
   std::optional<FolderLock> lock;
   if (campaign_key(old.content()) != campaign_key(content)) lock.emplace(folder);
   const Keys units = those_in(folder, keys_of_units(old));

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a campaign of three sites is about; its units are written without being solved.
+// The content of a campaign with a site for each key; its units are written without being solved.
 StoreContent campaign_of(const std::vector<std::uint64_t>& keys) {
   const test::RubberBlock block(static_cast<int>(keys.size()));
   StoreContent content;

@@ -18,7 +18,7 @@ using Eigen::Index;
 using Eigen::Matrix3Xd;
 using Eigen::VectorXd;
 
-// The answers of one site's solve, as they are kept.
+// The solved path of one site as snapshots.
 SiteSnapshots snapshots_of(const SiteSolver& solver, const PressPath& path) {
   const auto L = static_cast<Index>(path.steps.size());
   const Index N = solver.rest().cols();
@@ -45,7 +45,7 @@ SiteSnapshots snapshots_of(const SiteSolver& solver, const PressPath& path) {
   return site;
 }
 
-// As press_path(), to a load that is known.
+// As press_path(), for a known load.
 PressPath path_through(const PressSolver& presses, const Matrix3Xd& unit, double full_load,
                        std::span<const double> levels, Lane& lane) {
   PathResult solved = presses.solve_path(full_load * unit, levels, &lane);
@@ -69,11 +69,12 @@ PressPath path_through(const PressSolver& presses, const Matrix3Xd& unit, double
   return path;
 }
 
-// Sites in progress: with 16 and some more for each thread, one thread's pass through the factor is
-// full while the others' lanes do the rest. Bounded by the memory they may take together.
+// Number of sites in progress. With 16 and some more per thread, a thread's pass through the factor
+// is full while the other lanes do the rest of their work. Fewer where they would take more than
+// kMemory together.
 int lanes_for(const SiteSolver& solver, int levels, int threads) {
   constexpr double kMemory = 2e9;        // bytes
-  constexpr double kLearntBytes = 1000;  // a node: what a lane's solver learns, and its vectors
+  constexpr double kLearntBytes = 1000;  // per node: what a lane's solver learns, and its vectors
   const double a_lane =
       solver.presses().solver().model().mesh.node_count() * (24.0 * levels + kLearntBytes);
   return std::clamp(static_cast<int>(kMemory / a_lane), threads, 20 * threads);
@@ -119,8 +120,8 @@ void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
                               X[0], X[1], X[2], path.why_stopped));
     }
     if (!settings.at.empty() && !path.reached) {
-      throw Error(fmt::format("site {}: a load that was borne before is not borne again: {}", s,
-                              path.why_stopped));
+      throw Error(fmt::format("site {}: no equilibrium under a load that the campaign reached: {}",
+                              s, path.why_stopped));
     }
     timer.emplace(times, "stress");
     SiteSnapshots snapshots = snapshots_of(solver, path);

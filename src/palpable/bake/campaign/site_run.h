@@ -1,5 +1,6 @@
 /// @file
-/// The work of a campaign: loads, paths, stresses of sites, many at a time.
+/// Solves the sites of a campaign, many at a time: the load, the equilibrium path and the stress of
+/// each.
 ///
 ///   N  nodes     L  solved levels (level 0, at rest, is not among them)
 #pragma once
@@ -21,47 +22,47 @@
 
 namespace palpable {
 
-/// To be raised by whoever changes what solve_sites() answers for the same question: snapshots that
-/// are stored carry it, and those of another revision are solved again.
+/// Revision of solve_sites(). Increase it with every change that alters results for the same input:
+/// it enters the keys of stored snapshots, so that those of another revision are solved again.
 inline constexpr int kSiteRunRevision = 5;
 
 struct SiteRunSettings {
-  double press = 0;  ///< m: how far the patch of a site shall give way along its load at level 1
+  double press = 0;  ///< m: displacement of a site's patch along its load at level 1
   double force = 0;  ///< N: the load at level 1, if above 0; then `press` is not read
   int levels = 10;   ///< L: equal steps of the load, 1/L .. 1
-  /// (L) instead: these levels, increasing, of loads that are known (held-out levels).
+  /// (L) If given, used instead of `levels`: increasing levels of known loads (held-out levels).
   std::vector<double> at = {};
   /// (S) N: the load of each site at level 1; with `at` only.
   std::vector<double> full_loads = {};
 };
 
-/// How the path of one site went.
+/// The outcome of the path of one site.
 struct SiteOutcome {
-  bool reached_press = true;  ///< or bears the force that was asked for
-  double press = 0;           ///< m, at level 1
-  std::string shortfall;      ///< one line; empty when the press was reached
+  bool reached_press = true;  ///< or the requested force
+  double press = 0;           ///< m, reached at level 1
+  std::string shortfall;      ///< why not, in one line; empty when the press was reached
   int newton_steps = 0;
   int cg_iterations = 0;
   double smallest_volume_ratio = 1;  ///< min det F over elements and levels
 };
 
-/// What one site adds to a campaign. Single precision: its rounding, 6e-8, is far below what a
-/// solve leaves and a reduction gives up, and campaigns are large.
+/// The snapshots of one site. In single precision, because campaigns are large: its rounding error,
+/// 6e-8, is far below the errors of the solver and of the reduction.
 struct SiteSnapshots {
   double full_load = 0;          ///< N
-  Eigen::MatrixXf displacement;  ///< (3N x L) m, what the press adds to the body at rest
+  Eigen::MatrixXf displacement;  ///< (3N x L) m, relative to the body at rest
   Eigen::MatrixXf stress;        ///< (6N x L) Pa, Cauchy, xx yy zz xy yz zx per node; likewise
   Eigen::VectorXd press_depth;   ///< (L + 1) m, 0 first, increasing
   double largest_von_mises = 0;  ///< Pa, over levels and boundary nodes
   SiteOutcome outcome;
 };
 
-/// The body before anybody presses it, and what all sites share.
+/// The body at rest, and the data that all sites share.
 class SiteSolver {
  public:
   /// @param solver, boundary  outlive this; boundary of solver.model().mesh
   /// @param preload           (3 x N) N, or no columns: see PressSolver
-  /// @throws Error when the body cannot bear the preload
+  /// @throws Error when the body has no equilibrium under the preload
   SiteSolver(const EquilibriumSolver& solver, const Boundary& boundary,
              const Eigen::Matrix3Xd& preload);
 
@@ -69,7 +70,7 @@ class SiteSolver {
   [[nodiscard]] const Boundary& boundary() const { return boundary_; }
   /// (3 x N) m: the displacement of the preloaded body; zero without a preload.
   [[nodiscard]] const Eigen::Matrix3Xd& rest() const { return presses_.rest(); }
-  /// Nodal Cauchy stress that the press adds in the state u (from the unloaded body).
+  /// Nodal Cauchy stress in the state u (displacement from the unloaded body) minus that at rest.
   [[nodiscard]] StressField added_stress(const Eigen::Matrix3Xd& u) const;
 
  private:
@@ -79,36 +80,36 @@ class SiteSolver {
   StressField rest_stress_;  // no columns: none
 };
 
-/// How sites come and go while they are solved. `next` is called by one thread at a time, the
-/// others by several at once.
+/// Callbacks of solve_sites(). `next` is called by one thread at a time, the others concurrently.
 struct SiteStream {
-  /// The number of the next site; none: that was all.
+  /// The number of the next site; nothing: there are no more.
   std::function<std::optional<int>()> next;
-  /// The part of a site that is done, 0 .. 1.
+  /// Reports which part of a site's work is done, 0 .. 1.
   std::function<void(int site, double part)> tick;
   /// @param times  solve, stress: milliseconds, waiting for other lanes included
   std::function<void(int site, SiteSnapshots snapshots, const StageTimes& times)> finished;
 };
 
-/// For each site that the stream hands out: the load at which its patch gives way by the press (or
-/// the force that is given), then the path to that load and the stress at each level. Loads act on
-/// the patch in proportion to its weights, along the site's direction, and keep it (dead loads).
+/// Solves each site that the stream hands out: finds the load that displaces its patch by the press
+/// (or takes the given force), then computes the path to that load and the stress at each level. A
+/// load is distributed over the patch by its weights and acts along the site's direction, which
+/// stays fixed (dead load).
 ///
-/// A site whose body yields, buckles or turns an element inside out before the press is solved up
-/// to what it reaches, and its outcome says so. Its load is lowered until the press depth grows
-/// strictly with every level, because the live half inverts that table.
+/// Where the body collapses, buckles or inverts an element before the press is reached, the site is
+/// solved up to the load that was reached, and its outcome says so. Its load is lowered until the
+/// press depth grows strictly with every level, because the live half inverts that table.
 ///
-/// What a site's snapshots are depends on nothing but `solver`, the site and the settings, to the
-/// last bit: not on threads, nor on which other sites are solved beside it.
+/// The snapshots of a site depend on `solver`, the site and the settings alone, to the last bit:
+/// not on the number of threads, nor on the sites that are solved at the same time.
 /// @param sites    all of the campaign
-/// @param threads  that run at a time
+/// @param threads  number of threads
 /// @throws Error naming the site, if one cannot be pressed at all; what the stream throws
 void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
                  const SiteRunSettings& settings, int threads, const SiteStream& stream);
 
-/// How linear responses come and go; as SiteStream.
+/// Callbacks of solve_linear(); as SiteStream.
 struct LinearStream {
-  std::function<std::optional<int>()> next;  ///< the first of a row of sites
+  std::function<std::optional<int>()> next;  ///< the first site of the next row
   /// @param u  (3V x count) m/N on the skin: displacement per force on each of the row's patches
   std::function<void(int first, Eigen::MatrixXf u)> finished;
 };

@@ -40,7 +40,7 @@ TEST_CASE("each site gives way by the press at its full load, in steps that only
           tolerance(1e-3, "the search of the load") * press);
     for (Eigen::Index l = 0; l < 4; ++l) {
       CHECK(campaign.press_depth(l + 1, s) > campaign.press_depth(l, s));
-      // What the table says is the weighted displacement of the patch along the load.
+      // The table holds the weighted displacement of the patch along the load.
       const Eigen::VectorXd u = campaign.displacement.col(s * 4 + l);
       double depth = 0;
       for (std::size_t k = 0; k < site.patch.size(); ++k) {

@@ -30,7 +30,7 @@ constexpr std::string_view kRemedy = "bake it again";
 constexpr const char* kCampaignFile = "campaign.h5";
 constexpr const char* kXdmfFile = "campaign.xdmf";
 
-// Names a file in whatever goes wrong with it.
+// Runs `work` and turns its exceptions into Errors that name the file.
 template <class Work>
 auto about(const fs::path& file, Work&& work) {
   try {
@@ -44,7 +44,8 @@ auto about(const fs::path& file, Work&& work) {
   }
 }
 
-// A file of a campaign, of this one or one before, that is not whole. Other files are a user's.
+// Whether a file is an unfinished one of this campaign or an earlier one. Other files are the
+// user's.
 bool is_unfinished(std::string_view name) {
   const std::size_t part = name.find(".part-");
   if (part == std::string_view::npos) return false;
@@ -54,7 +55,8 @@ bool is_unfinished(std::string_view name) {
                                     whole.starts_with("linear_"));
 }
 
-// Another process may just be writing its first file there, under its own name.
+// Throws where the folder holds files that are not a store's. Temporary files are allowed: another
+// process may be writing its first one.
 void refuse_foreign(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().filename().string().find(".part-") != std::string::npos) continue;
@@ -99,7 +101,7 @@ StoredUnit read_unit(hid_t file) {
   return unit;
 }
 
-// Opens a file on disk that has been checked before.
+// Opens a file whose checksum has been verified before.
 Handle open_checked(const fs::path& file) {
   return Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "cannot be read");
 }
@@ -265,7 +267,7 @@ Eigen::MatrixXf SnapshotStore::rows(int unit, const StoredField& field, Index fi
                       H5Sget_simple_extent_dims(space, size, nullptr) == 3 && size[0] == L &&
                       size[1] == N && size[2] == c,
                   fmt::format("dataset '{}' has another size than the campaign", field.name));
-    // Whole nodes around the rows that are asked for.
+    // Reads the whole nodes that contain the requested rows.
     const hsize_t begin = static_cast<hsize_t>(first) / c;
     const hsize_t end = (static_cast<hsize_t>(first + count) + c - 1) / c;
     const hsize_t start[3] = {0, begin, 0}, extent[3] = {L, end - begin, c};

@@ -1,10 +1,11 @@
 /// @file
-/// A campaign on disk: a folder with one HDF5 file per site, and one that says what it is about.
-/// Layout: docs/snapshots.md.
+/// A campaign on disk: a folder with one HDF5 file per unit, and one, campaign.h5, that describes
+/// the campaign. Layout: docs/snapshots.md.
 ///
-///   N  nodes     V  vertices of the skin     S  sites     L  solved levels     P  points: values
-///   of the parameters beyond site and level, in all combinations, the last parameter fastest unit
-///   one site at one point, p S + s: what one file holds
+///   N  nodes     V  vertices of the skin     S  sites     L  solved levels
+///   P  points: all combinations of the values of the parameters beyond site and level, the last
+///      parameter fastest
+///   unit  one site at one point, number p S + s: the content of one file
 #pragma once
 
 #include "palpable/bake/campaign/site_run.h"
@@ -25,8 +26,9 @@
 
 namespace palpable {
 
+/// Version of the file layout.
 inline constexpr int kSnapshotLayout = 0;
-/// Linear responses in one file.
+/// Number of linear responses in one file.
 inline constexpr int kLinearRow = 64;
 
 /// A parameter beyond site and level.
@@ -46,18 +48,18 @@ struct StoreContent {
   std::string name, material;       ///< for people, as in ReducedBody
   TetMesh mesh;                     ///< body frame, m
   std::vector<std::uint8_t> fixed;  ///< (V)
-  /// Where parameters stretch a material, that without them. None: an older store, not known.
+  /// The materials before parameters change them. Empty: unknown, in an older store.
   std::vector<Material> materials = {};
   std::vector<int> material_of_element = {};  ///< (E) index into materials
   std::vector<Site> sites;                    ///< (S) full loads are in the units
   Eigen::VectorXd levels;                     ///< (L + 1) 0 .. 1
   std::vector<StoredParameter> parameters;
   std::vector<StoredField> fields = {{"displacement", 3}, {"stress", 6}};
-  std::vector<std::uint64_t> keys;  ///< (P S) what each unit was computed from
-  std::vector<int> linear;          ///< vertices of the skin whose linear response is stored, too
-  std::uint64_t linear_key = 0;     ///< what those were computed from
+  std::vector<std::uint64_t> keys;  ///< (P S) see unit_keys()
+  std::vector<int> linear;          ///< vertices of the skin whose linear response is stored
+  std::uint64_t linear_key = 0;     ///< see linear_key()
   std::vector<std::pair<std::string, std::string>> provenance;
-  /// Asked for, unless somebody asks otherwise.
+  /// Default settings of a reduction of this store.
   ReductionSettings reduction = {.tolerance = default_tolerance(ReductionMethod::kPerSite),
                                  .weight_snapshots = true};
 
@@ -72,7 +74,7 @@ struct StoreContent {
   [[nodiscard]] std::vector<double> values_at(int point) const;
 };
 
-/// What the whole campaign is computed from: that of its units and of its linear responses.
+/// Key of the whole campaign: a hash of the keys of its units and of its linear responses.
 [[nodiscard]] std::uint64_t campaign_key(const StoreContent& content);
 
 /// What a unit's file holds beside its fields.
@@ -81,44 +83,44 @@ struct StoredUnit {
   Eigen::VectorXd press_depth;  ///< (L + 1)
   double largest_von_mises = 0;
   SiteOutcome outcome;
-  Eigen::Matrix3Xd rest;  ///< (3 x N) m: the body that nobody presses; no columns: undeformed
+  Eigen::Matrix3Xd rest;  ///< (3 x N) m: of the body at rest; no columns: zero
 };
 
-/// A store may be written by several processes at once, each unit by one of them: files are written
-/// aside, synced and renamed, and what is there is whole. Members may be called from several
-/// threads.
+/// A store may be written by several processes at once, each unit by one of them. Files are written
+/// under temporary names, synced and renamed, so a file that exists is complete. Members may be
+/// called from several threads.
 class SnapshotStore {
  public:
-  /// Makes the folder where it is missing and writes what the campaign is about. Units that are
-  /// there already stay; whether they are valid is a question of their keys.
+  /// Creates the folder if it is missing and writes campaign.h5. Units that are there already stay;
+  /// their keys tell whether they are valid.
   /// @throws Error when the folder cannot be made or written, or holds something else
   static SnapshotStore create(std::filesystem::path folder, StoreContent content);
 
   /// The same without writing: for a process that is not the leader of its crew.
   static SnapshotStore attach(std::filesystem::path folder, StoreContent content);
 
-  /// Opens a store that exists. @throws Error when it is none, or damaged
+  /// Opens an existing store. @throws Error when the folder is not a store, or is damaged
   static SnapshotStore open(std::filesystem::path folder);
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] const StoreContent& content() const { return content_; }
   [[nodiscard]] std::filesystem::path unit_file(int unit) const;
 
-  /// Whether the unit's file is there, whole (its checksum is computed anew) and has the unit's
-  /// key.
+  /// Whether the unit's file exists, is complete (its checksum is verified) and has the unit's key.
   [[nodiscard]] bool has(int unit) const;
 
-  /// Why has() says no: "missing", "of another campaign ...", "truncated or damaged ...".
+  /// Why has() is false: "missing", "of another campaign ...", "truncated or damaged ..."; empty
+  /// where it is true.
   [[nodiscard]] std::string why_not(int unit) const;
 
   /// @param rest    see StoredUnit
-  /// @param others  (c N x L) each, those of content().fields that are neither displacement nor
-  ///                stress, in their order
+  /// @param others  (c N x L) each: the fields of content().fields that are neither displacement
+  ///                nor stress, in their order
   /// @throws Error when it cannot be written, e.g. on a full disk
   void write(int unit, const SiteSnapshots& snapshots, const Eigen::Matrix3Xd& rest,
              const std::vector<Eigen::MatrixXf>& others = {}) const;
 
-  /// Takes over a whole file of a store of the same campaign.
+  /// Copies a unit's file from another store of the same campaign.
   void copy_from(const SnapshotStore& other, int unit) const;
 
   /// @pre has(unit) @throws Error when it cannot be read
@@ -129,7 +131,8 @@ class SnapshotStore {
   [[nodiscard]] Eigen::MatrixXf rows(int unit, const StoredField& field, Eigen::Index first,
                                      Eigen::Index count) const;
 
-  /// Linear responses: those of vertices content().linear[kLinearRow k ...], see solve_linear().
+  /// File k of the linear responses, of vertices content().linear[kLinearRow k ...], see
+  /// solve_linear().
   [[nodiscard]] std::filesystem::path linear_file(int k) const;
   [[nodiscard]] bool has_linear(int k) const;
   void write_linear(int k, const Eigen::MatrixXf& responses) const;
@@ -137,11 +140,11 @@ class SnapshotStore {
   [[nodiscard]] Eigen::MatrixXf linear(int k) const;
   void copy_linear_from(const SnapshotStore& other, int k) const;
 
-  /// Where a bake keeps tables of touch; may be missing.
+  /// Folder in which a bake keeps tables of touch; may not exist.
   [[nodiscard]] std::filesystem::path touch_folder() const { return folder_ / "touch"; }
 
-  /// When all units are there: writes campaign.xdmf, which ParaView opens, and removes the
-  /// unfinished files that killed processes left behind. Whatever else lies in the folder stays.
+  /// To be called when all units exist: writes campaign.xdmf, which ParaView opens, and removes
+  /// unfinished files of processes that no longer run. All other files stay.
   void finish() const;
 
  private:

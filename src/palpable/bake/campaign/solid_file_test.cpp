@@ -41,7 +41,7 @@ TEST_CASE("what was solved without a campaign is read back to the last bit", "[c
   CHECK(read->materials.size() == 2);
   CHECK(read->material_of_element == written.material_of_element);
   CHECK(read->fixed == written.fixed);
-  // It is no campaign, and what is damaged is no solid.
+  // It is not read as a campaign, and a damaged file is refused.
   CHECK_FALSE(solid_beside(body, "per-site").has_value());
   test::write_bytes(solid_file_of(body), "palpable");
   CHECK_THROWS_WITH(solid_beside(body, kWithoutCampaign), Contains("egg.solid.h5"));
@@ -84,7 +84,7 @@ TEST_CASE("two solids differ in mesh, support, groups or constants", "[campaign]
   other.materials = {
       material_from_constants("saint-venant-kirchhoff", constants_of(solid.materials.front()))};
   CHECK_THAT(solids_differ(other, solid), Contains("saint-venant-kirchhoff with"));
-  other.materials.clear();  // a store of before knows none
+  other.materials.clear();  // an older store has none
   CHECK(solids_differ(other, solid).empty());
 }
 

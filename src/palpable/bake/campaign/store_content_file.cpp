@@ -31,7 +31,7 @@ void write_mesh(hid_t file, const TetMesh& mesh, const std::vector<std::uint8_t>
   if (mesh.is_quadratic()) {
     hdf5::write_table(g, "edge_nodes", mesh.edge_nodes.data(),
                       static_cast<hsize_t>(mesh.edge_nodes.cols()), 6);
-    // As VTK and XDMF number the ten nodes of a tetrahedron.
+    // The ten nodes of a tetrahedron in the order of VTK and XDMF.
     Eigen::MatrixXi both(10, mesh.tets.cols());
     both << mesh.tets, mesh.edge_nodes;
     hdf5::write_table(g, "cells", both.data(), static_cast<hsize_t>(both.cols()), 10);
@@ -126,7 +126,7 @@ std::vector<Site> read_sites(hid_t file) {
   return sites;
 }
 
-// What key_text() has made.
+// Inverse of key_text().
 std::uint64_t key_in(const std::string& text) {
   std::uint64_t key = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), key, 16);
@@ -230,7 +230,7 @@ StoreContent read_content(hid_t file) {
     hdf5::require(method.has_value(), fmt::format("there is no reduction '{}'", name));
     content.reduction.method = *method;
     content.reduction.weight_snapshots = hdf5::read_number(file, "own_norms") != 0;
-  } else {  // of before there were others
+  } else {  // an older store, from when PGD was the only method
     content.reduction.method = ReductionMethod::kPgd;
     content.reduction.weight_snapshots = false;
   }

@@ -21,7 +21,7 @@ const StoredField* find_field(const StoreContent& content, const char* name) {
 
 namespace {
 
-// Over site x level of some points that follow each other, which run fastest.
+// Snapshots over site x level x point, of consecutive points; the point varies fastest.
 SnapshotRows rows_of_points(const SnapshotStore& store, int first_point, int points,
                             const StoredField& field) {
   const int S = store.content().site_count(), L = store.content().level_count();

@@ -20,11 +20,11 @@ namespace palpable {
 /// @throws Error if `at` names what the store does not have
 [[nodiscard]] int point_of(const StoreContent& content, const std::map<std::string, double>& at);
 
-/// One point's snapshots of a field over site x level. @param store  outlives the answer
+/// One point's snapshots of a field over site x level. @param store  outlives the result
 [[nodiscard]] SnapshotRows snapshot_rows(const SnapshotStore& store, int point,
                                          const StoredField& field);
 
-/// Those of all points, over site x level x parameters.
+/// The snapshots of a field at all points, over site x level x parameters.
 [[nodiscard]] SnapshotRows snapshot_rows(const SnapshotStore& store, const StoredField& field);
 
 /// (c N) the weight of each value so that the norm is an integral over the body: the node's volume,

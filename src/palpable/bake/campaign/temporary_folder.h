@@ -1,5 +1,5 @@
 /// @file
-/// A folder for files that nobody wants to keep.
+/// A folder for temporary files.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace palpable {
 
-/// Made under the system's folder for temporary files, removed with all it holds by the destructor,
-/// also when something fails.
+/// Created in the system's folder for temporary files. The destructor removes it with everything in
+/// it, also after an error.
 class TemporaryFolder {
  public:
   /// @param name  its name begins with this

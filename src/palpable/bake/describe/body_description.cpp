@@ -21,7 +21,8 @@ namespace palpable {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// No body of this program is larger, and no modulus above that of diamond.
+// Accepted ranges. Lengths are in m, up to kLargestBody (body_size.h); moduli in Pa, up to above
+// that of diamond.
 constexpr Range kLength{0.0, 100.0, true};
 constexpr Range kModulus{0.0, 1e13, true};
 constexpr Range kFraction{0.0, 1.0, true, true};
@@ -74,7 +75,7 @@ void read_shape(TomlSection section, const std::string& file, BodyDescription& b
   section.refuse_unknown();
 }
 
-// The constants of `law`; 'young' and 'poisson' or those of its formula.
+// Reads a law and its constants: 'young' and 'poisson', or those of its formula.
 BodyDescription::MaterialLaw read_law(TomlSection& section, const std::string& default_law) {
   BodyDescription::MaterialLaw material;
   material.law = section.choice("law", law_names(), default_law);
@@ -110,7 +111,7 @@ BodyDescription::MaterialLaw read_law(TomlSection& section, const std::string& d
   return material;
 }
 
-// Which keys a place in the body may be given by.
+// What a place in the body selects. The keys by which it may be given depend on that.
 enum class Parts { kNodes, kFaces, kElements };
 
 Where::Plane read_plane(TomlSection section, Parts parts) {
@@ -134,7 +135,7 @@ Where::Box read_box(TomlSection section) {
   return box;
 }
 
-// Nothing where none of the keys is there.
+// Reads a place; nothing where none of its keys is there.
 std::optional<Where> read_where(TomlSection& section, Parts parts) {
   std::vector<const char*> keys{"below", "above", "plane", "box"};
   if (parts == Parts::kNodes) keys.push_back("nearest");
@@ -183,7 +184,7 @@ void read_material(TomlSection section, BodyDescription& body) {
   section.refuse_unknown();
 }
 
-// Which material a parameter is about: -1 for [material].
+// The index of the group whose material a parameter varies; -1: [material].
 int read_parameter_group(TomlSection& section, const BodyDescription& body) {
   const std::string of = section.text("of");
   if (of == "body") return -1;

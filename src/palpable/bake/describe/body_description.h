@@ -22,15 +22,15 @@ enum class UpAxis { kX, kY, kZ };
 
 /// A part of the body, in the body frame, in m.
 struct Where {
-  /// The lowest fraction of the height, or what is above one.
+  /// The lowest fraction of the height, or everything above a fraction of it.
   struct Below {
     double fraction;
   };
   struct Above {
     double fraction;
   };
-  /// Nodes and faces within `distance` of the plane, by default within a millionth of the body's
-  /// diagonal: mesh files have six digits and more; elements on the side to which it points.
+  /// Nodes and faces within `distance` of the plane (by default a millionth of the body's diagonal,
+  /// since mesh files have at least six digits); elements on the side to which the normal points.
   struct Plane {
     Eigen::Vector3d point, normal;
     std::optional<double> distance = std::nullopt;
@@ -42,12 +42,12 @@ struct Where {
   struct Nearest {
     std::vector<Eigen::Vector3d> points;
   };
-  /// A set of the mesh's file.
+  /// A named set of the mesh file.
   struct Named {
     std::string name;
   };
   std::variant<Below, Above, Plane, Box, Nearest, Named> what = Below{0};
-  /// "cube.toml:12: 'below' in [support]": how messages about it begin.
+  /// Prefix of messages about it: "cube.toml:12: 'below' in [support]".
   std::string place = {};
 };
 
@@ -59,15 +59,16 @@ struct BodyDescription {
     std::filesystem::path
         file;  ///< a surface (.stl .ply .obj .3ds .off) or a volume (.msh .inp .vtu .vtk)
     UpAxis up = UpAxis::kZ;        ///< of the file
-    std::optional<double> height;  ///< m, scaled to; none: lengths in the file are in `unit`
-    std::optional<double> edge;    ///< m, remeshed to; none: the surface as it is
-    std::optional<double> inner_edge = {};  ///< m, of tetrahedra far inside; none: as on the skin
-    std::optional<double> wrap = {};  ///< m, wrapped around the file's triangles; none: as they are
-    double unit = 1.0;                ///< m, of lengths in the file
-    /// Nodes of a tetrahedron: 1: four, 2: ten. None: as the file has it, four for a surface.
+    std::optional<double> height;  ///< m, after scaling; none: lengths in the file are in `unit`
+    std::optional<double> edge;    ///< m, after remeshing; none: the surface is not remeshed
+    std::optional<double> inner_edge = {};  ///< m, edge far inside; none: as on the skin
+    std::optional<double> wrap = {};        ///< m, size of a wrap (wrap_surface()); none: no wrap
+    double unit = 1.0;                      ///< m, of lengths in the file
+    /// Order of the elements: 1 (four nodes) or 2 (ten nodes). None: as in the file, 1 for a
+    /// surface.
     std::optional<int> order = {};
-    std::string order_place = {};  ///< how messages about it begin
-    std::string place = {};        ///< likewise, about the shape: "cube.toml:2: [shape]"
+    std::string order_place = {};  ///< prefix of messages about it
+    std::string place = {};        ///< prefix of messages about the shape
     [[nodiscard]] bool is_volume() const;
   } shape;
 
@@ -79,7 +80,7 @@ struct BodyDescription {
     std::vector<double> constants = {};  ///< SI, as law_constants(); empty: the two above
   } material;
 
-  /// Elements that are made of something else; by their middles.
+  /// Elements of another material, chosen by their middles.
   struct MaterialPart {
     MaterialLaw material;
     Where where;
@@ -87,18 +88,18 @@ struct BodyDescription {
   };
   std::vector<MaterialPart> groups = {};
 
-  /// What a campaign varies beside site and level.
+  /// A parameter that a campaign varies beside site and level.
   struct Parameter {
     enum class What {
-      kStiffness,  ///< a factor of all constants that are pressures
+      kStiffness,  ///< a factor on all moduli
       kYoung,      ///< Pa
       kPoisson
     };
     std::string name;
-    int group = -1;  ///< of `groups`; -1: `material`
+    int group = -1;  ///< index in `groups`; -1: `material`
     What what = What::kStiffness;
     std::vector<double> values;  ///< increasing, at least one
-    std::string place = {};      ///< how messages about it begin
+    std::string place = {};      ///< prefix of messages about it
   };
   std::vector<Parameter> parameters = {};
 
@@ -109,7 +110,7 @@ struct BodyDescription {
     Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m; 0 where not held
   };
   std::vector<Support> supports = {Support{}};
-  std::string supports_place = {};  ///< how messages about all of them begin
+  std::string supports_place = {};  ///< prefix of messages about all supports
 
   /// The body's own weight.
   struct Gravity {
@@ -125,61 +126,63 @@ struct BodyDescription {
   std::vector<Pressure> pressures = {};
 
   struct Sites {
-    int count = 0;         ///< of sites that are chosen; not with `at`
-    bool salient = false;  ///< by curvature; otherwise far apart
-    double above = 0.10;   ///< fraction of the height: no such site lower
-    int patch = 2;         ///< graph distance
-    /// The linear response of every vertex of the skin to its own patch load is stored, too.
+    int count = 0;         ///< number of sites to choose; not used with `at`
+    bool salient = false;  ///< chosen by curvature; otherwise far apart
+    double above = 0.10;   ///< fraction of the height below which no site is chosen
+    int patch = 2;         ///< radius of a patch in edges
+    /// Whether the linear response of every vertex of the skin to its own patch load is stored.
     bool linear = false;
-    /// Towards the centre of mass, along the inward normal of the patch, or this way.
+    /// Towards the centre of mass, along the inward normal of the patch, or along a given vector.
     struct ToCentre {};
     struct AlongNormal {};
     std::variant<ToCentre, AlongNormal, Eigen::Vector3d> direction = ToCentre{};
-    /// The skin's vertices nearest to points, or those of sets; none: `count` of them, far apart.
+    /// The skin's vertices nearest to points, or those of sets; empty: `count` sites are chosen.
     std::vector<Where> at = {};
   } sites;
 
   struct Press {
-    double depth = 0.10;                ///< along the load: a fraction of the height
-    std::optional<double> length = {};  ///< m, instead of the fraction
+    double depth = 0.10;                ///< along the load, ratio to the height
+    std::optional<double> length = {};  ///< m, instead of `depth`
     std::optional<double> force = {};   ///< N, instead of a depth
     int levels = 10;                    ///< solved load levels, 1 / levels .. 1
   } press;
 
-  /// Of displacement and of stress.
+  /// Reduction of displacement and of stress.
   ReductionSettings reduction = {.tolerance = default_tolerance(ReductionMethod::kPerSite),
                                  .weight_snapshots = true};
 
-  /// What a body file holds beside its sites, to be touched anywhere (response/touch_tables.h).
+  /// Tables with which a body can be touched anywhere, not only at its sites
+  /// (response/touch_tables.h).
   struct Touch {
     enum class Tables {
-      kNone,    ///< at its sites, one touch at a time
+      kNone,    ///< touched at its sites only, one at a time
       kLinear,  ///< exact for small touches
-      kFull     ///< large ones, too
+      kFull     ///< also for large touches
     };
     Tables tables = Tables::kFull;
-    bool by_default = true;  ///< nobody asked for them: left out where they would be too much
-    std::optional<int> regions = {};      ///< at most; none: as many as the skin asks for
-    std::optional<int> cross_modes = {};  ///< a multiple of 16; none: as touch_bake has it
-    /// m, of a coarser mesh that tables are made on and that carries the skin; none: of a fine skin
-    /// as touch_edge() has it, of others the body's own mesh.
+    bool by_default = true;           ///< not requested explicitly: bake_touch() may leave them out
+    std::optional<int> regions = {};  ///< at most; none: as many as the skin needs
+    std::optional<int> cross_modes = {};  ///< a multiple of 16; none: the default of touch_bake
+    /// m, edge of the coarser mesh on which tables are made and which carries the skin. None:
+    /// touch_edge() for a fine skin; for others tables are made on the body's own mesh.
     std::optional<double> edge = {};
-    int held_out = 20;  ///< touches solved in full, that tell how good tables are
+    int held_out = 20;  ///< held-out touches, to measure the error of tables
   } touch;
 
-  /// A load that travels, for `bake --method intrusive-pgd`: no campaign, other sites and loads.
+  /// A travelling load, for `bake --method intrusive-pgd`, which uses neither a campaign nor its
+  /// sites and loads.
   struct Intrusive {
-    std::vector<Where> positions;  ///< sets of nodes; each on the skin is a position
+    std::vector<Where> positions;  ///< sets of nodes; each node on the skin is a position
     double force = 0;              ///< N, at each position
-    /// Sets of nodes that something may push back at, the other way, while the load acts; none:
-    /// the body file answers one load at a time.
+    /// Sets of nodes at which a second load may act against the first one at the same time; empty:
+    /// the body file can respond to one load at a time.
     std::vector<Where> reactions = {};
     int levels = 6;  ///< load sizes 1 / levels .. 1 at which fields are tabulated
     int modes = 32;  ///< of displacement
     int stress_modes = 150;
-    /// Positions nearer to what is held than so many patch radii are left out.
+    /// Ratio to the patch radius: positions nearer to held nodes than that are left out.
     double clearance = 2.0;
-    std::string place = {};  ///< how messages about it begin
+    std::string place = {};  ///< prefix of messages about it
   };
   std::optional<Intrusive> intrusive = {};
 
@@ -191,7 +194,7 @@ struct BodyDescription {
 ///         nearest known one), missing, of the wrong kind, without a unit, or out of range
 [[nodiscard]] BodyDescription read_body_description(const std::filesystem::path& path);
 
-/// The same from memory; @param path for messages and relative paths
+/// The same from memory; @param path  for messages and relative paths
 [[nodiscard]] BodyDescription parse_body_description(std::string_view text,
                                                      const std::filesystem::path& path);
 

@@ -191,8 +191,8 @@ TEST_CASE("sites are chosen far apart, or where the skin is curved most",
   CHECK_THAT(complaint(with("count = 7", "count = 7\nchoose = \"saliant\"")), Contains("salient"));
 }
 
-// The description with other sections; `sections` without [material] or [sites] get those of a
-// cube.
+// A description with the given sections; [material] and [sites] of a cube are added where they are
+// missing.
 std::string described(const std::string& sections, const std::string& shape = "") {
   std::string text = "name = 'a'\n[shape]\nmesh = 'a.inp'\n" + shape;
   if (sections.find("[material]") == std::string::npos) {

@@ -41,8 +41,9 @@ Boundary split_boundary_of(const TetMesh& mesh) {
 
 namespace {
 
-// The bodies of this repository refer to meshes that are no part of it: the set-up fetches or makes
-// them in build/meshes, the larger ones only when it is asked to.
+// Throws where a mesh in build/meshes is missing. The bodies of this repository refer to meshes
+// that are not part of it: tools/setup.sh downloads or makes them there, the larger ones only on
+// request.
 void require_made(const std::filesystem::path& file) {
   std::error_code ignored;
   const std::filesystem::path folder = file.lexically_normal().parent_path();
@@ -57,7 +58,7 @@ Eigen::Vector3d extent_of(const Eigen::Matrix3Xd& points) {
   return points.rowwise().maxCoeff() - points.rowwise().minCoeff();
 }
 
-// @param points  as the file has them, m
+// @param points  in the axes of the file, m
 void place(Eigen::Matrix3Xd& points, const BodyDescription::Shape& shape) {
   try {
     place_in_body_frame(points, shape.up, shape.height);
@@ -75,7 +76,8 @@ VolumeMesh read_volume(const BodyDescription::Shape& shape) {
   return volume;
 }
 
-// @param solid  refused unless it is one, with places as the file has them
+// @param solid  whether to refuse a surface that encloses no solid; messages give positions in the
+//               file's lengths
 SurfaceMesh read_surface(const BodyDescription::Shape& shape, bool solid) {
   require_made(shape.file);
   SurfaceMesh surface = value_or_throw(read_surface_file(shape.file));
@@ -89,7 +91,8 @@ SurfaceMesh read_surface(const BodyDescription::Shape& shape, bool solid) {
   return surface;
 }
 
-// Wrapped, remeshed and filled, as the shape asks. @param made  how, for people
+// Wraps, remeshes and fills a surface as the shape specifies. @param made  set to the steps taken,
+// as text for the user
 TetMesh mesh_of_surface(SurfaceMesh surface, const BodyDescription::Shape& shape,
                         std::string& made) {
   const std::string name = shape.file.string();
@@ -108,7 +111,8 @@ TetMesh mesh_of_surface(SurfaceMesh surface, const BodyDescription::Shape& shape
   return tetrahedralise(surface, name, shape.inner_edge);
 }
 
-// The tetrahedra of the shape in the body frame, and how they came about.
+// The tetrahedra of the shape in the body frame. @param made  set to the steps taken, as text for
+// the user
 VolumeMesh make_volume(const BodyDescription::Shape& shape, std::string& made) {
   VolumeMesh volume;
   if (shape.is_volume()) {
@@ -131,7 +135,7 @@ VolumeMesh make_volume(const BodyDescription::Shape& shape, std::string& made) {
   return volume;
 }
 
-// What all supports together do to one node.
+// How all supports together hold one node.
 struct Hold {
   int by[3] = {-1, -1, -1};  // the support that holds each direction
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();

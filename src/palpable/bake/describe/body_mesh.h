@@ -1,5 +1,6 @@
 /// @file
-/// From a description's shape to tetrahedra in the body frame, and what holds them.
+/// Meshes a description's shape with tetrahedra in the body frame, and finds the nodes that its
+/// supports hold.
 #pragma once
 
 #include "palpable/bake/describe/body_description.h"
@@ -19,17 +20,18 @@ namespace palpable {
 /// box above the origin.
 struct BodyMesh {
   TetMesh mesh;
-  MeshSets sets;                  ///< of the file; none where the shape is a surface
+  MeshSets sets;                  ///< of the file; empty where the shape is a surface
   Boundary boundary;              ///< of mesh, with all nodes of the skin: split_boundary_of()
-  std::vector<int> fixed_nodes;   ///< of mesh, increasing: held where they are in all directions
-  std::vector<Support> supports;  ///< all other holds, each node once
+  std::vector<int> fixed_nodes;   ///< increasing: held in all directions, not displaced
+  std::vector<Support> supports;  ///< all other held nodes, each once
   double height = 0;              ///< m
   TetQuality quality;
   std::string origin;  ///< one line for people: source, sizes, how it was made
 };
 
-/// Turns `up` to Z (x to y to z cyclically, so nothing is mirrored), scales to `height` if there is
-/// one, and puts the points on Z = 0 with the middle of their bounding box above the origin.
+/// Rotates `up` to Z (a cyclic permutation of the axes, so nothing is mirrored), scales to `height`
+/// if there is one, and puts the points on Z = 0 with the middle of their bounding box above the
+/// origin.
 /// @throws ContractViolation for no points or height <= 0; Error for points all at one height
 void place_in_body_frame(Eigen::Matrix3Xd& points, UpAxis up, std::optional<double> height);
 
@@ -37,8 +39,9 @@ void place_in_body_frame(Eigen::Matrix3Xd& points, UpAxis up, std::optional<doub
 /// file. @throws Error for what cannot be read or placed
 [[nodiscard]] Eigen::Vector3d size_of_body(const BodyDescription& description);
 
-/// What to say of a shape whose cavities a wrap would fill, beginning with file and line; nothing
-/// of others, nor of a surface that is not closed: it has no cavities to tell of. Reads the file.
+/// A warning, beginning with file and line, about a shape whose cavities its wrap would fill;
+/// nothing for other shapes, nor for a surface that is not closed and therefore has no cavities.
+/// Reads the file.
 [[nodiscard]] std::optional<std::string> wrap_warning(const BodyDescription::Shape& shape);
 
 /// The skin of a volume with all nodes on it: where tetrahedra have ten nodes, each face is four
@@ -51,8 +54,8 @@ void place_in_body_frame(Eigen::Matrix3Xd& points, UpAxis up, std::optional<doub
 ///         supports contradict each other
 [[nodiscard]] BodyMesh make_body_mesh(const BodyDescription& description);
 
-/// The same body with its skin remeshed and filled anew: what the description places by sets of its
-/// mesh is not there any more.
+/// The same body with its skin remeshed and filled again. The new mesh has no sets, so a
+/// description that refers to sets is refused.
 /// @param skin  of the body, in the body frame
 /// @param edge  m, on the skin and within
 /// @throws Error as make_body_mesh()

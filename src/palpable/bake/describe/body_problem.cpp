@@ -22,15 +22,15 @@ using Eigen::Matrix3Xd;
 
 namespace {
 
-// (V) of the values at all nodes, those of the skin.
+// (V) The values at the vertices of the skin, from values at all nodes.
 std::vector<std::uint8_t> at_skin(const std::vector<std::uint8_t>& nodes, const Boundary& skin) {
   std::vector<std::uint8_t> vertices;
   for (const int n : skin.node_of_vertex) vertices.push_back(nodes[n]);
   return vertices;
 }
 
-// (V) areas that belong to the nodes: int N_a dA. At the corners of 10-node elements that is 0, and
-// a third of a face at the middle of each of its edges.
+// (V) The area of each node, int N_a dA. On 10-node elements a corner has none, and the middle of
+// an edge has a third of each face there.
 Eigen::VectorXd nodal_areas(const BodyMesh& body) {
   const Matrix3Xd unit =
       traction_load(body.mesh, skin_triangles(body.mesh),
@@ -38,7 +38,7 @@ Eigen::VectorXd nodal_areas(const BodyMesh& body) {
                       return Eigen::Vector3d::UnitX();
                     });
   const Eigen::VectorXd areas = unit.row(0).transpose()(body.boundary.node_of_vertex);
-  // Rounding leaves corners near 0, curved faces a little below.
+  // Corners are near 0 by rounding, and a little below on curved faces.
   return (areas.array() > 1e-9 * areas.maxCoeff()).select(areas, 0.0);
 }
 
@@ -58,7 +58,6 @@ SiteSettings site_settings(const BodyDescription& description, const BodyMesh& b
   return settings;
 }
 
-// Every vertex that is not held.
 // (V) 1 where a support holds the vertex in any direction.
 std::vector<std::uint8_t> supported_vertices(const BodyMesh& body) {
   std::vector<std::uint8_t> held = held_nodes(body);
@@ -66,8 +65,8 @@ std::vector<std::uint8_t> supported_vertices(const BodyMesh& body) {
   return at_skin(held, body.boundary);
 }
 
-// Every vertex of the skin that is not held; or the sites and some touches between them, which say
-// what it costs that sites are a choice.
+// See BodyProblem::linear_sites. The touches between sites measure the error of a touch that is not
+// at a site.
 std::vector<Site> linear_sites(const BodyDescription& description, const BodyMesh& body,
                                const std::vector<Site>& sites) {
   if (!description.parameters.empty()) return {};
@@ -94,7 +93,7 @@ std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh
   const SiteSettings settings = site_settings(description, body);
   const SurfaceMesh& skin = body.boundary.surface;
   if (wanted.at.empty()) {
-    // A patch that slides on a support would carry less than its load: none of those is chosen.
+    // A site whose patch reaches a support is not chosen: the support would take part of its load.
     try {
       return choose_sites(skin, supported_vertices(body), settings);
     } catch (const Error& error) {
@@ -175,7 +174,7 @@ Matrix3Xd preload_of(const BodyDescription& description, const VolumeMesh& volum
   return load;
 }
 
-// The solver would refuse the same things, but knows neither files nor keys.
+// Refuses what the solver would refuse, with messages that name files and keys.
 void refuse_unsolvable(const BodyDescription& description, const SolidModel& model) {
   SolidModel held = model;
   held.supports.clear();

@@ -1,5 +1,5 @@
 /// @file
-/// From a description to what the solver is given: mesh, model, sites and their loads.
+/// Makes the input of the solver from a description: mesh, model, sites and their loads.
 #pragma once
 
 #include "palpable/bake/describe/body_description.h"
@@ -19,36 +19,36 @@ struct BodyProblem {
   BodyMesh mesh;
   SolidModel model;
   std::vector<Site> sites;  ///< full loads not found yet
-  /// Whose linear responses are asked for: every vertex of the skin that is not held, or the sites
-  /// and then touches_between() them, clear of supports. None where there are parameters, or
-  /// nothing between sites.
+  /// Sites whose linear responses are to be computed: every vertex of the skin that is not held, or
+  /// the sites followed by touches_between() them, away from supports. Empty where the description
+  /// has parameters, or nothing lies between the sites.
   std::vector<Site> linear_sites;
-  double press = 0;  ///< m: how far a patch shall give way at full load; 0: see force
+  double press = 0;  ///< m: displacement of a patch at full load; 0: see force
   double force = 0;  ///< N: the full load; 0: the one that gives the press
-  /// (3 x N) N: what acts on the body before anybody presses it, weight and pressures. No columns:
-  /// nothing does.
+  /// (3 x N) N: the forces that act on the body before it is pressed: weight and pressures. No
+  /// columns: none.
   Eigen::Matrix3Xd preload;
 };
 
-/// Everything that the description says, checked: a problem that is posed can be solved, up to
-/// what the body does on the way.
+/// Makes and checks everything that the description specifies. The problem returned can be solved,
+/// unless the body itself fails under its load, for instance by buckling.
 /// @throws Error, one line that names file and key, for what cannot be read or meshed; places
 ///         without nodes, faces or elements, sets that the mesh does not have; groups of elements
 ///         that overlap; supports that contradict each other or leave the body free to drift or
-///         turn; sites that the support holds, or fewer places for sites than are asked for
+///         turn; sites that the support holds, or fewer vertices for sites than requested
 [[nodiscard]] BodyProblem pose_body(const BodyDescription& description);
-/// The same on a mesh that is there. @param mesh  of the description
+/// The same on a given mesh. @param mesh  of the description
 [[nodiscard]] BodyProblem pose_body(const BodyDescription& description, BodyMesh mesh);
 
-/// Lines for people: nodes and elements, material, what is held, parts of other materials.
+/// Text for the user: nodes and elements, material, held nodes, parts of other materials.
 [[nodiscard]] std::string problem_text(const BodyDescription& description,
                                        const BodyProblem& problem);
 
-/// A site for messages: its number, place and direction.
+/// A site as text for messages: its number, position and direction.
 [[nodiscard]] std::string site_text(const BodyProblem& problem, int number);
 
-/// Loads that point to the centre of mass cannot press a site beyond it: it would come out on the
-/// other side, and the solver, which knows no contact of a body with itself, would let it.
+/// Refuses loads towards the centre of mass that would press a site past it. The solver has no
+/// contact of a body with itself, so the skin could come out on the other side.
 /// @throws Error naming the site and the deepest press
 void refuse_press_through(const BodyDescription& description, const BodyProblem& problem);
 

@@ -49,7 +49,7 @@ TEST_CASE("a traction on 4-node or 10-node elements carries the patch's newton a
             .norm() <= tolerance(1e-6, "weights of single precision"));
 }
 
-TEST_CASE("10-node elements hold the edges of the held face and give way more",
+TEST_CASE("10-node elements hold the edges of the held face and deform more",
           "[describe][problem]") {
   const Block block;
   const SolidModel fine = with_edge_nodes(block.model);
@@ -77,7 +77,7 @@ class BlockFile {
     write_msh_file(folder_.path() / "block10.msh", with_edge_nodes(mesh));
   }
 
-  // `sections` without [sites] get one in the middle of the lid.
+  // A site in the middle of the top is added where `sections` have no [sites].
   [[nodiscard]] BodyDescription description(const std::string& sections,
                                             const std::string& shape = "",
                                             const std::string& mesh = "block.msh") const {
@@ -128,7 +128,7 @@ TEST_CASE("groups of elements have materials of their own and may not overlap",
           Contains("block.toml:14: 'plane' in [[material.group]]"));
 }
 
-TEST_CASE("a problem is told in elements, materials and what is held", "[describe][problem]") {
+TEST_CASE("the text of a problem lists elements, materials and held nodes", "[describe][problem]") {
   const BlockFile file;
   const BodyDescription plain = file.description("[support]\nbelow = 0.01\n");
   CHECK(problem_text(plain, pose_body(plain)) == "block: 100 nodes, 288 tetrahedra of 4 nodes; " +
@@ -158,7 +158,7 @@ TEST_CASE("supports hold nodes direction by direction and may not contradict eac
       "[[support]]\nabove = 0.99\nhold = 'x'\ndisplacement = ['1 mm', '0 mm', '0 mm']\n");
   CHECK(problem.mesh.fixed_nodes.size() == 2);
   CHECK(problem.mesh.supports.size() == 23 + 25);
-  CHECK(problem.preload.cols() == 0);  // what moves is in the model
+  CHECK(problem.preload.cols() == 0);  // moved supports are in the model
   for (const Support& support : problem.model.supports) {
     const bool lid = problem.model.mesh.nodes(2, support.node) > 0.039;
     CHECK((support.held == Eigen::Array<bool, 3, 1>(lid, false, !lid)).all());
@@ -199,7 +199,7 @@ TEST_CASE("sites are where points and sets say, pressed the way that is asked fo
   CHECK(skin.vertices.col(problem.sites[0].vertex).isApprox(Eigen::Vector3d(0.03, 0.025, 0.04)));
   CHECK(problem.sites[0].direction.isApprox(Eigen::Vector3d(-0.03, -0.025, -0.02).normalized()));
   CHECK(site(corner + "direction = [0, 3, -4]\n").direction == Eigen::Vector3d(0, 0.6, -0.8));
-  // The middle of the side that looks along x.
+  // The middle of the side whose normal is x.
   CHECK(site("points = [['30 mm', '0 mm', '27 mm']]\npatch = 1\ndirection = 'normal'\n")
             .direction.isApprox(-Eigen::Vector3d::UnitX()));
   CHECK(site("points = [['30 mm', '0 mm', '27 mm']]\npatch = 0\ndirection = 'normal'\n")

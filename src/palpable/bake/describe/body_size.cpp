@@ -16,8 +16,8 @@ struct Unit {
   double metres;
 };
 
-// The one with which the body would be of a size that one touches; small units first, since files
-// of parts and scans have those.
+// The unit with which the body would have a usual size. Small units are tried first, since files of
+// parts and scans use them.
 std::optional<Unit> likely_unit(double largest, double unit) {
   for (const Unit& other : {Unit{"mm", "millimetres", 1e-3}, Unit{"cm", "centimetres", 1e-2},
                             Unit{"m", "metres", 1.0}}) {

@@ -1,5 +1,6 @@
 /// @file
-/// How large a body is, said before anything takes minutes: most wrong sizes are a forgotten unit.
+/// Checks the size of a body before anything takes minutes: most wrong sizes come from a forgotten
+/// unit.
 #pragma once
 
 #include "palpable/bake/describe/body_description.h"
@@ -11,17 +12,16 @@
 
 namespace palpable {
 
-/// Bodies outside of these are refused, m: the mesher's and the solver's tolerances are made for
-/// what lies on a desk.
+/// Bounds of the largest extent, m. Bodies outside of them are refused: the tolerances of the
+/// mesher and the solver are made for things on a desk.
 inline constexpr double kSmallestBody = 1e-4, kLargestBody = 100.0;
-/// Bodies outside of these get a warning, m.
+/// Bounds of the largest extent, m, outside of which a body gets a warning.
 inline constexpr double kSmallBody = 3e-3, kLargeBody = 3.0;
 
-/// What to say of a body that is larger or smaller than what one touches, with the unit that the
-/// file's lengths probably have and what to write; nothing for usual sizes.
+/// A warning about a body outside of kSmallBody and kLargeBody, with the unit that the file's
+/// lengths probably have and what to write; nothing for usual sizes.
 /// @param size   m
-/// @param unit   m, what lengths in the file were taken to be; none: the body was scaled to a
-/// height
+/// @param unit   m, assumed unit of lengths in the file; none: the body was scaled to a height
 /// @param write  how to give a unit, with {} for its name: "unit = \"{}\" in [shape]"
 [[nodiscard]] std::optional<std::string> size_warning(const Eigen::Vector3d& size,
                                                       std::optional<double> unit,

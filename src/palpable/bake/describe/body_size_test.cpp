@@ -30,8 +30,7 @@ BodyDescription described(const test::ScratchFolder& folder, const std::string& 
                                 folder.path() / "p.toml");
 }
 
-TEST_CASE("a body that nobody touches is warned of, with the unit that is likely",
-          "[describe][size]") {
+TEST_CASE("a body of an unusual size is warned of, with its likely unit", "[describe][size]") {
   const std::string write = "--unit {}";
   for (const double usual : {0.003, 0.08, 3.0}) {
     CHECK_FALSE(size_warning(Vector3d::Constant(usual), 1.0, write));
@@ -94,7 +93,7 @@ TEST_CASE("a wrap that would fill cavities says so", "[describe][size]") {
              Contains("2 cavities"));
   CHECK_FALSE(warning(hollow, "edge = '50 mm'\n"));
   CHECK_FALSE(warning(test::joined(box(0, 1), box(2, 3)), wrap));
-  CHECK_FALSE(warning(test::joined(box(0, 1), box(0.2, 0.3)), wrap));  // no cavity: one too many
+  CHECK_FALSE(warning(test::joined(box(0, 1), box(0.2, 0.3)), wrap));  // the inner box is no cavity
   SurfaceMesh open = hollow;
   open.triangles.conservativeResize(3, open.triangle_count() - 1);
   CHECK_FALSE(warning(open, wrap));

@@ -40,7 +40,7 @@ Eigen::Vector3d patch_normal(const SurfaceMesh& skin, const std::vector<int>& pa
   return within.isZero(0.0) ? around : within;
 }
 
-// Makes sites of vertices, with what they share.
+// Makes sites from vertices; holds the data that all sites share.
 class SiteMaker {
  public:
   SiteMaker(const SurfaceMesh& skin, const std::vector<std::uint8_t>& fixed,
@@ -70,7 +70,7 @@ class SiteMaker {
     std::erase_if(site.patch, [&](int v) { return is_fixed(v); });
     double patch_area = 0;
     for (const int p : site.patch) patch_area += areas_[p];
-    // A patch of one corner of 10-node elements has none: all of the load goes there.
+    // A patch of a single corner of 10-node elements has no area: its vertex takes all of the load.
     const bool has_area = patch_area > 0.0;
     for (const int p : site.patch) {
       site.weights.push_back(has_area ? static_cast<float>(areas_[p] / patch_area)
@@ -107,7 +107,7 @@ class SiteMaker {
   Eigen::Vector3d centre_;
 };
 
-// Farthest points, the first of them farthest from `centre`.
+// Farthest points; the first is the one farthest from `centre`.
 std::vector<int> far_apart(const SurfaceMesh& skin, const std::vector<int>& candidates,
                            const Eigen::Vector3d& centre, int count) {
   std::vector<double> distances(candidates.size());
@@ -160,7 +160,8 @@ Eigen::VectorXd salience(const SurfaceMesh& skin, int patch_distance) {
         .cross(Eigen::Vector3d(skin.vertices.col(skin.triangles(2, t))) - a)
         .normalized();
   };
-  // Each edge, met from both its triangles: their angle times its length, half to each end.
+  // The mean curvature integrated over an edge is half of angle * length; each end gets half of
+  // that.
   Eigen::VectorXd bend = Eigen::VectorXd::Zero(skin.vertex_count());
   std::map<std::pair<int, int>, Eigen::Index> triangle_of;
   for (Eigen::Index t = 0; t < skin.triangles.cols(); ++t) {

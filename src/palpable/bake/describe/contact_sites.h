@@ -1,5 +1,6 @@
 /// @file
-/// Where a body may be touched: sites spread over its skin (paper Fig. 15), or named ones.
+/// Chooses the sites at which a body is pressed: spread over its skin (paper Fig. 15), or named
+/// ones.
 ///
 ///   V  vertices of the skin
 #pragma once
@@ -29,23 +30,26 @@ enum class SiteChoice {
 struct SiteSettings {
   SiteChoice choice = SiteChoice::kSpread;
   int count = 16;
-  double lowest = 0;       ///< m, Z in the body frame: no site below
+  double lowest = 0;       ///< m, Z in the body frame below which no site is chosen
   int patch_distance = 2;  ///< edges from the middle of the patch to its rim
   SiteDirection direction = SiteDirection::kToCentre;
   Eigen::Vector3d given =
       -Eigen::Vector3d::UnitZ();  ///< read for kGiven; its length does not matter
-  /// (V) of each vertex in the load: nodal areas. Empty: vertex_areas(), right for 4-node elements.
+  /// (V) m^2, the nodal areas that weight the vertices of a load. Empty: vertex_areas(), which are
+  /// right for 4-node elements.
   Eigen::VectorXd areas = {};
 };
 
-/// `count` vertices. With kSalient: those of the largest salience(), one after the other, none
-/// nearer to another than half the distance that `count` sites have when they are spread over the
-/// candidates; where that leaves too few, two thirds of it, and so on.
+/// Chooses `count` sites. With kSalient: vertices in the order of their salience(), each at least
+/// half as far from the others as `count` sites spread evenly over the candidates are; where that
+/// gives too few, the distance is lowered to two thirds until there are enough.
 ///
-/// With kSpread: vertices far apart: the first is the one farthest from the centre of mass, each
-/// next the one farthest (straight line) from all before it; equal distances go to the lower
-/// number, so the answer is the same every time. Only vertices at or above `lowest` whose patch is
-/// free of the support are asked.
+/// With kSpread: farthest points. The first is the vertex farthest from the centre of mass, each
+/// next one the vertex farthest (straight line) from all before it; of equal distances the lower
+/// vertex number wins, so the result is deterministic.
+///
+/// Candidates are the vertices at or above `lowest` whose patch has no vertex that the support
+/// holds.
 ///
 /// Each site comes with its patch, weights (nodal areas, summing to 1) and direction; its full load
 /// is left at 0.
@@ -56,9 +60,9 @@ struct SiteSettings {
                                              const std::vector<std::uint8_t>& fixed,
                                              const SiteSettings& settings);
 
-/// (V) 1/m: how strongly the skin bulges or caves in around each vertex: the absolute value of its
-/// mean curvature, from the angles between triangles (sum over edges of length * angle / 4 over the
-/// area there), averaged over the patch by area. Of a sphere of radius r: 1 / r.
+/// (V) 1/m: how strongly the skin is curved around each vertex: the absolute value of its mean
+/// curvature, from the angles between triangles (sum over edges of length * angle / 4, divided by
+/// the vertex's area), averaged over the patch by area. For a sphere of radius r it is 1 / r.
 [[nodiscard]] Eigen::VectorXd salience(const SurfaceMesh& skin, int patch_distance);
 
 /// The sites at these vertices, in this order; `count` and `lowest` are not read. A patch leaves

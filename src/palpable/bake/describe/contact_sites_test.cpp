@@ -149,7 +149,7 @@ TEST_CASE("the areas that a load is shared by may be given", "[describe][sites]"
   settings.areas = Eigen::VectorXd::Zero(ball.skin.vertex_count());
   const int v = choose_sites(ball.skin, ball.fixed, kSettings).front().vertex;
   const Site alone = sites_at(ball.skin, ball.fixed, {v}, settings).front();
-  CHECK(alone.weights.front() == 1.0f);  // nowhere else to go
+  CHECK(alone.weights.front() == 1.0f);  // all other areas are zero
   settings.areas[alone.patch[2]] = 3.0;
   settings.areas[alone.patch[5]] = 1.0;
   const Site two = sites_at(ball.skin, ball.fixed, {v}, settings).front();
@@ -185,7 +185,8 @@ TEST_CASE("the salience of a sphere is one over its radius", "[describe][sites]"
 }
 
 TEST_CASE("salient sites are where the skin is curved most, and apart", "[describe][sites]") {
-  // Tips at +-Z, radius of curvature there a^2 / c: a twelfth of that at the waist.
+  // The tips at +-Z have the radius of curvature a^2 / c = 6.7 mm, the waist has a = 20 mm around
+  // and c^2 / a = 180 mm along.
   SurfaceMesh egg = sphere_surface({0, 0, 0}, 0.02, 3);
   egg.vertices.row(2) *= 3.0;
   const std::vector<std::uint8_t> fixed(std::size_t(egg.vertex_count()), 0);
@@ -203,7 +204,7 @@ TEST_CASE("salient sites are where the skin is curved most, and apart", "[descri
     CHECK(many[s].vertex == again[s].vertex);
   }
   CHECK(vertices.size() == 30);
-  // All that there are, when so many are asked for.
+  // All vertices, when as many sites are requested.
   CHECK(choose(egg.vertex_count()).size() == std::size_t(egg.vertex_count()));
 }
 

@@ -21,9 +21,9 @@ namespace {
 struct GuessedUnit {
   const char* name;
   double size;     // m
-  double largest;  // a body with this longest side, in the unit, is still one for a desk
+  double largest;  // longest side that is plausible in this unit, in the unit; 0: any
 };
-// Largest first: a file of numbers up to 2 is in m more often than of a thing of 2 mm.
+// The largest unit first: a shape of up to 2 units is more often in m than a thing of 2 mm.
 constexpr std::array kUnits{GuessedUnit{"m", 1.0, 2.0}, GuessedUnit{"cm", 1e-2, 20.0},
                             GuessedUnit{"mm", 1e-3, 0.0}};
 
@@ -49,7 +49,7 @@ double rounded(double x) {
   return std::round(x / digit) * digit;
 }
 
-// A text in quotes: file names hold anything.
+// A TOML string in quotes: file names may hold any character.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {

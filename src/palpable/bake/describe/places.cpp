@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-// Runs `choose`; whatever it has to say begins with the place.
+// Runs `choose`; its errors begin with the place.
 template <class Choose>
 auto at_place(const Where& where, const Choose& choose) {
   try {
@@ -35,7 +35,7 @@ bool same_name(const std::string& a, const std::string& b) {
                     [&](char x, char y) { return lower(x) == lower(y); });
 }
 
-// The set of that name, else the one that differs in case only (Abaqus takes those for the same).
+// The set of that name, else one whose name differs in case only, which is the same name in Abaqus.
 template <class Sets>
 const typename Sets::mapped_type* find_set(const Sets& sets, const std::string& name) {
   if (const auto exact = sets.find(name); exact != sets.end()) return &exact->second;
@@ -45,7 +45,8 @@ const typename Sets::mapped_type* find_set(const Sets& sets, const std::string& 
   return nullptr;
 }
 
-// Says what there is instead of `name`. @param wanted  e.g. "nodes or faces"
+// Throws an error that names the sets that exist instead of `name`. @param wanted  e.g. "nodes or
+// faces"
 [[noreturn]] void refuse_name(const MeshSets& sets, const std::string& name,
                               const std::string& wanted, const std::vector<std::string>& known) {
   if (const std::string* why = find_set(sets.unusable, name)) {
@@ -96,7 +97,7 @@ std::vector<int> corners_of(const std::vector<Eigen::Vector3i>& faces) {
 struct NodesAt {
   const VolumeMesh& volume;
 
-  // There always are some: the lowest and the highest node.
+  // Never empty: the lowest or the highest node is always there.
   std::vector<int> operator()(const Where::Below& below) const {
     return nodes_in_box(volume.mesh, Eigen::Vector3d::Constant(-kNoLimit),
                         {kNoLimit, kNoLimit, level_of(volume.mesh, below.fraction)});
@@ -196,7 +197,7 @@ struct TetsAt {
   }
 };
 
-// Those of the skin's triangles that the set has, whatever their orientation there.
+// The triangles of the skin that are in the set, whatever their orientation in the set.
 Eigen::Matrix3Xi of_skin(const Eigen::Matrix3Xi& skin, const std::vector<Eigen::Vector3i>& faces) {
   const auto key = [](auto face) {
     std::array<int, 3> nodes{face[0], face[1], face[2]};

@@ -45,7 +45,7 @@ TEST_CASE("nodes are chosen by height, plane, box, points and sets", "[describe]
   CHECK(nodes_at(volume, at(Where::Nearest{{{0, 0, 0}, {0.1, 0, 0}, {1, 1, 2}}})) ==
         std::vector{0, volume.mesh.node_count() - 1});
   CHECK(nodes_at(volume, at(Where::Named{"BASE"})).size() == 9);
-  CHECK(nodes_at(volume, at(Where::Named{"base"})).size() == 9);  // as Abaqus takes names
+  CHECK(nodes_at(volume, at(Where::Named{"base"})).size() == 9);  // names are case-insensitive
   CHECK(nodes_at(volume, at(Where::Named{"Lid"})).size() == 9);   // those of its faces
 }
 

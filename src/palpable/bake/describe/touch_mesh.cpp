@@ -12,7 +12,8 @@ namespace palpable {
 
 std::optional<double> touch_edge(const BodyDescription& description, const SurfaceMesh& skin) {
   if (description.touch.edge) return description.touch.edge;
-  // Given tetrahedra may have sets, which a coarser mesh has not: who asked for tables gets them.
+  // A given volume mesh may have sets, which a coarser mesh would lose; where tables are requested
+  // explicitly it is used as it is.
   const bool as_given = description.shape.is_volume() && !description.touch.by_default;
   if (as_given || skin.vertex_count() <= kFineSkin) return std::nullopt;
   return mean_edge_length(skin) * std::sqrt(1.0 * skin.vertex_count() / kCoarseSkin);

@@ -17,13 +17,13 @@ TEST_CASE("a coarser mesh for touch is made where the skin is fine, or where it 
     body.touch = {};
     CHECK_FALSE(touch_edge(body, coarse));
     REQUIRE(touch_edge(body, fine));
-    // As many triangles of that size as a skin of kCoarseSkin vertices has cover the ball.
+    // A skin of kCoarseSkin vertices with that edge covers the ball.
     const double ratio = *touch_edge(body, fine) / mean_edge_length(fine);
     CHECK(fine.vertex_count() / (ratio * ratio) == Approx(kCoarseSkin));
     body.touch.edge = 0.02;
     CHECK(touch_edge(body, coarse) == 0.02);
     CHECK(touch_edge(body, fine) == 0.02);
-    // Given tetrahedra are taken as they are by who asks for tables.
+    // A given volume mesh is used as it is where tables are requested explicitly.
     body.touch = {.by_default = false};
     CHECK(touch_edge(body, fine).has_value() == !body.shape.is_volume());
     body.touch.edge = 0.02;

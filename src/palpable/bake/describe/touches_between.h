@@ -1,6 +1,6 @@
 /// @file
-/// Places between the sites: where a touch is answered by the field of a site that lies elsewhere
-/// (what that costs: between_sites.h).
+/// Vertices between the sites, where a touch is shown with the field of the nearest site (the error
+/// of that: between_sites.h).
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"
@@ -11,8 +11,9 @@
 
 namespace palpable {
 
-/// Touches between sites that a campaign solves. A response on the bunny took 50 ms of a busy core;
-/// a median of so many errors, whose quartiles are a factor of two apart, is good to a tenth.
+/// Number of touches between sites that a campaign solves. A response of the bunny took 50 ms on a
+/// busy core. The median of 100 errors whose quartiles are a factor of two apart is accurate to a
+/// tenth.
 inline constexpr int kTouchesBetween = 100;
 
 struct NearestSite {
@@ -24,9 +25,10 @@ struct NearestSite {
 [[nodiscard]] NearestSite nearest_site(const SurfaceMesh& skin, const std::vector<int>& sites,
                                        int vertex);
 
-/// Up to `most` of the vertices of `touchable`, evenly from that list: those that lie between the
-/// sites, i.e. are none themselves and no farther from the nearest one (straight line) than any
-/// site is from its nearest neighbour. None with fewer than two sites.
+/// Up to `most` of the vertices of `touchable` that lie between the sites, evenly spaced in that
+/// list. A vertex lies between the sites if it is not a site and its distance (straight line) to
+/// the nearest site is at most the largest distance of a site to its nearest neighbour. Empty for
+/// fewer than two sites.
 [[nodiscard]] std::vector<int> touches_between(const SurfaceMesh& skin,
                                                const std::vector<int>& sites,
                                                const std::vector<int>& touchable, int most);

@@ -29,7 +29,7 @@ const BodyPageFacts kFacts{.file = "ball.palpable",
                            .date = "2026-11-22",
                            .program = "palpable 0"};
 
-// Six sites, four levels and, where asked, nine combinations of further values.
+// Six sites, four levels and, if `further`, nine combinations of further values.
 ReducedBody ball(bool further) {
   ReducedBody body = test::pressed_ball(0.05, 0.01, 1);
   if (further) body = test::with_further(body);
@@ -123,7 +123,7 @@ TEST_CASE("over further parameters a snapshot's error on the page is the worst o
   // Site 2, level 3: combinations 99 .. 107 of 216.
   CHECK(data["snapshots"]["displacement"]["values"][2][3].get<double>() == Approx(0.108));
   CHECK(data["courses"]["displacement"]["count"] == 216);
-  CHECK(data["functions"]["displacement"].size() >= 2);  // level and what is further
+  CHECK(data["functions"]["displacement"].size() >= 2);  // of the level and of further parameters
 }
 
 TEST_CASE("the modes on the page are those of the body, as large as they get",

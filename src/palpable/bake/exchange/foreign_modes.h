@@ -29,8 +29,8 @@ struct ForeignModes {
 /// How foreign modes become a body.
 struct ImportSettings {
   std::string name = "imported";
-  std::string site = "site";    ///< name of the parameter that is the place of the touch
-  std::string level = "level";  ///< name of the one that is the load, none or little at its start
+  std::string site = "site";    ///< name of the parameter that is the position of the touch
+  std::string level = "level";  ///< name of the one that is the load, from 0 or more upwards
   std::string source = {};      ///< file or folder of the modes: how messages begin
   std::vector<std::pair<std::string, std::string>> provenance = {};
 };
@@ -45,10 +45,9 @@ struct ImportSettings {
 /// A body made of foreign modes. What the file does not say is derived from the field:
 ///
 /// * Without a parameter of the site's name there is one site.
-/// * Unless the file has both vertices and loads of the sites, a site's vertex is the one that
-/// moves
-///   most at the last level, and its load is 1 N along that displacement. Patches have graph
-///   distance 2 and are weighted by nodal areas.
+/// * Unless the file has both vertices and loads of the sites, a site's vertex is the one with the
+///   largest displacement at the last level, and its load is 1 N along that displacement. Patches
+///   have graph distance 2 and are weighted by nodal areas.
 /// * The level's samples are scaled to end at 1. If the first is above 0, a level at rest is put
 ///   before it.
 /// * Vertices that no mode moves are held.

@@ -26,7 +26,7 @@ std::filesystem::path heavy_beside(const std::filesystem::path& light) {
 void write_heavy_and_light(const std::filesystem::path& heavy,
                            const std::function<void(hid_t file)>& fill,
                            const std::filesystem::path& light_path, const std::string& light) {
-  // The light one names it in XML.
+  // The light file contains this name as XML text.
   const std::string name = heavy.filename().string();
   if (!fits_in_markup(name) || name.find('\n') != std::string::npos) {
     throw Error(fmt::format(

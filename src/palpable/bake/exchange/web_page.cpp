@@ -92,7 +92,7 @@ std::filesystem::path table_beside(const std::filesystem::path& page) {
   std::string start(40, '\0');
   std::ifstream in(table, std::ios::binary);
   in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  // As report and compare begin theirs (body_table(), method_table()).
+  // The tables of `report` and `compare` begin like this (body_table(), method_table()).
   if (start.starts_with("quantity,field,modes,") || start.starts_with("field,method,source,")) {
     return table;
   }

@@ -27,13 +27,14 @@ struct WebPage {
   std::string data;  ///< JSON; the scripts read it as DATA
 };
 
-/// The whole file as text. @throws ContractViolation if a part, or the text for a {{key}}, is
-/// missing
+/// The whole file as text.
+/// @throws ContractViolation if a part, or the text for a {{key}}, is missing
 [[nodiscard]] std::string web_page(const WebPage& page);
 
-/// Where the table of a page's numbers goes: "report.html" has "report.csv" beside it. Nobody names
-/// that file, so one that is there is replaced only if it is such a table.
-/// @throws Error if the page is called .csv itself, and for a .csv of somebody's
+/// The path of the table of a page's numbers: "report.html" has "report.csv" beside it. The user
+/// does not name that file, so an existing one is replaced only if it is such a table.
+/// @throws Error if the page is called .csv itself, and for an existing .csv that is not such a
+///         table
 [[nodiscard]] std::filesystem::path table_beside(const std::filesystem::path& page);
 
 /// Base64 of RFC 4648, with padding.

@@ -29,7 +29,7 @@ TEST_CASE("the table of a page lies beside it, and never in its place", "[exchan
                     "out/report.csv: is where the table goes; call the page report.html");
 }
 
-TEST_CASE("a table of somebody's beside a page is not replaced", "[exchange][pages]") {
+TEST_CASE("a file of the user's beside a page is not replaced", "[exchange][pages]") {
   const test::ScratchFolder folder("web_page");
   const std::filesystem::path page = folder.path() / "b.html";
   write_whole_file(folder.path() / "b.csv", "quantity,field,modes,unit\n");

@@ -133,8 +133,8 @@ SeriesPgd series_pgd(const LoadSeries& body, const SeriesTable& table, const Ser
       VectorXd next = space_step(body, table, weights, g);
       ++pgd.alternations;
       make_normal(M, pgd.F.leftCols(m), next);
-      // Sine of the angle by which the mode still turned. What remains is not lost: the next mode
-      // begins with it.
+      // Sine of the angle by which another turn would rotate the mode. What remains is not lost:
+      // the next mode begins with it.
       const double along = std::min(1.0, std::abs(next.dot(M.cwiseProduct(F))));
       if (turns == kMostTurns || std::sqrt(1.0 - along * along) < 0.1) break;
       F = std::move(next);

@@ -19,9 +19,8 @@ struct TableTerms {
 };
 
 /// Singular value decompositions of the tables, in the norm sum_s,a weight(s, a) table(s, a)^2 with
-/// weight(s, a) = site_weight[s] level_weight[a]. The
-/// smallest singular values of all modes together are left out, as long as the sum of their squares
-/// is at most `lose`.
+/// weight(s, a) = site_weight[s] level_weight[a]. The smallest singular values of all modes
+/// together are left out, as long as the sum of their squares is at most `lose`.
 /// @param tables  (m) of (S x J)
 [[nodiscard]] TableTerms table_terms(const std::vector<Eigen::MatrixXd>& tables,
                                      const Eigen::VectorXd& site_weight,

@@ -14,7 +14,7 @@
 
 namespace palpable {
 
-/// What a file says at its nodes.
+/// The nodal data of a file.
 struct NodalFile {
   struct Field {
     std::string name;        ///< empty where the format has none (.npy, HDF5)
@@ -27,18 +27,18 @@ struct NodalFile {
   std::vector<std::vector<std::int64_t>> tets;
 };
 
-/// Reads by the ending of the name. What stands behind a colon is the path of a dataset within an
-/// HDF5 file: "runs.h5:/u/level_3".
+/// Reads a file, whose format follows from the ending of its name. After a colon comes the path of
+/// a dataset within an HDF5 file: "runs.h5:/u/level_3".
 ///
 /// .vtu: ASCII, binary or appended, plain or with zlib. .vtk: legacy, version 5.0 and before, ASCII
-/// or binary. .frd: ASCII, the first step's results under their names (DISP, STRESS); of several
-/// steps the last. Tables: columns between blanks or commas, the first the node's number; each
-/// further column is a field, called by the header, where there is one of as many words, and "1",
-/// "2" ... where not. .npy and HDF5: n x c or n values, single or double precision.
+/// or binary. .frd: ASCII, the results of the last step under their names (DISP, STRESS). Tables:
+/// columns separated by blanks or commas, the first with the node's number; each further column is
+/// a field, named by the header if one has as many words, else "1", "2" ... .npy and HDF5: n x c or
+/// n values, single or double precision.
 /// @throws Error that names the file, the line in texts, and what is wrong
 [[nodiscard]] NodalFile read_nodal_file(const std::filesystem::path& path);
 
-// The formats one by one, from bytes. @param name  for messages
+// Readers of the single formats, from memory. @param name  for messages
 [[nodiscard]] NodalFile parse_vtu(const std::string& bytes, const std::string& name);
 [[nodiscard]] NodalFile parse_vtk(const std::string& bytes, const std::string& name);
 [[nodiscard]] NodalFile parse_frd(const std::string& bytes, const std::string& name);

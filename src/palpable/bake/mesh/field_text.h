@@ -1,6 +1,6 @@
 /// @file
-/// What the readers of field files share: numbers as bytes and as words, lines of a text, and how
-/// they say that a file is bad.
+/// Helpers of the readers of field files: numbers as bytes and as words, lines of a text, and
+/// errors about a bad file.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,23 +13,24 @@
 
 namespace palpable::field_text {
 
-/// Far above any mesh, and far below what would not fit into memory.
+/// Largest count of numbers that a file may claim: far above any mesh, and small enough to fit into
+/// memory.
 inline constexpr std::int64_t kMostNumbers = 500'000'000;
 
 /// @throws Error "name: what"
 [[noreturn]] void bad(const std::string& name, const std::string& what);
 
-/// How a file holds its numbers.
+/// The binary type of the numbers in a file.
 struct NumberType {
   std::size_t size = 0;  ///< bytes
-  /// All of the bytes; `swap`: each number's end comes first that is not this machine's.
+  /// Converts all of the bytes; `swap`: their byte order is not this machine's.
   std::vector<double> (*convert)(std::string_view bytes, bool swap) = nullptr;
 };
 
-/// By the names of VTK's XML files: "Float64", "UInt8", ...
+/// The type with this name in VTK's XML files: "Float64", "UInt8", ...
 [[nodiscard]] std::optional<NumberType> number_type(std::string_view name);
 
-/// (components x count) from values that follow each other.
+/// (components x count) The consecutive values of `count` entries as columns.
 [[nodiscard]] Eigen::MatrixXd as_columns(const std::vector<double>& values,
                                          Eigen::Index components);
 
@@ -41,7 +42,7 @@ struct Line {
 
 [[nodiscard]] std::vector<std::string_view> words_of(std::string_view text, const char* separators);
 
-/// The first word, apart by blanks; empty if there is none.
+/// The first word of a text with blanks between words; empty if there is none.
 [[nodiscard]] std::string_view first_word(std::string_view text);
 
 }  // namespace palpable::field_text

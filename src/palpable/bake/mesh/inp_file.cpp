@@ -24,7 +24,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-// Names and keywords mean the same in any case.
+// Names and keywords are case-insensitive.
 std::string upper(std::string_view text) {
   std::string result(text);
   for (char& c : result) {
@@ -41,7 +41,7 @@ std::vector<std::string_view> split(std::string_view line) {
     if (comma == std::string_view::npos) break;
     line.remove_prefix(comma + 1);
   }
-  // A comma at the end of a line says that more follows; it adds nothing here.
+  // A comma at the end of a line means that more follows; it adds no word here.
   if (words.size() > 1 && words.back().empty()) words.pop_back();
   return words;
 }
@@ -186,7 +186,7 @@ class InpReader {
                                    "and elements",
                                    name)};
     }
-    // Everything else says nothing about the mesh; its data lines are skipped by read().
+    // Other keywords do not concern the mesh; read() skips their data lines.
   }
 
   void count_part(const Keyword& keyword, int& count, const char* what) {
@@ -242,7 +242,7 @@ class InpReader {
     }
   }
 
-  // The numbers of one element, which may go on in further lines.
+  // The numbers of one element, which may continue on further lines.
   std::vector<std::int64_t> element_row(std::size_t count) {
     std::vector<std::int64_t> row;
     const std::size_t first_line = text_.line();
@@ -327,7 +327,8 @@ class InpReader {
     return name;
   }
 
-  // first, last, step: the numbers that it means. Some may be missing where elements were skipped.
+  // The numbers of a GENERATE line (first, last, step). Some may be missing where elements were
+  // skipped.
   template <class Known>
   std::vector<std::int64_t> generated(const std::vector<std::string_view>& words,
                                       const Known& known, const char* what,
@@ -407,7 +408,7 @@ class InpReader {
     bound(set.numbers.size());
   }
 
-  // A set that names itself again and again would double with each line.
+  // Limits the size of a set: one that names itself would double with each line.
   void bound(std::size_t size) const {
     constexpr std::size_t kMost = 10'000'000;
     if (size > kMost) text_.bad("a set has more than 10 million entries");
@@ -464,12 +465,13 @@ class InpReader {
     }
   }
 
-  // A deck may hold surfaces that nobody asks for: of shells, springs, rigid bodies.
+  // Records that a surface cannot be used. A deck may hold surfaces that the body does not need: of
+  // shells, springs, rigid bodies.
   void leave_out(const std::string& surface, std::size_t line, const std::string& why) {
     mesh_.unusable.try_emplace(surface, fmt::format("line {} of its file: {}", line, why));
   }
 
-  // At the end, since a surface may come before its sets.
+  // Called at the end, since a surface may come before its sets.
   void resolve_surfaces() {
     for (const SurfaceRow& row : surfaces_) {
       std::vector<std::int64_t> elements;
@@ -505,7 +507,7 @@ class InpReader {
   };
 
   MeshText text_;
-  std::optional<std::string_view> line_;  // the one that is looked at
+  std::optional<std::string_view> line_;  // the current line
   bool seen_keyword_ = false, skipped_elements_ = false;
   int parts_ = 0, instances_ = 0;
   FileMesh mesh_;

@@ -15,7 +15,7 @@ using Catch::Matchers::Contains;
 using test::replaced;
 using test::tolerance;
 
-// Two tetrahedra on a common face, as Abaqus writes them; node 50 belongs to nobody.
+// Two tetrahedra on a common face, as Abaqus writes them; no element uses node 50.
 const std::string kDeck = R"(*HEADING
  two tetrahedra
 ** a comment
@@ -76,7 +76,7 @@ TEST_CASE("a deck gives nodes, tetrahedra and sets, whatever the case of its wor
   REQUIRE(volume.sets.faces.at("FOOT").size() == 2);
   CHECK(volume.sets.faces.at("FOOT")[0] == Eigen::Vector3i(0, 1, 2));
   CHECK(volume.sets.nodes.at("OF LEFT") == std::vector{0, 1, 2, 3});
-  // Surfaces of what is no tetrahedron are remembered with the reason, the others are read.
+  // Surfaces of other elements are recorded with the reason, those of tetrahedra are read.
   CHECK(volume.sets.faces.size() == 1);
   CHECK_THAT(volume.sets.unusable.at("SHELL"), Contains("line 32") && Contains("SPOS"));
   CHECK_THAT(volume.sets.unusable.at("GONE"), Contains("'nobody' is neither"));
@@ -210,7 +210,8 @@ TEST_CASE("bad decks are refused with file, line and reason", "[mesh][inp]") {
   CHECK_THAT(read_inp_file("no/such.inp").problem().message, Contains("no/such.inp: no such file"));
 }
 
-TEST_CASE("whatever is cut off or overwritten in a deck, the reader answers", "[mesh][inp]") {
+TEST_CASE("a deck that is cut off or overwritten gives a mesh or an error, never a crash",
+          "[mesh][inp]") {
   // The format has no end mark, so what is left may be a smaller mesh, but never a broken one.
   const std::size_t first_tet = kDeck.find("10, 1, 2, 3, 4") + 14;
   for (std::size_t length = 0; length < kDeck.size(); ++length) {

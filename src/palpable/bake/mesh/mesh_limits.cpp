@@ -20,8 +20,10 @@
 namespace palpable {
 namespace {
 
-constexpr double kStrayFactor = 1e3;   // no body has one vertex that makes it so much larger
-constexpr double kSmallestGap = 1e-7;  // of the diagonal: below, TetGen's tolerances merge points
+// Ratio of the extents with and without one vertex, above which the vertex is an error.
+constexpr double kStrayFactor = 1e3;
+// Ratio of a gap to the surface's diagonal, below which TetGen's tolerances merge points.
+constexpr double kSmallestGap = 1e-7;
 
 double area_of(const SurfaceMesh& surface) { return vertex_areas(surface).sum(); }
 
@@ -63,7 +65,7 @@ void require_no_stray(const Eigen::Matrix3Xd& points, const std::string& name) {
     return box;
   };
   const double whole = box_without(-1).sizes().maxCoeff();
-  // A point that matters so much is the outermost along the longest extent.
+  // A point with such an effect is the first or the last one along some axis.
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::Index least = 0, most = 0;
     points.row(axis).minCoeff(&least);
@@ -90,7 +92,7 @@ void require_meshable(const SurfaceMesh& surface, double edge, double inner_edge
                       const std::string& name) {
   const double nodes = estimated_nodes(surface, edge, inner_edge);
   if (nodes <= kMostNodes) return;
-  // Longer edges by one factor, both, or those inside alone where the skin's are no trouble.
+  // Lengthens both edges by one factor, or the inner one alone where the skin has few nodes.
   const double of_skin = estimated_nodes(surface, edge, std::numeric_limits<double>::infinity());
   const bool inside = inner_edge < edge && of_skin < 0.5 * kMostNodes;
   const auto fits = [&](double factor) {

@@ -1,6 +1,6 @@
 /// @file
-/// What is known of a mesh before it is made: how many nodes it will have, and whether what came
-/// out is what went in.
+/// Checks before and after meshing: how many nodes a mesh will have, and whether the result is
+/// still the same solid.
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"
@@ -11,17 +11,19 @@
 
 namespace palpable {
 
-/// Above this many nodes a body is refused: its factor would not fit into the memory of a
-/// workstation (some 10 kB a node), and the mesher's own needs come near that.
+/// Largest number of nodes of a body. With more, the solver's factor would not fit into the memory
+/// of a workstation (some 10 kB per node), and the mesher needs nearly as much.
 inline constexpr double kMostNodes = 2e6;
 
-/// Refuses points of which one alone makes the whole a thousand times larger: a damaged file.
+/// Refuses points of which a single one makes the bounding box a thousand times larger: the file is
+/// damaged.
 /// @param points  (3 x N), of any unit
 /// @param name    what to call them in messages
 /// @throws Error that names the point
 void require_no_stray(const Eigen::Matrix3Xd& points, const std::string& name);
 
-/// About how many nodes tetrahedra of this edge have in a solid with this surface A and volume V:
+/// Estimated number of nodes of a tetrahedral mesh with edge e in a solid of surface area A and
+/// volume V:
 ///
 ///     1.15 A / e^2 + 1.35 V / e^3
 ///
@@ -36,19 +38,19 @@ void require_no_stray(const Eigen::Matrix3Xd& points, const std::string& name);
 void require_meshable(const SurfaceMesh& surface, double edge, double inner_edge,
                       const std::string& name);
 
-/// The same for wrap_surface(), of any heap of triangles. Those that others hide count, too.
+/// The same for wrap_surface(), for any set of triangles. Triangles that others hide count, too.
 /// @throws Error that names the size that would do
 void require_wrappable(const SurfaceMesh& surface, double size, const std::string& name);
 
-/// Refuses a solid that lost or won volume on its way:  |V - V0| / V0 above
+/// Refuses a solid whose volume changed while it was meshed: |V - V0| / V0 above
 ///
 ///     0.01 + min(0.5 (e / r)^2, 0.1),     r = 3 V0 / A
 ///
 /// Flat triangles of edge e between the points of a ball of radius r lose 3/8 (e / r)^2 of it; r is
-/// a ball's radius and of anything else a measure of how thick it is. What loses more than a tenth
-/// by facets is another body.
+/// the radius of a ball, and a measure of thickness for other shapes. A solid that loses more than
+/// a tenth to its facets counts as another body.
 /// @param before  encloses V0
-/// @param edge    m, e: what was asked for
+/// @param edge    m, e: the requested edge
 /// @throws Error that names both volumes
 void require_same_volume(const SurfaceMesh& before, double volume, double edge,
                          const std::string& name);

@@ -84,7 +84,7 @@ TEST_CASE("a solid that loses more than its facets explain is refused", "[mesh][
   // However coarse the edge, it does not explain a tenth of the body.
   CHECK_THROWS_AS(require_same_volume(ball, 0.88 * volume, 10.0, "ball"), Error);
   CHECK_THROWS_WITH(remesh_surface(ball, 10.0, "ball.stl"), Contains("ball.stl: "));
-  for (const double edge : {0.02, 0.01}) {  // what is asked for in earnest passes
+  for (const double edge : {0.02, 0.01}) {  // realistic edges are accepted
     INFO("edge " << edge);
     CHECK_NOTHROW(remesh_surface(ball, edge, "ball"));
   }

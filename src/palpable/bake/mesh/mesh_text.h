@@ -1,6 +1,6 @@
 /// @file
-/// What the readers of mesh texts (.msh, .inp) share: lines with their numbers, and the way from
-/// the numbers of a file to those of a mesh.
+/// Helpers of the readers of mesh texts (.msh, .inp): numbered lines, and the renumbering of a
+/// file's nodes and elements.
 #pragma once
 
 #include "palpable/bake/mesh/volume_mesh.h"
@@ -19,8 +19,8 @@
 
 namespace palpable {
 
-/// What is wrong with a mesh text, and in which line (0: in none). Thrown within the readers;
-/// read_mesh_text() turns it into a Problem.
+/// An error in a mesh text, and its line (0: none). Thrown within the readers; read_mesh_text()
+/// turns it into a Problem.
 struct MeshDefect {
   std::size_t line;
   std::string what;
@@ -33,10 +33,10 @@ class MeshText {
 
   /// The next line, without its end; nothing at the end of the text.
   std::optional<std::string_view> next_line();
-  /// The same where there has to be one.
+  /// The same; it is an error if there is none.
   std::string_view need_line();
 
-  /// Upper bound of how many rows may follow: each needs at least two bytes.
+  /// Upper bound of the number of rows that may follow: each needs at least two bytes.
   [[nodiscard]] std::size_t rows_left() const { return rest_.size() / 2 + 1; }
   [[nodiscard]] std::size_t line() const { return line_; }
   [[noreturn]] void bad(std::string what) const;
@@ -55,7 +55,7 @@ struct FileMesh {
     std::array<std::int64_t, 10> nodes;  // corners, then edges as in kTetEdges
   };
   struct Nodes {
-    std::size_t line = 0;  // where the set was begun
+    std::size_t line = 0;  // where the set begins
     std::vector<std::int64_t> numbers;
   };
   std::unordered_map<std::int64_t, Eigen::Vector3d> nodes;
@@ -66,7 +66,8 @@ struct FileMesh {
   std::map<std::string, std::string> unusable;  // of MeshSets
 };
 
-/// Numbers everything anew: nodes in the order in which tetrahedra use them, others dropped.
+/// Renumbers nodes and elements: nodes in the order in which tetrahedra use them; unused nodes are
+/// dropped.
 /// @throws MeshDefect for no tetrahedra, tetrahedra of both kinds or with a corner that is not a
 ///         node, inverted or flat ones (by their corners), a set with a node that does not exist
 [[nodiscard]] VolumeMesh number_anew(const FileMesh& file);
@@ -76,7 +77,7 @@ struct FileMesh {
     std::string_view text, std::string_view name,
     const std::function<FileMesh(std::string_view text)>& reader);
 
-/// The bytes of a file, handed to `parse` with its name.
+/// Reads a file and passes its bytes and its name to `parse`.
 [[nodiscard]] Result<VolumeMesh> read_mesh_bytes(
     const std::filesystem::path& path,
     const std::function<Result<VolumeMesh>(std::string_view text, std::string_view name)>& parse);

@@ -69,7 +69,7 @@ class Numbers {
   std::string_view line_;
 };
 
-// Nothing for a type that is skipped.
+// The type with this number; null for a type that is skipped.
 const ElementType* find_type(const MeshText& text, int number) {
   if (std::find(kOtherSolids.begin(), kOtherSolids.end(), number) != kOtherSolids.end()) {
     text.bad(fmt::format(
@@ -196,7 +196,7 @@ class MshReader {
     return named != names_.end() ? named->second : std::to_string(group);
   }
 
-  // An element's nodes are next in its row.
+  // Adds an element. Its nodes are the next numbers in its row.
   void add_element(const ElementType& type, std::int64_t number,
                    const std::vector<std::int64_t>& groups, Numbers& row) {
     std::array<std::int64_t, 10> nodes{};

@@ -29,17 +29,21 @@ using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
 using Mesh = CGAL::Surface_mesh<Point>;
 using Face = Mesh::Face_index;
 
-// Edges that keep their place: sharper than any of a smooth body, less sharp than a box.
+// Degrees between the triangles of an edge above which it is kept: sharper than any edge of a
+// smooth body, less sharp than those of a box.
 constexpr double kSharpDegrees = 80.0;
 // Rounds of splitting, collapsing, flipping and relaxing; later ones change nothing visible.
 constexpr unsigned kRounds = 5;
 
-// Where the sides of a thin part would meet, edges are halved, twice at most, so many of the edges
-// around, and again one time less in the next ring: CGAL 5.5 has one length for all it remeshes.
+// Where the sides of a thin part intersect after remeshing, the surface is remeshed again with
+// shorter edges around that place, kFinerRounds times at most. Each time the edge there is halved,
+// up to kMostHalvings times; it is halved once less in each ring around the place, of kFinerReach
+// edge lengths. (CGAL 5.5 takes one length for all faces of a call.)
 constexpr int kFinerRounds = 3, kMostHalvings = 2;
 constexpr double kFinerReach = 2.0;
 
-// Of a wrap's distance in its size: small enough for a picture, large enough to be quick.
+// Ratio of a wrap's size to its distance from the triangles. A smaller ratio is visible as a
+// thicker body, a larger one is slower.
 constexpr double kWrapOffset = 7.0;
 
 Eigen::Vector3d to_eigen(const Point& p) { return {p.x(), p.y(), p.z()}; }
@@ -89,7 +93,7 @@ Eigen::Vector3d middle_of(const Mesh& mesh, Face face) {
 
 using FacePairs = std::vector<std::pair<Face, Face>>;
 
-// Sorted.
+// Pairs of faces that intersect, sorted.
 FacePairs self_intersections(const Mesh& mesh) {
   FacePairs pairs;
   PMP::self_intersections(mesh, std::back_inserter(pairs));
@@ -98,7 +102,7 @@ FacePairs self_intersections(const Mesh& mesh) {
 }
 
 // @param pairs    self_intersections(mesh)
-// @param surface  of which `mesh` was made: the same triangles in the same order
+// @param surface  the one that `mesh` was made of: the same triangles in the same order
 void refuse(const FacePairs& pairs, const Mesh& mesh, const SurfaceMesh& surface,
             const std::string& name) {
   if (pairs.empty()) return;
@@ -144,13 +148,14 @@ Mesh checked(const SurfaceMesh& surface, const std::string& name) {
   return mesh;
 }
 
-// Where edges are shorter, and how often they are halved.
+// A place where edges are shorter, and how often they are halved there.
 struct FinerPlace {
   Eigen::Vector3d middle;  // m
   int halvings = 1;
 };
 
-// Around faces that meet; once shorter where they are short already.
+// Adds places around intersecting faces; halves the edges once more at places that are there
+// already.
 void make_finer(const FacePairs& pairs, const Mesh& mesh, double edge_length,
                 std::vector<FinerPlace>& finer) {
   std::vector<FinerPlace> now = finer;
@@ -168,7 +173,7 @@ void make_finer(const FacePairs& pairs, const Mesh& mesh, double edge_length,
   finer = std::move(now);
 }
 
-// Halvings of the edge length at a place.
+// Halvings of the edge length at a point.
 int halvings_at(const Eigen::Vector3d& x, double edge_length,
                 const std::vector<FinerPlace>& finer) {
   int most = 0;
@@ -179,8 +184,8 @@ int halvings_at(const Eigen::Vector3d& x, double edge_length,
   return most;
 }
 
-// All with the shortest edges, then, ever farther from the places, with twice as long ones: where
-// two lengths meet, both sides are remeshed surfaces.
+// Remeshes everything with the shortest edges, then what is farther and farther from the places
+// with edges twice as long each time, so that both sides of a transition have been remeshed.
 void remesh(Mesh& mesh, double edge_length, const std::vector<FinerPlace>& finer,
             bool keep_sharp_edges) {
   auto sharp = mesh.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;

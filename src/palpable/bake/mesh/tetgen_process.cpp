@@ -23,7 +23,7 @@
 namespace palpable {
 namespace {
 
-// How the child ends: 0, or this plus TetGen's number (terminatetetgen in tetgen.h).
+// Exit code of the child: 0, or this plus TetGen's error number (terminatetetgen in tetgen.h).
 constexpr int kGaveUp = 64;
 constexpr int kOutOfMemory = 1, kRefused = 20;
 
@@ -44,7 +44,7 @@ std::string complaint(int code) {
   }
 }
 
-// Hands the surface over: TetGen frees what it is given with delete[].
+// Copies the surface into TetGen's input, which TetGen frees with delete[].
 void fill(tetgenio& in, const TetgenRequest& request) {
   const SurfaceMesh& surface = request.surface;
   in.numberofpoints = surface.vertex_count();
@@ -81,7 +81,7 @@ bool read_all(int pipe, void* data, std::size_t bytes) {
   return true;
 }
 
-// The child's work: counts, nodes and tetrahedra into the pipe. @returns how it ends
+// The child's work: writes counts, nodes and tetrahedra into the pipe. @returns the exit code
 int fill_and_send(const TetgenRequest& request, int pipe) {
   // Leaked on purpose: their destructors are what crashes.
   auto& in = *new tetgenio;
@@ -90,7 +90,7 @@ int fill_and_send(const TetgenRequest& request, int pipe) {
   char switches[] = "pYQq1.3/12a1";
   tetgenbehavior behavior;
   if (!behavior.parse_commandline(switches)) return kGaveUp + kRefused;
-  behavior.maxvolume = request.largest_volume;  // with all its digits
+  behavior.maxvolume = request.largest_volume;  // exact; a switch would round it
   try {
     tetrahedralize(&behavior, &in, &out);
   } catch (const int code) { return kGaveUp + code; } catch (const std::bad_alloc&) {
@@ -106,7 +106,7 @@ int fill_and_send(const TetgenRequest& request, int pipe) {
 }
 
 [[noreturn]] void be_the_child(const TetgenRequest& request, int pipe) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for it when the parent is killed
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends when the parent is killed
   // A crash here is expected: no handler of the parent's, no core file, no report of a sanitizer.
   for (const int fault : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE}) ::signal(fault, SIG_DFL);
   ::prctl(PR_SET_DUMPABLE, 0);

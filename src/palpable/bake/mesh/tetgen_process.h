@@ -1,6 +1,6 @@
 /// @file
-/// TetGen in a process of its own. Where it gives up, it leaves what its destructor crashes on;
-/// where it does not notice, it crashes before. A child may do either.
+/// Runs TetGen in a child process, because it may crash: on some surfaces directly, on others in
+/// its destructor after it has given up.
 #pragma once
 
 #include "palpable/common/geometry/tet_mesh.h"
@@ -20,10 +20,10 @@ struct TetgenRequest {
 };
 
 /// Keeps the surface triangle for triangle ("Y") and adds nodes inside until radius to edge ratios
-/// are below 1.3 and dihedral angles above 12 degrees, where the surface lets them ("q"), and
+/// are below 1.3 and dihedral angles above 12 degrees, where the surface allows it ("q"), and
 /// volumes below the largest ("a").
-/// @returns nodes and tetrahedra as TetGen orders them; or why there are none, for people
-/// @throws Error when the system gives no process
+/// @returns nodes and tetrahedra in TetGen's order; or the reason why there are none, for the user
+/// @throws Error when no process can be started
 [[nodiscard]] std::variant<TetMesh, std::string> run_tetgen(const TetgenRequest& request);
 
 }  // namespace palpable

@@ -26,7 +26,7 @@ namespace {
 // nodes at its 7.5k surface triangles.
 constexpr double kVolumeOfEdgeCubed = 0.26;
 
-// The thinnest triangle, where meshers fail first.
+// The position of the thinnest triangle, where meshers fail first, as text.
 std::string place_of_trouble(const SurfaceMesh& surface) {
   double thinnest = std::numeric_limits<double>::infinity();
   Eigen::Vector3d where = Eigen::Vector3d::Zero();

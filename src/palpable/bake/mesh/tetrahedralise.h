@@ -16,14 +16,13 @@ struct TetQuality {
   double volume = 0;  ///< m^3
 };
 
-/// Fills the solid that `surface` encloses. The surface is kept as it is, triangle for triangle,
-/// so boundary_of() the result is the surface again; nodes are added inside only, until radius to
-/// edge ratios are below 1.3 (where the surface lets them) and volumes suit the surface's own mean
-/// edge length. Cavities stay empty. Deterministic. TetGen works in a process of its own
-/// (tetgen_process.h).
+/// Fills the solid that `surface` encloses. The surface is kept as it is, triangle for triangle, so
+/// boundary_of() the result is the surface again; nodes are added inside only, until radius to edge
+/// ratios are below 1.3 (where the surface allows it) and volumes suit the surface's own mean edge
+/// length. Cavities stay empty. Deterministic. TetGen runs in a child process (tetgen_process.h).
 ///
 /// @param name        what to call the surface in messages
-/// @param inner_edge  m, of edges far from the surface; none: the surface's mean edge
+/// @param inner_edge  m, edge far from the surface; none: the surface's mean edge
 /// @throws Error as require_solid_surface(), require_gaps() and require_meshable(); with the place
 ///         of the thinnest triangle when TetGen gives up; when the tetrahedra do not have the
 ///         volume of the surface

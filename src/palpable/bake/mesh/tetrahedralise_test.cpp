@@ -224,14 +224,14 @@ TEST_CASE("an inner edge makes tetrahedra larger inside and leaves the skin alon
   CHECK(boundary_of(coarse).surface.vertices == sphere.vertices);
 }
 
-TEST_CASE("a heap of triangles with holes is wrapped into a solid", "[mesh]") {
+TEST_CASE("a triangle soup with holes is wrapped into a solid", "[mesh]") {
   // Two spheres that pass through each other, one with a hole.
-  SurfaceMesh heap =
+  SurfaceMesh soup =
       joined(sphere_surface({0, 0, 0}, 0.05, 3), sphere_surface({0.04, 0, 0}, 0.05, 3));
-  heap.triangles = heap.triangles.leftCols(heap.triangle_count() - 3).eval();
-  CHECK_THROWS_AS(require_solid_surface(heap, "heap"), Error);
+  soup.triangles = soup.triangles.leftCols(soup.triangle_count() - 3).eval();
+  CHECK_THROWS_AS(require_solid_surface(soup, "soup"), Error);
   const double size = 0.03;
-  const SurfaceMesh wrap = wrap_surface(heap, size, "heap");
+  const SurfaceMesh wrap = wrap_surface(soup, size, "soup");
   CHECK_NOTHROW(require_solid_surface(wrap, "wrap"));
   const Vector3d low = wrap.vertices.rowwise().minCoeff(),
                  high = wrap.vertices.rowwise().maxCoeff();
@@ -242,8 +242,8 @@ TEST_CASE("a heap of triangles with holes is wrapped into a solid", "[mesh]") {
   }
   CHECK(tetrahedralise(remesh_surface(wrap, 0.01, "wrap"), "wrap").tet_count() > 1000);
   CHECK_THROWS_WITH(wrap_surface(SurfaceMesh{}, size, "none.stl"), Contains("none.stl: there are"));
-  CHECK_THROWS_WITH(wrap_surface(heap, 1e-6, "heap.stl"),
-                    Contains("heap.stl: a wrap of 1e-06 m") && Contains("would do"));
+  CHECK_THROWS_WITH(wrap_surface(soup, 1e-6, "soup.stl"),
+                    Contains("soup.stl: a wrap of 1e-06 m") && Contains("would do"));
 }
 
 }  // namespace

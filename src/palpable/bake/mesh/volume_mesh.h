@@ -15,26 +15,25 @@
 
 namespace palpable {
 
-/// Named parts of a mesh, by its own numbers. A name may stand for several kinds; a set may be
-/// empty, where the file's has nothing that a tetrahedron uses.
+/// Named parts of a mesh, by its own numbers. The same name may exist for several kinds; a set is
+/// empty where no tetrahedron uses its nodes.
 struct MeshSets {
   std::map<std::string, std::vector<int>> nodes;              ///< increasing, each once
   std::map<std::string, std::vector<int>> tets;               ///< likewise
   std::map<std::string, std::vector<Eigen::Vector3i>> faces;  ///< corner nodes, in any order
-  /// Sets that the file has and that mean nothing here, with the reason; said when one is asked
-  /// for.
+  /// Sets of the file that cannot be used, with the reason, which is the error when one is used.
   std::map<std::string, std::string> unusable;
 };
 
 struct VolumeMesh {
   TetMesh mesh;
   MeshSets sets;
-  /// (N) of each node in the file; none for those that with_edge_nodes() adds.
+  /// (N) The number of each node in the file; none for nodes that with_edge_nodes() adds.
   std::vector<std::int64_t> numbers = {};
 };
 
-/// The same body with 10-node tetrahedra, as with_edge_nodes(TetMesh); a set of nodes takes the
-/// middle of each edge between two of its own. @pre `volume` has 4-node tetrahedra
+/// The same body with 10-node tetrahedra, as with_edge_nodes(TetMesh); a set of nodes gets the
+/// middle of each edge between two of its nodes. @pre `volume` has 4-node tetrahedra
 [[nodiscard]] VolumeMesh with_edge_nodes(VolumeMesh volume);
 
 /// `nodes` (increasing, each once) and, of a 10-node mesh, the middles of the edges between two of

@@ -9,9 +9,9 @@
 
 namespace palpable {
 
-/// Reads the tetrahedra (cells 10 or 24) of an unstructured grid; fields are left alone, there are
-/// no sets. Points are numbered from 0. Lines, triangles and points that no tetrahedron uses are
-/// dropped, other solids refused.
+/// Reads the tetrahedra (cells 10 or 24) of an unstructured grid; fields are ignored, and the
+/// format has no sets. Points are numbered from 0. Lines, triangles and points that no tetrahedron
+/// uses are dropped, other solids refused.
 [[nodiscard]] Result<VolumeMesh> read_vtk_volume(const std::filesystem::path& path);
 
 }  // namespace palpable

@@ -175,7 +175,7 @@ class VtuReader {
     return as_columns(values, components);
   }
 
-  // The bytes of an array, wherever they stand and however they are packed.
+  // The unpacked bytes of an array, which may be in place or appended.
   std::string payload(const pugi::xml_node& node, std::string_view format,
                       const std::string& title) {
     std::string text;
@@ -190,15 +190,15 @@ class VtuReader {
     return unpacked({appended_.substr(offset), appended_is_base64_, title});
   }
 
-  // What an array's bytes are read from: in base64 letters, or as they are.
+  // The text that an array's bytes are read from: base64 letters, or raw bytes.
   struct Source {
     std::string_view letters;
     bool encoded;
     const std::string& title;
   };
 
-  // So many bytes from a letter on, and the letter behind them. The header and the data are encoded
-  // one after the other.
+  // The bytes from letter `begin` on, and the index of the letter behind them. In packed data the
+  // header and the data are encoded separately.
   std::pair<std::string, std::size_t> decode(const Source& source, std::size_t begin,
                                              std::size_t bytes) const {
     const std::size_t letters = source.encoded ? (bytes + 2) / 3 * 4 : bytes;
@@ -212,7 +212,7 @@ class VtuReader {
     return {std::move(part), begin + letters};
   }
 
-  // The first numbers of a header, and the letter behind them.
+  // The first numbers of a header, and the index of the letter behind them.
   std::pair<std::vector<double>, std::size_t> header(const Source& source,
                                                      std::size_t numbers) const {
     auto [bytes, end] = decode(source, 0, numbers * header_.size);
@@ -229,7 +229,7 @@ class VtuReader {
   std::string unpacked(const Source& source) const {
     if (compressed_) return inflated(source);
     const std::size_t size = checked(header(source, 1).first[0], source);
-    // Encoded, header and data are one text.
+    // In base64, header and data are one text here.
     return decode(source, 0, header_.size + size).first.substr(header_.size);
   }
 

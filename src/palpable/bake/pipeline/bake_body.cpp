@@ -41,14 +41,14 @@ Matrix boundary_rows(const Matrix& values, const Boundary& boundary, int compone
   return rows;
 }
 
-// The body at rest is level 0 and no snapshot: there every level function is 0.
+// Adds level 0, the body at rest, which is not a snapshot: every level function is 0 there.
 MatrixXd with_rest(const MatrixXd& G) {
   MatrixXd all = MatrixXd::Zero(G.rows() + 1, G.cols());
   all.bottomRows(G.rows()) = G;
   return all;
 }
 
-// Level and the parameters beyond it, with the functions of some modes.
+// The axes of the level and of further parameters, with their functions.
 std::vector<ParameterAxis> axes_from(const std::vector<MatrixXd>& G, std::size_t first,
                                      const StoreContent& content) {
   std::vector<ParameterAxis> axes{{"level", content.levels, with_rest(G[first]), Between::kSmooth}};
@@ -59,7 +59,7 @@ std::vector<ParameterAxis> axes_from(const std::vector<MatrixXd>& G, std::size_t
   return axes;
 }
 
-// As the live half evaluates it: on the boundary, or at all nodes.
+// The field as the live half evaluates it: on the boundary, or at all nodes if `boundary` is null.
 SeparatedField as_field(const std::vector<SeparatedTensor>& blocks, const StoreContent& content,
                         const Boundary* boundary, int components) {
   const auto kept = [&](const MatrixXd& F) -> Eigen::MatrixXf {
@@ -86,7 +86,8 @@ struct Points {
   [[nodiscard]] bool free() const { return count > 1; }
 };
 
-// Shows each snapshot of the skin to `course` too, unless that is null.
+// Largest difference between the reduced field and the snapshots on the skin, relative to the
+// largest value of all snapshots. Adds each snapshot to `course` as well, unless that is null.
 double largest_evaluation_error(const SeparatedField& reduced, const SnapshotStore& store,
                                 const Points& points, const StoredField& field,
                                 const Boundary& boundary, VonMisesCourse* course) {
@@ -121,7 +122,7 @@ double largest_evaluation_error(const SeparatedField& reduced, const SnapshotSto
 struct ReducedField {
   SeparatedField field;
   ReductionReport report;
-  std::optional<SeparatedField> inside = {};  // at all nodes, if asked for
+  std::optional<SeparatedField> inside = {};  // at all nodes, if requested
   std::optional<ErrorCourse> course = {}, von_mises_course = {};
 };
 
@@ -129,7 +130,7 @@ double median(VectorXd values) {
   return upper_median(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
-// What a field's modes are kept from.
+// The input of a field's reduction.
 struct Reducing {
   const SnapshotStore& store;
   const Points& points;
@@ -137,7 +138,7 @@ struct Reducing {
   bool volume;
 };
 
-// Modes as the live half evaluates them, measured against the snapshots.
+// The modes as the live half evaluates them, with their errors against the snapshots.
 ReducedField kept(const std::vector<SeparatedTensor>& blocks, const StoredField& field,
                   const Reducing& what, ReductionReport report, ErrorCourse course) {
   const StoreContent& content = what.store.content();
@@ -158,7 +159,7 @@ ReducedField kept(const std::vector<SeparatedTensor>& blocks, const StoredField&
   return reduced;
 }
 
-// Says which field it is that a reduction reports about.
+// Progress reports that name the field.
 Progress named(const StoredField& field, const Progress& progress) {
   return [&field, &progress](const ProgressReport& r) {
     report(progress, {fmt::format("reducing {}", field.name), r.done, r.total, r.note});
@@ -183,7 +184,8 @@ ReducedField reduce_field(const StoredField& field, const Reducing& what,
                          .median = median(result.snapshot_errors),
                          .worst = result.snapshot_errors.maxCoeff()};
   if (result.blocks.size() == 1 && result.blocks[0].G.size() == 1) {
-    // The live half has no table over site and level together; blocks of it are evaluated faster.
+    // The live half has no functions of site and level together; blocks of sites are evaluated
+    // faster.
     result.blocks = as_blocks(result.blocks[0], S, weights, 0.1 * settings.tolerance);
   }
   report.columns = result.total_modes();
@@ -198,8 +200,9 @@ std::string place_text(const SitePlaces& places) {
   return text;
 }
 
-// The model of a part of the snapshots, at all sites and levels: a field of the global form. Of its
-// course only the end is known, since each mode changes the functions of all before.
+// Reduces a field by sparse PGD: a model that is learnt from a part of the snapshots, evaluated at
+// all sites and levels, with the same modes for all sites. Only the error with all modes is known,
+// since each mode changes the functions of those before it.
 ReducedField learn_field(const StoredField& field, const Reducing& what,
                          const SparseCampaignSettings& settings, const Progress& progress) {
   SparseCampaign found =
@@ -267,7 +270,7 @@ const char* method_line(ReductionMethod method) {
   return "";
 }
 
-// What the line "reduction" of the provenance says.
+// The line "reduction" of the provenance.
 std::string reduction_text(const ReductionSettings& wanted,
                            const std::optional<SparseCampaignSettings>& sparse,
                            const ReductionReport& displacement) {
@@ -285,7 +288,7 @@ std::string reduction_text(const ReductionSettings& wanted,
           : fmt::format("where it is pressed is a quantity, {}", learning.place));
 }
 
-// Another method than the store's has other defaults, too.
+// The settings of a reduction. A method other than the store's comes with its own defaults.
 ReductionSettings wanted_of(const ReduceSettings& settings, const ReductionSettings& stored) {
   ReductionSettings wanted = stored;
   if (settings.method && *settings.method != stored.method) {
@@ -314,7 +317,7 @@ void require_complete(const SnapshotStore& store, const Points& points, const Pr
   }
 }
 
-// A field of nothing, for snapshots without stress.
+// A zero field, for snapshots without stress.
 SeparatedField zero_field(Index values, int sites, const VectorXd& levels) {
   return {Eigen::MatrixXf::Zero(values, 1),
           {{"site", VectorXd::LinSpaced(sites, 0.0, sites - 1.0), MatrixXd::Zero(sites, 1),
@@ -322,7 +325,7 @@ SeparatedField zero_field(Index values, int sites, const VectorXd& levels) {
            {"level", levels, MatrixXd::Zero(levels.size(), 1), Between::kSmooth}}};
 }
 
-// The parameters that stay free, and what the presses are at their values.
+// Adds the parameters that stay free, and the presses at all their values.
 void add_further(const SnapshotStore& store, int usual, ReducedBody& body) {
   const StoreContent& content = store.content();
   const int S = content.site_count(), P = content.point_count();
@@ -355,12 +358,13 @@ void require_free_functions(const SnapshotStore& store, const Points& points,
 
 struct ReducedFields {
   ReducedField displacement, stress;
-  bool has_stress = false;  // else it is taken as zero
+  bool has_stress = false;  // otherwise `stress` is zero
 };
 
 using FieldReduction = std::function<ReducedField(const StoredField&, const Progress&)>;
 
-// Both fields at a time, and the bar shows the larger.
+// Reduces both fields concurrently. The progress is that of the larger field: stress, if there is
+// one.
 ReducedFields reduce_fields(const SnapshotStore& store, const Boundary& boundary,
                             const FieldReduction& reduce_one, const Progress& progress) {
   const StoreContent& content = store.content();
@@ -380,7 +384,7 @@ ReducedFields reduce_fields(const SnapshotStore& store, const Boundary& boundary
   return {beside.get(), std::move(sigma), stressed != nullptr};
 }
 
-// The body without its presses and its provenance; takes the fields, leaves their reports.
+// The body without its presses and its provenance. Moves the fields, but not their reports.
 ReducedBody body_of(const StoreContent& content, const Boundary& boundary, ReducedFields& fields,
                     bool volume) {
   ReducedField& u = fields.displacement;
@@ -409,8 +413,8 @@ ReducedBody body_of(const StoreContent& content, const Boundary& boundary, Reduc
   return body;
 }
 
-// What the sites' presses are at one point, and where the body lies that nobody presses.
-// @returns how far its nodes are from the mesh's, m
+// Adds the presses of all sites at one point, and moves the nodes to the body at rest.
+// @returns the largest displacement of a node at rest, m
 double add_presses(const SnapshotStore& store, int point, const Boundary& boundary,
                    ReducedBody& body, std::vector<SiteOutcome>& outcomes) {
   const int S = store.content().site_count();
@@ -422,7 +426,7 @@ double add_presses(const SnapshotStore& store, int point, const Boundary& bounda
     body.largest_von_mises = std::max(body.largest_von_mises, unit.largest_von_mises);
     outcomes.push_back(std::move(unit.outcome));
     if (s > 0 || unit.rest.cols() == 0) continue;
-    // The body at rest lies there as its preload leaves it; the same for all sites.
+    // The body at rest is the preloaded one, which is the same for all sites.
     body.surface.vertices += unit.rest(Eigen::all, boundary.node_of_vertex);
     if (body.volume) body.volume->nodes += unit.rest;
     farthest_rest = unit.rest.colwise().norm().maxCoeff();
@@ -430,7 +434,8 @@ double add_presses(const SnapshotStore& store, int point, const Boundary& bounda
   return farthest_rest;
 }
 
-// The store's lines, with what is known now that all is solved, and how the fields were reduced.
+// Adds the store's provenance, completed by the outcome of the campaign, and lines about the
+// reduction.
 void add_provenance(const StoreContent& content, const ReductionSettings& wanted,
                     const std::optional<SparseCampaignSettings>& sparse, bool has_stress,
                     double farthest_rest, BakedBody& baked) {
@@ -459,7 +464,7 @@ void add_provenance(const StoreContent& content, const ReductionSettings& wanted
                            : "none: the snapshots have no stress, it is taken as zero");
 }
 
-// States what a touch between sites costs, where the store's linear responses are there.
+// States the error of touches between sites, where the store has linear responses.
 void state_between_sites(const SnapshotStore& store, BakedBody& baked) {
   const std::optional<BetweenSites> between = between_sites(store);
   if (!between) return;

@@ -151,7 +151,7 @@ TEST_CASE("a body with its inside gives the snapshots back at every node",
           "[pipeline][body][volume]") {
   const Kitchen kitchen;
   BodyDescription heavy = kitchen.egg();
-  heavy.gravity = BodyDescription::Gravity{.density = 2000};  // lies lower than it was drawn
+  heavy.gravity = BodyDescription::Gravity{.density = 2000};  // sags below its drawn shape
   heavy.sites.count = 2;
   heavy.shape.order = 2;
   LocalCrew crew;
@@ -175,7 +175,8 @@ TEST_CASE("a body with its inside gives the snapshots back at every node",
     const ReductionError stated = write_body_file(file, body, storage);
     const ReducedBody again = value_or_throw(read_body_file(file));
     const bool half = storage == ModeStorage::kFloat16;
-    // Eleven bits: each value is off by 2^-12 of itself at the most, and by less on average.
+    // Half precision has eleven bits: the rounding error of a value is at most 2^-12 of it, and
+    // less on average.
     CHECK((stated.displacement_rounding > 0) == half);
     CHECK(stated.displacement_rounding <= 0.5 / 2048);
     CHECK(stated.stress_rounding == again.error.stress_rounding);
@@ -206,7 +207,7 @@ TEST_CASE("a body with its inside gives the snapshots back at every node",
       }
     }
   }
-  // Without being asked there is none.
+  // By default there is none.
   CHECK_FALSE(reduce_store(store, {}).body.volume.has_value());
 }
 
@@ -327,7 +328,7 @@ TEST_CASE("a bake that cannot be says why in one line", "[pipeline][body]") {
   }
 }
 
-TEST_CASE("a parameter that nobody settles stays free in the body", "[pipeline][body]") {
+TEST_CASE("a parameter without a given value stays free in the body", "[pipeline][body]") {
   const Kitchen kitchen;
   BodyDescription description = kitchen.egg();
   description.sites.count = 2;
@@ -339,7 +340,7 @@ TEST_CASE("a parameter that nobody settles stays free in the body", "[pipeline][
   bake.threads = 1;
   bake.store = folder;
   const FilledStore filled = fill_store(description, bake, crew);
-  CHECK_THROWS_WITH(FolderLock(folder), Contains("another run"));  // nobody moves it meanwhile
+  CHECK_THROWS_WITH(FolderLock(folder), Contains("another run"));  // it stays locked meanwhile
   for (const ReductionMethod method : {ReductionMethod::kPerSite, ReductionMethod::kPgd}) {
     INFO(method_name(method));
     const ReducedBody body = reduce_store(filled.store, {.method = method, .tolerance = 1e-4}).body;
@@ -348,8 +349,8 @@ TEST_CASE("a parameter that nobody settles stays free in the body", "[pipeline][
     CHECK(body.further[0].value == 1.0);
     REQUIRE(body.displacement.axes().size() == 3);
     CHECK(body.error.displacement_course->snapshots.rows() == 2 * 3 * 3);
-    // Von Mises stress of all combinations, in the order of the others: by and large as wrong as
-    // stress itself, but for what single precision adds to the body as it is evaluated.
+    // Errors of the von Mises stress of all combinations, in the order of the others: about as
+    // large as those of the stress, apart from what single precision adds in the evaluation.
     const Eigen::VectorXf vm = body.error.von_mises_course->snapshots.rightCols(1);
     const Eigen::VectorXf stress = body.error.stress_course->snapshots.rightCols(1);
     REQUIRE(vm.size() == stress.size());

@@ -1,6 +1,6 @@
 /// @file
-/// What a body of an intrusive bake needs to be touched anywhere, by its energy in modes
-/// (response/modal_body.h).
+/// Tables with which a body of an intrusive bake can be touched anywhere, by its energy in modal
+/// coordinates (response/modal_body.h).
 #pragma once
 
 #include "palpable/bake/intrusive/intrusive_bake.h"

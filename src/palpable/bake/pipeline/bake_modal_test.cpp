@@ -71,13 +71,13 @@ struct Beams {
     }
     solver = std::make_unique<ContactSolver>(all);
   }
-  // The last of them alone has obstacles.
+  // Advances a frame; only the last beam has obstacles.
   void advance(const Obstacles& obstacles) {
     near_.assign(bodies.size(), {});
     near_.back().obstacles = &obstacles;
     report = solver->advance(near_);
   }
-  // N, of obstacles or of other members.
+  // N: the force on a beam by other members, or by obstacles.
   [[nodiscard]] Vector3d force(std::size_t on, bool by_others) const {
     Vector3d sum = Vector3d::Zero();
     for (const PointForce& force : states[on].forces) {
@@ -95,8 +95,8 @@ struct Beams {
   std::vector<ContactSolver::Near> near_;
 };
 
-// dz/dx of the beam's top or underside, between 30 mm before and 30 mm behind a place, m from the
-// free end.
+// Slope dz/dx of the beam's top or underside, over the 60 mm around a position that is given in m
+// from the free end.
 double slope_of(Beams& beams, std::size_t member, bool top, double from_end) {
   const Matrix3Xf& skin = beams.bodies[member]->place(beams.states[member]);
   const Eigen::AlignedBox3d box = box_of(baked_beam().body.surface);
@@ -114,7 +114,7 @@ double slope_of(Beams& beams, std::size_t member, bool top, double from_end) {
   return off.row(0).dot(off.row(1)) / off.row(0).squaredNorm();
 }
 
-// The beam under a finger that goes on by 2 mm a frame.
+// Presses the beam by a finger that advances by 2 mm a frame.
 void press(Beams& beams, double x, double depth) {
   for (double now = 0; now < depth + 1e-9; now += 0.002) beams.advance(obstacle(finger(x, now)));
 }
@@ -143,7 +143,7 @@ TEST_CASE("a beam under a finger bends as full finite elements say, far and near
       INFO(beams.force(0, false).transpose() << " N, truly " << walk.now().force.transpose());
       INFO(beams.states[0].forces.size() << " points, truly " << walk.now().touching);
       CHECK(off.norm() / true_u.norm() <= tolerance(0.04, "34 modes, no dimple under the finger"));
-      // Its direction is that of the few contact points that so coarse a mesh has there.
+      // The force depends on the few contact points that such a coarse mesh has there.
       CHECK(std::abs(beams.force(0, false).norm() / walk.now().force.norm() - 1) <=
             tolerance(0.06, "likewise"));
     }
@@ -168,13 +168,13 @@ TEST_CASE("two beams press each other as hard, enter nothing, and come back", "[
   }
   CHECK(lay);
   CHECK(last > 0.05);
-  // What is held still stays still.
+  // Under an obstacle at rest the state does not change.
   const CapsuleObstacles pressing = obstacle(finger(0.34, 0.030));
   const Eigen::VectorXd q = beams.states[0].q;
   for (int n = 0; n < 5; ++n) beams.advance(pressing);
   CHECK((beams.states[0].q - q).norm() <= tolerance(1e-3, "Newton's method had ended") * q.norm());
   CHECK(beams.report.last_change < 2e-5);
-  // The same bytes from the same states, and no memory.
+  // The same states give the same bytes, and no memory is allocated.
   const std::vector<ModalState> before = beams.states;
   beams.advance(pressing);
   const std::vector<ModalState> after = beams.states;
@@ -204,10 +204,10 @@ TEST_CASE("an end that lies on a face is pressed along the face's normal", "[pip
   const double face = slope_of(beams, 0, true, 0.08), end = slope_of(beams, 1, false, 0.01);
   REQUIRE(end < face - 0.05);
   CHECK(std::abs(-on_lower.x() / on_lower.z() - face) <=
-        tolerance(0.01, "of the slope: the face is bent between the places that tell it"));
+        tolerance(0.01, "of the slope: the face is curved where its slope is measured"));
 }
 
-TEST_CASE("a finger that is there at once is survived", "[pipeline][modal]") {
+TEST_CASE("a finger that appears inside the beam leads to a finite state", "[pipeline][modal]") {
   Beams beams({Vector3d::Zero()});
   const CapsuleObstacles deep = obstacle(finger(0.36, 0.009));
   for (int n = 0; n < 3; ++n) beams.advance(deep);
@@ -236,31 +236,31 @@ TEST_CASE("the stress of a bent beam is the full solver's for its shape", "[pipe
   CHECK(off <= tolerance(1e-3, "floats, strains of 1e-2") * largest);
 }
 
-TEST_CASE("what is asked first whether anything is near changes no byte of the answer",
+TEST_CASE("asking first whether anything is near changes no byte of the response",
           "[pipeline][modal]") {
-  Beams asked({Vector3d::Zero()}), all({Vector3d::Zero()});
-  int questions = 0;
+  Beams filtered({Vector3d::Zero()}), unfiltered({Vector3d::Zero()});
+  int queries = 0;
   for (double depth = -0.002; depth < 0.0141; depth += 0.002) {
     const CapsuleObstacles capsule = obstacle(finger(0.30, depth));
-    const auto tell = [&](const Vector3f& at, SurfaceGap& gap) {
+    const auto gap_of = [&](const Vector3f& at, SurfaceGap& gap) {
       gap = gap_at(capsule, at);
       return std::isfinite(gap.distance);
     };
-    const test::GapFunction told(tell, [&](const Vector3f& at, float reach) {
-      ++questions;
+    const test::GapFunction with_filter(gap_of, [&](const Vector3f& at, float reach) {
+      ++queries;
       return capsule.may_be_within(at, reach);
     });
-    const test::GapFunction always(tell, [](const Vector3f&, float) { return true; });
-    asked.advance(told);
-    all.advance(always);
-    CHECK(asked.report.candidates == all.report.candidates);
-    CHECK(asked.states[0].q == all.states[0].q);
+    const test::GapFunction without_filter(gap_of, [](const Vector3f&, float) { return true; });
+    filtered.advance(with_filter);
+    unfiltered.advance(without_filter);
+    CHECK(filtered.report.candidates == unfiltered.report.candidates);
+    CHECK(filtered.states[0].q == unfiltered.states[0].q);
   }
-  CHECK_FALSE(asked.states[0].forces.empty());
-  CHECK(questions > 0);
+  CHECK_FALSE(filtered.states[0].forces.empty());
+  CHECK(queries > 0);
 }
 
-TEST_CASE("beams of one make share what they read, and are answered as any two are",
+TEST_CASE("beams of the same body share their tables, and deform as two separate ones do",
           "[pipeline][modal]") {
   ReducedBody another = baked_beam().body;
   another.several->energy.K[0] = std::nextafter(another.several->energy.K[0], 1e9);
@@ -303,7 +303,7 @@ TEST_CASE("a body file keeps what a beam needs to be touched", "[pipeline][modal
                     Catch::Contains("no number"));
 }
 
-TEST_CASE("a beam ten times as large gives way likewise", "[pipeline][modal]") {
+TEST_CASE("a beam ten times as large deforms alike", "[pipeline][modal]") {
   const TouchableBody one(baked_beam().body, {}, tables());
   const TouchableBody large = scaled(one, 10);
   Beams small({Vector3d::Zero()}, {&one.body, &*one.modal});

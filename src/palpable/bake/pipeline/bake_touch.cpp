@@ -20,10 +20,10 @@ namespace {
 
 using Tables = BodyDescription::Touch::Tables;
 
-// Makes one stage after the other, and states which tables are complete.
+// Makes one stage after the other, and records in the store which tables are complete.
 class Stages {
  public:
-  // @param carries  the body's mesh is a coarser one
+  // @param carries  whether `body` is on a coarser mesh that carries the skin
   Stages(const FullBody& body, bool carries, const SnapshotStore& store,
          const std::function<void(const TouchTables&)>& use, const Progress& progress)
       : body_(body),

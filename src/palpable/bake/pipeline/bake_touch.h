@@ -1,6 +1,6 @@
 /// @file
-/// Tables of touch of a body that is baked (response/touch_tables.h): made in stages, and kept with
-/// its snapshots.
+/// Makes the tables of touch of a body (response/touch_tables.h) in stages and stores them with its
+/// snapshots.
 #pragma once
 
 #include "palpable/bake/campaign/campaign.h"
@@ -16,28 +16,27 @@
 
 namespace palpable {
 
-/// Makes the tables that are wanted, on the body's mesh or on a coarser one that carries it
-/// (describe/touch_mesh.h), and the touches that tell how good they are, against the full answer on
-/// the same mesh. Each is kept in the store's folder as soon as it is finished and is not made
-/// again; nothing that is finished is lost, whatever ends the program.
-/// @param plan  of the description: one body, without further parameters, if tables are wanted
+/// Makes the tables that the description requests, on the body's mesh or on a coarser one that
+/// carries its skin (describe/touch_mesh.h), and held-out touches, which measure the tables' error
+/// against full-order solutions on the same mesh. Each table is stored in the store's folder as
+/// soon as it is finished and is not made again, so an aborted run loses only the one in progress.
+/// @param plan  of the description; has one point if tables are requested
 /// @param store  of the plan
-/// @param use   is called with the tables of each stage when they can be used: with the linear
-///              ones, where they are wanted with all, and with what is known of their errors
-/// @returns why there are none though the description does not say "none": no
-///          coarser mesh could be made for a fine skin, where nobody asked for them; empty
-///          otherwise
-/// @throws Error when the body buckles under its preload, tables that were asked for can have no
-///         mesh, or one cannot be kept
+/// @param use   called with the tables after each stage: with the linear ones, with all of them if
+///              they are requested, and with the held-out touches added
+/// @returns the reason why there are no tables, where they were not requested explicitly and no
+///          coarser mesh could be made for a fine skin; empty otherwise
+/// @throws Error when the body has no equilibrium under its preload, no mesh can be made for
+///         requested tables, or a table cannot be written
 std::string bake_touch(const BodyDescription& description, const CampaignPlan& plan,
                        const SnapshotStore& store, int threads,
                        const std::function<void(const TouchTables&)>& use,
                        const Progress& progress = {});
 
-/// The tables that a bake of this very campaign has completed; nothing if none has.
+/// The complete tables of an earlier bake of the same campaign; nothing if there are none.
 [[nodiscard]] std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store);
 
-/// States in the body's provenance which tables are written beside it.
+/// States in the body's provenance which tables are written with it.
 void state_touch(const TouchTables& tables, ReducedBody& body);
 
 }  // namespace palpable

@@ -159,7 +159,7 @@ TEST_CASE("tables of a finer skin are made on a coarser mesh that carries it",
   CHECK(kept->coarse->fixed == read.touch->coarse->fixed);
 }
 
-TEST_CASE("where no coarser mesh can be made the body has no tables, and it is told why",
+TEST_CASE("where no coarser mesh can be made the body has no tables, and the reason is returned",
           "[pipeline][touch][long]") {
   const ScratchFolder folder("bake_touch");
   BodyDescription egg = test::egg_body(folder.path(), 2);

@@ -8,7 +8,7 @@
 namespace palpable {
 namespace {
 
-// What sparse PGD says of the snapshots that it was not shown.
+// The errors of sparse PGD on the snapshots that it did not learn from.
 std::string unseen_text(const ReductionReport& report) {
   if (!report.learning) return {};
   const SnapshotErrors& unseen = report.learning->unseen;
@@ -30,8 +30,8 @@ std::string text_of(const char* what, const ReductionReport& report, double roun
       report.reached ? "" : " (the tolerance was not reached: raise max_modes)");
 }
 
-// The error against the number of modes, both fields side by side, in about ten rows and the ends;
-// where it is known.
+// The error against the number of modes, both fields side by side, in about ten rows and those of 1
+// and of all modes; an empty line where it is not known.
 std::string errors_text(const BakeReport& report) {
   const Eigen::VectorXd& u = report.displacement.errors;
   const Eigen::VectorXd& sigma = report.stress.errors;
@@ -40,7 +40,7 @@ std::string errors_text(const BakeReport& report) {
   std::set<Eigen::Index> rows{1, u.size(), sigma.size()};
   const Eigen::Index step = std::max<Eigen::Index>(1, most / 10);
   for (Eigen::Index m = step; m <= most; m += step) rows.insert(m);
-  rows.erase(0);  // the end of a field that has no mode
+  rows.erase(0);  // from a field that has no modes
   const auto cell = [](const Eigen::VectorXd& errors, Eigen::Index m) {
     return m <= errors.size() ? fmt::format("{:.2e}", errors[m - 1]) : std::string("-");
   };

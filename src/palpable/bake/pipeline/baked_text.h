@@ -1,5 +1,5 @@
 /// @file
-/// What a bake has made, in lines for people.
+/// The result of a bake as text for the user.
 #pragma once
 
 #include "palpable/bake/pipeline/bake_body.h"
@@ -8,8 +8,8 @@
 
 namespace palpable {
 
-/// Errors against the number of modes, sites that fall short, sizes, methods and their errors, and
-/// what was compared with states that the body was not made from.
+/// Errors against the number of modes, sites that do not reach the press, sizes, methods and their
+/// errors, and the errors at held-out states.
 [[nodiscard]] std::string text_of(const BakedBody& baked);
 
 }  // namespace palpable

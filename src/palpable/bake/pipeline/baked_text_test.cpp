@@ -31,7 +31,7 @@ BakedBody example() {
   return baked;
 }
 
-TEST_CASE("a baked body is told in errors, sizes and methods", "[pipeline][text]") {
+TEST_CASE("the text of a baked body lists errors, sizes and methods", "[pipeline][text]") {
   CHECK(text_of(example()) ==
         "\nrelative error against the number of modes\n"
         " modes   displacement     stress\n"
@@ -45,7 +45,7 @@ TEST_CASE("a baked body is told in errors, sizes and methods", "[pipeline][text]
         "stress: pgd, 2 modes, error 0.03 pooled, 0.04 at the worst snapshot\n");
 }
 
-TEST_CASE("what a bake fell short of is said", "[pipeline][text]") {
+TEST_CASE("the text of a baked body lists what was not reached", "[pipeline][text]") {
   BakedBody baked = example();
   BakeReport& report = baked.report;
   report.outcomes[4] = {.reached_press = false, .press = 0.002, .shortfall = "it buckles"};
@@ -61,7 +61,7 @@ TEST_CASE("what a bake fell short of is said", "[pipeline][text]") {
                        EndsWith("\nbetween sites: wrong by a third\nheld out: half as good\n"));
 }
 
-TEST_CASE("a body learnt from a part says what it makes of the rest, and shows no course",
+TEST_CASE("the text of a body learnt from a part has its errors on the rest, and no course",
           "[pipeline][text]") {
   BakedBody baked = example();
   for (ReductionReport* report : {&baked.report.displacement, &baked.report.stress}) {

@@ -56,7 +56,7 @@ std::vector<MethodLine> lines_of(const SnapshotStore& store, const StoredField& 
   const auto total = static_cast<double>(names.size()) + 1;
   const std::string doing = fmt::format("comparing {}", field.name);
   report(progress, {doing, 0.0, total, "products of snapshots"});
-  // What the bases of sites leave out is below what every method may (CoordinateReduction).
+  // The bases of the sites drop less than the tolerance of the methods (CoordinateReduction).
   const Eigen::MatrixXd gram =
       site_bases(rows, weights, kCoordinatesShare * settings.tolerance).gram;
   std::vector<MethodLine> lines;
@@ -106,7 +106,7 @@ void add_store(const SnapshotStore& store, const std::string& prefix,
 
 namespace {
 
-// What the first modes of a body take, of each site where it has blocks.
+// Sizes and errors of the first modes of a body (of each site, where it has blocks).
 MethodLine line_of(const SeparatedField& field, const ErrorCourse& course, std::string name) {
   const bool blocks = field.largest_block() < field.mode_count();
   const auto sites = field.axes()[0].samples.size();
@@ -134,7 +134,7 @@ MethodLine line_of(const SeparatedField& field, const ErrorCourse& course, std::
   return line;
 }
 
-// What the file holds, at the number of modes that the course ends with.
+// The size of all modes in the file, at the last number of modes of the course.
 MethodLine end_of(const SeparatedField& field, const ErrorCourse& course, std::string name) {
   MethodLine line = line_of(field, course, std::move(name));
   const auto last = static_cast<std::ptrdiff_t>(line.modes.size()) - 1;
@@ -171,8 +171,8 @@ void add_body(const std::filesystem::path& path, MethodPage& page) {
        {std::tuple{&body.displacement, &body.error.displacement_course, &page.displacement},
         std::tuple{&body.stress, &body.error.stress_course, &page.stress}}) {
     if (!*course) continue;
-    // Modes that were found for all sites together and stored in blocks have another count there:
-    // of those only the end is known.
+    // Modes that were found for all sites together and stored in blocks have another count in the
+    // file, so only the last point of their course is comparable.
     const bool as_found = (*course)->modes.tail(1)[0] == field->largest_block();
     lines->push_back(as_found ? line_of(*field, **course, name) : end_of(*field, **course, name));
   }

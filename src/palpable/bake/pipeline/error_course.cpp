@@ -28,7 +28,7 @@ VectorXi some_of(int most, int count) {
   if (most <= count) return VectorXi::LinSpaced(most, 1, most);
   std::vector<int> some{1};
   for (int left = count - 1; left > 0; --left) {
-    // The ratio that would reach the end in the steps that are left; at least one mode more.
+    // The ratio that would reach `most` in the steps that are left; at least one mode more.
     const double ratio = std::pow(static_cast<double>(most) / some.back(), 1.0 / left);
     some.push_back(std::max(some.back() + 1, static_cast<int>(std::lround(some.back() * ratio))));
   }

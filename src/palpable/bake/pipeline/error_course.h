@@ -1,5 +1,5 @@
 /// @file
-/// What the body file says about how errors fall with the number of modes.
+/// The course of the errors over the number of modes, as a body file states it.
 #pragma once
 
 #include "palpable/bake/separate/reduction.h"
@@ -12,17 +12,18 @@
 
 namespace palpable {
 
-/// As the body file keeps it: of long courses at most about a million errors, the first numbers of
-/// modes all, later ones in equal steps of their logarithm.
+/// The course as a body file stores it: at most about a million errors. The first numbers of modes
+/// are all kept, later ones in equal steps of their logarithm.
 [[nodiscard]] ErrorCourse course_of(const Reduction& reduction);
 
-/// Up to `count` numbers 1 .. most: all, or the first ones and then in equal ratios; 1 and `most`
-/// always. For count >= 2.
+/// Up to `count` of the numbers 1 .. most, always with 1 and `most`: all of them, or the first ones
+/// and then some in equal ratios.
+/// @pre count >= 2
 [[nodiscard]] Eigen::VectorXi some_of(int most, int count);
 
-/// Von Mises stress on the skin after the first modes (of each site) of a field as the live half
-/// evaluates it, against the snapshots: |vM - vM_m| / |vM|, an integral over the skin. Numbers of
-/// modes: some_of(largest block, 12).
+/// The error of the von Mises stress on the skin against the number of modes (of each site), as the
+/// live half evaluates them: |vM - vM_m| / |vM|, where |.|^2 is an integral over the skin. Numbers
+/// of modes: some_of(largest block, 12).
 ///   V  vertices   K  snapshots
 class VonMisesCourse {
  public:

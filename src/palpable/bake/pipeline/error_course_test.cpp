@@ -45,8 +45,8 @@ TEST_CASE("a long course is kept in part, and what is kept is true", "[pipeline]
   }
 }
 
-// Each site of the ball has one mode of its own; a second body has a second one, which a site
-// misses when it is cut after the first.
+// Each site of the ball has one mode of its own. A second mode is added; with one mode only, a site
+// lacks it.
 TEST_CASE("the course of von Mises stress is what the first modes of each site leave",
           "[pipeline][reduction]") {
   const ReducedBody body = test::pressed_ball(0.05, 0.01, 2);
@@ -79,7 +79,7 @@ TEST_CASE("the course of von Mises stress is what the first modes of each site l
   }
   const ErrorCourse result = course.result();
   REQUIRE(result.modes == Eigen::Vector2i(1, 2));
-  // All of it is scaled alike: 1.1 against 1.
+  // The modes are parallel: at odd sites the field is 1.1 with both and 1 with the first one alone.
   for (Index k = 0; k < S * L; ++k) {
     const double left = (k / L) % 2 == 1 ? 0.1 / 1.1 : 0.0;
     CHECK(std::abs(double(result.snapshots(k, 0)) - left) <= tolerance(1e-6, "single precision"));

@@ -25,7 +25,7 @@ TEST_CASE("a body's errors between its levels are those of what the live half ev
   const HeldOutErrors errors = held_out_errors(reduced, between);
   REQUIRE(errors.displacement.rows() == 5);
   REQUIRE(errors.displacement.cols() == 2);
-  // Against its own levels nothing is left but the reduction's 1e-4.
+  // At its own levels the error is that of the reduction alone, 1e-4.
   const HeldOutErrors own = held_out_errors(reduced, campaign);
   CHECK(own.displacement.maxCoeff() <=
         tolerance(3e-4, "1e-4 in the mean over the volume; this is the worst, over the skin"));
@@ -43,7 +43,7 @@ TEST_CASE("a body's errors between its levels are those of what the live half ev
   CHECK(record.displacement == errors.displacement.cast<float>());
   CHECK(record.displacement_pooled == errors.displacement_pooled);
   CHECK(record.von_mises == errors.von_mises.cast<float>());
-  // By hand, one snapshot.
+  // One snapshot, computed by hand.
   const Eigen::VectorXd areas = vertex_areas(reduced.surface);
   const Boundary boundary = split_boundary_of(between.content().mesh);
   const Eigen::MatrixXf all =

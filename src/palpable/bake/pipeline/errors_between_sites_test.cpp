@@ -6,7 +6,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("a baked body says what a touch between its sites costs, and less with more sites",
+TEST_CASE("a baked body states the error of touches between its sites, which falls with more sites",
           "[pipeline][between]") {
   const test::ScratchFolder folder("between");
   test::write_egg(folder.path(), 3);
@@ -23,7 +23,8 @@ TEST_CASE("a baked body says what a touch between its sites costs, and less with
   CHECK(
       (many.body.error.between_sites.value() > 0.01 && few.body.error.between_sites.value() < 1.5));
   CHECK_FALSE(few.report.between_sites.empty());
-  // All responses, or those that are needed: the same touches and the same figure.
+  // With all linear responses, or only those that are needed, the touches and the error are the
+  // same.
   CHECK(baked(4, true).body.error.between_sites.value() == few.body.error.between_sites.value());
   CHECK_FALSE(baked(1, false).body.error.between_sites.has_value());
 }

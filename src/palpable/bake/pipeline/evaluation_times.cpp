@@ -33,7 +33,7 @@ EvaluationTimes evaluation_times(const ReducedBody& unsettled) {
   std::vector<float> vm(sigma.size() / 6);
   const auto S = static_cast<int>(body.sites.size());
   const auto at = [&](int i) {
-    const int touch = i + 1000;  // the warming ones are numbered below 0
+    const int touch = i + 1000;  // warm-up calls have negative numbers
     return std::array{static_cast<double>(touch / 20 % S), 0.05 * (touch % 20) + 0.03};
   };
   EvaluationTimes times{.repeats = 400};

@@ -1,21 +1,20 @@
 /// @file
-/// What a body costs the live half, measured here and now.
+/// Measures how long the live half takes to evaluate a body on this machine.
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
 
 namespace palpable {
 
-/// Microseconds of one evaluation on one core, medians over sites and levels, by the clock on the
-/// wall.
+/// Wall time of one evaluation on one core, microseconds: medians over sites and levels.
 struct EvaluationTimes {
   double displacement_us = 0, stress_us = 0;
   double all_us = 0;  ///< displacement, stress and from it von Mises stress
-  int repeats = 0;    ///< evaluations that each median is of
+  int repeats = 0;    ///< number of evaluations in each median
 };
 
-/// Evaluates as a hand goes: 20 levels up at one site, then at the next. Further parameters have
-/// their own values. Takes about a second.
+/// Evaluates in the order of a hand's touches: 20 increasing levels at one site, then at the next.
+/// Further parameters are at their usual values. Takes about a second.
 [[nodiscard]] EvaluationTimes evaluation_times(const ReducedBody& unsettled);
 
 }  // namespace palpable

@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 std::size_t size_of(Eigen::Index count) { return static_cast<std::size_t>(count); }
 
-// Shows each unit of the site, or of all sites, with its fields (c N x L), in the order of the
-// store's. @returns how many
+// Calls `show` for each unit of the site, or of all sites, with its fields (c N x L), in the
+// store's order. @returns the number of units
 int for_each_unit(const SnapshotStore& store, std::optional<int> site,
                   const std::function<void(int unit, const std::vector<Eigen::MatrixXf>&)>& show) {
   const StoreContent& content = store.content();

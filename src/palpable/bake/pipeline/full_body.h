@@ -1,5 +1,5 @@
 /// @file
-/// A body as things find it that press it: its supports and its preload have acted.
+/// A full-order body at rest: its supports and its preload have acted, and nothing presses it yet.
 #pragma once
 
 #include "palpable/bake/campaign/press_solver.h"
@@ -9,15 +9,15 @@
 
 namespace palpable {
 
-/// The full solver of a body, and what its skin does. Stays where it is: its parts refer to each
-/// other.
+/// The full-order solver of a body and the response of its skin. Not copyable, because its parts
+/// refer to each other.
 struct FullBody {
   EquilibriumSolver solver;
   PressSolver presses;
   SkinResponse skin;
 
   /// @param preload  (3 x N) N, or no columns for none
-  /// @throws Error when the body cannot bear the preload
+  /// @throws Error when the body has no equilibrium under the preload
   FullBody(const SolidModel& model, const Boundary& boundary, const Eigen::Matrix3Xd& preload,
            const EquilibriumSettings& settings = {})
       : solver(model, settings),

@@ -21,8 +21,8 @@ std::string held_out_errors_text(const HeldOutErrors& errors) {
       errors.von_mises_median(), errors.von_mises.maxCoeff());
 }
 
-// The description with parameter k at the values half way between its samples, the others at
-// theirs.
+// The description with parameter k at the values half way between its samples, the others at their
+// usual values.
 BodyDescription between_samples(BodyDescription description, const ReducedBody& body,
                                 std::size_t k) {
   for (std::size_t j = 0; j < description.parameters.size(); ++j) {

@@ -1,6 +1,7 @@
 /// @file
-/// How wrong a baked body is where it was not made from, stated in the body itself: states between
-/// its own are solved afresh, which takes as long as the campaign did.
+/// Measures the error of a baked body at held-out states, between the states that it was made from,
+/// and states it in the body. The held-out states are solved in full, which takes as long as the
+/// campaign did.
 #pragma once
 
 #include "palpable/bake/pipeline/bake_body.h"
@@ -8,10 +9,10 @@
 namespace palpable {
 
 /// Solves the levels half way between those of the campaign into NAME.held-out beside the
-/// campaign's NAME.snapshots; the body's provenance, error.held_out and the report say how far it
-/// is from them.
+/// campaign's NAME.snapshots; the errors go into the body's provenance, its error.held_out and the
+/// report.
 /// @param settings  of the campaign
-/// @param point     of the campaign, where the body's further parameters are or usually are
+/// @param point     of the campaign at which the body's further parameters have their usual values
 /// @throws Error as fill_store()
 void check_between_levels(const BodyDescription& description, FillSettings settings,
                           const SnapshotStore& campaign, int point, BakedBody& baked,

@@ -17,8 +17,8 @@
 namespace palpable {
 namespace {
 
-// The most forces of a load, with room.
-constexpr std::size_t kLargestLoad = std::size_t{1} << 20;  // bytes
+// Largest message with a load, bytes; no load of a live run needs as much.
+constexpr std::size_t kLargestLoad = std::size_t{1} << 20;
 
 bool are_on(const SkinResponse& skin, const std::vector<VertexForce>& forces) {
   return std::all_of(forces.begin(), forces.end(), [&](const VertexForce& f) {

@@ -1,5 +1,6 @@
 /// @file
-/// Answers loads exactly, one after the other, for a live run (response/solution_messages.h).
+/// Computes full-order solutions of loads, one after the other, for a live run
+/// (response/solution_messages.h).
 #pragma once
 
 #include "palpable/bake/describe/body_description.h"
@@ -10,15 +11,15 @@
 
 namespace palpable {
 
-/// A described body whose answers to loads are as good as they need be. @throws Error as
-/// pose_body()
+/// The full-order body of a description, with the tolerance of full-order solutions. @throws Error
+/// as pose_body()
 [[nodiscard]] std::unique_ptr<FullBody> exact_body(const BodyDescription& description);
 
-/// Says that it is ready, then answers every load that comes until the input ends. What goes wrong
-/// while the body is made is said instead.
+/// Makes the body, sends that it is ready, then sends the solution of every load that arrives until
+/// the input ends. If the body cannot be made, sends the reason and returns.
 /// @param make_body  takes seconds
 /// @param in, out    file descriptors
-/// @return false where what came is no load of this body, or the output is closed
+/// @return false when a message is not a load of this body, or the output is closed
 bool serve_full_solutions(const std::function<std::unique_ptr<FullBody>()>& make_body, int in,
                           int out);
 

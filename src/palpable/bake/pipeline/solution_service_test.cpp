@@ -22,7 +22,7 @@ std::unique_ptr<FullBody> body_of(const SolidModel& model) {
   return std::make_unique<FullBody>(model, boundary_of(model.mesh), Eigen::Matrix3Xd(3, 0));
 }
 
-// The service on a thread of its own, and the other end of its stream.
+// The service on a thread of its own, with the other end of its stream.
 class Service {
  public:
   explicit Service(std::function<std::unique_ptr<FullBody>()> make_body) {
@@ -51,7 +51,7 @@ class Service {
       messages_.add(static_cast<std::size_t>(count));
     }
   }
-  // Closes the stream; what the service said of it.
+  // Closes the stream. @returns the result of serve_full_solutions()
   bool end() {
     ::shutdown(here_, SHUT_WR);
     thread_.join();

@@ -25,7 +25,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // (S L) true for `count` snapshots at random; the same for the same seed.
-// @param each_site  at least one of each site
+// @param each_site  draws at least one of each site
 std::vector<bool> draw(Index S, Index L, Index count, bool each_site, std::uint64_t seed) {
   const Index K = S * L;
   std::vector<Index> order(K);
@@ -63,7 +63,7 @@ Index training_count(const SnapshotStore& store, const SitePlaces& places,
       places.quantities ? "" : ", one of each site and some to compare"));
 }
 
-// The drawn snapshots, each weighted by the root of the volumes, and where they are.
+// The drawn snapshots, each weighted by the root of the nodal volumes, and their parameter values.
 struct Learnt {
   MatrixXd values;  // (N x T)
   MatrixXd points;  // (a + 1 x T) places, level
@@ -105,7 +105,8 @@ void add_functions(const MatrixXd& places, const VectorXd& levels, SparseCampaig
   }
 }
 
-// What is left of some snapshots, and the whole of them: squares, in the order in which they come.
+// Squared norms of what the model misses of some snapshots (`lost`), and of these snapshots
+// (`whole`).
 struct Losses {
   std::vector<double> lost, whole;
 
@@ -211,11 +212,11 @@ SparseCampaign sparse_campaign(const SnapshotStore& store, int point, const Stor
                   .zero_at_low = true,
                   .highest_degree = std::clamp(content.level_count() - 1, 1, 12)});
   SparseSettings sparse = settings.sparse;
-  // A mode may serve one site alone: all together then gain as little by it.
+  // A mode may improve one site alone, which is a gain S times smaller over all sites.
   if (!result.places.quantities) sparse.least_gain /= static_cast<double>(S);
   result.trained_on = static_cast<int>(T);
   result.model = sparse_pgd(Q.C, learnt.points, std::move(axes), sparse, progress);
-  const MatrixXd F = times(learnt.values, times(Q.combination, result.model.F));  // likewise
+  const MatrixXd F = times(learnt.values, times(Q.combination, result.model.F));  // weighted
   result.model.F = root.cwiseInverse().asDiagonal() * F;
   add_functions(result.places.points, levels, result);
   add_errors(rows, root, drawn, F, result);

@@ -16,7 +16,7 @@
 namespace palpable {
 
 struct SparseCampaignSettings {
-  double part = 0.3;       ///< of the snapshots (site, level), drawn at random, to learn from
+  double part = 0.3;       ///< ratio of snapshots to learn from, drawn at random
   std::uint64_t seed = 1;  ///< of the draw
   SparseSettings sparse = {};
 };
@@ -28,17 +28,17 @@ struct SnapshotErrors {
   double median = 0, worst = 0;  ///< the middle and the largest, each against its own norm
 };
 
-/// The parameters that say which site is pressed.
+/// The parameters that identify the pressed site.
 ///   a  axes
 struct SitePlaces {
-  bool quantities = false;
+  bool quantities = false;  ///< the position is continuous, not a choice among sites
   std::vector<SparseAxis> axes;
   Eigen::MatrixXd points;  ///< (a x S)
 };
 
-/// Where all sites are pressed in one direction and lie in a plane or on a line along the body's
-/// axes, the place is a quantity: those coordinates, m, that differ. Else it is a choice among the
-/// sites.
+/// Where all sites are pressed in the same direction and lie in a plane or on a line along the
+/// body's axes, the position is a continuous quantity: the coordinates, m, in which the sites
+/// differ. Otherwise it is a choice among the sites.
 [[nodiscard]] SitePlaces site_places(const StoreContent& content);
 
 struct SparseCampaign {
@@ -50,14 +50,14 @@ struct SparseCampaign {
   Eigen::MatrixXd site_functions, level_functions;
   int trained_on = 0;
   SnapshotErrors all, unseen;  ///< of all snapshots, and of those that were not learnt from
-  Eigen::VectorXd errors;      ///< (S L) of each against its own norm, level fastest; 0 of zero
+  Eigen::VectorXd errors;      ///< (S L) each against its own norm, level fastest; 0 of zero
 };
 
-/// At level 0 the model is at rest. Where sites are choices each of them has a snapshot among those
-/// that are learnt from. Works in the POD coordinates of the training snapshots. Memory: those,
-/// twice.
+/// Learns a model that is zero at level 0. Where sites are choices, at least one snapshot of each
+/// site is learnt from. Works in the POD coordinates of the training snapshots. Memory: the
+/// training snapshots, twice.
 /// @param point  of the parameters beyond site and level; complete
-/// @throws Error if the part is too small to learn from, or leaves nothing to be asked about
+/// @throws Error if the part is too small to learn from, or leaves no snapshot to test
 [[nodiscard]] SparseCampaign sparse_campaign(const SnapshotStore& store, int point,
                                              const StoredField& field,
                                              const SparseCampaignSettings& settings,

@@ -28,15 +28,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::tolerance;
 
-// How a slab of 0.4 x 0.1 x 0.05 m gives way to a press at (x, y) of its top: known, and a sum of
-// three products. @param X  of a node at rest
+// A prescribed displacement of a slab of 0.4 x 0.1 x 0.05 m that is pressed at (x, y) of its top: a
+// sum of three products. @param X of a node at rest
 Eigen::Vector3d known_displacement(const Eigen::Vector3d& at, double level,
                                    const Eigen::Vector3d& X) {
   const double x = at.x() / 0.4, y = at.y() / 0.1;
   return {level * level * (x + 0.1) * X.y(), 0.1 * level * (y - 0.5) * X.x() * X.x(),
           -level * x * x * (3 - x) * X.x() * X.x()};
 }
-// Likewise, Pa.
+// The prescribed stress, Pa.
 Eigen::Matrix<double, 6, 1> known_stress(const Eigen::Vector3d& at, double level,
                                          const Eigen::Vector3d& X) {
   const double x = at.x() / 0.4;
@@ -45,7 +45,8 @@ Eigen::Matrix<double, 6, 1> known_stress(const Eigen::Vector3d& at, double level
   return 1e3 * level * sigma;
 }
 
-// That slab pressed everywhere on its top. @param turned  a site is pressed another way
+// A store of that slab, pressed at sites all over its top. @param turned  one site is pressed in
+// another direction
 SnapshotStore pressed_slab(const std::filesystem::path& folder, bool turned = false,
                            std::vector<StoredParameter> parameters = {}) {
   StoreContent content;
@@ -98,7 +99,7 @@ SparseCampaign learnt(const SnapshotStore& store, const SparseCampaignSettings& 
   return sparse_campaign(store, 0, *find_field(store.content(), "displacement"), settings);
 }
 
-TEST_CASE("a part of a campaign along a face says what the rest is", "[pipeline][sparse]") {
+TEST_CASE("a part of a campaign along a face predicts the rest", "[pipeline][sparse]") {
   const test::ScratchFolder scratch("sparse");
   const SnapshotStore store = pressed_slab(scratch / "store");
   const SparseCampaign result = learnt(store);
@@ -109,7 +110,7 @@ TEST_CASE("a part of a campaign along a face says what the rest is", "[pipeline]
   CHECK(result.unseen.count == 45 * 4 - 54);
   CHECK(result.unseen.pooled <= tolerance(1e-4, "the field is three separated polynomials"));
   CHECK(result.unseen.median <= result.unseen.worst);
-  // The errors that it states are those of its model.
+  // The stated errors are those of the model.
   const StoredField& field = *find_field(store.content(), "displacement");
   const SnapshotRows rows = snapshot_rows(store, 0, field);
   const VectorXd w = value_weights(store.content().mesh, field);
@@ -169,12 +170,12 @@ TEST_CASE("a place is a quantity on a face and on a line, and else a choice",
   CHECK_FALSE(site_places(content).quantities);
 }
 
-TEST_CASE("of sites that are choices each is learnt from", "[pipeline][sparse]") {
+TEST_CASE("where sites are choices, snapshots of each site are learnt from", "[pipeline][sparse]") {
   const test::ScratchFolder scratch("sparse-choices");
   const SnapshotStore store = pressed_slab(scratch / "store", true);
   const SparseCampaign fewest = learnt(store, {.part = 50.0 / 180.0});
   CHECK(fewest.trained_on == 50);
-  // The function of a site that nothing is known of is nothing.
+  // A site without any training snapshot would have the function zero.
   CHECK(fewest.site_functions.rowwise().norm().minCoeff() >
         0.01 * fewest.site_functions.rowwise().norm().maxCoeff());
   const SparseCampaign half = learnt(store, {.part = 0.5});
@@ -191,7 +192,8 @@ TEST_CASE("a part that is nothing or everything is refused", "[pipeline][sparse]
   CHECK_THROWS_AS(learnt(store, {.part = 0.999}), Error);
 }
 
-// The largest difference of a body's field from what is known, by the largest of that.
+// The largest difference between a body's field and the prescribed one, relative to the largest
+// value of the latter.
 template <int C, class Known>
 double largest_difference(const ReducedBody& body, const SeparatedField& field,
                           const std::vector<double>& levels, const Known& known) {

@@ -85,7 +85,7 @@ void draw_charts(const std::vector<Chart>& charts, const std::filesystem::path& 
     }
   }
   expect_writable(png);
-  // What it complains of is for people.
+  // gnuplot's error messages go to the terminal.
   std::FILE* gnuplot = ::popen("gnuplot >/dev/null", "w");
   if (gnuplot == nullptr) expect_gnuplot();
   const std::string script = script_of(charts, png);

@@ -1,5 +1,5 @@
 /// @file
-/// Lines over numbers: as a table for programs and, drawn by gnuplot, as a picture.
+/// Line charts: as a CSV table, and as a picture that gnuplot draws.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@ namespace palpable {
 
 struct ChartLine {
   std::string name;
-  std::vector<double> x, y;  ///< as many of both
+  std::vector<double> x, y;  ///< of the same length
 };
 
 struct Chart {
@@ -19,14 +19,15 @@ struct Chart {
   std::vector<ChartLine> lines;
 };
 
-/// "line,x,y" and a row for each point.
+/// CSV: the header "line,x,y" and a row for each point.
 [[nodiscard]] std::string chart_table(const Chart& chart);
 
-/// Charts beside each other in one picture, PNG.
+/// Draws charts beside each other in one picture, PNG.
 /// @throws Error when gnuplot is not there or cannot draw them, or the file cannot be written
 void draw_charts(const std::vector<Chart>& charts, const std::filesystem::path& png);
 
-/// Whether draw_charts() can do anything. @throws Error that says what to install
+/// Checks that gnuplot is installed, which draw_charts() needs.
+/// @throws Error that says what to install if it is not
 void expect_gnuplot();
 
 }  // namespace palpable

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFunctionsShown = 4;
 
-// What one figure is put together from.
+// Builds one figure.
 class FigureMaker {
  public:
   FigureMaker(const PaperPlan& plan, PaperFigure figure)
@@ -31,7 +31,7 @@ class FigureMaker {
     figure_.pictures.push_back({name, caption});
     return *this;
   }
-  // The picture that a run has shown of a frame of its film.
+  // Adds the picture that a run wrote of a frame of its film.
   FigureMaker& frame(const std::string& run, int number, const std::string& caption) {
     return picture(out_ / "runs" / run / "pictures" / fmt::format("{:06}.png", number), caption);
   }

@@ -1,6 +1,6 @@
 /// @file
-/// The paper's figures from what a plan's commands have made: pictures, tables, and what to say
-/// beside them.
+/// The paper's figures, assembled from the results of a plan's commands: pictures, tables and the
+/// texts beside them.
 #pragma once
 
 #include "palpable/bake/reproduce/paper_plan.h"
@@ -12,24 +12,24 @@
 namespace palpable {
 
 struct FigurePicture {
-  std::filesystem::path file;  ///< from the page's folder
+  std::filesystem::path file;  ///< relative to the page's folder
   std::string caption;
 };
 
 struct PaperFigure {
   std::string number;  ///< of the paper: "2c", "9"
   std::string title;
-  std::string paper;    ///< what the paper shows there and says of it
+  std::string paper;    ///< what the paper shows and says
   std::string differs;  ///< what differs here, and why
   std::vector<FigurePicture> pictures = {};
-  std::vector<std::filesystem::path> tables = {};  ///< CSV, from the page's folder
+  std::vector<std::filesystem::path> tables = {};  ///< CSV, relative to the page's folder
   std::vector<std::filesystem::path> films = {};   ///< MP4
-  std::vector<std::string> commands = {};          ///< that make it, as a user types them
+  std::vector<std::string> commands = {};          ///< that reproduce it, as a user types them
 };
 
 /// Copies and draws all figures of the plan's examples into OUT/figures, in the paper's order.
-/// All steps of the plan have been run.
-/// @throws Error when something that the steps make is missing or cannot be read
+/// @pre all steps of the plan have been run
+/// @throws Error when a result of the steps is missing or cannot be read
 [[nodiscard]] std::vector<PaperFigure> make_figures(const PaperPlan& plan);
 
 }  // namespace palpable

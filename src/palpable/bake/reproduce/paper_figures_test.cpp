@@ -55,7 +55,7 @@ std::string small_report() {
   return text;
 }
 
-// Everything that the steps' commands leave for figures; each picture holds its own path.
+// Writes everything that figures need from the steps' commands; each picture holds its own name.
 void pretend_to_have_run(const fs::path& out) {
   for (const char* body : {"beam", "bunny", "dragon"}) {
     write(out / "reports" / (std::string(body) + ".csv"), small_report());
@@ -101,7 +101,7 @@ TEST_CASE("every figure of the paper that can be computed is made, in its order"
   }
   CHECK(numbers == std::vector<std::string>{"2c", "6", "7", "8", "9", "10", "11", "12", "13", "14",
                                             "15", "16", "17", "18", "19"});
-  // The frames are those of the runs that they are said to be of.
+  // Each frame comes from the run that its caption names.
   CHECK(bytes_of(folder / "figures" / "9_4.png") == "bunny-hard000174");
   CHECK(bytes_of(folder / "figures" / "12_3.png") == "beams-paper000150");
 
@@ -130,7 +130,7 @@ TEST_CASE("the scene of the beams holds the beam that was baked", "[reproduce]")
   CHECK(plan.step("beams/bake").product == folder / "bodies" / "beam.palpable");
 }
 
-TEST_CASE("what a step reads an earlier one has made", "[reproduce]") {
+TEST_CASE("every file that a step reads is made by an earlier step", "[reproduce]") {
   const test::ScratchFolder folder("paper_plan_order");
   const std::string out = folder.path().string();
   std::string made;
@@ -155,7 +155,7 @@ TEST_CASE("what a step reads an earlier one has made", "[reproduce]") {
   }
 }
 
-// What is written to standard output and error meanwhile.
+// The text that `work` writes to standard output and error.
 template <class Work>
 std::string said_by(const fs::path& file, const Work& work) {
   std::cout.flush();
@@ -185,7 +185,7 @@ TEST_CASE("charts of few points and of many are drawn without a word", "[reprodu
   CHECK(bytes_of(png).substr(1, 3) == "PNG");
 }
 
-TEST_CASE("of a report's table the lines of a chart are read", "[reproduce]") {
+TEST_CASE("the lines of a chart are read from a report's table", "[reproduce]") {
   const test::ScratchFolder folder("report_table");
   write(folder / "body.csv", small_report());
   const std::vector<ReportRow> table = read_report_table(folder / "body.csv");

@@ -13,8 +13,9 @@ struct PaperNumber {
   std::string what, paper, here, remark;
 };
 
-/// Of the plan's examples: meshes, positions, times, modes and errors, frame rates, hardware.
-/// @param list  that has run the plan: how long its bakes took
+/// The numbers of the plan's examples: meshes, positions, times, modes and errors, frame rates,
+/// hardware.
+/// @param list  the one that has run the plan; gives the durations of its bakes
 /// @throws Error when a body file or a run's live.json cannot be read
 [[nodiscard]] std::vector<PaperNumber> paper_numbers(const PaperPlan& plan, const StepList& list);
 

@@ -17,7 +17,7 @@ struct PaperPage {
   std::vector<std::pair<std::string, std::string>> provenance;  ///< (key, value) for people
 };
 
-/// The page as HTML; pictures, tables and films are found from its folder.
+/// The page as HTML; paths of pictures, tables and films are relative to its folder.
 [[nodiscard]] std::string paper_page(const PaperPage& page);
 
 }  // namespace palpable

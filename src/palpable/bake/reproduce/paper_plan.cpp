@@ -36,7 +36,7 @@ Words frame_words(std::initializer_list<int> frames) {
   return words;
 }
 
-// Nothing but the film and the texts: what a user looks at.
+// Leaves out masks and depth: a run writes its film and its texts only.
 const Words kFilmOnly{"--no-masks", "--no-depth"};
 
 }  // namespace

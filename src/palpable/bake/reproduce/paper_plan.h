@@ -1,6 +1,6 @@
 /// @file
-/// The commands that make the paper's three examples (Secs. 5.1 to 5.3) again: what is baked,
-/// filmed, played and drawn, in the order in which one needs the other.
+/// The commands that reproduce the paper's three examples (Secs. 5.1 to 5.3): bakes, films, live
+/// runs and pictures, each after those whose results it needs.
 #pragma once
 
 #include "palpable/bake/reproduce/step_list.h"
@@ -17,12 +17,12 @@ enum class PaperExample { kBeams, kBunny, kDragon };
 
 struct PlanSettings {
   std::filesystem::path root;     ///< this project's folder: bodies/, scenes/, tools/
-  std::filesystem::path out;      ///< where everything goes; absolute
+  std::filesystem::path out;      ///< folder of all results; absolute
   std::filesystem::path program;  ///< .../bin/palpable
-  bool touch = false;             ///< tables of touch, too, and a run that uses them
+  bool touch = false;             ///< also make tables of touch, and a run that uses them
 };
 
-/// Steps by name, such as "bunny/film", and where what they make lies.
+/// The steps, by names such as "bunny/film".
 class PaperPlan {
  public:
   PaperPlan(PlanSettings settings, const std::vector<PaperExample>& examples);
@@ -32,7 +32,7 @@ class PaperPlan {
   [[nodiscard]] std::vector<Step> steps() const;
   /// @throws ContractViolation unless there is such a step
   [[nodiscard]] const Step& step(std::string_view name) const;
-  /// Writes the texts that steps read: the scene of the beams, with our beam in it.
+  /// Writes the input files of steps: the scene of the beams, with the path of the baked beam.
   void write_inputs() const;
 
  private:
@@ -40,7 +40,7 @@ class PaperPlan {
   void add_beams();
   void add_solid(const std::string& name, double bake_seconds);
   void add_room();
-  /// Plays a film; @param words  what else is said to `palpable live`
+  /// Adds a live run of a film. @param words  further arguments of `palpable live`
   void add_run(const std::string& name, const std::string& what,
                const std::vector<std::string>& body, const std::string& film,
                const std::vector<std::string>& words, double seconds);
@@ -52,7 +52,7 @@ class PaperPlan {
   std::vector<std::pair<std::string, Step>> steps_;
 };
 
-/// The frames of the films that the figures show.
+/// Numbers of the film frames that the figures show.
 struct FigureFrames {
   static constexpr int kBeamsAtRest = 60, kBeamsPressed = 118, kBeamsBoth = 150;
   static constexpr int kFlank = 98, kBack = 142, kHandBefore = 174, kEar = 215, kHandBehind = 248,

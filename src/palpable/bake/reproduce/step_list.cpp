@@ -30,7 +30,7 @@ std::string key_of(const Step& step) {
   return key;
 }
 
-// Waits for a program, whose standard output goes to `log`. Returns what waitpid() says.
+// Runs a program with its standard output in `log`. @returns the status of waitpid()
 int run_program(const Step& step, const fs::path& log) {
   std::vector<std::string> words{step.program.string()};
   words.insert(words.end(), step.words.begin(), step.words.end());
@@ -111,7 +111,7 @@ void StepList::run_one(const Step& step, std::size_t number) {
   if (!step.own_folder.empty()) fs::remove_all(step.own_folder);
   make_folder(step.own_folder.empty() ? step.product.parent_path() : step.own_folder.parent_path());
   const fs::path log = folder_ / "logs" / fmt::format("{:02}.txt", number);
-  if (step.prints_product) fs::remove(step.product);  // an earlier one's, of another command
+  if (step.prints_product) fs::remove(step.product);  // left by an earlier version of the step
   const auto begin = std::chrono::steady_clock::now();
   const int status = run_program(step, log);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
@@ -133,13 +133,13 @@ void StepList::run_one(const Step& step, std::size_t number) {
 
 void StepList::run(const std::vector<Step>& steps,
                    const std::function<void(const std::string&)>& say) {
-  double expected_done = 0, took = 0;  // of those that ran now
+  double expected_done = 0, took = 0;  // s, of the steps that ran in this call
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Step& step = steps[i];
     if (is_done(step)) continue;
     double left = 0;
     for (std::size_t k = i; k < steps.size(); ++k) left += is_done(steps[k]) ? 0 : steps[k].seconds;
-    // This machine against the one that the expectations are of, once it has shown something.
+    // Ratio of this machine's time to the expected one; 1 until 30 s of expected work are done.
     const double slower = expected_done > 30 ? took / expected_done : 1.0;
     say(fmt::format("[{} of {}] {}; some {} left", i + 1, steps.size(), step.what,
                     duration_text(left * slower)));

@@ -78,8 +78,8 @@ struct ContactState {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d centre = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   int touching = 0;  ///< pairs of contact points and obstacle parts with force
-  double smallest_gap =
-      0;  ///< m, of all near pairs, not below -largest_entry * size; infinite if none
+  /// Smallest gap of all near pairs, m, not below -largest_entry * size; infinite if none is near.
+  double smallest_gap = 0;
   /// Largest penetration between the contact points, m, >= 0, on a grid four times as fine as
   /// theirs.
   double entry_between = 0;

@@ -8,9 +8,9 @@
 ///     L(u, p) = Psi(u) + sum 1/(2 k) ( max(0, p - k g(u))^2 - p^2 ),    k  penalty, N/m
 ///
 /// At a minimum over u the forces f = max(0, p - k g) are in equilibrium with the body. Updating
-/// the multipliers, p <- f, then reduces the errors of gaps and forces by a factor of about 1 / (1
-/// + k * compliance) (Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991). After enough
-/// updates g f = 0 to rounding, whatever k is.
+/// the multipliers, p <- f, then divides the errors of gaps and forces by about 1 + k * compliance
+/// (Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991). After enough updates g f = 0 to
+/// rounding, whatever k is.
 ///
 /// Coulomb's friction, if there is any, is a potential of the step. With s the slide of a point
 /// over its part since the step began, perpendicular to the normal,

@@ -18,8 +18,8 @@ namespace palpable {
 
 /// Force in N per m^3 of undeformed volume, at the undeformed position X (m).
 using BodyForceField = std::function<Eigen::Vector3d(const Eigen::Vector3d& X)>;
-/// Force in N per m^2 of undeformed area, at the undeformed position X (m) with outward unit normal
-/// n.
+/// Force in N per m^2 of undeformed area, at the undeformed position X (m), with the outward unit
+/// normal n.
 using TractionField =
     std::function<Eigen::Vector3d(const Eigen::Vector3d& X, const Eigen::Vector3d& n)>;
 

@@ -61,7 +61,7 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
     results[at] = std::move(walked);
     if (!results[first] || !results[first + 1]) return;
     keep(episode, *results[first], *results[first + 1]);
-    results[first] = results[first + 1] = Walked{};  // frees the memory of what was kept
+    results[first] = results[first + 1] = Walked{};  // frees their memory
   });
 }
 

@@ -216,13 +216,13 @@ TEST_CASE("a coarser skin that breaks a rule is named", "[body_file][errors][car
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   check_refused(
       carrying_tables(),
-      {{"the coarser skin has places that are no numbers",
+      {{"the coarser skin has positions that are not finite",
         [](auto& t) { t.coarse->surface.vertices(1, 2) = kNan; }},
        {"the coarser skin has triangles of vertices that are not there",
         [](auto& t) { t.coarse->surface.triangles(0, 1) = 5000; }},
        {"the coarser skin has triangles of vertices that are not there",
         [](auto& t) { t.coarse->surface.triangles(2, 0) = -1; }},
-       {"the coarser skin does not say what is held", [](auto& t) { t.coarse->fixed.pop_back(); }},
+       {"the coarser skin does not say which vertices are held", [](auto& t) { t.coarse->fixed.pop_back(); }},
        {"the coarser skin is not where the body's is",
         [](auto& t) { t.coarse->surface.vertices *= 2; }},
        {"the coarser skin has no vertices",
@@ -274,7 +274,7 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
        [](auto& t) { t.regions[2].far_shapes.scale.pop_back(); }},
       {"region 2 is wrong in a factor of its far shapes",
        [](auto& t) { t.regions[2].far_shapes.scale[5] = kNan; }},
-      {"region 0 is wrong in the size of its shares of them",
+      {"region 0 is wrong in the size of its far shares",
        [](auto& t) { t.regions[0].far_shares.values.pop_back(); }},
       {"region 0 is wrong in its number of far shapes",
        [](auto& t) { t.regions[0].far_shares.scale.pop_back(); }},
@@ -298,11 +298,11 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
        [](auto& t) { t.regions[0].quartic.variables = 17; }},
       {"region 0 is wrong in the size of its third order",
        [](auto& t) { t.regions[0].quartic.values.pop_back(); }},
-      {"what touches do to each other is wrong in the size of its modes",
+      {"the cross terms are wrong in the size of its modes",
        [](auto& t) { t.cross.modes.values.pop_back(); }},
-      {"what touches do to each other is wrong in the size of its second order",
+      {"the cross terms are wrong in the size of its second order",
        [](auto& t) { t.cross.cubic.variables = 47; }},
-      {"what touches do to each other is wrong in its number of modes",
+      {"the cross terms are wrong in its number of modes",
        [](auto& t) {
          t.cross.cubic = {17, 3, std::vector<std::int16_t>(969), std::vector<float>(153)};
        }},
@@ -451,7 +451,7 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
        }},
       {"touch/cross: dataset 'cubic' is 19599 x 1 where 19600 x 1 is needed",
        table("cross/cubic", std::int16_t{1}, 19599, 1)},
-      {"touch: what touches do to each other is wrong in the size of its modes",
+      {"touch: the cross terms are wrong in the size of its modes",
        [](hid_t touch) {
          table("cross/modes", std::int16_t{1}, 3, 48)(touch);
          table("cross/modes_scale", 1.0f, 3, 1)(touch);
@@ -493,7 +493,7 @@ TEST_CASE("a shell that breaks a rule within a file is refused by name when it i
       {"touch: the held-out touches are wrong in a depth", table("held_out/values", NAN, 2, 4)},
       {"touch/held_out: dataset 'unscaled_error' is 1 x 1 where 2 x 1",
        table("held_out/unscaled_error", 0.01, 1, 1)},
-      {"touch: the held-out touches are wrong in what a touch tells of its own error",
+      {"touch: the held-out touches are wrong in the error indicators of a touch",
        table("held_out/unscaled_error", NAN, 2, 1)},
   };
   check_refused(faults);

@@ -11,10 +11,11 @@
 namespace palpable {
 namespace {
 
-// As many neighbours as a buffer of the near field holds; trouble_of() refuses more.
+// Largest number of a vertex's neighbours: the size of the near field's buffer. trouble_of()
+// refuses more.
 constexpr std::size_t kMostNeighbours = 16384;
 constexpr std::int64_t kMostRank = 256;
-// There is a number for each pair of clusters.
+// Largest number of clusters: the table of pairs has its square as many entries.
 constexpr int kMostClusters = 4096;
 
 bool is_table(const RoundedRows& rows, std::int64_t count, std::int64_t width) {
@@ -94,7 +95,7 @@ void Compliance::add_target(int from, std::span<const float> source, int to,
                             std::span<float> target) const {
   const RoundedRows& S = table_.couplings;
   const std::size_t first = static_cast<std::size_t>(pair(from, to)) * rank();
-  if (from < to) {  // S_cd is kept for c < d: the other way goes along its rows
+  if (from < to) {  // S_cd is stored for c < d; target = S_cd^T source adds up its rows
     add_rows(S, first, source.first(rank()), target);
     return;
   }
@@ -128,10 +129,10 @@ void Compliance::add_beyond(std::span<const float> targets, Eigen::Ref<Eigen::Ma
 
 void Compliance::add_near(std::span<const VertexForce> loads,
                           Eigen::Ref<Eigen::Matrix3Xf> u) const {
-  std::array<float, kMostNeighbours> sum;  // of one component at a time
+  std::array<float, kMostNeighbours> sum;  // of one displacement component at a time
   for (std::size_t first = 0; first < loads.size();) {
     const int vertex = loads[first].vertex;
-    const std::span<const int> near = neighbours(vertex);  // of all vertices of its cluster
+    const std::span<const int> near = neighbours(vertex);  // the same for all vertices of a cluster
     const std::size_t width = padded(near.size());
     const auto count = static_cast<std::size_t>(
         std::lower_bound(near.begin(), near.end(), static_cast<int>(u.cols())) - near.begin());

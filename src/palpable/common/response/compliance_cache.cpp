@@ -38,8 +38,8 @@ void ComplianceCache::bring(std::span<const int> vertices) {
   }
 }
 
-// Displacement of the higher vertex by a force at the lower one: always that way, so that a block
-// does not depend on which of them came first.
+// Displacement of the vertex with the higher number per force at the one with the lower number, in
+// that order always, so that a block does not depend on which of them came first.
 Matrix3f ComplianceCache::block_of(int vertex, int other) {
   const int low = std::min(vertex, other), high = std::max(vertex, other);
   const int from = compliance_.cluster_of(low), to = compliance_.cluster_of(high);
@@ -58,7 +58,8 @@ Matrix3f ComplianceCache::block_of(int vertex, int other) {
   return block;
 }
 
-// What unit forces at the slot's vertex, of cluster `from`, bring about in a cluster far away.
+// Targets in the far cluster `to` by unit forces in x, y, z at the slot's vertex, of cluster
+// `from`.
 std::span<const float> ComplianceCache::targets_at(int slot, int from, int to) {
   const std::size_t k = compliance_.rank(), row = 3 * static_cast<std::size_t>(slot) * k;
   const std::size_t at =
@@ -74,7 +75,7 @@ std::span<const float> ComplianceCache::targets_at(int slot, int from, int to) {
   return targets;
 }
 
-// The blocks of one slot with all that are taken.
+// Computes the blocks between one slot and all slots that hold a vertex.
 void ComplianceCache::compute(int slot) {
   const int vertex = vertex_of_slot_[slot];
   const std::size_t k = compliance_.rank();
@@ -89,7 +90,7 @@ void ComplianceCache::compute(int slot) {
   for (int there = 0; there < most_; ++there) {
     const int other = vertex_of_slot_[there];
     if (other < 0) continue;
-    const Matrix3f block = block_of(vertex, other);  // of the higher one's displacement
+    const Matrix3f block = block_of(vertex, other);  // displacement of the higher one
     const int high = other > vertex ? there : slot, low = other > vertex ? slot : there;
     blocks_.block<3, 3>(3 * high, 3 * low) = block;
     if (high != low) blocks_.block<3, 3>(3 * low, 3 * high) = block.transpose();

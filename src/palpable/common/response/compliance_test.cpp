@@ -22,7 +22,7 @@ using test::ElasticSheet;
 using test::tolerance;
 
 // G f on the whole skin.
-Eigen::Matrix3Xf answer(const Compliance& compliance, int vertex, const Vector3f& force) {
+Eigen::Matrix3Xf response(const Compliance& compliance, int vertex, const Vector3f& force) {
   const std::size_t k = compliance.rank();
   const int C = compliance.clusters(), from = compliance.cluster_of(vertex);
   std::vector<float> source(k, 0.0f), targets(k * static_cast<std::size_t>(C), 0.0f);
@@ -41,12 +41,12 @@ Eigen::Matrix3Xf answer(const Compliance& compliance, int vertex, const Vector3f
 double error_of(const ElasticSheet& sheet, const Compliance& compliance, int vertex) {
   const Vector3f force(0.5f, -1.0f, 2.0f);
   const Eigen::VectorXd exact = sheet.G.middleCols(3 * vertex, 3) * force.cast<double>();
-  const Eigen::Matrix3Xf u = answer(compliance, vertex, force);
+  const Eigen::Matrix3Xf u = response(compliance, vertex, force);
   return (u.reshaped().cast<double>() - exact).cwiseAbs().maxCoeff() / exact.cwiseAbs().maxCoeff();
 }
 
 TEST_CASE("a table gives back its compliance, near and far", "[response]") {
-  // Near alone, and with clusters that are far from each other: all of whose columns are kept.
+  // Near clusters alone, and far ones too, with all columns of their bases.
   for (const double near_radius : {1.0, 0.020}) {
     const ElasticSheet sheet(near_radius);
     const Compliance compliance(sheet.tables.compliance);
@@ -58,11 +58,11 @@ TEST_CASE("a table gives back its compliance, near and far", "[response]") {
   }
 }
 
-TEST_CASE("fewer columns of the bases answer far away less exactly, and near as before",
+TEST_CASE("with fewer columns of the bases the response is less exact far away, and near as before",
           "[response]") {
   const ElasticSheet sheet(0.020, 16);
   const Compliance compliance(sheet.tables.compliance);
-  const Eigen::Matrix3Xf u = answer(compliance, 0, Vector3f(0, 0, 1));
+  const Eigen::Matrix3Xf u = response(compliance, 0, Vector3f(0, 0, 1));
   double near = 0, far = 0;
   for (int v = 0; v < compliance.vertices(); ++v) {
     const double off = std::abs(static_cast<double>(u(2, v)) - sheet.G(3 * v + 2, 2));
@@ -92,7 +92,7 @@ TEST_CASE("a block of a cache is the compliance of a pair, both ways alike", "[r
   }
 }
 
-TEST_CASE("what a cache was asked before does not show", "[response]") {
+TEST_CASE("the blocks of a cache do not depend on earlier queries", "[response]") {
   const ElasticSheet sheet(0.020);
   const Compliance compliance(sheet.tables.compliance);
   ComplianceCache fresh(compliance, 4), used(compliance, 4);
@@ -108,7 +108,7 @@ TEST_CASE("what a cache was asked before does not show", "[response]") {
   }
 }
 
-TEST_CASE("a compliance answers without allocating", "[response]") {
+TEST_CASE("a compliance is evaluated without allocating", "[response]") {
   const ElasticSheet sheet(0.020);
   const Compliance compliance(sheet.tables.compliance);
   ComplianceCache cache(compliance, 8);
@@ -144,7 +144,7 @@ TEST_CASE("a compliance table that does not fit together is named", "[response]"
   CHECK(broken([](auto& t) { t.first[1] = -1; }) == "its lists of neighbours");
   CHECK(broken([](auto& t) { t.neighbours[1] = t.neighbours[0]; }) == "its lists of neighbours");
   CHECK(broken([](auto& t) { t.neighbours.back() = t.vertices; }) == "its lists of neighbours");
-  // The first list would end beyond the table, though the last one ends with it.
+  // The first list would end beyond the table, while the last one ends with it.
   CHECK(broken([](auto& t) {
           t.neighbours.resize(169);
           t.first[1] = 170;

@@ -14,7 +14,7 @@ std::size_t pair_count(int n) {
   return static_cast<std::size_t>(n) * static_cast<std::size_t>(n + 1) / 2;
 }
 
-// Where the pair (i, j) lies, i <= j.
+// Index of the pair (i, j), i <= j.
 std::size_t pair_at(int n, int i, int j) {
   return pair_count(n) - pair_count(n - i) + static_cast<std::size_t>(j - i);
 }
@@ -88,7 +88,7 @@ void FormRows::add_cubic(std::span<const float> a, float factor, std::span<float
 
 void FormRows::contract(std::span<const float> P, std::span<float> result) const {
   PALPABLE_EXPECT(P.size() == rows_.width && result.size() >= rows_.scale.size(),
-                  "a matrix of the form's variables, and room for the answer");
+                  "a matrix of the form's variables, and room for the result");
   const std::size_t count = rows_.scale.size();
   best_row_kernels().dots(rows_.row(0), count, P, result.data());
   for (std::size_t i = 0; i < count; ++i) result[i] *= rows_.scale[i];

@@ -14,7 +14,7 @@ namespace {
 
 using test::tolerance;
 
-// Distinct coefficients, and a reader of all of them.
+// A form given by its distinct coefficients, with access to all of them.
 struct Form {
   int n, degree;
   std::vector<double> distinct;
@@ -26,7 +26,7 @@ struct Form {
     for (double& c : distinct) c = entry(random);
   }
 
-  // Counts through the distinct ones until the sorted indices come: slow and obvious.
+  // Runs through the distinct ones until the sorted indices are reached: slow and obvious.
   [[nodiscard]] double at(std::vector<int> index) const {
     std::sort(index.begin(), index.end());
     std::size_t number = 0;

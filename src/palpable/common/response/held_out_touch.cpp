@@ -71,8 +71,8 @@ std::string trouble_of(const std::vector<HeldOutTouch>& touches) {
     for (const auto& [name, difference] : kHeldOutDifferences) {
       if (!(std::isfinite(touch.*difference) && touch.*difference >= 0)) return "a difference";
     }
-    const double told = touch.unscaled_error.value_or(0);
-    if (!(std::isfinite(told) && told >= 0)) return "what a touch tells of its own error";
+    const double error = touch.unscaled_error.value_or(0);
+    if (!(std::isfinite(error) && error >= 0)) return "the error indicators of a touch";
   }
   return {};
 }

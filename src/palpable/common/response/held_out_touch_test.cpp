@@ -15,7 +15,7 @@ const Touches kThree{{PressingThing::kFinger, 0.002, 0.01, 0.002, 0.04},
                      {PressingThing::kRim, 0.0061, 0.03, 0.004, 0.20},
                      {PressingThing::kFinger, 0.004, 0.02, 0.009, 0.08}};
 
-TEST_CASE("held-out touches are told by what presses, how deep, and how far off", "[response]") {
+TEST_CASE("the text of held-out touches has their obstacles, depths and errors", "[response]") {
   CHECK(held_out_text({}).empty());
   CHECK(held_out_text(kThree) ==
         "3 touches (2 finger, 1 rim; 2.0 to 6.1 mm deep) against full finite elements: "
@@ -27,7 +27,7 @@ TEST_CASE("held-out touches are told by what presses, how deep, and how far off"
   CHECK(name_of(PressingThing::kSqueeze) == "squeeze");
 }
 
-TEST_CASE("what no touch can be is named", "[response]") {
+TEST_CASE("an invalid held-out touch is named", "[response]") {
   CHECK(trouble_of(kThree).empty());
   const auto spoilt = [](auto change) {
     Touches touches = kThree;
@@ -38,8 +38,8 @@ TEST_CASE("what no touch can be is named", "[response]") {
         "what presses");
   CHECK(spoilt([](auto& t) { t.thing = static_cast<PressingThing>(-1); }) == "what presses");
   CHECK(spoilt([](auto& t) { t.depth = 0; }) == "a depth");
-  CHECK(spoilt([](auto& t) { t.unscaled_error = NAN; }) == "what a touch tells of its own error");
-  CHECK(spoilt([](auto& t) { t.unscaled_error = -0.1; }) == "what a touch tells of its own error");
+  CHECK(spoilt([](auto& t) { t.unscaled_error = NAN; }) == "the error indicators of a touch");
+  CHECK(spoilt([](auto& t) { t.unscaled_error = -0.1; }) == "the error indicators of a touch");
   for (const auto& named : kHeldOutDifferences) {
     INFO(named.first);
     const auto difference = named.second;

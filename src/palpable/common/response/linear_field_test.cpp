@@ -18,7 +18,7 @@ using test::ElasticSheet;
 using test::tolerance;
 
 std::vector<VertexForce> some_loads(const ElasticSheet& sheet) {
-  // Three in one cluster, some far from it, and one that is none.
+  // Three loads in one cluster, some far from it, and one that is 0.
   return {{0, {0.1f, 0.0f, -1.0f}},
           {1, {0.0f, 0.2f, -0.5f}},
           {sheet.middle(), {-0.3f, 0.1f, -2.0f}},
@@ -44,7 +44,7 @@ TEST_CASE("several loads move the skin as the sum of what each does, near and fa
   }
 }
 
-TEST_CASE("the answer does not depend on the order of loads, nor on what was asked before",
+TEST_CASE("a linear response does not depend on the order of loads, nor on earlier queries",
           "[response]") {
   const ElasticSheet sheet(0.020);
   const Compliance compliance(sheet.tables.compliance);
@@ -56,7 +56,7 @@ TEST_CASE("the answer does not depend on the order of loads, nor on what was ask
   std::reverse(loads.begin(), loads.end());
   CHECK(test::allocations_during([&] { field.fill(loads, second); }) == 0);
   CHECK(first == second);
-  // Of the first nodes alone, when no more are wanted.
+  // The first nodes alone.
   field.fill(loads, part);
   CHECK(part == first.leftCols(20));
   field.fill({}, second);

@@ -23,25 +23,27 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::VectorXd;
 
-// Of a cluster of points: radius over their distance, and m at most.
+// Radius of a cluster of contact points: ratio to the distance between points, and m at most.
 constexpr float kCluster = 3.5f, kLargestCluster = 0.0045f;
-// m between contact points: the coarsest set and the finest; of large bodies twice and half of the
-// distance that their points have. Those that are compared with other bodies lie twice the
-// coarsest.
+// m between contact points, of the coarsest and of the finest set; at least twice and half of
+// ModalTables::point_spacing. Points that are searched on other bodies are kBetween times as far
+// apart as the coarsest set.
 constexpr double kCoarsest = 0.006, kFinest = 0.0015, kBetween = 2;
-// Loads that are tried, and the states of theirs in which squares of the gradient are kept.
+// About how many loads the load states are found from, and how many load states are kept
+// (modal_stress.h).
 constexpr Index kLoads = 200, kLoadStates = 4;
-// Vertices that tell how far a step moves the skin.
+// About how many vertices the displacement of the skin by a step is measured at.
 constexpr std::size_t kProbeVertices = 128;
-// Of a disc of radius a that is pressed evenly by f, the mean: w = 0.54 f (1 - nu^2) / (E a).
+// Mean displacement of a disc of radius a pressed evenly by f: w = 0.54 f (1 - nu^2) / (E a).
 constexpr double kDisc = 0.54;
-// m of sigma that make a point as compliant again as the half space is.
+// Factor of SurfaceGap::softness in the local compliance. softness is sigma / 10 mm, so a sigma of
+// 1 mm doubles the local compliance of the skin.
 constexpr double kSofter = 10;
-// The Hessian's shift where it is not positive definite, of its diagonal: first, and how often it
-// is multiplied by four.
+// Where the Hessian is not positive definite, its diagonal is shifted: by this ratio at first, then
+// by four times as much up to kShifts - 1 times.
 constexpr double kFirstShift = 0.01;
 constexpr int kShifts = 20;
-// Points before obstacles that are enough: a beam is smooth.
+// ContactLimits::thins_above. Fewer points than for other bodies are enough: a beam is smooth.
 constexpr int kEnoughPoints = 160;
 
 ContactLimits modal_limits(const ModalSettings& s) {
@@ -53,8 +55,8 @@ ContactLimits modal_limits(const ModalSettings& s) {
   return limits;
 }
 
-// Of forces along the normals at vertices all over the skin: those few that most of their work is
-// done in, each orthogonal to the others in the energy at rest.
+// The few states in which forces along the normals at vertices all over the skin do most of their
+// work, orthogonal to each other in the energy at rest.
 LoadStates load_states(const ModalMember& member, const Matrix3Xf& rest) {
   const SeveralLoads& several = *member.body->several;
   const Index n = several.mode_count(), V = rest.cols();
@@ -88,7 +90,7 @@ bool are_twins(const ModalMember& one, const ModalMember& other) {
   const auto same = [](const auto& x, const auto& y) {
     return x.rows() == y.rows() && x.cols() == y.cols() && x == y;
   };
-  // Of one energy: of one law.
+  // Bodies with the same energy have the same law, so materials are not compared.
   return same(a.surface.vertices, b.surface.vertices) &&
          same(a.surface.triangles, b.surface.triangles) &&
          same(a.several->modes, b.several->modes) && same(energy.K, others.K) &&
@@ -193,13 +195,13 @@ void ModalBody::set_q(const VectorXd& q) {
   sum(probe_modes_, probes_.data());
 }
 
-// m that the vertex is away that is farthest away.
+// Largest distance of the probes from these positions, m.
 double ModalBody::distance_to(const Probes& probes) const {
   if (probes_.cols() == 0) return 0;
   return static_cast<double>(std::sqrt((probes_ - probes).colwise().squaredNorm().maxCoeff()));
 }
 
-// How the modes move a place, (n x 3): a direction a column.
+// The modes at a place, (n x 3): one column per direction.
 void ModalBody::find_rows(const SkinPoint& at, Eigen::Ref<Eigen::MatrixXf> rows) const {
   rows.setZero();
   for (std::size_t k = 0; k < 3; ++k) {
@@ -302,7 +304,7 @@ bool ModalBody::linearise() {
   factor_ = hessian_;
   double shift = 0;
   for (int tries = 0; !factorise_small(factor_); ++tries) {
-    if (tries == kShifts) return false;  // not a number somewhere
+    if (tries == kShifts) return false;  // a number is not finite
     shift = shift == 0 ? kFirstShift : 4 * shift;
     factor_ = hessian_;
     factor_.diagonal() += shift * hessian_.diagonal().cwiseAbs();
@@ -312,7 +314,7 @@ bool ModalBody::linearise() {
   return true;
 }
 
-// L^-1 B of a unit force. @param column  (n)
+// Fills L^-1 B of a unit force. @param column  (n)
 void ModalBody::find_column(const UnitForce& force, Eigen::Ref<VectorXd> column) const {
   const auto first = 3 * static_cast<Index>(force.place);
   const Vector3d d = force.direction.cast<double>();
@@ -322,7 +324,7 @@ void ModalBody::find_column(const UnitForce& force, Eigen::Ref<VectorXd> column)
   solve_lower(factor_, column);
 }
 
-// The tangent is positive definite, whichever was asked for.
+// The tangent is always positive definite, so its kind does not matter.
 void ModalBody::add_compliance(std::span<const UnitForce> forces, Tangent, std::span<double> W,
                                std::size_t m, std::span<double> q) {
   row_of_.clear();
@@ -390,7 +392,7 @@ double ModalBody::move(std::span<const Vector3f>, double share) {
 bool ModalBody::has_moved(double way) const { return distance_to(probes_kept_) > way; }
 
 void ModalBody::keep(bool is_free) {
-  // What is left of a body that nothing presses is rest.
+  // A body without contacts that is this close to rest is at rest: the remainder is rounding.
   if (is_free && !probes_.isZero(0) &&
       std::sqrt(probes_.colwise().squaredNorm().maxCoeff()) <
           static_cast<float>(limits_.tolerance)) {

@@ -23,38 +23,40 @@ using Eigen::Matrix3f;
 using Eigen::MatrixXf;
 using Eigen::VectorXf;
 
-constexpr float kMostWordSteps = 32767;  // 16 bits
+constexpr float kMostWordSteps = 32767;  // largest number of 16 bits
 constexpr float kUpper = 65536;          // one step of a word's upper half
-constexpr float kSmallest = 1e-30f;      // 1/m: the largest gradient of a mode that does nothing
-// Largest gradient of a state in which squares are found.
+constexpr float kSmallest = 1e-30f;      // taken as the largest gradient of a mode that is 0
+// Largest gradient, without unit, of the states by which add_squares() finds S: large enough for
+// single precision, small enough for cubes not to count.
 constexpr float kTried = 0.1f;
-// By which the weights of a vertex may miss 1.
+// Largest deviation from 1 of the sum of a vertex's recovery weights.
 constexpr double kConstant = 1e-4;
 
-// What two modes do at eight vertices: entry (i, J) of the gradients is m[i + 3 J]. The upper half
-// of each word is of the first mode, the lower one of the second. The word as a whole is 65536
-// times the first's, with the lower half as its fraction, for which it was rounded; shifted up it
-// is 65536 times the second's: one shift and two conversions for sixteen numbers.
+// The gradients of two modes at eight vertices: entry (i, J) is m[i + 3 J]. The upper half of each
+// word holds the first mode, the lower half the second. The whole word is 65536 times the first
+// number, with the lower half as a fraction that was taken into account in rounding; shifted up by
+// 16 bits it is 65536 times the second number. So one shift and two conversions give sixteen
+// numbers.
 struct alignas(32) GradientRow {
   IntPack m[9];
 };
-// Of two products of loads' states likewise: what they add to the second Piola stress.
+// The same for two products of load states: what they add to the second Piola stress, Pa.
 struct alignas(32) ProductStressRow {
   IntPack m[6];
 };
 
 struct Gradients {
-  const GradientRow* rows;  // of all pairs of modes of the first eight vertices, then of the next
-  const float* scales;      // (2 pairs) of the first eight vertices, then of the next
+  const GradientRow* rows;  // all pairs of modes of the first eight vertices, then of the next
+  const float* scales;      // (2 pairs) for the first eight vertices, then for the next
   const float* q;           // (2 pairs)
-  float* weights;           // likewise, scratch
+  float* weights;           // (2 pairs) scratch
   int pairs, vertices;
-  const ProductStressRow* added;  // of all pairs of products, likewise
+  const ProductStressRow* added;  // all pairs of products, in the order of `rows`
   const float* added_weights;     // (2 added_pairs)
   int added_pairs;
 };
 
-// A pair of words' numbers, with their weights.
+// Adds the two numbers of each word, multiplied by their weights.
 PALPABLE_ALWAYS_INLINE void add_pair(const IntPack& words, float one, float other, FloatPack& sum) {
   const IntPack low = (IntPack)((WordPack)words << 16);
   sum += one * __builtin_convertvector(words, FloatPack);
@@ -102,14 +104,15 @@ struct StressAtVertices {
   }
 };
 
-// A word with a number of steps as its lower half, or beside that as its upper one.
+// Puts a number, in steps, into a word: into an empty word as its lower half, or as the upper half
+// of a word whose lower half is set.
 std::int32_t with_half(std::int32_t word, bool lower, float steps) {
   if (lower) return static_cast<std::int32_t>(std::lround(steps) & 0xffff);
   const double upper = std::round(static_cast<double>(steps) - word / static_cast<double>(kUpper));
   return word + static_cast<std::int32_t>(upper) * static_cast<std::int32_t>(kUpper);
 }
 
-// (3 x A) of each element, one after the other, 1/m.
+// (3 x A) dN_a/dX at each point of each element, one after the other, 1/m.
 Eigen::Matrix3Xf all_gradients(const ShellTable& table) {
   const Index A = table.element_nodes, Q = table.points_of_element();
   Eigen::Matrix3Xf g(3, A * Q * table.element_count());
@@ -165,8 +168,8 @@ struct ModalStress::Work {
   Material material;
   int vertices;
   std::size_t modes, pairs;
-  std::vector<float> q, weights;  // (n, or one more)
-  std::vector<float> scales;      // of one step, of all modes for each eight vertices
+  std::vector<float> q, weights;  // (n, padded to an even number)
+  std::vector<float> scales;      // unit of one step, of all modes for each eight vertices
   std::vector<GradientRow> rows;
   Eigen::MatrixXf duals;                           // (m x n)
   Eigen::VectorXf states;                          // (m)
@@ -177,7 +180,8 @@ struct ModalStress::Work {
   void set_added(const std::vector<Eigen::VectorXf>& products);
 };
 
-// Of a mode. The lower halves, of odd modes, come first: the upper ones are rounded for them.
+// Stores the gradients of a mode. Odd modes, the lower halves, must be stored first, because the
+// upper halves are rounded for them.
 void ModalStress::Work::set_gradients(std::size_t mode, const std::vector<Matrix3f>& found) {
   for (std::size_t first = 0; first < found.size(); first += kPackSize) {
     const std::size_t last = std::min(first + kPackSize, found.size()), pack = first / kPackSize;
@@ -264,8 +268,8 @@ ModalStress::ModalStress(const ShellTable& table, const MatrixXf& modes,
   add_squares(table, modes, inner_modes, loads);
 }
 
-// What the square of a state's gradient adds, from ShellStress: half of the sum of what is missing
-// there and in the opposite state, so that all that is linear cancels out.
+// Finds S from ShellStress. The stress that is missing in a state and in the opposite one is
+// averaged, so that all odd terms cancel and the square remains.
 void ModalStress::add_squares(const ShellTable& table, const MatrixXf& modes,
                               const MatrixXf& inner_modes, const LoadStates& loads) {
   const Index V = modes.rows() / 3, W = table.nodes(), m = loads.states.cols();
@@ -286,7 +290,7 @@ void ModalStress::add_squares(const ShellTable& table, const MatrixXf& modes,
   };
   MatrixXf states = loads.states, duals = loads.duals;
   for (Index a = 0; a < m; ++a) {
-    // Far enough for single precision, and no farther.
+    // Scaled to the gradient kTried.
     const float size = kTried / largest_gradient(states.col(a));
     states.col(a) *= size;
     duals.row(a) /= size;
@@ -336,7 +340,7 @@ void ModalStress::evaluate(std::span<const float> q, std::span<float> von_mises,
   std::copy(q.begin(), q.end(), w.q.begin());
   const Eigen::Map<const VectorXf> amplitudes(q.data(), std::ssize(q));
   for (Index a = 0; a < w.states.size(); ++a) {
-    float sum = 0;  // in this order, whatever the vectors
+    float sum = 0;  // a plain loop: the same order of additions on every processor
     for (Index i = 0; i < amplitudes.size(); ++i) sum += w.duals(a, i) * amplitudes[i];
     w.states[a] = sum;
   }

@@ -25,7 +25,7 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXf;
 using test::tolerance;
 
-constexpr int kVertices = 11;  // the first nodes are the skin's: no multiple of eight
+constexpr int kVertices = 11;  // the first nodes are the skin's; not a multiple of eight
 
 ShellTable box(bool quadratic, const Material& material) {
   return test::shell_box(quadratic, kVertices, {material});
@@ -47,7 +47,7 @@ MatrixXf uniform_modes(const ShellTable& shell) {
   return modes;
 }
 
-// Four modes of squares of the place.
+// Four modes that are quadratic in the position.
 MatrixXf bent_modes(const ShellTable& shell) {
   MatrixXf modes(3 * shell.nodes(), 4);
   auto random = test::random_case(3);
@@ -114,7 +114,8 @@ TEST_CASE("in modes a uniform stretch has the law's own stress, for every law an
   }
 }
 
-// Of the largest stress: what a body bent by q is off by from the recovered law.
+// Largest difference of the stress in modes from ShellStress for a body bent by q, as a ratio to
+// the largest stress.
 float difference(const ShellTable& shell, const MatrixXf& modes, const LoadStates& loads,
                  const Eigen::VectorXf& q) {
   ModalStress stress = stress_of(shell, modes, loads);
@@ -147,7 +148,7 @@ TEST_CASE("the law in the recovered gradient differs from the recovered law by s
 TEST_CASE("squares of load states are in the stress in modes", "[response]") {
   const ShellTable shell = box(false, material_from_young("saint-venant-kirchhoff", 60e3, 0.4));
   const MatrixXf modes = bent_modes(shell);
-  // States that are no modes, and an amplitude in the span of two of them.
+  // States that are not modes, and amplitudes in the span of two of them.
   LoadStates loads;
   loads.states.resize(4, 3);
   loads.states << 0.5f, 0.3f, 0.1f, -1, 0.4f, -0.2f, 0.7f, -0.1f, 0.8f, 0.9f, 0.6f, 0.2f;
@@ -179,8 +180,8 @@ TEST_CASE("stress in modes is never NaN, allocates nothing, and has the same byt
 }
 
 TEST_CASE(
-    "a shell of several materials, of a preload, or whose recovery bends a constant, is not told "
-    "in modes",
+    "the stress of a shell with several materials, with a preload, or whose recovery changes a "
+    "constant is not evaluated in modes",
     "[response]") {
   const Material material = material_from_young("neo-hookean", 60e3, 0.4);
   ShellTable shell = box(false, material);

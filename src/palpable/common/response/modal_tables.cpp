@@ -25,12 +25,12 @@ std::string trouble_of(const ModalTables& tables, const ReducedBody& body) {
       tables.inner_modes.cols() != body.several->mode_count()) {
     return "the modes of inner nodes are not those of the body";
   }
-  if (!tables.inner_modes.allFinite()) return "a mode of inner nodes is no number somewhere";
+  if (!tables.inner_modes.allFinite()) return "a mode of inner nodes is not finite";
   if (!(tables.half_space > 0) || !std::isfinite(tables.half_space)) {
-    return "how the skin gives way under a point is not said";
+    return "the local compliance of the skin is not given";
   }
   if (!(tables.point_spacing > 1e-5) || !std::isfinite(tables.point_spacing)) {
-    return "contact points have no distance";
+    return "contact points have no spacing";
   }
   const Eigen::Vector3d size =
       body.surface.vertices.rowwise().maxCoeff() - body.surface.vertices.rowwise().minCoeff();

@@ -82,41 +82,43 @@ struct Regions {
   }
 };
 
-// x_0 U_0 of a region's table at one of its vertices, row by row.
-VectorXd code_of(const RegionTable& region, int vertex, const Vector3f& force) {
+// Modal coordinates U^T f of a force at a vertex of a region.
+VectorXd coordinates_of(const RegionTable& region, int vertex, const Vector3f& force) {
   const auto at = std::find(region.vertices.begin(), region.vertices.end(), vertex);
   const auto row = 3 * (at - region.vertices.begin());
   return as_numbers(region.modes).middleRows(row, 3).transpose() * force.cast<double>();
 }
 
-TEST_CASE("each patch of load is answered by its region, near by its modes and far by their shapes",
-          "[response]") {
+TEST_CASE(
+    "the response to a patch of load is by its region's modes near it, and by far shapes far away",
+    "[response]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
   const CrossTable none;
-  NonlinearResponse answer(body.compliance, body.regions, map, none);
+  NonlinearResponse response(body.compliance, body.regions, map, none);
   const std::array vertices{14, 154};
-  answer.choose_patches(vertices, std::array{1.0f, 2.0f}, {});
-  REQUIRE(answer.patch_count() == 2);
-  CHECK(answer.regions()[0] == 1);  // the heavier one first
-  CHECK(answer.patch_of(154) == 0);
-  CHECK(answer.patch_of(14) == 1);
+  response.choose_patches(vertices, std::array{1.0f, 2.0f}, {});
+  REQUIRE(response.patch_count() == 2);
+  CHECK(response.regions()[0] == 1);  // the heavier one first
+  CHECK(response.patch_of(154) == 0);
+  CHECK(response.patch_of(14) == 1);
   const std::array loads{VertexForce{14, Vector3f(0.3f, 0, 1)},
                          VertexForce{154, Vector3f(0, 1, 2)}};
-  answer.evaluate(loads);
+  response.evaluate(loads);
 
   Matrix3Xf near = Matrix3Xf::Zero(3, body.compliance.vertices()), all = near;
-  body.compliance.add_beyond(answer.far_targets(), all);
-  answer.add_near(near);
+  body.compliance.add_beyond(response.far_targets(), all);
+  response.add_near(near);
   all += near;
   for (int v = 0; v < body.compliance.vertices(); ++v) {
-    CHECK((answer.displacement_at(v) - all.col(v)).norm() <= 1e-5f * all.norm());
+    CHECK((response.displacement_at(v) - all.col(v)).norm() <= 1e-5f * all.norm());
   }
-  // Where one region is near and the other far: modes of the one, far shapes of the other.
+  // At a vertex that is near one region and far from the other: modes of one, far shapes of the
+  // other.
   for (int patch = 0; patch < 2; ++patch) {
-    const RegionTable& region = answer.region_of(patch);
+    const RegionTable& region = response.region_of(patch);
     const VectorXd q =
-        Eigen::Map<const Eigen::VectorXf>(answer.q(patch).data(), kModes).cast<double>();
+        Eigen::Map<const Eigen::VectorXf>(response.q(patch).data(), kModes).cast<double>();
     const int own = body.compliance.cluster_of(region.vertex);
     const VectorXd targets = as_numbers(region.far_shapes) * (as_numbers(region.far_shares) * q);
     for (const int v : {patch == 0 ? 14 : 154}) {  // far from this region
@@ -128,13 +130,13 @@ TEST_CASE("each patch of load is answered by its region, near by its modes and f
       const Eigen::VectorXf at_v = targets.segment(row, rank).cast<float>();
       const std::span<const float> target(at_v.data(), body.compliance.rank());
       const Vector3f far = body.compliance.beyond_at(v, target);
-      const RegionTable& other = answer.region_of(1 - patch);
+      const RegionTable& other = response.region_of(1 - patch);
       const VectorXd q_other =
-          Eigen::Map<const Eigen::VectorXf>(answer.q(1 - patch).data(), kModes).cast<double>();
+          Eigen::Map<const Eigen::VectorXf>(response.q(1 - patch).data(), kModes).cast<double>();
       const auto at = std::find(other.vertices.begin(), other.vertices.end(), v);
       const Eigen::Vector3d near_part =
           as_numbers(other.modes).middleRows(3 * (at - other.vertices.begin()), 3) * q_other;
-      CHECK((answer.displacement_at(v).cast<double>() - near_part - far.cast<double>()).norm() <
+      CHECK((response.displacement_at(v).cast<double>() - near_part - far.cast<double>()).norm() <
             tolerance(1e-4, "floats of numbers of order 1"));
     }
   }
@@ -143,33 +145,33 @@ TEST_CASE("each patch of load is answered by its region, near by its modes and f
 TEST_CASE("a patch's coordinates and slope are those of its modes", "[response]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
-  NonlinearResponse answer(body.compliance, body.regions, map, body.cross);
-  answer.choose_patches(std::array{14}, std::array{1.0f}, {});
-  REQUIRE(answer.patch_count() == 1);
+  NonlinearResponse response(body.compliance, body.regions, map, body.cross);
+  response.choose_patches(std::array{14}, std::array{1.0f}, {});
+  REQUIRE(response.patch_count() == 1);
   const auto u_at = [&](const Vector3f& force) {
-    answer.evaluate(std::array{VertexForce{14, force}});
-    return answer.displacement_at(15).cast<double>().eval();
+    response.evaluate(std::array{VertexForce{14, force}});
+    return response.displacement_at(15).cast<double>().eval();
   };
   const Vector3f force(0.2f, -0.4f, 0.9f), step(0.02f, 0.01f, -0.03f);
   const Eigen::Vector3d slope = (u_at(force + step) - u_at(force - step)) / 2;
   u_at(force);
   std::vector<float> row(kModes), turned(kModes);
-  answer.add_mode_row(0, 14, step, row);
+  response.add_mode_row(0, 14, step, row);
   CHECK((Eigen::Map<Eigen::VectorXf>(row.data(), kModes).cast<double>() -
-         code_of(body.regions[0], 14, step))
+         coordinates_of(body.regions[0], 14, step))
             .norm() < 1e-6);
-  answer.times(0, row, turned);
+  response.times(0, row, turned);
   Eigen::Vector3d by_tangent;
   for (int c = 0; c < 3; ++c) {
     std::vector<float> there(kModes, 0.0f);
-    answer.add_mode_row(0, 15, Vector3f::Unit(c), there);
+    response.add_mode_row(0, 15, Vector3f::Unit(c), there);
     by_tangent[c] = Eigen::Map<Eigen::VectorXf>(there.data(), kModes)
                         .dot(Eigen::Map<Eigen::VectorXf>(turned.data(), kModes));
   }
   CHECK((by_tangent - slope).norm() <= tolerance(0.01, "the step's square, floats") * slope.norm());
 }
 
-TEST_CASE("what two patches do to each other is the cross terms' product, and of one there is none",
+TEST_CASE("two patches interact by the product in the cross terms, and a single one has none",
           "[response]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
@@ -177,9 +179,9 @@ TEST_CASE("what two patches do to each other is the cross terms' product, and of
   NonlinearResponse with(body.compliance, body.regions, map, body.cross);
   NonlinearResponse without(body.compliance, body.regions, map, none);
   const std::array both{VertexForce{14, Vector3f(1, 0, 2)}, VertexForce{154, Vector3f(0, 2, 1)}};
-  for (NonlinearResponse* answer : {&with, &without}) {
-    answer->choose_patches(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
-    answer->evaluate(both);
+  for (NonlinearResponse* response : {&with, &without}) {
+    response->choose_patches(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+    response->evaluate(both);
   }
   // - A_x(c_0, c_1): the mixed part of - 1/2 A_x(c, c).
   const MatrixXd X = as_numbers(body.cross.modes);
@@ -193,9 +195,9 @@ TEST_CASE("what two patches do to each other is the cross terms' product, and of
         (with.displacement_at(v) - without.displacement_at(v)).cast<double>();
     CHECK((found - expected).norm() <= tolerance(2e-3, "floats, 16 bits") * (X * q).norm());
   }
-  for (NonlinearResponse* answer : {&with, &without}) {
-    answer->choose_patches(std::array{14}, std::array{1.0f}, {});
-    answer->evaluate(std::array{both[0]});
+  for (NonlinearResponse* response : {&with, &without}) {
+    response->choose_patches(std::array{14}, std::array{1.0f}, {});
+    response->evaluate(std::array{both[0]});
   }
   CHECK(with.displacement_at(80) == without.displacement_at(80));
   CHECK(test::allocations_during([&] {
@@ -219,16 +221,18 @@ TEST_CASE("of cross terms with many modes the leading ones are taken", "[respons
   NonlinearResponse one(body.compliance, body.regions, map, many);
   NonlinearResponse other(body.compliance, body.regions, map, few);
   const std::array both{VertexForce{14, Vector3f(1, 0, 2)}, VertexForce{154, Vector3f(0, 2, 1)}};
-  for (NonlinearResponse* answer : {&one, &other}) {
-    answer->choose_patches(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
-    answer->evaluate(both);
+  for (NonlinearResponse* response : {&one, &other}) {
+    response->choose_patches(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+    response->evaluate(both);
   }
   CHECK(one.displacement_at(80) == other.displacement_at(80));
 }
 
-TEST_CASE("where two loads cancel far away, so does what each of them does there", "[response]") {
+TEST_CASE("the interaction of two loads is bounded, and right where they cancel far away",
+          "[response]") {
   Regions body;
-  // The smooth modes tell the two places not apart, as those of a body that is squeezed there.
+  // The cross modes are equal at the two vertices, as those of a body that is squeezed there nearly
+  // are.
   MatrixXd X = as_numbers(body.cross.modes);
   X.middleRows(3 * 154, 3) = X.middleRows(3 * 14, 3);
   body.cross.modes = rounded(RowsOfFloats(X.cast<float>()));
@@ -240,14 +244,14 @@ TEST_CASE("where two loads cancel far away, so does what each of them does there
   const FormRows cubic(body.cross.cubic);
   const auto cross_at = [&](int vertex, float size) -> Eigen::Vector3d {
     const Vector3f force = size * Vector3f(1, 0, 2);
-    for (NonlinearResponse* answer : {&with, &without}) {
-      answer->choose_patches(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
-      answer->evaluate(std::array{VertexForce{14, force}, VertexForce{154, -force}});
+    for (NonlinearResponse* response : {&with, &without}) {
+      response->choose_patches(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+      response->evaluate(std::array{VertexForce{14, force}, VertexForce{154, -force}});
     }
     return (with.displacement_at(vertex) - without.displacement_at(vertex)).cast<double>();
   };
   const VectorXd c = X.middleRows(3 * 14, 3).transpose() * Eigen::Vector3d(1, 0, 2);
-  // + 1/2 (A_x(c, c) + A_x(-c, -c)), against what each load does to itself.
+  // The interaction is + 1/2 (A_x(c, c) + A_x(-c, -c)); its bound is a ratio to both loads' norm.
   const VectorXd q = contracted(cubic, c);
   const double own = std::sqrt(2.0) * c.norm();
   const double small = 0.25 * own / q.norm(), large = 8 * small;
@@ -255,7 +259,7 @@ TEST_CASE("where two loads cancel far away, so does what each of them does there
     const Eigen::Vector3d at = X.middleRows(3 * v, 3) * q, whole = small * small * at;
     CHECK((cross_at(v, static_cast<float>(small)) - whole).norm() <=
           tolerance(2e-3, "floats, 16 bits") * small * small * (X * q).norm());
-    // Half of both loads' codes is the most.
+    // The bound is half of the norm of both loads' coordinates.
     const Eigen::Vector3d most = 0.5 * large * own / q.norm() * at;
     CHECK((cross_at(v, static_cast<float>(large)) - most).norm() <=
           tolerance(2e-3, "floats, 16 bits") * 0.5 * large * own / q.norm() * (X * q).norm());

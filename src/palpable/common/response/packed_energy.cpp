@@ -19,15 +19,16 @@ struct alignas(32) PackOfPairs {
   FloatPack v;
 };
 
-// So many rows of the quartic part are read together.
+// Rows of the quartic part that are read together.
 constexpr Index kRows = 4;
 
-// All are padded with zeros to full packs. The matrix is that above the diagonal: of rows 4 k to
-// 4 k + 3 first their first pack that holds any of it, then the next, and so on.
+// All are padded with zeros to full packs of eight. `above` is the part of the quartic matrix above
+// the diagonal, in groups of kRows rows: of a group first the packs in which its part above the
+// diagonal begins, then the next packs, and so on.
 struct Packed {
   const PackOfPairs* above;
   const PackOfPairs* diagonal;
-  const PackOfPairs* cubic;  // (packs x n), the modes of a pack beside each other
+  const PackOfPairs* cubic;  // (packs x n), the n modes of a pack next to each other
   const float* q;            // (n)
   const PackOfPairs* products;
   PackOfPairs *cubic_sum, *quartic_sum;

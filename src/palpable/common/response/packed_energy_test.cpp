@@ -14,7 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::tolerance;
 
-// Any numbers: nothing here needs an energy that is positive.
+// Any numbers: the energy need not be positive here.
 QuarticEnergy some_energy(Index n) {
   auto random = test::random_case(static_cast<unsigned>(n));
   std::normal_distribution<double> normal;

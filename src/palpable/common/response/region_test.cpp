@@ -82,29 +82,29 @@ VectorXd some_coordinates() {
   return a;
 }
 
-TEST_CASE("a region's answer is the second and third order of its energy", "[response]") {
+TEST_CASE("a region's response is the second and third order of its energy", "[response]") {
   const Forms forms;
-  RegionResponse answer(kModes, kLeading);
+  RegionResponse response(kModes, kLeading);
   const VectorXd a = some_coordinates();
   const Eigen::VectorXf coordinates = a.cast<float>();
-  answer.evaluate(forms.region(), {coordinates.data(), kModes});
+  response.evaluate(forms.region(), {coordinates.data(), kModes});
   const VectorXd expected = forms.q(a);
   for (int k = 0; k < kModes; ++k) {
-    CHECK(std::abs(static_cast<double>(answer.q()[static_cast<std::size_t>(k)]) - expected[k]) <
+    CHECK(std::abs(static_cast<double>(response.q()[static_cast<std::size_t>(k)]) - expected[k]) <
           tolerance(1e-3, "136 terms of up to 0.05, each rounded by 3e-5"));
   }
 }
 
-TEST_CASE("a region's H is the derivative of its answer, and symmetric", "[response]") {
+TEST_CASE("a region's H is the derivative of its response, and symmetric", "[response]") {
   const Forms forms;
-  RegionResponse answer(kModes, kLeading);
+  RegionResponse response(kModes, kLeading);
   const VectorXd a = some_coordinates();
   const Eigen::VectorXf coordinates = a.cast<float>();
-  answer.evaluate(forms.region(), {coordinates.data(), kModes});
+  response.evaluate(forms.region(), {coordinates.data(), kModes});
   Eigen::MatrixXf H(kModes, kModes);
   for (int k = 0; k < kModes; ++k) {
     const Eigen::VectorXf unit = Eigen::VectorXf::Unit(kModes, k);
-    answer.times({unit.data(), kModes}, {H.col(k).data(), kModes});
+    response.times({unit.data(), kModes}, {H.col(k).data(), kModes});
   }
   CHECK(H.isApprox(H.transpose()));
   constexpr double kStep = 1e-4;
@@ -116,33 +116,33 @@ TEST_CASE("a region's H is the derivative of its answer, and symmetric", "[respo
   }
 }
 
-TEST_CASE("a region tells how large its last order is", "[response]") {
+TEST_CASE("a region reports how large its last order is", "[response]") {
   const Forms forms;
-  RegionResponse answer(kModes, kLeading);
+  RegionResponse response(kModes, kLeading);
   const Eigen::VectorXf coordinates = some_coordinates().cast<float>(), small = 0.1f * coordinates;
-  answer.evaluate(forms.region(), {coordinates.data(), kModes});
-  const float share = answer.last_share();
-  answer.evaluate(forms.region(), {small.data(), kModes});
+  response.evaluate(forms.region(), {coordinates.data(), kModes});
+  const float share = response.last_share();
+  response.evaluate(forms.region(), {small.data(), kModes});
   // |q_3| falls with the third power, |a| + |q_2| nearly with the first.
-  CHECK(answer.last_share() < 0.03f * share);
+  CHECK(response.last_share() < 0.03f * share);
   CHECK(share > 0.0f);
 }
 
-TEST_CASE("beyond its series' end a region's answer goes on along the ray", "[response]") {
+TEST_CASE("beyond its series' end a region's response is extended along the ray", "[response]") {
   const Forms forms;
-  RegionResponse answer(kModes, kLeading);
+  RegionResponse response(kModes, kLeading);
   const auto q_at = [&](float size) {
     const Eigen::VectorXf coordinates = size * some_coordinates().cast<float>();
-    answer.evaluate(forms.region(), {coordinates.data(), kModes});
-    return Eigen::VectorXf(Eigen::Map<const Eigen::VectorXf>(answer.q().data(), kModes));
+    response.evaluate(forms.region(), {coordinates.data(), kModes});
+    return Eigen::VectorXf(Eigen::Map<const Eigen::VectorXf>(response.q().data(), kModes));
   };
   float end = 1;  // of the series, by size
-  while (q_at(end), answer.last_share() < kSeriesEnd) end *= 1.01f;
+  while (q_at(end), response.last_share() < kSeriesEnd) end *= 1.01f;
   const Eigen::VectorXf before = q_at(end / 1.02f), at_end = q_at(end);
   CHECK((at_end - before).norm() < 0.1f * at_end.norm());  // no jump
-  // From there on it is not the cubic, which would be 1,000 times as large.
+  // Beyond it the response is linear; the cubic would be 1,000 times as large.
   CHECK(q_at(10 * end).isApprox(10 * at_end, 0.05f));
-  CHECK(answer.last_share() > kSeriesEnd);  // and it is said
+  CHECK(response.last_share() > kSeriesEnd);  // and it is reported
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ test::GapFunction ball(float radius, float depth) {
   return test::gap_to_ball(Vector3f(0, 0, radius - depth), radius, kScale * kGapReach);
 }
 
-TEST_CASE("a body ten times as large answers a thing ten times as large by a similar shape",
+TEST_CASE("a body ten times as large takes a similar shape under an obstacle ten times as large",
           "[contact]") {
   const test::ElasticSheet sheet;
   TouchableBody small(test::DentedSphere{}.body(), sheet.tables);

@@ -105,7 +105,7 @@ TEST_CASE("each element has its own material", "[response]") {
         tolerance(1e-5 * mixed, "single precision"));
 }
 
-TEST_CASE("what a preload has done is in the stress, and a turn makes none", "[response]") {
+TEST_CASE("the stress includes that of a preload, and a rotation causes none", "[response]") {
   const Material material = material_from_young("neo-hookean", 60e3, 0.4);
   ShellTable shell = box(true, material, material);
   shell.preload = (kStretch - Matrix3d::Identity()) * shell.stress_free;
@@ -147,8 +147,8 @@ TEST_CASE("nothing that comes out is NaN, whatever the displacement", "[response
     u.setConstant(value);
     check(u);
   }
-  // Pressed flat along z: at a hundredth of its volume it is the law's stress still, and beyond it
-  // does not fall.
+  // Pressed flat along z: the stress is the law's down to a hundredth of the volume, and does not
+  // vanish beyond.
   const auto flat = [&](double share) {
     Matrix3d F = Matrix3d::Identity();
     F(2, 2) = share;

@@ -21,7 +21,7 @@ using test::tolerance;
 constexpr float kFinger = 0.008f;  // m, radius
 const Vector3f kCamera(0, 0, 0.5f);
 
-// A finger that points down at the sheet, its tip `depth` under the sheet's plane: balls on its
+// A finger that points down at the sheet, its tip `depth` below the sheet's plane: balls on its
 // axis, seen from above.
 void add_finger(std::vector<ObjectBall>& balls, float x, float y, float depth, float sigma = 0,
                 float unseen_for = 0) {
@@ -56,7 +56,7 @@ struct Loop {
   }
 };
 
-TEST_CASE("what is nearly flat presses in one touch, though few points are asked",
+TEST_CASE("a nearly flat obstacle is one touch, though few contact points take part",
           "[contact][skin contact]") {
   constexpr float kRadius = 0.5f;
   Loop loop;
@@ -92,7 +92,7 @@ TEST_CASE("a seen finger presses the skin out of its way, and lets go when it le
   CHECK(loop.touches.empty());
   CHECK(loop.state.forces.empty());
   CHECK(loop.state.u.isZero(0));
-  CHECK(loop.see(nothing).steps == 0);  // a body at rest that nothing is near is not asked
+  CHECK(loop.see(nothing).steps == 0);  // nothing is solved for a body at rest without obstacles
 }
 
 TEST_CASE("an unseen side that jumps moves the skin over some frames, a fast finger at once",
@@ -106,7 +106,7 @@ TEST_CASE("an unseen side that jumps moves the skin over some frames, a fast fin
   std::vector<ObjectBall> balls;
   add_finger(balls, 0, 0, 0.001f);
   guessed.see(balls);
-  for (ObjectBall& ball : balls) ball.centre.z() -= 0.005f;  // what is seen of it stays
+  for (ObjectBall& ball : balls) ball.centre.z() -= 0.005f;  // its seen front stays
   CHECK(jump_of(guessed, balls) < 0.00375 + tolerance(1e-6, "m: rounding"));
   CHECK(guessed.penetration() > 0.001);
   guessed.see(balls);
@@ -136,14 +136,14 @@ TEST_CASE("two fingers are two touches, the stronger one first", "[contact][skin
   CHECK(loop.penetration() < tolerance(1e-4, "m, as of one"));
 }
 
-TEST_CASE("the other side of a thing and what is not seen any more are said",
+TEST_CASE("a touch reports an assumed far side, and how long the obstacle has not been seen",
           "[contact][skin contact]") {
   Loop loop;
   std::vector<ObjectBall> balls;
   add_finger(balls, 0, 0, 0.003f);
   loop.see(balls);
   REQUIRE(loop.touches.size() == 1);
-  // Seen from above the tip, which looks down, is the side that is assumed.
+  // The tip points down and is seen from above, so its pressing side is assumed.
   CHECK(loop.touches[0].assumed == Approx(1.0));
   CHECK(loop.touches[0].unseen_for == 0);
   balls.clear();
@@ -153,7 +153,8 @@ TEST_CASE("the other side of a thing and what is not seen any more are said",
   CHECK(loop.touches[0].unseen_for == Approx(0.2));
 }
 
-TEST_CASE("what is seen uncertainly presses more softly", "[contact][skin contact]") {
+TEST_CASE("an obstacle that is known with more uncertainty presses more softly",
+          "[contact][skin contact]") {
   double before = std::numeric_limits<double>::infinity();
   for (const float sigma : {0.0f, 0.001f, 0.003f}) {
     Loop loop;
@@ -167,13 +168,13 @@ TEST_CASE("what is seen uncertainly presses more softly", "[contact][skin contac
   }
 }
 
-TEST_CASE("the same frames give the same touches, whatever was answered before them",
+TEST_CASE("the same frames give the same touches, whatever was solved before them",
           "[contact][skin contact]") {
   Loop one, other;
   std::vector<ObjectBall> elsewhere;
   add_finger(elsewhere, -0.01f, 0.01f, 0.005f);
   other.see(elsewhere);
-  other.state = {};  // the state is all that is remembered
+  other.state = {};  // the state is all that is carried over
   for (const float depth : {0.001f, 0.003f, 0.002f}) {
     std::vector<ObjectBall> balls;
     add_finger(balls, 0.005f, 0, depth);
@@ -200,7 +201,7 @@ TEST_CASE("a frame of touch allocates nothing", "[contact][skin contact]") {
   }
 }
 
-TEST_CASE("things in one place press as one", "[contact][skin contact]") {
+TEST_CASE("coincident obstacles press as one", "[contact][skin contact]") {
   Loop twice, once;
   std::vector<ObjectBall> balls;
   add_finger(balls, 0, 0, 0.003f);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kLargest = 4096;
 
-// The messages in these bytes, handed over so many at a time.
+// Reads the messages in these bytes, given to the reader in pieces of `at_a_time` bytes.
 template <class Found>
 bool read(const std::vector<std::byte>& bytes, std::size_t at_a_time, const Found& found) {
   ExactMessages messages(kLargest);
@@ -71,11 +71,11 @@ TEST_CASE("messages come back as they were written, in pieces of any size", "[re
   }
 }
 
-TEST_CASE("what is no message is broken, whichever byte is another", "[response][fuzz]") {
+TEST_CASE("a message with any byte changed is broken", "[response][fuzz]") {
   std::vector<std::byte> bytes;
   write_load(7, some_load(), bytes);
   for (std::size_t at = 0; at < bytes.size(); ++at) {
-    // The number is any; whoever reads knows which one was asked.
+    // Any number is valid: the reader compares it with that of the load it sent.
     if (at >= 12 && at < 16) continue;
     for (const auto bit : {std::byte{1}, std::byte{0x80}}) {
       INFO(at);
@@ -92,7 +92,7 @@ TEST_CASE("what is no message is broken, whichever byte is another", "[response]
   CHECK_FALSE(read(words, words.size(), [](const ExactMessage&) {}));
 }
 
-TEST_CASE("a message longer than can be meant is broken, not waited for", "[response]") {
+TEST_CASE("a message longer than the limit is broken, not waited for", "[response]") {
   std::vector<std::byte> bytes;
   write_sorry(std::string(kLargest + 1, 'x'), bytes);
   CHECK_FALSE(read(bytes, 64, [](const ExactMessage&) {}));

@@ -1,6 +1,6 @@
 /// @file
-/// Symmetric forms of the third and fourth degree in a few variables, kept as their distinct
-/// coefficients: what the body's stored energy is beyond its stiffness, in some modes.
+/// Symmetric forms of the third and fourth degree in a few variables, stored as their distinct
+/// coefficients. They are the terms of a body's stored energy beyond its stiffness, in some modes.
 ///
 ///   n  variables
 ///
@@ -26,15 +26,15 @@ struct SymmetricForm {
   int variables = 0;
   int degree = 3;                    ///< 3 or 4
   std::vector<std::int16_t> values;  ///< the distinct coefficients
-  std::vector<float> scale;          ///< per unit of `values`: of each run over the last index
+  std::vector<float> scale;          ///< unit of `values`, of each run over the last index
 };
 
 /// @param coefficients  the distinct ones
 [[nodiscard]] SymmetricForm rounded(int variables, int degree,
                                     std::span<const double> coefficients);
 
-/// The form in the first of its variables alone, the others 0. @pre of the third degree, and
-/// variables <= form.variables
+/// The form in its first variables, the others set to 0. @pre the degree is 3, and variables <=
+/// form.variables
 [[nodiscard]] SymmetricForm leading(const SymmetricForm& form, int variables);
 
 /// How many runs over the last index a form has.

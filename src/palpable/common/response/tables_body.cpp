@@ -20,18 +20,19 @@ namespace {
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
-// Iterations of a frame's last step in which what patches do to each other is evaluated anew: it is
-// of the second order, and the forces change little after them.
+// Iterations of a frame's last step in which the cross terms are evaluated anew. They are of the
+// second order, and the forces change little in later iterations.
 constexpr int kCrossIterations = 2;
-// Of TouchSettings::largest_step: an iteration moves no point by more.
+// Largest displacement of a point in one iteration, as a ratio to TouchSettings::largest_step.
 constexpr double kLargestChange = 4;
-// Of the tables' part in a state's own error, what an exact answer takes out: of the stress' error
-// more, of the displacement's less, since contact's own is left (docs/touch.md).
+// Share of the indicators `beyond` and `cross` that a full correction takes off. Its true share is
+// larger for stress and smaller for displacement, where the error of contact remains
+// (docs/touch.md).
 constexpr double kCorrected = 0.5;
-constexpr float kClusterRadius = 0.006f;  // m, of contact points
-// m between points that are compared with other bodies' skins.
+constexpr float kClusterRadius = 0.006f;  // m, of a cluster of contact points
+// m between the contact points that are searched on other bodies' skins.
 constexpr float kBetweenSkins = 0.003f;
-// Forces of a state that was held back: those of two frames.
+// Forces of a state after the step limit: those of two frames at most.
 constexpr std::size_t kMostForces = 2 * std::size_t{kMostPlacesWithOthers};
 
 std::size_t most_modes(const TouchTables& tables) {
@@ -62,33 +63,33 @@ struct TablesBody::Work {
   NonlinearResponse nonlinear;
   std::optional<ComplianceCache> cache;
   std::optional<ShellStress> shell;
-  std::vector<float> carrying_stress, carrying_tensors;  // (V), (6V) Pa of a coarser skin
-  std::optional<ErrorScale> error_scale;                 // of the tables' held-out touches
-  std::optional<MovingSurface> surface;                  // made when another body asks for it
-  SurfaceMesh rest_skin;                                 // of which it is made
-  Matrix3Xf placed;                                      // (3 x F) m
+  std::vector<float> coarse_stress, coarse_tensors;  // (V), (6V) Pa, of a coarser skin
+  std::optional<ErrorScale> error_scale;             // of the tables' held-out touches
+  std::optional<MovingSurface> surface;              // made when it is first queried
+  SurfaceMesh rest_skin;                             // the body's skin at rest
+  Matrix3Xf placed;                                  // (3 x F) m, its positions now
   bool is_surface_old = true;
-  Eigen::AlignedBox3f bounds;  // of the shape; empty: not known
+  Eigen::AlignedBox3f bounds;  // of the shape; empty: not computed
 
   // The frame.
   TouchState* state = nullptr;
-  Matrix3Xf ahead;  // (3 x W) m, formed by form_shape()
-  const Matrix3Xf* shape = nullptr;
+  Matrix3Xf formed;                  // (3 x W) m, the displacement by form_shape()
+  const Matrix3Xf* shape = nullptr;  // the state's displacement, or `formed`
   bool is_formed = false;
-  Matrix3Xf began;  // (3 x W) m
+  Matrix3Xf began;  // (3 x W) m, displacement when the frame began
   ForcesAtStart forces_at_start{kMostForces};
   TablesReport report;
-  std::array<float, 2> correcting{};  // weights of the state's corrections, under these loads
-  Matrix3Xf linear, without_cross;    // (3 x V) the shape without the tables' beyond, and
-                                      // without what patches do to each other
-  Matrix3Xf no_displacement;          // (3 x W)
+  std::array<float, 2> correcting{};  // weights of the state's corrections under the loads
+  Matrix3Xf linear, without_cross;    // (3 x V) m, `formed` without regions and cross terms,
+                                      // and without the cross terms alone
+  Matrix3Xf no_displacement;          // (3 x W) 0
 
   // The step.
   StepPlaces next;                 // places of the next step
   std::vector<Place> places;       // those that take part in the present one,
   std::vector<int> vertices;       // and their vertices
-  std::vector<VertexForce> loads;  // at these
-  std::vector<float> weights;      // of these, for choosing patches
+  std::vector<VertexForce> loads;  // the forces at these vertices
+  std::vector<float> weights;      // of these vertices, for choosing patches
   std::vector<float> field;        // (3 x slots of the cache) G f
   Matrix3Xf here, before;          // (3 x vertices) displacement now, and at linearise()
   bool is_last = false;
@@ -133,17 +134,17 @@ TablesBody::Work::Work(const SurfaceMesh& surface_mesh, std::span<const std::uin
       nonlinear(compliance, tables.regions, map, tables.cross),
       error_scale(palpable::error_scale(the_tables.held_out)),
       rest_skin(surface_mesh),
-      ahead(Matrix3Xf::Zero(3, compliance.nodes())),
-      began(ahead),
+      formed(Matrix3Xf::Zero(3, compliance.nodes())),
+      began(formed),
       linear(3, rest.cols()),
       without_cross(3, rest.cols()),
-      no_displacement(ahead),
+      no_displacement(formed),
       next(static_cast<std::size_t>(rest.cols())),
       tangent(most_modes(tables)) {
   shape = &no_displacement;
   if (skin.is_carried()) {
-    carrying_stress.resize(static_cast<std::size_t>(rest.cols()));
-    carrying_tensors.resize(6 * carrying_stress.size());
+    coarse_stress.resize(static_cast<std::size_t>(rest.cols()));
+    coarse_tensors.resize(6 * coarse_stress.size());
   }
   if (tables.shell.nodes() > 0) shell.emplace(tables.shell, static_cast<int>(rest.cols()));
   make_room(kMostPlaces, kMostVertices);
@@ -203,7 +204,7 @@ void TablesBody::begin_frame() {
     state.regions.clear();
     state.regions.reserve(NonlinearResponse::kMostPatches);
   }
-  w.skin.face_as(state.u);
+  w.skin.update_normals(state.u);
   w.shape = &state.u;
   w.is_formed = false;
   w.forget_surface();
@@ -271,7 +272,7 @@ const MovingSurface& TablesBody::surface() {
     w.placed.resize(3, w.rest_skin.vertex_count());
   }
   if (w.is_surface_old) {
-    w.skin.face_as(*w.shape);
+    w.skin.update_normals(*w.shape);
     w.skin.place(*w.shape, w.placed);
     w.surface->move(w.placed);
     w.is_surface_old = false;
@@ -288,8 +289,8 @@ bool TablesBody::add_place(int point) {
   const auto p = static_cast<std::size_t>(point);
   const SkinPoint& at = w.points[p];
   Place place;
-  place.at_rest = w.skin.places().col(point) + w.skin.lifted(p);
-  // All three corners, those without weight, too: patches are chosen among them.
+  place.at_rest = w.skin.places().col(point) + w.skin.lift_of(p);
+  // All three corners, also those without weight: patches are chosen among them.
   place.shares.count = 3;
   for (std::size_t k = 0; k < 3; ++k) {
     place.shares.of[k] = {at.corners[k], at.weights[static_cast<int>(k)]};
@@ -326,7 +327,8 @@ void TablesBody::begin_step(std::span<const PlaceLoad> loads, bool last) {
   w.find_displacements(CrossTerms::kAnew);
 }
 
-// What presses decides; before the first touch what is deepest in the obstacle.
+// Weights are the forces, and to a small part the penetration; before the first touch the
+// penetration alone.
 void TablesBody::Work::choose_patches(std::span<const PlaceLoad> entries) {
   weights.assign(vertices.size(), 0.0f);
   float pressing = 0;
@@ -342,10 +344,10 @@ void TablesBody::Work::choose_patches(std::span<const PlaceLoad> entries) {
   nonlinear.choose_patches(vertices, weights, state->regions);
 }
 
-// Of all vertices that take part, under the present loads.
+// Computes the displacements of all vertices that take part, under the present loads.
 void TablesBody::Work::find_displacements(CrossTerms cross) {
   if (is_nonlinear()) nonlinear.evaluate(loads, cross);
-  // G is symmetric: what a load does everywhere are its rows.
+  // G is symmetric, so the displacement by a load is a sum of its rows.
   std::fill(field.begin(), field.end(), 0.0f);
   for (const VertexForce& load : loads) {
     if (load.force.isZero(0)) continue;
@@ -421,9 +423,9 @@ double TablesBody::move(std::span<const Vector3f> forces, double) {
 
 // --- end of a step
 
-// The first nodes' displacement under the present loads.
+// Computes the displacement of the first nodes under the present loads.
 void TablesBody::Work::fill_shape(Eigen::Index nodes) {
-  Eigen::Ref<Matrix3Xf> u = ahead.leftCols(nodes);
+  Eigen::Ref<Matrix3Xf> u = formed.leftCols(nodes);
   linear_field.fill(loads, u);
   linear = u.leftCols(linear.cols());
   if (is_nonlinear()) {
@@ -444,8 +446,8 @@ void TablesBody::Work::fill_shape(Eigen::Index nodes) {
 
 void TablesBody::form_shape(bool all) {
   Work& w = *work_;
-  w.fill_shape(all ? w.ahead.cols() : w.rest.cols());
-  w.shape = &w.ahead;
+  w.fill_shape(all ? w.formed.cols() : w.rest.cols());
+  w.shape = &w.formed;
   w.is_formed = true;
   w.forget_surface();
 }
@@ -454,7 +456,7 @@ bool TablesBody::has_moved(double way) const {
   const Work& w = *work_;
   const Eigen::Index V = w.rest.cols();
   const float moved =
-      (w.ahead.leftCols(V) - w.state->u.leftCols(V)).colwise().squaredNorm().maxCoeff();
+      (w.formed.leftCols(V) - w.state->u.leftCols(V)).colwise().squaredNorm().maxCoeff();
   const auto least = static_cast<float>(way);
   return moved > least * least;
 }
@@ -464,21 +466,21 @@ void TablesBody::keep(bool) {
   TouchState& state = *w.state;
   state.regions.assign(w.nonlinear.regions().begin(), w.nonlinear.regions().end());
   state.refinement.weights = w.correcting;
-  if (w.is_formed) state.u.swap(w.ahead);
+  if (w.is_formed) state.u.swap(w.formed);
   w.shape = &state.u;
   w.is_formed = false;
 }
 
 // --- end of a frame
 
-// What the state says of its own error, by what was added up to its shape.
+// Computes the error indicators from the parts of the displacement.
 void TablesBody::end_frame(double penetration) {
   Work& w = *work_;
   w.report = {w.nonlinear.patch_count(), static_cast<double>(w.nonlinear.last_share()), {}, {}};
   const bool has_feet = std::any_of(w.places.begin(), w.places.end(),
                                     [](const Place& place) { return place.is_foot; });
   if (w.state->forces.empty() && !has_feet) return;
-  double all = 0, beyond = 0, between = 0, largest = 0;
+  double all = 0, beyond = 0, cross = 0, largest = 0;
   for (Eigen::Index v = 0; v < w.linear.cols(); ++v) {
     const Vector3f u = w.state->u.col(v);
     const auto moved = static_cast<double>(u.squaredNorm());
@@ -486,7 +488,7 @@ void TablesBody::end_frame(double penetration) {
     largest = std::max(largest, moved);
     beyond += static_cast<double>((u - w.linear.col(v)).squaredNorm());
     if (w.is_nonlinear()) {
-      between += static_cast<double>((u - w.without_cross.col(v)).squaredNorm());
+      cross += static_cast<double>((u - w.without_cross.col(v)).squaredNorm());
     }
   }
   if (!(all > 0)) return;
@@ -494,7 +496,7 @@ void TablesBody::end_frame(double penetration) {
   for (const float weight : w.correcting) left -= kCorrected * static_cast<double>(weight);
   left = std::max(1 - kCorrected, left);
   w.report.signs = {std::max(0.0, penetration) / std::sqrt(largest), left * std::sqrt(beyond / all),
-                    left * std::sqrt(between / all)};
+                    left * std::sqrt(cross / all)};
   if (w.error_scale) w.report.stated = w.error_scale->stated(w.report.signs);
 }
 
@@ -518,12 +520,12 @@ void TablesBody::limit_step(double share) {
 // --- any state
 
 void TablesBody::place(const TouchState& state, Matrix3Xf& skin) {
-  work_->skin.face_as(state.u);
+  work_->skin.update_normals(state.u);
   work_->skin.place(state.u, skin);
 }
 
 void TablesBody::find_moved(const TouchState& state, std::vector<Vector3f>& moved) {
-  work_->skin.face_as(state.u);
+  work_->skin.update_normals(state.u);
   moved.clear();
   for (const PointForce& at : state.forces) {
     moved.push_back(work_->skin.moved(static_cast<std::size_t>(at.point), state.u));
@@ -540,47 +542,46 @@ void TablesBody::stress(const TouchState& state, std::span<float> von_mises,
     return;
   }
   const std::span<float> tensors =
-      cauchy.empty() ? std::span<float>() : std::span<float>(w.carrying_tensors);
-  w.shell->evaluate(u, w.carrying_stress, tensors);
-  w.skin.spread(w.carrying_stress, 1, von_mises);
+      cauchy.empty() ? std::span<float>() : std::span<float>(w.coarse_tensors);
+  w.shell->evaluate(u, w.coarse_stress, tensors);
+  w.skin.spread(w.coarse_stress, 1, von_mises);
   if (!cauchy.empty()) w.skin.spread(tensors, 6, cauchy);
 }
 
-bool TablesBody::request(const TouchState& state, RequestedLoad& asked) {
+bool TablesBody::request(const TouchState& state, RequestedLoad& load) {
   Work& w = *work_;
-  asked.forces.clear();
+  load.forces.clear();
   if (state.forces.empty() || state.refinement.blended < 1) return false;
-  asked.forces.reserve(6 * std::size_t{kMostPlacesWithOthers});
+  load.forces.reserve(6 * std::size_t{kMostPlacesWithOthers});
   for (const PointForce& at : state.forces) {
     const SkinPoint& point = w.points[static_cast<std::size_t>(at.point)];
     for (std::size_t k = 0; k < 3; ++k) {
       const float weight = point.weights[static_cast<int>(k)];
-      if (weight > 0) asked.forces.push_back({point.corners[k], weight * at.force});
+      if (weight > 0) load.forces.push_back({point.corners[k], weight * at.force});
     }
   }
-  add_up_by_vertex(asked.forces);
-  asked.linear.resize(3, w.rest.cols());
-  w.linear_field.fill(asked.forces, asked.linear);
-  asked.tables = state.u;
+  add_up_by_vertex(load.forces);
+  load.linear.resize(3, w.rest.cols());
+  w.linear_field.fill(load.forces, load.linear);
+  load.tables = state.u;
   for (std::size_t k = 0; k < 2; ++k) {
     const float weight = state.refinement.weights[k];
-    if (weight > 0) asked.tables -= weight * state.refinement.corrections[k].field;
+    if (weight > 0) load.tables -= weight * state.refinement.corrections[k].field;
   }
   return true;
 }
 
-void TablesBody::probe(RequestedLoad& asked) {
+void TablesBody::probe(RequestedLoad& load) {
   make_probe(work_->linear_field, static_cast<int>(work_->rest.cols()), work_->compliance.nodes(),
-             asked);
+             load);
 }
 
-bool TablesBody::refine(TouchState& state, const RequestedLoad& asked,
+bool TablesBody::refine(TouchState& state, const RequestedLoad& load,
                         const Matrix3Xf& exact) const {
-  PALPABLE_EXPECT(exact.cols() == work_->compliance.nodes() &&
-                      asked.tables.cols() == exact.cols() &&
-                      asked.linear.cols() == work_->rest.cols(),
+  PALPABLE_EXPECT(exact.cols() == work_->compliance.nodes() && load.tables.cols() == exact.cols() &&
+                      load.linear.cols() == work_->rest.cols(),
                   "an answer has as many nodes as the tables");
-  return state.refinement.take_up(asked, exact);
+  return state.refinement.take_up(load, exact);
 }
 
 }  // namespace palpable

@@ -1,12 +1,12 @@
 /// @file
-/// A body with tables of touch as the contact solver sees it: displacement as a series in the
-/// forces, from the tables.
+/// A body with tables of touch as the contact solver sees it: the tables give its displacement as a
+/// series in the forces.
 ///
-///     u(f) = G f + what regions add + what patches do to each other + exact corrections
+///     u(f) = G f + regions' modes + interaction of patches + corrections by full-order solutions
 ///
 /// with G from compliance.h, regions and patches from nonlinear_response.h, corrections from
-/// refinement.h. The tangent is J = G + U H U^T, with U the modes of the regions and H what their
-/// displacement grows by.
+/// refinement.h. The tangent is J = G + U H U^T, with U the modes of the regions and H the
+/// derivative of their amplitudes by the modal coordinates of the load.
 ///
 ///   V  vertices that the tables know, of the skin or of a coarser one that carries it
 ///   F  vertices of the body's skin, V where it is not carried
@@ -35,33 +35,36 @@ namespace palpable {
 
 struct TouchSettings {
   double band = 0.0025;           ///< m: points nearer than this may press
-  double largest_step = 0.00125;  ///< m an object goes on in one step
-  int most_steps = 12;            ///< of a frame; what is deeper is reached in later frames
-  int iterations = 3;             ///< of Newton's method, of each step
-  int last_iterations = 10;       ///< of the last one, in all its rounds; then it is held back
-  double tolerance = 2e-5;        ///< m: the last iteration moved no touched vertex by more
-  /// m a round object may enter between two contact points: flat ones are given fewer points.
+  double largest_step = 0.00125;  ///< m that an obstacle advances in one step
+  int most_steps = 12;            ///< of a frame; deeper obstacles are reached in later frames
+  int iterations = 3;             ///< of Newton's method, in each step but the last
+  int last_iterations = 10;       ///< in the last step; the rest is made up in later frames
+  double tolerance = 2e-5;        ///< m: iterations end when no touched vertex moves more
+  /// m that a curved obstacle may enter between two contact points. Larger: fewer contact points
+  /// are used on flat obstacles, and a frame is cheaper.
   double entry = 2e-5;
-  /// Ratio to a point's own compliance, added to it: neighbours that move together share a force.
-  /// It leaves a penetration of force times the added compliance.
+  /// Additional compliance of each contact point, as a ratio to the mean compliance of the contact
+  /// points. Neighbours that move together then share a force; in return a penetration of force
+  /// times the additional compliance remains.
   double softness = 0.01;
-  bool nonlinear = true;  ///< false: the linear answer, in the present shape
-  int blend_frames = 6;   ///< over which an exact answer is taken up
+  bool nonlinear = true;  ///< false: linear displacements; gaps still in the present shape
+  int blend_frames = 6;   ///< over which a full-order solution is blended in
 };
 
-/// What a state says of its own error.
+/// How the tables were used in a frame, and the error stated for its state.
 struct TablesReport {
-  int patches = 0;        ///< of load, which regions answered for
-  double last_share = 0;  ///< of the series' last order, see NonlinearResponse
+  int patches = 0;        ///< patches of load
+  double last_share = 0;  ///< NonlinearResponse::last_share()
   ErrorSigns signs;       ///< 0 without force
-  /// What they say; nothing without force, or where the tables' held-out touches give no scale.
+  /// The error by these indicators; nothing without force, or where the tables' held-out touches
+  /// give no factor.
   std::optional<StatedError> stated;
 };
 
 /// Allocates in its constructor, and when a state is used for the first time.
 class TablesBody final : public ContactBody {
  public:
-  static constexpr int kMostVertices = 192;  ///< of the contact points of a step; as many of feet
+  static constexpr int kMostVertices = 192;  ///< of a step's contact points; as many again of feet
 
   /// @param skin    (F vertices) the body's, at rest
   /// @param fixed   (F) 1 where the support holds the vertex
@@ -70,7 +73,7 @@ class TablesBody final : public ContactBody {
              const TouchTables& tables, const TouchSettings& settings);
   ~TablesBody() override;
 
-  /// Frames advance this state from now on. It outlives its use.
+  /// From now on frames advance this state. It outlives its use.
   void use(TouchState& state);
 
   [[nodiscard]] std::span<const SkinPoint> points() const;       ///< (C) on the V vertices
@@ -79,19 +82,19 @@ class TablesBody final : public ContactBody {
   /// Of the frame advanced last.
   [[nodiscard]] const TablesReport& report() const;
 
-  // Of any state. These allocate nothing; not while another thread uses this.
+  // For any state. These functions allocate nothing, and share memory: one thread at a time.
 
-  /// Where the body's skin is, (3 x F) m.
+  /// Positions of the body's skin, (3 x F) m.
   void place(const TouchState& state, Eigen::Matrix3Xf& skin);
-  /// How far the points of a state's forces have moved, m, force by force.
+  /// Displacements of the points at which a state's forces act, m, force by force.
   void find_moved(const TouchState& state, std::vector<Eigen::Vector3f>& moved);
   /// The stress on the skin. @param von_mises  (F) Pa  @param cauchy  (6F) Pa, or empty
   /// @pre the tables have a shell
   void stress(const TouchState& state, std::span<float> von_mises, std::span<float> cauchy);
   /// As TouchSolver::request() and the functions that follow it there.
-  bool request(const TouchState& state, RequestedLoad& asked);
-  bool refine(TouchState& state, const RequestedLoad& asked, const Eigen::Matrix3Xf& exact) const;
-  void probe(RequestedLoad& asked);
+  bool request(const TouchState& state, RequestedLoad& load);
+  bool refine(TouchState& state, const RequestedLoad& load, const Eigen::Matrix3Xf& exact) const;
+  void probe(RequestedLoad& load);
 
   // ContactBody
   [[nodiscard]] SkinPointSet contact_points() const override;

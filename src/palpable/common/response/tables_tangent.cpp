@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// direction . field at a force's place. @param field  three values a slot
+// direction . field at a force's place. @param field  three values per slot
 float along(const TablesAt& at, const UnitForce& force, std::span<const float> field) {
   const Place& place = at.places[force.place];
   const Vector3f& d = force.direction;
@@ -58,7 +58,7 @@ void TablesTangent::fill_row(const TablesAt& at, const UnitForce& unit,
   }
 }
 
-// mode_rows_ and turned_ of unit forces, patch by patch.
+// Fills mode_rows_ and turned_ for the unit forces, patch by patch.
 void TablesTangent::find_mode_rows(const TablesAt& at, std::span<const UnitForce> forces) {
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const ForceShares& shares = at.places[forces[i].place].shares;
@@ -90,7 +90,7 @@ void TablesTangent::find_mode_rows(const TablesAt& at, std::span<const UnitForce
   }
 }
 
-// What the regions add to W and q.
+// Adds the regions' part of W and q.
 void TablesTangent::add_modes(const TablesAt& at, std::span<const UnitForce> forces,
                               std::span<double> W, std::size_t m, std::span<double> q) {
   find_mode_rows(at, forces);
@@ -119,7 +119,7 @@ void TablesTangent::add_modes(const TablesAt& at, std::span<const UnitForce> for
 void TablesTangent::add_compliance(const TablesAt& at, std::span<const UnitForce> forces,
                                    std::span<double> W, std::size_t m, std::span<double> q) {
   normals_.assign(forces.begin(), forces.end());
-  // Other bodies may have added theirs to W before.
+  // Other bodies may have added to W before, which must not count in the mean.
   mean_ = 0;
   const auto count = static_cast<double>(forces.size());
   for (const UnitForce& f : forces) mean_ -= W[f.row * m + f.row] / count;

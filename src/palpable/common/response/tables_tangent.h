@@ -1,13 +1,13 @@
 /// @file
-/// The tangent of a body with tables among unit forces at its places: how much the displacement
-/// along one grows by the other.
+/// The tangent of a body with tables among unit forces at its places: the derivative of the
+/// displacement along one force by the magnitude of another.
 ///
 ///     J = G + sum over patches  U H U^T
 ///
-/// with G from compliance.h; U the modes of a patch's region, and H = dz/dl what their coordinates
-/// z grow by a load l on them (nonlinear_response.h).
+/// with G from compliance.h, U the modes of a patch's region, and H the derivative of their
+/// amplitudes by the modal coordinates of the load (nonlinear_response.h).
 ///
-///   P  places     r  modes of a region     w  3 slots of the compliance cache
+///   P  places     r  modes of a region     w  3 x slots of the compliance cache
 #pragma once
 
 #include "palpable/common/contact/contact_body.h"
@@ -23,12 +23,12 @@
 
 namespace palpable {
 
-/// What a tangent is taken at.
+/// The state at which a tangent is taken.
 struct TablesAt {
   std::span<const Place> places;      ///< (P)
   const ComplianceCache& compliance;  ///< with the places' vertices
-  std::span<const float> field;       ///< (w) m, G f
-  /// Evaluated under the loads of the places; null: the linear tables alone.
+  std::span<const float> field;       ///< (w) m, G f at the slots' vertices
+  /// Evaluated under the loads of the places. Null: the tangent is that of the linear tables.
   NonlinearResponse* regions = nullptr;
 };
 
@@ -43,17 +43,17 @@ class TablesTangent {
   /// As ContactBody::add_compliance().
   void add_compliance(const TablesAt& at, std::span<const UnitForce> forces, std::span<double> W,
                       std::size_t m, std::span<double> q);
-  /// As ContactBody::add_tangential(), by the linear tables alone: the turning of normals is a
-  /// small part of the tangent.
+  /// As ContactBody::add_tangential(), by the linear tables alone: the terms by which normals turn
+  /// are a small part of the tangent.
   void add_tangential(const TablesAt& at, std::span<const UnitForce> forces, std::span<float> W_nt,
                       std::size_t wide, std::span<double> W_tt, std::span<double> q_t);
-  /// m/N, of the last add_compliance(): the mean over the forces' own compliance.
+  /// m/N, the mean compliance of a force on itself, over the forces of the last add_compliance().
   [[nodiscard]] double mean() const { return mean_; }
 
  private:
-  struct PatchRows {                  // of one patch, rising, and where its mode rows begin
+  struct PatchRows {                  // the unit forces of one patch
     std::size_t first = 0, last = 0;  // in order_
-    std::size_t at = 0;               // in mode_rows_ and turned_
+    std::size_t at = 0;               // where their rows begin in mode_rows_ and turned_
   };
   void fill_row(const TablesAt& at, const UnitForce& force, std::span<float> row) const;
   void find_mode_rows(const TablesAt& at, std::span<const UnitForce> forces);
@@ -61,11 +61,11 @@ class TablesTangent {
                  std::size_t m, std::span<double> q);
 
   std::size_t modes_wide_, width_ = 0;
-  std::vector<float> rows_;                // (P x w) G d
+  std::vector<float> rows_;                // (P x w) G d, with d a unit force
   std::vector<float> mode_rows_, turned_;  // (P x r) d U, d U H, patch by patch
   std::vector<std::size_t> order_;         // (P) unit forces, patch by patch
   std::vector<PatchRows> patches_;
-  std::vector<int> patch_of_;                     // (P) whose modes a row is of; -1: none
+  std::vector<int> patch_of_;                     // (P) of each unit force; -1: none
   std::vector<float> turned_coordinates_, sums_;  // (r), (P)
   std::vector<float> tangent_row_;                // (w)
   std::vector<UnitForce> normals_;                // of the last add_compliance()

@@ -36,18 +36,18 @@ TouchSkin::TouchSkin(const SurfaceMesh& skin, std::span<const std::uint8_t> fixe
     const SkinPoint& point = points_[p];
     const auto column = static_cast<Eigen::Index>(p);
     const bool is_vertex = point.weights[0] == 1.0f;
-    CarriedPoint stands = is_vertex ? carried_[static_cast<std::size_t>(point.corners[0])]
-                                    : carrier.stand(places_.col(column).cast<double>(),
-                                                    point.at(single_normals).cast<double>());
-    const bool gives_way =
-        std::any_of(stands.on.corners.begin(), stands.on.corners.end(),
+    CarriedPoint carried = is_vertex ? carried_[static_cast<std::size_t>(point.corners[0])]
+                                     : carrier.stand(places_.col(column).cast<double>(),
+                                                     point.at(single_normals).cast<double>());
+    const bool can_move =
+        std::any_of(carried.on.corners.begin(), carried.on.corners.end(),
                     [&](int v) { return tables.coarse->fixed[static_cast<std::size_t>(v)] == 0; });
-    if (!gives_way) continue;
-    stands.on.area = point.area;
-    points_[kept] = stands.on;
+    if (!can_move) continue;
+    carried.on.area = point.area;
+    points_[kept] = carried.on;
     levels_[kept] = levels_[p];
     places_.col(static_cast<Eigen::Index>(kept)) = places_.col(column);
-    heights_.push_back(stands.height);
+    heights_.push_back(carried.height);
     ++kept;
   }
   points_.resize(kept);
@@ -55,7 +55,7 @@ TouchSkin::TouchSkin(const SurfaceMesh& skin, std::span<const std::uint8_t> fixe
   places_.conservativeResize(3, static_cast<Eigen::Index>(kept));
 }
 
-void TouchSkin::face_as(const Matrix3Xf& u) {
+void TouchSkin::update_normals(const Matrix3Xf& u) {
   if (!is_carried()) return;
   if (u.cols() == 0) {
     turn_.setZero();

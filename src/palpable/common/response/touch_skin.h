@@ -1,8 +1,9 @@
 /// @file
-/// The skin that is touched: its contact points, by the vertices that the tables know. These are
-/// its own, or those of a coarser skin that carries it (carried_skin.h).
+/// The skin that is touched, and its contact points as weighted sums of the vertices that the
+/// tables know. These are the skin's own vertices, or those of a coarser skin that carries it
+/// (carried_skin.h).
 ///
-///   V  vertices that the tables know     F  of the body's skin; the same, if it is not carried
+///   V  vertices that the tables know     F  vertices of the body's skin; V if it is not carried
 ///   C  contact points, of the body's skin     W >= V  columns of displacements
 #pragma once
 
@@ -21,12 +22,13 @@
 
 namespace palpable {
 
-/// A share of a force on the body's skin: a vertex that the tables know, and how much of it.
+/// A vertex that the tables know, and the share of a force on the body's skin that acts on it.
 struct ForceShare {
   int vertex = 0;
   float weight = 0;
 };
-/// Those of one place: three corners, or three for each corner of a skin that is carried.
+/// The shares of one place: of three corners, or of three corners for each corner of a carried
+/// skin.
 struct ForceShares {
   std::array<ForceShare, 9> of{};
   std::size_t count = 0;
@@ -34,7 +36,7 @@ struct ForceShares {
 
 class TouchSkin {
  public:
-  /// m between contact points: on the flattest of objects, and the least that is told apart.
+  /// m between contact points that the flattest and the sharpest obstacle need (point_levels.h).
   static constexpr double kCoarsest = 0.006, kFinest = 0.0015;
 
   /// @param skin   (F vertices) the body's, at rest
@@ -44,32 +46,35 @@ class TouchSkin {
             const TouchTables& tables);
 
   [[nodiscard]] const Eigen::Matrix3Xf& rest() const { return rest_; }  ///< (3 x V) m
-  /// (C) on the V vertices. Points that cannot give way are left out.
+  /// (C) on the V vertices. Points that cannot be displaced are left out.
   [[nodiscard]] std::span<const SkinPoint> points() const { return points_; }
   [[nodiscard]] const Eigen::Matrix3Xf& places() const { return places_; }  ///< (3 x C) m, at rest
   [[nodiscard]] std::span<const float> levels() const { return levels_; }   ///< (C) point_levels()
 
-  /// The way in which vertices face, from here on: as in this displacement, (3 x W) m, or, with no
-  /// columns, at rest. A skin that is not carried does not ask.
-  void face_as(const Eigen::Matrix3Xf& u);
-  /// What the heights over the coarser skin add to a point's displacement by its corners, m.
-  [[nodiscard]] Eigen::Vector3f lifted(std::size_t point) const {
+  /// Computes the vertex normals of the coarser skin for this displacement, (3 x W) m, or with no
+  /// columns for the skin at rest. The functions below use them. Does nothing for a skin that is
+  /// not carried.
+  void update_normals(const Eigen::Matrix3Xf& u);
+  /// The part of a point's displacement that the turning of its height over the coarser skin adds,
+  /// m.
+  [[nodiscard]] Eigen::Vector3f lift_of(std::size_t point) const {
     if (heights_.empty()) return Eigen::Vector3f::Zero();
     return heights_[point] * points_[point].at(turn_);
   }
-  /// How far a point moves by a displacement of the vertices, m.
+  /// The displacement of a contact point by a displacement u of the vertices, m.
   [[nodiscard]] Eigen::Vector3f moved(std::size_t point, const Eigen::Matrix3Xf& u) const {
-    return points_[point].at(u) + lifted(point);
+    return points_[point].at(u) + lift_of(point);
   }
 
-  /// Which vertices of the tables a force at a place of the body's skin acts on.
+  /// The vertices of the tables that a force at a place of the body's skin acts on.
   [[nodiscard]] ForceShares shares_of(const SkinPoint& foot) const;
-  /// m, at rest.
+  /// Position at rest, m.
   [[nodiscard]] Eigen::Vector3f rest_at(const SkinPoint& foot) const { return foot.at(skin_); }
 
-  /// (3 x F) m: where the body's skin is by a displacement as face_as() has got it.
+  /// Positions of the body's skin, (3 x F) m. @param u  (3 x W) m, as given to update_normals()
   void place(const Eigen::Matrix3Xf& u, Eigen::Matrix3Xf& skin) const;
-  /// A quantity of the V vertices at those of the body's skin. @param width  numbers of each vertex
+  /// Interpolates a quantity from the V vertices to those of the body's skin. @param width  numbers
+  /// per vertex
   void spread(std::span<const float> of_vertices, std::size_t width, std::span<float> skin) const;
   [[nodiscard]] bool is_carried() const { return coarse_triangles_.cols() > 0; }
 
@@ -77,7 +82,7 @@ class TouchSkin {
   Eigen::Matrix3Xf rest_, skin_;       // (3 x V), (3 x F) m
   Eigen::Matrix3Xi coarse_triangles_;  // none: not carried
   Eigen::Matrix3Xf normals_;           // (3 x V) at rest
-  Eigen::Matrix3Xf moved_, turn_;  // (3 x V) m, of face_as(), and its normals less those at rest
+  Eigen::Matrix3Xf moved_, turn_;      // (3 x V) m, positions, and normals less those at rest
   std::vector<CarriedPoint> carried_;  // (F) the vertices; none: not carried
   std::vector<SkinPoint> points_;
   std::vector<float> levels_, heights_;

@@ -15,7 +15,7 @@ using Eigen::Matrix3Xf;
 using Eigen::Vector3d;
 using test::tolerance;
 
-// A ball of 40 mm, once finely and once coarsely.
+// A ball of radius 40 mm, with a fine and a coarse mesh.
 struct Balls {
   SurfaceMesh fine = sphere_surface({0, 0, 0.04}, 0.04, 4);
   SurfaceMesh coarse = sphere_surface({0, 0, 0.04}, 0.04, 2);
@@ -31,7 +31,7 @@ struct Balls {
   [[nodiscard]] TouchSkin skin() const { return {fine, fixed, tables}; }
 };
 
-// (3 x V) the displacement of a rotation about the axis of z with a shift.
+// (3 x V) the displacement by a rotation about the axis (1, 2, 3) and a translation.
 Matrix3Xf turned(const SurfaceMesh& surface, double angle) {
   const Eigen::Matrix3d R = Eigen::AngleAxisd(angle, Vector3d(1, 2, 3).normalized()).matrix();
   const Eigen::Matrix3Xd moved = (R * surface.vertices).colwise() + Vector3d(0.01, 0.02, 0.03);
@@ -43,11 +43,11 @@ TEST_CASE("a carried skin is where it was while the coarser one rests", "[contac
   TouchSkin skin = balls.skin();
   CHECK(skin.is_carried());
   Matrix3Xf x(3, balls.fine.vertex_count());
-  skin.face_as(Matrix3Xf(3, 0));
+  skin.update_normals(Matrix3Xf(3, 0));
   skin.place(Matrix3Xf(3, 0), x);
   CHECK(x == balls.fine.vertices.cast<float>());
   const Matrix3Xf zero = Matrix3Xf::Zero(3, balls.coarse.vertex_count());
-  skin.face_as(zero);
+  skin.update_normals(zero);
   skin.place(zero, x);
   CHECK(x == balls.fine.vertices.cast<float>());
   // Contact points are the fine skin's.
@@ -65,22 +65,24 @@ TEST_CASE("a skin that is carried turns with the one that carries it", "[contact
   const Matrix3Xf u = turned(balls.coarse, 0.5);
   const Matrix3Xf wanted = balls.fine.vertices.cast<float>() + turned(balls.fine, 0.5);
   Matrix3Xf x(3, balls.fine.vertex_count());
-  skin.face_as(u);
+  skin.update_normals(u);
   skin.place(u, x);
-  // Triangles of 14 mm lie up to 0.7 mm within the ball; what is beside the normal stays behind.
+  // Triangles of 14 mm lie up to 0.7 mm inside the ball; the part of that height beside the
+  // interpolated normal is not turned.
   const double off = (x - wanted).colwise().norm().maxCoeff();
   CHECK(off < tolerance(1e-4,
                         "m: the normals of corners, 7 degrees from those of the ball, times "
                         "the height and the angle"));
-  // Without turning the heights it would be off by 0.7 mm times the angle, and so it is.
-  skin.face_as(Matrix3Xf(3, 0));
+  // With the normals at rest the heights are not turned, and the error is larger.
+  skin.update_normals(Matrix3Xf(3, 0));
   skin.place(u, x);
   CHECK((x - wanted).colwise().norm().maxCoeff() > 2 * off);
 }
 
-TEST_CASE("a point stands on the side of a thin part that it is on", "[contact][carried]") {
-  // A coarse lens, and a fine one so thin that each side lies a little beyond the middle: the other
-  // side of the coarse one is nearer.
+TEST_CASE("a point of a thin part is attached to its own side of the coarse skin",
+          "[contact][carried]") {
+  // A coarse lens, and a fine one so thin that each of its sides lies a little beyond the middle:
+  // the opposite side of the coarse lens is nearer.
   SurfaceMesh coarse = sphere_surface({0, 0, 0}, 0.03, 3),
               fine = sphere_surface({0, 0, 0}, 0.03, 4);
   coarse.vertices.row(2) *= 0.05;
@@ -89,7 +91,7 @@ TEST_CASE("a point stands on the side of a thin part that it is on", "[contact][
   const SurfaceMesh& ball = sphere_surface({0, 0, 0}, 1, 4);
   normals.row(2) = ball.vertices.row(2).array().sign().matrix();
   const Carrier carrier(coarse);
-  int looked_at = 0;
+  int tested = 0;
   for (int v = 0; v < fine.vertex_count(); ++v) {
     if (std::abs(ball.vertices(2, v)) < 0.3) continue;
     const SkinPoint on = carrier.stand(fine.vertices.col(v), normals.col(v)).on;
@@ -99,12 +101,12 @@ TEST_CASE("a point stands on the side of a thin part that it is on", "[contact][
            coarse.vertices(2, on.corners[static_cast<std::size_t>(k)]);
     }
     CHECK(z * ball.vertices(2, v) > 0);
-    ++looked_at;
+    ++tested;
   }
-  CHECK(looked_at > 1000);
+  CHECK(tested > 1000);
 }
 
-TEST_CASE("what the vertices of a coarser skin know is spread over the fine one",
+TEST_CASE("a quantity at the vertices of a coarser skin is interpolated on the fine one",
           "[contact][carried]") {
   const Balls balls;
   const TouchSkin skin = balls.skin();

@@ -1,6 +1,6 @@
 /// @file
-/// One frame of touch of one body with tables: unilateral, frictionless contact of its skin with
-/// whatever is near it.
+/// One frame of contact of one body with tables: unilateral, frictionless contact of its skin with
+/// the obstacles near it.
 ///
 ///     g_i >= 0,   f_i >= 0,   g_i f_i = 0        at every contact point i,        u = u(f)
 ///
@@ -46,21 +46,21 @@ namespace palpable {
 
 /// How one frame went.
 struct TouchReport : ContactReport {
-  int patches = 0;        ///< patches of load that regions answered for
-  double last_share = 0;  ///< of the series' last order, see NonlinearResponse
-  ErrorSigns signs;       ///< of the state's own error; 0 without force
-  /// What they say; nothing without force, of a state that is held back, or where the tables'
-  /// held-out touches give no scale.
+  int patches = 0;        ///< patches of load
+  double last_share = 0;  ///< NonlinearResponse::last_share()
+  ErrorSigns signs;       ///< 0 without force
+  /// The error by these indicators; nothing without force, for a state at the step limit, or where
+  /// the tables' held-out touches give no factor.
   std::optional<StatedError> stated;
 };
-/// That of a body which was solved with others. @param solver  in which it is number `member`
+/// The report of a body that was solved with others. @param member  its number in `solver`
 [[nodiscard]] TouchReport report_of(const TablesBody& body, const ContactSolver& solver,
                                     int member);
 
 /// A body that is touched. Advancing allocates nothing once a state has had its room.
 class TouchSolver {
  public:
-  static constexpr int kMostPoints = palpable::kMostPlaces;  ///< that may press at a time
+  static constexpr int kMostPoints = palpable::kMostPlaces;  ///< contact points in one step
 
   /// @param skin    (F vertices) the body's, at rest
   /// @param fixed   (F) 1 where the support holds the vertex
@@ -68,54 +68,56 @@ class TouchSolver {
   TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
               const TouchTables& tables, const TouchSettings& settings = {});
 
-  /// (C) on the V vertices.
+  /// (C) the contact points, on the V vertices.
   [[nodiscard]] std::span<const SkinPoint> points() const { return body_->points(); }
-  /// (3 x C) m, of the points at rest.
+  /// (3 x C) m, positions of the contact points at rest.
   [[nodiscard]] const Eigen::Matrix3Xf& places() const { return body_->points_at_rest(); }
 
-  /// The state in which nothing enters the body. Pure: the same state and gaps give the same bytes.
-  /// @param largest_move  m: no vertex goes on by more, whatever came near; what is left to go is
-  ///                      gone in the frames after
+  /// Advances the state to the one in which no obstacle enters the body. Pure: the same state and
+  /// gaps give the same bytes.
+  /// @param largest_move  m, step limit: no vertex moves farther in this frame; the rest of the
+  ///                      displacement follows in later frames
   TouchReport advance(TouchState& state, const Obstacles& obstacles,
                       double largest_move = std::numeric_limits<double>::infinity());
 
-  /// The load that a state bears, to be answered exactly. False: there is none, or an answer is
-  /// still being blended in. Allocates nothing once `asked` has had its room.
-  /// @pre the state was not held back
-  [[nodiscard]] bool request(const TouchState& state, RequestedLoad& asked) {
-    return body_->request(state, asked);
+  /// The load that a state bears, as a request for its full-order solution. False: there is no
+  /// load, or a solution is still being blended in. Allocates nothing once `load` has had its room.
+  /// @pre the state has nothing left to move (TouchReport::left_to_move)
+  [[nodiscard]] bool request(const TouchState& state, RequestedLoad& load) {
+    return body_->request(state, load);
   }
-  /// Takes up the exact answer to a load, over the frames to come. False: it is so far from the
-  /// tables' that the load was more than the body bears; nothing is changed.
+  /// Blends the full-order solution of a load in, over the next frames. False: it differs from the
+  /// tables' by more than 30 %, which happens where the body does not bear the load without the
+  /// obstacle; nothing is changed.
   /// @param exact  (3 x W) m
-  bool refine(TouchState& state, const RequestedLoad& asked, const Eigen::Matrix3Xf& exact) const {
-    return body_->refine(state, asked, exact);
+  bool refine(TouchState& state, const RequestedLoad& load, const Eigen::Matrix3Xf& exact) const {
+    return body_->refine(state, load, exact);
   }
 
-  /// A load all over the skin, so small that its answer is the linear one; what the exact answer is
-  /// to agree with, if it is this body's.
-  void probe(RequestedLoad& asked) { body_->probe(asked); }
+  /// A load all over the skin that is so small that its response is linear; agrees() tells by its
+  /// full-order solution whether that was computed for this body.
+  void probe(RequestedLoad& load) { body_->probe(load); }
   [[nodiscard]] static bool agrees(const RequestedLoad& probe, const Eigen::Matrix3Xf& exact) {
     return is_of_probed_body(probe, exact);
   }
 
-  /// The stress on the skin in a state, as ShellStress::evaluate(). Allocates nothing; not while
-  /// another thread asks or advances.
-  /// @param von_mises  (F) Pa  @param cauchy  (6F) Pa, empty: not wanted
+  /// The stress on the skin in a state, as ShellStress::evaluate(). Allocates nothing. Must not run
+  /// while another thread calls any function of this object.
+  /// @param von_mises  (F) Pa  @param cauchy  (6F) Pa, empty: not computed
   /// @pre the tables have a shell
   void stress(const TouchState& state, std::span<float> von_mises,
               std::span<float> cauchy = {}) const {
     body_->stress(state, von_mises, cauchy);
   }
 
-  /// Where the body's skin is in a state, (3 x F) m. As stress() about threads and allocations.
+  /// Positions of the body's skin in a state, (3 x F) m. Threads and allocations as for stress().
   void place(const TouchState& state, Eigen::Matrix3Xf& skin) const { body_->place(state, skin); }
-  /// How far the points of a state's forces have moved in it, m, force by force. Likewise.
+  /// Displacements of the points at which a state's forces act, m, force by force. Likewise.
   void find_moved(const TouchState& state, std::vector<Eigen::Vector3f>& moved) const {
     body_->find_moved(state, moved);
   }
 
-  /// What is solved, for a solver of several bodies.
+  /// The body that is solved, for a solver of several bodies.
   [[nodiscard]] TablesBody& body() { return *body_; }
 
  private:

@@ -36,8 +36,8 @@ struct Sheet {
     return {body.skin, body.fixed, body.tables, settings};
   }
   // G f of a state's forces; contact points are the vertices.
-  [[nodiscard]] Eigen::VectorXd linear_answer(const TouchSolver& solver,
-                                              const TouchState& state) const {
+  [[nodiscard]] Eigen::VectorXd linear_response(const TouchSolver& solver,
+                                                const TouchState& state) const {
     Eigen::VectorXd f = Eigen::VectorXd::Zero(body.G.cols());
     for (const PointForce& force : state.forces) {
       const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
@@ -50,7 +50,7 @@ struct Sheet {
   }
 };
 
-// The largest |u| of a vertex less another field's, m.
+// Largest distance between two displacement fields at a vertex, m.
 double apart(const Matrix3Xf& a, const Matrix3Xf& b) {
   return static_cast<double>((a - b).colwise().norm().maxCoeff());
 }
@@ -80,12 +80,12 @@ TEST_CASE("a pressed sheet holds the conditions of unilateral contact", "[contac
     if (gap(x, found)) CHECK(found.distance > -tolerance(2e-5, "m"));
   }
   CHECK(report.penetration < tolerance(2e-5, "m"));
-  CHECK((state.u.reshaped().cast<double>() - sheet.linear_answer(solver, state))
+  CHECK((state.u.reshaped().cast<double>() - sheet.linear_response(solver, state))
             .cwiseAbs()
             .maxCoeff() < tolerance(2e-6, "m: 3e-4 of 3 mm, and no more"));
 }
 
-// A finer sheet, `height` over the elastic one.
+// A finer sheet, `height` (m) above the elastic one.
 SurfaceMesh finer_sheet(double height) {
   constexpr int kSide = 2 * ElasticSheet::kSide - 1;
   SurfaceMesh fine;
@@ -131,11 +131,11 @@ TEST_CASE("nothing enters a fine skin that the elastic one carries", "[contact][
     if (gap(x, found)) nearest = std::min(nearest, found.distance);
   }
   CHECK(std::abs(nearest) < tolerance(2e-5, "m: the last step of Newton's method"));
-  // The coarse vertices answer to the forces at the corners that the points stand on.
-  CHECK((state.u.reshaped().cast<double>() - sheet.linear_answer(solver, state))
+  // The coarse vertices respond to the forces at the corners that the points are attached to.
+  CHECK((state.u.reshaped().cast<double>() - sheet.linear_response(solver, state))
             .cwiseAbs()
             .maxCoeff() < tolerance(2e-6, "m: 3e-4 of 3 mm, and no more"));
-  // What is told of the pressed points is where the skin is.
+  // The displacements of the pressed points are those of the skin.
   std::vector<Vector3f> moved;
   solver.find_moved(state, moved);
   REQUIRE(moved.size() == state.forces.size());
@@ -150,7 +150,8 @@ TEST_CASE("nothing enters a fine skin that the elastic one carries", "[contact][
         }) == 0);
 }
 
-TEST_CASE("what presses in one frame is answered as what came slowly", "[contact]") {
+TEST_CASE("an obstacle that comes in one frame gives the same state as one that came slowly",
+          "[contact]") {
   const Sheet sheet;
   TouchSolver slow = sheet.solver(), fast = sheet.solver();
   TouchState slowly, at_once;
@@ -175,7 +176,7 @@ TEST_CASE("an object deeper than a frame's steps is reached in the frames after"
   CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
 }
 
-TEST_CASE("what leaves lets go at once, without pulling", "[contact]") {
+TEST_CASE("an obstacle that leaves releases the skin at once, without pulling", "[contact]") {
   const Sheet sheet;
   for (const GapFunction& gap : {test::nothing_near(), ball(0.02f, -0.005f)}) {
     TouchSolver solver = sheet.solver();
@@ -193,7 +194,7 @@ TEST_CASE("a fast object that leaves stays the skin's obstacle", "[contact]") {
   TouchSolver solver = sheet.solver(), other = sheet.solver();
   TouchState state, wanted;
   solver.advance(state, ball(0.02f, 0.006f));
-  // Its points are farther from the ball than candidates are, and would spring through it.
+  // Its points are farther from the ball than the search band, and would spring through it.
   solver.advance(state, ball(0.02f, 0.0015f));
   other.advance(wanted, ball(0.02f, 0.0015f));
   REQUIRE(wanted.u.cwiseAbs().maxCoeff() > 0.001f);
@@ -228,7 +229,7 @@ TEST_CASE("no vertex moves farther in a frame than it may, and the rest is made 
   }());
 }
 
-TEST_CASE("an answer that a frame's iterations do not reach is held back, and reached later",
+TEST_CASE("a solution that a frame's iterations do not reach is reached in later frames",
           "[contact]") {
   Sheet sheet;
   sheet.settings.last_iterations = 1;
@@ -245,7 +246,7 @@ TEST_CASE("an answer that a frame's iterations do not reach is held back, and re
   CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
 }
 
-TEST_CASE("numbers that are none press nothing", "[contact]") {
+TEST_CASE("gaps that are NaN press nothing", "[contact]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver();
   TouchState state;
@@ -267,7 +268,7 @@ TEST_CASE("the same frame and state give the same bytes, without allocating", "[
   const Sheet sheet;
   TouchSolver one = sheet.solver(), other = sheet.solver();
   TouchState a, b;
-  // The other has seen something else before, which must not show.
+  // The other has solved other frames before, which must not matter.
   other.advance(b, ball(0.01f, 0.002f, Vector3f(0.012f, 0, 0)));
   other.advance(b, test::nothing_near());
   other.advance(b, test::nothing_near());
@@ -284,7 +285,8 @@ TEST_CASE("the same frame and state give the same bytes, without allocating", "[
   CHECK(test::allocations_during([&] { one.advance(a, leaving, 0.001); }) == 0);
 }
 
-TEST_CASE("an answer says how far it is off, by the factors of its held-out touches", "[contact]") {
+TEST_CASE("a state comes with a stated error, by the factors of the held-out touches",
+          "[contact]") {
   Sheet sheet;
   sheet.settings.softness = 0.05;
   for (int k = 0; k < kLeastTouches; ++k) {
@@ -300,12 +302,12 @@ TEST_CASE("an answer says how far it is off, by the factors of its held-out touc
   CHECK(report.signs.entry > 0.01);
   CHECK(report.signs.beyond == 0.0);  // the sheet's tables are linear
   CHECK(report.signs.cross == 0.0);
-  // The touches were off by 1.5, in their stress by 4.5 times what they told.
+  // The touches' errors are 1.5 times their indicators, those of their stress 4.5 times.
   CHECK(report.stated->displacement == Approx(kOnTheSafeSide * 1.5 * unscaled_error(report.signs)));
   CHECK(report.stated->von_mises == Approx(kOnTheSafeSide * 4.5 * unscaled_error(report.signs)));
   const GapFunction deeper = ball(0.02f, 0.0031f);
   CHECK(test::allocations_during([&] { solver.advance(state, deeper); }) == 0);
-  // A skin that is held back is still on its way to what is told.
+  // While the step limit holds, the state is not the solution yet.
   CHECK_FALSE(solver.advance(state, ball(0.02f, 0.006f), 0.001).stated.has_value());
   CHECK_FALSE(solver.advance(state, test::nothing_near()).stated.has_value());
   sheet.body.tables.held_out.pop_back();
@@ -314,7 +316,7 @@ TEST_CASE("an answer says how far it is off, by the factors of its held-out touc
   CHECK_FALSE(too_few.advance(other, ball(0.02f, 0.003f)).stated.has_value());
 }
 
-TEST_CASE("two objects press at a time, and two in one place as one", "[contact]") {
+TEST_CASE("two obstacles press at a time, and two coincident ones as one", "[contact]") {
   const Sheet sheet;
   const GapFunction left = ball(0.008f, 0.002f, Vector3f(-0.014f, 0, 0));
   const GapFunction right = ball(0.008f, 0.003f, Vector3f(0.014f, 0, 0));
@@ -343,7 +345,7 @@ TEST_CASE("two objects press at a time, and two in one place as one", "[contact]
   CHECK(state.u == single.u);
 }
 
-TEST_CASE("of more contact points than there is room for the deepest count, and it is said",
+TEST_CASE("of too many contact points the deepest are kept, and the others are counted",
           "[contact]") {
   Sheet sheet;
   sheet.body.tables.point_spacing = 0.0013;  // some 1,500 points
@@ -356,7 +358,7 @@ TEST_CASE("of more contact points than there is room for the deepest count, and 
   CHECK(state.u.allFinite());
 }
 
-TEST_CASE("a flat object presses fewer points, and enters no deeper between them than was asked",
+TEST_CASE("a flat obstacle presses fewer points, and enters between them no deeper than allowed",
           "[contact]") {
   Sheet fine, coarse;
   for (Sheet* sheet : {&fine, &coarse}) {
@@ -381,22 +383,22 @@ TEST_CASE("a flat object presses fewer points, and enters no deeper between them
   CHECK(apart(with_all.u, with_some.u) < tolerance(2e-4, "m: twice what may enter"));
 }
 
-TEST_CASE("a gap is not asked for again where its shape tells it", "[contact]") {
+TEST_CASE("a gap is not queried again where its normal and curvature give it", "[contact]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver();
   TouchState state;
-  int asked = 0;
+  int queried = 0;
   const GapFunction there = ball(0.02f, 0.003f);
   const GapFunction counting = [&](const Vector3f& x, SurfaceGap& gap) {
-    ++asked;
+    ++queried;
     return there(x, gap);
   };
   solver.advance(state, counting);
-  asked = 0;
+  queried = 0;
   const TouchReport report = solver.advance(state, counting);  // nothing has moved
   REQUIRE(report.candidates > 4);
-  const int clusters = asked;
-  asked = 0;
+  const int clusters = queried;
+  queried = 0;
   int near = 0;
   const GapFunction with_near(counting, [&](const Vector3f& x, float reach) {
     SurfaceGap gap;
@@ -404,12 +406,12 @@ TEST_CASE("a gap is not asked for again where its shape tells it", "[contact]") 
     return there(x, gap) && gap.distance < reach;
   });
   const TouchReport again = solver.advance(state, with_near);
-  CHECK(asked == again.candidates);  // once each, though several iterations look
+  CHECK(queried == again.candidates);  // once each, in several iterations
   CHECK(near > 0);
-  CHECK(clusters > asked);
+  CHECK(clusters > queried);
 }
 
-TEST_CASE("where nothing was near, nothing is told of what comes near later", "[contact]") {
+TEST_CASE("a query that found no obstacle does not hide one that comes near later", "[contact]") {
   const Sheet sheet;
   TouchSolver one = sheet.solver(), other = sheet.solver();
   const GapFunction::Near always = [](const Vector3f&, float) { return true; };
@@ -420,8 +422,8 @@ TEST_CASE("where nothing was near, nothing is told of what comes near later", "[
     return true;
   };
   other.advance(elsewhere, GapFunction(far_away, always));
-  // The ball leaves, and is seen little farther than candidates are looked for: all points are
-  // asked in vain, and then the skin springs back into it.
+  // The ball leaves, and its gaps end a little beyond the search band: the queries of all points
+  // return nothing, and then the skin springs back into it.
   const GapFunction there(test::gap_to_ball(Vector3f(0, 0, 0.017f), 0.02f, 0.0026f), always);
   TouchState a = pressed, b = pressed;
   one.advance(a, there);
@@ -449,7 +451,7 @@ TEST_CASE("a surface that moves away does not come back by its curvature", "[con
   CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
 }
 
-TEST_CASE("asking whether anything is near first changes nothing that counts", "[contact]") {
+TEST_CASE("querying may_be_within() first does not change the result", "[contact]") {
   const Sheet sheet;
   TouchSolver with = sheet.solver(), without = sheet.solver();
   TouchState one, other;
@@ -461,11 +463,10 @@ TEST_CASE("asking whether anything is near first changes nothing that counts", "
     });
     with.advance(one, near);
     without.advance(other, GapFunction(gap, [](const Vector3f&, float) { return true; }));
-    // A gap that was asked for earlier in the frame, or beside it, is told by its curvature.
+    // A gap queried earlier in the frame nearby is continued by its curvature.
     CHECK(apart(one.u, other.u) < tolerance(1e-6, "m: 5 % of Newton's last step"));
   }
 }
 
-// Of the contact points of a state whose first corner lies left of the middle, or of the others.
 }  // namespace
 }  // namespace palpable

@@ -1,5 +1,5 @@
 /// @file
-/// What is remembered of a touch from frame to frame.
+/// The state of a body with tables between frames.
 ///
 ///   W  nodes of the shell     V  the first of them: vertices that the tables know
 #pragma once
@@ -13,14 +13,14 @@
 
 namespace palpable {
 
-/// All that is remembered from frame to frame. The default is a body at rest.
+/// All that is carried from frame to frame. The default is a body at rest.
 struct TouchState {
   std::vector<PointForce> forces;
-  std::vector<int> regions;  ///< that answered
-  /// (3 x W) m, of what the tables know: the whole skin in the first V columns, then the inner
-  /// nodes (shell_table.h), which are for the stress; no columns: at rest.
+  std::vector<int> regions;  ///< of the patches
+  /// (3 x W) m, displacement: of the whole skin in the first V columns, then of the inner nodes
+  /// (shell_table.h), which only the stress needs. No columns: at rest.
   Eigen::Matrix3Xf u;
-  Refinement refinement;  ///< what exact answers have added
+  Refinement refinement;  ///< corrections by full-order solutions
 };
 
 }  // namespace palpable

@@ -29,7 +29,7 @@ std::size_t bytes_of(const ShellTable& shell) {
          bytes(shell.points) + bytes(shell.weights);
 }
 
-// Factors of rows, blocks and runs.
+// Whether the factors of rows, blocks or runs are finite and not negative.
 bool are_scales(const std::vector<float>& scale) {
   return std::all_of(scale.begin(), scale.end(),
                      [](float s) { return std::isfinite(s) && s >= 0.0f; });
@@ -54,7 +54,7 @@ std::string trouble_of(const SymmetricForm& form, int degree, int most, std::str
   return are_scales(form.scale) ? std::string() : fmt::format("a factor of {}", what);
 }
 
-// How many contact points a skin will have, roughly: skin_points.h cuts each triangle by its
+// An estimate of the number of contact points on a skin: skin_points.h divides each triangle by its
 // longest edge.
 double points_on(const SurfaceMesh& skin, double spacing) {
   double sum = skin.vertex_count();
@@ -71,7 +71,7 @@ double points_on(const SurfaceMesh& skin, double spacing) {
   return sum;
 }
 
-// How many clusters have all their nodes among these, -1 if one has only some of them.
+// Counts the clusters of which all nodes are in a list; -1 if only some nodes of one are.
 class WholeClusters {
  public:
   explicit WholeClusters(const ComplianceTable& table)
@@ -121,7 +121,7 @@ std::string trouble_of(const RegionTable& table, const ComplianceTable& complian
   for (const std::string& trouble :
        {trouble_of(table.modes, 3 * known.size(), width, "its modes"),
         trouble_of(table.far_shapes, far, f, "its far shapes"),
-        trouble_of(table.far_shares, f, width, "its shares of them"),
+        trouble_of(table.far_shares, f, width, "its far shares"),
         trouble_of(table.cubic, 3, kMostTouchModes, "its second order"),
         trouble_of(table.quartic, 4, std::min(r, kMostLeadingModes), "its third order")}) {
     if (!trouble.empty()) return trouble;
@@ -129,18 +129,19 @@ std::string trouble_of(const RegionTable& table, const ComplianceTable& complian
   return {};
 }
 
-// A coarser skin lies where the fine one is, up to this share of its size.
+// Largest distance of the coarser skin's bounding box from the body's, as a ratio to its diagonal.
 constexpr double kSamePlace = 0.1;
 
 std::string trouble_of(const CoarseSkin& coarse, const SurfaceMesh& skin) {
   const SurfaceMesh& surface = coarse.surface;
   const int V = surface.vertex_count();
   if (V < 4 || surface.triangle_count() < 4) return "has no vertices";
-  if (!surface.vertices.allFinite()) return "has places that are no numbers";
+  if (!surface.vertices.allFinite()) return "has positions that are not finite";
   if (surface.triangles.minCoeff() < 0 || surface.triangles.maxCoeff() >= V) {
     return "has triangles of vertices that are not there";
   }
-  if (coarse.fixed.size() != static_cast<std::size_t>(V)) return "does not say what is held";
+  if (coarse.fixed.size() != static_cast<std::size_t>(V))
+    return "does not say which vertices are held";
   const Eigen::Vector3d low = skin.vertices.rowwise().minCoeff(),
                         high = skin.vertices.rowwise().maxCoeff();
   const double apart = std::max((surface.vertices.rowwise().minCoeff() - low).norm(),
@@ -181,7 +182,7 @@ std::size_t stress_bytes_of(const TouchTables& tables) {
   const ComplianceTable& c = tables.compliance;
   const auto V = static_cast<std::size_t>(c.vertices);
   const std::size_t inner = c.cluster_of.size() - V;
-  // Three rows in 16 bits, with their factors.
+  // Bytes of three rows of 16-bit numbers, with their factors.
   const auto rows = [](std::size_t width) { return 3 * (2 * width + sizeof(float)); };
   std::size_t sum = bytes_of(tables.shell) + inner * (sizeof(int) + 2 * rows(c.basis.width)) +
                     inner * rows(tables.cross.modes.width);
@@ -226,7 +227,7 @@ std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
     if (!trouble.empty()) return fmt::format("region {} is wrong in {}", k, trouble);
   }
   if (const std::string trouble = trouble_of(tables.cross, c.nodes()); !trouble.empty()) {
-    return fmt::format("what touches do to each other is wrong in {}", trouble);
+    return fmt::format("the cross terms are wrong in {}", trouble);
   }
   if (const std::string_view trouble = trouble_of(tables.shell, V); !trouble.empty()) {
     return fmt::format("the shell is wrong in {}", trouble);

@@ -1,5 +1,6 @@
 /// @file
-/// All that a body file holds for being touched anywhere, by anything, at several places at once.
+/// What a body file stores so that a body can be touched anywhere, by any obstacle, at several
+/// positions at once.
 ///
 ///   V  vertices of the skin, or of a coarser one that carries it     W  nodes of its shell
 ///   (shell_table.h), the vertices first
@@ -21,27 +22,28 @@
 namespace palpable {
 
 struct TouchTables {
-  std::optional<CoarseSkin> coarse;  ///< whose V vertices these are; none: the body's own skin
+  std::optional<CoarseSkin> coarse;  ///< the skin of the V vertices; none: the body's own skin
   ComplianceTable compliance;
-  std::vector<RegionTable> regions;  ///< none: the linear answer alone
+  std::vector<RegionTable> regions;  ///< none: the response is linear
   CrossTable cross;
-  ShellTable shell;              ///< for the stress
-  double region_reach = 0.018;   ///< m, from a region's middle: loads that it answers for
-  double point_spacing = 0.002;  ///< m, of contact points, see skin_points.h
-  std::vector<HeldOutTouch> held_out = {};  ///< how good all that is; none: not known
+  ShellTable shell;                         ///< for the stress
+  double region_reach = 0.018;              ///< m from a region's middle, for loads; see RegionMap
+  double point_spacing = 0.002;             ///< m between contact points, see skin_points.h
+  std::vector<HeldOutTouch> held_out = {};  ///< the tables' accuracy; none: not known
 };
 
-/// How large the tables are.
+/// Size of the tables.
 [[nodiscard]] std::size_t bytes_of(const TouchTables& tables);
-/// How much of that is there for the stress alone: the shell, and all rows of inner nodes.
+/// Size of the part that only the stress needs: the shell, and all rows of inner nodes.
 [[nodiscard]] std::size_t stress_bytes_of(const TouchTables& tables);
 
-/// Modes of one region, or of the cross table, at most, and leading ones of a region.
+/// Largest number of modes of a region or of the cross table, and of leading modes of a region.
 inline constexpr int kMostTouchModes = 512, kMostLeadingModes = 64;
 
-/// Why tables cannot be those of a skin: one that is not consistent or holds what is no number, one
-/// of other vertices, a coarser skin elsewhere, or contact points so near to each other that there
-/// would be more than 300,000. Empty if they can.
+/// Why the tables cannot belong to a skin; empty if they can. Reasons are tables that are
+/// inconsistent or hold numbers that are not finite, another number of vertices, a coarser skin in
+/// another position, or contact points so close to each other that there would be more than
+/// 300,000.
 [[nodiscard]] std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin);
 
 }  // namespace palpable

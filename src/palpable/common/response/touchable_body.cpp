@@ -11,9 +11,9 @@ void multiply(std::vector<float>& scale, double factor) {
   for (float& s : scale) s = static_cast<float>(factor * static_cast<double>(s));
 }
 
-// The same strains, so the same stress. A displacement is s times as large under a load s^2 times
-// as large: G of 1/s. Modes of unit energy are 1/sqrt(s) of what they were; the derivatives of the
-// energy in them follow, that of order n with s^(3 - n) s^(-n/2).
+// Strains and stress stay the same. A displacement grows by s under a load that grows by s^2, so G
+// is multiplied by 1/s. Modes of unit energy are multiplied by 1/sqrt(s), and the derivative of
+// order n of the energy by them is multiplied by s^(3 - n) s^(-n/2).
 TouchTables scaled(const TouchTables& tables, double s) {
   TouchTables result = tables;
   multiply(result.compliance.couplings.scale, 1 / s);

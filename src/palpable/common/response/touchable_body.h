@@ -1,5 +1,5 @@
 /// @file
-/// A body with its tables of touch, as the live half plays it.
+/// A body with its tables of touch, as the live half uses it.
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
@@ -11,21 +11,22 @@
 
 namespace palpable {
 
-/// A body that can be touched anywhere, by tables of its compliance or by its energy in modes; or,
-/// without either, at its sites, one touch at a time.
+/// A body that can be touched anywhere, by tables of its compliance or by its energy in modes;
+/// without either it can be touched at its sites, one at a time.
 struct TouchableBody {
-  /// A body without tables is one, too.
+  /// A body without tables converts to a TouchableBody.
   TouchableBody(ReducedBody the_body, std::optional<TouchTables> tables = {},
                 std::optional<ModalTables> modes = {})
       : body(std::move(the_body)), touch(std::move(tables)), modal(std::move(modes)) {}
 
   ReducedBody body;
   std::optional<TouchTables> touch;
-  std::optional<ModalTables> modal;  ///< used where there are no other tables
+  std::optional<ModalTables> modal;  ///< used if `touch` is empty
 };
 
-/// Every length times `factor`, as scaled_body.h does it: the same material answers similar loads
-/// with similar shapes, so that stiffness grows by the factor, and the energy by its third power.
+/// The body with every length multiplied by `factor`, as scaled_body.h does: the same material
+/// takes similar shapes under similar loads, so that stiffness grows by the factor, and the energy
+/// by its third power.
 /// @throws ContractViolation unless 0 < factor < infinity
 [[nodiscard]] TouchableBody scaled(const TouchableBody& body, double factor);
 

@@ -28,15 +28,15 @@ TEST_CASE("orders two and three and the stress scale with the body", "[response]
     const Compliance compliance(body.touch->compliance);
     const RegionMap map(body.body.surface.vertices.cast<float>(), body.touch->regions,
                         body.touch->region_reach);
-    NonlinearResponse answer(compliance, body.touch->regions, map, body.touch->cross);
+    NonlinearResponse response(compliance, body.touch->regions, map, body.touch->cross);
     const int v = body.touch->regions[1].vertex;
-    answer.choose_patches(std::array{v}, std::array{1.0f}, {});
-    REQUIRE(answer.patch_count() == 1);
-    answer.evaluate(std::array{VertexForce{v, size * size * Vector3f(1, 2, -5)}});
-    answer.find_far_targets();
+    response.choose_patches(std::array{v}, std::array{1.0f}, {});
+    REQUIRE(response.patch_count() == 1);
+    response.evaluate(std::array{VertexForce{v, size * size * Vector3f(1, 2, -5)}});
+    response.find_far_targets();
     Matrix3Xf u = Matrix3Xf::Zero(3, compliance.nodes());
-    compliance.add_beyond(answer.far_targets(), u);
-    answer.add_near(u);
+    compliance.add_beyond(response.far_targets(), u);
+    response.add_near(u);
     return u;
   };
   const Matrix3Xf u = shapes(small, 1), times_ten = shapes(large, kScale);

@@ -16,11 +16,11 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-/// The axis of the capsule and two directions across it; how its side leans.
+/// The axis of a capsule, two directions perpendicular to it, and the inclination of its side.
 struct CapsuleAxes {
   Vector3d axis, e1, e2;
   double length;
-  double tilt;  // rad between the normal of the conical side and the plane across the axis
+  double tilt;  // rad, of the normals of the conical side out of the plane perpendicular to the axis
 };
 
 CapsuleAxes axes_of(const Capsule& capsule, const Vector3d& side) {
@@ -28,7 +28,7 @@ CapsuleAxes axes_of(const Capsule& capsule, const Vector3d& side) {
   const Vector3d ab = capsule.b - capsule.a;
   frame.length = ab.norm();
   const bool has_axis = frame.length > 0.0;
-  // Where one sphere contains the other there is no conical side; the bound keeps the asin defined.
+  // If one sphere contains the other, there is no conical side; clamping keeps the asin defined.
   frame.tilt = has_axis ? std::asin(std::clamp((capsule.ra - capsule.rb) / frame.length, -1.0, 1.0))
                         : 0.5 * pi;
   frame.axis = has_axis ? Vector3d(ab / frame.length) : Vector3d::UnitZ();
@@ -39,15 +39,15 @@ CapsuleAxes axes_of(const Capsule& capsule, const Vector3d& side) {
   return frame;
 }
 
-/// Vertices of one latitude of the sphere at a or at b.
+/// The vertices on one circle of latitude of the sphere at a or at b.
 struct Ring {
-  double angle;  // between the normals and the plane across the axis
+  double angle;  // rad, of the normals out of the plane perpendicular to the axis
   bool at_b;
 };
 
-/// From the pole of a to the pole of b. The conical side lies between the last ring of a and the
-/// first of b.
-/// @param step  rad between rings, at most
+/// The rings from the pole at a to the pole at b. The conical side lies between the last ring of a and
+/// the first of b.
+/// @param step  rad, largest angle between neighbouring rings of a sphere
 std::vector<Ring> rings_of(double tilt, double step) {
   const auto arcs = [&](double angle) {
     return std::max(1, static_cast<int>(std::ceil(angle / step)));
@@ -61,7 +61,7 @@ std::vector<Ring> rings_of(double tilt, double step) {
   return rings;
 }
 
-/// Triangles between neighbouring rings of around + 1 vertices each.
+/// The triangles between neighbouring rings, which have around + 1 vertices each.
 Eigen::Matrix3Xi triangles_between(int rings, int around) {
   const int columns = around + 1;
   Eigen::Matrix3Xi triangles(3, 2 * (rings - 1) * around);
@@ -83,8 +83,8 @@ CapsuleMesh tessellate(const Capsule& capsule, const Vector3d& side, double chor
   const CapsuleAxes frame = axes_of(capsule, side);
   const double tilt = frame.tilt;
 
-  // A chord over the angle 2 h lies r (1 - cos h) inside. Chords round the axis and chords along it
-  // get half of the error each.
+  // The middle of a chord over the angle 2 h lies r (1 - cos h) inside. Chords round the axis and
+  // chords along it may each contribute half of the error.
   const double radius = std::max(capsule.ra, capsule.rb);
   const double half = std::acos(1.0 - std::min(0.5 * chord_error / radius, 0.5));
   const int around = std::max(8, static_cast<int>(std::ceil(pi / half)));

@@ -1,5 +1,5 @@
 /// @file
-/// A capsule as triangles, to be drawn. Metres; the frame is the capsule's.
+/// A triangle mesh of a capsule for drawing, m, in the frame in which the capsule is given.
 #pragma once
 
 #include "palpable/common/geometry/capsule.h"
@@ -8,19 +8,19 @@
 
 namespace palpable {
 
-/// All vertices lie on the surface of the capsule, all triangles inside it by at most a chord
-/// error. The vertices form rings round the axis; the first and the last vertex of a ring coincide,
-/// with the angles 0 and 2 pi.
+/// All vertices lie on the surface of the capsule, and all triangles at most a chord error inside it.
+/// The vertices form rings round the axis; the first and the last vertex of a ring coincide and have
+/// the angles 0 and 2 pi.
 struct CapsuleMesh {
   Eigen::Matrix3Xd vertices;   ///< (3 x N) m
   Eigen::Matrix3Xd normals;    ///< (3 x N) unit, outwards
-  Eigen::Matrix2Xd where;      ///< (2 x N) m along the surface from the end of a; angle round it
+  Eigen::Matrix2Xd where;      ///< (2 x N) m along the surface from the pole at a; rad round it
   Eigen::Matrix3Xi triangles;  ///< (3 x M) counter-clockwise seen from outside
 };
 
-/// @param side         where round the axis the angle 0 is; need not be perpendicular to the axis
-/// @param chord_error  m, > 0: no triangle lies deeper inside the capsule
-/// Capsules with the same radii and length get the same triangles, wherever they are.
+/// @param side         direction of the angle 0 round the axis; need not be perpendicular to the axis
+/// @param chord_error  m, > 0, largest depth of a triangle inside the capsule
+/// Capsules with equal radii and length get equal triangles, independently of their pose.
 /// @throws ContractViolation unless radii and chord error are positive
 [[nodiscard]] CapsuleMesh tessellate(const Capsule& capsule, const Eigen::Vector3d& side,
                                      double chord_error);

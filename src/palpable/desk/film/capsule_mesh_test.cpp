@@ -26,7 +26,7 @@ TEST_CASE("a capsule's triangles stay within the chord error of its surface", "[
         if (d > 1e-12 || d < -kError) FAIL("a point of a triangle lies " << d << " m outside");
       }
     }
-    // Outward orientation: the enclosed volume is that of the frustum and two caps, and positive.
+    // With outward orientation the enclosed volume is positive: that of the frustum and two caps.
     const double length = (c.b - c.a).norm();
     const double rough = std::numbers::pi * (c.ra + c.rb) * (c.ra + c.rb) / 4 * length +
                          4.0 / 3.0 * std::numbers::pi * c.ra * c.rb * (c.ra + c.rb) / 2;

@@ -1,5 +1,5 @@
 /// @file
-/// What one frame shows: where camera and movers are while its shutter is open.
+/// The scene of one frame: the poses of camera and movers while its shutter is open.
 #pragma once
 
 #include "palpable/desk/script/sequence.h"
@@ -8,12 +8,12 @@
 
 namespace palpable {
 
-/// The shutter is open around the frame's own moment, and the middle row is read at it. So camera
-/// and movers are asked for moments up to half a frame away.
+/// Times are in frames. The exposure is centred at the time `frame`, and so is the readout of the rows.
+/// So the renderer evaluates camera and movers at times up to half a frame away.
 struct DeskMoment {
   int frame = 0;
-  std::function<Rigid3(double)> camera_from_desk;  ///< at a moment
-  std::function<Movers(double)> movers;            ///< at a moment
+  std::function<Rigid3(double)> camera_from_desk;  ///< at a time
+  std::function<Movers(double)> movers;            ///< at a time
   RigState rig;
 };
 

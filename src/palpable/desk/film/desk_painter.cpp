@@ -15,17 +15,17 @@ namespace palpable {
 
 namespace {
 
-constexpr double kNearest = SeenBox::kNearest;  // m, of what is drawn
-constexpr double kFarthest = 24.0;
+constexpr double kNearest = SeenBox::kNearest;  // m, near plane
+constexpr double kFarthest = 24.0;                  // m, far plane
 
-/// How far (m) the filtered edge of a shadow reaches beyond the shadow: a few texels.
+/// m, width of the filtered edge outside a shadow, a few texels of the shadow map.
 constexpr double kShadowSpread = 0.005;
 
-/// Eyes stand at Z = 0 and look along Z with Y down. Row 0 of the picture is row 0 of the texture,
-/// so nothing is flipped on the way to memory.
+/// The projection of an eye at the origin that looks along Z, with Y down. Row 0 of the picture is row
+/// 0 of the texture, so that pictures need no flipping when they are read back.
 Eigen::Matrix4f clip_from_camera(const PinholeCamera& c) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
-  // u = fx X/Z + cx counts from the middle of a pixel, window coordinates from its corner.
+  // u = fx X/Z + cx is 0 at the centre of pixel 0, window coordinates are 0 at its corner.
   m(0, 0) = 2.0 * c.fx_px / c.width;
   m(0, 2) = 2.0 * (c.cx_px + 0.5) / c.width - 1.0;
   m(1, 1) = 2.0 * c.fy_px / c.height;
@@ -54,7 +54,7 @@ bool same(std::span<const HandCapsule> a, std::span<const HandCapsule> b) {
                     });
 }
 
-/// The rectangle of the ideal picture that movers can change, with their shadow or without.
+/// The rectangle of the ideal picture that movers can change, with or without their shadow.
 Box touched_by(std::span<const HandCapsule> capsules, const Eye& eye, const Rigid3& eye_from_desk,
                bool shadow) {
   SeenBox box(eye.ideal);
@@ -62,7 +62,7 @@ Box touched_by(std::span<const HandCapsule> capsules, const Eye& eye, const Rigi
     const auto& [a, b, ra, rb] = capsule.shape;
     box.include(eye_from_desk * a, ra, eye_from_desk * b, rb);
     if (!shadow) continue;
-    // Its shadow on the desk. Whatever the shadow falls on before lies between the two.
+    // The shadow on the desk. A higher surface with the shadow lies between the mover and this one.
     const auto fallen = [&](const Eigen::Vector3d& x) {
       return Eigen::Vector3d(eye_from_desk * (x - std::max(0.0, x.z()) / to_sun().z() * to_sun()));
     };
@@ -74,7 +74,7 @@ Box touched_by(std::span<const HandCapsule> capsules, const Eye& eye, const Rigi
   return box.pixels();
 }
 
-/// A rectangle of one picture into another of the same kind and size.
+/// Copies a rectangle of a picture to the same position of another with equal format and size.
 void copy(const GlTexture& from, GLuint to, GLenum kind, int layer, const Box& box) {
   glCopyImageSubData(from.get(), GL_TEXTURE_2D, 0, box.x, box.y, 0, to, kind, 0, box.x, box.y,
                      layer, box.width, box.height, 1);
@@ -122,7 +122,7 @@ DeskPainter::DeskPainter(PaintPrograms programs, const DeskScene& scene, const D
     places_.push_back(caster.box);
     if (mesh.in_shadows) casters_.push_back(caster);
   }
-  shade_by_movers(0.5F);  // of nothing yet
+  shade_by_movers(0.5F);  // there are no movers yet
 }
 
 void DeskPainter::draw_static() const {
@@ -159,7 +159,7 @@ void DeskPainter::place(const Movers& first, const Movers& last) {
   shaded_by_movers_ = movers_in(still_shadow_);
 }
 
-/// Whether a shadow of what stands still may fall on one of the capsules.
+/// Whether a shadow of a still thing may fall on one of the capsules.
 bool DeskPainter::any_in_shade(std::span<const HandCapsule> capsules) const {
   return std::any_of(capsules.begin(), capsules.end(), [&](const HandCapsule& capsule) {
     return std::any_of(casters_.begin(), casters_.end(), [&](const Caster& caster) {
@@ -168,7 +168,7 @@ bool DeskPainter::any_in_shade(std::span<const HandCapsule> capsules) const {
   });
 }
 
-/// The part of a shadow map in which the movers are while the shutter is open.
+/// The part of a shadow map that the movers cover while the shutter is open.
 LightBox DeskPainter::movers_in(const ShadowMap& map) const {
   LightBox box(map.light);
   for (const auto* capsules : {&first_, &last_})
@@ -176,12 +176,13 @@ LightBox DeskPainter::movers_in(const ShadowMap& map) const {
   return box;
 }
 
-/// Computes from a shadow map how much light reaches the desk's top: all of it outside of `box`.
+/// Computes from a shadow map the share of the sun's light that reaches the desk's top; outside of
+/// `box` the share is 1.
 void DeskPainter::light_desk(const ShadowMap& map, const Box& box) const {
   map.top_target.bind();
   constexpr std::array<float, 4> kAll = {1, 1, 1, 1};
   glClearBufferfv(GL_COLOR, 0, kAll.data());
-  // Beyond its border a texture repeats its outermost texels: these stay fully lit.
+  // Beyond its border a texture repeats its outermost texels, so these stay fully lit.
   const int inner = map.depth.width() - 2;
   const Box within = box.cut({1, 1, inner, inner});
   if (within.empty()) return;
@@ -202,8 +203,8 @@ void DeskPainter::cast_shadows(const ShadowMap& map, float along, const Draw& dr
   glEnable(GL_DEPTH_TEST);
   glClearDepth(1.0);
   glClear(GL_DEPTH_BUFFER_BIT);
-  // The stored depth is shifted away from the light, more on slopes. Otherwise surfaces would
-  // shadow themselves in stripes.
+  // The stored depth is shifted away from the light, more so on inclined surfaces. Without the shift,
+  // surfaces would cast stripes of shadow on themselves.
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(2.5F, 8.0F);
   programs_.shade.use();
@@ -213,7 +214,7 @@ void DeskPainter::cast_shadows(const ShadowMap& map, float along, const Draw& dr
   glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
-/// Sets the uniforms that all surfaces of one view have in common.
+/// Sets the uniforms that are the same for all surfaces of one view.
 void DeskPainter::look_from(const Paint& paint, const Eye& eye, const Rigid3& eye_from_desk,
                             float along) const {
   const GlProgram& program = paint.program;
@@ -236,10 +237,10 @@ void DeskPainter::look_from(const Paint& paint, const Eye& eye, const Rigid3& ey
   }
 }
 
-/// Sets up everything for painting from an eye, whatever was drawn before.
+/// Sets all OpenGL state for painting from an eye, independently of what was drawn before.
 void DeskPainter::begin_painting(const Eye& eye, const Rigid3& eye_from_desk, float along) const {
   glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LEQUAL);  // what is painted again over its own copy must pass
+  glDepthFunc(GL_LEQUAL);  // LEQUAL: a surface painted again over a copy of itself passes
   glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
   const PaintPrograms& p = programs_;
   for (const Paint* paint :
@@ -259,7 +260,7 @@ void DeskPainter::draw_still(const Paint& paint, const GpuMesh& mesh) const {
   mesh.draw();
 }
 
-/// Whether the movers' shadow may fall on a mesh that stands still.
+/// Whether the shadow of the movers may fall on still mesh `i`.
 bool DeskPainter::may_be_shaded(std::size_t i) const {
   return !first_.empty() && meshes_[i]->in_shadows && places_[i].meets(shaded_by_movers_);
 }
@@ -269,7 +270,7 @@ void DeskPainter::paint_one(std::size_t i, bool with_moving_shadows) const {
   if (!mesh.in_shadows) {
     draw_still(programs_.far, mesh);
   } else if (mesh.is_desk_top) {
-    // The light that reaches it was computed before (light_desk).
+    // The light on it was computed before (light_desk()).
     still_shadow_.top.bind(1);
     moving_shadow_.top.bind(2);
     draw_still(with_moving_shadows ? programs_.all_top : programs_.still_top, mesh);
@@ -279,22 +280,22 @@ void DeskPainter::paint_one(std::size_t i, bool with_moving_shadows) const {
   }
 }
 
-/// Everything that stands still. Near things are last in the list and painted first: what they hide
-/// is not shaded.
+/// Paints all still meshes. Near ones are last in the list and painted first, so that pixels hidden by
+/// them are not shaded.
 void DeskPainter::paint_static(bool with_moving_shadows) const {
   for (std::size_t i = meshes_.size(); i-- > 0;)
     paint_one(i, with_moving_shadows && may_be_shaded(i));
 }
 
-/// Only what the movers' shadow may fall on.
+/// Paints only the still meshes on which the shadow of the movers may fall.
 void DeskPainter::paint_shaded() const {
   for (std::size_t i = meshes_.size(); i-- > 0;)
     if (may_be_shaded(i)) paint_one(i, true);
 }
 
 void DeskPainter::paint_movers() const {
-  // Movers are closed surfaces: the triangles that face away are hidden by the others. With Y down,
-  // those that face the eye run clockwise.
+  // Movers are closed surfaces, so triangles that face away are hidden and culled. With Y down, the
+  // corners of triangles that face the eye are in clockwise order.
   glFrontFace(GL_CW);
   glEnable(GL_CULL_FACE);
   const auto& [plain, detailed] = in_shade_ ? programs_.mover_in_shade : programs_.mover;
@@ -310,8 +311,8 @@ void DeskPainter::paint_movers() const {
   glDisable(GL_CULL_FACE);
 }
 
-/// Whether the eye's still picture shows the desk from this pose. The picture is painted when the
-/// eye has the same pose twice in turn.
+/// Whether the eye's still picture shows the desk from this pose. The picture is painted at the second
+/// successive call with the same pose.
 bool DeskPainter::has_still(Eye& eye, const Rigid3& eye_from_desk) {
   const auto is = [&](const std::optional<Rigid3>& pose) {
     return pose && pose->matrix() == eye_from_desk.matrix();
@@ -354,7 +355,7 @@ void DeskPainter::paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& 
   glDisable(GL_SCISSOR_TEST);
 }
 
-/// What the movers can change while the shutter is open.
+/// The rectangle that the movers can change while the shutter is open.
 Box DeskPainter::touched(const Eye& eye, const Rigid3& eye_from_desk, bool shadow) const {
   return around(touched_by(first_, eye, eye_from_desk, shadow),
                 touched_by(last_, eye, eye_from_desk, shadow));
@@ -367,7 +368,7 @@ std::vector<Box> DeskPainter::parts_touched(const Eye& eye, std::span<const Rigi
     for (const Rigid3& pose : poses) all = around(all, touched(eye, pose, false));
     return {all};
   }
-  constexpr int kParts = 4;  // of a capsule, each with a rectangle of its own
+  constexpr int kParts = 4;  // parts of a capsule, each with its own rectangle
   std::vector<Box> parts;
   for (std::size_t i = 0; i < first_.size(); ++i)
     for (int part = 0; part < kParts; ++part) {
@@ -399,7 +400,7 @@ void DeskPainter::paint_reference(Eye& eye, int index, const Rigid3& eye_from_de
   }
   begin_painting(eye, eye_from_desk, 0.0F);
   copy(eye.seen_depth_turned, eye.still_depth, all_of(eye.ideal));
-  eye.still_from_desk.reset();  // still_depth is this reference's now
+  eye.still_from_desk.reset();  // still_depth now belongs to this reference
   target.bind();
   glClear(GL_COLOR_BUFFER_BIT);
   paint_static(true);

@@ -1,12 +1,13 @@
 /// @file
-/// Paints the desk and what moves on it as an eye without a lens sees them at one moment: into the
-/// pictures of an Eye, or, for the truth, as depth. OpenGL's names and terms; the context must be
-/// current.
+/// Paints the desk and the movers on it as an eye without a lens sees them at one instant: into the
+/// pictures of an Eye or, for the truth, as depth. The OpenGL context must be current.
 ///
-/// Words of this file:
+/// Terms of this file:
 ///
-///     moment    `along` 0 as the shutter opens .. 1 as it closes; movers go straight in between
+///     along     instant of an exposure: 0 as the shutter opens .. 1 as it closes; movers move
+///               linearly in between
 ///     still     a picture of the desk without movers; it is kept while the eye does not move
+///     ideal     the picture of an eye without a lens, from which the raw picture is computed
 ///     wanted    the rectangle of the ideal picture that has to be painted
 #pragma once
 
@@ -26,39 +27,39 @@
 
 namespace palpable {
 
-/// Both eyes and the truth use the same painter: meshes and shadows do not depend on the eye.
+/// Both eyes and the truth share one painter, since meshes and shadows do not depend on the eye.
 class DeskPainter {
  public:
-  /// Uploads the scene and casts its shadows.
-  /// @param look  of the movers
+  /// Uploads the scene and computes its shadows.
+  /// @param look  appearance of the movers
   DeskPainter(PaintPrograms programs, const DeskScene& scene, const DeskLook& look);
 
-  /// Uploads what moves, as the shutter opens and as it closes; without its shadow. Quick when it
-  /// has not changed.
+  /// Uploads the movers as the shutter opens and as it closes, without their shadow. Fast if they have
+  /// not changed.
   void place(const Movers& first, const Movers& last);
-  /// Casts the shadow of what was placed, as it is at the moment `along`. Quick when it has not
-  /// changed.
+  /// Computes the shadow of the placed movers at the instant `along`. Fast if it has not changed.
   void shade_by_movers(float along);
 
-  /// The ideal picture of one moment, within `wanted`. What is outside is left as it is.
-  /// @param seen  a depth buffer of the eye (Eye::seen_depth ...), used unless there is a still
+  /// Paints the ideal picture of one instant within `wanted` and leaves the rest unchanged.
+  /// @param seen  initial depth buffer: seen_depth or seen_depth_turned of the eye. Not used if there
+  ///              is a still picture
   void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted, const GlTexture& seen,
                    float along);
-  /// Into eye.stills: what stands still, with the shadow of what moves.
-  /// @param alone  the exposure has no other reference
+  /// Paints the still things, with the shadow of the movers, into picture `index` of eye.stills.
+  /// @param alone  whether the exposure has no other reference
   void paint_reference(Eye& eye, int index, const Rigid3& eye_from_desk, bool alone);
-  /// Into eye.layers: the movers where nothing still hides them, and elsewhere alpha 0.
+  /// Paints the movers into picture `index` of eye.layers, with alpha 0 where there is none or where a
+  /// still thing hides it.
   void paint_layer(const Eye& eye, int index, const Rigid3& eye_from_desk, float along);
 
-  /// Rectangles of the ideal picture that hold all movers, without their shadow, while the shutter
-  /// is open and the eye goes through the poses.
-  /// @param cup  whether one is there: its capsules do not show what is drawn, so all movers
-  /// together
-  ///             get one rectangle
+  /// Rectangles of the ideal picture that contain all movers, without their shadow, while the shutter
+  /// is open and the eye passes through the poses.
+  /// @param cup  whether there is a cup. Its capsules differ from the drawn surface, so all movers
+  ///             together then get one rectangle
   [[nodiscard]] std::vector<Box> parts_touched(const Eye& eye, std::span<const Rigid3> poses,
                                                bool cup) const;
 
-  /// Z, m, and whether it moves, of everything in view: into the target's pixels.
+  /// Writes Z, m, and whether the surface moves into each pixel of the target.
   void measure(const GlFramebuffer& target, const Rigid3& camera_from_desk,
                const PinholeCamera& view) const;
 
@@ -90,13 +91,13 @@ class DeskPainter {
   std::vector<GlTexture> images_, mover_images_;
   std::vector<std::unique_ptr<GpuMesh>> meshes_;
   std::vector<std::unique_ptr<GpuMesh>> movers_;
-  // What `movers_` shows, as the shutter opens and as it closes.
+  // The movers in `movers_` as the shutter opens and as it closes.
   std::vector<HandCapsule> first_, last_;
-  std::optional<float> shadow_along_;  // the moment of the movers' shadow, if it was cast
-  bool in_shade_ = false;              // a shadow of what stands still may fall on the movers
+  std::optional<float> shadow_along_;  // `along` of the movers' shadow, if it is computed
+  bool in_shade_ = false;              // whether a still thing may cast a shadow on movers
   std::vector<Caster> casters_;
   ShadowMap still_shadow_, moving_shadow_;
-  // Where each of `meshes_` is in still_shadow_'s map, and where the movers are.
+  // The extents of each of `meshes_`, and of the movers, in the map of still_shadow_.
   std::vector<LightBox> places_;
   LightBox shaded_by_movers_;
 };
@@ -106,7 +107,7 @@ class DeskPainter {
   return {0, 0, camera.width, camera.height};
 }
 
-/// From here on only the rectangle is drawn to, until GL_SCISSOR_TEST is disabled.
+/// Restricts drawing to the rectangle until GL_SCISSOR_TEST is disabled.
 inline void cut_to(const Box& box) {
   glEnable(GL_SCISSOR_TEST);
   glScissor(box.x, box.y, box.width, box.height);

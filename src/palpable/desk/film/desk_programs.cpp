@@ -44,7 +44,7 @@ Result<DeskPrograms> DeskPrograms::make() {
   Result<std::vector<GlProgram>> made = make_programs(film_shader_files(), kSources);
   if (!made.ok()) return made.problem();
   std::vector<GlProgram> programs = std::move(made).value();
-  // Members of a braced list are initialised in their order: that of kSources.
+  // The members of a braced list are initialised in order, which is the order of kSources.
   std::size_t used = 0;
   const auto next = [&]() -> GlProgram { return std::move(programs[used++]); };
   return DeskPrograms{

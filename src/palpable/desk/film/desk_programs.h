@@ -1,6 +1,6 @@
 /// @file
-/// The shaders that film the desk, compiled: a program for each kind of surface and for each way to
-/// read the sensor. OpenGL's names and terms; the context must be current.
+/// The compiled shader programs that film the desk: one for each kind of surface and each way to read
+/// the sensor. The OpenGL context must be current.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -10,35 +10,35 @@
 
 namespace palpable {
 
-/// A program that paints a kind of surface (desk.vert and desk.frag), and what it was compiled for:
-/// it has the uniforms of nothing else.
+/// A program that paints one kind of surface (desk.vert and desk.frag), and the features that it was
+/// compiled with. It has only the uniforms of these features.
 struct Paint {
   GlProgram program;
-  bool far = false;             ///< lit at the vertices, outside of all shadows
-  bool moves = false;           ///< between two moments
+  bool far = false;             ///< lit at the vertices, without shadows
+  bool moves = false;           ///< interpolated between two instants
   bool sun = true;              ///< false: the surface faces away from the sun
-  bool still_shadows = false;   ///< things that stand still cast shadows on it
+  bool still_shadows = false;   ///< still things cast shadows on it
   bool moving_shadows = false;  ///< movers cast shadows on it
 };
 
-/// What draws the ideal picture of an eye, shadow maps and depth.
+/// The programs that draw the ideal picture of an eye, shadow maps and depth.
 struct PaintPrograms {
   GlProgram shade;      ///< depth from the sun, into a shadow map
-  GlProgram measure;    ///< the truth of depth
-  GlProgram light_top;  ///< how much sun reaches the desk's top, from a shadow map
+  GlProgram measure;    ///< true depth
+  GlProgram light_top;  ///< share of the sun on the desk's top, from a shadow map
 
-  // What stands still: far away; with the shadows of still things, or of all; the desk's top.
+  // Still surfaces: far away; with the shadows of still things, or of all things; the desk's top.
   Paint far, still, all, still_top, all_top;
-  // What moves; index: [with nails and creases].
+  // Moving surfaces; index: [with nails and creases].
   std::array<Paint, 2> mover, mover_in_shade;
   Paint mover_dark;
 };
 
-/// What turns ideal pictures into a raw one (sensor.frag).
+/// The programs that compute a raw picture from ideal ones (sensor.frag).
 struct SensorPrograms {
-  GlProgram sharp;  ///< a picture of one moment
+  GlProgram sharp;  ///< a picture of one instant
   GlProgram rows;   ///< rows that are read one after the other
-  /// An exposure; index: [with layers of movers][the eye turns].
+  /// A picture with motion blur; index: [with layers of movers][the eye turns].
   std::array<std::array<GlProgram, 2>, 2> exposed;
 };
 

@@ -21,15 +21,15 @@ namespace palpable {
 
 namespace {
 
-/// Rows that are read as if at one moment.
+/// A band of raw rows that is painted for one instant.
 struct Band {
   double frame = 0;
   int first_row = 0, last_row = 0;
   double frames_per_row = 0;
 };
 
-/// The bands that a frame is read in.
-/// @param rows  of the raw picture
+/// The bands in which a frame is read.
+/// @param rows  number of rows of the raw picture
 std::vector<Band> bands_of(const DeskMoment& frame, int rows) {
   constexpr int kCount = 6;
   const double frames_per_row = frame.rig.readout * kFramesPerSecond / (rows - 1);
@@ -51,13 +51,13 @@ DistortedCamera lowered(DistortedCamera camera, double rows) {
   return camera;
 }
 
-/// One eye's part of a frame.
+/// One eye, with its pose and noise, in a frame.
 struct View {
   Eye& eye;
   Rigid3 eye_from_camera;
   int noise_key;
 
-  /// Eye from desk, at a moment (frames).
+  /// eye_from_desk at a time (frames).
   [[nodiscard]] Rigid3 pose_at(const DeskMoment& frame, double at) const {
     return eye_from_camera * frame.camera_from_desk(at);
   }
@@ -70,18 +70,19 @@ Box needed_by(const Band& band, const Eye& eye) {
     top = std::min(top, eye.rows[row][0]);
     bottom = std::max(bottom, eye.rows[row][1]);
   }
-  // A few rows more: the camera turns within the band, and the filter reads neighbours.
+  // Some more rows are needed because the camera turns within the band and the filter reads
+  // neighbours.
   const int y0 = static_cast<int>(top) - 6;
   return all_of(eye.ideal).cut({0, y0, eye.ideal.width, static_cast<int>(bottom) + 8 - y0});
 }
 
-/// Where the looks of an exposure fall: homographies between places in the ideal picture (0..1), to
-/// a reference from a look's moment and from a layer's.
+/// The homographies of an exposure between positions in the ideal picture (0..1): to a reference from
+/// the instant of each look, and from that of each layer.
 struct Looks {
   std::vector<Eigen::Matrix3f> still_from_moment, still_from_layer;
 };
 
-/// Z and movers of a view, to be read back.
+/// A render target for Z and the movers of a view.
 struct DepthTarget {
   GlTexture z, depth;
   GlFramebuffer target;
@@ -94,12 +95,12 @@ struct DepthTarget {
 };
 
 /// Whether the right eye sees a point that the left one sees at column x.
-/// @param z      m, of the point
-/// @param right  the same row as the right eye sees it: (Z, whether it moves)
+/// @param z      m, depth of the point
+/// @param right  the same row in the right eye: (Z, whether it moves)
 bool both_see(int x, float z, std::span<const Eigen::Vector2f> right, const PinholeCamera& view,
               double baseline) {
-  // The point lies f T / Z further left in the right eye. It is hidden there when both pixels
-  // beside it show something nearer.
+  // In the right eye the point lies f T / Z further left. It is hidden there when both pixels next to
+  // it show something nearer.
   const double u = x - view.fx_px * baseline / z;
   const auto u0 = static_cast<int>(std::floor(u));
   if (u0 < 0 || u0 + 1 >= view.width) return false;
@@ -127,11 +128,11 @@ struct DeskRenderer::State {
         sense(std::move(programs.sensor)),
         painter(std::move(programs.paint), scene, look),
         left(camera.rig.left, 1.0F),
-        // What the calibration does not know: the right image lies a little lower.
+        // An error that the calibration does not contain: the right image lies a little lower.
         right(lowered(camera.rig.right, camera.faults.row_error_px),
               static_cast<float>(camera.faults.right_gain)) {}
 
-  /// Sets what sensor.frag needs to know of lens and sensor.
+  /// Sets the uniforms of lens and sensor in sensor.frag.
   void begin_sensing(const GlProgram& program, const View& view, const DeskMoment& frame) const {
     const Eye& eye = view.eye;
     const PinholeCamera& raw = eye.camera.pinhole;
@@ -156,7 +157,7 @@ struct DeskRenderer::State {
     glDisable(GL_SCISSOR_TEST);
   }
 
-  /// A frame of one moment.
+  /// Draws a frame without motion during the exposure.
   void draw_at_once(const View& view, const DeskMoment& frame) {
     const Movers movers = frame.movers(frame.frame);
     painter.place(movers, movers);
@@ -172,8 +173,8 @@ struct DeskRenderer::State {
     draw_raw(eye, all_of(eye.camera.pinhole));
   }
 
-  /// Raw rows of the ideal picture, which shows the moment of the middle one.
-  /// @param turn  from one row to the next; the eye's frame
+  /// Computes raw rows from the ideal picture, which was painted for the instant of the middle row.
+  /// @param turn  rotation from one row to the next, in the eye's frame
   void sense_band(const View& view, const DeskMoment& frame, const Band& band,
                   const Eigen::AngleAxisd& turn) const {
     const Eye& eye = view.eye;
@@ -181,8 +182,8 @@ struct DeskRenderer::State {
     sense.rows.set("ideal", 1);
     eye.ideal_color.bind(1);
     sense.rows.set("moment_row", static_cast<float>(0.5 * (band.first_row + band.last_row)));
-    // Turns this small add up: the ray of a row is that of the middle row plus ray x turn for each
-    // row in between.
+    // Small rotations are additive: the ray of a row is that of the middle row plus ray x turn for
+    // each row in between.
     const Eigen::Vector3d w = turn.angle() * turn.axis();
     Eigen::Matrix3d cross;
     cross << 0, w.z(), -w.y(), -w.z(), 0, w.x(), w.y(), -w.x(), 0;
@@ -194,7 +195,7 @@ struct DeskRenderer::State {
              {0, band.first_row, eye.camera.pinhole.width, band.last_row - band.first_row + 1});
   }
 
-  /// A frame whose rows are read one after the other.
+  /// Draws a frame with a rolling shutter, whose rows are read one after the other.
   void read_rows(std::span<const View> views, const DeskMoment& frame) {
     const double half = 0.5 * frame.rig.readout * kFramesPerSecond;  // frames
     const double opens = frame.frame - half, closes = frame.frame + half;
@@ -206,7 +207,7 @@ struct DeskRenderer::State {
     const std::vector<Band> bands = bands_of(frame, camera.rig.left.pinhole.height);
     for (std::size_t b = 0; b < bands.size(); ++b) {
       const Band& band = bands[b];
-      // Shadows have soft edges of 3 mm: one is enough for two bands.
+      // Shadows have soft edges of 3 mm, so one shadow for two bands is accurate enough.
       if (b % 2 == 0) painter.shade_by_movers(along_at(0.5 * (band.frame + bands[b + 1].frame)));
       for (const View& view : views) {
         const Rigid3 pose = view.pose_at(frame, band.frame);
@@ -220,7 +221,7 @@ struct DeskRenderer::State {
     }
   }
 
-  /// Paints the references of an exposure and, if there are movers in view, their layers.
+  /// Paints the references of an exposure and, if movers are in view, their layers.
   Looks paint_exposure(const View& view, const DeskMoment& frame, const Exposure& exposure,
                        bool with_movers) {
     const auto [opens, closes, references, layers, looks, turns] = exposure;
@@ -242,8 +243,8 @@ struct DeskRenderer::State {
       };
       for (int layer = r * layers; layer < (r + 1) * layers; ++layer) {
         const double at = exposure.middle(layer, all_layers);
-        // Painted as if the eye were turned as for the reference, whose depth then says what is
-        // hidden.
+        // A layer is painted with the rotation of the reference, so that the depth buffer of the
+        // reference determines which movers are hidden.
         const Eigen::Matrix3d turn =
             turns ? turn_from(at) : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
         found.still_from_layer.push_back(homography(turn));
@@ -261,7 +262,7 @@ struct DeskRenderer::State {
     return found;
   }
 
-  /// The mean of what paint_exposure() painted, into rectangles of the raw picture.
+  /// Computes the mean of the pictures of paint_exposure() in rectangles of the raw picture.
   void sense_mean(const View& view, const DeskMoment& frame, const Exposure& exposure,
                   const Looks& looks, std::span<const Box> boxes, bool with_layers) const {
     if (boxes.empty()) return;
@@ -270,7 +271,7 @@ struct DeskRenderer::State {
     begin_sensing(program, view, frame);
     program.set("stills", 1);
     eye.stills.pictures.bind(1);
-    // Without movers, and without a turn of the eye, all layers of a reference are the same.
+    // Without movers and without a rotation of the eye, all layers of a reference are equal.
     const int layers = with_layers || exposure.turns ? exposure.layers : 1;
     program.set("references", exposure.references);
     program.set("layers", layers);
@@ -288,7 +289,7 @@ struct DeskRenderer::State {
     for (const Box& box : boxes) draw_raw(eye, box);
   }
 
-  /// A frame with motion blur.
+  /// Draws a frame with motion blur.
   void expose(const View& view, const DeskMoment& frame, const Exposure& exposure) {
     const auto [first, last] = movers_between(frame, exposure.opens, exposure.closes);
     painter.place(first, last);
@@ -325,7 +326,7 @@ struct DeskRenderer::State {
     eye.raw_target.read(0, 0, 0, raw.width, raw.height, GL_RGB, GL_UNSIGNED_BYTE, picture.data());
   }
 
-  /// Z and movers of a view, row by row: (Z or NaN, whether it moves).
+  /// Depth of a view, row by row: (Z or NaN, whether the surface moves).
   std::vector<Eigen::Vector2f> measured(const Rigid3& camera_from_desk, const PinholeCamera& view) {
     if (!depth_target || depth_target->z.width() != view.width ||
         depth_target->z.height() != view.height)

@@ -1,4 +1,4 @@
-// Pictures of moments that last: motion blur and the rolling shutter.
+// Pictures with motion during a frame: motion blur and the rolling shutter.
 
 #include "palpable/desk/film/desk_renderer.h"
 #include "tests/support/desk_squares.h"
@@ -19,7 +19,7 @@ TEST_CASE("an exposure smears a turning camera's picture by the angle it turns",
   std::vector<PaintedMesh> squares = {square({0, 0, 1.0}, 0.015, 1)};
   std::optional<DeskRenderer> renderer = renderer_of(scene_of(squares), 1, kFaultless);
   if (!renderer) PALPABLE_SKIP(kNoGl);
-  constexpr double kRate = 0.02;  // rad a frame
+  constexpr double kRate = 0.02;  // rad per frame
   DeskMoment turning = still(3);
   turning.camera_from_desk = [](double frame) {
     return Rigid3(Eigen::AngleAxisd(kRate * (frame - 3.0), Eigen::Vector3d::UnitY()));
@@ -29,7 +29,7 @@ TEST_CASE("an exposure smears a turning camera's picture by the angle it turns",
   turning.rig.exposure = 0.5 / kFramesPerSecond;
   renderer->draw(turning, smeared);
   const Eigen::Vector2d at = zed_mini_rig().left.project({0, 0, 1.0});
-  // Second moment along the row: a box of width w adds w^2 / 12.
+  // The second moment along the row; a box filter of width w adds w^2 / 12.
   const auto spread = [&](const ColorImage& image) {
     double sum = 0, first = 0, second = 0;
     const auto v = static_cast<int>(std::lround(at.y()));
@@ -46,25 +46,25 @@ TEST_CASE("an exposure smears a turning camera's picture by the angle it turns",
   const auto [middle_smeared, wide_smeared] = spread(smeared.left);
   const double width = 700.21 * kRate * 0.5;  // px
   CHECK(std::abs(middle_smeared - middle_sharp) <=
-        tolerance(0.1, "the shutter is open round the moment"));
+        tolerance(0.1, "the exposure is centred at the frame's time"));
   CHECK(std::abs(wide_smeared - wide_sharp - width * width / 12.0) <=
-        tolerance(0.8, "5 moments instead of all, of 4 px^2; grey levels are rounded"));
+        tolerance(0.8, "5 instants instead of all, of 4 px^2; grey levels are rounded"));
 }
 
-TEST_CASE("an exposure is the mean of its moments, camera and movers moving", "[film][gl]") {
+TEST_CASE("an exposure is the mean over its time, with moving camera and movers", "[film][gl]") {
   std::vector<PaintedMesh> squares = {square({0, 0, 1.2}, 1.5, 0), square({0.1, 0.05, 1.0}, 0.2, 1),
                                       square({-0.15, 0, 0.5}, 0.06, 1)};
-  // The case runs once for each motion: with one renderer, which is never destroyed
+  // The test case runs once for each motion; all runs use one renderer, which is never destroyed
   // (wall_renderer).
   static auto& renderer =
       *new std::optional<DeskRenderer>(renderer_of(scene_of(squares), 1, kFaultless));
   if (!renderer) PALPABLE_SKIP(kNoGl);
   constexpr int kFrame = 3;
-  // A ball that goes along with the camera moves by 3 px in the picture, another by 19 px and what
-  // the camera does.
+  // A ball that moves along with the camera moves by 3 px in the picture; another one moves by 19 px in
+  // addition to the camera's motion.
   struct Motion {
-    double turn;   // rad a frame, 0.04: 14 px in half a frame
-    double shift;  // m a frame, 0.008: 5 px at 0.5 m
+    double turn;   // rad per frame; 0.04: 14 px in half a frame
+    double shift;  // m per frame; 0.008: 5 px at 0.5 m
     bool goes_along;
   };
   const Motion motion = GENERATE(Motion{0.0, 0.0, false}, Motion{0.04, 0.008, false},
@@ -90,7 +90,7 @@ TEST_CASE("an exposure is the mean of its moments, camera and movers moving", "[
   renderer->draw(moving, sharp);
   moving.rig.exposure = 0.5 / kFramesPerSecond;
   renderer->draw(moving, smeared);
-  // Light of 24 moments, each drawn as a frame of its own.
+  // The mean light of 24 instants, each drawn as a frame of its own.
   constexpr int kMoments = 24;
   const std::size_t size = sharp.left.size();
   std::vector<double> left(size, 0.0), right(size, 0.0);
@@ -106,7 +106,8 @@ TEST_CASE("an exposure is the mean of its moments, camera and movers moving", "[
       right[k] += light(one.right.data()[k]) / kMoments;
     }
   }
-  // Where motion changes the picture by more than rounding: mean errors of both pictures, levels.
+  // The mean errors, in grey levels, of both pictures over the pixels that motion changes by more than
+  // rounding.
   const auto errors = [&](const ColorImage& plain, const ColorImage& image,
                           const std::vector<double>& mean) {
     double unsmeared = 0, error = 0;
@@ -123,11 +124,11 @@ TEST_CASE("an exposure is the mean of its moments, camera and movers moving", "[
   };
   for (const auto& [unsmeared, error] :
        {errors(sharp.left, smeared.left, left), errors(sharp.right, smeared.right, right)}) {
-    // A camera that only turns has one reference, whose edges lie in whole pixels.
+    // A camera that only turns has one reference, whose edges lie at whole pixels.
     const double share = motion.turn > 0.0 && motion.shift == 0.0 ? 0.15 : 0.13;
     CHECK(error <= tolerance(share * unsmeared,
-                             "edges go in steps of up to 4 px instead of one; the shadow is the "
-                             "middle one's"));
+                             "edges move in steps of up to 4 px instead of one; the shadow is that "
+                             "of the middle"));
   }
 }
 
@@ -141,7 +142,7 @@ TEST_CASE("a thing that appears while the shutter is open is not blended with no
   turning.camera_from_desk = [](double frame) {
     return Rigid3(Eigen::AngleAxisd(0.02 * (frame - kFrame), Eigen::Vector3d::UnitY()));
   };
-  // One ball moves by 20 px; another is there from a moment on.
+  // One ball moves by 20 px; another one is present from the time `since` on.
   double since = 0;
   const auto balls = [&](double frame) {
     HandCapsule ball;
@@ -164,14 +165,14 @@ TEST_CASE("a thing that appears while the shutter is open is not blended with no
     renderer->draw(turning, standing);
     CHECK(appearing.left == standing.left);
     CHECK(appearing.right == standing.right);
-    since = 0;  // the same without anything that appears: it moves
+    since = 0;  // nothing appears: the first ball is blurred
     turning.movers = balls;
     renderer->draw(turning, moving);
     CHECK(moving.left != standing.left);
   }
 }
 
-TEST_CASE("a rolling shutter reads each row at its own moment", "[film][gl]") {
+TEST_CASE("a rolling shutter reads each row at its own time", "[film][gl]") {
   std::vector<PaintedMesh> squares;
   std::vector<Eigen::Vector3d> points;
   for (const double y : {-0.40, -0.22, 0.0, 0.20, 0.38}) {
@@ -192,7 +193,7 @@ TEST_CASE("a rolling shutter reads each row at its own moment", "[film][gl]") {
   const DistortedCamera& left = zed_mini_rig().left;
   for (const Eigen::Vector3d& point : points) {
     INFO("point " << point.transpose());
-    // Where the picture of the point is read: its row's moment, found by going round twice.
+    // The position of the point at the time when its row is read, by fixed-point iteration.
     Eigen::Vector2d at = left.project(point);
     for (int i = 0; i < 4; ++i) at = left.project(pose(3.0 + 0.9 * (at.y() / 719.0 - 0.5)) * point);
     CHECK((bright_spot(pair.left, at) - at).norm() <= tolerance(0.2, "as without readout: 0.1 px"));

@@ -14,7 +14,7 @@
 using namespace palpable;
 using namespace palpable::test;
 
-TEST_CASE("a point's picture lies in both raw images where the rig projects it", "[film][gl]") {
+TEST_CASE("a point appears in both raw images where the rig projects it", "[film][gl]") {
   SensorFaults faults;
   faults.row_error_px = 0.09;
   std::vector<PaintedMesh> squares;
@@ -22,7 +22,7 @@ TEST_CASE("a point's picture lies in both raw images where the rig projects it",
   for (const double z : {0.30, 0.60, 1.10})
     for (const double y : {-0.38, 0.02, 0.36})
       for (const double x : {-0.72, -0.25, 0.04, 0.30, 0.76}) {
-        // Squares at one depth do not hide those at another: each depth has its own rows.
+        // Each depth has its own rows, so that squares at one depth do not hide those at another.
         const double row = y + 0.14 * (z - 0.6);
         points.emplace_back(x * z, row * z, z);
         squares.push_back(square(points.back(), 0.0150 * z, 1));
@@ -62,7 +62,7 @@ TEST_CASE("a point's picture lies in both raw images where the rig projects it",
 
 TEST_CASE("the depth of the truth is the analytic Z of planes and capsules", "[film][gl]") {
   DeskScene scene = scene_of({square({0, 0, 0.9}, 2.0, 0)});
-  // Tilt the plane: its far edge lies 0.5 m behind its near one.
+  // The plane is tilted: its far edge lies 0.5 m behind its near one.
   for (PaintedVertex& vertex : scene.meshes[0].vertices)
     vertex.position.z() -= 0.25F * vertex.position.y();
   std::optional<DeskRenderer> renderer = renderer_of(scene, 1, {});
@@ -88,7 +88,7 @@ TEST_CASE("the depth of the truth is the analytic Z of planes and capsules", "[f
       const double along = ray_distance(shapes, Eigen::Vector3d::Zero(), ray.normalized(), 1.5);
       const double z = std::min(plane, along / ray.norm());
       if (z < plane) {
-        // At the rim a chord's 0.09 mm sideways is much more in depth.
+        // At the rim, a chord error of 0.09 mm sideways causes a much larger error in depth.
         Eigen::Vector3d normal = Eigen::Vector3d::Zero();
         double nearest = 1.0;
         for (const Capsule& c : shapes)
@@ -99,7 +99,7 @@ TEST_CASE("the depth of the truth is the analytic Z of planes and capsules", "[f
         if (-normal.dot(ray.normalized()) < 0.35) continue;
         ++on_hand;
       } else {
-        // Next to the rim the triangles' silhouette is a chord narrower or not.
+        // Next to the rim, the silhouette of the triangles may be narrower by the chord error.
         if (signed_distance(shapes, std::min(z, 0.45) * ray) < 0.002) continue;
         ++on_plane;
       }
@@ -145,10 +145,10 @@ TEST_CASE("noise is 0.6 to 0.8 grey levels, new in every frame and the same for 
   const double noise = std::sqrt(0.5 * squares / count);
   CHECK(noise > 0.6);
   CHECK(noise < 0.8);
-  CHECK(sum / count > 60.0);  // neither black nor white, where clipping would hide the noise
+  CHECK(sum / count > 60.0);  // not so dark or bright that clipping would hide the noise
   CHECK(sum / count < 230.0);
 
-  // The gain is linear; the stored root shows half of it.
+  // The gain applies to linear light; pictures hold its square root.
   double right = 0.0;
   for (int y = 260; y < 460; ++y)
     for (int x = 540; x < 740; ++x) right += luma(a.right(x, y));
@@ -181,7 +181,7 @@ TEST_CASE("corners are darker than the middle by the vignetting", "[film][gl]") 
         tolerance(0.02, "the first block lies 10 px from the corner, grey levels are rounded"));
 }
 
-TEST_CASE("the desk has a hand in it when a hand is there, and the same desk when it has gone",
+TEST_CASE("a hand changes the picture of the desk, which is the same again when the hand has gone",
           "[film][gl]") {
   DeskRenderer* renderer = wall_renderer({0.0, 1.0, 0.2, 0.0});
   if (!renderer) PALPABLE_SKIP(kNoGl);
@@ -203,9 +203,9 @@ TEST_CASE("the desk has a hand in it when a hand is there, and the same desk whe
   CHECK(renderer->gl_error_count() == 0);
 }
 
-TEST_CASE("shadows of what stands and of what moves fall on the desk's top, and on what moves",
+TEST_CASE("shadows of still things and of movers fall on the desk's top and on movers",
           "[film][gl]") {
-  // Seen from a metre above the desk. A roof of 12 cm is 30 cm from a ball towards the sun.
+  // The camera is 1 m above the desk. A roof of 12 cm is 30 cm from a ball towards the sun.
   const Eigen::Vector3d to_sun = Eigen::Vector3d(-0.46, -0.30, 0.84).normalized();
   const Eigen::Vector3d ball_at(0.0, 0.0, 0.2);
   const auto on_desk = [&](const Eigen::Vector3d& x) {
@@ -221,7 +221,7 @@ TEST_CASE("shadows of what stands and of what moves fall on the desk's top, and 
   camera_from_desk.linear().diagonal() << 1, -1, -1;
   camera_from_desk.translation().z() = 1.0;
 
-  // The mean luma round a point's picture.
+  // The mean luma round the picture of a point.
   const auto seen = [&](const ColorImage& image, const Eigen::Vector3d& x) {
     const Eigen::Vector2d at = eye.project(camera_from_desk * x);
     double sum = 0.0;
@@ -246,7 +246,7 @@ TEST_CASE("shadows of what stands and of what moves fall on the desk's top, and 
   const Eigen::Vector3d under_ball = on_desk(ball_at);
   const Eigen::Vector3d under_roof = on_desk(ball_at + Eigen::Vector3d(0.045, 0.03, 0.0));
   const Eigen::Vector3d beside = on_desk(ball_at + Eigen::Vector3d(0.0, 0.10, 0.0));
-  // Light of the room alone against the sun's besides: 0.5 to 1.4.
+  // Light of the room alone compared with room and sun: 0.5 to 1.4.
   constexpr double kShaded = 0.75;
   CHECK(seen(open.left, under_ball) < kShaded * seen(open.left, beside));
   CHECK(seen(open.left, under_roof) > 0.95 * seen(open.left, beside));
@@ -255,8 +255,8 @@ TEST_CASE("shadows of what stands and of what moves fall on the desk's top, and 
   CHECK(seen(roofed.left, top_of_ball) < kShaded * seen(open.left, top_of_ball));
 }
 
-TEST_CASE("labels say what moves and what the right eye sees too", "[film][gl]") {
-  // A wall at 1 m and a ball before it: the wall left of the ball is hidden from the right eye.
+TEST_CASE("labels mark what moves and what the right eye sees, too", "[film][gl]") {
+  // A wall at 1 m and a ball in front of it, which hides a part of the wall from the right eye.
   DeskRenderer* renderer = wall_renderer({});
   if (!renderer) PALPABLE_SKIP(kNoGl);
   HandCapsule ball;
@@ -283,7 +283,7 @@ TEST_CASE("labels say what moves and what the right eye sees too", "[film][gl]")
       const double u = view.project(ray).x();
       const bool truly = met > ray.norm() - 0.004 && u >= 0.0 && u <= view.width - 1.0;
       hidden += truly ? 0 : 1;
-      // Within a pixel of a border either answer is right.
+      // Within a pixel of a border, both labels are accepted.
       const double beside = std::min(signed_distance(shapes, right_eye + 0.4 / ray.z() * ray),
                                      signed_distance(shapes, 0.4 / z * point));
       if (both != truly && std::abs(beside) > 0.006 && u > 1.0 && u < view.width - 2.0) ++wrong;
@@ -293,7 +293,7 @@ TEST_CASE("labels say what moves and what the right eye sees too", "[film][gl]")
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a right image that sinks lies lower by so many rows", "[film][gl]") {
+TEST_CASE("the row offset of the rig moves the right image down", "[film][gl]") {
   std::optional<DeskRenderer> renderer =
       renderer_of(scene_of({square({0, 0.1, 0.8}, 0.015, 1)}), 1, kFaultless);
   if (!renderer) PALPABLE_SKIP(kNoGl);
@@ -312,7 +312,7 @@ TEST_CASE("a right image that sinks lies lower by so many rows", "[film][gl]") {
   CHECK(bright_spot(after.left, in_left) == bright_spot(before.left, in_left));
 }
 
-TEST_CASE("half of the light is half of the light", "[film][gl]") {
+TEST_CASE("half of the light gives half of the linear intensity", "[film][gl]") {
   DeskRenderer* renderer = wall_renderer(kFaultless);
   if (!renderer) PALPABLE_SKIP(kNoGl);
   DeskMoment moment = still(0);

@@ -20,9 +20,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// A book with its spine to the front. The image is one of book_image().
+/// A book with its spine at the front. @param image  index of a book_image()
 PaintedMesh book(const Vector3d& centre, const Vector3d& size, double yaw, int image) {
-  // Spine and pages are upright strips in the image, and lie on the book: their quads are turned.
+  // Spine and pages are upright strips in the image but horizontal on the book, so their image
+  // coordinates are rotated by 90 degrees.
   PaintedMesh mesh = painted_box(centre, size, yaw,
                                  {{0.0, 0.0, 0.7, 1.0},
                                   {0.70, 0.0, 0.85, 1.0},
@@ -30,7 +31,7 @@ PaintedMesh book(const Vector3d& centre, const Vector3d& size, double yaw, int i
                                   {0.85, 0.0, 1.0, 0.8},
                                   {0.85, 0.0, 1.0, 0.8}},
                                  image);
-  for (std::size_t face = 1; face < 5; ++face) {  // the corners run the other way round the strip
+  for (std::size_t face = 1; face < 5; ++face) {  // shift the image coordinates by one corner
     const std::array<Eigen::Vector2f, 4> uv = {
         mesh.vertices[4 * face + 0].uv, mesh.vertices[4 * face + 1].uv,
         mesh.vertices[4 * face + 2].uv, mesh.vertices[4 * face + 3].uv};
@@ -41,7 +42,7 @@ PaintedMesh book(const Vector3d& centre, const Vector3d& size, double yaw, int i
   return mesh;
 }
 
-/// A circle swept along half an ellipse, from the wall of a mug at radius r.
+/// The handle of a mug: a circle swept along half an ellipse, from the wall at radius r.
 void add_handle(PaintedMesh& mesh, const Vector3d& base, double r, double handle_turn) {
   const Vector3d out(std::cos(handle_turn), std::sin(handle_turn), 0.0);
   const Vector3d side = Vector3d::UnitZ().cross(out);
@@ -84,7 +85,7 @@ PaintedMesh mug(const Vector3d& base, double handle_turn, int image) {
       0.0);
   add_turned(mesh, base, {{r, h - 0.002}, {r - 0.0015, h}, {r - 0.003, h - 0.002}}, 0.05, 0.01);
   add_turned(mesh, base, {{r - 0.003, h - 0.002}, {r - 0.0035, 0.062}}, 0.02, 0.16);
-  // Coffee: a disc below the rim; its image coordinates stay in the dark band.
+  // Coffee: a disc below the rim, with image coordinates in the dark band.
   add_turned(mesh, base, {{r - 0.0035, 0.062}, {0.0001, 0.0621}}, 0.20, 0.25);
   add_handle(mesh, base, r, handle_turn);
   return mesh;
@@ -92,9 +93,10 @@ PaintedMesh mug(const Vector3d& base, double handle_turn, int image) {
 
 enum SceneImage : int { kWood, kWall, kPage, kRed, kBlue, kGreen, kCarton, kGlaze, kFloor, kDoor };
 
-/// All that lies on the desk.
+/// Adds all things that lie on the desk.
 void put_things_on_desk(DeskScene& scene, Random& random, bool left_free) {
-  // The order of the draws is part of the films (random.h): yaw, then y, then x.
+  // The order of the random numbers, yaw, then y, then x, must not change: it determines the films
+  // (random.h).
   const auto jitter = [&](double x, double y, double z) {
     const double aside_y = random.between(-0.01, 0.01);
     const double aside_x = random.between(-0.01, 0.01);
@@ -109,13 +111,13 @@ void put_things_on_desk(DeskScene& scene, Random& random, bool left_free) {
     return book(jitter(at.x(), at.y(), at.z()), size, yaw, image);
   };
   // The pile and the mug draw their random numbers even when they are left out, so that the other
-  // things lie at the same places.
+  // things have the same positions in both cases.
   std::vector<PaintedMesh> left;
-  // Left, behind: a pile of books.
+  // At the left, behind: a pile of books.
   left.push_back(placed_book({-0.27, 0.26, 0.0}, {0.23, 0.165, 0.032}, 14, 4, kBlue));
   left.push_back(placed_book({-0.26, 0.26, 0.032}, {0.21, 0.150, 0.024}, 4, 5, kRed));
   left.push_back(placed_book({-0.27, 0.255, 0.056}, {0.18, 0.125, 0.019}, 22, 5, kGreen));
-  // Behind, a carton; further right another book, standing behind where the arm comes from.
+  // Behind: a carton, and further right a book, behind the side from which the arm comes.
   const double carton_yaw = degrees(-12, 5);
   scene.meshes.push_back(painted_box(jitter(0.06, 0.44, 0.0), {0.155, 0.085, 0.135}, carton_yaw,
                                      {{0.0, 0.86, 1.0, 1.0},
@@ -128,15 +130,14 @@ void put_things_on_desk(DeskScene& scene, Random& random, bool left_free) {
   const double handle_turn = degrees(200, 15);
   left.push_back(mug(jitter(-0.215, 0.055, 0.0), handle_turn, kGlaze));
   if (!left_free) scene.meshes.insert(scene.meshes.end(), left.begin(), left.end());
-  // A written page, a millimetre thick so that it lies on the desk and not in it.
+  // A written page, 0.8 mm thick so that it is not coplanar with the desk.
   const double page_yaw = degrees(17, 6);
   scene.meshes.push_back(painted_box(
       jitter(-0.22, -0.13, 0.0), {0.148, 0.21, 0.0008}, page_yaw,
       {{0, 0, 1, 1}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}}, kPage));
 }
 
-/// A rectangle that repeats its image u times across and v times down. It lies outside of all
-/// shadows.
+/// A rectangle that repeats its image u times across and v times down. No shadows fall on it.
 PaintedMesh panel(const std::array<Vector3d, 4>& corners, int image, double u, double v) {
   PaintedMesh mesh;
   mesh.image = image;
@@ -148,15 +149,15 @@ PaintedMesh panel(const std::array<Vector3d, 4>& corners, int image, double u, d
 // The room, m in the desk frame: X to the right, Y away from the first camera.
 constexpr double kLeft = -4.5, kRight = 4.5, kBack = -4.0, kFar = 7.0;
 constexpr double kFloorZ = -0.74, kCeilingZ = 1.90;
-// The corridor leads out of the far wall.
+// The corridor begins at a door in the far wall, m.
 constexpr double kDoorLeft = -0.4, kDoorRight = 1.8, kDoorTop = 1.45, kEnd = 14.3;
 
-/// The corners of an upright rectangle over the line from (x0, y0) to (x1, y1).
+/// The corners of an upright rectangle above the line from (x0, y0) to (x1, y1).
 std::array<Vector3d, 4> upright(double x0, double y0, double x1, double y1, double z0, double z1) {
   return {Vector3d(x0, y0, z0), Vector3d(x1, y1, z0), Vector3d(x1, y1, z1), Vector3d(x0, y0, z1)};
 }
 
-/// Floor, ceiling and walls of room and corridor.
+/// Adds floor, ceiling and walls of room and corridor.
 void build_walls(DeskScene& scene) {
   const auto wall = [&](double x0, double y0, double x1, double y1, double z0, double z1,
                         int image) {
@@ -183,7 +184,7 @@ void build_walls(DeskScene& scene) {
   wall(kDoorLeft, kEnd, kDoorRight, kEnd, kFloorZ, kCeilingZ, kWall);
 }
 
-/// Pictures and notices, 10 mm before the walls.
+/// Adds pictures and notices, 10 mm in front of the walls.
 void hang_posters(DeskScene& scene) {
   const auto poster = [&](double x0, double y0, double x1, double y1, double z0, double z1,
                           int image) {
@@ -205,7 +206,7 @@ void hang_posters(DeskScene& scene) {
   }
 }
 
-/// Cases, shelves and boxes between 1.5 and 7 m away.
+/// Adds cases, shelves and boxes.
 void furnish(DeskScene& scene, Random& random) {
   const auto furniture = [&](double x, double y, double z, const Vector3d& size, double yaw,
                              int image) {
@@ -232,7 +233,7 @@ void furnish(DeskScene& scene, Random& random) {
   furniture(0.1, 11.9, kFloorZ, {0.5, 0.4, 0.6}, 0.1, kBlue);
 }
 
-/// A room of 9 x 11 m round the desk; a corridor leads out of its far wall to 15 m.
+/// Adds a room of 9 x 11 m round the desk, with a corridor that extends to Y = 14.3 m.
 void build_room(DeskScene& scene, Random& random, bool bare) {
   build_walls(scene);
   if (bare) return;
@@ -240,7 +241,7 @@ void build_room(DeskScene& scene, Random& random, bool bare) {
   furnish(scene, random);
 }
 
-/// The desk below its top: the board's edges and four legs.
+/// Adds the parts of the desk below its top: the edges of the board and four legs.
 void carry_desk(DeskScene& scene) {
   constexpr double kThick = 0.03;
   const auto part = [&](const Vector3d& at, const Vector3d& size) {
@@ -250,7 +251,7 @@ void carry_desk(DeskScene& scene) {
     mesh.in_shadows = false;
     scene.meshes.push_back(mesh);
   };
-  // The board's own top is the desk; it lies a millimetre lower.
+  // The top of this box lies 1 mm below the desk's top, which is a mesh of its own.
   part({0.0, -0.09, -kThick}, {2.8, 1.42, kThick - 0.001});
   for (const double x : {-1.34, 1.34})
     for (const double y : {-0.74, 0.56}) part({x, y, kFloorZ}, {0.07, 0.07, -kThick - kFloorZ});
@@ -280,7 +281,7 @@ DeskScene desk_scene(const DeskLook& look) {
     }
   }
 
-  // Near things stand last in the list and are painted first: what they hide is not shaded.
+  // Near things are last in the list and painted first, so that pixels hidden by them are not shaded.
   Random furnishing(seed, "room");
   if (look.room) build_room(scene, furnishing, look.bare);
   if (look.room) carry_desk(scene);
@@ -288,13 +289,13 @@ DeskScene desk_scene(const DeskLook& look) {
   desk.image = kWood;
   desk.gloss = 0.06F;
   desk.sharpness = 18.0F;
-  constexpr double kWoodSize = 0.82;  // m that the 2048 px of the image show
+  constexpr double kWoodSize = 0.82;  // m, size of the desk that the 2048 px of the image show
   add_quad(desk,
            {Vector3d(-1.4, -0.8, 0), Vector3d(1.4, -0.8, 0), Vector3d(1.4, 0.62, 0),
             Vector3d(-1.4, 0.62, 0)},
            {0.0, 0.0}, {2.8 / kWoodSize, 1.42 / kWoodSize});
   scene.meshes.push_back(desk);
-  if (!look.room) {  // the desk ends 0.62 m behind the body, a wall stands there
+  if (!look.room) {  // the desk ends at a wall 0.62 m behind the body
     PaintedMesh wall;
     wall.image = kWall;
     add_quad(wall,

@@ -1,6 +1,6 @@
 /// @file
-/// Everything on the synthetic desk and round it that does not move, as painted triangles. Desk
-/// frame (script/desk_body.h).
+/// All still things on the synthetic desk and round it, as painted triangles. Desk frame
+/// (script/desk_body.h).
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -11,14 +11,14 @@
 
 namespace palpable {
 
-/// PaintedMesh::image of the meshes is an index in `images`.
+/// The meshes and their images; PaintedMesh::image is an index in `images`.
 struct DeskScene {
   std::vector<ColorImage> images;
-  std::vector<PaintedMesh> meshes;  ///< what is near the first camera stands last
+  std::vector<PaintedMesh> meshes;  ///< those near the first camera come last
 };
 
-/// A wooden desk with books, a carton, a mug and a written page, in a room. The place round the
-/// body is free, and so is the place to its right, where the hand comes from.
+/// A wooden desk with books, a carton, a mug and a written page, in a room. The desk is free round the
+/// body and to its right, from where the hand comes.
 [[nodiscard]] DeskScene desk_scene(const DeskLook& look);
 
 }  // namespace palpable

@@ -11,16 +11,16 @@ namespace palpable {
 
 namespace {
 
-constexpr double kNearStill = 0.4;  // m, the distance of the nearest thing that stands still
-constexpr double kReferencePx = 2.0;
-constexpr double kLookPx = 2.0;
-constexpr double kMoverPx = 4.0;
-constexpr int kMost = 10;
+constexpr double kNearStill = 0.4;  // m, assumed distance of the nearest still thing
+constexpr double kReferencePx = 2.0;  // px, largest parallax between references
+constexpr double kLookPx = 2.0;       // px, largest motion of the picture between looks
+constexpr double kMoverPx = 4.0;      // px, largest motion of the movers between layers
+constexpr int kMost = 10;             // parts into which each of the three motions is divided
 // share() rounds up: all layers < kMost + references <= 2 kMost, all looks < kMost + all layers.
 static_assert(2 * kMost <= kMostLayers && 3 * kMost <= kMostLooks);
 
-/// How far the movers' picture moves between two moments, px: the largest motion of points on the
-/// axes of capsules that are in view.
+/// Motion of the movers in the picture between two instants, px: the largest motion of a point on the
+/// axis of a capsule that is in view.
 double mover_motion_px(const PinholeCamera& view, const Rigid3& first, const Movers& before,
                        const Rigid3& last, const Movers& after) {
   const auto in_view = [&](const Eigen::Vector3d& x, double radius) {
@@ -37,7 +37,7 @@ double mover_motion_px(const PinholeCamera& view, const Rigid3& first, const Mov
       const Eigen::Vector3d x = first * (c.a + along * (c.b - c.a));
       const Eigen::Vector3d y = last * (d.a + along * (d.b - d.a));
       const double radius = c.ra + along * (c.rb - c.ra);
-      // What is so near the plane of the eye is at most seen at the border of the picture.
+      // Points this near to the plane of the eye can only appear at the border of the picture.
       if (std::min(x.z(), y.z()) <= SeenBox::kNearest) continue;
       if (in_view(x, radius) || in_view(y, radius))
         most = std::max(most, (view.project(x) - view.project(y)).norm());
@@ -50,7 +50,7 @@ int parts(double px, double px_each) {
   return std::clamp(static_cast<int>(std::ceil(px / px_each)), 1, kMost);
 }
 
-/// How many each of `among` needs so that all together have at least `count`.
+/// Number of parts per group, so that `among` groups have at least `count` parts together.
 int share(int count, int among) { return (count + among - 1) / among; }
 
 }  // namespace

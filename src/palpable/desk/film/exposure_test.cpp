@@ -13,8 +13,8 @@ namespace {
 const PinholeCamera kView{1280, 720, 700, 700, 640, 360};
 constexpr double kOpen = 0.5;  // frames
 
-/// A frame with half a frame of exposure: the camera turns by `rate` (rad a frame) and shifts, a
-/// ball of 2 cm moves by `motion` (m a frame) in its frame.
+/// A frame with an exposure of half a frame. The camera turns by `rate` (rad per frame) and shifts; a
+/// ball of 2 cm radius moves by `motion` (m per frame) in the camera frame.
 DeskMoment turning(double rate, const Eigen::Vector3d& shift, const Eigen::Vector3d& ball,
                    const Eigen::Vector3d& motion) {
   DeskMoment moment;
@@ -44,7 +44,7 @@ const Eigen::Vector3d kAhead(0.01, 0.0, 0.35);
 
 }  // namespace
 
-TEST_CASE("where nothing moves an exposure is one moment", "[film]") {
+TEST_CASE("if nothing moves, an exposure has one instant", "[film]") {
   CHECK(split(turning(0, kNo, kAhead, kNo)).is_one_moment());
   DeskMoment moving = turning(0.02, {0.01, 0, 0}, kAhead, {0.02, 0, 0});
   CHECK_FALSE(split(moving).is_one_moment());
@@ -63,10 +63,10 @@ TEST_CASE("movers have a layer for each 4 px that their picture moves within the
   CHECK(exposure.closes == 7.25);
   CHECK(split(turning(0, kNo, {0.6, 0, 0.35}, motion)).layers == 1);  // beside the picture
   CHECK(split(turning(0, kNo, {0, 0, -0.35}, motion)).layers == 1);   // behind the eye
-  CHECK(split(turning(0, kNo, kAhead, 20 * motion)).layers == 10);    // enough
+  CHECK(split(turning(0, kNo, kAhead, 20 * motion)).layers == 10);    // the upper bound
 }
 
-TEST_CASE("a hand that goes along with a turning camera needs no layers for the turn", "[film]") {
+TEST_CASE("a hand that moves along with a turning camera needs no layers for the rotation", "[film]") {
   const Exposure exposure = split(turning(0.04, kNo, kAhead, kNo));  // 14 px in half a frame
   CHECK(exposure.references == 1);
   CHECK(exposure.layers == 1);
@@ -76,7 +76,7 @@ TEST_CASE("a hand that goes along with a turning camera needs no layers for the 
 
 TEST_CASE("a shifting camera has references, and layers and looks are shared among them",
           "[film]") {
-  // 4.4 px of parallax at 0.4 m, 14 px of turn, 20 px of the ball.
+  // 4.4 px of parallax at 0.4 m, 14 px of rotation, 20 px of the ball's motion.
   const Exposure exposure = split(turning(0.04, {0.005, 0, 0}, kAhead, {0.02, 0, 0}));
   CHECK(exposure.references == 3);
   CHECK(exposure.layers == 2);
@@ -85,7 +85,7 @@ TEST_CASE("a shifting camera has references, and layers and looks are shared amo
   CHECK(exposure.references * exposure.layers * exposure.looks <= kMostLooks);
 }
 
-TEST_CASE("however fast all of it moves, an exposure's layers and looks have their bounds",
+TEST_CASE("the numbers of layers and looks are bounded for any motion",
           "[film]") {
   int most_layers = 0, most_looks = 0;
   for (const double turn : {0.0, 0.01, 0.03, 0.2})
@@ -98,10 +98,10 @@ TEST_CASE("however fast all of it moves, an exposure's layers and looks have the
       }
   CHECK(most_layers <= kMostLayers);
   CHECK(most_looks <= kMostLooks);
-  CHECK(most_looks > 10);  // else nothing was tried
+  CHECK(most_looks > 10);  // otherwise the motions are too small for this test
 }
 
-TEST_CASE("what appears or vanishes while the shutter is open stands as in the frame's moment",
+TEST_CASE("if a mover appears or vanishes during the exposure, all are as at the frame's time",
           "[film]") {
   DeskMoment moment = turning(0, kNo, kAhead, {0.01, 0, 0});
   const auto one_ball = moment.movers;
@@ -112,12 +112,12 @@ TEST_CASE("what appears or vanishes while the shutter is open stands as in the f
                       }) &&
            a.desk_from_cup.has_value() == b.desk_from_cup.has_value();
   };
-  // Nothing changes: the two ends.
+  // Without a change: the movers at both ends of the exposure.
   const auto [first, last] = movers_between(moment, 6.75, 7.25);
   CHECK(same_movers(first, one_ball(6.75)));
   CHECK(same_movers(last, one_ball(7.25)));
   CHECK_FALSE(same_movers(first, last));
-  // A second ball, another part, a cup: from some moment on.
+  // A second ball, another part or a cup appears at the time `since`.
   const auto changed = GENERATE(0, 1, 2);
   const double since = GENERATE(6.9, 7.1);
   INFO("change " << changed << " at " << since);

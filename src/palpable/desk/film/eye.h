@@ -1,6 +1,6 @@
 /// @file
-/// One eye of the stereo camera on the GPU: its lens, and the pictures between the desk and the raw
-/// image. OpenGL's names and terms; the context must be current.
+/// One eye of the stereo camera on the GPU: its lens, and all pictures from the ideal one to the raw
+/// one. The OpenGL context must be current.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -20,12 +20,12 @@
 
 namespace palpable {
 
-/// Pictures that an exposure is the mean of; one depth buffer serves all.
+/// Pictures whose mean is an exposure; they share one depth buffer.
 struct PictureStack {
   GlTextureArray pictures;
   std::vector<GlFramebuffer> targets;
 
-  /// Makes room for at least `count` pictures. Where there was less room all pictures are lost.
+  /// Allocates at least `count` pictures. If there were fewer, their contents are lost.
   void hold(int count, const PinholeCamera& view, const GlTexture& depth) {
     if (count <= pictures.layers()) return;
     targets.clear();
@@ -34,18 +34,19 @@ struct PictureStack {
   }
 };
 
-/// px by which the ideal picture is larger on each side than what the lens sees of it. An exposure
-/// also looks at it as if the eye were turned a little.
+/// px, margin of the ideal picture on each side beyond the part that the lens sees. An exposure also
+/// samples it with small rotations of the eye, which read the margin.
 inline constexpr int kIdealMargin = 16;
 
-/// One eye: its lens, and the pictures from the ideal one (without a lens) to the raw one.
+/// One eye: its lens, and the pictures from the ideal one, without a lens, to the raw one.
 struct Eye {
   DistortedCamera camera;
   PinholeCamera ideal;
   GlTexture ideal_color, ideal_depth, lens_map, raw_color;
   GlFramebuffer ideal_target, raw_target;
   float gain = 1;
-  /// Where in the ideal picture (px) each raw pixel's light comes from; without lower().
+  /// For each raw pixel the position in the ideal picture (px) from which its light comes, without
+  /// lower().
   std::vector<Eigen::Vector2f> map;
   float lowered_by = 0;
   /// The first and the last row of the ideal picture (px) that each raw row needs.
@@ -55,13 +56,13 @@ struct Eye {
   static constexpr int kTile = 40;
   int tiles_across = 0;
   std::vector<Eigen::Vector4f> tiles;
-  /// Pictures of an exposure: of what stands still, and of movers where nothing still hides them.
-  /// Without memory until the first exposure.
+  /// The pictures of an exposure: of the still things, and of the movers where no still thing hides
+  /// them. They have no memory until the first exposure.
   PictureStack stills, layers;
-  /// The desk without movers. It is kept while the eye does not move: each frame begins as a copy.
+  /// The desk without movers, kept while the eye does not move: each frame starts from a copy of it.
   GlTexture still_color, still_depth;
-  /// Depth buffers to begin with: far where the lens looks, near elsewhere, so that nothing is
-  /// painted there. `turned`: also far where looks that are turned a little go.
+  /// Initial depth buffers: farthest where the lens looks and nearest elsewhere, so that nothing is
+  /// painted there. `turned`: also farthest in the margin that rotated looks read.
   GlTexture seen_depth, seen_depth_turned;
   GlFramebuffer still_target;
   std::optional<Rigid3> still_from_desk, last_from_desk;
@@ -90,19 +91,19 @@ struct Eye {
       depth.upload(0, 0, ideal.width, ideal.height, GL_DEPTH_COMPONENT, GL_FLOAT,
                    depth_where_seen(map, ideal, margin).data());
     };
-    fill(seen_depth, 1);  // one pixel: places in the map are rounded
+    fill(seen_depth, 1);  // one pixel, for the rounding of positions in the map
     fill(seen_depth_turned, kIdealMargin);
     upload_lens_map();
   }
 
-  /// Sets by how many raw rows the picture lies lower than calibrated.
+  /// Sets how many raw rows the picture lies lower than calibrated.
   void lower(float rows_px) {
     if (rows_px == lowered_by) return;
     lowered_by = rows_px;
     upload_lens_map();
   }
 
-  /// Pixels of the ideal picture to places in its texture (0..1), both homogeneous.
+  /// From pixels of the ideal picture to positions in its texture (0..1), both homogeneous.
   [[nodiscard]] Eigen::Matrix3d place_from_pixel() const {
     Eigen::Matrix3d m = Eigen::Matrix3d::Identity();
     m(0, 0) = 1.0 / ideal.width;
@@ -111,7 +112,7 @@ struct Eye {
     m(1, 2) = 0.5 / ideal.height;
     return m;
   }
-  /// Rays (x/Z, y/Z, 1) to places in the texture.
+  /// From rays (x/Z, y/Z, 1) to positions in the texture.
   [[nodiscard]] Eigen::Matrix3d place_from_ray() const {
     Eigen::Matrix3d pixel_from_ray;
     pixel_from_ray << ideal.fx_px, 0, ideal.cx_px, 0, ideal.fy_px, ideal.cy_px, 0, 0, 1;
@@ -124,9 +125,9 @@ struct Eye {
             ideal.height - 2 * kIdealMargin};
   }
 
-  /// The tiles of the raw picture whose light comes from any of some rectangles of the ideal one.
+  /// Marks the tiles of the raw picture whose light comes from one of the rectangles of the ideal one.
   [[nodiscard]] Tiles raw_tiles(std::span<const Box> in_ideal) const {
-    constexpr float kFilter = 1;  // px that a filtered look-up reads beyond its place
+    constexpr float kFilter = 1;  // px, reach of a filtered texture look-up
     Tiles found(camera.pinhole.width, camera.pinhole.height, kTile);
     for (const Box& box : in_ideal) {
       if (box.empty()) continue;

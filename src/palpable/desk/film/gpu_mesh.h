@@ -1,5 +1,5 @@
 /// @file
-/// Triangles on the GPU. OpenGL's names and terms; the context must be current.
+/// Triangles on the GPU. The OpenGL context must be current.
 #pragma once
 
 #include "palpable/common/base/contract.h"
@@ -17,10 +17,10 @@
 
 namespace palpable {
 
-/// Triangles on the GPU. Of what moves there are two sets of vertices: where they are when an
-/// exposure begins and when it ends; the shaders interpolate.
+/// Triangles on the GPU. A moving mesh has two sets of vertices, at the beginning and at the end of an
+/// exposure; the shaders interpolate between them.
 struct GpuMesh {
-  /// The triangles of what moves, by the shader that they need.
+  /// The parts of a moving mesh by the shader that they need.
   enum class Part {
     kLit,      ///< without nails and creases
     kDark,     ///< as kLit, and facing away from the sun during the whole exposure
@@ -33,7 +33,7 @@ struct GpuMesh {
   int image = 0;
   float gloss = 0, sharpness = 1;
   bool in_shadows = true;
-  bool is_desk_top = false;  // lies at height 0 and in shadows
+  bool is_desk_top = false;  // at height 0 with shadows on it
 
   GpuMesh() {
     static_assert(kStride == 12 * sizeof(float));
@@ -44,30 +44,30 @@ struct GpuMesh {
     array.indices(indices);
     end_at(vertices);
   }
-  /// Something that stands still.
+  /// Uploads a still mesh.
   void fill(const PaintedMesh& mesh) {
     end_at(vertices);
     fill_first(mesh);
     indices.stream(std::span<const std::uint32_t>(mesh.indices));
   }
-  /// Something that moves.
-  /// @param first,last  at the beginning and at the end of the exposure, with the same triangles
+  /// Uploads a moving mesh.
+  /// @param first,last  the mesh at the beginning and at the end of the exposure, with the same triangles
   void fill(const PaintedMesh& first, const PaintedMesh& last, const Eigen::Vector3f& to_sun) {
     PALPABLE_EXPECT(first.vertices.size() == last.vertices.size() && first.indices == last.indices,
-                    "what moves keeps its triangles while the shutter is open");
+                    "a moving mesh keeps its triangles while the shutter is open");
     last_vertices.stream(std::span<const PaintedVertex>(last.vertices));
     end_at(last_vertices);
     fill_first(first);
     stream_indices(first, last.vertices, to_sun);
   }
   void draw() const { draw(0, index_count); }
-  /// Only for a mesh that was filled as something that moves.
+  /// Draws one part. Only for a moving mesh.
   void draw(Part part) const { draw(starts[index(part)], count(part)); }
   [[nodiscard]] int count(Part part) const { return starts[index(part) + 1] - starts[index(part)]; }
 
  private:
   static constexpr int kStride = sizeof(PaintedVertex);
-  std::array<int, 4> starts{};  // of the parts in `indices`, and their end
+  std::array<int, 4> starts{};  // first index of each part in `indices`, and the end
   static std::size_t index(Part part) { return static_cast<std::size_t>(part); }
   void draw(int first, int count) const {
     if (count == 0) return;
@@ -76,11 +76,12 @@ struct GpuMesh {
         GL_TRIANGLES, count, GL_UNSIGNED_INT,
         reinterpret_cast<const void*>(static_cast<std::size_t>(first) * sizeof(std::uint32_t)));
   }
-  /// All triangles in their order (for shadows and depth), and then once more sorted by Part.
+  /// Uploads all triangles in their order (for shadows and depth), followed by the same triangles
+  /// sorted by Part.
   /// @param last  vertices at the end of the exposure
   void stream_indices(const PaintedMesh& mesh, std::span<const PaintedVertex> last,
                       const Eigen::Vector3f& to_sun) {
-    constexpr float kNoCrease = 0.004F;  // a crease this weak darkens by 0.1 grey levels at most
+    constexpr float kNoCrease = 0.004F;  // weaker creases darken by 0.1 grey levels at most
     std::array<std::vector<std::uint32_t>, 3> parts;
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
       const std::array<std::uint32_t, 3> corners = {mesh.indices[i], mesh.indices[i + 1],
@@ -91,7 +92,7 @@ struct GpuMesh {
       const auto extra = [&](std::uint32_t v) -> const Eigen::Vector4f& {
         return mesh.vertices[v].extra;
       };
-      // All corners lie beyond one side of the square round the nail's unit circle.
+      // True if all corners lie beyond one side of the square around the unit circle of the nail.
       const bool no_nail = all([&](auto v) { return extra(v).z() >= 1.0F; }) ||
                            all([&](auto v) { return extra(v).z() <= -1.0F; }) ||
                            all([&](auto v) { return extra(v).w() >= 1.0F; }) ||

@@ -39,8 +39,8 @@ Eigen::Vector2d undistorted_ray(const DistortedCamera& camera, const Eigen::Vect
 PinholeCamera ideal_camera_for(const DistortedCamera& camera, double focal_px) {
   const int w = camera.pinhole.width;
   const int h = camera.pinhole.height;
-  // The extreme rays belong to the border of the picture. Two more pixels on each side are for the
-  // filter.
+  // The extreme rays belong to pixels at the border of the picture. The filter needs two more pixels
+  // on each side.
   double left = 0, right = 0, top = 0, bottom = 0;
   const auto include = [&](double u, double v) {
     const Eigen::Vector2d ray = undistorted_ray(camera, {u, v});
@@ -90,14 +90,13 @@ std::vector<float> depth_where_seen(const std::vector<Eigen::Vector2f>& map,
     const int i = static_cast<int>(at.y()) * w + static_cast<int>(at.x());
     for (const int texel : {i, i + 1, i + w, i + w + 1}) depth[texel] = 1.0F;
   }
-  // Marks up to `margin` pixels beside those that are marked: in a row (step 1), or in a column
-  // (step w).
+  // Marks up to `margin` pixels next to marked ones, in a row (step 1) or in a column (step w).
   const auto widen = [&](int start, int count, int step) {
     const auto pass = [&](int first, int stride) {
-      int since = margin;  // pixels since the last that was marked from the beginning
+      int since = margin;  // distance from the last originally marked pixel
       for (int k = 0; k < count; ++k) {
         float& d = depth[first + k * stride];
-        // 0.5 marks what was added in this row or column: nothing is added beside it.
+        // 0.5 denotes pixels added in this row or column, which do not count as marked yet.
         since = d == 1.0F ? 0 : std::min(since + 1, margin + 1);
         if (d == 0.0F && since <= margin) d = 0.5F;
       }

@@ -10,7 +10,7 @@
 using namespace palpable;
 using palpable::test::tolerance;
 
-TEST_CASE("a pixel's ray goes back through the lens to the pixel", "[film]") {
+TEST_CASE("projecting the ray of a pixel gives the pixel", "[film]") {
   const StereoRig rig = zed_mini_rig();
   for (const DistortedCamera& camera : {rig.left, rig.right})
     for (int v = 0; v < 720; v += 37)
@@ -31,13 +31,13 @@ TEST_CASE("the ideal picture holds every raw pixel", "[film]") {
     if (!(at.x() >= 1.0F && at.y() >= 1.0F && at.x() <= static_cast<float>(ideal.width - 2) &&
           at.y() <= static_cast<float>(ideal.height - 2)))
       FAIL("the light of a pixel comes from " << at.transpose());
-  // Not much larger than needed either: a barrel lens of this strength bends by a quarter.
+  // It is not much larger than needed: this barrel distortion widens the picture by a quarter.
   CHECK(ideal.width < 1.45 * 1280);
 }
 
-TEST_CASE("of the ideal picture what a raw pixel reads may be painted, a margin round it, no more",
+TEST_CASE("only pixels that the lens reads, and a margin round them, may be painted",
           "[film]") {
-  // A camera of 3 x 2 pixels, all of which look near one place, one of them at (9.5, 6.25).
+  // A camera of 3 x 2 pixels that all read near one position, one of them at (9.5, 6.25).
   const PinholeCamera ideal{24, 16, 10, 10, 12, 8};
   const std::vector<Eigen::Vector2f> map = {{9, 6}, {9.5F, 6.25F}, {9, 6}, {9, 6}, {9, 6}, {9, 6}};
   for (const int margin : {0, 2}) {
@@ -51,7 +51,7 @@ TEST_CASE("of the ideal picture what a raw pixel reads may be painted, a margin 
         CHECK(depth[24 * y + x] == (read ? 1.0F : 0.0F));
       }
   }
-  // Most of the real lens's picture, but not its corners and not the middles of its sides.
+  // Most of the picture of the real lens, but not its corners and not the middles of its sides.
   const DistortedCamera camera = zed_mini_rig().left;
   const PinholeCamera whole = ideal_camera_for(camera, camera.pinhole.fx_px);
   const std::vector<float> seen = depth_where_seen(distortion_map(camera, whole), whole, 0);
@@ -70,7 +70,7 @@ TEST_CASE("the rig has the numbers of a ZED Mini", "[film]") {
   CHECK(turn.angle() < 0.005);
 }
 
-TEST_CASE("no rig is without faults, and none exceeds what is promised", "[film]") {
+TEST_CASE("the faults of a rig are within their bounds and not zero", "[film]") {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     INFO("seed " << seed);
     const SensorFaults faults = sensor_faults(seed);

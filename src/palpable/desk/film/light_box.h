@@ -1,5 +1,5 @@
 /// @file
-/// Where shadows can fall, as seen from the sun. Desk frame (script/desk_body.h), m.
+/// Extents of things in a shadow map, to decide which shadows can fall on which things. Desk frame (script/desk_body.h), m.
 #pragma once
 
 #include "palpable/common/geometry/capsule.h"
@@ -12,11 +12,10 @@
 
 namespace palpable {
 
-/// The rectangle of a shadow map in which something lies.
+/// The bounding rectangle of a thing in a shadow map.
 class LightBox {
  public:
-  /// @param light  desk frame to 0..1 across the map, without perspective, the same scale in both
-  ///               directions
+  /// @param light  from the desk frame to 0..1 across the map; orthographic, with equal scales
   explicit LightBox(const Eigen::Matrix4d& light) : light_(light) {}
   void include(const Capsule& capsule) {
     include(capsule.a, capsule.ra);
@@ -28,12 +27,12 @@ class LightBox {
     low_ = low_.cwiseMin(at - Eigen::Vector2d::Constant(reach));
     high_ = high_.cwiseMax(at + Eigen::Vector2d::Constant(reach));
   }
-  /// Whether the two overlap when both are widened by the soft edges of shadows.
+  /// Whether the two overlap, with a margin for the soft edges of shadows.
   [[nodiscard]] bool meets(const LightBox& other) const {
     return (low_.array() < other.high_.array() + kSpread).all() &&
            (other.low_.array() < high_.array() + kSpread).all();
   }
-  /// In texels of a map of this size, with the soft edges.
+  /// The rectangle in texels of a map of this size, including the soft edges.
   [[nodiscard]] Box texels(int size) const {
     const auto clamped = [size](double value) {
       return static_cast<int>(std::clamp(value * size, 0.0, static_cast<double>(size)));
@@ -43,12 +42,12 @@ class LightBox {
   }
 
  private:
-  static constexpr double kSpread = 0.006;  // of the map: soft edges, six texels of the coarser map
+  static constexpr double kSpread = 0.006;  // ratio to the map's width: soft edges, six texels of the coarser map
   Eigen::Matrix4d light_;
   Eigen::Vector2d low_ = Eigen::Vector2d::Constant(1e6), high_ = Eigen::Vector2d::Constant(-1e6);
 };
 
-/// The extent of something that stands still and casts a shadow.
+/// The extent of a still thing that casts a shadow.
 struct Caster {
   LightBox box;
   double top = -1e6;  // m above the desk
@@ -59,8 +58,8 @@ struct Caster {
       top = std::max(top, static_cast<double>(v.position.z()));
     }
   }
-  /// false: its shadow cannot fall on the capsule. Light comes from above, so only what is higher
-  /// can shade it.
+  /// Whether its shadow may fall on the capsule. Light comes from above, so only a thing that is higher
+  /// than the capsule's lowest point can shade it.
   [[nodiscard]] bool may_shade(const Capsule& capsule, const Eigen::Matrix4d& light) const {
     if (top < std::min(capsule.a.z() - capsule.ra, capsule.b.z() - capsule.rb)) return false;
     LightBox own(light);

@@ -22,10 +22,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kChordError = 0.00009;  // m, of a mover's triangles
-constexpr double kShadeReach = 0.014;    // m, how far the hand itself blocks the room's light
+constexpr double kChordError = 0.00009;  // m, of the triangles of movers
+constexpr double kShadeReach = 0.014;    // m, distance within which the hand blocks the room's light
 
-/// The cup as one piece: outside, rounded rim, inside, floor; in its own frame.
+/// The cup as one mesh: outside, rounded rim, inside and bottom, in its own frame.
 PaintedMesh cup_mesh() {
   PaintedMesh mesh;
   mesh.gloss = 0.45F;
@@ -98,12 +98,12 @@ std::vector<PaintedMesh> unfilled_meshes(const DeskLook& look) {
   return meshes;
 }
 
-/// All capsules but the staves of a cup that is drawn as one piece. Its handle is drawn as
-/// capsules.
+/// The capsules that are drawn one by one: all except the staves of a cup that is drawn as one mesh. Its
+/// handle is drawn as capsules.
 std::vector<const HandCapsule*> drawn_one_by_one(std::span<const HandCapsule> capsules,
                                                  bool cup_is_one_piece) {
   std::vector<const HandCapsule*> drawn;
-  int of_cup = 0;  // capsules of cups so far
+  int of_cup = 0;  // number of cup capsules so far
   for (const HandCapsule& c : capsules) {
     const bool stave = c.part == HandPart::kCup && cup_is_one_piece &&
                        of_cup++ % (kCupStaves + kCupHandleParts) < kCupStaves;
@@ -112,8 +112,8 @@ std::vector<const HandCapsule*> drawn_one_by_one(std::span<const HandCapsule> ca
   return drawn;
 }
 
-/// The capsules of a hand that reach near one capsule, without that one and without held things,
-/// and their distances to its vertices.
+/// The capsules of a hand near one of its capsules, without held things, and their distances to the
+/// vertices of that capsule.
 struct Neighbours {
   std::vector<const HandCapsule*> capsules;
   std::vector<CapsuleField> fields;
@@ -137,8 +137,8 @@ struct Neighbours {
     }
   }
 
-  /// Whether a triangle lies inside one of the capsules, deeper than that one's own triangles do.
-  /// (Capsules are convex: a triangle lies inside when its corners do.)
+  /// Whether a triangle lies inside one of the capsules, deeper than the chord error of that capsule's
+  /// own triangles. (Capsules are convex: a triangle lies inside when its corners do.)
   [[nodiscard]] bool hide(const Eigen::Vector3i& triangle) const {
     for (Eigen::Index k = 0; k < distances.rows(); ++k) {
       const double farthest_out = std::max(
@@ -149,8 +149,8 @@ struct Neighbours {
   }
 };
 
-/// Adds the indices of the triangles that are not hidden at one of the moments.
-/// @return which vertices these have; the others need not be painted
+/// Adds the indices of the triangles that are visible at one of the two instants.
+/// @return for each vertex whether an added triangle uses it; the others need not be painted
 std::vector<bool> add_seen_triangles(PaintedMesh& out, const CapsuleMesh& mesh,
                                      const Neighbours& now, const std::optional<Neighbours>& also) {
   const auto first = static_cast<std::uint32_t>(out.vertices.size());
@@ -166,10 +166,10 @@ std::vector<bool> add_seen_triangles(PaintedMesh& out, const CapsuleMesh& mesh,
   return is_seen;
 }
 
-/// Paints the vertices of one capsule.
+/// Computes the painted vertices of one capsule.
 class CapsulePaint {
  public:
-  /// @param number  of the capsule: each shows another part of the image
+  /// @param number  index of the capsule, so that each shows another part of the image
   CapsulePaint(const HandCapsule& own, const Neighbours& neighbours, std::uint32_t number)
       : own_(own), neighbours_(neighbours), number_(number) {
     const Capsule& c = own.shape;
@@ -200,7 +200,7 @@ class CapsulePaint {
       vertex.extra.z() = static_cast<float>((local.dot(axis_) + 0.10 * c.rb) / (0.86 * c.rb));
       vertex.extra.w() = static_cast<float>(local.dot(side_) / (0.74 * c.rb));
     }
-    // Creases: rings round the back of the finger at its joints.
+    // Creases are rings round the back of the finger at its joints.
     if (own_.part == HandPart::kBone || own_.part == HandPart::kFingerTip) {
       const double from_joint = std::abs((x - c.a).dot(axis_)) / 0.0042;
       if (n.dot(back_) > -0.3)
@@ -212,9 +212,10 @@ class CapsulePaint {
  private:
   struct Smoothed {
     Vector3d normal;  // not unit
-    double open;      // m free of the hand above the surface, at most kShadeReach
+    double open;      // m, distance of other parts of the hand above the surface, <= kShadeReach
   };
-  /// The normal of the smooth union at vertex v, and how near the hand's other parts are.
+  /// The normal of the smooth union of the capsules at vertex v, and the distance of the other parts of
+  /// the hand.
   [[nodiscard]] Smoothed smoothed(const Vector3d& x, const Vector3d& n, Eigen::Index v) const {
     Smoothed result{n, kShadeReach};
     if (is_held(own_)) return result;
@@ -226,7 +227,7 @@ class CapsulePaint {
       if (d > 2.5 * kShadeReach) continue;
       if (d < 4.0 * blend_ && is_sleeve(own_) == is_sleeve(*neighbours_.capsules[k]))
         normal += std::exp(-d / blend_) * neighbours_.fields[k].normal(x);
-      // The distance changes by at most kShadeReach from x to the point that is asked for next.
+      // From x to the point evaluated next, the distance changes by at most kShadeReach.
       if (d - kShadeReach < result.open)
         result.open = std::min(
             result.open, neighbours_.fields[k].distance(x + kShadeReach * normal.normalized()));
@@ -238,15 +239,17 @@ class CapsulePaint {
   const HandCapsule& own_;
   const Neighbours& neighbours_;
   std::uint32_t number_;
-  // m, width of the smooth union: fingers keep their joints, the back of the hand is one surface.
+  // m, width of the smooth union; small for fingers, whose joints stay visible, and larger for the
+  // back of the hand, which becomes one surface.
   double blend_;
-  double tile_;   // m of surface that the image shows
-  double turns_;  // how often the image is repeated round the capsule
+  double tile_;   // m, length of surface that the image covers
+  double turns_;  // repetitions of the image round the capsule
   Vector3d axis_, back_, side_;
 };
 
 /// Adds one capsule to the mesh of its image.
-/// @param then  the same capsule at the other moment, if there is one; `also`: all of that moment
+/// @param then  the same capsule at the other instant, if there is one
+/// @param also  all capsules at the other instant
 void add_capsule(PaintedMesh& out, const HandCapsule& own, std::span<const HandCapsule> capsules,
                  const HandCapsule* then, std::span<const HandCapsule> also, std::uint32_t number) {
   const CapsuleMesh mesh = tessellate(own.shape, own.back, kChordError);
@@ -254,7 +257,7 @@ void add_capsule(PaintedMesh& out, const HandCapsule& own, std::span<const HandC
   std::optional<Neighbours> other;
   if (then != nullptr) {
     const CapsuleMesh moved = tessellate(then->shape, then->back, kChordError);
-    PALPABLE_EXPECT(moved.triangles == mesh.triangles, "what moves keeps its triangles");
+    PALPABLE_EXPECT(moved.triangles == mesh.triangles, "a moving capsule keeps its triangles");
     other.emplace(then->shape, moved, 0.0, also);
   }
   const std::vector<bool> is_seen = add_seen_triangles(out, mesh, now, other);
@@ -283,7 +286,7 @@ std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
                                       const std::optional<Rigid3>& desk_from_cup,
                                       const DeskLook& look, std::span<const HandCapsule> also) {
   PALPABLE_EXPECT(also.empty() || also.size() == capsules.size(),
-                  "both moments have the same capsules");
+                  "both instants have the same capsules");
   std::vector<PaintedMesh> meshes = unfilled_meshes(look);
   if (desk_from_cup) {
     static const PaintedMesh kCup = cup_mesh();

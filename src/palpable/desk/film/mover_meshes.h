@@ -1,5 +1,5 @@
 /// @file
-/// Everything that moves, as painted triangles: hands with their sleeves, pencils, cups.
+/// All moving things as painted triangles: hands with their sleeves, pencils, cups.
 /// Desk frame (script/desk_body.h).
 #pragma once
 
@@ -15,22 +15,20 @@
 
 namespace palpable {
 
-/// The images that movers are painted with; PaintedMesh::image of mover_meshes() is an index in
-/// them.
+/// The images with which movers are painted; PaintedMesh::image in mover_meshes() is an index in this
+/// list.
 [[nodiscard]] std::vector<ColorImage> mover_images(const DeskLook& look);
 
 /// The surfaces of the movers, one mesh for each of mover_images().
 ///
-/// * Vertices lie on the capsules, triangles within 0.09 mm of them.
-/// * Normals of skin and sleeve are those of a smooth union of the capsules, so that a hand does
-/// not
-///   look like a chain of sausages.
-/// * Triangles inside of another capsule are left out: nobody sees them.
-/// * Where a cup's frame is given, its wall is one surface of revolution, in place of the capsules.
+/// * Vertices lie on the capsules, and triangles within 0.09 mm of them.
+/// * Normals of skin and sleeve are those of a smooth union of the capsules, so that the capsules of a
+///   hand are shaded as one surface.
+/// * Triangles inside another capsule are left out, since they are not visible.
+/// * If the frame of a cup is given, its wall is one surface of revolution instead of the capsules.
 ///
-/// @param also  the same movers at another moment, or nothing. With it only triangles that are
-/// inside
-///              at both moments are left out, so that the meshes of both have the same triangles.
+/// @param also  the same movers at another instant, or empty. With it, only triangles that are inside
+///              at both instants are left out, so that the meshes of both have the same triangles.
 [[nodiscard]] std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
                                                     const std::optional<Rigid3>& desk_from_cup,
                                                     const DeskLook& look,

@@ -25,7 +25,7 @@ std::size_t triangle_count(const std::vector<PaintedMesh>& meshes) {
   return count;
 }
 
-/// Triangles of which all corners lie this deep (m) inside one capsule.
+/// Number of triangles whose corners all lie deeper than `depth` (m) inside one capsule.
 int hidden(const std::vector<PaintedMesh>& meshes, const std::vector<HandCapsule>& capsules,
            double depth) {
   int count = 0;
@@ -41,9 +41,8 @@ int hidden(const std::vector<PaintedMesh>& meshes, const std::vector<HandCapsule
 
 }  // namespace
 
-// That no triangle is missing which can be seen is tested by the truth's depth
-// (desk_renderer_test.cpp).
-TEST_CASE("triangles inside of a hand are left out, of two moments those inside at both",
+// The test of the true depth (desk_renderer_test.cpp) shows that no visible triangle is missing.
+TEST_CASE("triangles inside a hand are left out, for two instants those inside at both",
           "[film]") {
   const std::vector<HandCapsule> open = hand(open_gesture(), {0.0, 0.0, 0.2});
   const std::vector<HandCapsule> closed = hand(pointing_gesture(), {0.01, 0.02, 0.2});

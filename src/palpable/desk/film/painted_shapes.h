@@ -1,6 +1,5 @@
 /// @file
-/// Simple painted surfaces: rectangles, boxes, surfaces of revolution. Metres, in whatever frame
-/// they are placed in.
+/// Simple painted surfaces: rectangles, boxes, surfaces of revolution. Lengths in m, in any frame.
 #pragma once
 
 #include "palpable/desk/film/painted_mesh.h"
@@ -15,7 +14,7 @@ namespace palpable {
 /// Adds a rectangle.
 /// @param corners  counter-clockwise as seen from outside, the first two at the lower edge of the
 ///                 image
-/// @param uv0,uv1  the corners of the part of the image that it shows, the upper left one first
+/// @param uv0,uv1  upper left and lower right corner of the part of the image that it shows
 void add_quad(PaintedMesh& mesh, const std::array<Eigen::Vector3d, 4>& corners,
               const Eigen::Vector2d& uv0, const Eigen::Vector2d& uv1);
 
@@ -25,13 +24,13 @@ struct BoxFaces {
 };
 
 /// A box without a bottom.
-/// @param base  middle of the bottom
-/// @param size  along the box's own axes
+/// @param base  middle of the bottom, m
+/// @param size  along the box's own axes, m
 /// @param yaw   rad, about the vertical
 [[nodiscard]] PaintedMesh painted_box(const Eigen::Vector3d& base, const Eigen::Vector3d& size,
                                       double yaw, const BoxFaces& faces, int image);
 
-/// Adds a surface of revolution round the vertical through `base`. The image runs once round it.
+/// Adds a surface of revolution round the vertical through `base`. The image goes round it once.
 /// @param profile  (radius, height above base) from one end to the other
 /// @param v0,v1    image coordinate at the first and at the last point of the profile
 void add_turned(PaintedMesh& mesh, const Eigen::Vector3d& base,

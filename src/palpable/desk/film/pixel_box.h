@@ -10,7 +10,7 @@ namespace palpable {
 /// A rectangle of pixels.
 struct Box {
   int x = 0, y = 0, width = 0, height = 0;
-  /// What both have in common; empty() when nothing.
+  /// The intersection, which may be empty().
   [[nodiscard]] Box cut(const Box& other) const {
     const int x0 = std::max(x, other.x);
     const int y0 = std::max(y, other.y);
@@ -20,7 +20,7 @@ struct Box {
   [[nodiscard]] bool empty() const { return width <= 0 || height <= 0; }
 };
 
-/// The smallest rectangle round both.
+/// The smallest rectangle that contains both.
 [[nodiscard]] inline Box around(const Box& a, const Box& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;
@@ -29,7 +29,7 @@ struct Box {
           std::max(a.y + a.height, b.y + b.height) - y0};
 }
 
-/// A picture divided into squares (smaller at its right and lower border), some of them marked.
+/// A picture divided into square tiles (cut off at its right and lower border), some of them marked.
 struct Tiles {
   int width = 0, height = 0;  ///< px, of the picture
   int size = 1;               ///< px
@@ -42,8 +42,7 @@ struct Tiles {
         marked(across() * ((height + size - 1) / size), false) {}
   [[nodiscard]] int across() const { return (width + size - 1) / size; }
 
-  /// Rectangles that do not overlap and together cover exactly the marked squares, or exactly the
-  /// others.
+  /// Rectangles that do not overlap and together cover exactly the marked tiles, or exactly the others.
   [[nodiscard]] std::vector<Box> boxes(bool of_marked) const {
     std::vector<Box> found;
     const int count = static_cast<int>(marked.size());

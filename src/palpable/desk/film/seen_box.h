@@ -1,5 +1,5 @@
 /// @file
-/// The part of a picture in which movers are seen.
+/// The part of a picture that shows movers.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -11,11 +11,10 @@
 
 namespace palpable {
 
-/// The rectangle round what an eye sees of some capsules, that is of their parts beyond the near
-/// plane.
+/// The bounding rectangle, in the picture of an eye, of the parts of capsules beyond the near plane.
 class SeenBox {
  public:
-  static constexpr double kNearest = 0.02;  ///< m, nothing nearer is drawn
+  static constexpr double kNearest = 0.02;  ///< m, near plane: nothing nearer is drawn
 
   explicit SeenBox(const PinholeCamera& view) : view_(view) {}
 
@@ -23,9 +22,9 @@ class SeenBox {
   void include(const Eigen::Vector3d& a, double ra, const Eigen::Vector3d& b, double rb) {
     include(a, ra);
     include(b, rb);
-    // Where the near plane cuts the hull, its cross-section lies between the two spheres of the
-    // hull that touch the plane, one from either side. (What is seen of a convex body is the hull
-    // of what is seen of its ends and of this cross-section.)
+    // If the near plane cuts the hull, the cross-section lies between the two spheres of the hull that
+    // touch the plane from either side. The picture of the part beyond the plane is the hull of the
+    // pictures of the ends beyond it and of this cross-section.
     const Eigen::Vector3d ab = b - a;
     for (const double side : {-1.0, 1.0}) {
       const double slope = ab.z() - side * (rb - ra);
@@ -44,9 +43,9 @@ class SeenBox {
   }
 
  private:
-  static constexpr double kRounding = 2.0;  // px: chords of triangles, rounding to pixels
+  static constexpr double kRounding = 2.0;  // px, margin for the chords of triangles and rounding to pixels
   PinholeCamera view_;
-  // Bounds of x/Z and y/Z. As long as nothing is seen, low is above high.
+  // Bounds of x/Z and y/Z; low > high as long as nothing is included.
   Eigen::Vector2d low_ = Eigen::Vector2d::Constant(1e6), high_ = Eigen::Vector2d::Constant(-1e6);
 
   void include(const Eigen::Vector3d& x, double radius) {

@@ -17,7 +17,7 @@ bool holds(const Box& box, int x, int y) {
   return x >= box.x && x < box.x + box.width && y >= box.y && y < box.y + box.height;
 }
 
-/// Whether a ray meets the capsule beyond the near plane.
+/// Whether the ray of a pixel meets the capsule beyond the near plane.
 bool is_seen(const Capsule& capsule, int x, int y) {
   const Eigen::Vector3d from = kView.unproject(x, y, SeenBox::kNearest);
   const std::array<Capsule, 1> one = {capsule};
@@ -25,7 +25,7 @@ bool is_seen(const Capsule& capsule, int x, int y) {
 }
 }  // namespace
 
-TEST_CASE("all that an eye sees of a capsule lies in its box, also where the near plane cuts it",
+TEST_CASE("the visible part of a capsule lies in its box, also if the near plane cuts it",
           "[film]") {
   int seen = 0, cut = 0, cut_and_seen = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
@@ -64,7 +64,7 @@ TEST_CASE("the box of an arm that comes from behind the eye ends where the arm d
   const Box pixels = box.pixels();
   const double left = kView.project({0.05, 0.02, 0.25}).x() - kView.fx_px * 0.02 / 0.25;
   CHECK(pixels.x < left);
-  CHECK(pixels.x > left - 6.0);  // rounding, and the square round a circle
+  CHECK(pixels.x > left - 6.0);  // rounding, and the bounding square of a circle
   CHECK(pixels.x + pixels.width == kView.width);
 }
 
@@ -94,5 +94,5 @@ TEST_CASE("marked tiles and the others make the whole picture, each pixel once",
       }
   }
   Tiles whole(all.width, all.height, 5);
-  CHECK(whole.boxes(false).size() == 1);  // rows that are alike are one rectangle
+  CHECK(whole.boxes(false).size() == 1);  // equal rows form one rectangle
 }

@@ -1,6 +1,6 @@
 /// @file
-/// The sun (a window's light, parallel), and the maps of what it reaches. Desk frame
-/// (script/desk_body.h), m. OpenGL's names and terms; the context must be current.
+/// The sun (the parallel light of a window) and its shadow maps. Desk frame (script/desk_body.h), m.
+/// The OpenGL context must be current.
 #pragma once
 
 #include "palpable/live/render/gl_objects.h"
@@ -12,16 +12,17 @@
 
 namespace palpable {
 
-/// Unit, desk frame.
+/// The direction to the sun: unit vector, desk frame.
 [[nodiscard]] inline const Eigen::Vector3d& to_sun() {
   static const Eigen::Vector3d kToSun = Eigen::Vector3d(-0.46, -0.30, 0.84).normalized();
   return kToSun;
 }
 
-/// Desk frame to a map of parallel light.
-/// @param centre      of the square, across the light, that the map shows
-/// @param half_width  m, of the square
-/// @param reach       m along the light to either side of the centre
+/// From the desk frame to a map of parallel light, 0..1. The map shows a square perpendicular to the
+/// light.
+/// @param centre      of the square, m
+/// @param half_width  of the square, m
+/// @param reach       depth range of the map along the light, to either side of the centre, m
 [[nodiscard]] inline Eigen::Matrix4d light_from_desk(const Eigen::Vector3d& centre,
                                                      double half_width, double reach) {
   Eigen::Matrix3d R;
@@ -35,7 +36,7 @@ namespace palpable {
   return m;
 }
 
-/// The same as `m`, but to the -1..1 of clip coordinates in place of 0..1.
+/// `m` with its result in clip coordinates, -1..1 instead of 0..1.
 [[nodiscard]] inline Eigen::Matrix4f to_clip(const Eigen::Matrix4d& m) {
   Eigen::Matrix4d scale = 2.0 * Eigen::Matrix4d::Identity();
   scale.block<3, 1>(0, 3).setConstant(-1.0);
@@ -43,14 +44,14 @@ namespace palpable {
   return (scale * m).cast<float>();
 }
 
-/// The depth as seen from the sun; the texture unit compares with it and filters. What lies outside
-/// of the map is lit.
+/// The depth as seen from the sun; the texture unit compares with it and filters. Points outside of
+/// the map are lit.
 struct ShadowMap {
   GlTexture depth;
   GlFramebuffer target;
-  /// Desk frame to the map: 0..1 across it, and 0..1 in depth.
+  /// From the desk frame to the map: 0..1 across it and in depth.
   Eigen::Matrix4d light;
-  /// How much light reaches the desk's top, 0..1, where the map sees it.
+  /// Share of the sun's light that reaches the desk's top, 0..1, where the map shows it.
   GlTexture top;
   GlFramebuffer top_target;
 
@@ -71,12 +72,12 @@ struct ShadowMap {
     glNamedFramebufferDrawBuffer(target.get(), GL_NONE);
     glNamedFramebufferReadBuffer(target.get(), GL_NONE);
   }
-  /// How far the four comparisons of a look-up lie apart (lit.glsl): soft edges of about three
-  /// texels.
+  /// Spacing of the four comparisons of a look-up (lit.glsl), ratio to the map's width; soft edges of
+  /// about three texels.
   [[nodiscard]] float spread() const { return 2.25F / static_cast<float>(depth.width()); }
   /// The depth of the desk's top at (u, v) in the map is the dot product of this with (u, v, 1).
   [[nodiscard]] Eigen::Vector3f depth_of_top() const {
-    Eigen::Matrix3d uv1_from_xy1;  // of points at height 0
+    Eigen::Matrix3d uv1_from_xy1;  // for points at height 0
     uv1_from_xy1 << light.block<2, 2>(0, 0), light.block<2, 1>(0, 3), 0, 0, 1;
     const Eigen::RowVector3d z(light(2, 0), light(2, 1), light(2, 3));
     return (z * uv1_from_xy1.inverse()).transpose().cast<float>();

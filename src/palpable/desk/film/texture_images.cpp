@@ -28,7 +28,7 @@ int wrap(int i, int period) {
   return i < 0 ? i + period : i;
 }
 
-/// Value noise in [-1, 1] over the unit square with nx x ny cells; repeats without a seam.
+/// Value noise in [-1, 1] over the unit square with nx x ny cells; periodic.
 double noise(double u, double v, int nx, int ny, std::uint32_t seed) {
   const double x = u * nx;
   const double y = v * ny;
@@ -47,7 +47,7 @@ double noise(double u, double v, int nx, int ny, std::uint32_t seed) {
   return top * (1 - b) + bottom * b;
 }
 
-/// A sum of noises, each twice as fine as the one before and `gain` times as strong.
+/// A sum of `count` noises, each twice as fine as the previous one and `gain` times as strong.
 double octaves(double u, double v, int nx, int ny, int count, double gain, std::uint32_t seed) {
   double sum = 0.0;
   double weight = 1.0;
@@ -70,7 +70,7 @@ Rgb scaled(Rgb c, double factor) {
   return {level(c.r * factor), level(c.g * factor), level(c.b * factor)};
 }
 
-/// Words in rows within a rectangle. Letters consist of strokes 1-2 px wide.
+/// Prints rows of random words in a rectangle. Letters consist of strokes 1 to 2 px wide.
 void print_words(ColorImage& image, int x0, int y0, int x1, int y1, int line, Rgb ink,
                  Random& random) {
   for (int y = y0; y + line <= y1; y += line) {
@@ -100,7 +100,7 @@ void fill(ColorImage& image, int x0, int y0, int x1, int y1, Rgb color) {
     for (int x = std::max(0, x0); x < std::min(x1, image.width()); ++x) image(x, y) = color;
 }
 
-/// Multiplies each pixel by 1 + strength * fine noise: paper fibres, printing screen, dust.
+/// Multiplies each pixel by 1 + strength * fine noise, such as paper fibres, printing screen or dust.
 void roughen(ColorImage& image, double strength, std::uint32_t seed) {
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x) {
@@ -124,7 +124,7 @@ ColorImage wood_image(int size, std::uint64_t seed) {
       const double across = v * kBoards - board;
       const double own = lattice(board, 17, s);
       const auto sb = s + static_cast<std::uint32_t>(board) * 977U;
-      // Year rings: the board cuts a warped cone of rings lengthwise.
+      // Year rings: the board is a lengthwise section of a warped cone of rings.
       const double warp = octaves(u, v, 3, 10, 4, 0.5, sb);
       const double rings = std::sin(kTurn * (9.0 * (across + 0.15 * own) + 0.9 * warp));
       const double fibres = octaves(u, v, 24, 700, 2, 0.6, sb + 5U);

@@ -28,11 +28,11 @@ MaskScore compare_masks(const GrayImage& truth, std::uint8_t bit, const MaskImag
   MaskScore score;
   score.pixels = static_cast<std::int64_t>(truth.size());
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    const bool is = (truth.data()[i] & bit) != 0;
-    const bool said = found.data()[i] != 0;
-    score.truth += is;
-    score.found += said;
-    score.both += is && said;
+    const bool is_true = (truth.data()[i] & bit) != 0;
+    const bool is_found = found.data()[i] != 0;
+    score.truth += is_true;
+    score.found += is_found;
+    score.both += is_true && is_found;
   }
   return score;
 }

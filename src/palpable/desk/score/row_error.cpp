@@ -10,9 +10,9 @@ namespace palpable {
 
 std::optional<double> largest_row_error(std::span<const TrueRowOffset> truth,
                                         std::span<const RowCorrection> corrections, int settle,
-                                        std::span<const std::uint8_t> looked_at) {
+                                        std::span<const std::uint8_t> processed) {
   PALPABLE_EXPECT(settle >= 0, "settling takes no negative time");
-  PALPABLE_EXPECT(looked_at.empty() || looked_at.size() == truth.size(), "one mark per frame");
+  PALPABLE_EXPECT(processed.empty() || processed.size() == truth.size(), "one mark per frame");
   std::optional<double> largest;
   std::optional<int> last_step;
   std::size_t k = 0;
@@ -23,7 +23,7 @@ std::optional<double> largest_row_error(std::span<const TrueRowOffset> truth,
       correction = corrections[k].correction_px;
     if (frame.step) last_step = frame.frame;
     if (last_step && frame.frame <= *last_step + settle) continue;
-    if (!looked_at.empty() && looked_at[i] == 0) continue;
+    if (!processed.empty() && processed[i] == 0) continue;
     largest = std::max(largest.value_or(0), std::abs(frame.offset_px - correction));
   }
   return largest;

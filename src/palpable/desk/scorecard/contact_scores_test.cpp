@@ -1,5 +1,5 @@
-// A made-up press whose truth is known in closed form: a perfect answer scores perfectly, and each
-// score is bad for the wrong answer that it is there for.
+// An artificial press whose truth is known in closed form. The true response has perfect scores,
+// and each score is bad for the kind of wrong response that it is meant to show.
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/body_file/body_file.h"
@@ -28,14 +28,15 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using test::tolerance;
 
-constexpr double kRadius = 0.015;  // m, of the ball that presses
+constexpr double kRadius = 0.015;  // m, of the pressing ball
 const Vector3d kForcePerMetre(50, 0, -500);
 
-// What the ball does. The body is 100 mm high: at more than 10 mm the ball passes through.
+// The position of the ball in a frame. The body is 100 mm high, so a ball deeper than 10 mm counts
+// as passing through.
 struct Moment {
   double depth;  // m, below the top; negative above it
   double seen_share;
-  bool has_full_answer;
+  bool has_full_solution;
 };
 constexpr std::array<Moment, 8> kMoments{{{-0.050, 1, false},
                                           {-0.007, 1, false},
@@ -43,7 +44,7 @@ constexpr std::array<Moment, 8> kMoments{{{-0.050, 1, false},
                                           {0.006, 1, true},
                                           {0.008, 1, true},
                                           {0.012, 1, false},   // passes through
-                                          {0.006, 0.2, true},  // seen by no camera
+                                          {0.006, 0.2, true},  // not seen by a camera
                                           {-0.050, 1, false}}};
 
 // A block 100 mm high whose top, at Z = 0, has vertices 2.5 mm apart.
@@ -67,7 +68,7 @@ SurfaceMesh block() {
       surface.triangles.col(t++) << at(i, j), at(i + 1, j + 1), at(i, j + 1);
     }
   }
-  for (int i = 0; i < kParts; ++i) {  // an upside-down pyramid closes it
+  for (int i = 0; i < kParts; ++i) {  // an inverted pyramid closes the mesh
     surface.triangles.col(t++) << at(i + 1, 0), at(i, 0), bottom;
     surface.triangles.col(t++) << at(i, kParts), at(i + 1, kParts), bottom;
     surface.triangles.col(t++) << at(0, i), at(0, i + 1), bottom;
@@ -76,7 +77,8 @@ SurfaceMesh block() {
   return surface;
 }
 
-// The top gives way to a ball above `at` and nowhere else; stress as the way of each vertex.
+// Deforms the top to the shape of a ball above `at`, scaled by `times`, and leaves the rest
+// unchanged. The stress is proportional to the displacement of a vertex.
 void press(ValuedSurface& skin, const Vector2d& at, double depth, double times) {
   for (int v = 0; v + 1 < skin.surface.vertex_count(); ++v) {
     const double r = (skin.surface.vertices.col(v).head<2>() - at).norm();
@@ -102,7 +104,7 @@ ValuedSurface pressed(double depth, double times = 1) {
 
 void write_text(const fs::path& path, const std::string& text) { test::write_bytes(path, text); }
 
-// Where the body stands before the camera, m; it is not turned.
+// The body's position in the camera frame, m; it is not rotated.
 const Vector3d kPlace(0.01, -0.02, 0.4);
 constexpr const char* kPoseText = "[1,0,0,0.01, 0,1,0,-0.02, 0,0,1,0.4, 0,0,0,1]";
 
@@ -124,7 +126,7 @@ void write_truth(const fs::path& folder) {
       contact.gap = -now.depth;
     }
     contacts += contact_line(contact);
-    if (!now.has_full_answer) continue;
+    if (!now.has_full_solution) continue;
     write_valued_ply(deformed_skin_file(folder / "deformed", n), pressed(now.depth),
                      kVonMisesProperty);
     deformed +=
@@ -138,39 +140,39 @@ void write_truth(const fs::path& folder) {
   write_text(folder / "deformed" / "deformed.jsonl", deformed);
 }
 
-// What an answer does in a frame.
-struct Answer {
+// The response of a system in a frame.
+struct Response {
   ValuedSurface skin;
   bool felt = false;
   Vector3d force = Vector3d::Zero();
 };
-using Answers = std::function<Answer(const Moment&)>;
+using Responses = std::function<Response(const Moment&)>;
 
-Answer perfect(const Moment& now) {
+Response perfect(const Moment& now) {
   return {pressed(now.depth), now.depth > 0, now.depth * kForcePerMetre};
 }
 
-void write_result(const fs::path& folder, const Answers& answers) {
+void write_result(const fs::path& folder, const Responses& responses) {
   fs::create_directories(folder / "meshes");
   write_valued_ply(folder / "meshes" / "rest.ply", pressed(0), kVonMisesProperty);
   std::string touches;
   for (int n = 0; n < std::ssize(kMoments); ++n) {
-    const Answer answer = answers(kMoments[n]);
-    write_valued_ply(folder / "meshes" / frame_name(n, ".ply"), answer.skin, kVonMisesProperty);
-    if (answer.felt) touches += touches_line({n, {{.force = answer.force}}});
+    const Response response = responses(kMoments[n]);
+    write_valued_ply(folder / "meshes" / frame_name(n, ".ply"), response.skin, kVonMisesProperty);
+    if (response.felt) touches += touches_line({n, {{.force = response.force}}});
   }
   write_text(folder / "touches.jsonl", touches);
   write_text(folder / "live.json", fmt::format("{{\"camera_from_body\":{}}}", kPoseText));
 }
 
-Scorecard scores_of(const Answers& answers) {
+Scorecard scores_of(const Responses& responses) {
   const test::ScratchFolder scratch("contact_scores");
   write_truth(scratch / "truth");
-  write_result(scratch / "result", answers);
+  write_result(scratch / "result", responses);
   return score_folders(scratch / "truth", scratch / "result", nullptr, {});
 }
 
-TEST_CASE("the truth handed in scores perfectly", "[scorecard]") {
+TEST_CASE("the truth itself as result has perfect scores", "[scorecard]") {
   const Scorecard scores = scores_of(perfect);
   const PressScores& press = scores.press;
   CHECK(press.touch_precision == 1.0);
@@ -204,11 +206,11 @@ TEST_CASE("the truth handed in scores perfectly", "[scorecard]") {
 }
 
 TEST_CASE("a body that stays at rest misses the touch and is penetrated", "[scorecard]") {
-  const Scorecard scores = scores_of([](const Moment&) { return Answer{pressed(0)}; });
+  const Scorecard scores = scores_of([](const Moment&) { return Response{pressed(0)}; });
   CHECK(scores.press.touch_recall_3mm == 0.0);
   CHECK_FALSE(scores.press.touch_false_5mm.has_value());
   CHECK(scores.deformed.displacement_error->median == Approx(1));
-  CHECK(scores.deformed.displacement_error_mm->median == Approx(7));  // of 6 and 8 mm
+  CHECK(scores.deformed.displacement_error_mm->median == Approx(7));  // median of 6 and 8 mm
   CHECK(scores.deformed.displacement_error_mm_shallow->median == Approx(2));
   CHECK(scores.deformed.von_mises_error->median == Approx(1));
   CHECK(scores.deformed.force_error->median == Approx(1));
@@ -223,16 +225,17 @@ TEST_CASE("a body that stays at rest misses the touch and is penetrated", "[scor
             *scores.deformed.frames[1].displacement_error_mm ==
         Approx(14));  // 6 and 8 mm
   CHECK(scores.deformed.overpress_mm->p99 == 0);
-  // 2, 6 and 8 mm; not the 12 mm of a ball that passes through, nor the 6 that no camera sees.
+  // 2, 6 and 8 mm count; the 12 mm of a ball that passes through and the 6 mm that no camera sees
+  // do not.
   CHECK(*scores.surface.penetration_median_mm == Approx(6));
   CHECK(*scores.surface.penetration_p99_mm == Approx(8 - 0.02 * 2));
   CHECK(*scores.surface.penetration_median_mm_unseen == Approx(6));
 }
 
-TEST_CASE("a body that flees twice too far is overpressed, though nothing is left in it",
+TEST_CASE("a body that deforms twice as much as it should is overpressed, though not penetrated",
           "[scorecard]") {
   const Scorecard scores = scores_of([](const Moment& now) {
-    return Answer{pressed(now.depth, 2), now.depth > 0, 2 * now.depth * kForcePerMetre};
+    return Response{pressed(now.depth, 2), now.depth > 0, 2 * now.depth * kForcePerMetre};
   });
   CHECK(*scores.surface.penetration_p99_mm <=
         tolerance(0.25, "mm; a chord of 5 mm (the dent is steep) in a ball of 15 mm"));
@@ -240,38 +243,39 @@ TEST_CASE("a body that flees twice too far is overpressed, though nothing is lef
   CHECK(scores.deformed.displacement_error->median == Approx(1));
   CHECK(scores.deformed.von_mises_error->median == Approx(1));
   CHECK(scores.deformed.force_error->median == Approx(1));
-  CHECK(scores.deformed.overpress_mm->p50 == Approx(6));  // of 2, 6 and 8 mm
+  CHECK(scores.deformed.overpress_mm->p50 == Approx(6));  // median of 2, 6 and 8 mm
   CHECK(scores.deformed.overpress_mm->p99 == Approx(8 - 0.02 * 2));
 }
 
-TEST_CASE("what is felt where nothing is near is false, what no camera sees is not missed",
+TEST_CASE("a touch felt with nothing near is false, one that no camera sees is not missed",
           "[scorecard]") {
   const Scorecard early = scores_of([](const Moment& now) {
-    return Answer{pressed(0), now.depth > -0.04, {0, 0, -1}};  // 7 mm away, too
+    return Response{pressed(0), now.depth > -0.04, {0, 0, -1}};  // also at 7 mm distance
   });
   CHECK(*early.press.touch_false_5mm == Approx(1.0 / 6));
   const Scorecard blind = scores_of([](const Moment& now) {
-    Answer answer = perfect(now);
-    if (now.seen_share < 0.5) answer.felt = false;
-    return answer;
+    Response response = perfect(now);
+    if (now.seen_share < 0.5) response.felt = false;
+    return response;
   });
   CHECK(blind.press.touch_recall_3mm == 1.0);
   CHECK(*blind.press.touch_recall == Approx(4.0 / 5));
-  // Pressed far beside the true place: the force may be right, the skin is not.
+  // Pressed far from the true place: the force may be right, the skin is not.
   const Scorecard beside = scores_of([](const Moment& now) {
-    Answer answer = perfect(now);
-    answer.skin.surface.vertices = block().vertices;
-    if (now.depth > 0) answer.skin.surface.vertices(2, 0) = -now.depth;
-    return answer;
+    Response response = perfect(now);
+    response.skin.surface.vertices = block().vertices;
+    if (now.depth > 0) response.skin.surface.vertices(2, 0) = -now.depth;
+    return response;
   });
   CHECK(beside.deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
   CHECK(beside.deformed.displacement_error->median > 1);
   CHECK(*beside.surface.penetration_median_mm == Approx(6));
 }
 
-TEST_CASE("nobody is judged by a touch that no camera sees, but it is counted", "[scorecard]") {
+TEST_CASE("a touch that no camera sees is counted but not scored", "[scorecard]") {
   const Scorecard scores = scores_of([](const Moment& now) {
-    return now.seen_share < 0.5 ? Answer{pressed(0.009)} : perfect(now);  // and not felt
+    return now.seen_share < 0.5 ? Response{pressed(0.009)}
+                                : perfect(now);  // and without a felt touch
   });
   const DeformedScores& deformed = scores.deformed;
   const double rounding = tolerance(1e-9, "weights of a corner");
@@ -283,14 +287,14 @@ TEST_CASE("nobody is judged by a touch that no camera sees, but it is counted", 
   CHECK(deformed.deformed_frames == 2);
   CHECK(deformed.deformed_frames_shallow == 1);
   CHECK(deformed.deformed_frames_unseen == 1);
-  CHECK(deformed.displacement_error_mm_unseen->median == Approx(3));  // 9 instead of 6 mm
+  CHECK(deformed.displacement_error_mm_unseen->median == Approx(3));  // 9 mm instead of 6 mm
 }
 
-TEST_CASE("of two touches the second one is asked, too, how far it is pressed", "[scorecard]") {
+TEST_CASE("overpress is also measured at the second of two touches", "[scorecard]") {
   const test::ScratchFolder scratch("contact_scores_two");
   const fs::path truth = scratch / "truth";
   write_truth(truth);
-  // In frame 3 a second ball presses 50 mm beside the first, 4 mm deep.
+  // In frame 3 a second ball presses 4 mm deep, 50 mm from the first.
   const Vector2d left(-0.025, 0), right(0.025, 0);
   const auto both = [&](double times_right) {
     ValuedSurface skin = at_rest();
@@ -312,24 +316,24 @@ TEST_CASE("of two touches the second one is asked, too, how far it is pressed", 
   write_text(truth / "deformed/deformed.jsonl",
              deformed_line({.frame = 3, .depth = 0.006, .force = {0, 0, -1}}));
   const auto overpress_of = [&](double times_right) {
-    write_result(scratch / "result", [&](const Moment&) { return Answer{both(times_right)}; });
+    write_result(scratch / "result", [&](const Moment&) { return Response{both(times_right)}; });
     return score_folders(truth, scratch / "result", nullptr, {}).deformed.overpress_mm->p99;
   };
   CHECK(overpress_of(1) <= tolerance(1e-9, "weights of a corner"));
   CHECK(overpress_of(2) == Approx(4));
-  // Where nobody says where the body stands, the one place that contact.jsonl names is asked.
+  // Without the pose of the body, only the point in contact.jsonl is a touched place.
   fs::remove(truth / "scene.toml");
   CHECK(overpress_of(2) <= tolerance(1e-9, "weights of a corner"));
 }
 
-TEST_CASE("leaving out hard frames is answering with the body at rest", "[scorecard]") {
+TEST_CASE("frames left out by a result count as the body at rest", "[scorecard]") {
   const test::ScratchFolder scratch("contact_scores_left_out");
   const fs::path result = scratch / "result";
   write_truth(scratch / "truth");
   const auto scores = [&] { return score_folders(scratch / "truth", result, nullptr, {}); };
   const auto hard = [](const Moment& now) { return now.depth == 0.008; };
   write_result(result,
-               [&](const Moment& now) { return hard(now) ? Answer{pressed(0)} : perfect(now); });
+               [&](const Moment& now) { return hard(now) ? Response{pressed(0)} : perfect(now); });
   const Scorecard resting = scores();
   write_result(result, perfect);
   write_text(result / "live.json", fmt::format("{{\"camera_from_body\":{},\"processed\":"
@@ -338,11 +342,11 @@ TEST_CASE("leaving out hard frames is answering with the body at rest", "[scorec
   const Scorecard left_out = scores();
   CHECK(left_out.frames_processed == 7);
   CHECK(left_out.deformed.deformed_frames == 2);
-  CHECK(left_out.deformed.displacement_error->median == Approx(0.5));  // of 0 and 1
+  CHECK(left_out.deformed.displacement_error->median == Approx(0.5));  // median of 0 and 1
   CHECK(left_out.deformed.displacement_error_mm->median == Approx(4));
   CHECK(left_out.deformed.von_mises_error->median == Approx(0.5));
   CHECK(left_out.deformed.force_error->median == Approx(0.5));
-  CHECK(*left_out.press.touch_recall_3mm == Approx(2.0 / 3));  // of 6, 8 and 12 mm
+  CHECK(*left_out.press.touch_recall_3mm == Approx(2.0 / 3));  // the touches of 6, 8 and 12 mm
   CHECK(*left_out.surface.penetration_p99_mm == Approx(8).margin(0.2));
   const double rounding = tolerance(1e-12, "the same sums");
   const auto same = [&](double a, double b) { return std::abs(a - b) <= rounding; };
@@ -352,7 +356,7 @@ TEST_CASE("leaving out hard frames is answering with the body at rest", "[scorec
   CHECK(same(left_out.deformed.overpress_mm->p99, resting.deformed.overpress_mm->p99));
   CHECK(same(*left_out.surface.penetration_p99_mm, *resting.surface.penetration_p99_mm));
   CHECK(left_out.press.touch_recall_3mm == resting.press.touch_recall_3mm);
-  // Where the result does not say where the body was drawn then, it stood in its true place.
+  // Without a drawn pose for the frame that was left out, the true pose is used.
   std::string poses;
   for (const int n : {0, 1, 2, 3, 5, 6, 7}) {
     poses += fmt::format("{{\"frame\":{},\"camera_from_body\":{}}}\n", n, kPoseText);
@@ -361,11 +365,11 @@ TEST_CASE("leaving out hard frames is answering with the body at rest", "[scorec
   CHECK(same(*scores().surface.penetration_p99_mm, *left_out.surface.penetration_p99_mm));
   fs::remove(scratch / "truth/scene.toml");
   CHECK_FALSE(scores().surface.penetration_p99_mm.has_value());
-  CHECK(scores().surface.largest_pop_mm == left_out.surface.largest_pop_mm);  // asks the others
+  CHECK(scores().surface.largest_pop_mm ==
+        left_out.surface.largest_pop_mm);  // needs only the other frames
 }
 
-TEST_CASE("a body drawn beside its place is off by as much, though its shape is right",
-          "[scorecard]") {
+TEST_CASE("a body with the right shape in a wrong pose has the error of that pose", "[scorecard]") {
   const test::ScratchFolder scratch("contact_scores_place");
   const fs::path truth = scratch / "clip" / "truth";
   const fs::path result = scratch / "result";
@@ -374,14 +378,14 @@ TEST_CASE("a body drawn beside its place is off by as much, though its shape is 
   write_text(result / "live.json",
              "{\"camera_from_body\":[1,0,0,0.013, 0,1,0,-0.024, 0,0,1,0.4, 0,0,0,1]}");
   const auto scores = [&] { return score_folders(truth, result, nullptr, {}); };
-  CHECK(scores().surface.placement_error_mm->median == Approx(5));  // 3 and 4 mm aside
+  CHECK(scores().surface.placement_error_mm->median == Approx(5));  // shifted by 3 and 4 mm
   CHECK(scores().deformed.displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
-  // Of one frame it is not known: that might be the worst one.
+  // With an unknown pose in some frame there is no score: it might be the worst frame.
   write_text(result / "pose.jsonl",
              fmt::format("{{\"frame\":0,\"camera_from_body\":{}}}\n", kPoseText));
   CHECK_FALSE(scores().surface.placement_error_mm.has_value());
   fs::remove(result / "pose.jsonl");
-  // A film of before has its place beside the pictures alone.
+  // Older films have scene.toml only beside the pictures.
   fs::create_directories(scratch / "clip/frames");
   fs::rename(truth / "scene.toml", scratch / "clip/frames/scene.toml");
   CHECK(scores().surface.placement_error_mm->p90 == Approx(5));
@@ -401,7 +405,7 @@ TEST_CASE("a drawn skin that does not lie on the true one is refused", "[scoreca
     rest.surface.vertices.row(2).array() += lifted;
     write_valued_ply(result / "meshes/rest.ply", rest, kVonMisesProperty);
   };
-  draw_at_rest(1, 0.0009);  // 1 mm is a hundredth of the height
+  draw_at_rest(1, 0.0009);  // 1 mm, 1 % of the height, is allowed
   CHECK(scores().deformed.displacement_error.has_value());
   for (const auto& [scale, lifted] : {std::pair(1.0, 0.0013), std::pair(1000.0, 0.0)}) {
     draw_at_rest(scale, lifted);
@@ -410,12 +414,12 @@ TEST_CASE("a drawn skin that does not lie on the true one is refused", "[scoreca
                                     Catch::Contains("another body, scale or frame") &&
                                     !Catch::Contains("\n"));
   }
-  // Of the body that was filmed, where there is no full answer.
+  // Of the body that was filmed, where there is no full response.
   draw_at_rest(1, 0.0013);
   fs::rename(scratch / "truth/deformed/rest.ply", scratch / "truth/body.ply");
   fs::remove_all(scratch / "truth/deformed");
   CHECK_THROWS_WITH(scores(), Catch::Contains("truth/body.ply on average"));
-  // Without rest.ply, that of the first frame.
+  // Without rest.ply, the mesh of the first frame is compared.
   fs::rename(result / "meshes/rest.ply", result / "meshes/000000.ply");
   CHECK_THROWS_WITH(scores(), Catch::Contains("000000.ply: at rest it lies"));
   write_ply(result / "meshes/000000.ply", {block().vertices, Eigen::Matrix3Xi(3, 0)});
@@ -441,8 +445,8 @@ TEST_CASE("a true skin that is not the one at rest is refused", "[scorecard][err
           "8 vertices, but rest.ply");
 }
 
-TEST_CASE("a skin in other triangles is compared by projection", "[scorecard]") {
-  // The block in six triangles; its top does not move, so each figure is that of a body at rest.
+TEST_CASE("a skin with other triangles is compared by projection", "[scorecard]") {
+  // The block with six triangles. Its top does not move, so each score is that of a body at rest.
   SurfaceMesh coarse;
   coarse.vertices.resize(3, 5);
   coarse.vertices << -0.05, 0.05, 0.05, -0.05, 0, -0.05, -0.05, 0.05, 0.05, 0, 0, 0, 0, 0, -0.1;
@@ -452,7 +456,7 @@ TEST_CASE("a skin in other triangles is compared by projection", "[scorecard]") 
     const test::ScratchFolder scratch("contact_scores_coarse");
     write_truth(scratch / "truth");
     write_result(scratch / "result", [&](const Moment&) {
-      return Answer{{coarse, Eigen::VectorXd::Zero(5)}};
+      return Response{{coarse, Eigen::VectorXd::Zero(5)}};
     });
     write_ply(scratch / "result/meshes/rest.ply", coarse);
     return score_folders(scratch / "truth", scratch / "result", nullptr, {});
@@ -465,20 +469,21 @@ TEST_CASE("a skin that jumps by more than 4 mm without a hand is a pop", "[score
   int frame = 0;
   const Scorecard scores = scores_of([&](const Moment& now) {
     ++frame;
-    Answer answer = perfect(now);
-    if (frame == 8) answer.skin = pressed(0.006);  // the hand has gone, 44 mm in one frame
-    return answer;
+    Response response = perfect(now);
+    if (frame == 8)
+      response.skin = pressed(0.006);  // the hand has moved away by 44 mm in one frame
+    return response;
   });
-  CHECK(scores.surface.pops_4mm == 0);  // which explains every way of the skin
+  CHECK(scores.surface.pops_4mm == 0);  // the hand's motion explains any jump of the skin
   const Scorecard twitching = scores_of([&](const Moment& now) {
-    Answer answer = perfect(now);
-    if (now.depth == 0.008) answer.skin = pressed(0.001);
-    return answer;
+    Response response = perfect(now);
+    if (now.depth == 0.008) response.skin = pressed(0.001);
+    return response;
   });
   CHECK(twitching.surface.pops_4mm == 1);
 }
 
-TEST_CASE("what is not known of one frame has no score", "[scorecard]") {
+TEST_CASE("a value that is unknown in one frame has no score", "[scorecard]") {
   const test::ScratchFolder scratch("contact_scores_unknown");
   const fs::path result = scratch / "result";
   write_truth(scratch / "truth");
@@ -492,16 +497,16 @@ TEST_CASE("what is not known of one frame has no score", "[scorecard]") {
   write_text(result / "touches.jsonl", "{\"frame\":3}\n");  // without its force
   CHECK_FALSE(deformed().force_error.has_value());
   CHECK(deformed().displacement_error.has_value());
-  write_text(result / "touches.jsonl", "{\"frame\":5}\n");  // not of a frame with a full answer
+  write_text(result / "touches.jsonl", "{\"frame\":5}\n");  // a frame without a full-order solution
   CHECK(deformed().force_error->median == Approx(1));
-  // Without rest.ply the first mesh is taken, in which nothing touches.
+  // Without rest.ply, the first mesh without a touch is the skin at rest.
   fs::remove(result / "meshes/rest.ply");
   CHECK(deformed().displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
   fs::remove(result / "meshes/000003.ply");
   CHECK_FALSE(deformed().displacement_error.has_value());
   CHECK_FALSE(deformed().overpress_mm.has_value());
   CHECK(deformed().deformed_frames == 2);
-  // A frame that was not looked at has the body at rest, and feels nothing.
+  // A frame that was not processed counts as the body at rest without a touch.
   write_text(result / "live.json", "{\"processed\":[0,1,2,4,5,6,7]}");
   write_text(result / "touches.jsonl",
              touches_line({3, {{.force = Vector3d(0.006 * kForcePerMetre)}}}) +
@@ -510,7 +515,7 @@ TEST_CASE("what is not known of one frame has no score", "[scorecard]") {
   CHECK(deformed().force_error->median == Approx(0.5));
 }
 
-TEST_CASE("frames that depend on the way are not scored", "[scorecard]") {
+TEST_CASE("frames marked as not scored are skipped", "[scorecard]") {
   const test::ScratchFolder scratch("contact_scores_way");
   write_truth(scratch / "truth");
   write_result(scratch / "result", perfect);
@@ -525,7 +530,7 @@ TEST_CASE("frames that depend on the way are not scored", "[scorecard]") {
                     Catch::Contains("deformed.jsonl: frame 99"));
 }
 
-TEST_CASE("with a reduced body its touches say skin, stress and force", "[scorecard]") {
+TEST_CASE("with a reduced body, skin, stress and force follow from the touches", "[scorecard]") {
   const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
   const test::ScratchFolder scratch("contact_scores_body");
   const fs::path truth = scratch / "truth";
@@ -560,7 +565,7 @@ TEST_CASE("with a reduced body its touches say skin, stress and force", "[scorec
     write_text(scratch / "result/touches.jsonl", touches);
     return score_folders(truth, scratch / "result", &body, {}).deformed;
   };
-  // A line of before there were lists: force and stress follow from site and level.
+  // A line in the format before lists: force and stress follow from site and level.
   const DeformedScores right = scores("{\"frame\":1,\"site\":1,\"level\":0.5}\n");
   CHECK(right.displacement_error->median <= tolerance(1e-5, "weights of a corner, in floats"));
   CHECK(right.von_mises_error->median <= tolerance(1e-5, "weights of a corner, in floats"));

@@ -18,12 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// m: in shallower touches a relative error is the camera's noise.
+// m; in shallower touches the camera's noise dominates a relative error.
 constexpr double kDeep = 0.004;
 
 bool is_deep(const DeformedLine& line) { return line.depth >= kDeep; }
 
-// The frames of the truth that count.
+// The lines of the truth that are scored: marked as such and not too deep.
 std::vector<DeformedLine> scored_lines(const TruthFolder& truth, const DrawnSkins& skins) {
   std::vector<DeformedLine> lines;
   for (const DeformedLine& line : truth.deformed->lines) {
@@ -47,8 +47,9 @@ ValuedSurface true_skin(const TruthFolder& truth, int frame) {
   return skin;
 }
 
-// Where it is touched, on the skin at rest: wherever the true skin lies on the hand; where the
-// truth does not say where hand or body are, the one place that it names.
+// The touched places on the skin at rest: where the true skin touches the hand. If the truth lacks
+// the pose of hand or body, the one contact point that it names; without such a point, the vertex
+// that moves farthest.
 std::vector<Eigen::Vector3d> places_of(const TruthFolder& truth, const DeformedLine& line,
                                        const SurfaceMesh& skin) {
   const SurfaceMesh& rest = truth.deformed->rest;
@@ -63,7 +64,7 @@ std::vector<Eigen::Vector3d> places_of(const TruthFolder& truth, const DeformedL
   return {rest.vertices.col(farthest)};
 }
 
-// The errors of all frames.
+// Collects the errors of the drawn skin over all frames.
 class SkinErrors {
  public:
   SkinErrors(const TruthFolder& truth, const ResultFolder& result, DrawnSkins& skins)
@@ -73,7 +74,7 @@ class SkinErrors {
         areas_(vertex_areas(truth.deformed->rest)),
         onto_true_skin_(*skins.rest(), truth.deformed->rest.vertices) {}
 
-  // False when the frame's drawn skin is not known.
+  // @return false when the drawn skin of the frame is not known
   bool add(const DeformedLine& line) {
     const std::optional<Found> found = found_in(line.frame);
     if (!found) return false;
@@ -101,7 +102,7 @@ class SkinErrors {
     return true;
   }
 
-  // @pre scores.frames are the deep and seen ones of those that were added
+  // @pre scores.frames are the deep and seen frames among the added ones, in the same order
   void write(DeformedScores& scores) const {
     scores.displacement_error = median_and_p90(relative_);
     scores.displacement_error_mm = median_and_p90(worst_mm_);
@@ -117,7 +118,7 @@ class SkinErrors {
   }
 
  private:
-  // What the result says at the vertices of the true skin.
+  // The result at the vertices of the true skin.
   struct Found {
     Eigen::Matrix3Xd displacement;  // m
     Eigen::VectorXd stress;         // Pa; empty: not known
@@ -155,8 +156,8 @@ void add_skin_scores(const TruthFolder& truth, const ResultFolder& result,
   errors.write(scores);
 }
 
-// What presses the body in a touch, N, body frame: as the result says it, else by the load of its
-// site.
+// The force of a touch on the body, N, body frame: the force in the result, else the load of the
+// touch's site at its level.
 std::optional<Eigen::Vector3d> force_of(const FoundTouch& touch, const ReducedBody* body) {
   if (touch.force) return touch.force;
   if (body == nullptr || touch.site < 0 || touch.site >= std::ssize(body->sites) || !touch.level) {
@@ -166,8 +167,8 @@ std::optional<Eigen::Vector3d> force_of(const FoundTouch& touch, const ReducedBo
   return *touch.level * site.full_load * site.direction;
 }
 
-// As in the other scores of touches, a frame that was not processed feels nothing.
-// @param lines  those of scores.frames
+// A frame that was not processed counts as without a touch, as in the other scores of touches.
+// @param lines  the lines of scores.frames
 void add_force_scores(const ResultFolder& result, const std::vector<DeformedLine>& lines,
                       const ReducedBody* body, DeformedScores& scores) {
   if (!result.touches) return;

@@ -1,5 +1,5 @@
 /// @file
-/// The scores against truth/deformed: where the drawn skin lies, its stress, the felt force.
+/// The scores against truth/deformed: the shape of the drawn skin, its stress, and the felt force.
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
@@ -11,18 +11,18 @@
 
 namespace palpable {
 
-/// Of a frame that is 4 mm deep or more, and seen; by the names of docs/benchmark.md. Nothing is
-/// what the result does not say.
+/// The scores of one frame with a touch that is seen and at least 4 mm deep, named as in
+/// docs/benchmark.md. Values that the result does not give are nothing.
 struct DeformedFrame {
   int frame = 0;
   std::optional<double> displacement_error, displacement_error_mm, von_mises_error, force_error;
 };
 
-/// By the names of docs/benchmark.md; nothing without a truth of that kind.
+/// Scores named as in docs/benchmark.md; nothing without truth/deformed.
 struct DeformedScores {
-  std::optional<int> deformed_frames;          ///< with such a truth, 4 mm deep or more, and seen
-  std::optional<int> deformed_frames_shallow;  ///< less deep, and seen
-  std::optional<int> deformed_frames_unseen;   ///< whose touch no camera sees: not judged
+  std::optional<int> deformed_frames;          ///< scored frames, seen and >= 4 mm deep
+  std::optional<int> deformed_frames_shallow;  ///< scored frames, seen and < 4 mm deep
+  std::optional<int> deformed_frames_unseen;   ///< touch not seen: only counted
   std::optional<MedianAndP90> displacement_error;
   std::optional<MedianAndP90> displacement_error_mm;
   std::optional<MedianAndP90> displacement_error_mm_shallow;
@@ -30,14 +30,14 @@ struct DeformedScores {
   std::optional<MedianAndP90> von_mises_error;
   std::optional<MedianAndP90> force_error;
   std::optional<P50AndP99> overpress_mm;
-  std::vector<DeformedFrame> frames;  ///< of which displacement, stress and force are told above
+  std::vector<DeformedFrame> frames;  ///< those of deformed_frames
 };
 
-/// A figure is nothing when it is not known of some frame, which might be the worst. A frame that
-/// was not processed has an answer: the body at rest, without a touch. So leaving out hard frames
-/// gains nothing.
-/// @param body  of the run; may be null
-/// @throws Error as DrawnSkins, and naming the true skin that cannot be read
+/// If the result lacks a value in some frame, which might be the worst one, the score is nothing. A
+/// frame that was not processed counts as the body at rest without a touch. So a result cannot gain
+/// by leaving out hard frames.
+/// @param body  reduced body of the run; may be null
+/// @throws Error as DrawnSkins does, and naming a true skin that cannot be read
 [[nodiscard]] DeformedScores score_deformed(const TruthFolder& truth, const ResultFolder& result,
                                             const ReducedBody* body);
 

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPassesThrough = 0.1;  // of the height
+constexpr double kPassesThrough = 0.1;  // largest scored depth, ratio to the body's height
 
 double height_of(const SurfaceMesh& skin) {
   return skin.vertices.row(2).maxCoeff() - skin.vertices.row(2).minCoeff();
@@ -44,19 +44,19 @@ DrawnSkins::DrawnSkins(const TruthFolder& truth, const ResultFolder& result,
     const FoundTouch& first = touches.second.front();
     return first.site >= 0 && first.level.has_value();
   };
-  touches_say_it_ =
+  touches_give_skins_ =
       result.touches && std::all_of(result.touches->begin(), result.touches->end(), known);
 }
 
 std::optional<ValuedSurface> DrawnSkins::at(int frame, Stress stress) {
   if (meshes_) return from_file(mesh_file(frame));
-  if (!touches_say_it_) return std::nullopt;
+  if (!touches_give_skins_) return std::nullopt;
   return from_touch(frame, stress);
 }
 
 std::optional<double> DrawnSkins::deepest_scored() const {
-  // One of several bodies may be a beam, which bends by more than its height; where a hand passes
-  // through it, its true answer is not scored.
+  // A body in a scene of several may be a beam, which can bend by more than its height. Frames in
+  // which a hand passes through it are marked as not scored in its truth.
   if (truth_.part != truth_.folder) return std::numeric_limits<double>::infinity();
   if (truth_.body) return kPassesThrough * height_of(truth_.body->rest);
   if (height_) return kPassesThrough * *height_;

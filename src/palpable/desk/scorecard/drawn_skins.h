@@ -1,6 +1,6 @@
 /// @file
-/// The body as a result drew it, frame by frame: from meshes/ or, with the body of the run, from
-/// its touches.
+/// The skin of the body as a result drew it, frame by frame: from meshes/ or, with the body file of
+/// the run, from its touches.
 #pragma once
 
 #include "palpable/common/geometry/mesh_file.h"
@@ -13,42 +13,43 @@
 
 namespace palpable {
 
-/// Whether the stress is asked for, which takes its time.
+/// Whether the stress is evaluated, which is slow.
 enum class Stress { kNotWanted, kWanted };
 
-/// The skin of a frame is RESULT/meshes/%06d.ply where there is such a folder, else the body
-/// deformed by the frame's first touch (site and level; of several touches at once no answer is
-/// known). All of it in the body frame.
+/// The skin of a frame is RESULT/meshes/%06d.ply if there is such a folder, else the reduced body
+/// deformed by the frame's first touch (site and level; the response to several touches at once is
+/// not known). All skins are in the body frame.
 ///
-/// A skin whose rest does not lie on that of the body that was filmed is refused: another body,
-/// another scale or another frame.
+/// A skin that at rest differs from that of the filmed body is refused, since it belongs to another
+/// body, scale or frame.
 class DrawnSkins {
  public:
-  /// Of the body's height: how far a skin at rest may lie off the true one (skin_fit.h). The
-  /// Stanford bunny, 150 mm high and remeshed to edges of 4.27, 7.5, 10 and 15 mm (3,892 to 310
-  /// vertices), lies 0.14 to 0.58 % off itself; 3 % larger 1.0 to 1.1 %, and 3 mm beside itself 1.1
-  /// %.
+  /// Largest offset between a skin at rest and the true one (skin_fit.h), ratio to the body's
+  /// height. The Stanford bunny, 150 mm high and remeshed with edges of 4.27, 7.5, 10 and 15 mm
+  /// (3,892 to 310 vertices), has offsets of 0.14 to 0.58 % from itself, 1.0 to 1.1 % when scaled
+  /// by 1.03, and 1.1 % when shifted by 3 mm.
   static constexpr double kSameBody = 0.01;
 
-  /// All arguments must live as long as this. @param body  of the run; may be null
-  /// @throws Error naming the file that cannot be read, or what is not the body of the truth
+  /// All arguments must outlive this object. @param body  reduced body of the run; may be null
+  /// @throws Error naming a file that cannot be read, or a skin that is not that of the true body
   DrawnSkins(const TruthFolder& truth, const ResultFolder& result, const ReducedBody* body);
 
-  /// The skin of a processed frame, and von Mises stress at its vertices where it is wanted and
-  /// known. Nothing when the frame's skin is not known: there is no such mesh, or some touch of the
-  /// result does not say site and level (a frame of an unknown shape leaves none: it might be the
-  /// worst one).
-  /// @throws Error naming the mesh that cannot be read or is of another body, or the site that the
-  ///         body does not have
+  /// The skin of a processed frame, with the von Mises stress at its vertices if it is wanted and
+  /// known. Nothing when the mesh of the frame is missing. Without meshes, nothing for all frames
+  /// when some touch of the result lacks site or level: the frame with the unknown shape might be
+  /// the worst.
+  /// @throws Error naming a mesh that cannot be read or has another number of vertices, or a site
+  /// that
+  ///         the body does not have
   [[nodiscard]] std::optional<ValuedSurface> at(int frame, Stress stress);
 
-  /// The skin at rest: that of the body; with meshes/ its rest.ply, else the mesh of the first
-  /// processed frame if nothing truly touches in it. Nothing when it is not known.
+  /// The skin at rest: with meshes/ its rest.ply, else the mesh of the first processed frame if
+  /// nothing truly touches in it; without meshes/ that of the reduced body. Nothing when not known.
   [[nodiscard]] const std::optional<SurfaceMesh>& rest() const { return rest_; }
 
-  /// How deep an object may be to be scored, m: beyond a tenth of the body's height (of the true
-  /// body at rest, else of the one that was drawn) a hand passes through it. Nothing when no skin
-  /// is known.
+  /// Largest depth of an obstacle that is scored, m: a tenth of the height of the true body at
+  /// rest, else of the drawn one; deeper, a hand passes through it. Infinite for a body in a scene
+  /// of several. Nothing when no skin is known.
   [[nodiscard]] std::optional<double> deepest_scored() const;
 
  private:
@@ -62,10 +63,10 @@ class DrawnSkins {
   const ResultFolder& result_;
   const ReducedBody* body_;
   bool meshes_;
-  bool touches_say_it_ = false;
-  int vertices_ = 0;  // of every mesh; 0 until the first was read
+  bool touches_give_skins_ = false;  // whether the first touch of every frame has site and level
+  int vertices_ = 0;                 // number in every mesh; 0 until the first is read
   std::optional<SurfaceMesh> rest_;
-  std::optional<double> height_;  // m, of what was drawn
+  std::optional<double> height_;  // m, of the drawn skin
 };
 
 }  // namespace palpable

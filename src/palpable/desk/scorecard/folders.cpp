@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A frame without a line, between others, does not touch.
+// A frame without a line between others has no touch.
 std::vector<TrueContact> contacts_in(const fs::path& path) {
   std::vector<TrueContact> contacts;
   for (const ContactLine& line : read_contacts(path)) {
@@ -38,7 +38,7 @@ std::vector<TrueContact> contacts_in(const fs::path& path) {
   return contacts;
 }
 
-// Where no hand is, none is near.
+// Sets the gap of frames without a hand to infinity.
 void fill_gaps(TruthFolder& truth) {
   for (std::size_t f = 0; f < truth.contacts.size(); ++f) {
     TrueContact& contact = truth.contacts[f];
@@ -61,7 +61,7 @@ std::optional<TrueSkins> skins_in(const fs::path& folder, int frames) {
   return skins;
 }
 
-// The world is the camera of the first frame.
+// world_from_body from scene.toml; the world frame is the camera frame of the first picture.
 std::optional<Rigid3> place_in(const fs::path& truth) {
   for (const fs::path& file : {truth / "scene.toml", truth / ".." / "frames" / "scene.toml"}) {
     if (const SceneFile scene = read_scene_file(file); scene.camera_from_body) {
@@ -136,7 +136,7 @@ std::vector<RowCorrection> corrections_in(const fs::path& path) {
   return corrections;
 }
 
-// Of a run with several bodies each has a folder of its own.
+// Whether meshes/ holds one folder per body, as a run with several bodies writes it.
 bool holds_folders(const fs::path& folder) {
   return std::any_of(fs::directory_iterator(folder), fs::directory_iterator(),
                      [](const fs::directory_entry& entry) { return entry.is_directory(); });
@@ -146,7 +146,7 @@ fs::path truth_in(const fs::path& folder) {
   return fs::exists(folder / "truth" / "camera.toml") ? folder / "truth" : folder;
 }
 
-// Lists of one line per frame: as many as the truth has frames, or none.
+// @throws Error unless a list with one line per frame is empty or as long as the truth
 void expect_complete(const TruthFolder& truth, const char* name, std::size_t lines) {
   if (lines == 0 || lines == static_cast<std::size_t>(truth.frames)) return;
   throw Error(fmt::format("{}: {} frames, but the truth has {}", (truth.folder / name).string(),

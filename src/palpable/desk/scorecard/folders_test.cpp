@@ -22,7 +22,7 @@ void write(const fs::path& path, const std::string& text) {
   std::ofstream(path) << text;
 }
 
-// What is said when `read` refuses; empty when it does not.
+// The message of the Error that `read` throws; empty when it throws none.
 template <class Read>
 std::string refusal(Read read) {
   try {
@@ -58,7 +58,7 @@ bool says(const std::string& text, std::initializer_list<const char*> parts) {
   return text.find('\n') == std::string::npos;
 }
 
-TEST_CASE("a truth is read as it stands in its files", "[scorecard]") {
+TEST_CASE("a truth is read from its files", "[scorecard]") {
   const ScratchFolder folder("scorecard");
   const fs::path truth = folder / "truth";
   write(truth / "camera.toml", kCamera);
@@ -89,7 +89,7 @@ TEST_CASE("a truth is read as it stands in its files", "[scorecard]") {
   }
 }
 
-TEST_CASE("a result is read as far as it goes", "[scorecard]") {
+TEST_CASE("a result may lack files", "[scorecard]") {
   const ScratchFolder folder("scorecard");
   write(folder / "touches.jsonl", "{\"frame\":1}\n{\"frame\":2,\"site\":4,\"level\":0.5}\n");
   ResultFolder result = read_result_folder(folder.path(), 3);
@@ -115,7 +115,7 @@ TEST_CASE("a result is read as far as it goes", "[scorecard]") {
   CHECK_FALSE(result.pose_at(2).has_value());
 }
 
-TEST_CASE("of several bodies each is read and scored by itself", "[scorecard][scene]") {
+TEST_CASE("each of several bodies is read and scored by itself", "[scorecard][scene]") {
   const ScratchFolder folder("scorecard_scene");
   const fs::path truth = folder / "truth", result = folder / "result";
   write(truth / "camera.toml", kCamera);
@@ -136,7 +136,7 @@ TEST_CASE("of several bodies each is read and scored by itself", "[scorecard][sc
   const Scorecard scores = score_folders(truth, result, nullptr, {});
   REQUIRE(scores.bodies.size() == 2);
   CHECK(scores.bodies[0].name == "lower");
-  // What the upper one does to the lower one is no touch that was felt and is not there.
+  // The contact of the two bodies does not count as a falsely felt touch of the lower one.
   CHECK(scores.bodies[0].press.touch_recall == std::nullopt);
   CHECK(scores.bodies[0].press.frames_touching == 0);
   CHECK(scores.bodies[1].press.touch_recall == 1.0);
@@ -208,7 +208,7 @@ TEST_CASE("a result that makes no sense is refused with file and line", "[scorec
   CHECK(says(result_refusal("trajectory.txt", "0 0 0 x 0 0 0 1\n"), {"trajectory.txt: line 1"}));
 }
 
-TEST_CASE("folders that are none, or empty, are refused by name", "[scorecard][errors]") {
+TEST_CASE("missing or empty folders are refused by name", "[scorecard][errors]") {
   const ScratchFolder folder("scorecard");
   CHECK(says(refusal([&] { (void)read_truth_folder(folder / "nowhere"); }), {"nowhere"}));
   CHECK(says(refusal([&] { (void)read_truth_folder(folder.path()); }), {"camera.toml is missing"}));
@@ -219,7 +219,7 @@ TEST_CASE("folders that are none, or empty, are refused by name", "[scorecard][e
              {"none of the files of a result"}));
 }
 
-TEST_CASE("what has no score is null for programs and a dash for people", "[scorecard]") {
+TEST_CASE("a missing score is null in JSON and a dash in text", "[scorecard]") {
   Scorecard scores;
   scores.frames = 3;
   scores.frames_processed = 3;

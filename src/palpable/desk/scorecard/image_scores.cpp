@@ -19,14 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPictureScale = 2;     // full-size px per px of the truth
-constexpr double kPartlyHidden = 0.02;  // of the body, from which it counts as such
+constexpr double kPictureScale = 2;     // full-size px per px of the truth's images
+constexpr double kPartlyHidden = 0.02;  // smallest hidden share of a body that counts as hidden
 
 fs::path image_of(const fs::path& folder, const char* kind, int frame) {
   return folder / kind / frame_name(frame, ".png");
 }
 
-// The images of one frame must be of one size, masks may be twice as large.
+// @throws Error unless the images have the same size or, with `or_twice`, `image` twice that size
 template <class A, class B>
 void expect_size(const A& image, const fs::path& path, const B& truth, const fs::path& truth_path,
                  bool or_twice) {
@@ -59,7 +59,7 @@ MaskImage moving_in(const GrayImage& labels) {
 
 class OcclusionSum {
  public:
-  // @param moving  where the real scene moves; empty: not known
+  // @param moving  mask of the moving things in the real scene; empty: not known
   void add(int frame, const MaskImage& visible, const DepthImage& body, const DepthImage& real,
            const MaskImage& moving) {
     SightImage truth = true_sight(body, real);
@@ -92,7 +92,7 @@ class OcclusionSum {
     drawn_ = std::move(drawn);
   }
 
-  // A frame without the body's depth: nothing was drawn, and where something hides it is not known.
+  // Adds a frame without a depth of the body: nothing was drawn, and the true mask is unknown.
   void add_missing() {
     ++frames_;
     worst_ = 0;
@@ -129,7 +129,7 @@ class OcclusionSum {
   SightImage drawn_;
 };
 
-// Adds up the frames of one result.
+// Accumulates the scores over the frames of one result.
 class ImageScorer {
  public:
   ImageScorer(const TruthFolder& truth, const ResultFolder& result)
@@ -166,8 +166,8 @@ class ImageScorer {
   }
 
  private:
-  // A folder that is there stands for all its frames: one that holds only the good ones gains
-  // nothing by it.
+  // If a folder exists, all its frames are scored and missing files count against the result, so
+  // that a folder with only the good frames gains nothing.
   [[nodiscard]] bool holds(const char* kind) const {
     return fs::is_directory(result_.folder / kind);
   }

@@ -10,25 +10,25 @@
 
 namespace palpable {
 
-/// By the names of docs/benchmark.md; nothing where truth or result has no such images.
+/// Scores named as in docs/benchmark.md; nothing when truth or result has no such images.
 struct ImageScores {
-  int depth_frames = 0;  ///< scored; 0: `depth` says nothing
+  int depth_frames = 0;  ///< scored frames; 0: `depth` is empty
   DepthScore depth;
   std::optional<double> moving_iou;
   std::optional<double> moving_recall;
   std::optional<double> moving_false;
-  int occlusion_frames = 0;  ///< scored
+  int occlusion_frames = 0;  ///< scored frames
   std::optional<double> occlusion_iou;
   std::optional<double> occlusion_iou_where_hidden;
   std::optional<double> occlusion_iou_worst_frame;
-  std::optional<double> edge_error_px;  ///< of the full-size picture
-  int crossing_frames = 0;              ///< of these, the hand crosses the body's outline
+  std::optional<double> edge_error_px;  ///< px of the full-size picture
+  int crossing_frames = 0;              ///< frames in which a hand crosses the outline
   std::optional<double> edge_error_crossing_px;
   std::optional<double> flicker;
 };
 
 /// Reads each image once.
-/// @throws Error naming the file that cannot be read or has another size than its truth
+/// @throws Error naming a file that cannot be read or has another size than its truth
 [[nodiscard]] ImageScores score_images(const TruthFolder& truth, const ResultFolder& result,
                                        const Progress& progress);
 

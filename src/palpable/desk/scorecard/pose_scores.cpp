@@ -34,8 +34,8 @@ std::string span_of(const std::vector<StampedPose>& poses) {
   return fmt::format("{:.3f} to {:.3f} s", poses.front().time, poses.back().time);
 }
 
-// From the first camera to the last one, in the first one's frame.
-Eigen::Vector3d way(const Rigid3& first, const Rigid3& last) {
+// The translation from the first to the last camera pose, in the frame of the first.
+Eigen::Vector3d travel(const Rigid3& first, const Rigid3& last) {
   return (first.inverse() * last).translation();
 }
 
@@ -43,7 +43,7 @@ Eigen::Vector3d way(const Rigid3& first, const Rigid3& last) {
 
 PoseScores score_poses(const PublishedPoses& published, const fs::path& result) {
   const std::vector<StampedPose> found = found_poses(result, published.of == "depth camera");
-  // By the found ones: data sets publish several poses between two frames.
+  // Each found pose gets a published one, because data sets publish several poses per frame.
   std::vector<PosePair> pairs;
   for (const StampedPose& pose : found) {
     if (const auto truth = pose_nearest(published.poses, pose.time, kSameMoment)) {
@@ -74,8 +74,8 @@ PoseScores score_poses(const PublishedPoses& published, const fs::path& result) 
     scores.rpe_deg = *score.rpe_angle * 180 / std::numbers::pi;
   }
   if (scores.path_m > 0) {
-    const Eigen::Vector3d off =
-        way(pairs.front().truth, pairs.back().truth) - way(pairs.front().found, pairs.back().found);
+    const Eigen::Vector3d off = travel(pairs.front().truth, pairs.back().truth) -
+                                travel(pairs.front().found, pairs.back().found);
     scores.end_error_percent = 100 * off.norm() / scores.path_m;
   }
   return scores;

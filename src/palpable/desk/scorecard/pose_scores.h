@@ -1,5 +1,5 @@
 /// @file
-/// A camera's path against the one that a data set publishes of it.
+/// Comparison of a camera's path with the path that a data set publishes.
 #pragma once
 
 #include "palpable/desk/clip_files/published_poses.h"
@@ -10,31 +10,31 @@
 
 namespace palpable {
 
-/// By the names of docs/benchmark.md.
+/// Scores named as in docs/benchmark.md.
 struct PoseScores {
   std::string format;  ///< of the published poses
-  std::string of;      ///< whose they are
-  int published = 0;   ///< poses
-  int found = 0;       ///< poses of the result
-  int matched = 0;     ///< found poses that have a published one within kSameMoment; two at least
+  std::string of;      ///< whose poses they are, as in PublishedPoses
+  int published = 0;   ///< number of published poses
+  int found = 0;       ///< number of poses of the result
+  int matched = 0;     ///< found poses with a published one within kSameMoment; >= 2
   double seconds = 0;  ///< from the first matched pose to the last
   double path_m = 0;   ///< length of the published path through the matched poses
   double ate_mm = 0;   ///< root mean square after the best rigid alignment (trajectory_score.h)
   std::optional<double> rpe_mm;   ///< over 1 s
   std::optional<double> rpe_deg;  ///< over 1 s
-  /// How far the way from the first to the last matched pose is off, in the first one's frame, in
-  /// per cent of path_m; nothing where the camera stood.
+  /// Error of the translation from the first to the last matched pose, in the frame of the first,
+  /// in % of path_m; nothing when the camera did not move.
   std::optional<double> end_error_percent;
 };
 
-/// s: farther apart are two moments, as TUM's own tool has it.
+/// s; poses farther apart in time do not match. The value of TUM's own tool.
 inline constexpr double kSameMoment = 0.02;
 
-/// @param result  a file of TUM's format, or a folder that holds trajectory.txt; where its
-/// live.json
-///                tells a colour sensor of its own and the published poses are the depth camera's,
-///                the found ones are brought to that
-/// @throws Error when the result cannot be read, or fewer than two poses have a partner
+/// @param result  a file in TUM's format, or a folder that holds trajectory.txt. If its live.json
+/// has
+///                color_from_depth and the published poses are those of the depth camera, the found
+///                poses are converted to the depth camera
+/// @throws Error when the result cannot be read, or when fewer than two poses match
 [[nodiscard]] PoseScores score_poses(const PublishedPoses& published,
                                      const std::filesystem::path& result);
 

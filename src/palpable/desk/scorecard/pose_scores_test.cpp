@@ -21,9 +21,9 @@ using test::ScratchFolder;
 using test::tolerance;
 using test::write_bytes;
 
-constexpr double kBegin = 1305031098.6659;  // s, a clock of its own
+constexpr double kBegin = 1305031098.6659;  // s, an arbitrary clock
 
-// A camera that walks 2 m along a bow in 2 s, as it turns. @param t  s
+// A camera that moves 2 m along an arc in 2 s while it rotates. @param t  s
 Rigid3 pose_at(double t) {
   Rigid3 pose = Rigid3::Identity();
   pose.linear() = Eigen::AngleAxisd(0.3 * t, Eigen::Vector3d::UnitY()).toRotationMatrix();
@@ -37,7 +37,8 @@ PublishedPoses published(const std::string& of = "left camera") {
   return poses;
 }
 
-// Every third of them in a world of its own, each beside the camera by `offset`.
+// Every third of the published poses, in another world frame and with `offset` applied to the
+// camera.
 std::string found(const Rigid3& offset = Rigid3::Identity(), double begin = kBegin) {
   Rigid3 world = Rigid3::Identity();
   world.linear() = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
@@ -66,7 +67,7 @@ TEST_CASE("the published path itself, in another world and at another rate, has 
   }
 }
 
-TEST_CASE("an end that is off by a tenth of the path is off by 10 %", "[scorecard][poses]") {
+TEST_CASE("an error at the end of a tenth of the path is 10 %", "[scorecard][poses]") {
   const ScratchFolder folder("pose_end");
   PublishedPoses straight{"KITTI", "left camera", {}};
   std::string lines;
@@ -80,7 +81,7 @@ TEST_CASE("an end that is off by a tenth of the path is off by 10 %", "[scorecar
   write_bytes(folder / "a.txt", lines);
   const PoseScores scores = score_poses(straight, folder / "a.txt");
   CHECK(scores.end_error_percent.value() == Approx(10).epsilon(1e-6));
-  // 11 positions whose errors are 10 mm apart: rms about their mean, sqrt(10) * 10 mm.
+  // The errors of the 11 positions are 10 mm apart: their rms about the mean is sqrt(10) * 10 mm.
   CHECK(scores.ate_mm == Approx(10 * std::sqrt(10.0)).epsilon(1e-4));
   const Json json = value_or_throw(Json::parse(json_of(scores)));
   CHECK(json["poses_matched"].get<int>() == 11);
@@ -88,7 +89,7 @@ TEST_CASE("an end that is off by a tenth of the path is off by 10 %", "[scorecar
   CHECK_THAT(text_of(scores), Contains("11 (KITTI, of the left camera)"));
 }
 
-TEST_CASE("a colour camera's path is brought to the depth camera whose poses are published",
+TEST_CASE("a colour camera's path is converted if the depth camera's poses are published",
           "[scorecard][poses]") {
   const ScratchFolder folder("pose_sensors");
   Rigid3 color_from_depth = Rigid3::Identity();
@@ -106,7 +107,7 @@ TEST_CASE("a colour camera's path is brought to the depth camera whose poses are
   CHECK(score_poses(published("left camera"), folder.path()).ate_mm > 10);
 }
 
-TEST_CASE("paths without a moment in common are refused with the times of both",
+TEST_CASE("paths without a common time are refused with the times of both",
           "[scorecard][poses][refusal]") {
   const ScratchFolder folder("pose_refusals");
   write_bytes(folder / "trajectory.txt", found(Rigid3::Identity(), 0));

@@ -18,7 +18,7 @@
 namespace palpable {
 namespace {
 
-/// Per frame: 1 or 0 whether something touches; which site, -1 for none.
+/// For each frame whether something touches (1 or 0), and the touched site (-1: none).
 struct Touching {
   explicit Touching(int frames) : any(frames, std::uint8_t{0}), site(frames, -1) {}
   std::vector<std::uint8_t> any;
@@ -44,7 +44,7 @@ Touching found_touching(const TruthFolder& truth, const ResultFolder& result) {
                               (result.folder / "touches.jsonl").string(), frame, truth.frames));
     }
     if (result.processed[frame] == 0) continue;
-    // What another body does to this one is not what the hand does.
+    // Touches by another body are not compared with the true touches, which are those of the hand.
     const auto real = std::find_if(touches.begin(), touches.end(),
                                    [](const FoundTouch& touch) { return !touch.by_body; });
     if (real == touches.end()) continue;
@@ -60,15 +60,16 @@ PathScores score_path(const TruthFolder& truth, const ResultFolder& result) {
   PathScores scores;
   if (truth.trajectory.empty() || !result.trajectory) return scores;
   const double half_a_frame = 0.5 / truth.frames_per_second;
-  std::vector<StampedPose> asked;
+  std::vector<StampedPose> processed;
   for (std::size_t f = 0; f < truth.trajectory.size(); ++f) {
-    if (result.processed[f] != 0) asked.push_back(truth.trajectory[f]);
+    if (result.processed[f] != 0) processed.push_back(truth.trajectory[f]);
   }
-  const std::vector<PosePair> pairs = match_in_time(asked, *result.trajectory, half_a_frame);
-  if (!asked.empty()) {
-    scores.trajectory_share = static_cast<double>(pairs.size()) / static_cast<double>(asked.size());
+  const std::vector<PosePair> pairs = match_in_time(processed, *result.trajectory, half_a_frame);
+  if (!processed.empty()) {
+    scores.trajectory_share =
+        static_cast<double>(pairs.size()) / static_cast<double>(processed.size());
   }
-  if (pairs.size() < 2) return scores;  // one can be laid on any other
+  if (pairs.size() < 2) return scores;  // a single pose can be aligned with any other
   const TrajectoryScore score = score_trajectory(pairs);
   scores.ate_mm = 1e3 * score.ate;
   if (!score.rpe) return scores;
@@ -101,7 +102,7 @@ PressScores score_presses(const TruthFolder& truth, const ResultFolder& result) 
 }
 
 std::optional<double> score_anchor(const TruthFolder& truth, const ResultFolder& result) {
-  // A frame that is left out might be the worst one: then there is no score.
+  // A frame without a pose might be the worst one: then there is no score.
   if (!result.every_frame_has_a_pose()) return std::nullopt;
   AnchorScorer anchor;
   for (std::size_t f = 0; f < truth.trajectory.size(); ++f) {
@@ -116,12 +117,12 @@ std::optional<double> score_anchor(const TruthFolder& truth, const ResultFolder&
 std::optional<double> score_rows(const TruthFolder& truth, const ResultFolder& result) {
   if (!result.corrections) return std::nullopt;
   const int second = static_cast<int>(std::lround(truth.frames_per_second));
-  std::vector<std::uint8_t> looked_at;
-  for (const TrueRowOffset& row : truth.rows) { looked_at.push_back(result.processed[row.frame]); }
-  return largest_row_error(truth.rows, *result.corrections, second, looked_at);
+  std::vector<std::uint8_t> processed;
+  for (const TrueRowOffset& row : truth.rows) { processed.push_back(result.processed[row.frame]); }
+  return largest_row_error(truth.rows, *result.corrections, second, processed);
 }
 
-// What is scored of each of several bodies.
+// Adds the scores of each body of a film with several.
 void score_bodies(const std::filesystem::path& truth_path, const std::filesystem::path& result_path,
                   const std::vector<std::string>& names, Scorecard& scores) {
   for (const std::string& name : names) {

@@ -1,6 +1,6 @@
 /// @file
-/// Every score of docs/benchmark.md for one run: what a system made of a film, against what is
-/// known of the film. Where the two folders come from is of no interest here.
+/// Every score of docs/benchmark.md for one run: the result of a system that processed a film,
+/// compared with the truth of the film. The folders may come from any program.
 #pragma once
 
 #include "palpable/common/base/progress.h"
@@ -17,7 +17,7 @@
 
 namespace palpable {
 
-/// The camera's path. Nothing where truth or result has no trajectory.
+/// Scores of the camera's path; nothing when truth or result has no trajectory.
 struct PathScores {
   std::optional<double> ate_mm;
   std::optional<double> rpe_mm;
@@ -25,7 +25,7 @@ struct PathScores {
   std::optional<double> trajectory_share;
 };
 
-/// When and where the body was pressed. Nothing where the truth has no contacts.
+/// Scores of when and where touches were felt; nothing when the truth has no contacts.
 struct PressScores {
   std::optional<int> frames_touching;
   std::optional<double> touch_precision;
@@ -36,7 +36,7 @@ struct PressScores {
   std::optional<double> touch_false_5mm;
 };
 
-/// What is scored of one of several bodies.
+/// The scores of one of several bodies.
 struct BodyScores {
   std::string name;
   PressScores press;
@@ -44,7 +44,7 @@ struct BodyScores {
   DeformedScores deformed;
 };
 
-/// By the names of docs/benchmark.md. What a result does not hold has no score.
+/// Scores named as in docs/benchmark.md; nothing when the result lacks the files for them.
 struct Scorecard {
   int frames = 0;
   int frames_processed = 0;
@@ -53,10 +53,11 @@ struct Scorecard {
   PressScores press;
   SurfaceScores surface;
   DeformedScores deformed;
-  std::vector<BodyScores> bodies = {};  ///< of several, instead of the three above
+  std::vector<BodyScores> bodies =
+      {};  ///< of a film with several bodies, instead of the three above
   std::optional<double> jitter_mm;
   std::optional<double> row_error_px;
-  /// Of the body itself; nothing without it.
+  /// Errors of the reduced body itself, from its file; nothing without it.
   std::optional<double> reduction_error;
   std::optional<double> reduction_error_worst;
 };
@@ -64,23 +65,23 @@ struct Scorecard {
 [[nodiscard]] PathScores score_path(const TruthFolder& truth, const ResultFolder& result);
 /// @throws Error when a touch is in a frame that the truth does not have
 [[nodiscard]] PressScores score_presses(const TruthFolder& truth, const ResultFolder& result);
-/// Millimetres.
+/// Jitter of the drawn body in the world, mm.
 [[nodiscard]] std::optional<double> score_anchor(const TruthFolder& truth,
                                                  const ResultFolder& result);
-/// Pixels of the full-size picture.
+/// Largest row error, px of the full-size picture.
 [[nodiscard]] std::optional<double> score_rows(const TruthFolder& truth,
                                                const ResultFolder& result);
 
-/// @param body  of the run; may be null
-/// @throws Error naming the file, and its line where there is one, that is not as docs/benchmark.md
-/// says
+/// @param body  reduced body of the run; may be null
+/// @throws Error naming the file, and the line if there is one, that does not follow
+/// docs/benchmark.md
 [[nodiscard]] Scorecard score_folders(const std::filesystem::path& truth,
                                       const std::filesystem::path& result, const ReducedBody* body,
                                       const Progress& progress);
 
 /// One JSON object, as `palpable score --json` prints it.
 [[nodiscard]] std::string json_of(const Scorecard& scores);
-/// A line per score, for people.
+/// One line per score, for people.
 [[nodiscard]] std::string text_of(const Scorecard& scores);
 
 }  // namespace palpable

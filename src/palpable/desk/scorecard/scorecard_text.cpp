@@ -5,7 +5,7 @@
 namespace palpable {
 namespace {
 
-/// "-" for what has no score.
+/// A line with a score; "-" when there is none.
 std::string line(const char* what, const std::optional<double>& score, const char* unit,
                  int digits) {
   if (!score) return fmt::format("{:<44}-\n", what);
@@ -17,7 +17,7 @@ std::string count(const char* what, const std::optional<int>& score, const char*
   return fmt::format("{:<44}{}{}\n", what, *score, unit);
 }
 
-/// The median, and what nine frames of ten have less than.
+/// A line with the median and the 90th percentile.
 std::string spread(const char* what, const std::optional<MedianAndP90>& score, const char* unit,
                    int digits) {
   if (!score) return fmt::format("{:<44}-\n", what);
@@ -27,7 +27,7 @@ std::string spread(const char* what, const std::optional<MedianAndP90>& score, c
 
 std::string deformed_lines(const DeformedScores& deformed) {
   if (!deformed.deformed_frames) return {};
-  std::string text = count("frames with a full answer, deep", deformed.deformed_frames);
+  std::string text = count("frames with a full-order solution, deep", deformed.deformed_frames);
   text += count("  and shallow", deformed.deformed_frames_shallow);
   text += count("  whose touch no camera sees: not judged", deformed.deformed_frames_unseen);
   text += spread("displacement, relative error", deformed.displacement_error, "", 3);
@@ -82,13 +82,13 @@ std::string depth_table(const ImageScores& images) {
   return text;
 }
 
-// What somebody wants to know first: how far off what was answered is, where it could be judged.
+// A summary for people: the errors of shape and force, over the frames that are scored.
 std::string in_short(const DeformedScores& deformed, const std::string& body) {
   const auto& shape = deformed.displacement_error;
   const auto& force = deformed.force_error;
   if (!deformed.deformed_frames || !shape) return {};
   std::string text = fmt::format(
-      "in short: {}what was answered from the camera's pictures, against full finite elements "
+      "in short: {}response computed from the camera's pictures, against full finite elements "
       "under "
       "the true hand ({} frames): shape off by {:.0f} % in the median ({:.0f} % in 9 of 10)",
       body, *deformed.deformed_frames, 100 * shape->median, 100 * shape->p90);

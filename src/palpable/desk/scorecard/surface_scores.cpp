@@ -21,7 +21,7 @@ std::optional<int> count_too_deep(const TruthFolder& truth, const DrawnSkins& sk
   return count;
 }
 
-// Whether something truly touches, and does not pass through.
+// Whether something truly touches the body and does not pass through it.
 bool is_pressed(const TruthFolder& truth, int frame, const DrawnSkins& skins) {
   if (truth.contacts.empty() || !truth.contacts[frame].touching) return false;
   const std::optional<double> deepest = skins.deepest_scored();
@@ -37,13 +37,14 @@ std::optional<int> count_unseen(const TruthFolder& truth, const DrawnSkins& skin
   return count;
 }
 
-// What was drawn in a frame, m: body frame, and where the body stood.
+// The drawn skin of a frame, m, body frame, and the pose in which it was drawn.
 struct DrawnFrame {
   SurfaceMesh skin;
   Rigid3 camera_from_body;
 };
 
-// Nothing where it is not known.
+// Nothing when skin or pose is not known. A frame that was not processed counts as the body at
+// rest.
 std::optional<DrawnFrame> drawn_in(int frame, const TruthFolder& truth, const ResultFolder& result,
                                    DrawnSkins& skins) {
   std::optional<Rigid3> pose = result.pose_at(frame);
@@ -57,10 +58,10 @@ std::optional<DrawnFrame> drawn_in(int frame, const TruthFolder& truth, const Re
   return DrawnFrame{std::move(skin->surface), *pose};
 }
 
-// How deep the hand is left in the skin, m, frame by frame.
+// Collects the penetration of the hand into the drawn skin, m, per frame.
 class Penetrations {
  public:
-  // @param drawn  nothing: not known, and it might be the worst one, so there is no score
+  // @param drawn  nothing: not known; it might be the worst frame, so there is no score
   void add(const std::optional<DrawnFrame>& drawn, const std::vector<Capsule>& hand, bool seen) {
     if (!drawn) {
       known_ = false;
@@ -128,7 +129,7 @@ SurfaceScores score_surface(const TruthFolder& truth, const ResultFolder& result
     const bool processed = result.processed[frame] != 0;
     if (!processed && !pressed) continue;
     std::optional<DrawnFrame> drawn = drawn_in(frame, truth, result, skins);
-    // A frame that is left out might be the worst one: then there is no score.
+    // A processed frame of unknown shape might be the worst one: then there is no score.
     if (processed && !drawn) return scores;
     if (pressed) penetrations.add(drawn, hand->second, truth.is_seen(frame));
     if (!processed) continue;

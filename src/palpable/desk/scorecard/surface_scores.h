@@ -1,6 +1,6 @@
 /// @file
-/// The scores of the drawn surface: how deep the hand is left in it, how it jumps, and how far off
-/// its place it is.
+/// The scores of the drawn surface: how deep the hand reaches into it, how it jumps, and the error
+/// of its pose.
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
@@ -11,10 +11,10 @@
 
 namespace palpable {
 
-/// By the names of docs/benchmark.md.
+/// Scores named as in docs/benchmark.md.
 struct SurfaceScores {
   std::optional<int> frames_too_deep;
-  std::optional<int> frames_unseen;  ///< touching, not too deep, seen by no camera
+  std::optional<int> frames_unseen;  ///< with a touch, not too deep, not seen by a camera
   std::optional<double> penetration_median_mm;
   std::optional<double> penetration_p99_mm;
   std::optional<double> penetration_median_mm_unseen;
@@ -24,13 +24,13 @@ struct SurfaceScores {
   std::optional<MedianAndP90> placement_error_mm;
 };
 
-/// Penetration and pops are nothing when some processed frame's skin (drawn_skins.h) or pose is not
-/// known; the placement when a pose is not known, of the truth or of the result. In a frame that
-/// was not processed the hand reaches into the body at rest, where the body was drawn or, if no
-/// pose says so, where it truly stands; where neither is known there is no penetration, but pops
-/// are.
-/// @param body  of the run; may be null
-/// @throws Error as DrawnSkins
+/// Penetration and pops are nothing when the skin (drawn_skins.h) or pose of some processed frame
+/// is not known, and the placement error when a pose of the truth or the result is not known. A
+/// frame that was not processed counts as the body at rest, in the pose in which the result says it
+/// was drawn or else in its true pose; if neither is known, there is no penetration score, but pops
+/// are scored.
+/// @param body  reduced body of the run; may be null
+/// @throws Error as DrawnSkins does
 [[nodiscard]] SurfaceScores score_surface(const TruthFolder& truth, const ResultFolder& result,
                                           const ReducedBody* body);
 

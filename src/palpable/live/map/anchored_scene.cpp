@@ -10,7 +10,7 @@
 namespace palpable {
 namespace {
 
-constexpr float kTruncatedValue = 127;  // value of a distance that stands for the map's truncation
+constexpr float kTruncatedValue = 127;  // value that stands for a distance of the map's truncation
 
 }  // namespace
 
@@ -43,7 +43,8 @@ AnchoredScene::Block* AnchoredScene::insert(std::uint64_t key, int keyframe) {
   return block;
 }
 
-// Bit x + 2 y + 4 z: whether the middle of that eighth of a block was ever seen free.
+// The free eighths of a block: bit x + 2 y + 4 z is set if the middle of that eighth was ever seen
+// free.
 std::uint8_t AnchoredScene::free_eighths(std::uint64_t key, FreeSpace::Reader& space) const {
   const double side = kVoxelsAcross * voxel_;
   const Eigen::Vector3d corner = side * BlockTable::place_of(key).cast<double>();
@@ -56,7 +57,8 @@ std::uint8_t AnchoredScene::free_eighths(std::uint64_t key, FreeSpace::Reader& s
   return bits;
 }
 
-// Copies the distances that are not known yet, and those of surfaces that were taken away.
+// Copies the distances of voxels that are still unknown and not known to be free, and those that
+// have grown by more than `step`, where a surface was taken away.
 void AnchoredScene::copy_new_distances(const SurfaceMap::BlockView& from, Block& to) const {
   for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
     if (!was_seen(from.voxels[i])) continue;
@@ -74,8 +76,8 @@ void AnchoredScene::update(const SurfaceMap& map, const FreeSpace& space, int ke
     if (!from) continue;
     const int there = table_.find(from->key);
     Block* block = there != BlockTable::kNone ? &store_[there] : insert(from->key, keyframe);
-    // This table is as large as the map's, but blocks that the map has removed are removed here up
-    // to a round later.
+    // The table can be full although it is as large as the map's, because a block that the map has
+    // removed is removed here up to one round later.
     if (block == nullptr) continue;
     block->mapped = true;
     if (there == BlockTable::kNone) {
@@ -89,9 +91,10 @@ void AnchoredScene::update(const SurfaceMap& map, const FreeSpace& space, int ke
   round_ = (round_ + 1) % settings_.updates_per_round;
 }
 
-// Removes, of a part of the table, the blocks that the map does not hold. One that the map has held
-// was removed there because the camera saw through it. One that it has not held since it began anew
-// may just not have been seen since; it has gone if all of it was seen free.
+// Visits a part of the table and removes blocks that have disappeared. A block that the map once
+// contained and no longer contains was removed there because the camera saw through it. A block
+// that the map has not contained since it was cleared may merely be out of view since then; it is
+// removed only if all of it was seen free.
 void AnchoredScene::forget_what_has_gone(const SurfaceMap& map, FreeSpace::Reader& space) {
   constexpr std::uint8_t kAll = 255;
   for (int slot = round_; slot < table_.capacity(); slot += settings_.updates_per_round) {
@@ -109,7 +112,7 @@ void AnchoredScene::follow(std::span<const Correction> corrections) {
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return old_store[a].keyframe < old_store[b].keyframe; });
-  // Distances before free eighths: these matter where no distance is known, and need a block.
+  // Distances are moved first: the free eighths are used only for voxels without a distance.
   for (const bool moves_distances : {true, false}) {
     for (const int slot : order) {
       const Block& from = old_store[slot];
@@ -128,7 +131,7 @@ void AnchoredScene::move_block(std::uint64_t key, const Block& from,
   Block* to = nullptr;
   for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
     if (moves_distances ? from.distance[i] == kUnknown : !from.has_come(i)) continue;
-    // In voxels: where the voxel's middle comes to lie.
+    // The voxel's middle, before and after the correction, in voxels.
     const Eigen::Vector3d middle =
         first + place_in_block(i).cast<double>() + Eigen::Vector3d::Constant(0.5);
     const Eigen::Vector3d moved =
@@ -152,7 +155,7 @@ void AnchoredScene::move_block(std::uint64_t key, const Block& from,
 
 bool AnchoredScene::was_there(const Eigen::Vector3d& point, double tolerance,
                               const FreeSpace& space) const {
-  constexpr double kFarthest = 500;  // m, the reader's; nothing was seen free beyond
+  constexpr double kFarthest = 500;  // m, range of the reader; nothing beyond was seen free
   if (!(point.cwiseAbs().maxCoeff() < kFarthest)) return true;
   return Reader(*this, space).was_there(point.cast<float>(), static_cast<float>(tolerance));
 }

@@ -11,16 +11,16 @@ namespace palpable {
 namespace {
 
 constexpr double kGridCell = 0.01;  // m
-constexpr double kReach = 2;        // m, of the grid from plane.middle to its sides
-constexpr double kMargin = 0.015;   // m beside the body
-constexpr double kFlat = 0.01;      // m: lower things, and noise, are the plane's
-constexpr double kSigmas = 3;
-constexpr double kSeenShare = 0.85;  // of the plane below a body
-constexpr int kSamplesInRow = 400;   // of the picture
-constexpr int kFewestSamples = 2;    // samples of a thing; one alone is an outlier
-constexpr int kGridSide = static_cast<int>(2 * kReach / kGridCell);
+constexpr double kReach = 2;        // m from plane.middle to the sides of the grid
+constexpr double kMargin = 0.015;   // m around and above the body that must be free
+constexpr double kFlat = 0.01;      // m; points that are lower than this belong to the plane
+constexpr double kSigmas = 3;        // sigma of the depth, added to kFlat
+constexpr double kSeenShare = 0.85;  // share of the plane below a body that must be measured
+constexpr int kSamplesInRow = 400;   // approximate samples in a row of the picture
+constexpr int kFewestSamples = 2;    // samples that make a thing; a single one is an outlier
+constexpr int kGridSide = static_cast<int>(2 * kReach / kGridCell);  // cells
 
-// What was seen above the cells of the plane.
+// Counts for each cell of the plane the measured points of the plane and of things above it.
 class PlaneGrid {
  public:
   PlaneGrid(const Plane& plane, const DepthImage& depth, const PinholeCamera& camera,
@@ -32,7 +32,7 @@ class PlaneGrid {
         const auto Z = static_cast<double>(depth(x, y));
         if (!(Z > 0)) continue;
         const Eigen::Vector3d point = camera.unproject(x, y, Z);
-        // What the scatter along the ray is in height.
+        // sigma of the depth, as a height above the plane.
         const double scatter = noise.sigma(Z) * std::abs(plane.normal.dot(point)) / Z;
         add(point, kFlat + kSigmas * scatter, height);
       }
@@ -52,7 +52,7 @@ class PlaneGrid {
            ((place.j + 0.5) * kGridCell - kReach) * axes_.col(1);
   }
   [[nodiscard]] bool is_plane(Place place) const {
-    // Where rays are sparse a cell has none, but its neighbours have.
+    // Where rays are sparse a cell may have no sample, but one of its neighbours has.
     for (int j = place.j - 1; j <= place.j + 1; ++j) {
       for (int i = place.i - 1; i <= place.i + 1; ++i) {
         if (inside(i, j) && cells_[j * kGridSide + i].plane > 0) return true;
@@ -63,8 +63,8 @@ class PlaneGrid {
   [[nodiscard]] bool was_hit(Place place) const {
     return cells_[place.j * kGridSide + place.i].plane > 0;
   }
-  // Whether a body may stand with its middle in this cell.
-  // @param least_seen  share of the plane below it that must have been seen
+  // Whether a body can stand with its middle in this cell.
+  // @param least_seen  share of the plane below it that must have been measured
   [[nodiscard]] bool is_free(Place place, double radius, double least_seen) const {
     const int reach = static_cast<int>(std::ceil((radius + kMargin) / kGridCell));
     int below = 0, seen = 0;
@@ -85,7 +85,7 @@ class PlaneGrid {
 
  private:
   struct Cell {
-    std::uint16_t plane = 0, thing = 0;  // samples
+    std::uint16_t plane = 0, thing = 0;  // numbers of samples
   };
 
   static bool inside(int i, int j) { return i >= 0 && j >= 0 && i < kGridSide && j < kGridSide; }

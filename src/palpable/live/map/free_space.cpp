@@ -10,7 +10,7 @@
 namespace palpable {
 namespace {
 
-constexpr double kLargestCell = 30000;  // cells from the world's origin; beyond, nothing is kept
+constexpr double kLargestCell = 30000;  // cells from the world's origin; nothing is kept beyond
 
 }  // namespace
 
@@ -28,19 +28,19 @@ FreeSpace::FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings)
   met_.reserve(blocks_.size());
 }
 
-// Empties what the block has noted of an earlier frame, when this frame looks into it for the first
-// time. Passes null on.
+// Clears the marks of an earlier frame when this frame looks into the block for the first time.
+// Returns its argument, also null.
 FreeSpace::Block* FreeSpace::begin_block(Block* block) {
   if (block == nullptr || block->frame == frame_) return block;
   block->frame = frame_;
   block->met.fill(0);
   met_.push_back(block);
-  // On their way from memory until the counts are needed.
+  // Prefetched now, because the counts are needed after the walk.
   for (std::size_t cell = 0; cell < kCells; cell += 64) hwy::Prefetch(&block->free[cell]);
   return block;
 }
 
-// Counts the frame in the cells through which it looked.
+// Increments the counts of the cells through which this frame looked.
 void FreeSpace::count_met_cells(Block& block) {
   for (std::size_t z = 0; z < kSide; ++z) {
     for (std::uint64_t left = block.met[z]; left != 0; left &= left - 1) {
@@ -56,7 +56,7 @@ void FreeSpace::count_met_cells(Block& block) {
   block.any_taken = (any & ~kSettled) != 0;
 }
 
-// The rays of one frame, in cells.
+// The rays of one frame, in units of cells.
 class FreeSpace::Rays {
  public:
   Rays(const PinholeCamera& rays, const Rigid3& world_from_camera, double cell)
@@ -66,19 +66,19 @@ class FreeSpace::Rays {
         down_(world_from_camera.linear().col(1) / rays.fy_px),
         first_(world_from_camera.linear().col(2) - rays.cx_px * across_ - rays.cy_px * down_) {}
 
-  // False where the camera's pose is not finite or far beyond all that is kept.
+  // False if the camera's pose is not finite or too far from the origin.
   [[nodiscard]] bool are_in_grid(const Rigid3& world_from_camera) const {
     return world_from_camera.linear().allFinite() &&
            origin_.cwiseAbs().maxCoeff() < kLargestCell / 2;
   }
   [[nodiscard]] Place origin() const { return place(origin_); }
-  // From one cell of depth to the next along the ray of pixel (x, y).
+  // The step along the ray of pixel (x, y) that advances the depth by one cell.
   [[nodiscard]] Place step(int x, int y) const { return place(first_ + x * across_ + y * down_); }
-  // Where that ray is at depth Z, m.
+  // The position on that ray at depth Z, m.
   [[nodiscard]] Place at_depth(int x, int y, double Z) const {
     return place(origin_ + Z * per_m_ * (first_ + x * across_ + y * down_));
   }
-  // Whole steps up to depth Z, m.
+  // The number of whole steps up to depth Z, m.
   [[nodiscard]] int steps_to(double Z) const { return floor_to_int(Z * per_m_); }
 
  private:
@@ -90,7 +90,7 @@ class FreeSpace::Rays {
 
   double per_m_;  // cells
   Eigen::Vector3d origin_;
-  Eigen::Vector3d across_, down_, first_;  // directions with 1 along the camera's axis
+  Eigen::Vector3d across_, down_, first_;  // the ray of (x, y) is first + x across + y down
 };
 
 void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
@@ -100,7 +100,7 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
   const Rays in_cells(rays, world_from_camera, settings_.cell);
   if (!in_cells.are_in_grid(world_from_camera)) return;
   ++frame_;
-  // This frame looks into most blocks of the one before: they come from memory together.
+  // This frame looks into most blocks of the frame before, so these are prefetched.
   for (const Block* block : met_) {
     hwy::Prefetch(block->met.data());
     hwy::Prefetch(&block->frame);
@@ -109,7 +109,7 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
   RecentBlocks<Block> recent;
   walk(in_cells, surface, recent);
   for (Block* block : met_) count_met_cells(*block);
-  // Only now, so that a cell through which any ray passed counts as free.
+  // After the walk, so that a cell through which any ray passed counts as free.
   count_ends(in_cells, surface, recent);
 }
 
@@ -146,7 +146,7 @@ void FreeSpace::walk(const Rays& rays, const DepthImage& surface, RecentBlocks<B
   }
 }
 
-// Counts the frame in the free cells in which its rays end and through which none has passed.
+// Increments the count of the free cells in which a ray ends and through which none has passed.
 void FreeSpace::count_ends(const Rays& rays, const DepthImage& surface,
                            RecentBlocks<Block>& recent) {
   for (int y = turn_y(); y < surface.height(); y += kTurnsY) {

@@ -1,5 +1,5 @@
-// Compiled once for each set of vector instructions, without contraction of a * b + c
-// (CMakeLists.txt), which would differ between them.
+// Compiled once for each set of vector instructions. Contraction of a * b + c is switched off in
+// CMakeLists.txt, because its rounding would differ between them.
 
 #include "palpable/live/map/fuse_kernels.h"
 
@@ -14,7 +14,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpable/live/map/fuse_kernels.cpp"
-// What each file of Highway needs first:
+// Highway requires this include before the next:
 #include <hwy/foreach_target.h>
 // clang-format off
 #include <hwy/highway.h>
@@ -27,8 +27,8 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// A distance in units is rounded as int(d + kAboveAll + 1/2) - kAboveAll: cutting off the fraction
-// of a positive number gives the same everywhere.
+// A distance d in units is rounded as int(d + kAboveAll + 1/2) - kAboveAll: truncation of a positive
+// number gives the same result on all processors.
 constexpr float kAboveAll = 32768;  // more than any distance in units
 
 float plain_fuse(const FuseFrame& f, const float* first, Voxel* voxels) {
@@ -106,7 +106,8 @@ HWY_ATTR float fuse(const FuseFrame& f, const float* first, Voxel* voxels) {
   const auto half = hn::Set(d, 0.5F), above_all = hn::Set(d, kAboveAll + 0.5F);
   const auto whole = hn::Set(di, static_cast<int>(kAboveAll)), low_half = hn::Set(di, 0xFFFF);
   const auto row = hn::Set(di, f.width), none = hn::Set(di, std::numeric_limits<int>::max());
-  // The depth behind each voxel first, NaN outside the picture: many gathers are under way at once.
+  // First pass: the depth at the pixel of each voxel, NaN outside the picture. In a loop of their
+  // own many gathers are in flight at once.
   alignas(64) std::array<float, kVoxelsOfBlock> behind;
   const auto nothing = hn::NaN(d);
   for (std::size_t i = 0; i < kVoxelsOfBlock; i += lanes) {
@@ -119,7 +120,7 @@ HWY_ATTR float fuse(const FuseFrame& f, const float* first, Voxel* voxels) {
     const auto inside =
         hn::And(hn::And(hn::Gt(z, nearest), hn::And(hn::Ge(u, zero), hn::Ge(v, zero))),
                 hn::And(hn::Lt(u, width), hn::Lt(v, height)));
-    // Outside, the first pixel is read and not used.
+    // For voxels outside, the first pixel is read and not used.
     const auto column = hn::ConvertTo(di, hn::IfThenElseZero(inside, u));
     const auto line = hn::ConvertTo(di, hn::IfThenElseZero(inside, v));
     const auto Z = hn::GatherIndex(d, f.depth, hn::Add(hn::Mul(line, row), column));

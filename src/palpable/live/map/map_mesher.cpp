@@ -42,7 +42,7 @@ const MapMesh* MapMesher::advance(const SurfaceMap& map) {
   const auto mesh = [this] { return mesh_of(*copy_); };
   try {
     work_ = std::async(std::launch::async, mesh);
-  } catch (const std::system_error&) {  // no thread to be had: the last call makes the same mesh
+  } catch (const std::system_error&) {  // no thread available: the last call computes the mesh
     work_ = std::async(std::launch::deferred, mesh);
   }
   return nullptr;

@@ -14,20 +14,20 @@
 namespace palpable {
 namespace {
 
-// Values of a mask's pixels while it is being made; kOpen is not decided yet.
+// Values of the mask's pixels while it is computed; kOpen is undecided.
 constexpr std::uint8_t kOff = 0, kOpen = 128, kOn = 255;
 
-// px: a longer run of pixels without depth between moving ones is no hole in a hand but the
-// background between two fingers.
+// px: longest run of pixels without depth between moving ones that counts as a hole in a hand. A
+// longer run is the background between two fingers.
 constexpr int kLongestHole = 24;
 
-// HWY_RESTRICT tells the compiler that arrays do not overlap, which it cannot know of members, so
-// that it takes many values at a time.
+// HWY_RESTRICT declares that arrays do not overlap, which the compiler cannot infer for members. It
+// can then vectorise the loops.
 
-// Compares pixels with one tile. Where its depth is more like a pixel's than those compared so far,
-// the pixel's value becomes the tile's.
-// @param least  the smallest difference of depth so far, as the bits of a float >= 0: as integers
-//               they sort as the floats do, and NaN behind all
+// Compares pixels with one tile: where the tile's depth is nearer to the pixel's than those of the
+// tiles before, the pixel's value becomes the tile's.
+// @param least  the smallest difference of depth so far, as the bits of a float >= 0; these bits
+//               as integers have the order of the floats, with NaN last
 void use_if_nearest(float there, std::int32_t value_there, const float* HWY_RESTRICT depth,
                     std::int32_t* HWY_RESTRICT least, std::int32_t* HWY_RESTRICT value, int count) {
   for (int k = 0; k < count; ++k) {
@@ -63,10 +63,11 @@ void MaskOutline::resize(int width, int height) {
   row_is_empty_.assign(rows, 1);
 }
 
-// Finds the tiles around which any tile moves (near_), and those around which all do (inside_).
+// Sets near_ and inside_: tiles that move or have a neighbour that moves, and tiles that move with
+// all their neighbours.
 void MaskOutline::find_border(const Image<std::uint8_t>& moves) {
   const int width = moves.width(), height = moves.height();
-  for (int j = 0; j < height; ++j) {  // beside each other
+  for (int j = 0; j < height; ++j) {  // horizontally
     std::uint8_t* row = row_.data() + 1;
     std::copy_n(moves.row(j), width, row);
     row[-1] = row[0];
@@ -74,7 +75,7 @@ void MaskOutline::find_border(const Image<std::uint8_t>& moves) {
     any_of_three(row - 1, row, row + 1, any_beside_.row(j), width);
     all_of_three(row - 1, row, row + 1, all_beside_.row(j), width);
   }
-  for (int j = 0; j < height; ++j) {  // above each other
+  for (int j = 0; j < height; ++j) {  // vertically
     const int above = std::max(j - 1, 0), below = std::min(j + 1, height - 1);
     any_of_three(any_beside_.row(above), any_beside_.row(j), any_beside_.row(below), near_.row(j),
                  width);
@@ -120,11 +121,11 @@ void MaskOutline::draw_border(const DepthImage& depth, const DepthImage& tile_de
   const int y0 = kTile * j, y1 = std::min(y0 + kTile, depth.height());
   const bool tile_moves = moves(i, j) != 0, measured = !std::isnan(tile_depth(i, j));
   const bool too_close = tile_moves && !measured;
-  // Whether a pixel that looks the same is taken for the scene. In the dark it may do so by chance.
+  // Whether a pixel that looks the same is taken for the scene. In the dark that may be chance.
   const bool same_is_scene =
       look.picture != nullptr &&
       (!tile_moves || (look.picture->distinguishes_pixels(i, j) && !(measured && look.may_be_off)));
-  // All sixteen pixels are compared with one tile after the other.
+  // Each tile is compared with all sixteen pixels at once.
   std::array<float, kTile * kTile> Z;
   std::array<std::int32_t, kTile * kTile> least, value;
   Z.fill(std::numeric_limits<float>::quiet_NaN());
@@ -147,7 +148,7 @@ void MaskOutline::draw_border(const DepthImage& depth, const DepthImage& tile_de
   }
 }
 
-// Decides open pixels by the moving ones in their rows; those that stay open are listed in open_.
+// Decides open pixels by the moving ones in their rows, and lists those that stay open in open_.
 void MaskOutline::close_rows() {
   const int width = mask_.width(), height = mask_.height();
   open_.clear();
@@ -178,10 +179,11 @@ void MaskOutline::close_rows() {
   }
 }
 
-// Decides the pixels that are still open by the moving ones in their columns.
+// Decides the remaining open pixels by the moving ones in their columns.
 void MaskOutline::close_columns() {
   const int width = mask_.width(), height = mask_.height();
-  // How many pixels away the next moving one is, if only open ones lie between; 255: there is none.
+  // Distance, in px, of the next moving pixel in one direction if only open pixels lie between; 255
+  // if there is none.
   const auto away = [&](int k, int step, const MaskImage& distance) -> std::uint8_t {
     const int to = k + step;
     if (to < 0 || to >= width * height) return 255;

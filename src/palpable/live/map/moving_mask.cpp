@@ -19,39 +19,40 @@ using enum TileGroups::Label;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// The depths of 2 x 2 tiles that differ by less than this share, or by less than this many sigma,
-// are looked up once, at their mean. Four measurements of one depth span 2.1 sigma on average, and
-// more than 4 sigma once in forty times. Two such squares beside each other whose means differ by
-// less than the share are looked up once.
+// A square of 2 x 2 tiles is smooth, and looked up once at its mean depth, if its depths differ by
+// at most kSmoothShare of the depth or by at most kSmoothSigmas sigma. (Four measurements of the
+// same depth span 2.1 sigma on average, and exceed 4 sigma in 2.5 % of the squares.) Two adjacent
+// smooth squares are looked up together if their means differ by at most kSmoothShare.
 constexpr float kSmoothShare = 0.02F;
 constexpr float kSmoothSigmas = 4;
 
-constexpr int kFloatsOfLine = 16;  // of the cache
+constexpr int kFloatsOfLine = 16;  // floats of a cache line
 
-// A tile is too close to be measured when at least this many of its 16 pixels are.
+// A tile counts as too close to be measured when at least this many of its 16 pixels are too close.
 constexpr int kTooClosePixels = 3;
 
-// Of a tile and its eight neighbours at least this many must look as the scene does to overrule the
-// tile's depth; otherwise it looks so by chance. As many changed ones draw in a tile without depth
-// that looks the same.
+// Number of tiles, among a tile and its eight neighbours. A tile that looks the same overrules its
+// own depth only if this many look like the scene; with fewer it may look so by chance. And a tile
+// without depth that looks the same is treated as changed if this many are changed.
 constexpr int kFewestAlike = 5;
-// This many changed ones draw in a tile without depth that is unclear or shaded: a dark place of
-// what moves.
+// A tile without depth whose look is undecided or shaded is treated as changed if this many of the
+// nine are changed: it may be a dark part of a moving object.
 constexpr int kFewestBeside = 3;
 
-// Frames for which a camera must not have moved before it counts as standing; until then it may be
-// one that sways and rests for a moment.
+// Frames without camera motion after which the camera counts as standing still. Before, it may be
+// swaying and pausing for a moment.
 constexpr int kToStand = 12;
 
-// Frames for which it must have stood before the map is taken to know what depths it is going to.
+// Frames without camera motion after which the map is assumed to contain all surfaces in view that
+// can be measured.
 constexpr int kToKnow = 60;
 
-// While nothing moves, the canvas of a camera that sways is drawn in every 4th frame only, to
-// learn.
+// While nothing moves, the canvas of a camera that sways is drawn only in every 4th frame, which is
+// enough to learn from.
 constexpr int kQuietEvery = 4;
 
-// The picture holds as long as the camera has moved by less than kSameView px, of things at a
-// distance of kNearThings m.
+// The picture stays valid while the camera's motion shifts things at a distance of kNearThings m by
+// less than kSameView px.
 constexpr double kSameView = 0.25;
 constexpr double kNearThings = 0.3;
 
@@ -59,15 +60,15 @@ constexpr double kNearThings = 0.3;
 bool same_view(const Rigid3& a, const Rigid3& b, const PinholeCamera& camera) {
   const Rigid3 step = a.inverse() * b;
   if (!step.matrix().allFinite()) return false;
-  // |R - 1| = sqrt(8) sin(angle / 2), which is sqrt(2) angle where it matters.
+  // |R - 1| = sqrt(8) sin(angle / 2), which is sqrt(2) angle for small angles.
   const double angle = (step.linear() - Eigen::Matrix3d::Identity()).norm() / std::sqrt(2.0);
   return camera.fx_px * (angle + step.translation().norm() / kNearThings) < kSameView;
 }
 
-// HWY_RESTRICT tells the compiler that arrays do not overlap, which it cannot know of members, so
-// that it takes many values at a time.
+// HWY_RESTRICT declares that arrays do not overlap, which the compiler cannot infer for members. It
+// can then vectorise the loops.
 
-// 1 where a tile has this label and a depth, else 0.
+// Marks with 1 the tiles that have this label and a depth, the others with 0.
 void mark_label_with_depth(const std::uint8_t* label, std::uint8_t wanted, const float* depth,
                            std::uint8_t* HWY_RESTRICT marked, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
@@ -76,18 +77,18 @@ void mark_label_with_depth(const std::uint8_t* label, std::uint8_t wanted, const
   }
 }
 
-// 1 where a tile has this label, else 0.
+// Marks with 1 the tiles that have this label, the others with 0.
 void mark_label(const std::uint8_t* label, std::uint8_t wanted, std::uint8_t* HWY_RESTRICT marked,
                 std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) marked[k] = label[k] == wanted ? 1 : 0;
 }
 
-// How many of a tile's pixels are marked as too close. Its first pixel is (x0, y0).
+// The number of a tile's pixels that are marked as too close. Its first pixel is (x0, y0).
 int count_too_close(const MaskImage& too_close, int x0, int y0) {
   int count = 0;
   const auto across = static_cast<std::size_t>(std::min(kTile, too_close.width() - x0));
   for (int y = y0; y < std::min(y0 + kTile, too_close.height()); ++y) {
-    std::uint32_t four = 0;  // pixels at once: most often none is marked
+    std::uint32_t four = 0;  // four pixels at once, because most often none is marked
     const std::uint8_t* pixels = too_close.row(y) + x0;
     if (across == kTile) {
       std::memcpy(&four, pixels, kTile);
@@ -113,7 +114,7 @@ bool is_scene(StaticPicture::Look look) {
   return look == StaticPicture::kSame || look == StaticPicture::kShadow;
 }
 
-// How many of a tile and its up to eight neighbours look so.
+// The number of tiles, among a tile and its up to eight neighbours, whose look fulfils `looks`.
 template <class Looks>
 int count_around(const StaticPicture& picture, const Image<std::uint8_t>& tiles, int i, int j,
                  const Looks& looks) {
@@ -166,7 +167,7 @@ void MovingMask::sample(const SeenFrame& seen) {
   for (int j = 0; j < tile_depth_.height(); ++j) {
     float* found = tile_depth_.row(j);
     std::fill_n(tile_label_.row(j), tiles, kUnknown);
-    // One of four rows of depth is read, which the processor does not foresee.
+    // Only every fourth row of depth is read, which the hardware prefetcher does not predict.
     if (const int next = kTile * (j + 1) + y0; next < height) {
       for (int x = 0; x < width; x += kFloatsOfLine) hwy::Prefetch(depth.row(next) + x);
     }
@@ -182,11 +183,11 @@ void MovingMask::sample(const SeenFrame& seen) {
   }
 }
 
-// Of a tile without depth in its middle.
+// Finds the depth of a tile that has none in its middle, and labels it if it is too close.
 void MovingMask::sample_other_places(const SeenFrame& seen, int i, int j) {
   const DepthImage& depth = seen.depth;
   float& found = tile_depth_(i, j);
-  for (const auto& [dx, dy] : kTileSamples) {  // the first that has one
+  for (const auto& [dx, dy] : kTileSamples) {  // up to the first sample that has a depth
     const int x = kTile * i + dx, y = kTile * j + dy;
     if (x >= depth.width() || y >= depth.height()) continue;
     found = depth(x, y);
@@ -198,20 +199,21 @@ void MovingMask::sample_other_places(const SeenFrame& seen, int i, int j) {
   }
 }
 
-// Of each 2 x 2 tiles of rows j and j1 the mean depth, or 0 where the depths differ by more than
-// noise or one is not known: most of a picture is smooth, and four tiles are then looked up once.
+// Sets smooth_ for each 2 x 2 tiles of rows j and j1: their mean depth, or 0 if the depths differ by
+// more than noise or one is unknown. Most of a picture is smooth, and there four tiles need only
+// one look-up.
 void MovingMask::find_smooth_squares(int j, int j1) {
   const int width = tile_depth_.width(), last = static_cast<int>(lowest_.size()) - 1;
   low_and_high(tile_depth_.row(j), tile_depth_.row(j1), lowest_.data(), highest_.data(),
                sums_.data(), width);
-  // An odd number of tiles: the last one counts twice.
+  // If the number of tiles is odd, the last one counts twice.
   lowest_[last] = lowest_[width - 1];
   highest_[last] = highest_[width - 1];
   sums_[last] = sums_[width - 1];
   for (std::size_t i = 0; i < smooth_.size(); ++i) {
     const float low = std::min(lowest_[2 * i], lowest_[2 * i + 1]);
     const float high = std::max(highest_[2 * i], highest_[2 * i + 1]);
-    const float sum = sums_[2 * i] + sums_[2 * i + 1];  // NaN where one is not known
+    const float sum = sums_[2 * i] + sums_[2 * i + 1];  // NaN if one is unknown
     const float scatter = kSmoothSigmas * noise_.sigma_in_float(low);
     smooth_[i] = sum > 0 && high - low <= std::max(kSmoothShare * low, scatter) ? 0.25F * sum : 0;
   }
@@ -237,8 +239,8 @@ class MovingMask::Labeller {
     if (map != nullptr) surface_.emplace(*map);
   }
 
-  // Labels the tiles of rows j and j1 = j + 1, or of one row j1 = j. All of them are looked up
-  // before the first is labelled, so that the voxels come from memory together.
+  // Labels the tiles of rows j and j1 = j + 1, or of one row j1 = j. All of them are looked up, and
+  // their voxels prefetched, before the first is labelled.
   void label_rows(int j, int j1) {
     mask_.look_ups_.clear();
     mask_.find_smooth_squares(j, j1);
@@ -294,8 +296,8 @@ class MovingMask::Labeller {
                                                 mask_.tile_depth_(found.i, found.j));
     };
     if (found.depth > farthest_) return kStatic;
-    // The map is asked before the free space: on its way to a slanted surface a ray passes through
-    // cells in which that surface lies a little later.
+    // The map has priority over the free space: on its way to a slanted surface a ray passes
+    // through cells that also contain a part of that surface.
     if (found.voxel != nullptr && was_seen(*found.voxel)) {
       const float d = map_->units().distance_of(*found.voxel);
       const float sigma = mask_.noise_.sigma_in_float(found.depth);
@@ -312,13 +314,13 @@ class MovingMask::Labeller {
   const SurfaceMap* map_;
   FreeSpace::Reader space_;
   std::optional<SurfaceMap::Reader> surface_;
-  // The ray of tile (i, j) is origin + Z (first + i across + j down), world, m.
+  // The ray of tile (i, j) is origin + Z (first + i across + j down), world frame, m.
   Eigen::Vector3f origin_, across_, down_, first_;
   float farthest_, step_, sigmas_, frames_to_trust_;
 };
 
 void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
-  constexpr float kFarthestCamera = 400;  // m: beyond, the readers do not reach
+  constexpr float kFarthestCamera = 400;  // m from the origin; the readers' range is 500 m
   if (!world_from_camera.linear().cast<float>().allFinite() ||
       !(world_from_camera.translation().cast<float>().cwiseAbs().maxCoeff() < kFarthestCamera)) {
     return;
@@ -328,10 +330,10 @@ void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
   for (int j = 0; j < height; j += 2) labeller.label_rows(j, std::min(j + 1, height - 1));
 }
 
-// Compares the frame with the picture of a camera that stands, or with the canvas of one that
-// sways, and corrects the labels. What looks as the scene does is static: a matcher gives the
-// pixels beside a hand the hand's depth, and plain or dark places any depth. What has no depth and
-// has changed is taken for moving.
+// Compares the frame with the picture (if the camera stands still) or with the canvas (if it
+// sways), and corrects the labels. A tile that looks like the scene is static whatever its depth: a
+// matcher assigns a hand's depth to the pixels beside it, and arbitrary depths to plain or dark
+// regions. A tile that has no depth and has changed may move.
 void MovingMask::compare_look(const SeenFrame& seen, const Rigid3& world_from_camera) {
   compared_ = nullptr;
   if (!settings_.look || !compare_with_picture(seen, world_from_camera)) return;
@@ -341,7 +343,7 @@ void MovingMask::compare_look(const SeenFrame& seen, const Rigid3& world_from_ca
   }
 }
 
-// Sets compared_; false where there is nothing to compare with.
+// Compares the frame and sets compared_; false if there was nothing to compare with.
 bool MovingMask::compare_with_picture(const SeenFrame& seen, const Rigid3& world_from_camera) {
   const bool stands = same_view(picture_pose_, world_from_camera, seen.depth_camera);
   const bool sways = canvas_.stays() && (!stands || stood_ < kToStand);
@@ -369,10 +371,10 @@ void MovingMask::relabel_by_look(const StaticPicture& picture, bool is_starting,
   const StaticPicture::Look look = picture.tile(i, j);
   if (label == kStatic && look != StaticPicture::kChanged && !is_starting) return;  // most tiles
   if (is_starting && look == StaticPicture::kNothing) {
-    // A plain desk's false depths, which nobody has seen before, would be moving.
+    // While the picture is being learnt, the false depths of a plain desk must not count as moving.
     label = std::min<std::uint8_t>(label, kUnexplained);
   } else if (label == kStatic) {
-    // A hand that lies flat on the scene's surface: it moves if it hangs together with what moves.
+    // Possibly a hand that lies flat on the surface: it moves if it is connected to moving tiles.
     if (look == StaticPicture::kChanged) label = kUnexplained;
   } else if (std::isnan(tile_depth_(i, j))) {
     relabel_without_depth(picture, i, j);
@@ -381,8 +383,8 @@ void MovingMask::relabel_by_look(const StaticPicture& picture, bool is_starting,
   }
 }
 
-// A changed tile may move. So may one amid changed tiles, which is shaded, unclear or the same by
-// chance.
+// A changed tile may move. So may a tile among changed tiles that is shaded, undecided, or the same
+// by chance.
 void MovingMask::relabel_without_depth(const StaticPicture& picture, int i, int j) {
   std::uint8_t& label = tile_label_(i, j);
   const StaticPicture::Look look = picture.tile(i, j);
@@ -404,18 +406,18 @@ void MovingMask::relabel_with_depth(const StaticPicture& picture, int i, int j) 
                                : look == StaticPicture::kShadow && picture.is_plain(i, j);
   const bool moves = label >= kChanged && label != kCarried;
   if (shows_scene) {
-    // Its depth is one that the matcher took over from a neighbour.
+    // The matcher has copied its depth from a neighbour.
     if (is_borrowed(picture, i, j)) mark_borrowed(i, j);
     label = kUnknown;
     tile_depth_(i, j) = kNaN;
   } else if (look == StaticPicture::kShadow && !moves) {
-    label = kStatic;  // nothing speaks for a motion but a neighbour: it is the scene in the shade
+    label = kStatic;  // only its neighbours suggest a motion: it is the scene in shadow
   }
 }
 
-// Of a tile that looks as the scene does and whose depth is not known to be the scene's: whether it
-// is known not to be. What has come and was learnt since has no look of the scene; and where it was
-// not seen free, a depth is the scene's until the map has had the time to know it.
+// Whether the depth of a tile that looks like the scene is known not to be the scene's. This needs a
+// look that is as old as the picture, because a later one may be that of a new object, and a camera
+// that has stood long enough for the map to contain the scene there.
 bool MovingMask::is_borrowed(const StaticPicture& picture, int i, int j) const {
   if (&picture != &picture_ || stood_ < kToKnow || !picture.looks_as_ever(i, j)) return false;
   return tile_label_(i, j) == kMoving || picture.is_plain(i, j);
@@ -439,7 +441,7 @@ const MaskImage& MovingMask::find(const SeenFrame& seen, const Rigid3& world_fro
                   "what is too close has the depth's size");
   resize(depth);
   const PinholeCamera& c = depth_camera_ = seen.depth_camera;
-  // A tile's ray is that of the pixel sampled first: (2, 2) of its 4 x 4.
+  // A tile's ray is that of its first sample, pixel (2, 2) of 4 x 4.
   tiles_ = {tile_depth_.width(), tile_depth_.height(),  c.fx_px / kTile,
             c.fy_px / kTile,     (c.cx_px - 2) / kTile, (c.cy_px - 2) / kTile};
   sample(seen);
@@ -451,7 +453,8 @@ const MaskImage& MovingMask::find(const SeenFrame& seen, const Rigid3& world_fro
   return outline_.draw(depth, tile_depth_, tile_moves_, {compared_, compared_ == &drawn_});
 }
 
-// Finds the nearest depth of each 2 x 2 tiles: a ray must end before the nearest surface beside it.
+// Finds the nearest depth of each 2 x 2 tiles, so that a ray ends in front of the nearest surface
+// beside it.
 void MovingMask::find_ray_depths() {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const int width = tile_depth_.width(), height = tile_depth_.height();

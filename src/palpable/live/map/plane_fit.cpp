@@ -17,10 +17,10 @@ namespace {
 constexpr int kStep = 4;  // px between the pixels that are sampled
 constexpr std::size_t kFewestPoints = 100;
 constexpr std::size_t kVoteEvery = 4;  // a quarter of the points votes: enough to find the plane
-constexpr double kInPlane = 3;         // sigmas up to which a point lies in the plane
-constexpr int kRounds = 8;             // of least squares
-constexpr double kTukey = 4.685;       // sigmas; 95 % efficiency for a normal distribution
-// m; even an exact depth is off by as much, since it is taken for the middle of a wide pixel.
+constexpr double kInPlane = 3;         // sigma; largest residual of a point of the plane
+constexpr int kRounds = 8;             // rounds of least squares
+constexpr double kTukey = 4.685;       // sigma; 95 % efficiency for a normal distribution
+// m; lower limit of sigma. Even an exact depth has this error: it is assigned to the pixel's middle.
 constexpr double kLeastSigma = 0.001;
 
 struct Point {
@@ -29,8 +29,8 @@ struct Point {
   double from_middle;  // px^2, from the picture's middle
 };
 
-// Random numbers that are the same on every machine, so that the same picture gives the same plane
-// (Knuth's MMIX).
+// A random number generator that is the same on every machine (Knuth's MMIX), so that the same
+// picture gives the same plane.
 class Draw {
  public:
   std::size_t below(std::size_t count) {
@@ -42,8 +42,8 @@ class Draw {
   std::uint64_t state_ = 1;
 };
 
-// How far a point lies off a plane along its ray, in sigma of its depth:
-// with x = Z r, the plane is met at Z' = offset / (n . r), so Z - Z' = (n . x - offset) / (n . r).
+// Distance of a point from a plane along its ray, in units of the sigma of its depth. With x = Z r
+// the ray meets the plane at Z' = offset / (n . r), so Z - Z' = (n . x - offset) / (n . r).
 double off_by(const Point& p, const Eigen::Vector3d& normal, double offset) {
   const double along = normal.dot(p.x) / p.x.z();
   return (normal.dot(p.x) - offset) / (std::abs(along) * p.sigma + 1e-12);
@@ -67,7 +67,7 @@ std::vector<Point> sampled_points(const DepthImage& depth, const PinholeCamera& 
 // Whether something could stand on a plane with this normal.
 bool is_level(const Eigen::Vector3d& normal, double least_up) { return -normal.y() >= least_up; }
 
-// The plane through three random points in which most points lie. Nothing if none is level.
+// The plane with the most votes among planes through three random points. Nothing if none is level.
 std::optional<Plane> plane_by_vote(const std::vector<Point>& points, int trials, double least_up) {
   Draw draw;
   Plane best;
@@ -103,7 +103,7 @@ bool improve(const std::vector<Point>& points, Plane& plane) {
   for (const Point& p : points) {
     const double r = off_by(p, plane.normal, plane.offset) / kTukey;
     if (std::abs(r) >= 1) continue;
-    // Its distance to the plane has the sigma of its depth times the ray's slope to the plane.
+    // sigma of its distance from the plane: sigma of its depth times n . r.
     const double sigma = p.sigma * std::abs(plane.normal.dot(p.x)) / p.x.z() + 1e-12;
     const double tukey = 1 - r * r;
     const double w = tukey * tukey / (sigma * sigma);
@@ -136,8 +136,8 @@ void measure_extent(const std::vector<Point>& points, Plane& plane) {
   plane.share = static_cast<double>(inside) / static_cast<double>(points.size());
 }
 
-// m: the median of the depths around a pixel. Nothing where fewer than half of them are known, or
-// the pixel is not in the picture.
+// The median of the depths in the 5 x 5 pixels around a pixel, m. Nothing if fewer than half of
+// them are known or inside the picture.
 std::optional<double> depth_around(const DepthImage& depth, int x, int y) {
   constexpr int kAround = 2;
   std::vector<float> known;
@@ -154,7 +154,8 @@ std::optional<double> depth_around(const DepthImage& depth, int x, int y) {
   return *middle;
 }
 
-// What was measured within `reach` (m) of a point, of at most some 60 x 60 pixels.
+// The measured points within `reach` (m) of a point. Where the reach covers more than about 60 x 60
+// pixels, only a regular subset of them is used.
 std::vector<Point> points_near(const DepthImage& depth, const PinholeCamera& camera,
                                const DepthNoise& noise, const Eigen::Vector3d& at, double reach) {
   constexpr double kMostInRow = 60;
@@ -179,9 +180,9 @@ std::vector<Point> points_near(const DepthImage& depth, const PinholeCamera& cam
   return points;
 }
 
-constexpr double kAnyWay = -2;  // least_up of planes that may face any way
+constexpr double kAnyWay = -2;  // value of least_up that allows any orientation
 
-// The plane with the most votes, improved and measured. Nothing where none is before the camera.
+// The plane with the most votes, improved and measured. Nothing if there is none with offset < 0.
 std::optional<Plane> fit(const std::vector<Point>& points, int trials, double least_up) {
   std::optional<Plane> plane = plane_by_vote(points, trials, least_up);
   if (!plane) return std::nullopt;
@@ -223,7 +224,7 @@ std::optional<Plane> fit_plane_at(const DepthImage& depth, const PinholeCamera& 
   const std::optional<double> Z = depth_around(depth, x, y);
   if (!Z) return std::nullopt;
   const Eigen::Vector3d at = camera.unproject(x_px, y_px, *Z);
-  constexpr double kLeastRadius = 8;  // px: far away a few centimetres are too few points
+  constexpr double kLeastRadius = 8;  // px: far away, a few centimetres contain too few points
   reach = std::max(reach, kLeastRadius * *Z / camera.fx_px);
   const std::vector<Point> points = points_near(depth, camera, noise, at, reach);
   if (points.size() < kFewestPoints) return std::nullopt;
@@ -246,7 +247,7 @@ Plane moved_by(const Rigid3& to_from, const Plane& plane) {
 Rigid3 camera_from_body_on(const Plane& plane) {
   const Eigen::Vector3d& Z = plane.normal;
   Eigen::Vector3d X = Eigen::Vector3d::UnitX() - Z.x() * Z;
-  // On a plane that faces exactly left or right no direction runs to the right: X runs forward.
+  // On a plane that faces exactly left or right no direction points right; X then points forward.
   if (X.norm() < 1e-3) X = Eigen::Vector3d::UnitZ() - Z.z() * Z;
   X.normalize();
   Rigid3 pose = Rigid3::Identity();

@@ -17,13 +17,14 @@ namespace palpable {
 namespace {
 
 constexpr float kMiddle = 1.5F;  // px from a tile's first pixel to its middle
-constexpr int kTurns = 4;        // frames in which each tile is looked at once
-// m; tiles that come to lie nearer or farther are not drawn, nor are those of infinite depth.
+constexpr int kTurns = 4;        // frames in which each tile is visited once
+// m; tiles that land nearer or farther than this are not drawn, nor are those of infinite depth.
 constexpr float kNearestDepth = 0.05F, kFarthestDepth = 1e3F;
 constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 
-// px; no picture reaches so far. It is added before numbers are cut to whole ones, so that positive
-// ones are cut: calling floor() for each tile would cost more than all else.
+// px; larger than any picture. It is added before a coordinate is truncated to an integer and
+// subtracted afterwards, so that truncation acts on a positive number and equals floor(), which
+// would be slower than all the rest.
 constexpr int kFarOut = 1 << 13;
 constexpr auto kFarOutside = static_cast<float>(kFarOut);
 std::int32_t near_mask(float u) { return std::abs(u) < kFarOutside ? -1 : 0; }
@@ -33,11 +34,12 @@ int tile_of(float pixel) {
   return static_cast<int>((pixel + (kFarOut + 0.5F)) * (1.0F / kTile)) - kFarOut / kTile;
 }
 
-// In row j a frame learns from this tile, and from every fourth after it.
+// The first tile of row j that a frame visits in learn(); it then visits every fourth.
 int first_visited(int j, int frame) { return (frame + 2 * j) % kTurns; }
 
-// Where pixel (x, y) of one view, at depth Z, lies in another: w (u, v, 1) = Z M (x, y, 1) + m,
-// with w its depth there.
+// Maps pixel (x, y) at depth Z of one view to pixel (u, v) at depth w of another:
+//
+//     w (u, v, 1) = Z M (x, y, 1) + m
 struct Transfer {
   Transfer(const PinholeCamera& c, const Rigid3& to_from_from) {
     Eigen::Matrix3d K;
@@ -52,15 +54,15 @@ struct Transfer {
   Eigen::Vector3f m;
 };
 
-// u where the mask is -1, and a pixel far outside where it is 0.
+// u if the mask is -1, and a coordinate far outside if it is 0.
 float inside_or_far(std::int32_t mask, float u) {
   return std::bit_cast<float>((std::bit_cast<std::int32_t>(u) & mask) |
                               (std::bit_cast<std::int32_t>(-kFarOutside) & ~mask));
 }
 
-// Where a row of tiles comes to lie in another view: at depth Z in tile (a, b), which may lie
-// outside of the view, moved by (-dx, -dy) px. The tiles' first pixels are (x0, y), (x0 + 4, y),
-// ...
+// Computes where a row of tiles lands in another view: in tile (a, b), which may lie outside the
+// view, at depth Z, moved by (-dx, -dy) px. The tiles' first pixels are (x0, y), (x0 + 4, y) and so
+// on.
 void transfer_row(const Transfer& t, const float* HWY_RESTRICT depth, int count, int x0, int y,
                   float* HWY_RESTRICT Z, std::int32_t* HWY_RESTRICT a, std::int32_t* HWY_RESTRICT b,
                   std::int32_t* HWY_RESTRICT dx, std::int32_t* HWY_RESTRICT dy) {
@@ -72,7 +74,7 @@ void transfer_row(const Transfer& t, const float* HWY_RESTRICT depth, int count,
     const float w = 1 / z;
     const float u = w * (depth[i] * (across.x() * u0 + down.x() + ahead.x()) + m.x());
     const float v = w * (depth[i] * (across.y() * u0 + down.y() + ahead.y()) + m.y());
-    // Without a branch, so that the compiler takes many tiles at a time. NaN is not within.
+    // Without a branch, so that the compiler can vectorise. NaN is not within.
     const std::int32_t within =
         (z > kNearestDepth ? -1 : 0) & (z < kFarthestDepth ? -1 : 0) & near_mask(u) & near_mask(v);
     const float near_u = inside_or_far(within, u), near_v = inside_or_far(within, v);
@@ -113,7 +115,7 @@ void SceneCanvas::follow(const PinholeCamera& depth_camera, const Rigid3& world_
     return;
   }
   const Rigid3 gone = world_from_key_.inverse(Eigen::Isometry) * world_from_camera;
-  // |R - 1| = sqrt(8) sin(angle / 2), which is sqrt(2) angle where it matters.
+  // |R - 1| = sqrt(8) sin(angle / 2), which is sqrt(2) angle for small angles.
   const double angle = (gone.linear() - Eigen::Matrix3d::Identity()).norm() / std::sqrt(2.0);
   const double pixels =
       depth_camera.fx_px * (angle + gone.translation().norm() / settings_.distance);
@@ -135,8 +137,8 @@ bool SceneCanvas::holds(int x, int y) const {
   return !std::isnan(sum);
 }
 
-// Fetches from memory what row j of the frame's tiles will probably be drawn from.
-// @param like  a tile of an earlier row, that is probably moved as this row is
+// Prefetches the part of the canvas from which row j of the frame's tiles will probably be drawn.
+// @param like  source of a tile in an earlier row, whose offset is probably similar
 void SceneCanvas::prefetch_row(int j, const Source& like) const {
   constexpr int kLine = 64;  // of the cache, bytes
   const int x0 = std::max(kTile * settings_.margin + like.dx, 0);
@@ -155,7 +157,7 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
     const Source* row = sources_.row(j);
     const Source* above = sources_.row(std::max(j - 1, 0));
     const Source* below = sources_.row(std::min(j + 1, rows - 1));
-    std::uint8_t *known = view.known.row(j), *asks = view.asks.row(j);
+    std::uint8_t *known = view.known.row(j), *needs_color = view.needs_color.row(j);
     TileColor* colors = view.colors.row(j);
     std::uint8_t* to = view.luma.row(kTile * j);
     const std::ptrdiff_t stride = view.luma.width();
@@ -167,7 +169,7 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
       if (from.i < 0 && j > 0 && j + 1 < rows && below[i].i >= 0) from = above[i];
       const int x = kTile * (i + margin) + from.dx, y = kTile * (j + margin) + from.dy;
       known[i] = from.i >= 0 && holds(x, y) ? 1 : 0;
-      asks[i] = known[i] == 0 && i % kTurns == visited ? 1 : 0;
+      needs_color[i] = known[i] == 0 && i % kTurns == visited ? 1 : 0;
       if (known[i] != 0) {
         colors[i] = colors_(from.i, from.j);
         const std::uint8_t* pixels = luma_.row(y) + x;
@@ -179,7 +181,7 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
   }
 }
 
-// Finds for each tile of a frame the tile of the canvas that lies there, the nearest if there are
+// Finds for each tile of a frame the tile of the canvas that lands there; the nearest, if there are
 // several.
 void SceneCanvas::find_sources(const Rigid3& world_from_camera) {
   std::fill(sources_.begin(), sources_.end(), Source{});

@@ -10,33 +10,36 @@
 namespace palpable {
 namespace {
 
-constexpr int kPixels = 16;   // of a tile
-constexpr int kSteps = 4096;  // of the histograms
-// Sums over tiles that are nearly black or clipped: their Y / P says nothing about the gain.
+constexpr int kPixels = 16;   // pixels of a tile
+constexpr int kSteps = 4096;  // bins of the histograms
+// Limits of a tile's sum of grey levels. Below and above, the tile is nearly black or clipped, and
+// its Y / P does not measure the gain.
 constexpr int kDarkest = 4 * kPixels, kBrightest = 240 * kPixels;
-constexpr int kGainEvery = 2;  // of tiles and rows of them: a quarter is enough for a median
-// With fewer static tiles gain and noise of the frame before stay.
-constexpr int kFewestFrames = 50;
-// A frame in which the mask calls a tile resting counts as five: a hand at rest, which the mask may
-// call moving, must look the same for five times as long until it is taken for the scene.
+constexpr int kGainEvery = 2;  // every 2nd tile of every 2nd row: enough for a median
+// Fewest static tiles from which gain and noise are measured; with fewer, the values of the frame
+// before are kept.
+constexpr int kFewestTiles = 50;
+// Increment of sure_ in a frame in which the mask has the tile at rest; otherwise it is 1. So a
+// hand at rest that is still masked as moving must look the same for five times as long before it
+// is taken for the scene.
 constexpr int kQuietCounts = 5;
-constexpr int kFollowEvery = 4;  // frames, in which P follows Y
-constexpr int kColorEvery = 32;  // frames, in which colours do, which hardly change
+constexpr int kFollowEvery = 4;  // P follows Y in every 4th frame
+constexpr int kColorEvery = 32;  // frames between updates of the colours, which hardly change
 
-// a_4(n) - m without rounding, times sqrt(n) / m (static_picture.h); twice as much for what has
-// changed.
+// 1.06 k for k = 4: a_4(n) = m (1 + kFourOfD / sqrt(n)) + 1/2 (static_picture.h). The bound for a
+// changed tile, a_8, has twice this value.
 constexpr double kFourOfD = 4.24;
-constexpr int kLightShare = 32;     // 1/32 of P: light that a hand reflects or takes
-constexpr int kDarkestShadow = 40;  // % of the light; what is darker is no shadow
+constexpr int kLightShare = 32;     // 1/32 of P: light that a hand may reflect or block
+constexpr int kDarkestShadow = 40;  // % of the light; darker tiles are not in shadow
 
-// By how much the hue of a shadow may differ: this times (1 - L) / L, and this at most.
+// Allowed difference of a shadow's hue: min(kSunAndSky (1 - L) / L, kHue).
 constexpr double kSunAndSky = 0.14, kHue = 0.11;
-// Standard deviation of a tile's mean colour, in m: eight pixels of the full image, whose noise is
-// twice that of the half image; s = 1.25 m.
+// Standard deviation of a tile's mean colour, in units of m: it is the mean of eight pixels of the
+// full image, whose noise is twice that of the half image, and s = 1.25 m.
 constexpr double kOfColor = 2 * 1.25 / 2.83;
-constexpr int kLargestSquare = 2;  // tiles to each side of the middle one
-// Two tiles of one surface differ in their means of Y - g P by less than this, in m: three standard
-// deviations.
+constexpr int kLargestSquare = 2;  // tiles from the middle tile to each side
+// Largest difference between the mean Y - g P of two tiles of one surface, in units of m: three
+// standard deviations.
 constexpr double kAlike = 1.9;
 
 void halve_rows(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t* half, int width) {
@@ -46,12 +49,12 @@ void halve_rows(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t* half
   }
 }
 
-// Adds a row of pixels to the sums over columns.
+// Adds a row of pixels to the sums of their columns.
 void add_row(const std::uint8_t* row, std::uint16_t* columns, int width) {
   for (int x = 0; x < width; ++x) columns[x] = static_cast<std::uint16_t>(columns[x] + row[x]);
 }
 
-// Sums over tiles, of the sums over their four columns.
+// Computes the sum of each tile from the sums of its four columns.
 void sums_of(const std::uint16_t* columns, std::uint16_t* sums, int tiles) {
   for (int i = 0; i < tiles; ++i) {
     const std::uint16_t* c = columns + static_cast<std::ptrdiff_t>(kTile) * i;
@@ -68,7 +71,7 @@ void scale_row(const std::uint8_t* row, std::uint16_t factor, std::uint8_t* scal
   }
 }
 
-// By value: with references (std::min) the compiler makes branches, and takes one pixel at a time.
+// These take values: with references (std::min) the compiler emits branches and does not vectorise.
 std::uint8_t lesser(std::uint8_t a, std::uint8_t b) { return a < b ? a : b; }
 std::uint8_t larger(std::uint8_t a, std::uint8_t b) { return a > b ? a : b; }
 
@@ -83,8 +86,8 @@ void span_of_three(const std::uint8_t* p, std::uint8_t* HWY_RESTRICT least,
   }
 }
 
-// The value nearest to `seen` between the least and the largest of three rows, and how far it is
-// off.
+// Finds the value nearest to `seen` in the range between the least and the largest value of three
+// rows, and its distance from `seen`.
 void nearest_within(const std::array<const std::uint8_t*, 3>& least,
                     const std::array<const std::uint8_t*, 3>& largest, const std::uint8_t* seen,
                     std::uint8_t* HWY_RESTRICT nearest, std::uint8_t* HWY_RESTRICT difference,
@@ -100,7 +103,7 @@ void nearest_within(const std::array<const std::uint8_t*, 3>& least,
   }
 }
 
-// The median of a histogram with `count` entries.
+// The bin that holds the median of a histogram with `count` entries.
 int median_of(const std::vector<int>& histogram, int count) {
   int below = 0, at = 0;
   while (at < kSteps - 1 && 2 * (below + histogram[at]) < count) below += histogram[at++];
@@ -172,7 +175,8 @@ void StaticPicture::decide_looks(const ColorImage& color, const Image<std::uint8
   spread_changes(color, is_static);
 }
 
-// Brings the frame's luma to the depth's size, and sums it over tiles. False for other sizes.
+// Scales the frame's luma to the depth's size and sums it over tiles. False if the sizes do not
+// fit.
 bool StaticPicture::halve(const GrayImage& luma, const ColorImage& color, int width, int height,
                           const Image<std::uint8_t>& tiles) {
   const auto factor_of = [&](const auto& image) {
@@ -198,7 +202,7 @@ bool StaticPicture::halve(const GrayImage& luma, const ColorImage& color, int wi
   return true;
 }
 
-// Takes from a view the sums that find_gain() needs, the tiles' colours, and what is known.
+// Copies from a view the sums that find_gain() needs, the tiles' colours, and which are known.
 void StaticPicture::use_view(const PictureView& view) {
   const int width = now_.width();
   for (int j = 0; j < rows_; j += kGainEvery) {
@@ -218,11 +222,11 @@ void StaticPicture::use_view(const PictureView& view) {
   }
 }
 
-// Makes the picture of the values nearest to Y within a pixel of the view, times the gain, which is
-// 1 afterwards.
+// Sets each pixel of the picture to the value nearest to Y in the range of the 3 x 3 pixels of the
+// view, times the gain. The gain is 1 afterwards, because it is already applied.
 void StaticPicture::replace_by_nearest(const PictureView& view) {
   const int width = now_.width(), height = kTile * rows_;
-  // Three rows at a time, which the nearest cache holds.
+  // Only three rows are kept at a time, which fit into the L1 cache.
   const auto find_span = [&](int y) {
     const std::uint8_t* p = view.luma.row(y);
     if (gain_ != kUnit) {
@@ -264,8 +268,8 @@ void StaticPicture::find_gain(const Image<std::uint8_t>& is_static) {
       ++count;
     }
   }
-  if (count >= kFewestFrames) gain_ = std::max(median_of(histogram_, count), 1);
-  if (std::abs(gain_ - kUnit) <= 2) gain_ = kUnit;  // 0.4 % are taken for no change
+  if (count >= kFewestTiles) gain_ = std::max(median_of(histogram_, count), 1);
+  if (std::abs(gain_ - kUnit) <= 2) gain_ = kUnit;  // a change of 0.4 % is ignored
 }
 
 void StaticPicture::find_differences() {
@@ -298,7 +302,7 @@ void StaticPicture::find_noise(const Image<std::uint8_t>& is_static) {
       ++count;
     }
   }
-  if (count >= kFewestFrames) noise_ = static_cast<double>(median_of(histogram_, count)) / kPixels;
+  if (count >= kFewestTiles) noise_ = static_cast<double>(median_of(histogram_, count)) / kPixels;
 }
 
 void StaticPicture::find_looks(const ColorImage& color, const Image<std::uint8_t>& is_static,
@@ -314,11 +318,11 @@ void StaticPicture::find_looks(const ColorImage& color, const Image<std::uint8_t
   }
   std::fill(colored_.begin(), colored_.end(), std::uint8_t{0});
   for (int j = 0; j < rows_; ++j) {
-    const bool refresh = (frame_ + 1 + j) % kColorEvery == 0;  // learn() will ask for its colours
+    const bool refresh = (frame_ + 1 + j) % kColorEvery == 0;  // learn() will need its colours
     for (int i = 0; i < tiles_; ++i) {
       const bool known = sure_(i, j) >= trust_;
       const bool wanted =
-          view != nullptr ? view->asks(i, j) != 0 && is_static(i, j) != 0
+          view != nullptr ? view->needs_color(i, j) != 0 && is_static(i, j) != 0
                           : !known || refresh || strange_(i, j) + 1 >= settings_.frames_to_renew;
       if (wanted) compute_color(color, i, j);
       look_(i, j) = kNothing;
@@ -335,7 +339,7 @@ void StaticPicture::find_looks(const ColorImage& color, const Image<std::uint8_t
   }
 }
 
-// Goes from changed tiles to their neighbours, and from those that are found to have changed on.
+// Tests the neighbours of changed tiles, and in turn the neighbours of those that do not pass.
 void StaticPicture::spread_changes(const ColorImage& color, const Image<std::uint8_t>& is_static) {
   if (noise_ < 0) return;
   queue_.clear();
@@ -355,7 +359,8 @@ void StaticPicture::spread_changes(const ColorImage& color, const Image<std::uin
   }
 }
 
-// Whether a neighbour of a changed tile looks the same by chance ("Chance" in static_picture.h).
+// Corrects the look of a neighbour of a changed tile if it is the same only by chance ("Chance" in
+// static_picture.h).
 void StaticPicture::test_for_chance(const ColorImage& color, const Image<std::uint8_t>& is_static,
                                     int i, int j) {
   if (look_(i, j) >= kShadow || tested_(i, j) != 0 || sure_(i, j) < trust_ ||
@@ -378,7 +383,7 @@ void StaticPicture::compute_color(const ColorImage& color, int i, int j) {
   colors_now_(i, j) = color_of(color, i, j);
 }
 
-// Sums over eight pixels of a tile that lie in all of its rows and columns.
+// Sums over eight pixels of a tile that are spread over all its rows and columns.
 TileColor StaticPicture::color_of(const ColorImage& color, int i, int j) const {
   TileColor sum;
   for (int k = 0; k < 8; ++k) {
@@ -396,11 +401,12 @@ TileColor StaticPicture::color_of(const ColorImage& color, int i, int j) const {
 // picture, and 1/2 for rounding.
 double StaticPicture::color_noise() const { return 2 * std::sqrt(2.0) * kOfColor * noise_ + 0.5; }
 
-// The square around a tile in which the noise hides little enough ("Squares" in static_picture.h).
+// The sums over the square around a tile that is large enough for the noise ("Squares" in
+// static_picture.h).
 StaticPicture::Square StaticPicture::square_of(const ColorImage& color, int i, int j) {
   const double now = sum_now_(i, j), then = std::max(expected(i, j), 1);
   const double light = then / kLightShare;
-  // The noise of the hue falls with the square's side: the side with which it is 1/32.
+  // The noise of the hue is inversely proportional to the square's side. With this side it is 1/32.
   const double side = kPixels * std::sqrt(2.0) * color_noise() / light;
   const int reach = std::clamp(static_cast<int>(std::ceil((side - 1) / 2)), 0, kLargestSquare);
   const double alike = (kPixels * (kAlike * noise_ + 0.5) + light) / then;
@@ -427,8 +433,8 @@ StaticPicture::Square StaticPicture::square_of(const ColorImage& color, int i, i
   return square;
 }
 
-// Whether red over green and blue over green of a square are the picture's.
-// @param bounds  1: by the bounds beyond which it has changed; 0.5: by half of them
+// Whether the ratios of red to green and of blue to green of a square equal those of the picture.
+// @param bounds  factor on the noise bound: 1 is the bound for "changed", two standard deviations
 // @param light   share of the light that a hand may reflect
 bool StaticPicture::has_hue_of_scene(const Square& s, double bounds, double light) const {
   const double L = s.now / static_cast<double>(s.expected);
@@ -469,7 +475,8 @@ bool StaticPicture::is_plain(int i, int j) const {
       high = std::max(high, now_(x, y));
     }
   }
-  // Sixteen values of standard deviation s = 1.25 m span 3.5 s on average, give or take 0.75 s.
+  // The range of sixteen normal values with standard deviation s = 1.25 m is 3.5 s on average, with
+  // a standard deviation of 0.75 s. The bound is two of these above the average.
   return high - low <= 1.25 * noise_ * (3.5 + 2 * 0.75) + 1;
 }
 
@@ -489,7 +496,7 @@ bool StaticPicture::looks_as_ever(int i, int j) const {
   return 2 * alike > there;
 }
 
-// Makes what is seen of a tile its look.
+// Makes the present look of a tile the picture's.
 void StaticPicture::take_over(int i, int j) {
   int sum = 0;
   for (int y = kTile * j; y < kTile * j + kTile; ++y) {
@@ -524,9 +531,9 @@ void StaticPicture::learn(const Image<std::uint8_t>& moves, const Image<std::uin
   }
 }
 
-// Learns what can be learnt of a tile in one frame.
-// @param is_quiet  the mask does not call it moving
-// @return whether the picture may follow what is seen there: it is known, rests and looks the same
+// Updates the state of one tile from one frame.
+// @param is_quiet  the mask has it at rest
+// @return whether P may follow Y there: the tile is known, at rest and not changed
 bool StaticPicture::learn_tile(int i, int j, bool is_quiet, bool is_static) {
   std::uint16_t& strange = strange_(i, j);
   std::uint8_t& sure = sure_(i, j);
@@ -548,7 +555,7 @@ bool StaticPicture::learn_tile(int i, int j, bool is_quiet, bool is_static) {
   return false;
 }
 
-// Moves the picture by one level towards what is seen, in the tiles of row j that follow.
+// Changes P by one level towards Y / g in those tiles of row j that follow.
 void StaticPicture::follow_row(int j) {
   const int width = now_.width();
   std::fill(columns_.begin(), columns_.end(), std::uint16_t{0});

@@ -13,30 +13,32 @@
 namespace palpable {
 namespace {
 
-constexpr float kLeftOut = std::numeric_limits<float>::quiet_NaN();
+constexpr float kLeftOut = std::numeric_limits<float>::quiet_NaN();  // a depth that is not fused
 constexpr int kSide = kVoxelsAcross;
-constexpr double kNearest = 0.05;  // m; nearer to the camera nothing is fused
+constexpr double kNearest = 0.05;  // m; nothing is fused that is nearer to the camera
 
-// Every 4th pixel of the depth image has a ray that says which blocks are needed: at 3 m and
-// f = 350 px these rays are 34 mm apart, and blocks of 10 mm voxels are 80 mm wide.
+// Distance, in px, between the rays along which blocks are allocated. At 3 m depth and f = 350 px
+// these rays are 34 mm apart, less than the width of a block of 10 mm voxels, 80 mm.
 constexpr int kAllocationStep = 4;
-// Of the rows of rays every other one has its turn: at 3 m they are still less than a block apart.
+// Number of frames over which the rows of these rays are distributed. With every other row, the
+// rows are 68 mm apart at 3 m, still less than a block.
 constexpr int kAllocationTurns = 2;
 
-// A voxel's colour is the mean over the first frames that have seen it. It does not change later:
-// the scene is static, its light nearly so.
+// A voxel's colour is the mean over this many frames, the first ones that show it. It does not
+// change later, because the scene is static and its light nearly constant.
 constexpr int kColorFrames = 4;
 
-// A block that was painted in kColorFrames frames is painted again in every 8th frame only: another
-// part of its surface may have come into view.
+// After kColorFrames frames a block is painted only in every 8th frame, in case another part of its
+// surface has come into view.
 constexpr int kPaintAgainEvery = 8;
 
-// A block whose smallest distance is above this share of the truncation holds no surface.
+// A block whose smallest distance is above this share of the truncation contains no surface.
 constexpr float kNothingNear = 0.95F;
 
-constexpr double kSmallestWeight = 1e-6;  // frames; a voxel that was never seen has 0
+constexpr double kSmallestWeight = 1e-6;  // frames; a voxel that was never seen has weight 0
 
-// Blocks from the world's origin; beyond, nothing is kept (BlockTable's numbers have 21 bits).
+// Largest coordinate, in blocks from the world's origin; nothing is kept beyond (BlockTable's
+// numbers have 21 bits).
 constexpr double kLargestBlock = 1 << 19;
 
 void prefetch(const std::array<Voxel, kVoxelsOfBlock>& voxels) {
@@ -44,7 +46,7 @@ void prefetch(const std::array<Voxel, kVoxelsOfBlock>& voxels) {
   for (std::size_t i = 0; i < voxels.size(); i += kLine) hwy::Prefetch(&voxels[i]);
 }
 
-// Makes the depths of what moves unknown.
+// Sets the depths of moving pixels to unknown.
 void leave_out(const std::uint8_t* moving, float* depth, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) depth[i] = moving[i] != 0 ? kLeftOut : depth[i];
 }
@@ -64,7 +66,7 @@ SurfaceMap::SurfaceMap(const DepthNoise& noise, const SurfaceMapSettings& settin
       "a tolerance is not negative");
   PALPABLE_EXPECT(settings.most_weight >= 1 && settings.carve_weight > 0,
                   "voxels remember a frame at least");
-  // sigma_Z grows with Z. The map ends where it reaches its largest value: by halving.
+  // sigma_Z grows with Z. The map ends at the depth where it reaches largest_sigma, by bisection.
   double low = 0, high = settings.farthest;
   if (noise.sigma(high) > settings.largest_sigma) {
     for (int i = 0; i < 50; ++i) {
@@ -78,7 +80,7 @@ SurfaceMap::SurfaceMap(const DepthNoise& noise, const SurfaceMapSettings& settin
       settings.most_weight);
 }
 
-// Makes the blocks within the truncation of what the depth image shows.
+// Allocates all blocks within the truncation distance of the measured surface.
 void SurfaceMap::allocate(const PinholeCamera& camera, const Rigid3& world_from_camera) {
   const double block = kSide * settings_.voxel;
   const Eigen::Matrix3d R = world_from_camera.linear() / block;
@@ -93,14 +95,14 @@ void SurfaceMap::allocate(const PinholeCamera& camera, const Rigid3& world_from_
       const double t =
           std::max(settings_.truncation, settings_.truncation_sigmas * noise_.sigma(Z));
       const Eigen::Vector3d ray = R * camera.unproject(x, y, 1.0);
-      // With half a block at a time the ray misses no block but those of which it cuts a corner.
+      // With steps of half a block the ray misses only blocks of which it cuts a corner.
       const int steps = std::max(1, static_cast<int>(std::ceil(2 * t / (0.5 * block))));
       allocate_along(origin + (Z - t) * ray, (2 * t / steps) * ray, steps, last);
     }
   }
 }
 
-// Makes the blocks at `first` and after each of the steps from there, in blocks.
+// Allocates the blocks at `first` and after each of the steps from there. Lengths in blocks.
 void SurfaceMap::allocate_along(const Eigen::Vector3d& first, const Eigen::Vector3d& step,
                                 int steps, BlocksOfLastRay& last) {
   Eigen::Vector3d p = first;
@@ -137,7 +139,7 @@ int SurfaceMap::copy_blocks(int first, int count, SurfaceMap& to) const {
     if (!table_.used(slot)) continue;
     --count;
     const std::uint64_t key = table_.key(slot);
-    // A block that was removed and made again between two calls may have been copied before.
+    // A block that was removed and allocated again between two calls may already have been copied.
     const int there = to.table_.find(key);
     Block* block = there != BlockTable::kNone ? &to.store_[there] : to.insert(key);
     if (block != nullptr) *block = store_[slot];
@@ -158,13 +160,13 @@ void SurfaceMap::clear() {
   }
 }
 
-// Whether any point of a block may lie in the picture and within the map's depth.
+// Whether a block may be visible: whether its bounding sphere touches the picture's viewing frustum.
 bool SurfaceMap::may_show(const PinholeCamera& camera, const Eigen::Vector3d& centre) const {
   const double radius = 0.5 * std::sqrt(3.0) * kSide * settings_.voxel;
   const double z = centre.z();
   if (z < kNearest - radius || z > farthest_ + settings_.truncation + radius) return false;
-  // Whether the block's sphere lies beyond one of the four planes a = slope z through the lens and
-  // the picture's sides.
+  // Whether the block's sphere lies outside the plane a = slope z through the optical centre and
+  // one side of the picture.
   const auto beyond = [&](double a, double slope) {
     return a - slope * z > radius * std::sqrt(1 + slope * slope);
   };
@@ -187,7 +189,7 @@ void SurfaceMap::paint(Block& block, const Eigen::Vector3f& first, const Pinhole
   };
   bool any = false;
   for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
-    if (i % kSide == 0) {  // most rows hold no surface
+    if (i % kSide == 0) {  // most rows of voxels contain no surface
       bool row = false;
       for (std::size_t k = 0; k < kSide; ++k) row |= is_near(block.voxels[i + k]);
       if (!row) {
@@ -247,7 +249,7 @@ void SurfaceMap::fuse(const DepthImage& depth, const PinholeCamera& camera,
     const auto& [slot, first] = in_view_[n];
     Block& b = store_[slot];
     const float lowest = kernel_->fuse(frame, first.data(), b.voxels.data());
-    if (lowest > nothing_near) {  // rays only passed through it, or its surface was carved away
+    if (lowest > nothing_near) {  // rays only pass through it, or its surface was carved away
       table_.erase(slot);
       continue;
     }
@@ -297,7 +299,7 @@ FuseFrame SurfaceMap::fuse_frame(const PinholeCamera& camera) const {
 void SurfaceMap::find_blocks_in_view(const PinholeCamera& camera, const Rigid3& camera_from_world) {
   const Eigen::Matrix3d R = settings_.voxel * camera_from_world.linear();
   const double block = kSide * settings_.voxel;
-  // From a block's corner to the middle of its first voxel, where that voxel's distance is meant.
+  // From a block's corner to the middle of its first voxel, to which that voxel's distance refers.
   const Eigen::Vector3d to_first = 0.5 * R * Eigen::Vector3d::Ones();
   const Eigen::Vector3d to_centre = 0.5 * kSide * R * Eigen::Vector3d::Ones();
   in_view_.clear();
@@ -322,7 +324,8 @@ std::optional<double> SurfaceMap::distance(const Eigen::Vector3d& point) const {
   return static_cast<double>(d);
 }
 
-// Surface nets. A cell lies between 2 x 2 x 2 voxels and has the place of the first of them.
+// Surface nets. A cell lies between the middles of 2 x 2 x 2 voxels and is addressed by the first
+// of them.
 class SurfaceMap::Mesher {
  public:
   Mesher(const SurfaceMap& map, float least_weight)
@@ -374,7 +377,7 @@ class SurfaceMap::Mesher {
     std::vector<int>& of_block = vertex_[slot];
     if (of_block.empty()) of_block.assign(kVoxelsOfBlock, -1);
     of_block[i] = static_cast<int>(points_.size());
-    // + 0.5: a voxel's value is that of its middle.
+    // + 0.5: a voxel's value refers to its middle.
     points_.push_back(map_.settings_.voxel *
                       (at.cast<double>() + mean_crossing(d) + Eigen::Vector3d::Constant(0.5)));
     colors_.push_back(color_at(at, d));
@@ -433,14 +436,14 @@ class SurfaceMap::Mesher {
       float there = 0;
       if (!reader_.read(next.x(), next.y(), next.z(), least_, there)) continue;
       if ((here <= 0) == (there <= 0)) continue;
-      // The four cells in turn, from the second axis to the third.
+      // The four cells in rotational order, from the second axis to the third.
       Eigen::Vector3i back_1 = Eigen::Vector3i::Zero(), back_2 = Eigen::Vector3i::Zero();
       back_1[(axis + 1) % 3] = 1;
       back_2[(axis + 2) % 3] = 1;
       const std::array<int, 4> around{vertex_of(at - back_1 - back_2), vertex_of(at - back_2),
                                       vertex_of(at), vertex_of(at - back_1)};
       if (*std::min_element(around.begin(), around.end()) < 0) continue;
-      // The distance is positive outside: normals point there.
+      // Normals point to the side where the distance is positive.
       const bool along = here <= 0;
       const int p = around[0], q = along ? around[1] : around[3], r = around[2],
                 s = along ? around[3] : around[1];

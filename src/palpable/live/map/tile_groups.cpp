@@ -10,20 +10,20 @@
 namespace palpable {
 namespace {
 
-// If at least this share of a group moves by the evidence of this frame, its tiles become young
-// again. Otherwise their age goes on, so that a group cannot keep itself moving for ever.
+// If at least this share of a group's tiles moves by evidence of this frame, the ages of its tiles
+// are reset to 0. Otherwise the ages grow, so that a group cannot keep itself moving for ever.
 constexpr double kEvident = 0.1;
 
-constexpr std::uint8_t kLongAgo = 127;      // an age
-constexpr std::uint8_t kOfThisFrame = 128;  // is added to the ages that this frame has written
+constexpr std::uint8_t kLongAgo = 127;      // the largest age
+constexpr std::uint8_t kOfThisFrame = 128;  // added to the ages that this frame has written
 
-// Of a tile in this frame: kDone has its group or needs none, kMayJoin is unexplained, kWaits will
-// be part of a group.
+// State of a tile in this frame: kDone belongs to a group or needs none, kMayJoin is unexplained,
+// kWaits will be part of a group.
 enum State : std::uint8_t { kDone, kMayJoin, kWaits };
 
-// kMayJoin from label `may_join` on, kWaits from label `waits` on. HWY_RESTRICT tells the compiler
-// that the arrays do not overlap, which it cannot know of members, so that it takes many tiles at a
-// time.
+// Labels from `waits` on become kWaits, others from `may_join` on kMayJoin, the rest kDone.
+// HWY_RESTRICT declares that the arrays do not overlap, which the compiler cannot infer for members.
+// It can then vectorise the loop.
 void set_states(const std::uint8_t* label, std::uint8_t may_join, std::uint8_t waits,
                 std::uint8_t* HWY_RESTRICT state, std::size_t count) {
   static_assert(kDone == 0 && kMayJoin == 1 && kWaits == 2);
@@ -66,8 +66,8 @@ TileGroups::Label TileGroups::label_of_unexplained(int i, int j, float depth) co
   return same && age_(i, j) < settings_.frames_to_carry ? kCarried : kUnexplained;
 }
 
-// Fills group_ with all waiting tiles that hang together with the first one, and edge_ with those
-// of them beside which tiles may join.
+// Fills group_ with all waiting tiles that are connected to the first one, and edge_ with those of
+// them that have an unexplained neighbour.
 void TileGroups::gather_group(std::size_t first) {
   const auto add = [this](int i, int j) {
     state_(i, j) = kDone;
@@ -88,7 +88,8 @@ void TileGroups::gather_group(std::size_t first) {
   }
 }
 
-// m: two deviations beyond the mean depth, and a tenth; NaN where no tile of the group has a depth.
+// Largest depth of a tile that may join, m: 1.1 (mean + 2 standard deviations) of the group's
+// depths. NaN if no tile of the group has a depth.
 float TileGroups::deepest_of_group(const DepthImage& depth) const {
   double sum = 0, squares = 0, known = 0;
   for (const Tile at : group_) {
@@ -107,7 +108,7 @@ float TileGroups::deepest_of_group(const DepthImage& depth) const {
 void TileGroups::add_unexplained(const DepthImage& depth) {
   const auto share = static_cast<float>(settings_.same_share);
   const float deepest = deepest_of_group(depth);
-  const std::size_t joined = edge_.size();  // the first of them
+  const std::size_t joined = edge_.size();  // index of the first tile that joins
   for (std::size_t head = 0; head < edge_.size(); ++head) {
     const Tile at = edge_[head];
     const float from = depth(at.i, at.j);
@@ -129,7 +130,7 @@ void TileGroups::add_unexplained(const DepthImage& depth) {
   }
 }
 
-// @param is_evident  enough of the group moves by the evidence of this frame
+// @param is_evident  whether enough of the group moves by evidence of this frame (kEvident)
 void TileGroups::mark_moving(const DepthImage& depth, bool is_evident, Image<std::uint8_t>& label) {
   for (const Tile at : group_) {
     std::uint8_t &age = age_(at.i, at.j), &of_tile = label(at.i, at.j);

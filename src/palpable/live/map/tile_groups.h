@@ -56,9 +56,9 @@ class TileGroups {
   ///     1. Tiles of kChanged and above that touch each other are a group.
   ///     2. A group of fewer than fewest_tiles becomes static.
   ///     3. Unexplained tiles join a group when a chain of neighbours leads to them from its border
-  ///        without a jump in depth, and their depth is at most 1.1 times the group's mean depth
-  ///        plus two standard deviations. If they are more than most_unexplained times the group,
-  ///        none of them joins.
+  ///        without a jump in depth, and their depth is at most 1.1 (mean + 2 standard deviations)
+  ///        of the group's depths. If they are more than most_unexplained times the group, none of
+  ///        them joins.
   ///
   /// @param depth  per tile: m, NaN where unknown
   /// @param label  per tile; in: any label; out: kMoving or kStatic instead of kChanged, kCarried

@@ -1,6 +1,6 @@
 /// @file
-/// The colour scales of fields painted on bodies, for pictures drawn on the CPU (legend). The source
-/// is compiled as C++ and as a shader: shaders/color_map.glsl.
+/// The colour scales of fields painted on bodies, for pictures drawn on the CPU (legend). The
+/// source is compiled as C++ and as a shader: shaders/color_map.glsl.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -20,8 +20,8 @@ inline constexpr float kNothingPainted = 1e9f;
 /// @param opaque  kOpaqueShare, or 0: no blending
 [[nodiscard]] Rgb color_of_share(float share, Rgb material, float opaque);
 
-/// The colour for a field of two signs, -1 .. 1; clamped. Its luminance strictly decreases from 0 to
-/// both ends.
+/// The colour for a field of two signs, -1 .. 1; clamped. Its luminance strictly decreases from 0
+/// to both ends.
 [[nodiscard]] Rgb two_sided_color_of_share(float share);
 /// The same, blended with a material's colour, which is visible near 0. @param opaque  as above
 [[nodiscard]] Rgb two_sided_color_of_share(float share, Rgb material, float opaque);

@@ -32,7 +32,7 @@ double luminance(Rgb color) {
   return 0.2126 * linear(color.r) + 0.7152 * linear(color.g) + 0.0722 * linear(color.b);
 }
 
-/// What the GPU makes of `expression`, a vec4 of gl_FragCoord, over a row of pixels.
+/// The GPU's values of `expression`, a vec4 that depends on gl_FragCoord, for a row of pixels.
 std::vector<float> on_gpu(const std::string& include, const std::string& expression, int width) {
   const std::string fragment =
       "#version 450 core\n#include \"" + include +
@@ -85,7 +85,7 @@ TEST_CASE("what has two signs is darker the farther it is from 0, and as dark on
     below = luminance(minus);
     above = luminance(plus);
     CHECK(std::abs(below - above) < tolerance(0.05, "luminance, 1 is white"));
-    // Who sees no red or no green still sees which of the two is blue.
+    // Also without vision of red or green one of the two is recognised as blue.
     if (i >= 16) CHECK(minus.b > minus.r + 40);
     if (i >= 16) CHECK(plus.r > plus.b + 40);
   }

@@ -15,7 +15,7 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 bool is_known(float z) { return z > 0.0f && std::isfinite(z); }
 
-/// The docstring's rule by looking at everything.
+/// The second rule of fill_unknown()'s comment, by a search of all pixels.
 float slow_fill(const DepthImage& depth, const PixelRange& box, int radius, int x, int y) {
   if (is_known(depth(x, y))) return depth(x, y);
   int left = x, right = x;
@@ -83,7 +83,7 @@ TEST_CASE("left of a near thing a hole is background, right of it and within it 
   CHECK(filled[7] == 0.3f);
   CHECK(filled[8] == 0.3f);
   CHECK(filled[10] == 0.5f);       // of two equally near the farther
-  CHECK(nearest[4] == kHalfSeen);  // taken for known, unlike a hole's neighbour
+  CHECK(nearest[4] == kHalfSeen);  // marked, unlike other holes
   CHECK(nearest[7] != 0);
 }
 

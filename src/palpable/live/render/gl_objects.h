@@ -130,7 +130,7 @@ class GlVertexArray {
   /// A stride or offset of interleaved data is in bytes; stride 0 means tightly packed.
   void floats(GLuint location, const GlBuffer& buffer, int components, int stride = 0,
               int offset = 0, bool per_instance = false);
-  /// Input `location` reads four bytes per vertex, 0 .. 255 as 0 .. 1; other parameters as floats().
+  /// Input `location` reads four bytes per vertex, 0 .. 255 as 0 .. 1; see floats().
   void bytes(GLuint location, const GlBuffer& buffer, int stride, int offset);
   void indices(const GlBuffer& buffer);
   void bind() const { glBindVertexArray(name_.get()); }

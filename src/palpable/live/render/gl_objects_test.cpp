@@ -33,7 +33,7 @@ TEST_CASE("an OpenGL error is counted and its first message kept", "[render]") {
   GlErrorLog& errors = context.value().errors();
   glBindTexture(GL_VERTEX_SHADER, 0);
   CHECK(errors.count() == 1);
-  const std::string first = errors.first();  // its words are the driver's own
+  const std::string first = errors.first();  // the wording depends on the driver
   CHECK_FALSE(first.empty());
   glEnable(GL_TEXTURE_BUFFER);
   CHECK(errors.count() == 2);
@@ -129,7 +129,7 @@ TEST_CASE("programs are made in their order, and the first problem is all that c
   CHECK(none.problem().message.find("gone.frag") != std::string::npos);
 }
 
-TEST_CASE("an include that is missing is reported with the line that asks for it", "[render]") {
+TEST_CASE("an include that is missing is reported with the line that includes it", "[render]") {
   const std::array<ShaderFile, 2> files{
       ShaderFile{"full.vert", kVertex},
       ShaderFile{"lost.frag", "#version 450 core\n\n#include \"gone.glsl\"\nvoid main() {}\n"}};

@@ -109,8 +109,8 @@ void GridCut::augment(int one, int direction) {
   if ((bias_[node] += flow) == 0) orphan(node);
 }
 
-// The number of steps from a node to its root. Marks the nodes on the path as checked, so that later
-// calls can stop there.
+// The number of steps from a node to its root. Marks the nodes on the path as checked, so that
+// later calls can stop there.
 int GridCut::distance_to_root(int node) {
   constexpr int kNone = std::numeric_limits<int>::max();
   int steps = 0;

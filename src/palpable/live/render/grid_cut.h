@@ -30,8 +30,8 @@ class GridCut {
   /// Starts a grid of this size without costs. Allocates nothing up to a size that it has had.
   void begin(int width, int height);
 
-  /// Adds to a pixel's bias. A bias above 0 is the cost of side 0, a bias below 0 is minus the cost of
-  /// side 1.
+  /// Adds to a pixel's bias. A bias above 0 is the cost of side 0, a bias below 0 is minus the cost
+  /// of side 1.
   void add_bias(int x, int y, int bias) { bias_[at(x, y)] += bias; }
   /// Adds to the cost (>= 0) of having a pixel and its right, or its lower, neighbour on different
   /// sides. The neighbour must lie within the grid.
@@ -61,8 +61,8 @@ class GridCut {
     left_of(node, direction) += cost;
     left_of(beside(node, direction), direction ^ 1) += cost;
   }
-  // The residual capacity between a node and its neighbour in the direction of flow in its tree: away
-  // from the root in the first tree, towards it in the second.
+  // The residual capacity between a node and its neighbour in the direction of flow in its tree:
+  // away from the root in the first tree, towards it in the second.
   [[nodiscard]] int outwards(int node, int direction) {
     return tree_[node] == kOne ? left_of(node, direction)
                                : left_of(beside(node, direction), direction ^ 1);

@@ -10,7 +10,7 @@
 namespace palpable {
 namespace {
 
-// Costs of a grid, and what a division costs.
+// The costs of a grid, and the cost of a division.
 struct Costs {
   int width, height;
   std::vector<int> bias, right, down;  // one of each per pixel; links that leave the grid are 0
@@ -59,13 +59,13 @@ struct Costs {
   }
 };
 
-TEST_CASE("a cut costs as little as the best of all divisions, on the fewest pixels",
+TEST_CASE("a cut has the least cost of all divisions, with the fewest pixels on side 1",
           "[render][outlines]") {
   GridCut cut;
   for (unsigned seed = 0; seed < 60; ++seed) {
     INFO("seed " << seed);
     const int width = 2 + static_cast<int>(seed % 3), height = 3;
-    const Costs costs(seed, width, height, seed % 2 == 0 ? 3 : 40);  // small ones tie
+    const Costs costs(seed, width, height, seed % 2 == 0 ? 3 : 40);  // small costs make ties
     costs.put_into(cut);
     cut.solve();
     long best = std::numeric_limits<long>::max();

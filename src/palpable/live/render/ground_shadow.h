@@ -9,9 +9,9 @@
 namespace palpable {
 
 /// The body is projected onto the plane along the light; the shadow is darker where the body is
-/// nearer to the plane, and blurred. This is no physical light transport: it makes the body appear to
-/// stand on the desk instead of floating above it. Things that stand on the plane are shaded by the
-/// same image, along the light, up to the height of the part that throws the shadow
+/// nearer to the plane, and blurred. This is no physical light transport: it makes the body appear
+/// to stand on the desk instead of floating above it. Things that stand on the plane are shaded by
+/// the same image, along the light, up to the height of the part that throws the shadow
 /// (real_shadows.h).
 class GroundShadow {
  public:
@@ -27,7 +27,7 @@ class GroundShadow {
 
   /// (kSide x kSide) row-major, row = y; 0 lit .. 1 dark, 0 at the image's border.
   [[nodiscard]] const std::vector<float>& shade() const { return shade_; }
-  /// (kSide x kSide) likewise: height (m) above the plane of the part that throws the shadow; 0: none.
+  /// (kSide x kSide) likewise: height (m) of the part that throws the shadow; 0 without shadow.
   [[nodiscard]] const std::vector<float>& height() const { return height_; }
   /// The displacement of a point's shadow along x and y per m of the point's height.
   [[nodiscard]] const Eigen::Vector2f& slope() const { return slope_; }
@@ -40,8 +40,8 @@ class GroundShadow {
   std::vector<float> height_ = std::vector<float>(kSide * kSide);
   Eigen::Vector2f slope_ = Eigen::Vector2f::Zero();
   std::vector<float> scratch_ = std::vector<float>(kSide * kSide);
-  // (3 x V) x, y of each vertex projected onto the plane along the light, and its darkness, which is
-  // 1 at the plane.
+  // (3 x V) x, y of each vertex projected onto the plane along the light, and its darkness, which
+  // is 1 at the plane.
   Eigen::Matrix3Xf fallen_;
   Eigen::Vector4f box_ = Eigen::Vector4f::Zero();
 };

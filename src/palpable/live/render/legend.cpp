@@ -92,8 +92,8 @@ struct Ticks {
   static double step_of(const Legend& legend, int wanted) {
     if (!legend.two_sided) return tick_step(legend.top, wanted);
     const double step = tick_step(2 * legend.top, wanted);
-    // If 0 were the only number, the scale could not be read. Consecutive steps differ by a factor of
-    // at most 2.5.
+    // If 0 were the only number, the scale could not be read. Consecutive steps differ by a factor
+    // of at most 2.5.
     return step <= legend.top ? step : tick_step(legend.top / 2.5, 1);
   }
 };

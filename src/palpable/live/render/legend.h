@@ -29,8 +29,8 @@ struct Legend {
 };
 
 /// Draws the bar on a translucent panel at the right edge, centred in height. Letters have a least
-/// size. In a picture of fewer than kSmallPicture rows, the panel therefore holds only what is needed
-/// to read the bar: unit, three numbers, the mark; it then covers about 4 % of the picture.
+/// size. In a picture of fewer than kSmallPicture rows, the panel therefore holds only what is
+/// needed to read the bar: unit, three numbers, the mark; it then covers about 4 % of the picture.
 void draw_legend(ColorImage& picture, const Legend& legend);
 
 inline constexpr int kSmallPicture = 300;  // rows

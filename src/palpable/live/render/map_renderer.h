@@ -70,8 +70,8 @@ class MapRenderer {
   /// @throws ContractViolation when sizes do not match
   void set_surface(const MapSurface& surface);
 
-  /// Draws `view`. Only the side from which a surface was seen is drawn, so that the near walls of a
-  /// room do not hide its inside. Hidden parts of lines are drawn faintly.
+  /// Draws `view`. Only the side from which a surface was seen is drawn, so that the near walls of
+  /// a room do not hide its inside. Hidden parts of lines are drawn faintly.
   /// @param picture  overwritten, camera size
   void draw(const MapView& view, ColorImage& picture);
 

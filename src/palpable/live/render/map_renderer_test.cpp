@@ -18,7 +18,8 @@ using palpable::test::tolerance;
 
 namespace {
 
-/// Off-centre principal point, unequal focal lengths, odd size: nothing may cancel by symmetry.
+/// Off-centre principal point, unequal focal lengths, odd size, so that no errors cancel by
+/// symmetry.
 const PinholeCamera kCamera{322, 241, 410.0, 395.0, 171.3, 108.6};
 constexpr Rgb kBlue{20, 60, 220};
 
@@ -39,8 +40,8 @@ struct Renderer {
   }
 };
 
-/// A wall at Z m that covers the pixels u0 .. u1 (edges half way between centres) of all rows, red
-/// above row 100 and green below it; its front is to the camera or away from it.
+/// A wall at depth Z (m) that covers the pixels u0 .. u1 (edges half way between centres) of all
+/// rows, red above row 100 and green below it; its front faces the camera or away from it.
 struct Wall {
   Wall(double Z, double u0, double u1, bool to_camera = true) {
     vertices.resize(3, 8);
@@ -51,7 +52,7 @@ struct Wall {
       normals.col(i) = Eigen::Vector3f(0, 0, to_camera ? -1.0f : 1.0f);
       colors[i] = i < 4 ? Rgb{200, 0, 0} : Rgb{0, 200, 0};
     }
-    // Counter-clockwise for the eye: its picture's Y points down.
+    // Counter-clockwise as seen by the eye, in a picture whose Y points down.
     triangles.resize(3, 4);
     triangles << 0, 1, 4, 5, 2, 2, 6, 6, 1, 3, 5, 7;
     if (!to_camera) triangles.row(1).swap(triangles.row(2));
@@ -107,7 +108,7 @@ TEST_CASE("a wall that is seen from behind is left out", "[render][map]") {
 TEST_CASE("a line is where its ends are projected to, as wide as it says, and faint behind a wall",
           "[render][map]") {
   PALPABLE_NEEDS_RENDERER(gl);
-  // The world is turned and moved against the view.
+  // The world frame is rotated and translated relative to the view.
   const Rigid3 camera_from_world =
       Eigen::Translation3d(0.2, -0.1, 0.3) *
       Rigid3(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
@@ -119,7 +120,7 @@ TEST_CASE("a line is where its ends are projected to, as wide as it says, and fa
   const Eigen::Isometry3f moved = world_from_camera.cast<float>();
   wall.vertices = ((moved.linear() * wall.vertices).colwise() + moved.translation()).eval();
   gl.renderer->set_surface(wall.surface());
-  // Level, 5 px wide, along row 150; it comes out of the wall on the way from 2 m to 0.5 m.
+  // A line 5 px wide along row 150, from 2 m to 0.5 m, so that it passes through the wall.
   const std::array lines{MapLine{world(40, 150, 2), world(280, 150, 0.5), kBlue, 5}};
   ColorImage picture;
   gl.renderer->draw({.camera = kCamera, .camera_from_world = camera_from_world, .lines = lines},
@@ -158,7 +159,7 @@ TEST_CASE("a line that begins behind the eye is drawn as far as it is before it"
   ColorImage picture;
   gl.renderer->draw({.camera = kCamera, .lines = lines}, picture);
   CHECK(picture(250, 60) == kBlue);
-  // It comes from where the line meets the near plane, below the picture's middle.
+  // The line is cut off at the near plane, below the picture's middle.
   const Eigen::Vector3d middle = (0.5 * (0.5f * (aside + end) + end)).cast<double>();
   const Eigen::Vector2d p = kCamera.project(middle);
   CHECK(picture(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y()))) ==

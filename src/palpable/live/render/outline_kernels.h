@@ -1,7 +1,7 @@
 /// @file
 /// The sums over one window, which is the inner loop of RealOutlines (outlines.h). There is a plain
-/// version and one for each set of vector instructions; all do the same operations in the same order,
-/// none of them contracted (a * b + c is rounded twice), and so give the same bytes.
+/// version and one for each set of vector instructions; all do the same operations in the same
+/// order, none of them contracted (a * b + c is rounded twice), and so give the same bytes.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ struct OutlineWindow {
 
 using OutlineLanes = std::array<float, OutlineWindow::kLanes>;
 
-/// Sums per lane of s g (fit), s (weight), s / Z (inverse), and s over moving pixels (moving), with s
-/// and g of outlines.h: over pixels nearer than 1 / split (near), and over all pixels.
+/// Sums per lane of s g (fit), s (weight), s / Z (inverse), and s over moving pixels (moving), with
+/// s and g of outlines.h: over pixels nearer than 1 / split (near), and over all pixels.
 struct OutlineSums {
   OutlineLanes near_fit, near_weight, near_inverse, near_moving;
   OutlineLanes all_fit, all_weight, all_inverse, all_moving;

@@ -19,10 +19,10 @@ static_assert(kWindowColumns >= 2 * RealOutlines::kWindow / RealOutlines::kLatti
 
 constexpr float kFactor = 1 + RealOutlines::kJump;
 
-// Biases and links are natural logarithms of ratios of likelihoods. In the cut they are integers, in
-// units of 1 / kUnits.
+// Biases and links are natural logarithms of ratios of likelihoods. In the cut they are integers,
+// in units of 1 / kUnits.
 constexpr float kUnits = 256;
-constexpr float kColorFloor = 0.03f;  // added to P_k: fits to both sides far below it have no effect
+constexpr float kColorFloor = 0.03f;  // added to P_k; fits far below it have no effect
 // Colours are compared by hue more than by brightness, which changes with shade.
 constexpr float kLuma = 0.5f;     // weight of a grey level
 constexpr float kHue = 400;       // weight of a difference of channels, as a ratio to brightness
@@ -304,8 +304,8 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
   const auto place = [w](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
   };
-  // Whether pixel (x, y) of the own box is classified by the cut; if not, whether a sure real surface
-  // there is before the body.
+  // Whether pixel (x, y) of the own box is classified by the cut; if not, whether a sure real
+  // surface there is before the body.
   enum class Role : std::uint8_t { kNone, kVoter, kBefore, kBehind };
   const auto role = [&](int x, int y) {
     const float limit = limit_[place(x, y)];
@@ -393,7 +393,7 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
 }
 
 void RealOutlines::write_fine(const OutlineView& view, const PixelRange& inner) {
-  constexpr int kReach = 2;  // px of the depth image within which the colours of a side are averaged
+  constexpr int kReach = 2;  // px of the depth image: the window of a side's mean colour
   const std::size_t stride = 2 * static_cast<std::size_t>(inner.width());
   assign_with_room(fine_, stride * 2 * static_cast<std::size_t>(inner.height()), 0.0f);
   for (int y = inner.y0; y < inner.y1; ++y) {

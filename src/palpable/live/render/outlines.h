@@ -47,7 +47,7 @@ struct OutlineView {
 /// (f).
 ///
 /// **Votes** for a pixel p in doubt with colour c_p come from sure pixels q on a lattice with a
-/// step of kLatticeStep px, within kWindow px of p. Pixels marked too close count as sure, and as n.
+/// step of kLatticeStep px, within kWindow px of p. Pixels marked too close are sure, and are n.
 ///
 ///     P_k(p) = sum_{q in k} s(p, q) g(c_p - c_q)  /  sum_{q in k} s(p, q),     k = n, f
 ///     s = max(0, 1 - |p - q|^2 / R_s^2)^2,   g = max(0, 1 - |c_p - c_q|^2 / R_c^2)^2
@@ -56,22 +56,22 @@ struct OutlineView {
 ///
 ///     c = (Y / 2,  400 (R - B) / (Y + 32),  400 (R + B - 2 G) / (Y + 32))        R, G, B in 0..255
 ///
-/// P_k measures how well the colour fits side k, independently of the number of pixels on that side.
-/// (The weights are those of adaptive support, Yoon and Kweon 2006, applied to labels instead of
-/// costs.) Likewise M_k is the share of moving pixels on side k; without votes, M_n is 1 and M_f is
-/// 0. With m_p whether p moves,
+/// P_k measures how well the colour fits side k, independently of the number of pixels on that
+/// side. (The weights are those of adaptive support, Yoon and Kweon 2006, applied to labels instead
+/// of costs.) Likewise M_k is the share of moving pixels on side k; without votes, M_n is 1 and M_f
+/// is 0. With m_p whether p moves,
 ///
 ///     bias(p) = log P_n / P_f + log P(m_p | M_n) / P(m_p | M_f) + a small term from p's own depth
 ///
-/// So a moving pixel without depth is before the body if no moving pixel around it has a depth: it is
-/// too close to be measured, and in front of everything. If a pixel has a bias to the side on which a
-/// sure neighbour is not, the neighbour gets a bias as well, and so do the neighbour's neighbours, as
-/// long as the bias contradicts their depth.
+/// So a moving pixel without depth is before the body if no moving pixel around it has a depth: it
+/// is too close to be measured, and in front of everything. If the bias of a pixel contradicts the
+/// depth of a sure neighbour, a bias is computed for the neighbour, too, and from there on for its
+/// neighbours, as long as the biases contradict their depths.
 ///
 /// **Cut.** grid_cut.h divides these pixels into two sides by their biases and by links between
 /// neighbours, which are weaker the more the neighbours' colours differ; sure neighbours keep their
-/// side. A pixel that changes sides gets the mean depth of the votes of its new side; without votes,
-/// kTooClose before the body and 0 (unknown) behind it.
+/// side. A pixel that changes sides gets the mean depth of the votes of its new side; without
+/// votes, kTooClose before the body and 0 (unknown) behind it.
 ///
 /// **Full resolution.** A pixel of the depth image beside a border covers four pixels of the
 /// picture. Each of these goes to the side whose mean colour, within 2 px of the depth image, is
@@ -85,7 +85,7 @@ class RealOutlines {
   static constexpr int kDoubtRight = 3;   ///< px
   static constexpr int kDoubtAcross = 3;  ///< px
   static constexpr int kLatticeStep = 4;  ///< px
-  static constexpr int kWindow = 28;  ///< px; reaches across a half-seen strip of 25 px
+  static constexpr int kWindow = 28;      ///< px; reaches across a half-seen strip of 25 px
   /// px by which `box` should exceed `inner` on each side, so that windows lie within it.
   static constexpr int kMargin = kWindow + kLatticeStep;
   /// m, written where something is nearer than the depth's range.
@@ -138,7 +138,7 @@ class RealOutlines {
   std::vector<Color> color_;
   static constexpr std::uint8_t kDoubted = 2;  // sure by itself, but a neighbour's bias contradicts
   std::vector<std::uint8_t> doubt_;            // 0: sure, 1: in doubt, or kDoubted
-  std::vector<std::uint8_t> moving_, close_;  // 0 or 1
+  std::vector<std::uint8_t> moving_, close_;   // 0 or 1
   Lattice lattice_;
   GridCut cut_;
   std::vector<Verdict> verdicts_;

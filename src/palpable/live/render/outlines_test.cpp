@@ -20,24 +20,25 @@ constexpr float kBody = 0.42f;  // between them
 constexpr Rgb kSkin{224, 176, 150};
 constexpr Rgb kWood{187, 146, 104};
 
-// A desk and something before it, as a matcher sees them that widens near things.
+// A desk and a near thing before it, with the depth of a matcher that widens near things.
 struct Case {
   ColorImage picture{2 * kWidth + 1, 2 * kHeight, kWood};
-  MaskImage truth{2 * kWidth, 2 * kHeight, 0};  // 255 on what is near
+  MaskImage truth{2 * kWidth, 2 * kHeight, 0};  // 255 on the near thing
   std::vector<float> depth = std::vector<float>(kWidth * kHeight, kDesk);
   std::vector<signed char> guessed = std::vector<signed char>(kWidth * kHeight, 0);
   PixelRange box{0, 0, kWidth, kHeight};
   PixelRange inner{30, 30, kWidth - 31, kHeight - 32};
   std::vector<float> body = std::vector<float>(4 * (kWidth - 61) * (kHeight - 62), kBody);
-  MaskImage moving, too_close;  // empty: nothing is known of it
+  MaskImage moving, too_close;  // empty: not known
 
-  // `is_near` of a picture pixel; widened by so many half pixels to the left, and by one elsewhere.
+  // @param is_near  whether a pixel of the picture shows the near thing
+  // @param widened  px of the depth by which it is widened to the left; elsewhere by one
   template <class Near>
   Case(unsigned seed, const Near& is_near, int widened) {
     auto random = test::random_case(seed);
     std::normal_distribution<double> grain(0, 8), noise(0, 1);
     for (int y = 0; y < picture.height(); ++y) {
-      const double streak = grain(random);  // wood: along the rows
+      const double streak = grain(random);  // of wood, along the rows
       for (int x = 0; x < picture.width(); ++x) {
         const bool near = is_near(x, y);
         if (near && x < truth.width()) truth(x, y) = 255;
@@ -59,7 +60,7 @@ struct Case {
   }
   float& at(int x, int y) { return depth[y * kWidth + x]; }
 
-  // Picture pixels of the inner box on the wrong side.
+  // The number of picture pixels of the inner box on the wrong side.
   [[nodiscard]] int wrong(std::span<const float> fine) const {
     int count = 0;
     const int stride = 2 * inner.width();
@@ -104,14 +105,14 @@ TEST_CASE("an outline that was widened comes back to where the colour changes",
           "[render][outlines]") {
   for (unsigned seed = 0; seed < 6; ++seed) {
     INFO("seed " << seed);
-    // A slanted edge; the thing lies to the right, or to the left of it.
+    // A slanted edge with the thing to its right, or to its left.
     const bool from_right = seed % 2 == 0;
     const auto near = [&](int x, int y) { return (x + y / 3 > 2 * kWidth * 2 / 3) == from_right; };
     const Case c(seed, near, 4);
     const int before = c.wrong_without();
     const int after = c.wrong(found(c));
     INFO(before << " pixels were wrong, " << after << " are");
-    CHECK(before >= 250);  // the case is one
+    CHECK(before >= 250);  // else there is nothing to correct
     CHECK(after <= test::tolerance(20, "an edge of 82 picture rows: a pixel in four of them"));
   }
 }
@@ -120,8 +121,8 @@ TEST_CASE("a gap between two fingers opens where its depth was not known", "[ren
   const auto finger = [](int y) { return std::abs(y - 84) < 18 || std::abs(y - 132) < 18; };
   Case c(
       3, [&](int x, int y) { return x > 90 && finger(y); }, 3);
-  // Twelve picture rows between the fingers. Of three half rows nothing is known; those beside them
-  // were given to the fingers.
+  // A gap of twelve picture rows between the fingers. In three rows of the depth nothing is known;
+  // the rows beside them have the fingers' depth.
   for (int y = 51; y <= 57; ++y) {
     for (int x = 45; x < kWidth; ++x) {
       c.at(x, y) = kHand;
@@ -135,7 +136,7 @@ TEST_CASE("a gap between two fingers opens where its depth was not known", "[ren
   CHECK(after <= test::tolerance(150, "half a pixel along outlines of 300 picture pixels"));
 }
 
-// Of the picture pixels of c.inner that lie on what is near, the share before the body.
+// The share of the near thing's picture pixels within c.inner that are found before the body.
 double near_share(const Case& c, const std::vector<float>& fine) {
   double near = 0, all = 0;
   const int stride = 2 * c.inner.width();
@@ -149,7 +150,8 @@ double near_share(const Case& c, const std::vector<float>& fine) {
   return near / all;
 }
 
-// A finger from the right, so near that the matcher knows no depth of it, nor of a strip beside it.
+// A finger from the right that is so near that the matcher gives no depth for it, nor for a strip
+// beside it.
 Case near_finger() {
   Case c(
       11, [](int x, int y) { return x > 100 && std::abs(y - 104) < 30; }, 0);
@@ -165,12 +167,13 @@ Case near_finger() {
   return c;
 }
 
-TEST_CASE("what moves and is too near for any depth is before the body", "[render][outlines]") {
+TEST_CASE("moving pixels that are too near for any depth are before the body",
+          "[render][outlines]") {
   Case c = near_finger();
   const std::vector<float> fine = found(c);
   CHECK(near_share(c, fine) >= 0.97);
   CHECK(c.wrong(fine) <= test::tolerance(220, "a picture pixel along an outline of 220"));
-  // Where it is not known what moves, marks of the matcher in a fifth of it do; their edge is
+  // Without a moving mask, marks of the matcher in a fifth of the finger suffice; their edge is
   // found by the colours.
   c.moving = MaskImage();
   CHECK(near_share(c, found(c)) == 0);
@@ -184,9 +187,9 @@ TEST_CASE("what moves and is too near for any depth is before the body", "[rende
   CHECK(near_share(c, found(c)) >= 0.95);
 }
 
-TEST_CASE("a hole in what moves behind the body hides nothing", "[render][outlines]") {
+TEST_CASE("a hole in a thing that moves behind the body hides nothing", "[render][outlines]") {
   Case c = near_finger();
-  // All around the hole the depth of a hand is known, and it is behind the body.
+  // All around the hole the depth of the hand is known: it is behind the body.
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       c.moving(x, y) = std::abs(y - 52) <= 22 ? 255 : 0;
@@ -207,8 +210,8 @@ TEST_CASE("a hole in what moves behind the body hides nothing", "[render][outlin
 }
 
 TEST_CASE("pixels of the other side's colour make no specks", "[render][outlines]") {
-  // The hand's edge is vertical. In a strip around it the depth is not known, and pixels here and
-  // there have the colour of the other side: creases, grain.
+  // The hand's edge is vertical. In a strip around it the depth is not known, and some pixels have
+  // the colour of the other side, like creases or grain.
   Case c(
       13, [](int x, int) { return x > 140; }, 0);
   auto random = test::random_case(13);
@@ -233,10 +236,9 @@ TEST_CASE("pixels of the other side's colour make no specks", "[render][outlines
   }
 }
 
-TEST_CASE("depth that was measured wrongly gives way where colours say so from an outline on",
+TEST_CASE("wrong depth beside an outline is corrected where the colours contradict it",
           "[render][outlines]") {
-  // Two fingers; the far end of the gap between them was measured as if it were hand, without a
-  // guess.
+  // Two fingers; at the far end of the gap between them the depth is measured as that of the hand.
   const auto finger = [](int y) { return std::abs(y - 84) < 18 || std::abs(y - 132) < 18; };
   Case c(
       3, [&](int x, int y) { return x > 90 && finger(y); }, 0);
@@ -250,7 +252,7 @@ TEST_CASE("depth that was measured wrongly gives way where colours say so from a
   CHECK(after <= test::tolerance(200, "half a pixel along outlines of 300 picture pixels"));
 }
 
-TEST_CASE("what shows no jump keeps its depth to the bit, whatever its colours are",
+TEST_CASE("where there are no jumps the depth is kept to the bit, whatever the colours",
           "[render][outlines][law]") {
   Case c(
       5, [](int, int) { return false; }, 0);
@@ -259,7 +261,7 @@ TEST_CASE("what shows no jump keeps its depth to the bit, whatever its colours a
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) c.at(x, y) = 0.5f + 0.0002f * static_cast<float>(y);
   }
-  c.at(60, 50) = 0;  // nothing is known there, and remains so
+  c.at(60, 50) = 0;  // an unknown depth stays unknown
   c.guessed[50 * kWidth + 60] = 127;
   const std::vector<float> fine = found(c);
   const int stride = 2 * c.inner.width();
@@ -272,10 +274,10 @@ TEST_CASE("what shows no jump keeps its depth to the bit, whatever its colours a
   }
 }
 
-TEST_CASE("far from every jump the depth is what it was", "[render][outlines][law]") {
+TEST_CASE("far from every jump the depth is unchanged", "[render][outlines][law]") {
   Case c(
       7, [](int x, int) { return x > 150; }, 2);
-  for (Rgb& pixel : c.picture) pixel = kWood;  // colours that say nothing
+  for (Rgb& pixel : c.picture) pixel = kWood;  // no differences in colour
   const std::vector<float> fine = found(c);
   const int stride = 2 * c.inner.width();
   for (int y = 0; y < 2 * c.inner.height(); ++y) {

@@ -45,7 +45,7 @@ void set_letters(ImFontAtlas& atlas, int em) {
   for (const detail::Glyph& glyph : letters) {
     const auto left = static_cast<float>(glyph.left);
     const float top = std::round(size.ascent) + static_cast<float>(glyph.top);
-    // One px more than the ink on each side, which stays clear and separates letters in the texture.
+    // One px more than the ink, to the right and below, which separates letters in the texture.
     places.push_back(atlas.AddCustomRectFontGlyph(font, static_cast<ImWchar>(glyph.letter),
                                                   glyph.width + 1, glyph.height + 1,
                                                   std::round(glyph.advance), {left, top}));
@@ -64,7 +64,7 @@ void set_letters(ImFontAtlas& atlas, int em) {
   }
 }
 
-// Sets colours and sizes; ImGui's default sizes are scaled to letters of `em` px.
+// Sets colours and sizes. ImGui's default sizes (for letters of 13 px) are scaled by em / 15.
 void set_style(int em) {
   ImGuiStyle style;
   ImGui::StyleColorsDark(&style);

@@ -1,10 +1,10 @@
 /// @file
-/// A panel of text, boxes and buttons over a window's picture, by Dear ImGui. Window owns it, passes
-/// the mouse's events to it and draws it; the user of Window supplies a function with its content.
+/// A panel of text, boxes and buttons over a window's picture, by Dear ImGui. Window owns it,
+/// passes the mouse's events to it and draws it; its content is a function by the user of Window.
 ///
-/// With Dear ImGui the content is defined by calling this function repeatedly. "Laid out" below means
-/// that it was called once. It is called after each event, so that a press and a release that arrive
-/// together count as a click, and before the panel is shown.
+/// With Dear ImGui the content is defined by calling this function repeatedly. "Laid out" below
+/// means that it was called once. It is called after each event, so that a press and a release that
+/// arrive together count as a click, and before the panel is shown.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -29,8 +29,8 @@ class Panel {
   /// Sets the window's size, px. The panel is scaled with it: panel_letters().
   void resize(int width, int height);
 
-  /// Handles an event. @return whether the event concerns the panel only: the mouse is on the panel,
-  /// or drags something from there
+  /// Handles an event. @return whether the event concerns the panel only: the mouse is on the
+  /// panel, or drags something from there
   bool handle(const WindowEvent& event);
   void lay_out();
 

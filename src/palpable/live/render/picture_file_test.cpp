@@ -13,7 +13,7 @@ using namespace palpable;
 
 namespace {
 
-/// A folder of its own that goes away.
+/// A temporary folder that is deleted at the end.
 class Folder {
  public:
   explicit Folder(const char* name)

@@ -14,9 +14,9 @@ constexpr float kPlane = 0.008f;      // m: a surface this near to the plane is 
 constexpr float kSoftTop = 0.04f;     // m over which a shadow fades out at its upper end
 constexpr float kOnThings = 0.5f;     // ratio of the shade on standing things to that on the plane
 constexpr float kThickness = 0.035f;  // m, of a hand
-constexpr float kLift = 0.003f;       // m from the vertex, along its normal, to the start of the ray
-constexpr float kDarkest = 0.85f;     // largest shade on a body: light gets around a finger
-constexpr int kBlock = 8;             // texels, side of a block
+constexpr float kLift = 0.003f;    // m from the vertex, along its normal, to the start of the ray
+constexpr float kDarkest = 0.85f;  // largest shade on a body: light gets around a finger
+constexpr int kBlock = 8;          // texels, side of a block
 
 // Distances along the ray to the lamp, m; dense near the vertex, where things touch.
 constexpr std::array<float, 12> kSteps = [] {

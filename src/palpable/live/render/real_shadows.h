@@ -1,8 +1,8 @@
 /// @file
-/// Shadows between bodies and real things with known depth: that of a body on the desk and on things
-/// that stand there, and that of a hand on a body. They are computed on the CPU: a software renderer
-/// would run all of a shader for each pixel and vertex, while the code here rejects most of them by
-/// one comparison.
+/// Shadows between bodies and real things with known depth: that of a body on the desk and on
+/// things that stand there, and that of a hand on a body. They are computed on the CPU: a software
+/// renderer would run all of a shader for each pixel and vertex, while the code here rejects most
+/// of them by one comparison.
 ///
 /// Pixels are the picture's, texels those of the real depth. Camera frame, m.
 #pragma once
@@ -63,9 +63,9 @@ class ShadeOnReal {
   std::vector<float> left_;
 };
 
-/// The shade of real things on a body. A ray from each vertex towards the lamp is followed; where it
-/// passes behind a real surface by less than 35 mm, the thickness of a hand, that surface shades the
-/// vertex. Only surfaces that the camera sees throw shadows.
+/// The shade of real things on a body. A ray from each vertex towards the lamp is followed; where
+/// it passes behind a real surface by less than 35 mm, the thickness of a hand, that surface shades
+/// the vertex. Only surfaces that the camera sees throw shadows.
 class ShadeOnBody {
  public:
   /// Sets the real surface. Allocates nothing once it has seen a box of this size.

@@ -1,6 +1,6 @@
 /// @file
-/// Draws a scene: the camera's image with bodies in it, hidden where something real is nearer (paper
-/// Sec. 3.5, Fig. 9), and with their stress as colours (Fig. 16).
+/// Draws a scene: the camera's image with bodies in it, hidden where something real is nearer
+/// (paper Sec. 3.5, Fig. 9), and with their stress as colours (Fig. 16).
 ///
 ///   V  vertices     T  triangles
 ///
@@ -64,7 +64,7 @@ struct BodyLook {
   std::span<const float> scalar;                ///< (V) the field painted on it; empty: none
   float scalar_max = 1;                         ///< > 0: top of the colour scale, unit of `scalar`
   bool two_sided = false;  ///< the scale's lower end is -scalar_max, else 0 (color_map.h)
-  /// Low values show the material's own colour (color_map.h); false: the scale's colours everywhere.
+  /// Low values show the material's own colour (color_map.h); false: only the scale's colours.
   bool blended = true;
   /// The share of the scale above which the scale's colours cover the material completely.
   [[nodiscard]] float opaque_share() const {
@@ -129,11 +129,11 @@ class SceneRenderer {
   /// @param body_depth    may be null. Z in m of the nearest body, hidden or not; NaN elsewhere
   /// @throws ContractViolation when sizes do not match
   ///
-  /// Pixels of unknown depth hide nothing, but holes are closed before (fill_unknown.h): strips that
-  /// one eye alone sees get the background's depth, other holes the nearest depth within 6 texels. If
-  /// `real_depth` has half the size of `background`, the outlines of real things are found at the
-  /// picture's resolution (outlines.h). Outlines are soft over about 1 pixel. Parts of bodies nearer
-  /// than 10 mm are cut off.
+  /// Pixels of unknown depth hide nothing, but holes are closed before (fill_unknown.h): strips
+  /// that one eye alone sees get the background's depth, other holes the nearest depth within 6
+  /// texels. If `real_depth` has half the size of `background`, the outlines of real things are
+  /// found at the picture's resolution (outlines.h). Outlines are soft over about 1 pixel. Parts of
+  /// bodies nearer than 10 mm are cut off.
   void draw(const SceneView& view, ColorImage& picture, MaskImage* body_visible = nullptr,
             DepthImage* body_depth = nullptr);
 

@@ -19,10 +19,11 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-/// Off-centre principal point, unequal focal lengths, odd size: nothing may cancel by symmetry.
+/// Off-centre principal point, unequal focal lengths, odd size, so that no errors cancel by
+/// symmetry.
 const PinholeCamera kCamera{322, 241, 410.0, 395.0, 171.3, 108.6};
 
-/// A surface as the arrays that a BodyLook points to.
+/// A surface, as arrays for a BodyLook to point to.
 struct Skin {
   explicit Skin(const SurfaceMesh& surface)
       : vertices(surface.vertices.cast<float>()), triangles(surface.triangles) {
@@ -129,7 +130,7 @@ TEST_CASE("a body nearer than a real surface hides that", "[render][Fig9]") {
         const bool inside = x >= 100 && x < 200 && y >= 50 && y < 150;
         CHECK((drawn.visible(x, y) == 255) == inside);
         CHECK(std::isnan(drawn.depth(x, y)) == !inside);
-        // The soft outline reaches one pixel beyond.
+        // The soft outline extends one pixel beyond the edge.
         const bool near = x >= 99 && x < 201 && y >= 49 && y < 151;
         if (!near) CHECK(drawn.picture(x, y) == background(x, y));
       }
@@ -179,7 +180,7 @@ TEST_CASE("before a body the picture's colours say where a widened outline of ha
     CHECK(row[140] == 255);
     CHECK(row[141] == 0);
   }
-  // Without colours to go by, the depth alone counts: it begins at column 2 * 66.
+  // Without differences in colour the depth alone counts, which begins at column 2 * 66.
   view.background = nullptr;
   const Drawn coarse = draw(*gl.renderer, view);
   CHECK(std::abs(coarse.seen() - 32 * 100) <= 100);
@@ -201,7 +202,7 @@ TEST_CASE("a surface that touches the body does not hide it, one before it does"
   CHECK(seen_behind(0.5f - 0.0040f) == 0);
 }
 
-TEST_CASE("what moves and is too near for any depth hides the body, if it is said what moves",
+TEST_CASE("moving pixels too near for any depth hide the body, if there is a moving mask",
           "[render][outlines][Fig9]") {
   PALPABLE_NEEDS_RENDERER(gl);
   const Skin skin = plate();
@@ -222,7 +223,7 @@ TEST_CASE("what moves and is too near for any depth hides the body, if it is sai
   CHECK(draw(*gl.renderer, view).seen() >= 9900);
   view.moving = &moving;
   CHECK(std::abs(draw(*gl.renderer, view).seen() - 60 * 100) <= 100);
-  // The same from the matcher's marks, where what moves is not known.
+  // The same by the matcher's marks, without a moving mask.
   view.moving = nullptr;
   for (int y = 0; y < real.height(); ++y) {
     for (int x = y % 3; x < 70; x += 3) too_close(x, y) = 255;
@@ -231,14 +232,14 @@ TEST_CASE("what moves and is too near for any depth hides the body, if it is sai
   CHECK(std::abs(draw(*gl.renderer, view).seen() - 60 * 100) <= 100);
 }
 
-TEST_CASE("the hard test asks the measured depth of each pixel alone", "[render][Fig9]") {
+TEST_CASE("the hard test uses the measured depth of each pixel alone", "[render][Fig9]") {
   PALPABLE_NEEDS_RENDERER(gl);
   const Skin skin = plate();
   for (const int factor : {1, 2}) {
     INFO("depth at 1/" << factor);
     const ColorImage background(kCamera.width, kCamera.height, {90, 130, 60});
-    // Nearer than the body by less than the soft test's bias; a single hole in it; no surface on
-    // the right, where a strip that one eye alone sees would get a depth.
+    // A surface nearer than the body by less than the soft test's bias, with a single hole; no
+    // surface on the right, where a strip that one eye alone sees would get a depth.
     DepthImage real = two_walls(0.499f, 0.6f, 140, factor);
     real(120 / factor, 100 / factor) = kUnknown;
     SceneView view{.background = &background,
@@ -274,8 +275,8 @@ TEST_CASE("a small hole in a real surface does not let the body through", "[rend
   const Drawn small =
       draw(*gl.renderer, {.real_depth = &real, .camera = kCamera, .bodies = {skin.look()}});
   CHECK(small.seen() == 0);
-  // Of a large one, what lies farther than 6 pixels from its rim: 40 - 12 in each direction, and
-  // one more row and column at most where the interpolated decision falls the other way.
+  // Of a large hole, the pixels farther than 6 texels from its rim remain: 40 - 12 in each
+  // direction, and at most one more row and column because the decision is interpolated.
   for (int y = 70; y < 110; ++y) std::fill_n(real.row(y) + 120, 40, kUnknown);
   const Drawn large =
       draw(*gl.renderer, {.real_depth = &real, .camera = kCamera, .bodies = {skin.look()}});
@@ -302,7 +303,7 @@ TEST_CASE("the metric depth of a sphere is that of its equation", "[render]") {
       const double a = ray.squaredNorm(), b = ray.dot(centre);
       const double root = b * b - a * (centre.squaredNorm() - kRadius * kRadius);
       const bool inside = root > 0;
-      // The outline of the facets lies up to 0.1 px within the sphere's: leave its rim out.
+      // The outline of the facets lies up to 0.1 px inside the sphere's, so the rim is left out.
       if (std::abs(root) < 0.03 * b * b * kRadius * kRadius / centre.squaredNorm()) continue;
       CHECK(std::isnan(drawn.depth(x, y)) == !inside);
       if (!inside || root < 0.25 * b * b * kRadius * kRadius / centre.squaredNorm()) continue;
@@ -325,7 +326,7 @@ TEST_CASE("the picture's geometry is PinholeCamera's to a tenth of a pixel", "[r
     INFO("seed " << seed);
     auto random = test::random_case(seed);
     std::uniform_real_distribution<double> unit(-1, 1);
-    // One triangle, anywhere before the camera, its edges across the pixels at odd angles.
+    // One triangle at a random position before the camera.
     SurfaceMesh surface;
     surface.vertices.resize(3, 3);
     surface.triangles.resize(3, 2);
@@ -389,7 +390,7 @@ TEST_CASE("stress is painted: more of it is lighter, marks cover it", "[render][
   const Rgb marked = color_at(0, 1);
   CHECK((marked.r > marked.b + 50 && marked.g > marked.b + 30));  // yellow
 
-  // Blended, the material shows where there is next to no stress, and only there.
+  // With blending, the material is visible where the stress is near 0, and only there.
   const Rgb high = color_at(10e3f, 0);
   blended = true;
   const Rgb plain =
@@ -448,7 +449,7 @@ TEST_CASE("light has a direction, a strength and a colour", "[render][light]") {
 
 TEST_CASE("what is real between lamp and body shades it", "[render][light]") {
   PALPABLE_NEEDS_RENDERER(gl);
-  // A plate that faces the camera, lit from the left; before it, left of its middle, a rod.
+  // A plate that faces the camera, lit from the left. A rod is before it, left of its middle.
   Eigen::Matrix3Xf grid(3, 41 * 41);
   Eigen::Matrix3Xi triangles(3, 2 * 40 * 40);
   for (int j = 0; j < 41; ++j) {
@@ -481,8 +482,8 @@ TEST_CASE("what is real between lamp and body shades it", "[render][light]") {
   DepthImage free(kCamera.width, kCamera.height, 0.8f);
   view.real_depth = &free;
   const Drawn lit = draw(*gl.renderer, view);
-  // The rod stands 30 mm before the plate, and is taken to be as thick: what the lamp reaches
-  // behind it is in its shadow.
+  // The rod is 30 mm before the plate, less than the thickness it is taken to have: the part of the
+  // plate behind it, seen from the lamp, is in its shadow.
   const auto darker = [&](double x) {
     const Eigen::Vector2d p = kCamera.project({x, 0, 0.5});
     const int u = static_cast<int>(std::lround(p.x())), v = static_cast<int>(std::lround(p.y()));
@@ -501,7 +502,7 @@ TEST_CASE("forces are arrows over all that is drawn", "[render][arrow]") {
   view.arrows.push_back(
       {kCamera.unproject(110, 60, 0.6), kCamera.unproject(180, 130, 0.6), {250, 0, 0}, "1.25 N"});
   const ColorImage with = draw(*gl.renderer, view).picture;
-  CHECK(with(145, 95) == Rgb{250, 0, 0});  // behind the plate, and yet seen
+  CHECK(with(145, 95) == Rgb{250, 0, 0});  // behind the plate, but drawn in front
   CHECK_FALSE(with == without);
   view.arrows.front().tail.z() = -0.1;  // behind the camera
   CHECK(draw(*gl.renderer, view).picture == without);
@@ -571,7 +572,8 @@ TEST_CASE("the shadow darkens the plane that the body stands on and nothing abov
   CHECK(darkened(&desk) == darkened(nullptr));
   CHECK(darkened(&hand) == 0);
   CHECK(darkened(&wall) == 0);
-  // What has no depth is taken to lie there, unless it moves: then it is too near for a depth.
+  // Pixels without depth are taken to lie there, unless they move: then they are too near for a
+  // depth.
   const DepthImage unknown(kCamera.width, kCamera.height, kUnknown);
   const MaskImage moving(kCamera.width, kCamera.height, 255);
   CHECK(darkened(&unknown) == darkened(nullptr));
@@ -580,7 +582,7 @@ TEST_CASE("the shadow darkens the plane that the body stands on and nothing abov
 
 TEST_CASE("a shadow falls on what stands in it, as high as what throws it", "[render][light]") {
   PALPABLE_NEEDS_RENDERER(gl);
-  // Seen from above; a box 60 mm high, light from the left at 45 degrees.
+  // A box 60 mm high seen from above, with light from the left at 45 degrees.
   Rigid3 camera_from_body = Rigid3::Identity();
   camera_from_body.linear() << 1, 0, 0, 0, -1, 0, 0, 0, -1;
   camera_from_body.translation() = Eigen::Vector3d(0, 0, 0.6);
@@ -591,7 +593,7 @@ TEST_CASE("a shadow falls on what stands in it, as high as what throws it", "[re
   SceneView view{.background = &background, .camera = kCamera, .bodies = {look}};
   view.light.to_lamp =
       (camera_from_body.linear() * Eigen::Vector3d(-1, 0, 1).normalized()).cast<float>();
-  // What stands right of the box is as high as said all over.
+  // Right of the box there is a thing of the given height everywhere.
   const auto shade_at = [&](float height) {
     const DepthImage real(kCamera.width, kCamera.height, 0.6f - height);
     view.real_depth = &real;
@@ -642,7 +644,7 @@ TEST_CASE("a shadow is darkest at the body's foot and gone at its rim", "[render
     return shadow.shade()[row * GroundShadow::kSide + column];
   };
   CHECK(at(0, 0) > 0.8f);
-  CHECK(at(0.035f, 0) > 0.05f);  // away from the light, which stands at -x
+  CHECK(at(0.035f, 0) > 0.05f);  // on the side away from the light, which comes from -x
   CHECK(at(0.035f, 0) < at(0, 0));
   CHECK(at(-0.035f, 0) < at(0.035f, 0));
   for (int i = 0; i < GroundShadow::kSide; ++i) {

@@ -97,7 +97,7 @@ TEST_CASE("the legend marks the present largest value and says how far it may be
   const ColorImage silent = drawn(std::numeric_limits<double>::quiet_NaN(), 0);
   const ColorImage low = drawn(2, 0), high = drawn(8, 0), over = drawn(50, 0);
   CHECK_FALSE(silent == low);
-  // The mark reaches beyond the bar on the left; where it is there, letters' white is.
+  // The mark extends beyond the bar on the left, where it is found by its white.
   const auto mark_row = [&](const ColorImage& picture) {
     for (int y = 0; y < picture.height(); ++y) {
       for (int x = picture.width() / 2; x + 20 < picture.width(); ++x) {
@@ -113,11 +113,11 @@ TEST_CASE("the legend marks the present largest value and says how far it may be
   CHECK(mark_row(low) > mark_row(high) + 100);
   CHECK(mark_row(over) > 0);  // at the top, not above it
   CHECK(mark_row(over) < mark_row(high));
-  // The panel stands still while the error comes and goes.
-  const ColorImage told = drawn(8, 0.14);
-  CHECK_FALSE(told == high);
-  CHECK(mark_row(told) == mark_row(high));
-  // More than the whole is no figure.
+  // The panel does not move when the error appears or disappears.
+  const ColorImage with_error = drawn(8, 0.14);
+  CHECK_FALSE(with_error == high);
+  CHECK(mark_row(with_error) == mark_row(high));
+  // Above 100 % no figure is given.
   CHECK(drawn(8, 1.6) == drawn(8, 2.6));
   CHECK_FALSE(drawn(8, 1.0) == drawn(8, 1.6));
 }
@@ -151,11 +151,11 @@ TEST_CASE("a legend of two signs has 0 in the middle, both ends' colours and bot
     }
     return rows;
   };
-  constexpr Rgb kInk{245, 246, 248};  // of the marks, wider than any letter's line
+  constexpr Rgb kInk{245, 246, 248};  // colour of the marks, which are wider than lines of letters
   const ColorImage picture = drawn(-4, 8, 0);
   const std::vector<int> marks = rows_of(picture, kInk);
   REQUIRE(marks.size() == 4);  // two marks of two rows
-  // Half of the bar's 259 rows for 10 kPa.
+  // 10 kPa are half of the bar's 259 rows.
   CHECK(std::abs((marks[2] - marks[0]) - 0.5 * 259 * 12 / 10) <=
         palpable::test::tolerance(1.5, "px, rounding"));
   const std::vector<int> top = rows_of(picture, two_sided_color_of_share(0.99f));
@@ -164,18 +164,18 @@ TEST_CASE("a legend of two signs has 0 in the middle, both ends' colours and bot
   REQUIRE_FALSE(bottom.empty());
   CHECK(top.front() < marks.front());
   CHECK(bottom.back() > marks.back());
-  // Values beyond the scale stand at its ends.
+  // Values beyond the scale are marked at its ends.
   const std::vector<int> beyond = rows_of(drawn(-40, 80, 0), kInk);
   REQUIRE(beyond.size() == 4);
   CHECK(beyond[2] - beyond[0] == Approx(259).margin(2));
-  // The panel stands still while the error comes and goes, and says both values.
+  // The panel does not move when the error appears or disappears, and it shows both values.
   CHECK(rows_of(drawn(-4, 8, 0.14), kInk) == marks);
   CHECK_FALSE(drawn(-4, 8, 0.14) == picture);
   CHECK_FALSE(drawn(-4.2, 8, 0) == drawn(-4.1, 8, 0));  // the same row of the bar, another number
 }
 
 TEST_CASE("a small legend of two signs has other numbers than 0", "[render]") {
-  // Were 0 the only one, nothing would say where the scale ends.
+  // If 0 were the only number, the ends of the scale would not be known.
   const auto drawn = [](double top) {
     ColorImage picture(320, 180, {128, 128, 128});
     draw_legend(picture, {.title = "pressure",
@@ -191,9 +191,10 @@ TEST_CASE("a small legend of two signs has other numbers than 0", "[render]") {
   }
 }
 
-TEST_CASE("legends look as they did when somebody looked at them", "[render][pixels]") {
-  // Beside each other: stress over rubber with its error, a pressure of two signs, a small
-  // picture's.
+TEST_CASE("legends are the same as in the stored picture, which was checked by eye",
+          "[render][pixels]") {
+  // Side by side: stress over rubber with its error, a pressure of two signs, and the legend of a
+  // small picture.
   const Rgb rubber{218, 205, 182};
   const Legend stress{.title = "von Mises",
                       .unit = "kPa",
@@ -238,8 +239,8 @@ TEST_CASE("legends look as they did when somebody looked at them", "[render][pix
   }
   if (apart > 2) write_png("/tmp/palpable_legend.png", now);
   INFO("it is kept as /tmp/palpable_legend.png");
-  // The CPU draws it, with letters of its own: nothing but the last bits of single precision, which
-  // a compiler may round otherwise, can differ.
+  // Legends are drawn on the CPU with the built-in font, so that only the last bits of single
+  // precision may differ between compilers.
   CHECK(apart <= palpable::test::tolerance(2, "levels: the colour's and the panel's rounding"));
 }
 
@@ -276,7 +277,7 @@ TEST_CASE("the legend shows the colours from bottom to top and writes beside the
 
 namespace {
 
-// Share of the picture that differs from the plain one.
+// The share of the picture that differs from the plain one.
 double covered(const ColorImage& picture, Rgb plain) {
   const auto same = std::count(picture.begin(), picture.end(), plain);
   return 1 - static_cast<double>(same) / static_cast<double>(picture.size());
@@ -301,7 +302,7 @@ TEST_CASE("legend and caption leave the picture free, whatever its size", "[rend
                           .stated_error = 0.14,
                           .scale = legend_scale(height)});
     CHECK(covered(picture, kPlain) < most);
-    CHECK(covered(picture, kPlain) > most / 4);  // and can be read
+    CHECK(covered(picture, kPlain) > most / 4);  // large enough to be read
     ColorImage captioned(width, height, kPlain);
     const std::vector<std::string> lines{"2.27 s   13 touches   1.0 mm   6.22 N"};
     draw_caption(captioned, lines, legend_scale(height));
@@ -338,6 +339,6 @@ TEST_CASE("a text wider than the picture goes on below and loses nothing", "[ren
   ColorImage warned(320, 240, kPlain);
   draw_warning(warned, "What presses is not seen at present: its last place is held", 0.75f);
   CHECK(extent_of(warned).first < 320 - 2);
-  // A word that fits nowhere is drawn as far as there is room.
+  // A word that is wider than the picture is drawn as far as it fits.
   draw_caption(warned, std::vector<std::string>{std::string(200, 'm'), ""}, 0.75f);
 }

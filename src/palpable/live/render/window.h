@@ -37,10 +37,10 @@ class Window {
   /// uncovered.
   void show(const ColorImage& picture);
   /// Returns the events since the last call; valid until the next call. If there are none, waits up
-  /// to `wait` seconds for one. Keys are named by the user's keyboard layout; repeats of a key that is
-  /// held, and keys together with Ctrl, Alt or Super, are left out. A window that loses the keyboard
-  /// reports its buttons as released. Events of the mouse on the panel are handled by the panel and
-  /// left out; their effect is visible when the next picture is shown, or after the next call.
+  /// to `wait` seconds for one. Keys are named by the user's keyboard layout; repeats of a key that
+  /// is held, and keys together with Ctrl, Alt or Super, are left out. A window that loses the
+  /// keyboard reports its buttons as released. Events of the mouse on the panel are handled by the
+  /// panel and left out; their effect is visible with the next picture, or after the next call.
   [[nodiscard]] std::span<const WindowEvent> events(double wait = 0);
   /// True once the user has asked to close the window.
   [[nodiscard]] bool closed() const;

@@ -1,6 +1,6 @@
 /// @file
-/// Events of mouse and keyboard in a window, as plain data. Does not depend on a window: the reports
-/// of the operating system are passed in, so that a test can be the operating system.
+/// Events of mouse and keyboard in a window, as plain data. Does not depend on a window: the
+/// reports of the operating system are passed in, so that a test can be the operating system.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 namespace palpable {
 
 /// One event of mouse or keyboard. Positions are those of the pointer at the event, in px of the
-/// picture last shown ((0, 0) is the centre of its first pixel), independently of the window's size;
-/// they may lie beside the picture.
+/// picture last shown ((0, 0) is the centre of its first pixel), independently of the window's
+/// size; they may lie beside the picture.
 struct WindowEvent {
   enum class Kind { kPress, kRelease, kMove, kWheel, kKey };
   Kind kind = Kind::kMove;
@@ -29,8 +29,8 @@ struct PicturePlace {
   int x = 0, y = 0, width = 1, height = 1;
 };
 
-/// The rectangle of a picture that is shown as large as the window allows, with its proportions kept,
-/// in the middle. Nothing when the window has no area, as while it is minimised.
+/// The rectangle of a picture that is shown as large as the window allows, with its proportions
+/// kept, in the middle. Nothing when the window has no area, as while it is minimised.
 /// @param picture_width, picture_height  > 0
 [[nodiscard]] std::optional<PicturePlace> place_picture(int picture_width, int picture_height,
                                                         int window_width, int window_height);
@@ -40,8 +40,8 @@ struct PicturePlace {
 /// would turn a press and a drag within one frame into a press at the end of the drag.)
 class WindowEventLog {
  public:
-  /// Sets the window's size, in the px of moved(). After a size without area, positions are computed
-  /// with the last size that had one.
+  /// Sets the window's size, in the px of moved(). After a size without area, positions are
+  /// computed with the last size that had one.
   void resized(int width, int height);
   /// Sets the size of the picture that is shown from now on.
   void shows(int picture_width, int picture_height);

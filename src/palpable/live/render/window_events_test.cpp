@@ -82,7 +82,7 @@ TEST_CASE("a window that is minimised during a drag leaves finite positions",
   log.button(0, true);
   log.resized(0, 0);
   log.button(0, false);
-  log.shows(160, 100);  // a picture shown meanwhile
+  log.shows(160, 100);  // another picture is shown in between
   log.moved(100, 100);
   const auto events = log.take();
   REQUIRE(events.size() == 4);

@@ -68,11 +68,10 @@ class VirtualScreen {
   std::string name_;
 };
 
-/// A user at that screen: looks at the pixels of a window and sends it what a mouse and a keyboard
-/// would.
+/// A user at that screen: reads the pixels of a window and sends it events of mouse and keyboard.
 class User {
  public:
-  /// @param width, height  of the window that is meant
+  /// @param width, height  of the window to be used
   User(const VirtualScreen& screen, int width, int height)
       : x_(XOpenDisplay(screen.name().c_str())) {
     REQUIRE(x_ != nullptr);
@@ -92,7 +91,7 @@ class User {
   User(const User&) = delete;
   User& operator=(const User&) = delete;
 
-  /// 0xrrggbb of each of the places.
+  /// The colour (0xrrggbb) at each of the positions.
   std::vector<unsigned long> pixels(const std::vector<std::array<int, 2>>& places) {
     XWindowAttributes is{};
     XGetWindowAttributes(x_, window_, &is);
@@ -130,7 +129,7 @@ class User {
     send(event);
   }
   void type(KeySym key, unsigned modifiers = 0) { type_at(XKeysymToKeycode(x_, key), modifiers); }
-  /// @param place  the number of a key on its keyboard, whatever it is called
+  /// @param place  number of a key on the keyboard, independent of its name
   void type_at(KeyCode place, unsigned modifiers = 0) {
     XEvent event{};
     event.xkey.type = KeyPress;
@@ -140,7 +139,7 @@ class User {
     event.xkey.same_screen = True;
     send(event);
   }
-  /// Makes the key that has typed `from` until now type `to`. @return its place
+  /// Changes the key that types `from` so that it types `to`. @return its number
   KeyCode rename_key(KeySym from, KeySym to) {
     const KeyCode place = XKeysymToKeycode(x_, from);
     XChangeKeyboardMapping(x_, place, 1, &to, 1);
@@ -163,7 +162,7 @@ class User {
     XSetInputFocus(x_, here ? window_ : root_, RevertToNone, CurrentTime);
     XSync(x_, False);
   }
-  /// What a window manager sends when the user closes a window.
+  /// Sends the message of a window manager when the user closes a window.
   void ask_to_close() {
     XEvent event{};
     event.xclient.type = ClientMessage;
@@ -185,7 +184,7 @@ class User {
   ::Window root_ = 0, window_ = 0;
 };
 
-// Nothing but its upper left corner, a quarter of its width and height, is of the color 0xc86432.
+// A picture whose upper left corner (a quarter of its width and height) has the colour 0xc86432.
 ColorImage marked_picture() {
   ColorImage picture(320, 200, {10, 20, 30});
   for (int y = 0; y < 50; ++y) std::fill_n(picture.row(y), 80, Rgb{200, 100, 50});
@@ -193,7 +192,7 @@ ColorImage marked_picture() {
 }
 constexpr unsigned long kMark = 0xc86432, kRest = 0x0a141e, kBorder = 0, kPanel = 0x12171c;
 
-// What the window reports until an event of that kind has come; 10 s at the most.
+// The events of the window until one of that kind has arrived, or for 10 s.
 std::vector<WindowEvent> events_until(palpable::Window& window, WindowEvent::Kind kind) {
   std::vector<WindowEvent> all;
   const auto there = [&](const WindowEvent& event) { return event.kind == kind; };
@@ -204,7 +203,7 @@ std::vector<WindowEvent> events_until(palpable::Window& window, WindowEvent::Kin
   return all;
 }
 
-// Those of one kind.
+// The events of one kind.
 std::vector<WindowEvent> only(WindowEvent::Kind kind, const std::vector<WindowEvent>& all) {
   std::vector<WindowEvent> some;
   std::copy_if(all.begin(), all.end(), std::back_inserter(some),
@@ -212,7 +211,7 @@ std::vector<WindowEvent> only(WindowEvent::Kind kind, const std::vector<WindowEv
   return some;
 }
 
-// The pixels that the user sees once they are `expected`, or after 10 s; shows nothing anew.
+// The pixels that the user sees, once they are `expected`, or after 10 s. Shows no new picture.
 std::vector<unsigned long> pixels_after_events(palpable::Window& window, User& user,
                                                const std::vector<std::array<int, 2>>& places,
                                                const std::vector<unsigned long>& expected) {
@@ -228,7 +227,7 @@ using Kind = WindowEvent::Kind;
 
 }  // namespace
 
-// Opens `window` with the marked picture in it, before `user`, or skips the case.
+// Opens `window` with the marked picture on the screen of `user`, or skips the test.
 #define WINDOW_WITH_PICTURE(window, user)                                     \
   const VirtualScreen screen;                                                 \
   if (!screen.ready()) PALPABLE_SKIP("no Xvfb (Debian package xvfb)");        \
@@ -279,7 +278,7 @@ TEST_CASE("a window that is resized or uncovered shows its picture again by itse
                                                {600, 440}, {20, 20},   {600, 480}};
   const std::vector<unsigned long> expected{kMark, kMark, kRest, kRest, kBorder, kBorder};
   CHECK(pixels_after_events(window, user, larger, expected) == expected);
-  user.unmap();  // as a window manager does when it minimises one
+  user.unmap();  // as a window manager does to minimise a window
   static_cast<void>(window.events(0.05));
   user.map();
   CHECK(pixels_after_events(window, user, larger, expected) == expected);
@@ -287,7 +286,7 @@ TEST_CASE("a window that is resized or uncovered shows its picture again by itse
   const std::vector<std::array<int, 2>> smaller{{5, 5}, {35, 20}, {45, 30}, {150, 95}};
   const std::vector<unsigned long> all{kMark, kMark, kRest, kRest};
   CHECK(pixels_after_events(window, user, smaller, all) == all);
-  user.point_at(80, 50);  // positions are the picture's still
+  user.point_at(80, 50);  // positions are still those of the picture
   user.button(true, 1, 80, 50);
   const auto press = only(Kind::kPress, events_until(window, Kind::kPress));
   REQUIRE(press.size() == 1);
@@ -300,7 +299,7 @@ TEST_CASE("a window that is resized or uncovered shows its picture again by itse
 TEST_CASE("a press and a drag that are over before the next frame are where they happened",
           "[render][window]") {
   WINDOW_WITH_PICTURE(window, user);
-  user.point_at(300, 190);  // where the pointer is when the events are read
+  user.point_at(300, 190);  // the pointer's position when the events are read
   user.move(40, 30);
   user.button(true, 1, 40, 30);
   user.move(240, 130);
@@ -363,7 +362,7 @@ TEST_CASE("what the mouse does on a panel is the panel's alone, and keys are the
   CHECK(user.pixels({{98, 58}, {10, 190}}) == std::vector{kPanel, kRest});
   CHECK(picture == marked_picture());
 
-  // On the panel: a click that is over before the next frame.
+  // On the panel: a click that ends before the next frame.
   const int x = static_cast<int>(box.x), y = static_cast<int>(box.y);
   user.point_at(200, 150);
   user.move(x, y);
@@ -376,7 +375,7 @@ TEST_CASE("what the mouse does on a panel is the panel's alone, and keys are the
   CHECK(only(Kind::kRelease, all).empty());
   CHECK(only(Kind::kKey, all).size() == 1);
 
-  // Beside it, and a drag that ends on it.
+  // Beside the panel, and a drag that ends on it.
   user.move(200, 150);
   user.button(true, 1, 200, 150);
   user.move(x, y);

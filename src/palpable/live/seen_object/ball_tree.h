@@ -38,8 +38,7 @@ class BallTree {
   /// Whether nearest() finds a ball, to a float's rounding; faster: it stops at the first one.
   [[nodiscard]] bool is_any_within(const Eigen::Vector3f& x, float reach) const;
 
-  /// The distance of nearest() at eight positions on a circle around x, by one walk through the
-  /// tree.
+  /// The distance of nearest() at eight positions on a circle around x, by one walk of the tree.
   /// @param x       m, the circle's centre
   /// @param across  unit, perpendicular to the circle's plane
   /// @param spread  m, the circle's radius

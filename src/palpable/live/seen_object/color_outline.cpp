@@ -108,7 +108,7 @@ const ColorOutline::Cell& ColorOutline::compared(const SeenFrame& seen, const Ma
     }
   }
   cell.is_compared = true;
-  cell.tells = false;
+  cell.differs = false;
   const auto fewest = static_cast<float>(settings_.fewest);
   if (thing.count < fewest || room.count < fewest) return cell;
   const auto least = static_cast<float>(settings_.least_spread * settings_.least_spread);
@@ -124,14 +124,14 @@ const ColorOutline::Cell& ColorOutline::compared(const SeenFrame& seen, const Ma
     apart += (of_thing - of_room) * (of_thing - of_room) *
              std::min(cell.thing_weight[c], cell.room_weight[c]);
   }
-  cell.tells = apart > static_cast<float>(settings_.apart * settings_.apart);
+  cell.differs = apart > static_cast<float>(settings_.apart * settings_.apart);
   return cell;
 }
 
 // Whether a pixel's colour is like that of the room beside it, and unlike every shade of the thing.
 bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x, int y) {
   const Cell& cell = compared(seen, shows, x / kColorCell, y / kColorCell);
-  if (!cell.tells) return false;
+  if (!cell.differs) return false;
   const Color color = color_at(seen, x, y);
   float from_thing = 0, from_room = 0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -159,7 +159,7 @@ bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x,
 void ColorOutline::mark_known(const SeenFrame& seen, const PixelBox& box, MaskImage& shows) {
   for (const Place& at : band_) {
     if (shows(at.x, at.y) != kShowsPresser ||
-        !compared(seen, shows, at.x / kColorCell, at.y / kColorCell).tells) {
+        !compared(seen, shows, at.x / kColorCell, at.y / kColorCell).differs) {
       continue;
     }
     for (const auto& d : kBesides) {

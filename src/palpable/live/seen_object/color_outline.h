@@ -61,7 +61,7 @@ class ColorOutline {
     Side thing, room;
     // Over the 3 x 3 cells around it: whether the sides differ enough, their means, and the inverse
     // variances.
-    bool tells = false;
+    bool differs = false;
     Color thing_mean{}, room_mean{}, thing_weight{}, room_weight{};
   };
   struct Place {

@@ -11,10 +11,9 @@
 /// A crease separates things as an outline does (silhouette.h). Without that, four fingers count as
 /// one wide thing, as deep as a palm.
 ///
-/// The thing behind continues behind the one before it. How far is found from its slope beside the
+/// The farther thing continues behind the nearer one. How far is found from its slope beside the
 /// crease, taking its section for a circle of radius r: with v the visible width, from the crease
-/// to the outline, and s the sine of the angle at which it falls off at the distance a from the
-/// crease,
+/// to the outline, and s the sine of the angle at which it slopes at distance a from the crease,
 ///
 ///     s = 1 - (a + hidden) / r,   2 r = v + hidden     =>    hidden = (v (1 - s) - 2 a) / (1 + s)
 ///

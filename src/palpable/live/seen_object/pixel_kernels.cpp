@@ -345,13 +345,14 @@ HWY_ATTR void find_hollow(const float* mean, const float* distance, std::ptrdiff
   int x = 0;
   for (; x + lanes <= count; x += lanes) {
     const auto w = hn::LoadU(d, mean + x);
-    const auto asked = hn::And(hn::Gt(w, zero), hn::Ge(hn::LoadU(d, distance + x),
-                                                       hn::Mul(hn::Set(d, test.nearest_at_1m), w)));
-    if (hn::AllFalse(d, asked)) {
+    const auto tested =
+        hn::And(hn::Gt(w, zero),
+                hn::Ge(hn::LoadU(d, distance + x), hn::Mul(hn::Set(d, test.nearest_at_1m), w)));
+    if (hn::AllFalse(d, tested)) {
       hn::StoreU(zero, d, hollow + x);
       continue;
     }
-    const auto z = hn::Div(one, hn::IfThenElse(asked, w, one));
+    const auto z = hn::Div(one, hn::IfThenElse(tested, w, one));
     const auto half = hn::Mul(hn::Set(d, test.half_px_at_1m), w);
     auto may_be = hn::MaskFromVec(zero);
     for (const bool slanted : {false, true}) {
@@ -359,14 +360,14 @@ HWY_ATTR void find_hollow(const float* mean, const float* distance, std::ptrdiff
       const auto ns =
           hn::Max(hn::Set(di, test.least_half_px),
                   hn::ConvertTo(di, hn::Add(hn::Div(half, hn::Set(d, step)), hn::Set(d, 0.5f))));
-      const auto asked_ns = hn::IfThenElseZero(hn::RebindMask(di, asked), ns);
-      const int n = hn::GetLane(hn::MaxOfLanes(di, asked_ns));
-      const auto same = hn::Or(hn::Not(asked), hn::RebindMask(d, hn::Eq(ns, hn::Set(di, n))));
+      const auto tested_ns = hn::IfThenElseZero(hn::RebindMask(di, tested), ns);
+      const int n = hn::GetLane(hn::MaxOfLanes(di, tested_ns));
+      const auto same = hn::Or(hn::Not(tested), hn::RebindMask(d, hn::Eq(ns, hn::Set(di, n))));
       // The vectors hold chords of one length only. Where the pixels' lengths differ, all of them
       // are passed on.
       if (!hn::AllTrue(d, same) || !has_room(test, x, count, n) ||
           !has_room(test, x + lanes - 1, count, n)) {
-        may_be = asked;
+        may_be = tested;
         break;
       }
       const auto length =
@@ -379,7 +380,7 @@ HWY_ATTR void find_hollow(const float* mean, const float* distance, std::ptrdiff
                                         hn::And(hn::Ne(w1, zero), hn::Ne(w2, zero))));
       }
     }
-    hn::StoreU(hn::IfThenElseZero(hn::And(asked, may_be), one), d, hollow + x);
+    hn::StoreU(hn::IfThenElseZero(hn::And(tested, may_be), one), d, hollow + x);
   }
   ChordTest rest = test;
   rest.before += x;

@@ -11,8 +11,8 @@
 ///
 /// so that a moving thing is shown as in the present frame alone. A cell takes the largest weight
 /// of its neighbours. A thing that creeps, such as a finger that presses, shifts by less than that
-/// in a frame. Its shift is measured over the 5 x 5 cells around, which scatters by a fifth of one
-/// cell's, and makes the weight grow between settings.creeps and settings.flows:
+/// in a frame. Therefore a second shift is taken over the 5 x 5 cells around. It scatters by a
+/// fifth of one cell's, and makes the weight grow between settings.creeps and settings.flows:
 ///
 ///     shift = max( |sum of (depth now - average)| / pixels,  |d| )
 ///     d = (sum of n n^T over the outline's pixels)^-1 (sum of n over pixels that came - that went)

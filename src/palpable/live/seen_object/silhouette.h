@@ -93,8 +93,7 @@ class Silhouette {
   [[nodiscard]] Run things_of_row(int y) const {
     return runs_[static_cast<std::size_t>(y - box_.y)];
   }
-  /// The offset to the nearest pixel beyond the outline; valid where distance() is finite and not
-  /// 0.
+  /// The offset to the nearest pixel beyond the outline; valid where distance() is finite, not 0.
   [[nodiscard]] ToOutline to_outline(int x, int y) const { return nearest_[at(x, y)]; }
   /// Whether two neighbouring depths belong to one surface.
   [[nodiscard]] bool joined(float z, float other) const;

@@ -98,8 +98,7 @@ void SurfaceMotion::add(std::span<const ObjectBall> balls, const Vector3f& camer
   solve();
 }
 
-// The velocity (m/s) of the ball that was nearest to a position in the previous frame; 0 without
-// one.
+// The velocity (m/s) of the ball nearest to a position in the previous frame; 0 without one.
 Vector3f SurfaceMotion::velocity_before_at(const Vector3f& position) const {
   const auto found = before_.nearest(position, static_cast<float>(settings_.reach));
   return found ? velocities_before_[static_cast<std::size_t>(found->ball)] : Vector3f::Zero();

@@ -43,8 +43,7 @@ struct SurfaceMotionSettings {
   /// m: a displacement that differs by this or more from the expected one is used at once, without
   /// smoothing.
   double noise = 0.0010;
-  /// m: the largest displacement in one frame; samples farther from the previous surface are left
-  /// out.
+  /// m: the largest displacement in one frame; samples with larger residuals are left out.
   double reach = 0.010;
   /// s: the time T in which an extrapolated velocity falls to 1/e, because hands that press slow
   /// down. In films of a finger that presses and one that slides, 1/30 s is better than 2/30 and

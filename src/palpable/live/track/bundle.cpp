@@ -13,19 +13,19 @@
 namespace palpable {
 namespace {
 
-constexpr double kNearest = 1e-3;  // m; points nearer, or behind the camera, are not seen
+constexpr double kNearest = 1e-3;  // m; points with a smaller Z are left out
 constexpr double kFirstDamping = 1e-4;
 constexpr double kLargestDamping = 1e6;
-// Added to the diagonal of a point's 3 x 3 block, 1/m^2, as if its place were known to 1 km:
-// without it the block of a point that was seen once and without disparity could not be inverted.
+// Added to the diagonal of a point's 3 x 3 block, 1/m^2, as if its position were known to 1 km.
+// Without it, the block of a point that was seen once and without disparity is singular.
 constexpr double kPrior = 1e-6;
 
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// What a sighting adds to the normal equations between its pose and its point.
+// A sighting's term of the normal equations that couples its pose and its point.
 struct Term {
-  int free = -1;  // index among the free poses; -1: its pose is fixed, or it does not count
+  int free = -1;  // index among the free poses; -1: its pose is fixed, or it is left out
   Matrix63 W = Matrix63::Zero();
 };
 
@@ -192,7 +192,7 @@ class Adjuster {
   BundleSettings settings_;
   std::vector<int> free_of_;
   int free_count_ = 0;
-  std::vector<std::size_t> begin_;  // (L + 1) where a point's sightings begin
+  std::vector<std::size_t> begin_;  // (L + 1) index of each point's first sighting
   std::vector<Term> terms_;         // (M)
   std::vector<Matrix6> pose_H_;
   std::vector<Twist> pose_b_;

@@ -8,13 +8,13 @@
 namespace palpable {
 namespace {
 
-constexpr std::array kShares{0.0, 0.12, 0.24, 0.36, 0.5, 0.7};  // that are tried
+constexpr std::array kShares{0.0, 0.12, 0.24, 0.36, 0.5, 0.7};  // candidates
 using Likenesses = std::array<double, kShares.size()>;
-constexpr int kLevel = 1;           // of the pyramid, in which patches are compared
-constexpr int kMostLandmarks = 24;  // that are compared
+constexpr int kLevel = 1;           // level of the pyramid at which patches are compared
+constexpr int kMostLandmarks = 24;  // largest and smallest number of landmarks compared
 constexpr int kLeastLandmarks = 8;
-constexpr int kMeasureEvery = 4;  // frames, once it is known
-constexpr double kShareOfNew = 0.3;
+constexpr int kMeasureEvery = 4;     // frames between measurements after the first
+constexpr double kShareOfNew = 0.3;  // weight of a new measurement in the average
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 /// @file
-/// How long the shutter is open: while the camera moves fast, its picture is smeared by the motion
-/// of that time, and a patch is only found when it is smeared alike.
+/// Estimates how long the shutter is open. While the camera moves fast, its picture is smeared by
+/// the motion during that time, and a patch is only found if its template is smeared equally.
 #pragma once
 
 #include "palpable/live/track/pose_search.h"
@@ -9,13 +9,14 @@ namespace palpable {
 
 class ExposureEstimate {
  public:
-  /// Share of the frame time that the shutter is open; 0 until it was measured.
+  /// Share of the frame time during which the shutter is open; 0 until it was measured.
   [[nodiscard]] double share() const { return share_; }
 
-  /// Measures it in a frame in which the picture has moved far: of six shares the one whose smear
-  /// makes the landmarks' patches most like what is seen. Changes nothing when fewer than 8
-  /// landmarks can be compared. The first time it counts fully, then in every fourth frame by 0.3.
-  /// @param seen         the frame's pose and the landmarks that carried it
+  /// Measures the share in a frame in which the picture has moved far: the result is the one of six
+  /// shares whose smear makes the landmarks' templates most similar to the picture. The first
+  /// result is taken over fully; afterwards every fourth frame is measured and averaged in with
+  /// weight 0.3. Changes nothing if fewer than 8 landmarks can be compared.
+  /// @param seen         the search that found the frame's pose, with its inliers
   /// @param frame_count  frames so far
   void measure(const LandmarkSearch& search, const PoseSearch& seen,
                const Rigid3& camera_from_world, const Rigid3& previous_from_world, int frame_count);

@@ -11,10 +11,10 @@
 namespace palpable {
 namespace {
 
-constexpr int kFairlyTried = 10;        // times looked for before a landmark is judged
-constexpr double kLeastShare = 1 / 3.;  // of them in which it has to agree
-constexpr int kOthers = 3;              // keyframes that see a landmark beside one that may go
-constexpr double kShared = 0.9;         // share of a keyframe's landmarks that they see
+constexpr int kFairlyTried = 10;        // searches after which a landmark is judged
+constexpr double kLeastShare = 1 / 3.;  // smallest share of them in which it must agree
+constexpr int kOthers = 3;              // other keyframes that must see a landmark to replace one
+constexpr double kShared = 0.9;         // share of its landmarks that makes a keyframe redundant
 constexpr int kRoom = 8;                // 1/8 of the map is freed at a time
 
 bool is_useless(const Landmark& landmark) {
@@ -24,7 +24,7 @@ bool is_useless(const Landmark& landmark) {
 
 double angle_of(const Rigid3& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
 
-// Marks what is given up, and takes it out at the end.
+// Marks landmarks and keyframes to be removed, and removes them at the end.
 class Room {
  public:
   Room(const MapLimits& limits, int newest, LandmarkMap& map)
@@ -40,7 +40,7 @@ class Room {
   void give_up_useless_landmarks() {
     for (std::size_t i = 0; i < map_.landmarks.size(); ++i) {
       Landmark& landmark = map_.landmarks[i];
-      // What the newest keyframes see may be too new to be judged.
+      // Landmarks seen by the newest keyframes may be too new to be judged.
       const bool is_new = !landmark.sightings.empty() && landmark.sightings.back().keyframe >= old_;
       if (landmark.alive && !is_new && is_useless(landmark)) landmark.alive = false;
       if (!landmark.alive) continue;
@@ -80,9 +80,9 @@ class Room {
     }
   }
 
-  // Takes out what was given up.
+  // Removes the marked landmarks and keyframes.
   void clear() {
-    std::vector<int> new_index(map_.keyframes.size(), -1);  // -1: goes
+    std::vector<int> new_index(map_.keyframes.size(), -1);  // -1: removed
     int next = 0;
     for (std::size_t k = 0; k < new_index.size(); ++k) {
       if (stays_[k] != 0) new_index[k] = next++;
@@ -97,7 +97,7 @@ class Room {
     stays_[k] = 0;
     --keyframes_left_;
     for (const int id : map_.keyframes[k].landmarks) {
-      // An adjustment may have taken the sighting away again.
+      // An adjustment may have dropped the sighting.
       const auto& sightings = map_.landmarks[id].sightings;
       const bool counted = std::any_of(sightings.begin(), sightings.end(),
                                        [k](const KeyframeSighting& s) { return s.keyframe == k; });
@@ -137,9 +137,9 @@ class Room {
   LandmarkMap& map_;
   int most_keyframes_;
   int most_landmarks_;
-  int old_;                   // keyframes before the newest
-  std::vector<char> stays_;   // (keyframes) 0: it goes
-  std::vector<int> seen_in_;  // (landmarks) by how many keyframes that stay; 0: it goes
+  int old_;                   // number of keyframes before the newest
+  std::vector<char> stays_;   // (keyframes) 0: to be removed
+  std::vector<int> seen_in_;  // (landmarks) number of staying keyframes that see it; 0: to be removed
   int keyframes_left_;
   int landmarks_left_ = 0;
 };

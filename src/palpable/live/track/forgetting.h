@@ -1,5 +1,6 @@
 /// @file
-/// What a full map gives up, so that a walk can go on for ever in bounded memory.
+/// Removes landmarks and keyframes from a full map, so that a walk of any length needs bounded
+/// memory.
 #pragma once
 
 #include "palpable/live/track/landmark_map.h"
@@ -8,20 +9,21 @@
 namespace palpable {
 
 /// Makes room: afterwards at most 7/8 of limits.keyframes and of limits.landmarks are left, unless
-/// the newest keyframes alone hold more. It goes through these steps and stops as soon as there is
-/// room:
+/// the newest keyframes alone need more. It removes, in this order and until there is room:
 ///
-/// 1. Landmarks that are dead, and those that were looked for 10 times or more and agreed in less
-///    than a third of them. (This step is always made.)
-/// 2. For too many keyframes: from the oldest on, those of whose landmarks 90 % are seen in three
-///    others that stay (Mur-Artal et al., "ORB-SLAM", 2015, Sec. VI E).
-/// 3. Keyframes from which the camera is farthest, |t| / Z + angle, Z their median depth; of equal
-///    ones the oldest first.
+/// 1. Landmarks that are dead, and those that were searched 10 times or more and agreed in less
+///    than a third of these searches. (This step is always done.)
+/// 2. If there are too many keyframes: redundant ones, from the oldest on. A keyframe is redundant
+///    if 90 % of its landmarks are seen in three others that stay (Mur-Artal et al., "ORB-SLAM",
+///    2015, Sec. VI E).
+/// 3. Keyframes that are farthest from the camera. The distance is |t| / Z + angle with Z the
+///    keyframe's median depth; of equally distant ones the oldest goes first.
 ///
-/// A landmark is given up with the last keyframe that saw it; where its anchor alone goes it keeps
-/// the anchor's pose. Indices of keyframes change, those of landmarks do not.
+/// A landmark is removed together with the last keyframe that saw it. If only its anchor is
+/// removed, the landmark stores the anchor's pose. Indices of keyframes change, those of landmarks
+/// do not.
 ///
-/// @param newest  how many keyframes stay in any case: their poses are still being adjusted
+/// @param newest  number of newest keyframes that are never removed: they are still being adjusted
 /// @param limits  limits.keyframes >= 2 * newest
 /// @param map     its free_slots are overwritten
 /// Takes about 1 ms for a full map, once in many keyframes.

@@ -10,7 +10,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kLoopCandidates = 2;    // keyframes that a new one is compared with
+constexpr int kLoopCandidates = 2;    // old keyframes with which a new one is compared
 constexpr int kLeastRecognised = 20;  // features that must agree
 
 KeyframeWork done(KeyframeWork work) {
@@ -64,7 +64,7 @@ void KeyframeWorker::begin(KeyframeWork work, bool on_thread) {
   try {
     pending_ = std::async(std::launch::async, work_out);
     deferred_ = false;
-  } catch (const std::system_error&) {  // no thread to be had: finish() does it
+  } catch (const std::system_error&) {  // no thread available: finish() does the work
   }
 }
 

@@ -35,12 +35,12 @@ void LandmarkMap::clear() {
 Eigen::Matrix2d image_from_anchor(const TrackCamera& camera, const Landmark& landmark,
                                   const Rigid3& anchor_from_world,
                                   const Rigid3& camera_from_world) {
-  constexpr double kStep = 4;  // px between the points whose images are compared
+  constexpr double kStep = 4;  // px, step of the finite differences
   const Rigid3 camera_from_anchor = camera_from_world * anchor_from_world.inverse(Eigen::Isometry);
   const double w = 1 / (anchor_from_world * landmark.x_in_world).z();
   const auto seen = [&](double du, double dv) -> Eigen::Vector2d {
-    // 1/Z of the plane at this pixel. Where the plane runs off to infinity it is cut at twice the
-    // landmark's depth: a wrong inclination would otherwise throw the pixel behind the camera.
+    // 1/Z of the plane at this pixel. Z is limited to twice the landmark's depth; otherwise a wrong
+    // inclination could move the point to infinity or behind the camera.
     const double inverse = std::max(w + landmark.slope.dot(Eigen::Vector2d(du, dv)), 0.5 * w);
     const Eigen::Vector3d x =
         camera.camera.unproject(landmark.uv.x() + du, landmark.uv.y() + dv, 1 / inverse);

@@ -9,17 +9,18 @@
 namespace palpable {
 namespace {
 
-constexpr int kBorder = 8;            // px: a template must fit into the picture
-constexpr double kLeastCosine = 0.6;  // between the rays of then and now: 53 degrees
-constexpr double kLargestZoom = 2.3;  // distance then over distance now, or its inverse
-// A surface that is measured nearer than this share of a landmark's depth hides it.
+constexpr int kBorder = 8;            // px from the border, so that a template fits the picture
+constexpr double kLeastCosine = 0.6;  // of the angle between the rays then and now: 53 degrees
+constexpr double kLargestZoom = 2.3;  // ratio of the distances then and now, or its inverse
+// A surface is taken to hide a landmark if its depth is less than this share of the landmark's.
 constexpr double kHides = 0.9;
-// Along a row a repeated texture is easily mistaken, so a patch has to be more alike there.
+// Correlation that is needed in the search along a row. It is higher than kFineLikeness, because
+// repeated textures are easily mistaken along a row.
 constexpr double kRowLikeness = 0.8;
-// px of the disparity that stands for a measured depth: at 0.5 m a depth is good to 0.3 mm at best.
+// Lower limit of sigma_d, px, of a disparity that is computed from a measured depth.
 constexpr double kLeastSigmaOfDepth = 0.05;
 
-// How well a landmark has proved so far; an unknown one begins with 1/2.
+// The worth of a landmark by its record so far (Candidate::worth); a new one begins with 1/2.
 double worth_of(const Landmark& landmark, int frame_count) {
   const int total = landmark.inlier + 2 * landmark.outlier + landmark.missed;
   return (landmark.inlier + 1.0) / (total + 2.0) +
@@ -114,7 +115,7 @@ bool LandmarkSearch::find(const Candidate& candidate, int coarsest, int finest,
     const PatchMatch match =
         follow(pyramid.level(l), look, Pyramid::to_level(uv, l), {.steps = 10, .farthest = 6});
     if (!match.found || match.likeness < least_likeness) {
-      // What was found in a smaller image stands, with that image's larger sigma.
+      // The result of the coarser level is returned, which has that level's larger sigma.
       return found;
     }
     uv = Pyramid::from_level(match.at, l);

@@ -13,12 +13,12 @@
 namespace palpable {
 namespace {
 
-// A keyframe that shares as many landmarks with the newest is held in its window, or could be: no
-// loop is needed.
+// Number of landmarks shared with the newest keyframe from which an old keyframe is no candidate
+// for a loop: it can be held in the newest one's window.
 constexpr int kFewShared = 5;
-constexpr int kTied = 15;           // shared landmarks that make a tie of a graph
-constexpr double kMostDrift = 0.1;  // share of the way
-constexpr double kLoopPx = 20;      // from which drift on a loop is closed
+constexpr int kTied = 15;           // shared landmarks from which two keyframes are tied
+constexpr double kMostDrift = 0.1;  // largest plausible drift, as a share of the path length
+constexpr double kLoopPx = 20;      // drift from which a loop is closed, as a shift of the picture
 
 double turn_of(const Rigid3& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
 
@@ -31,8 +31,8 @@ int index_of(const std::vector<Keyframe>& keyframes, int number) {
                                                        : -1;
 }
 
-// How many landmarks two keyframes share. A landmark may be seen from hundreds of keyframes: a
-// table, since a tree would hold up the frame.
+// The number of landmarks that each pair of keyframes shares. It is a full table, because a
+// landmark can be seen from hundreds of keyframes and a tree would delay the frame.
 class SharedLandmarks {
  public:
   explicit SharedLandmarks(const LandmarkMap& map)
@@ -91,8 +91,8 @@ std::optional<Rigid3> pose_by(const Loop& loop, const std::vector<Keyframe>& key
   }
   const Rigid3 by_loop = loop.new_from_old.camera_from_old * keyframes[a].camera_from_world;
   const Rigid3& now = keyframes[b].camera_from_world;
-  // A turn and a way that move the picture by as many pixels are easily mistaken for each other, so
-  // drift of one may come from the other.
+  // A rotation and a translation that shift the picture by the same number of px are hard to
+  // distinguish, so drift of one may come from the other.
   const double depth = keyframes[b].median_depth;
   const double farthest = kMostDrift * (way + turn * depth);
   if ((by_loop.inverse().translation() - now.inverse().translation()).norm() > farthest ||
@@ -118,7 +118,7 @@ std::optional<PoseGraph> graph_of(const TrackCamera& camera, const LandmarkMap& 
   };
   SharedLandmarks shared(map);
   const int K = static_cast<int>(keyframes.size());
-  // Each keyframe's pose was found from the one before, even if all that they shared is forgotten.
+  // Each keyframe's pose was derived from the one before, even if no shared landmark is left.
   for (int k = 0; k + 1 < K; ++k) ++shared.of(k, k + 1);
   for (int a = 0; a < K; ++a) {
     for (int b = 0; b < K; ++b) {
@@ -139,7 +139,7 @@ void put_back(const PoseGraph& graph, LandmarkMap& map) {
     pose = graph.camera_from_world[k];
   }
   std::vector<char> placed(map.landmarks.size(), 0);
-  // A landmark whose anchor was forgotten moves with the oldest keyframe left that saw it.
+  // A landmark whose anchor was removed moves with the oldest remaining keyframe that saw it.
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     Landmark& landmark = map.landmarks[i];
     if (!landmark.alive || landmark.anchor >= 0 || landmark.sightings.empty()) continue;

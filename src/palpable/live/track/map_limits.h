@@ -1,10 +1,10 @@
 /// @file
-/// How much a tracker remembers.
+/// Limits of the size of a tracker's map.
 #pragma once
 
 namespace palpable {
 
-/// Some 60 MB with the values given here.
+/// The default values need about 60 MB.
 struct MapLimits {
   int keyframes = 600;     ///< 20 kB each, and 56 bytes per landmark seen in it
   int landmarks = 12'000;  ///< 3.4 kB each

@@ -13,13 +13,13 @@ namespace palpable {
 namespace {
 
 constexpr int kBlock = 5;  // px of the half image
-// OpenCV's smaller eigenvalue of a block with a gradient of g grey levels per px is 4 g^2 / 255^2:
-// this is one level per px.
+// Smallest strength of a corner, which is OpenCV's smaller eigenvalue. For a block with a gradient
+// of g grey levels per px that is 4 g^2 / 255^2; the value is for g = 1.
 constexpr float kLeastStrength = 6e-5F;
 constexpr int kCornerBorder = 6;  // px of the half image
-constexpr int kParts = 8;       // of the image across and down, so that corners are spread over it
-constexpr int kLeastKnown = 6;  // depths known of a pixel and its eight neighbours
-constexpr double kJump = 0.06;  // largest spread of these depths, as a share of the least
+constexpr int kParts = 8;       // parts of the image across and down, to spread the corners
+constexpr int kLeastKnown = 6;  // depths that must be known among a pixel and its neighbours
+constexpr double kJump = 0.06;  // largest range of these depths, as a share of the least
 
 struct Strong {
   float strength = 0;
@@ -50,7 +50,7 @@ std::optional<double> depth_at(const DepthImage& depth, int x, int y) {
 double slope_along(const DepthImage& depth, int x, int y, int dx, int dy) {
   constexpr int kReach = 4;          // px to both sides
   constexpr double kSteepest = 0.3;  // difference of the depths there, as a share of the depth
-  constexpr double kMostBend = 0.1;  // that many shares of 1/Z off a straight line
+  constexpr double kMostBend = 0.1;  // largest second difference of 1/Z, as a share of 1/Z
   const int x0 = x - kReach * dx, x1 = x + kReach * dx;
   const int y0 = y - kReach * dy, y1 = y + kReach * dy;
   if (x0 < 0 || y0 < 0 || x1 >= depth.width() || y1 >= depth.height()) return 0;
@@ -63,13 +63,13 @@ double slope_along(const DepthImage& depth, int x, int y, int dx, int dy) {
   return (1 / after - 1 / before) / (2 * kReach);
 }
 
-// From pixels of the half image to those of the depth image.
+// Converts coordinates of the half image to those of the depth image.
 struct DepthScale {
   double scale;
   [[nodiscard]] int operator()(int x) const { return static_cast<int>((x + 0.5) * scale); }
 };
 
-// The strongest corner of each cell that is not full.
+// The strongest corner of each cell that contains none of `taken`.
 std::vector<Strong> strongest_of_cells(const cv::Mat& strength, const DepthImage& depth,
                                        const MaskImage* moving,
                                        std::span<const Eigen::Vector2d> taken, int cells_across,

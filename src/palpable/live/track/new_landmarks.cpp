@@ -7,22 +7,23 @@
 namespace palpable {
 namespace {
 
-constexpr int kPatchBorder = 9;  // px: the patch of a corner must lie in the picture
-// px; nearer to 0 than this a depth says next to nothing. More than LandmarkSearch asks: a landmark
-// that is seen again has its depth already, a new one must get it here.
+constexpr int kPatchBorder = 9;  // px from the border, so that a corner's patch fits the picture
+// px; smallest disparity of a new landmark, below which its depth is too uncertain. It is larger
+// than LandmarkSearch::kLeastDisparity, because a known landmark already has a depth.
 constexpr double kLeastNewDisparity = 0.5;
-// The depth image and the patch's own disparity must agree to this, px: where they do not the
-// corner lies on an edge, between near and far.
+// px; largest difference between the disparity from the depth image and the patch's own. Where it is
+// larger, the corner lies on an edge between a near and a far surface.
 constexpr double kMostDisagreement = 1.5;
 
-// A corner this near to where an old landmark is expected, and as deep, is the same place. Without
-// this the map would fill with copies of what went unseen for a few keyframes.
+// A corner that is this close to the predicted position of an old landmark and at the same depth is
+// taken for that landmark. Without this test the map would fill with copies of landmarks that were
+// not seen in a few keyframes.
 constexpr double kSamePlacePx = 2;
-constexpr double kSameDepthSigmas = 3;  // of d
+constexpr double kSameDepthSigmas = 3;  // sigmas of d
 
-// A landmark's first sighting is exact by definition, since its patch is cut there; what is left is
-// the noise of the picture.
-constexpr double kFirstSighting = 0.7;  // share of the usual sigma
+// Sigma of a landmark's first sighting, as a share of the usual sigma. It has no error of matching,
+// because the patch is cut there, only the noise of the picture.
+constexpr double kFirstSighting = 0.7;
 
 }  // namespace
 
@@ -57,11 +58,11 @@ void NewLandmarks::add(const LandmarkSearch& search, const TrackerFrame& frame,
   }
 }
 
-// Landmarks that should be seen in this keyframe, and were not found or not looked for.
+// Finds the landmarks that should be visible in this keyframe but were not found or not searched.
 void NewLandmarks::find_unseen(const LandmarkSearch& search, const TrackerFrame& frame,
                                const PoseSearch& seen, const Keyframe& keyframe) {
   unseen_.clear();
-  if (seen.is_blurred()) return;  // what was not found may be smeared away
+  if (seen.is_blurred()) return;  // landmarks may be missing because of the smear
   std::vector<char> done(search.map.landmarks.size(), 0);
   seen.for_each_inlier(
       [&](const Candidate& candidate, const PosePoint&) { done[candidate.landmark] = 1; });
@@ -72,8 +73,8 @@ void NewLandmarks::find_unseen(const LandmarkSearch& search, const TrackerFrame&
   }
 }
 
-// Whether a corner is the place of an old landmark. It is looked for there once more: when it is
-// found the keyframe has seen it; when it is not, its look has changed and it is given up.
+// Whether a corner is an old landmark. The landmark is searched there once more. If it is found, the
+// sighting is added to the keyframe; if not, its look has changed and it is marked as dead.
 bool NewLandmarks::is_old_landmark(const LandmarkSearch& search, const TrackerFrame& frame,
                                    const Eigen::Vector3d& uvd, int frame_count, LandmarkMap& map) {
   const TrackCamera& camera = search.settings.camera;

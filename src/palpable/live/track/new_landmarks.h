@@ -1,10 +1,10 @@
 /// @file
-/// The landmarks that a new keyframe brings into the map: corners where the picture has none yet.
+/// The landmarks that a new keyframe adds to the map: corners where the picture has none yet.
 ///
-///     corner -> is its depth measured twice alike? -> is an old landmark expected there?
-///                                                       found: the keyframe has seen that one
-///                                                       not found: it is given up
-///                                                     -> the corner becomes a landmark
+///     corner -> do its two measured depths agree? -> is an old landmark expected there?
+///                                                      found: the keyframe has seen that one
+///                                                      not found: the old one is removed
+///                                                    -> the corner becomes a landmark
 #pragma once
 
 #include "palpable/live/track/new_corners.h"
@@ -15,15 +15,16 @@
 
 namespace palpable {
 
-/// Corners that a keyframe can bring beyond TrackerSettings::most_landmarks that carried it.
+/// A keyframe adds as many corners as it needs to have TrackerSettings::most_landmarks plus this
+/// many landmarks.
 inline constexpr int kNewLandmarks = 60;
 
 class NewLandmarks {
  public:
   /// Adds landmarks to the map's newest keyframe.
   /// @param search       in the keyframe's picture; its map is `map`
-  /// @param seen         the landmarks that carried the keyframe's pose: where they are no corner
-  ///                     is looked for
+  /// @param seen         the search that found the keyframe's pose; no corners are placed in the
+  ///                     cells of its inliers
   /// @param frame_count  frames so far
   void add(const LandmarkSearch& search, const TrackerFrame& frame, const PoseSearch& seen,
            int frame_count, LandmarkMap& map);
@@ -37,7 +38,7 @@ class NewLandmarks {
                                             const Corner& corner, double disparity,
                                             const LandmarkMap& map);
 
-  // Landmarks that should be seen in the keyframe and did not carry it.
+  // Landmarks that should be visible in the keyframe and are no inliers of its pose.
   std::vector<Candidate> unseen_;
 };
 

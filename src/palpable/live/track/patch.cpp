@@ -14,13 +14,14 @@ namespace {
 constexpr int kSide = PatchTemplate::kSide;
 constexpr int kReach = PatchTemplate::kReach;
 constexpr int kPixels = PatchTemplate::kPixels;
-constexpr int kWide = kSide + 2;        // a template and the rim that its gradients need
-constexpr float kLeastContrast = 1.2F;  // grey levels; what has less shows noise
-constexpr float kConverged = 0.015F;    // px
-// Smaller eigenvalue of mean(g g^T), g in contrasts per px: below, the patch slides along an edge.
+constexpr int kWide = kSide + 2;        // a template with the rim that its gradients need
+constexpr float kLeastContrast = 1.2F;  // grey levels; a window with less shows only noise
+constexpr float kConverged = 0.015F;    // px, length of the last step
+// Lower limit of the smaller eigenvalue of mean(g g^T), with the gradient g in contrasts per px.
+// Below it the patch would slide along an edge.
 constexpr float kLeastTexture = 0.01F;
 
-// Bilinear value of a patch's level; beyond its rim the rim's value.
+// Bilinear value of a patch's level; outside, the value at the nearest point of its rim.
 float sample(const PatchSource::Level& level, float x, float y) {
   constexpr int last = PatchSource::kSide - 2;
   x = std::clamp(x, 0.0F, static_cast<float>(last) + 0.999F);
@@ -36,8 +37,8 @@ float sample(const PatchSource::Level& level, float x, float y) {
   return upper + t * (lower - upper);
 }
 
-// A kRows x kColumns window whose first pixel is at (x, y), bilinear. The caller makes sure that it
-// lies inside.
+// Samples a kRows x kColumns window whose first pixel is at (x, y), bilinearly. The caller ensures
+// that it lies inside the image.
 template <int kRows, int kColumns>
 void sample_window(const GrayImage& image, float x, float y, float* out) {
   const int ix = static_cast<int>(x);
@@ -63,7 +64,7 @@ void sample_window(const GrayImage& image, float x, float y, float* out) {
   }
 }
 
-// Whether a window of `reach` pixels to each side of (x, y) lies inside of an image.
+// Whether a window of `reach` pixels to each side of (x, y) lies inside an image.
 bool fits(const GrayImage& image, double x, double y, int reach) {
   return x >= reach && y >= reach && x < image.width() - reach - 1 &&
          y < image.height() - reach - 1;
@@ -85,7 +86,7 @@ Moments moments(const float* values, int count) {
 }
 
 // Makes a template from a window with its rim: values, gradients and the inverse of their normal
-// matrix. False when it cannot be followed.
+// matrix. False if it has too little texture to be followed.
 bool make_template(PatchTemplate& patch, const std::array<float, kWide * kWide>& wide,
                    bool along_row) {
   std::size_t k = 0;
@@ -106,8 +107,8 @@ bool make_template(PatchTemplate& patch, const std::array<float, kWide * kWide>&
   float xx = 0, xy = 0, yy = 0;
   for (k = 0; k < kPixels; ++k) {
     patch.value[k] = (patch.value[k] - mean) * scale;
-    // The mean is taken out of the image as well, so a gradient that all pixels have in common
-    // says nothing about the place.
+    // The mean is subtracted from the image as well, so a gradient that is common to all pixels
+    // does not help to find the position.
     patch.gx[k] = (patch.gx[k] - mean_gx) * scale;
     patch.gy[k] = (patch.gy[k] - mean_gy) * scale;
     xx += patch.gx[k] * patch.gx[k];
@@ -181,7 +182,7 @@ bool PatchTemplate::warp(const PatchSource& source, int level,
                          const Eigen::Matrix2d& image_from_source, const Eigen::Vector2d& smear) {
   const double det = image_from_source.determinant();
   if (!(det > 0.02 && det < 50)) return false;
-  // A patch that appears s times as large is compared at the level at which it has its old size.
+  // A patch that appears s times as large is taken from the level at which it has that size.
   const int from_level = std::clamp(level - static_cast<int>(std::lround(0.5 * std::log2(det))), 0,
                                     Pyramid::kLevels - 1);
   const PatchSource::Level& from = source.levels[from_level];
@@ -193,7 +194,7 @@ bool PatchTemplate::warp(const PatchSource& source, int level,
   const int blur = length < 0.7 ? 1 : std::min(static_cast<int>(std::ceil(length)) + 1, 9);
   std::array<float, kWide * kWide> wide{};
   for (int b = 0; b < blur; ++b) {
-    // Moments of the exposure, evenly spread and symmetric about its middle.
+    // Instants of the exposure, evenly spaced and symmetric about its middle.
     const float share =
         blur == 1 ? 0.0F : (static_cast<float>(b) + 0.5F) / static_cast<float>(blur) - 0.5F;
     const Eigen::Vector2f shift = share * smear.cast<float>();

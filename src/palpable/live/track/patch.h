@@ -1,12 +1,11 @@
 /// @file
 /// Small patches of pictures: cut where a point was first seen, and found again in later pictures.
 ///
-///     PatchSource --warp(), smeared as the camera's motion predicts--> PatchTemplate --follow()-->
-///     place
+///     PatchSource --warp(), with the predicted smear--> PatchTemplate --follow()--> position
 ///
 /// follow() makes Gauss-Newton steps with the gradients of the template, which are computed once
 /// (Baker and Matthews, "Lucas-Kanade 20 years on", 2004: inverse compositional). Mean and contrast
-/// of template and picture are divided out, so that exposure and light do not matter.
+/// of template and picture are normalised, so that exposure and light do not matter.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -23,7 +22,7 @@ class Pyramid {
  public:
   static constexpr int kLevels = 4;
 
-  /// @param full  is not copied: it has to live as long as level 0 is read
+  /// @param full  is not copied: it must outlive all uses of level 0
   void build(const GrayImage& full);
 
   [[nodiscard]] const GrayImage& level(int l) const { return l == 0 ? *full_ : halves_[l - 1]; }
@@ -49,8 +48,8 @@ struct PatchSource {
   static constexpr int kSide = 28;
 
   struct Level {
-    bool usable = false;   ///< false: the point lies too near to the border to be compared
-    float cx = 0, cy = 0;  ///< the point in this level's pixels, from the patch's first one
+    bool usable = false;   ///< false: the point is too close to the border to be compared
+    float cx = 0, cy = 0;  ///< the point in px of this level, relative to the patch's first pixel
     std::array<std::uint8_t, kSide * kSide> pixels{};
   };
   std::array<Level, Pyramid::kLevels> levels;
@@ -59,7 +58,7 @@ struct PatchSource {
   static PatchSource cut(const Pyramid& image, const Eigen::Vector2d& uv);
 };
 
-/// A window as it should look in the image that is searched: mean 0, standard deviation 1.
+/// A window as it should look in the searched image: mean 0, standard deviation 1.
 struct PatchTemplate {
   static constexpr int kSide = 12;  ///< offsets -6 .. 5 from the point
   static constexpr int kReach = 6;
@@ -69,14 +68,14 @@ struct PatchTemplate {
   std::array<float, kPixels> gx{};
   std::array<float, kPixels> gy{};
   float h_xx = 0, h_xy = 0, h_yy = 0;  ///< inverse of sum g g^T
-  float contrast = 0;                  ///< grey levels: the standard deviation that was divided out
+  float contrast = 0;                  ///< grey levels: standard deviation before normalisation
 
   /// Makes the template from a source.
   /// @param level  of the image that will be searched
   /// @param image_from_source  (2 x 2) px of the searched image per px of the source, at level 0
-  /// @param smear  px of `level`: how far the image moves while the shutter is open
-  /// @return false where the source has no level of fitting size, or too little texture to be
-  ///         followed in x and in y
+  /// @param smear  px of `level`: motion of the image while the shutter is open
+  /// @return false if the source has no level of fitting size, or too little texture to be followed
+  ///         in x and in y
   [[nodiscard]] bool warp(const PatchSource& source, int level,
                           const Eigen::Matrix2d& image_from_source, const Eigen::Vector2d& smear);
 
@@ -86,9 +85,9 @@ struct PatchTemplate {
 };
 
 struct PatchSearch {
-  int steps = 8;           ///< of Gauss and Newton, at most
-  bool along_row = false;  ///< y stays as it is
-  double farthest = 6;     ///< px of that level; a patch that wanders farther is not found
+  int steps = 8;           ///< largest number of Gauss-Newton steps
+  bool along_row = false;  ///< true: y is not changed
+  double farthest = 6;     ///< px of that level from the start in x or y; beyond, it is not found
 };
 
 struct PatchMatch {
@@ -101,7 +100,7 @@ struct PatchMatch {
 [[nodiscard]] PatchMatch follow(const GrayImage& image, const PatchTemplate& patch,
                                 const Eigen::Vector2d& start, const PatchSearch& search = {});
 
-/// Normalised cross correlation of a template with an image at one place; -1 outside of it.
+/// Normalised cross correlation of a template with an image at one position; -1 outside of it.
 [[nodiscard]] double likeness_at(const GrayImage& image, const PatchTemplate& patch,
                                  const Eigen::Vector2d& at);
 

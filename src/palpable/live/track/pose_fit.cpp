@@ -10,9 +10,9 @@ namespace palpable {
 namespace {
 
 constexpr int kLeastPoints = 4;
-constexpr double kNearestInFit = 1e-3;  // m; points nearer, or behind, are not seen
-constexpr double kLargestStep = 1e-7;   // m and rad: converged
-constexpr double kLeastPivot = 1e-9;    // share of the largest; below, nothing fixes a direction
+constexpr double kNearestInFit = 1e-3;  // m; points with a smaller Z are left out
+constexpr double kLargestStep = 1e-7;   // m and rad; a smaller step has converged
+constexpr double kLeastPivot = 1e-9;    // ratio to the largest; below, the pose is undetermined
 
 double tukey_weight(double squared_in_limits) {
   if (squared_in_limits >= 1) return 0;
@@ -26,7 +26,7 @@ struct Normal {
   int weighted = 0;
 };
 
-// Normal equations of one Gauss-Newton step. Residuals beyond `limit` sigmas are left out.
+// Normal equations of one Gauss-Newton step. Residuals beyond `limit` sigma are left out.
 Normal normal_equations(const TrackCamera& camera, std::span<const PosePoint> points,
                         const Rigid3& pose, double limit) {
   Normal normal;

@@ -15,14 +15,14 @@ namespace palpable {
 namespace {
 
 constexpr int kMostSteps = 20;
-constexpr int kMostTrials = 8;           // of a step, each with more damping than the one before
-constexpr double kConvergedCost = 1e-6;  // relative decrease of the cost that ends it
+constexpr int kMostTrials = 8;           // attempts at a step, each with more damping
+constexpr double kConvergedCost = 1e-6;  // relative decrease of cost below which it has converged
 
 // d log(exp(w) exp(phi)) / dw at w = 0 (Sola et al., "A micro Lie theory", 2018, Eq. 146).
 Eigen::Matrix3d log_derivative(const Eigen::Vector3d& phi) {
   const double angle = phi.norm();
-  // For small angles the quotient loses all digits: its series, whose next term is angle^4 /
-  // 30,240.
+  // For small angles the quotient loses all digits, and its series is used; the next term would be
+  // angle^4 / 30,240.
   const double c =
       angle < 1e-3 ? 1.0 / 12 + angle * angle / 720
                    : 1 / (angle * angle) - (1 + std::cos(angle)) / (2 * angle * std::sin(angle));
@@ -71,7 +71,8 @@ TieResidual residual_of(const PoseTie& tie, const Rigid3& a_from_world,
 
 namespace {
 
-// A x = b of one Gauss-Newton step, for 6 numbers of each pose but the first, which stays.
+// The normal equations A x = b of one Gauss-Newton step, with 6 unknowns for each pose except the
+// first, which is fixed.
 class NormalEquations {
  public:
   explicit NormalEquations(int poses) : poses_(poses), unknowns_(6 * (poses - 1)) {}
@@ -79,7 +80,7 @@ class NormalEquations {
   void set_up(const PoseGraph& graph) {
     entries_.clear();
     b_ = Eigen::VectorXd::Zero(unknowns_);
-    // A pose without ties would leave its diagonal empty; with zeros there the factor refuses it.
+    // With explicit zeros on the diagonal, a pose without ties makes the factorisation fail.
     for (int k = 1; k < poses_; ++k) add(k, k, Eigen::Matrix<double, 6, 6>::Zero());
     for (const PoseTie& tie : graph.ties) add(tie, graph);
     A_ = Sparse(unknowns_, unknowns_);
@@ -88,7 +89,7 @@ class NormalEquations {
     analysed_ = true;
   }
 
-  // Levenberg and Marquardt: the diagonal times 1 + damping. False when that is singular.
+  // Levenberg and Marquardt: multiplies the diagonal by 1 + damping. False if that is singular.
   bool factorise(double damping) {
     Sparse damped = A_;
     for (Eigen::Index i = 0; i < unknowns_; ++i) damped.coeffRef(i, i) *= 1 + damping;
@@ -101,7 +102,7 @@ class NormalEquations {
   using Sparse = Eigen::SparseMatrix<double>;
 
   void add(int row_pose, int column_pose, const Eigen::Matrix<double, 6, 6>& block) {
-    if (row_pose == 0 || column_pose == 0) return;  // the first pose stays
+    if (row_pose == 0 || column_pose == 0) return;  // the first pose is fixed
     for (int j = 0; j < 6; ++j) {
       for (int i = 0; i < 6; ++i) {
         entries_.emplace_back(6 * (row_pose - 1) + i, 6 * (column_pose - 1) + j, block(i, j));
@@ -172,7 +173,7 @@ PoseGraphResult adjust_pose_graph(PoseGraph& graph) {
         damping = std::max(0.1 * damping, 1e-12);
       } else {
         damping = std::max(10 * damping, 1e-6);
-        result.solved = true;  // there is nothing left to lower
+        result.solved = true;  // the system was solvable; perhaps the cost is already minimal
       }
     }
     if (!lowered) return result;

@@ -9,26 +9,29 @@
 namespace palpable {
 namespace {
 
-// The coarse search takes the best landmarks, spread over the picture, so that a hand cannot hold
-// all of them.
-constexpr int kCoarseCells = 8;       // across and down
-constexpr int kMostOfCell = 3;        // landmarks
-constexpr int kCoarse = 64;           // landmarks in all
-constexpr int kLeastCoarse = 8;       // that must be found
-constexpr int kCoarseInliers = 7;     // that must agree
-constexpr double kCoarseSigma = 0.2;  // px at level 0; doubles with each level
+// The coarse search uses the best landmarks, spread over the picture, so that not all of them lie
+// on a hand.
+constexpr int kCoarseCells = 8;       // cells across and down
+constexpr int kMostOfCell = 3;        // landmarks per cell at most
+constexpr int kCoarse = 64;           // landmarks in total at most
+constexpr int kLeastCoarse = 8;       // landmarks that must be found
+constexpr int kCoarseInliers = 7;     // landmarks that must agree
+constexpr double kCoarseSigma = 0.2;  // px at level 0; doubles per level
 
-// Normalised cross correlation from which on a patch counts as found.
+// Normalised cross correlation from which a patch counts as found in the coarse search.
 constexpr double kCoarseLikeness = 0.6;
 
-constexpr double kLeastShareAgreeing =
-    0.4;                                // share of the landmarks found that must agree with a pose
-constexpr double kSmearPerLevel = 3.0;  // px: a level of the pyramid that is smeared more is left
-                                        // out, since a template that is smeared as much is flat
-constexpr double kFullyTrusted = 15;    // frames in which a landmark agreed
+// Share of the landmarks found that must agree with a pose.
+constexpr double kLeastShareAgreeing = 0.4;
+// px of a level; finer levels of the pyramid with more smear are not searched, because a template
+// with so much smear is flat.
+constexpr double kSmearPerLevel = 3.0;
+// Frames in which a landmark must have agreed before its trust no longer depends on its age.
+constexpr double kFullyTrusted = 15;
 
-// A landmark is given up when it was found elsewhere in more than 4 frames and more than half as
-// often as it agreed, or missed in more than 30 and 4 times as often.
+// A landmark is marked as dead if it was found elsewhere in more than 4 frames and more than half
+// as often as it agreed, or if it was missed in more than 30 frames and more than 4 times as often
+// as it agreed.
 constexpr int kMostOutliers = 4, kMostMissed = 30, kMissedPerInlier = 4;
 
 }  // namespace
@@ -37,7 +40,8 @@ PoseSearch::PoseSearch(const TrackerSettings& settings) : camera_(settings.camer
   points_.reserve(settings.most_landmarks);
   point_candidate_.reserve(points_.capacity());
   fit_.inlier.reserve(points_.capacity());
-  // As many as there are cells, before the best are left: a picture is not higher than wide.
+  // There is one candidate per cell before the best are selected. This suffices unless a picture
+  // is higher than wide.
   candidates_.reserve(LandmarkSearch::kCellsAcross * LandmarkSearch::kCellsAcross);
   smears_.reserve(candidates_.capacity());
   was_found_.reserve(candidates_.capacity());
@@ -59,7 +63,7 @@ std::optional<Rigid3> PoseSearch::find(const LandmarkSearch& search, const Track
   return fit_.camera_from_world;
 }
 
-// What should be seen from `pose`, and how far it is smeared.
+// Selects the landmarks that should be visible from `pose`, and computes the median smear.
 void PoseSearch::select(const LandmarkSearch& search, const TrackerFrame& frame, const Rigid3& pose,
                         const PoseQuery& query) {
   search.select(frame, pose, query.previous, query.exposure, query.frame_count, cells_,
@@ -69,7 +73,7 @@ void PoseSearch::select(const LandmarkSearch& search, const TrackerFrame& frame,
   smear_px_ = smears_.empty() ? 0 : upper_median(smears_);
 }
 
-// A better pose by few landmarks in small images, for when the guess may be far off.
+// Improves a pose with few landmarks in small images, in case the guess has a large error.
 bool PoseSearch::improve_coarsely(const LandmarkSearch& search, const TrackerFrame& frame,
                                   const PoseQuery& query, Rigid3& pose) {
   select(search, frame, pose, query);
@@ -103,7 +107,7 @@ bool PoseSearch::improve_coarsely(const LandmarkSearch& search, const TrackerFra
   return true;
 }
 
-// Finds the candidates in the finest images in which they are not smeared away.
+// Finds the candidates in the finest images in which the smear leaves enough texture.
 void PoseSearch::find_candidates(const LandmarkSearch& search, const TrackerFrame& frame) {
   int finest = 0;
   while (finest < 2 && smear_px_ > kSmearPerLevel * (1 << finest)) ++finest;
@@ -121,7 +125,7 @@ void PoseSearch::find_candidates(const LandmarkSearch& search, const TrackerFram
     PosePoint point;
     point.x_in_world = landmark.x_in_world;
     point.seen = search.sighting_of(frame, candidate, uv, level);
-    // A new landmark may lie on something that moves: it is trusted by and by.
+    // A new landmark may lie on something that moves, so its trust grows gradually.
     const double age = std::min(1.0, landmark.inlier / kFullyTrusted);
     point.trust = (0.4 + 0.6 * age) * (landmark.inlier + 1.0) /
                   (landmark.inlier + 2.0 * landmark.outlier + 1.0);
@@ -146,7 +150,7 @@ void PoseSearch::rate_landmarks(std::vector<Landmark>& landmarks, int frame_coun
       }
     }
   }
-  if (is_blurred()) return;  // what was not found may be smeared away
+  if (is_blurred()) return;  // landmarks may be missing because of the smear
   for (std::size_t c = 0; c < candidates_.size(); ++c) {
     if (was_found_[c] != 0) continue;
     Landmark& landmark = landmarks[candidates_[c].landmark];

@@ -9,7 +9,7 @@ namespace palpable {
 namespace {
 
 constexpr double kRestSeconds = 0.7;
-constexpr int kMoments = 128;  // frames in that time, of a camera of 120 a second
+constexpr int kMoments = 128;  // capacity; more than the frames in that time at 120 per second
 
 }  // namespace
 
@@ -21,7 +21,7 @@ bool RecentPoses::add_and_check_rest(const TrackCamera& camera, double depth, do
   const auto within = std::find_if(poses_.begin(), poses_.end(), [&](const Moment& moment) {
     return moment.time > time - kRestSeconds;
   });
-  // Beside those of the last 0.7 s the one before them stays: it says that the time is covered.
+  // The last pose before these 0.7 s is kept, too: it shows that the whole time is covered.
   const std::ptrdiff_t gone = std::min(within - poses_.begin(), std::ssize(poses_) - 1) - 1;
   if (gone > 0) poses_.erase(poses_.begin(), poses_.begin() + gone);
   if (poses_.front().time > time - kRestSeconds) return false;

@@ -15,15 +15,16 @@ namespace {
 
 constexpr int kFeatures = 500;
 constexpr int kThumbnailWidth = 40, kThumbnailHeight = 22;  // px
-constexpr int kFarthestMatch = 64;  // bits in which two descriptors of 256 may differ
-// Lowe's ratio: the second best match must differ by that much more, or the best is a coincidence.
+constexpr int kFarthestMatch = 64;  // largest Hamming distance of a match, bits of 256
+// Lowe's ratio: largest ratio of the best match's distance to that of the second best. Above it the
+// best match may be a coincidence.
 constexpr double kRatio = 0.85;
-constexpr int kLeastFeaturesAgreeing = 12;  // features
+constexpr int kLeastFeaturesAgreeing = 12;
 constexpr int kRansacTrials = 200;
-constexpr float kRansacPx = 2.5F;  // by which a feature that agrees may be off
+constexpr float kRansacPx = 2.5F;  // largest reprojection error of a feature that agrees
 
 cv::Mat gray(const GrayImage& image) {
-  // OpenCV has no matrix that cannot be written to; nothing writes to this one.
+  // OpenCV has no read-only matrix; this one is not written to.
   return {image.height(), image.width(), CV_8UC1,
           const_cast<std::uint8_t*>(image.data())};  // NOLINT
 }

@@ -1,5 +1,5 @@
 /// @file
-/// What a tracked camera measures of a point, and its derivatives.
+/// A tracked camera's measurement of a point, and its derivatives.
 ///
 /// A sighting is (u, v, d): the pixel in the left image and the disparity, all in px of the full
 /// rectified images. A colour + depth camera measures Z; an assumed baseline turns it into d.
@@ -14,7 +14,7 @@
 
 namespace palpable {
 
-/// A pinhole camera and the baseline (m) by which it measures depth:
+/// A pinhole camera and the baseline (m) with which it measures depth:
 ///
 ///     u = fx X / Z + cx,   v = fy Y / Z + cy,   d = fx T / Z        (Sec. 3.3)
 struct TrackCamera {
@@ -58,8 +58,8 @@ struct Sighting {
 /// A small motion: translation (m), then rotation vector (rad).
 using Twist = Eigen::Matrix<double, 6, 1>;
 
-/// The part of a motion that is done after `share` of its time, if it turns and moves evenly. With
-/// share > 1 the motion goes on beyond its end.
+/// The part of a motion that is completed after `share` of its time, at constant rates of rotation
+/// and translation. share > 1 extrapolates the motion.
 [[nodiscard]] inline Rigid3 part_of(const Rigid3& motion, double share) {
   Eigen::AngleAxisd turn(motion.linear());
   turn.angle() *= share;
@@ -69,9 +69,9 @@ using Twist = Eigen::Matrix<double, 6, 1>;
   return part;
 }
 
-/// `pose` followed by x -> exp(rotation) x + translation: the step of all our least squares. The
-/// rotation is made orthogonal again; without that, products of rotations would stop being
-/// rotations within seconds.
+/// `pose` followed by x -> exp(rotation) x + translation: the parametrisation of a step in all our
+/// least squares. The rotation is normalised; without that, rounding would make products of
+/// rotations noticeably non-orthogonal within seconds.
 [[nodiscard]] inline Rigid3 moved_by(const Twist& step, const Rigid3& pose) {
   const Eigen::Vector3d rotation = step.tail<3>();
   const double angle = rotation.norm();

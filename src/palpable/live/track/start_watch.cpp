@@ -6,12 +6,12 @@
 namespace palpable {
 namespace {
 
-constexpr int kLeastDepths = 50;  // depths known in both views; fewer say nothing
-// Two measurements of one depth differ by more sigmas of their difference once in 80 times.
+constexpr int kLeastDepths = 50;  // fewest depths known in both views that are compared
+// sigma of the difference; two measurements of the same depth differ by more in 1.2 % of cases.
 constexpr float kSigmas = 2.5F;
-constexpr float kOfTwo = 1.41421356F;  // sigma of a difference over sigma of one measurement
-// Share of the depths that must be the same: what moves before a standing camera may hide almost
-// half of the view.
+constexpr float kOfTwo = 1.41421356F;  // sigma of a difference, ratio to sigma of one measurement
+// Share of the depths that must be unchanged: something that moves in front of a standing camera
+// may hide almost half of the view.
 constexpr double kSame = 0.5;
 
 }  // namespace
@@ -44,7 +44,7 @@ Stillness StartWatch::look(const GrayImage& image, const DepthImage& depth) {
   if (!begun_) {
     picture_.begin(image, depth);
     first_ = now;
-    // It has begun when this view can be compared with itself.
+    // The view is usable if it can be compared with itself.
     begun_ = picture_.look(image, depth, nullptr) == Stillness::kStill ||
              compare(now) == Stillness::kStill;
     return begun_ ? Stillness::kStill : Stillness::kUnclear;

@@ -1,7 +1,7 @@
 /// @file
-/// Has the camera moved before there was a keyframe? A bare wall, a dark room or a covered lens
-/// show nothing that could be tracked; but while the camera stands where it began, its pose is
-/// known.
+/// Detects whether the camera has moved before there is a keyframe. A bare wall, a dark room or a
+/// covered lens show nothing that could be tracked; but as long as the camera has not moved since
+/// the start, its pose is known.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -13,16 +13,16 @@
 
 namespace palpable {
 
-/// Compares each frame with the first one that showed something: by patches of its picture, or by
-/// 48 x 36 of its depths where the picture has no texture. It does not notice a camera that slides
-/// along a wall that looks the same everywhere.
+/// Compares each frame with the first one that could be compared: by patches of its picture, or by
+/// 48 x 36 samples of its depths if the picture has no texture. It does not detect a camera that
+/// slides along a wall without texture.
 class StartWatch {
  public:
   explicit StartWatch(const DepthNoise& noise) : noise_(noise) {}
 
-  /// Takes no memory after the first view that shows something.
-  /// @param depth  Z in m, unknown NaN; of any size, in all frames the same
-  /// @return kUnclear as long as nothing has been seen that could be compared
+  /// Does not allocate after the first view that can be compared.
+  /// @param depth  Z in m, unknown NaN; of any size, the same in all frames
+  /// @return kUnclear until there was a view that can be compared
   [[nodiscard]] Stillness look(const GrayImage& image, const DepthImage& depth);
 
  private:

@@ -14,18 +14,18 @@ namespace {
 constexpr int kAcross = 8;
 constexpr int kDown = 6;
 constexpr std::size_t kPatches = kAcross * kDown;
-constexpr int kTries = 4;                  // places that are tried per cell, across and down
-constexpr std::size_t kLeastPatches = 10;  // patches that can be compared; fewer say nothing
-// px from which on a patch has moved. Noise alone moves a patch by 0.05 px (at 0.65 grey levels);
-// in the dark by more, but the median over all patches stays below.
+constexpr int kTries = 4;                  // positions tried per cell, across and down
+constexpr std::size_t kLeastPatches = 10;  // fewest patches from which a result is derived
+// px from which a patch has moved. Noise of 0.65 grey levels displaces a patch by 0.05 px; in the
+// dark the displacement is larger, but its median over all patches stays below the limit.
 constexpr double kMoved = 0.3;
-// Noise of deviation n lowers the correlation of a patch of contrast s with itself to
-// 1 / (1 + n^2 / s^2). A patch whose correlation is less than this share of that value, n being
-// the noise of a dark picture, shows something else.
+// Noise with standard deviation n lowers the correlation of a patch of contrast s with itself to
+// 1 / (1 + n^2 / s^2). A patch whose correlation is less than kLikenessShare of that value, with n
+// for a dark picture, shows something else.
 constexpr double kLikenessShare = 0.75;
 constexpr double kNoise = 2;  // n, grey levels
-// A patch that is not found is hidden where the picture has less than this share of its contrast,
-// or where what is seen is nearer than this share of its depth: a hand, darkness.
+// A patch that is not found counts as hidden if the picture there has less than kFadedShare of the
+// patch's contrast (darkness), or a depth below kNearerShare of the patch's (a hand).
 constexpr float kFadedShare = 0.4F;
 constexpr float kNearerShare = 0.7F;
 
@@ -34,7 +34,7 @@ float depth_of_pixel(const DepthImage& depth, const GrayImage& image, const Eige
                static_cast<int>(at.y()) * depth.height() / image.height());
 }
 
-// Standard deviation of the grey levels where a patch was, at a place where patches lie.
+// Standard deviation of the grey levels at a patch's old position.
 float contrast_at(const GrayImage& image, const Eigen::Vector2d& at) {
   float sum = 0, squares = 0;
   for (int dy = -PatchTemplate::kReach; dy < PatchTemplate::kReach; ++dy) {
@@ -73,8 +73,8 @@ std::optional<StillWatch::Patch> StillWatch::patch_at(const Pyramid& pyramid,
   return patch;
 }
 
-// Whether a patch that is not found where it was is not there to be found. A sensor that is blinded
-// by what is too near knows no depth there.
+// Whether a patch that was not found is hidden by something or in the dark. An unknown depth counts
+// as hidden, because a sensor measures no depth of things that are too close.
 bool StillWatch::is_hidden(const Patch& patch, const GrayImage& image, const DepthImage& depth) {
   if (contrast_at(image, patch.at) < kFadedShare * patch.look.contrast) return true;
   const float now = depth_of_pixel(depth, image, patch.at);
@@ -89,7 +89,7 @@ void StillWatch::begin(const GrayImage& image, const DepthImage& depth) {
   pyramid.build(image);
   for (int cy = 0; cy < kDown; ++cy) {
     for (int cx = 0; cx < kAcross; ++cx) {
-      // The place in the cell that can be followed best.
+      // The position in the cell with the strongest texture.
       std::optional<Patch> best;
       for (int k = 0; k < kTries * kTries; ++k) {
         const std::optional<Patch> patch =
@@ -104,8 +104,8 @@ void StillWatch::begin(const GrayImage& image, const DepthImage& depth) {
   for (Patch& patch : patches_) patch.depth = depth_of_pixel(depth, image, patch.at);
 }
 
-// A bare room has texture in few cells, and not at the places that were tried: adds the best places
-// of the whole picture that do not overlap.
+// A bare room has texture in few cells, and perhaps not at the positions tried. This adds the
+// patches of the whole picture with the strongest texture that do not overlap.
 void StillWatch::fill_up(const Pyramid& pyramid, const GrayImage& image) {
   std::vector<Patch> others;
   constexpr int kPatchSide = PatchTemplate::kSide;
@@ -153,8 +153,8 @@ Stillness StillWatch::look(const GrayImage& image, const DepthImage& depth,
   const auto middle_of = [&](std::array<double, kPatches>& values) {
     return std::abs(upper_median(std::span(values).first(compared)));
   };
-  // A camera that goes straight ahead or rolls moves its patches to all sides: to the right and
-  // down their median stays 0, outwards or around the middle it does not.
+  // If the camera moves straight ahead or rolls, its patches move in all directions. The median of
+  // dx and of dy is then near 0, but that of the radial or the tangential component is not.
   const double shift =
       std::max({middle_of(dx), middle_of(dy), middle_of(outwards), middle_of(around)});
   if (shift < kMoved && share > 0.5) return Stillness::kStill;

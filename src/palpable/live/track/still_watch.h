@@ -1,6 +1,6 @@
 /// @file
-/// Does the camera stand still? Up to 48 patches of the picture in which it came to rest are looked
-/// for where they were: costs next to nothing, and needs neither depth nor a map.
+/// Detects whether the camera stands still. Up to 48 patches of the picture in which it came to rest
+/// are searched at their old positions. This costs next to nothing and needs no map.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -14,23 +14,23 @@
 namespace palpable {
 
 enum class Stillness {
-  kStill,  ///< most patches that can be compared are where they were
-  kMoved,  ///< most of them are somewhere else
-  /// Too few can be compared, and enough others show something else about as far away as what was
-  /// there, or farther: the camera has moved by more than patches are followed.
+  kStill,  ///< most patches that can be compared are at their old positions
+  kMoved,  ///< the patches that can be compared have moved
+  /// Too few patches can be compared, and at 10 or more others the picture shows something different
+  /// at a similar depth or farther: the camera has moved farther than patches are followed.
   kOtherView,
   kUnclear  ///< too few can be compared: it is dark, or something nearer hides them
 };
 
 class StillWatch {
  public:
-  /// The camera stands, and this is what it sees: takes the patches.
+  /// Cuts the patches from the view of a camera that stands still.
   /// @param depth  m, NaN unknown; of the same view, of any size
   void begin(const GrayImage& image, const DepthImage& depth);
   [[nodiscard]] bool begun() const { return !patches_.empty(); }
 
-  /// Looks for the patches. Takes no memory.
-  /// @param depth   of the size that begin() got
+  /// Searches the patches. Does not allocate.
+  /// @param depth   of the same size as in begin()
   /// @param moving  255 where something moves, or null; the image's size is a multiple of its size
   [[nodiscard]] Stillness look(const GrayImage& image, const DepthImage& depth,
                                const MaskImage* moving) const;
@@ -40,7 +40,7 @@ class StillWatch {
     Eigen::Vector2d at = Eigen::Vector2d::Zero();
     PatchTemplate look;
     double least_likeness = 1;
-    float follows = 0;  // how well it can be followed: grey levels per px in its worse direction
+    float follows = 0;  // strength of its texture: grey levels per px in the weaker direction
     float depth = 0;    // Z, m; NaN: unknown
   };
   [[nodiscard]] static bool is_hidden(const Patch& patch, const GrayImage& image,

@@ -1,8 +1,9 @@
 /// @file
-/// Is the camera's pose known, and by what? The states of the tracker and what leads from one to
-/// the next. The tracker (tracker.h) finds out what a frame shows; next_state() decides.
+/// The states of the tracker, which describe whether and how the camera's pose is known, and the
+/// transitions between them. The tracker (tracker.h) determines the evidence of a frame;
+/// next_state() determines the state that follows.
 ///
-/// Before the first keyframe there is no world in which anything could have a place:
+/// Before the first keyframe there is no world frame:
 ///
 ///     +-----------+   kOtherView, kUnreadable    +-----------+
 ///     | kStarting | ---------------------------> |   kLost   |
@@ -29,41 +30,40 @@
 ///     +----------------------------------------------------------+
 ///       down: kNoPose, kUnreadable
 ///
-/// kFixed also stays on kPatchesAtRest, kPoseAtRest and kHidden, kTracking on kPoseFound, kLost on
-/// kNoPose and kUnreadable.
+/// Some evidence does not change the state: kPatchesAtRest, kPoseAtRest and kHidden in kFixed,
+/// kPoseFound in kTracking, kNoPose and kUnreadable in kLost.
 #pragma once
 
 namespace palpable {
 
 enum class TrackState {
-  kStarting,  ///< there is no keyframe yet; the camera stands where it began, as far as can be seen
+  kStarting,  ///< there is no keyframe yet; no motion since the start was detected
   kFixed,     ///< the camera stands still; the pose is that of the moment when it came to rest
   kTracking,  ///< the camera moves and its pose is known
-  kLost       ///< the pose is not known; the tracker repeats the last one that was
+  kLost       ///< the pose is not known; the tracker repeats the last known one
 };
 
-/// What one frame shows, the strongest statement that can be made of it.
+/// The evidence of one frame: the strongest statement that it supports.
 enum class FrameEvidence {
   kUnreadable,  ///< no images, or images of another size than the camera's
 
   // Without a keyframe:
-  kStartView,      ///< the first view that showed something is seen again
-  kOtherView,      ///< something else is seen, or nothing that could be compared
+  kStartView,      ///< the view equals the first one that could be compared
+  kOtherView,      ///< the view differs, or cannot be compared
   kFirstKeyframe,  ///< enough landmarks: the frame became the first keyframe
 
   // With a keyframe:
-  kPatchesAtRest,  ///< the patches of the resting view are where they were; nothing else was done
-  kPoseAtRest,     ///< a pose was found, and it differs from the resting one by noise only
+  kPatchesAtRest,  ///< the patches of the view at rest have not moved; nothing else was computed
+  kPoseAtRest,     ///< a pose was found that differs from the pose at rest by noise only
   kPoseFound,      ///< a pose was found
   kCameToRest,     ///< a pose was found, and the picture has not moved for 0.7 s
-  kHidden,         ///< no pose, but for less than a second too little has been seen to compare with
-                   ///< the resting view: a hand before the lens, a light that is switched off
+  kHidden,         ///< no pose was found, but since less than a second too little is visible to
+                   ///< compare with the view at rest: a hand before the lens, a light switched off
   kNoPose          ///< no pose was found
 };
 
-/// The state after a frame. Defined for all pairs; evidence that belongs to a standing camera
-/// (kPoseAtRest, kHidden) says of any other what it says without the rest: a pose was found, or
-/// none was.
+/// The state after a frame. Defined for all pairs. In a state other than kFixed, kPoseAtRest is
+/// treated as kPoseFound, and kHidden as kNoPose.
 [[nodiscard]] TrackState next_state(TrackState before, FrameEvidence evidence);
 
 }  // namespace palpable

@@ -29,48 +29,53 @@ namespace {
 
 // --- following ---------------------------------------------------------------------------------
 constexpr int kLeastInliers = 12;  // landmarks that must agree with a pose near the last one
-constexpr int kLeastRecognisedLost =
-    20;                            // and with a pose of a camera that was lost, or at the start
-constexpr double kSurePx = 2.0;    // after a prediction that was better no coarse search is made
-constexpr double kMaskedPx = 4.0;  // after a prediction that was worse no mask is believed
-constexpr double kFastPx = 14.0;   // px per frame: faster, the coarse search is always made and
-                                   // the exposure is measured
-constexpr double kLongestPrediction = 3;  // last motions: after a longer gap a camera has hardly
-                                          // gone on as before
-// Of prediction and truth, when nothing is known about them.
+// Landmarks that must agree with the pose of a camera that was lost, and landmarks that the first
+// keyframe must have.
+constexpr int kLeastRecognisedLost = 20;
+constexpr double kSurePx = 2.0;    // largest prediction error after which the coarse search is
+                                   // omitted in the next frame
+constexpr double kMaskedPx = 4.0;  // prediction error above which the moving mask is ignored
+constexpr double kFastPx = 14.0;   // px per frame; above, the coarse search is always made and the
+                                   // exposure is measured
+constexpr double kLongestPrediction = 3;  // largest factor by which the last motion is
+                                          // extrapolated after missing frames
+// Prediction error when it was not measured, so that the next search is a coarse one.
 constexpr double kUnknownError = 1e9;  // px
 
 // --- standing still ----------------------------------------------------------------------------
-// A camera that stood and whose pose is found within this of where it stood, px, still stands: what
-// hides its patches is a hand.
+// px; if a pose is found that differs less from the pose at rest, the camera still stands, and its
+// patches are hidden by a hand.
 constexpr double kSamePosePx = 2 * RecentPoses::kRestPx;
-constexpr double kLongestHidden = 1;  // s that a standing camera may show too little to compare
-// s for which a camera is lost before a new world begins. After less, a glance away from known
-// ground would cost it.
+constexpr double kLongestHidden = 1;  // s during which a camera at rest may see too little
+// s after which a lost camera begins a new world. If it is too short, a brief look away from the
+// mapped part of the scene discards the map.
 constexpr double kLongestLost = 1;
 
 // --- keyframes ---------------------------------------------------------------------------------
 constexpr int kLatency = 3;  // frames after which the work of a keyframe is used
-// Frames at least between keyframes, more than the latency; of a camera that leaves its landmarks
-// behind, which then waits for the work of the keyframe before; and when a frame must be kept.
+// Smallest number of frames between keyframes, larger than the latency. kHurriedGap applies if the
+// camera has few inliers left; the new keyframe then waits for the work of the one before.
 constexpr int kKeyframeGap = 4;
 constexpr int kHurriedGap = 2;
-constexpr int kMust = 35;           // landmarks that agree: with fewer a frame must be kept
-constexpr int kFew = 70;            // with fewer it is kept, unless it is blurred
-constexpr double kFewer = 0.7;      // or with less than this share of the last keyframe's
-constexpr double kFarMoved = 0.12;  // or when it is farther than this share of the median depth
-constexpr double kTurned = 0.2;     // and rad from every keyframe
-// Frames between attempts to make the first keyframe; a camera that moves tries in each.
+constexpr int kMust = 35;  // inliers; with fewer a frame becomes a keyframe even if it is blurred
+constexpr int kFew = 70;   // inliers; with fewer it becomes one after kHurriedGap frames
+constexpr double kFewer = 0.7;  // share of the last keyframe's landmarks; with fewer inliers it
+                                // becomes one
+// It also becomes one if every keyframe is farther away than kFarMoved times the median depth, or
+// turned by more than kTurned rad.
+constexpr double kFarMoved = 0.12;
+constexpr double kTurned = 0.2;
+// Frames between attempts to make the first keyframe; a camera that moves tries in every frame.
 constexpr int kStartEvery = 5;
 
 // --- recognition -------------------------------------------------------------------------------
-// Keyframes whose features a lost camera is compared with: those whose pictures are most like what
-// it sees, and one more in turn, so that each gets its chance.
+// Number of keyframes with the most similar pictures whose features are compared with those of a
+// lost camera. One more keyframe is compared in turn, so that all of them are tried eventually.
 constexpr int kMostAlike = 3;
 
 Rigid3 inverse(const Rigid3& T) { return T.inverse(Eigen::Isometry); }
 
-// Indices of all keyframes, those whose pictures are most alike first.
+// Indices of all keyframes, in falling order of similarity to a picture.
 std::vector<int> by_likeness(const Thumbnail& picture, const std::vector<Keyframe>& keyframes) {
   std::vector<int> order(keyframes.size());
   std::iota(order.begin(), order.end(), 0);
@@ -106,7 +111,7 @@ struct Tracker::Parts {
   bool locate(const TrackerFrame& frame, const Rigid3& guess, bool coarse_first, int least);
   FrameEvidence use_pose(const TrackerFrame& frame, double dt, bool followed);
 
-  // --- its keyframe, and what is done beside the frames ---
+  // --- its keyframe, and the background work ---
   [[nodiscard]] bool wants_keyframe() const;
   void keep(const TrackerFrame& frame);
   void use_finished_work();
@@ -120,39 +125,39 @@ struct Tracker::Parts {
   TrackCamera camera;
   TrackState state = TrackState::kStarting;
   LandmarkMap map;
-  LandmarkMap other_map;  // empty, but while begin_anew() tries
+  LandmarkMap other_map;  // the old map during begin_anew(), otherwise empty
 
   // The camera.
   Rigid3 camera_from_world = Rigid3::Identity();
   Rigid3 previous_from_world = Rigid3::Identity();   // camera_from_world one frame ago
   Rigid3 camera_from_previous = Rigid3::Identity();  // the last motion
-  double motion_time = 0;                            // s that it took; 0: there is none
+  double motion_time = 0;                            // s, duration of that motion; 0: there is none
   double last_time = 0;                              // s
-  std::optional<double> new_world_time;              // s, when one began last
+  std::optional<double> new_world_time;              // s, when the last new world began
   double median_depth = 1;                           // m, of the landmarks that agreed
   double prediction_error_px = kUnknownError;        // of the last prediction
 
-  // How it is followed.
+  // Following the camera.
   Pyramid pyramid;
   PoseSearch pose_search;
   ExposureEstimate exposure;
-  std::vector<double> depths;  // room to work in
+  std::vector<double> depths;  // work space
 
-  // How a camera that stands is recognised.
+  // Detecting a camera that stands still.
   StartWatch start_watch;  // before the first keyframe
   StillWatch still_watch;  // the view in which it came to rest
   RecentPoses recent_poses;
-  double hidden_s = 0;  // for how long too little could be compared with that view
-  double lost_s = 0;    // since the camera has been lost
+  double hidden_s = 0;  // s during which too little could be compared with that view
+  double lost_s = 0;    // s for which the camera has been lost
 
-  // Keyframes, and what is done beside the frames.
+  // Keyframes, and the background work.
   NewLandmarks new_landmarks;
   int since_keyframe = 0;  // frames
   KeyframeWorker worker;
   int work_due = 0;    // frame count at which its result is used
-  int next_asked = 0;  // keyframe that a lost camera is compared with, in turn
+  int next_compared = 0;  // keyframe with which a lost camera is compared, in turn
   LoopConfirmation loops;
-  std::vector<Correction> corrections;  // by the last loop
+  std::vector<Correction> corrections;  // by the last closed loop
   TrackerCounts counts;
 };
 
@@ -221,7 +226,7 @@ bool Tracker::Parts::fits(const TrackerFrame& frame) const {
          has_size(frame.left) && has_size(frame.right);
 }
 
-// Makes the first keyframe. False when it shows too little: nothing could be found again from it.
+// Makes the first keyframe. False if the frame has too few landmarks to find the camera again.
 bool Tracker::Parts::begin_world(const TrackerFrame& frame) {
   pyramid.build(*frame.left);
   pose_search.clear();
@@ -237,8 +242,8 @@ bool Tracker::Parts::begin_world(const TrackerFrame& frame) {
   return true;
 }
 
-// Begins a new world in the place of one that is not found again, where the camera was seen last.
-// False when the frame shows too little; the old world is kept then.
+// Replaces a world in which the camera was not found by a new one, which begins at the last known
+// pose. False if the frame has too few landmarks; the old world is kept then.
 bool Tracker::Parts::begin_anew(const TrackerFrame& frame) {
   if (worker.is_busy()) use_finished_work();
   std::swap(map, other_map);
@@ -258,11 +263,11 @@ bool Tracker::Parts::begin_anew(const TrackerFrame& frame) {
   return true;
 }
 
-// Finds out what a frame shows, once there is a world; the pose follows.
+// Determines the evidence of a frame when there is a world, and updates the pose.
 FrameEvidence Tracker::Parts::follow(const TrackerFrame& given, double dt) {
   TrackerFrame frame = given;
   const bool was_fixed = state == TrackState::kFixed;
-  // A camera that moves is not compared with the view in which it stood last.
+  // A moving camera is not compared with the view in which it last stood still.
   if (settings.watch_stillness && still_watch.begun() && state != TrackState::kTracking) {
     const Stillness seen = still_watch.look(*frame.left, *frame.depth, frame.moving);
     if (seen == Stillness::kStill) {
@@ -273,13 +278,14 @@ FrameEvidence Tracker::Parts::follow(const TrackerFrame& given, double dt) {
     if (seen == Stillness::kUnclear && was_fixed) hidden_s += dt;
   }
   pyramid.build(*frame.left);
-  // A camera that was covered or left in the dark need not have moved. For a while it is not looked
-  // for elsewhere: what is found in the dark is found by chance.
+  // A camera that was covered or is in the dark need not have moved. For a while no other pose is
+  // searched for it, because landmarks found in the dark are found by chance.
   const bool may_be_hidden = was_fixed && hidden_s > 0 && hidden_s < kLongestHidden;
   const Rigid3 held = camera_from_world;
   const bool was_lost = state == TrackState::kLost;
-  // What moves was found from a predicted pose. Where predictions were bad, that is mostly what the
-  // prediction has missed; where nothing is found without it, it may be.
+  // The moving mask was computed with a predicted pose. If the last prediction was bad, the mask
+  // contains mostly static things that were predicted wrongly, and is ignored. If no pose is found
+  // with the mask, the same may be the case, and the search is repeated without it.
   if (prediction_error_px > kMaskedPx) frame.moving = nullptr;
   bool followed = !was_lost && follow_motion(frame, dt);
   if (!followed && !was_lost && std::exchange(frame.moving, nullptr) != nullptr) {
@@ -296,12 +302,12 @@ FrameEvidence Tracker::Parts::follow(const TrackerFrame& given, double dt) {
     camera_from_world = previous_from_world = held;
     return FrameEvidence::kPoseAtRest;
   }
-  // A view that motion cannot be followed to, from a known pose: the features say how it moved.
+  // The pose was known before and was found by features: that gives the motion.
   if (!followed && !was_lost) previous_from_world = held;
   return use_pose(frame, dt, !was_lost);
 }
 
-// The pose near where the last motion predicts it, or else near the last one.
+// Finds the pose near the one that the last motion predicts, or else near the last pose.
 bool Tracker::Parts::follow_motion(const TrackerFrame& frame, double dt) {
   const double share = motion_time > 0 ? std::clamp(dt / motion_time, 0.0, kLongestPrediction) : 0;
   const Rigid3 predicted =
@@ -313,8 +319,8 @@ bool Tracker::Parts::follow_motion(const TrackerFrame& frame, double dt) {
   return locate(frame, camera_from_world, true, kLeastInliers);
 }
 
-// The pose of a camera that was lost: near the last pose, near the keyframe whose picture is most
-// alike, or where the features of some keyframes say.
+// Finds the pose of a camera that was lost: near the last pose, near the keyframe with the most
+// similar picture, or by the features of some keyframes.
 bool Tracker::Parts::recognise_place(const TrackerFrame& frame) {
   if (worker.is_busy()) use_finished_work();  // so that the last keyframe can be recognised too
   const std::vector<int> order = by_likeness(thumbnail_of(pyramid.level(2)), map.keyframes);
@@ -333,14 +339,14 @@ bool Tracker::Parts::recognise_place(const TrackerFrame& frame) {
   const PinholeCamera half = camera.camera.scaled_down(2);
   const Features features = find_features(pyramid.level(1), half, *frame.depth);
   if (features.uv.empty()) return false;
-  std::vector<int> asked(order.begin(),
-                         order.begin() + std::min<std::ptrdiff_t>(kMostAlike, std::ssize(order)));
-  // A camera whose pose was known in the frame before has most likely not gone far.
+  std::vector<int> compared(
+      order.begin(), order.begin() + std::min<std::ptrdiff_t>(kMostAlike, std::ssize(order)));
+  // If the pose was known in the frame before, the camera is probably near the newest keyframe.
   if (state != TrackState::kLost)
-    asked.insert(asked.begin(), static_cast<int>(map.keyframes.size()) - 1);
-  next_asked = (next_asked + 1) % static_cast<int>(map.keyframes.size());
-  asked.push_back(next_asked);
-  for (const int k : asked) {
+    compared.insert(compared.begin(), static_cast<int>(map.keyframes.size()) - 1);
+  next_compared = (next_compared + 1) % static_cast<int>(map.keyframes.size());
+  compared.push_back(next_compared);
+  for (const int k : compared) {
     const Keyframe& keyframe = map.keyframes[k];
     const std::optional<Recognised> seen = recognise(features, keyframe.features, half);
     if (seen && try_near(seen->camera_from_old * keyframe.camera_from_world)) return true;
@@ -348,7 +354,7 @@ bool Tracker::Parts::recognise_place(const TrackerFrame& frame) {
   return false;
 }
 
-// Moves the camera to the pose that is found near `guess`, if there is one.
+// Finds a pose near `guess` and makes it the camera's; false if there is none.
 bool Tracker::Parts::locate(const TrackerFrame& frame, const Rigid3& guess, bool coarse_first,
                             int least) {
   const std::optional<Rigid3> found = pose_search.find(search(), frame,
@@ -365,8 +371,9 @@ bool Tracker::Parts::locate(const TrackerFrame& frame, const Rigid3& guess, bool
   return true;
 }
 
-// What follows from a pose that was found: motion, depth, exposure, landmarks, keyframe, rest.
-// @param followed  from the pose of the frame before; false: the camera was lost
+// Uses a pose that was found: updates motion, median depth, exposure and landmarks, keeps the frame
+// as a keyframe if needed, and detects a camera that has come to rest.
+// @param followed  whether the pose of the frame before was known
 FrameEvidence Tracker::Parts::use_pose(const TrackerFrame& frame, double dt, bool followed) {
   camera_from_previous =
       followed ? Rigid3(camera_from_world * inverse(previous_from_world)) : Rigid3::Identity();
@@ -402,8 +409,8 @@ bool Tracker::Parts::wants_keyframe() const {
     const double angle = Eigen::AngleAxisd(keyframe_from_camera.linear()).angle();
     return keyframe_from_camera.translation().norm() < kFarMoved * median_depth && angle < kTurned;
   };
-  // A camera that has not gone far yet has lost its landmarks to something else, creeping depths
-  // for instance: a keyframe more would not help.
+  // If the camera has not moved far yet, its inliers are few for another reason, for instance a
+  // slow error of the depths, and another keyframe would not help.
   if (since_keyframe < kKeyframeGap && is_near(map.keyframes.back())) return false;
   const int inliers = pose_search.inliers();
   if (inliers < kMust) return true;
@@ -415,7 +422,7 @@ bool Tracker::Parts::wants_keyframe() const {
   return std::none_of(map.keyframes.begin(), map.keyframes.end(), is_near);
 }
 
-// Makes this frame a keyframe, and begins the work beside the frames.
+// Makes this frame a keyframe, and begins its background work.
 void Tracker::Parts::keep(const TrackerFrame& frame) {
   if (worker.is_busy()) use_finished_work();
   Keyframe keyframe;
@@ -449,7 +456,7 @@ void Tracker::Parts::keep(const TrackerFrame& frame) {
   work_due = counts.frames + kLatency;
 }
 
-// Puts what was computed since the last keyframe into the map, and moves the camera with it.
+// Writes the result of the background work into the map, and corrects the camera's pose with it.
 void Tracker::Parts::use_finished_work() {
   KeyframeWork work = worker.finish();
   counts.adjust_cpu_s += work.cpu_s;
@@ -461,10 +468,10 @@ void Tracker::Parts::use_finished_work() {
   if (work.window) put_back(*work.window, map);
   if (work.graph && work.graph_is_solved) {
     corrections = close_loop(camera, *work.closing, *work.graph, map);
-    prediction_error_px = kUnknownError;  // old landmarks are to be looked for from far
+    prediction_error_px = kUnknownError;  // makes the next search for old landmarks a coarse one
     ++counts.loops;
   }
-  // The camera stands where it did, relative to the newest keyframe.
+  // The camera's pose relative to the newest keyframe does not change.
   const Rigid3 old_world_from_world = inverse(newest_from_old_world) * newest.camera_from_world;
   camera_from_world = moved_by(Twist::Zero(), camera_from_world * old_world_from_world);
   previous_from_world = moved_by(Twist::Zero(), previous_from_world * old_world_from_world);
@@ -472,7 +479,7 @@ void Tracker::Parts::use_finished_work() {
   if (settings.close_loops) loops.compare(work.loop, camera, median_depth, map.keyframes);
 }
 
-// --- the outside -------------------------------------------------------------------------------
+// --- the interface -----------------------------------------------------------------------------
 
 Tracker::Tracker(const TrackerSettings& settings) : parts_(std::make_unique<Parts>(settings)) {
   PALPABLE_EXPECT(settings.camera.camera.fx_px > 0 && settings.camera.camera.fy_px > 0 &&

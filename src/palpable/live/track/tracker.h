@@ -1,22 +1,22 @@
 /// @file
-/// Where the camera is, frame after frame (paper Sec. 3.3: stereo SLAM).
+/// Tracks the pose of the camera from frame to frame (paper Sec. 3.3: stereo SLAM).
 ///
-/// A landmark is a point of the world, kept with the patch of picture in which it was first seen.
-/// In every frame landmarks are looked for where the last motion predicts them, first in small
-/// images, then in large ones, their patches warped and smeared as the motion says
-/// (landmark_search.h). The pose is the one that agrees best with those that are found
-/// (pose_search.h, pose_fit.h). Now and then a frame is kept as a keyframe: it brings new landmarks
-/// (new_landmarks.h), and poses and landmarks of the last keyframes are adjusted together
+/// A landmark is a point of the world, stored with the patch of picture in which it was first seen.
+/// In every frame landmarks are searched at the positions that the last motion predicts, first in
+/// small images, then in large ones, with their patches warped and smeared by the predicted motion
+/// (landmark_search.h). The pose is the one that agrees best with the landmarks found
+/// (pose_search.h, pose_fit.h). Some frames are kept as keyframes: a keyframe adds new landmarks
+/// (new_landmarks.h), and then the poses and landmarks of the last keyframes are adjusted together
 /// (window.h, bundle.h).
 ///
-/// A camera that stands still is recognised by a few patches, at next to no cost (still_watch.h). A
-/// lost camera is recognised by its features (recogniser.h), and so is known ground to which the
-/// camera comes back with too much drift to find its landmarks (loop.h). track_states.h draws the
-/// states. docs/tracking.md says why all this is so and how well it does.
+/// A camera that stands still is detected with a few patches, at next to no cost (still_watch.h).
+/// Features are used to find the pose of a lost camera (recogniser.h), and to recognise a known
+/// part of the scene when drift is too large to find its landmarks (loop.h). track_states.h draws
+/// the states. docs/tracking.md explains the design and lists measured results.
 ///
 /// The world is the camera frame of the first keyframe, m. The same frames give the same poses to
-/// the bit, whether adjustments run on a thread of their own or not: a result is used a fixed
-/// number of frames after it was asked for.
+/// the bit, whether adjustments run on a thread of their own or not, because a result is used a
+/// fixed number of frames after its work began.
 #pragma once
 
 #include "palpable/common/geometry/correction.h"
@@ -34,13 +34,13 @@
 
 namespace palpable {
 
-/// What the depth camera has made of one frame. Pointers are read during the call only.
+/// The depth camera's output for one frame. Pointers are used only during the call.
 struct TrackerFrame {
   int number = 0;
   double time = 0;                    ///< s, by the source's stamps; rising
   const GrayImage* left = nullptr;    ///< luma, rectified, of TrackCamera's size
-  const GrayImage* right = nullptr;   ///< the same of the right eye; null: disparities are computed
-                                      ///< from the depth image
+  const GrayImage* right = nullptr;   ///< the same for the right camera; null: disparities are
+                                      ///< computed from the depth image
   const DepthImage* depth = nullptr;  ///< Z in m of the same view, as large or half as large
   /// 255 where something moves, of the depth's size; or null. Nothing is followed there.
   const MaskImage* moving = nullptr;
@@ -49,27 +49,28 @@ struct TrackerFrame {
 struct TrackedPose {
   Rigid3 world_from_camera = Rigid3::Identity();
   TrackState state = TrackState::kStarting;
-  int landmarks = 0;  ///< that agreed with the pose; 0 unless kTracking
-  int tried = 0;      ///< that were looked for; 0 unless kTracking
-  /// px by which the picture is not where the last motion predicts it; 0 unless kTracking.
+  int landmarks = 0;  ///< landmarks that agreed with the pose; 0 unless kTracking
+  int tried = 0;      ///< landmarks that were searched; 0 unless kTracking
+  /// Picture shift between the pose that the last motion predicts and the pose that was found, px;
+  /// 0 unless kTracking.
   double prediction_error_px = 0;
   bool keyframe = false;  ///< this frame became a keyframe
-  /// A loop was closed with this frame: what was placed by earlier poses may be off by their drift,
-  /// and Tracker::corrections() says by how much.
+  /// A loop was closed with this frame. Anything that was placed with earlier poses has their drift
+  /// as an error; Tracker::corrections() returns how to correct it.
   bool closed_loop = false;
-  /// The world begins with this frame, and the camera was lost before: for more than a second, or
-  /// without a keyframe. Nobody knows where in the new world that lies which was placed before. Its
-  /// first pose is the last one that was known in the old world.
+  /// A new world frame begins with this frame, after the camera was lost for more than a second or
+  /// before there was a keyframe. The position in the new world of anything that was placed before
+  /// is unknown. The first pose in the new world is the last known pose in the old one.
   bool new_world = false;
-  /// s since new_world was true last; infinite: it never was.
+  /// s since new_world was last true; infinite if it never was.
   double since_new_world = std::numeric_limits<double>::infinity();
   int newest_keyframe = -1;  ///< its frame number; -1: there is none
-  /// This frame's pose relative to the newest keyframe. With Tracker::keyframes() it gives the pose
-  /// with all corrections that have been made since.
+  /// This frame's pose relative to the newest keyframe. Combined with a later result of
+  /// Tracker::keyframes() it gives this pose with all corrections made in between.
   Rigid3 keyframe_from_camera = Rigid3::Identity();
 };
 
-/// Whether the world positions of what a frame shows are known.
+/// Whether the pose of a frame, and so the world position of everything in view, is known.
 [[nodiscard]] inline bool is_known(const TrackedPose& pose) {
   return pose.state == TrackState::kFixed || pose.state == TrackState::kTracking;
 }
@@ -81,52 +82,53 @@ struct KeyframePose {
 };
 
 struct TrackerSettings {
-  TrackCamera camera;  ///< of the full rectified left image; without a right eye its baseline is
-                       ///< kDepthCameraBaseline
-  double disparity_at_infinity_px = 0;  ///< that the right image shows of points infinitely far
+  TrackCamera camera;  ///< of the full rectified left image; for a colour + depth camera its
+                       ///< baseline is kDepthCameraBaseline
+  double disparity_at_infinity_px = 0;  ///< disparity of infinitely distant points in the pictures
   DepthNoise noise;                     ///< of the depth images
-  bool two_sensors = false;  ///< colour and depth come from two, which agree to some pixels only
+  bool two_sensors = false;  ///< colour and depth come from two sensors, aligned to some pixels
   bool adjust_on_thread = true;  ///< false: adjustments are made in track(), when they are due
-  bool watch_stillness = true;   ///< false: every frame is tracked in full, also of a camera that
-                                 ///< stands
-  bool adjust = true;            ///< false: no bundle adjustment, to see what it is worth
-  bool close_loops = true;       ///< false: drift stays, to see what closing loops is worth
-  int most_landmarks = 220;      ///< that are looked for in a frame
-  MapLimits limits;              ///< of what is remembered
+  bool watch_stillness = true;   ///< false: every frame is tracked in full, even if the camera
+                                 ///< stands still
+  bool adjust = true;            ///< false: no bundle adjustment, to measure its benefit
+  bool close_loops = true;       ///< false: no loops are closed, to measure the benefit
+  int most_landmarks = 220;      ///< largest number of landmarks that are searched in a frame
+  MapLimits limits;              ///< of the map
 };
 
-/// What the tracker has done so far, for benches.
+/// Statistics of the tracker since its construction, for benchmarks.
 struct TrackerCounts {
   int frames = 0;
-  int keyframes = 0;        ///< that were made
-  int kept_keyframes = 0;   ///< of them, those that are still remembered
+  int keyframes = 0;        ///< keyframes made
+  int kept_keyframes = 0;   ///< keyframes that are still in the map
   int lost = 0;             ///< frames without a pose
-  int stood = 0;            ///< frames that needed nothing but the patches of still_watch.h
+  int stood = 0;            ///< frames that needed only the patches of still_watch.h
   int recognised = 0;       ///< times that a lost camera found its pose again
-  int new_worlds = 0;       ///< that began after the camera was lost (TrackedPose::new_world)
-  int loops = 0;            ///< that were closed
-  int landmarks = 0;        ///< that are remembered and looked for
+  int new_worlds = 0;       ///< worlds begun after the camera was lost (TrackedPose::new_world)
+  int loops = 0;            ///< loops closed
+  int landmarks = 0;        ///< landmarks in the map that are alive
   double cpu_s = 0;         ///< of track(), on the calling thread
-  double adjust_cpu_s = 0;  ///< of what is done beside the frames (keyframe_work.h)
+  double adjust_cpu_s = 0;  ///< of the background work (keyframe_work.h)
 };
 
 class Tracker {
  public:
-  /// @throws ContractViolation unless focal lengths and baseline are positive and the limits hold
-  /// what one frame and its adjustment need
+  /// @throws ContractViolation unless focal lengths and baseline are positive and the limits are
+  ///         large enough for one frame and its adjustment
   explicit Tracker(const TrackerSettings& settings);
   Tracker(Tracker&&) noexcept;
   Tracker& operator=(Tracker&&) noexcept;
   ~Tracker();
 
-  /// Finds the pose of the next frame. Images of another size than the camera's make it lost.
+  /// Finds the pose of the next frame. If the images do not have the camera's size, the state
+  /// becomes kLost.
   TrackedPose track(const TrackerFrame& frame);
 
-  /// All keyframes that are remembered, with their poses as adjusted last.
+  /// All keyframes in the map, with their most recently adjusted poses.
   [[nodiscard]] std::vector<KeyframePose> keyframes() const;
   [[nodiscard]] TrackerCounts counts() const;
-  /// How the last loop that was closed has moved the keyframes that were remembered then; empty
-  /// before the first. Valid until the next call of track().
+  /// The corrections by the last closed loop of all keyframes that were then in the map; empty if no
+  /// loop was closed. Valid until the next call of track().
   [[nodiscard]] std::span<const Correction> corrections() const;
 
  private:

@@ -1,5 +1,5 @@
 /// @file
-/// Settings and frames of the tracker, made of what the depth camera knows.
+/// Converts the depth camera's calibration and frames into the tracker's settings and frames.
 #pragma once
 
 #include "palpable/live/depth/depth_camera.h"
@@ -7,7 +7,8 @@
 
 namespace palpable {
 
-/// Settings for the frames that `camera` makes. A colour + depth camera gets kDepthCameraBaseline.
+/// Settings for the frames that `camera` delivers. For a colour + depth camera the baseline is
+/// kDepthCameraBaseline.
 [[nodiscard]] TrackerSettings tracker_settings(const DepthCamera& camera);
 
 /// The frame for Tracker::track(). It points into `seen`, which must outlive that call.

@@ -7,11 +7,11 @@
 namespace palpable {
 namespace {
 
-constexpr std::size_t kHeld = 5;    // older keyframes
-constexpr int kLeastShared = 5;     // landmarks that one of them has in common with the window
-constexpr double kBadSquared = 16;  // a sighting beyond 4 sigmas after an adjustment is dropped
+constexpr std::size_t kHeld = 5;    // largest number of older keyframes that are held fixed
+constexpr int kLeastShared = 5;     // landmarks that each of them must share with the window
+constexpr double kBadSquared = 16;  // (4 sigma)^2; sightings with a larger residual are dropped
 
-// Landmarks seen in keyframes `first` and later, each once, rising.
+// Indices of the landmarks seen in keyframes `first` and later, without duplicates, in rising order.
 std::vector<int> landmarks_since(int first, const LandmarkMap& map) {
   std::vector<int> ids;
   for (std::size_t k = first; k < map.keyframes.size(); ++k) {
@@ -39,7 +39,7 @@ std::vector<int> held_keyframes(int first, const std::vector<int>& ids, const La
   return held;
 }
 
-// Enters the landmarks that two of the window's keyframes have seen.
+// Adds the landmarks that at least two of the window's keyframes have seen.
 // @param slot  (keyframes of the map) index in the window, -1: not in it
 void add_landmarks(const std::vector<int>& ids, const std::vector<int>& slot,
                    const LandmarkMap& map, AdjustmentWindow& window) {

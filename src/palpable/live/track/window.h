@@ -1,6 +1,6 @@
 /// @file
-/// The last keyframes and their landmarks, adjusted together (bundle.h) while the camera goes on:
-/// a copy of that part of the map is taken out, adjusted on any thread, and put back.
+/// The last keyframes and their landmarks, which are adjusted together (bundle.h) while tracking
+/// continues: a part of the map is copied, adjusted on any thread, and written back.
 #pragma once
 
 #include "palpable/live/track/bundle.h"
@@ -12,33 +12,33 @@
 
 namespace palpable {
 
-/// How many of the last keyframes are adjusted.
+/// The number of newest keyframes that are adjusted.
 inline constexpr int kWindow = 7;
 
 /// A part of the map. Plain data, so that another thread may adjust it while the map is used.
 struct AdjustmentWindow {
   BundleProblem problem;
-  std::vector<int> keyframes;            ///< index in the map, of problem.camera_from_world
-  std::vector<int> landmarks;            ///< index in the map, of problem.x_in_world
+  std::vector<int> keyframes;            ///< index in the map of each problem.camera_from_world
+  std::vector<int> landmarks;            ///< index in the map of each problem.x_in_world
   std::vector<std::pair<int, int>> bad;  ///< (landmark, keyframe) of sightings to drop
 };
 
-/// The last kWindow keyframes and all landmarks that two of them have seen, with up to 5 older
-/// keyframes that share the most landmarks with them. The older ones are held fixed: they tie the
-/// window to the world.
+/// Copies the last kWindow keyframes, up to 5 older keyframes that share the most landmarks with
+/// them, and the landmarks of the last kWindow keyframes that at least two of all these have seen.
+/// The older keyframes are held fixed, which ties the window to the world frame.
 [[nodiscard]] AdjustmentWindow window_of(const TrackCamera& camera, const LandmarkMap& map);
 
-/// Adjusts it, and enters the sightings that do not agree in `bad`.
+/// Adjusts the window, and lists the sightings that do not agree in `bad`.
 void adjust(AdjustmentWindow& window);
 
-/// Writes the result into the map that the window was taken from; no keyframe may have come or gone
-/// since. A landmark outside of the window keeps its place in its anchor's picture: it is moved as
-/// its anchor was.
+/// Writes the result into the map from which the window was copied. No keyframe may have been added
+/// or removed in between. A landmark that is not in the window moves together with its anchor, so
+/// that its position in the anchor's picture does not change.
 void put_back(const AdjustmentWindow& window, LandmarkMap& map);
 
-/// Moves the landmarks whose anchor has moved, as it was moved.
-/// @param world_from_old_world  (keyframes) of each one that has moved; nothing: it has not
-/// @param placed  (landmarks) 1: has its place already and is not moved
+/// Moves the landmarks whose anchor has moved together with the anchor.
+/// @param world_from_old_world  (keyframes) the motion of each keyframe; nothing: it has not moved
+/// @param placed  (landmarks) 1: its position is up to date and is not changed
 void move_landmarks(const std::vector<std::optional<Rigid3>>& world_from_old_world,
                     const std::vector<char>& placed, LandmarkMap& map);
 

@@ -84,7 +84,7 @@ class LiveControls {
   SceneShow show;
   int body = -1;  ///< the one to be placed, whose touches are listed; -1: all
   bool paused = false;
-  bool step_wanted = false;     ///< reset by whoever fulfils it
+  bool step_wanted = false;     ///< reset by the caller that fulfils it
   bool picture_wanted = false;  ///< likewise
   bool panel_shown = true;
   bool help_shown = false;

@@ -55,7 +55,7 @@ TEST_CASE("each component is painted as it is, by its name", "[view][painted_str
 }
 
 TEST_CASE(
-    "only pressure and components need SceneBody::cauchy; painting them again takes no memory",
+    "only pressure and components need the six numbers, and painting them again takes no memory",
     "[view][painted_stress]") {
   CHECK(needs_components(Field::kPressure));
   CHECK(needs_components(Field::kComponent));

@@ -23,9 +23,8 @@ constexpr float kLeastTurn = 0.02f;    // least 1 - |mean normal| of a paint: 0.
 constexpr int kFirstRounds = 40;       // of the first fit
 constexpr int kRounds = 8;             // of a fit that begins with the last estimate
 constexpr double kUsualWeight = 5e-4;  // of the usual light, as a ratio to that of all samples
-constexpr double kUsualDirected = 1.5;  // |b| of the usual light
-constexpr double kDirectedByWindow =
-    0.8;                               // |b| estimated beside a window, where the true one is 2.2
+constexpr double kUsualDirected = 1.5;     // |b| of the usual light
+constexpr double kDirectedByWindow = 0.8;  // |b| estimated beside a window; the true one is 2.2
 constexpr double kMostDirected = 4;    // |b|: the sun in a room is 5 times as bright as its shadows
 constexpr double kFollow = 0.2;        // weight of a new estimate in light()
 constexpr double kCauchy = 1.5;        // Cauchy scale, as a ratio to the spread of residuals

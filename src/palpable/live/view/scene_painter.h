@@ -57,8 +57,8 @@ class ScenePainter {
   ScenePainter& operator=(const ScenePainter&) = delete;
 
   /// Fills in everything of `drawn` except the scores; the time is added to the stage "draw".
-  /// `visible` and `body_depth` are left unchanged without masks, and for frames with in_files ==
-  /// false. A frame that is neither written to files nor shown in the window is not drawn.
+  /// `visible` and `body_depth` are left unchanged without masks, and for frames that are not
+  /// in_files. A frame that is neither written to files nor shown in the window is not drawn.
   void draw(DrawnFrame& drawn, const Session& session);
 
   /// Shows the picture drawn last in the window, unless the user has paused it, and handles the

@@ -34,8 +34,7 @@ inline constexpr std::array<NamedPaint, 11> kPaints{
      {"displacement", SceneShow::Field::kDisplacement},
      {"none", SceneShow::Field::kNone}}};
 
-/// The next value of an enumeration that has as many values as `names`; after the last one, the
-/// first.
+/// The next value of an enumeration with as many values as `names`; after the last one, the first.
 template <class Value, std::size_t N>
 [[nodiscard]] Value next_of(Value value, const std::array<const char*, N>& /*names*/) {
   return static_cast<Value>((static_cast<std::size_t>(value) + 1) % N);

@@ -166,7 +166,7 @@ function overLevels(place, { values, levels, label }) {
   }
 }
 
-// What the provenance says under keys that begin so, as the program that computed it wrote it.
+// The provenance lines whose keys begin so, as paragraphs.
 function said(beginning) {
   return DATA.provenance.filter(([key]) => key.startsWith(beginning)).map(([, value]) => make("p", { class: "note" }, `${value[0].toUpperCase()}${value.slice(1)}.`));
 }

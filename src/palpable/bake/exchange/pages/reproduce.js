@@ -1,5 +1,5 @@
-// The page that sets the paper's figures beside what was made here: pictures, tables, films, and the
-// commands that made them lie beside the page.
+// The page that compares the paper's figures with ours: pictures, tables, films and the commands that
+// made them. Its files are in the folder of the page.
 "use strict";
 
 function numbers(rows) {

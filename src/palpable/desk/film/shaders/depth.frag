@@ -1,5 +1,5 @@
 #version 450 core
-// The truth of depth: Z in the camera, m, and whether the surface moves.
+// The true depth: Z in the camera frame, m, and whether the surface moves.
 in float depth;
 uniform float moves;  // 1: hand, sleeve, pencil or cup
 out vec2 truth;

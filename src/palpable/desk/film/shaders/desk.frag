@@ -1,17 +1,17 @@
 #version 450 core
-// A surface in the light of a window (the sun, with shadows) and of the room. Light is linear; it is
-// written as its square root, which is also what the images hold.
+// A surface in the light of a window (the sun, with shadows) and of the room. Light is computed linearly
+// and written as its square root; images hold square roots, too.
 //
-// One program is compiled for each kind of surface. Mesa's software renderer runs through both sides of
-// a branch, so what a surface does not need is left out of its program:
+// One program is compiled for each kind of surface, with only the features that it needs, because Mesa's
+// software renderer executes both sides of a branch:
 //
 //   FAR             lit at its vertices (desk.vert), without shadows or highlights
-//   STILL_SHADOWS   things that stand still cast shadows on it
+//   STILL_SHADOWS   still things cast shadows on it
 //   MOVING_SHADOWS  movers cast shadows on it
-//   DESK_TOP        the desk's top: how much sun reaches it was computed before (desk_top.frag)
-//   MOVES           something that moves
-//   DETAIL          ... with finger nails or creases
-//   DARK            ... facing away from the sun
+//   DESK_TOP        the desk's top, for which the share of the sun was computed before (desk_top.frag)
+//   MOVES           a mover
+//   DETAIL          a mover with finger nails or creases
+//   DARK            a mover that faces away from the sun
 uniform sampler2D image;
 in vec2 image_uv;
 out vec4 color;
@@ -48,7 +48,7 @@ in vec3 n;
 #include "lit.glsl"
 #endif
 #ifdef STILL_SHADOWS
-in vec3 in_static_light;  // place in the shadow map and depth from the sun, 0..1
+in vec3 in_static_light;  // position in the shadow map and depth from the sun, 0..1
 uniform Shadow static_shadow;
 #endif
 #ifdef MOVING_SHADOWS

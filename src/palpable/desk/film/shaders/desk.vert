@@ -6,7 +6,7 @@ layout(location = 2) in vec2 uv;
 
 uniform mat4 clip_from_desk;
 
-invariant gl_Position;  // the same depth in all programs: one paints over the copy of another
+invariant gl_Position;  // equal depth in all programs: one paints over a copy of another
 out vec2 image_uv;
 
 #ifdef FAR
@@ -25,22 +25,22 @@ out vec3 at;
 
 #ifdef MOVES
 layout(location = 3) in vec4 extra;  // PaintedVertex::extra
-// As the shutter closes; position and normal are as it opens.
+// At the end of the exposure; position and normal are those at its beginning.
 layout(location = 4) in vec3 last_position;
 layout(location = 5) in vec3 last_normal;
-uniform float along;         // moment, 0: the shutter opens .. 1: it closes
-uniform float shadow_along;  // moment for which the movers' shadow was cast (shadow.vert)
+uniform float along;         // instant, 0: the shutter opens .. 1: it closes
+uniform float shadow_along;  // instant of the movers' shadow map (shadow.vert)
 #ifndef DARK
 uniform vec3 eye;     // desk frame, m
 uniform vec3 to_sun;  // desk frame, unit
-// The direction half way between sun and eye. Triangles are small against their distance: it may be
-// interpolated between corners.
+// The direction half way between sun and eye. It may be interpolated between the corners of a triangle
+// because triangles are small compared with their distance.
 out vec3 half_way;
 #endif
-out float open_room;  // share of the room's light that arrives
+out float open_room;  // share of the room's light that reaches the surface
 #ifdef DETAIL
 out float crease;
-out vec2 nail;  // place on a finger nail, whose edge is the unit circle
+out vec2 nail;  // position on a finger nail, whose edge is the unit circle
 #endif
 #endif
 #ifdef STILL_SHADOWS

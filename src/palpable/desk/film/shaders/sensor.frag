@@ -1,36 +1,36 @@
 #version 450 core
-// Lens and sensor: from the ideal picture (painted without a lens) to the raw one, with vignetting, gain
-// and noise.
+// Lens and sensor: computes the raw picture from the ideal one (painted without a lens), with vignetting,
+// gain and noise.
 //
-// Compiled with nothing defined for a picture of one moment, or with
+// Compiled with nothing defined for a picture of one instant, or with
 //
 //   ROWS     rows are read one after the other
-//   EXPOSED  the mean of several moments (exposure.h)
-//   LAYERS   ... in which movers lie before what stands still
-//   TURNS    ... between which the eye turns
+//   EXPOSED  the mean of several instants (exposure.h)
+//   LAYERS   EXPOSED, with pictures of movers in front of the still things
+//   TURNS    EXPOSED, and the eye turns between the instants
 //
-// A "place" is a point of the ideal picture, 0..1 across it.
-uniform sampler2D lens_map;  // for each raw pixel the place that its light comes from
+// A "place" is a position in the ideal picture, 0..1 across it.
+uniform sampler2D lens_map;  // for each raw pixel the place from which its light comes
 // Pictures hold the square root of light.
 #ifdef EXPOSED
 uniform sampler2DArray stills;
 uniform int references;  // pictures in `stills`
-uniform int layers;      // pictures of movers before each of these
-uniform float weight;    // 1 / number of moments
+uniform int layers;      // pictures of movers for each of these
+uniform float weight;    // 1 / number of samples
 #else
 uniform sampler2D ideal;
 #endif
 #ifdef ROWS
-uniform float moment_row;  // the raw row that is read at the moment of the ideal picture
-// What the camera's turn adds to a homogeneous place from one row to the next.
+uniform float moment_row;  // the raw row that is read at the instant of the ideal picture
+// Change of a homogeneous place from one row to the next, due to the camera's rotation.
 uniform mat3 turn_per_row;
 #endif
 #ifdef LAYERS
 uniform sampler2DArray movers;  // alpha: 1 where there is a mover
 #endif
 #ifdef TURNS
-uniform int looks;  // moments for each layer
-// Homographies of places: to the reference, from a look's moment and from a layer's.
+uniform int looks;  // instants per layer
+// Homographies of places to the reference, from the instant of a look and from that of a layer.
 uniform mat3 still_from_moment[30];
 uniform mat3 still_from_layer[20];
 #endif
@@ -56,7 +56,7 @@ uvec3 scatter(uvec3 v) {
   return v;
 }
 
-// The sum of four random bytes is nearly normal. Scaled to mean 0 and variance 1.
+// A nearly normal random number, of mean 0 and variance 1: the sum of four random bytes, scaled.
 float normal_of(uint bits) {
   uint sum = (bits & 255u) + ((bits >> 8u) & 255u) + ((bits >> 16u) & 255u) + (bits >> 24u);
   return (float(sum) - 510.0) / 147.8;  // 2 sqrt((256^2 - 1) / 12)
@@ -66,8 +66,8 @@ vec2 place_of(ivec2 pixel) { return texelFetch(lens_map, pixel, 0).xy; }
 vec2 flat_of(vec3 place) { return place.xy / place.z; }
 
 #ifdef EXPOSED
-// Loops count down: Mesa would unroll loops that count up to the sizes of the arrays, and its software
-// renderer would run through all of it.
+// Loops count down. Loops that count up would be unrolled by Mesa to the sizes of the arrays, and its
+// software renderer would execute all iterations.
 vec3 encoded_light(ivec2 pixel) {
   vec2 here = place_of(pixel);
   vec3 sum = vec3(0.0);
@@ -119,7 +119,7 @@ void main() {
   vec2 off = (vec2(pixel) - optical_centre) / corner_radius;
   float falloff = gain * (1.0 - vignetting * dot(off, off));
   uvec3 bits = scatter(uvec3(uint(pixel.x), uint(pixel.y), uint(noise_key)));
-  // Most of a camera's noise is common to the channels after demosaicing.
+  // After demosaicing, most of a camera's noise is common to the channels.
   float luma = 0.94 * normal_of(bits.x);
   vec3 color = 0.5 * vec3(normal_of(bits.y), normal_of(bits.z), normal_of(bits.y ^ (bits.z * 2654435769u)));
   raw = vec4(encoded * sqrt(falloff) + noise / 255.0 * (luma + color), 1.0);

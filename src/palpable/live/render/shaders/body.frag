@@ -1,5 +1,5 @@
 #version 450 core
-// Colour and metric depth of the body.
+// The colour and metric depth of a body.
 in vec3 x_in_camera;
 in vec3 n_in_camera;
 in float share;

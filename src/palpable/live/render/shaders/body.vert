@@ -1,16 +1,16 @@
 #version 450 core
-// A streamed body: body frame in, camera frame and clip space out.
+// Transforms a body from the body frame to the camera frame and clip space.
 layout(location = 0) in vec3 position;  // body frame, m
 layout(location = 1) in vec3 normal;    // body frame, unit
 layout(location = 2) in float scalar;   // Pa, or m
 layout(location = 3) in float mark;     // 0 plain .. 1 marked
-layout(location = 4) in float shade;    // share of the lamp that real things keep away
+layout(location = 4) in float shade;    // share of the lamp's light that real things block
 
 #include "depth.glsl"
 #include "project.glsl"
 
 uniform mat4 camera_from_body;
-uniform float scalar_max;  // likewise, > 0: top of the colour scale
+uniform float scalar_max;  // top of the colour scale, > 0, in the unit of `scalar`
 
 out vec3 x_in_camera;  // m
 out vec3 n_in_camera;

@@ -1,9 +1,9 @@
-// The colours of what has one sign, as von Mises stress: steel blue (nothing) over rose to yellow (all of the
-// scale).
+// The colour scale of fields with one sign, such as von Mises stress: from steel blue (0) over rose
+// to yellow (top of the scale).
 //
 // A path through CIELAB with L* rising evenly from 36 to 93, so that more stress is always lighter,
 // in print and for every kind of colour vision; fitted by a polynomial in sRGB of degree 6 to 0.05.
-// Also compiled as C++ (color_map.cpp): GLSL and C++ share this text.
+// Also compiled as C++ (color_map.cpp).
 
 /// sRGB, 0..1, of a share t of the scale; t is clamped to 0..1.
 vec3 color_map(float t) {
@@ -18,17 +18,18 @@ vec3 color_map(float t) {
   return clamp(c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * (c5 + t * c6))))), 0.0f, 1.0f);
 }
 
-/// A material of this colour (sRGB) with a share t of the scale painted on it. Paint covers it wholly
-/// from the share `opaque` on and lets it through below, so that what bears nothing looks like the
-/// material; 0: it covers everywhere.
+/// The colour (sRGB) of a material painted with a share t of the scale. The scale's colours cover
+/// the material completely from the share `opaque` on and are blended below, so that parts without
+/// load have the material's colour. opaque = 0: no blending.
 vec3 painted(vec3 material, float t, float opaque) {
   float cover = opaque > 0.0f ? smoothstep(0.15f * opaque, opaque, t) : 1.0f;
   return (1.0f - cover) * material + cover * color_map(t);
 }
 
-// The colours of what has two signs: deep blue (the scale's length below 0) over a light grey (0) to deep
-// red. As far from 0 on either side is about as dark, and farther is always darker; blue and red are told
-// apart by every kind of colour vision. Each side is a parabola in sRGB through its end and a middle.
+// The colour scale of fields with two signs: from deep blue (-1) over light grey (0) to deep red
+// (1). Values of the same size are about equally dark on both sides, and larger ones are always
+// darker; blue and red can be distinguished with every kind of colour vision. Each side is a
+// parabola in sRGB.
 
 /// sRGB, 0..1, of a share t of the scale; t is clamped to -1..1.
 vec3 two_sided_color_map(float t) {
@@ -42,7 +43,7 @@ vec3 two_sided_color_map(float t) {
   return zero + below * (blue1 + below * blue2) + above * (red1 + above * red2);
 }
 
-/// painted() with the two-sided colours: what is near 0 on either side looks like the material.
+/// painted() with the two-sided colours: values near 0 on either side have the material's colour.
 vec3 two_sided_painted(vec3 material, float t, float opaque) {
   float cover = opaque > 0.0f ? smoothstep(0.15f * opaque, opaque, abs(t)) : 1.0f;
   return (1.0f - cover) * material + cover * two_sided_color_map(t);

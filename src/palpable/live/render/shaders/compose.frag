@@ -1,13 +1,13 @@
 #version 450 core
-// The body over the camera image, hidden where a real surface is nearer: Z against Z, both metric.
-// Blended as premultiplied colour.
+// Puts the bodies over the camera image, hidden where a real surface is nearer. Compares Z with Z,
+// both metric. Blended as premultiplied colour.
 #include "depth.glsl"
 
 layout(binding = 0) uniform sampler2D body_color;  // sRGB
-layout(binding = 1) uniform sampler2D body_depth;  // m, 0 where no body
+layout(binding = 1) uniform sampler2D body_depth;  // m, 0 without a body
 layout(binding = 2) uniform sampler2D real_depth;  // m, 0 unknown; often coarser than the picture
-layout(binding = 3) uniform sampler2D fine_depth;  // m, 0 unknown, a texel for each pixel
-uniform vec4 fine_box;  // x0 y0 x1 y1 of the picture, px: there fine_depth counts, not real_depth
+layout(binding = 3) uniform sampler2D fine_depth;  // m, 0 unknown, one texel per pixel
+uniform vec4 fine_box;  // x0 y0 x1 y1 of the picture, px: here fine_depth is used, not real_depth
 uniform vec2 depth_per_picture;  // texels of real_depth per pixel of the picture
 uniform ivec2 last;              // the last pixel of the picture
 
@@ -15,15 +15,16 @@ layout(location = 0) out vec4 color;
 layout(location = 1) out float visible_mask;
 
 #ifdef HARD
-/// As the paper has it: 1 where the real depth at this pixel is known and nearer, else 0.
+/// The test of the paper: 1 where the real depth at this pixel is known and nearer, else 0.
 float hidden(ivec2 p, float z) {
   float real = texelFetch(real_depth, ivec2((vec2(p) + 0.5) * depth_per_picture), 0).r;
   return real > 0.0 && real < z ? 1.0 : 0.0;
 }
 #else
 #ifndef ALL_FINE
-/// Share hidden at picture position p (pixel centres at halves). The decision is interpolated, not
-/// the depth: between a hand and the wall behind it there is no surface half way.
+/// The hidden share at picture position p (pixel centres at halves). The decisions of four texels
+/// are interpolated, not their depths: there is no surface half way between a hand and the wall
+/// behind it.
 float hidden_at(vec2 p, float z) {
   vec2 t = p * depth_per_picture - 0.5;
   vec2 corner = floor(t);
@@ -40,7 +41,7 @@ float hidden_at(vec2 p, float z) {
 }
 
 #endif
-/// The same of the fine depth, whose decisions are mixed over 3 x 3 pixels to soften the stairs.
+/// The same with the fine depth, whose decisions are averaged over 3 x 3 pixels to soften stairs.
 float hidden_at_pixel(ivec2 p, float z) {
   ivec2 low = ivec2(fine_box.xy);
   ivec2 high = ivec2(fine_box.zw) - 1;
@@ -55,7 +56,7 @@ float hidden_at_pixel(ivec2 p, float z) {
 }
 
 #ifdef ALL_FINE
-/// The fine depth reaches wherever a body may be.
+/// The fine depth covers all pixels that may show a body.
 float hidden(ivec2 p, float z) { return hidden_at_pixel(p, z); }
 #else
 float hidden(ivec2 p, float z) {
@@ -66,8 +67,8 @@ float hidden(ivec2 p, float z) {
 #endif
 #endif
 
-// A renderer in software walks all of this for every pixel, whatever the conditions say: each texel
-// is fetched once.
+// A software renderer executes both branches of every condition for all pixels, so each texel is
+// fetched only once.
 void main() {
   ivec2 p = ivec2(gl_FragCoord.xy);
   float own = texelFetch(body_depth, p, 0).r;
@@ -94,7 +95,8 @@ void main() {
   }
   if (cover == 0.0) discard;
   float z = own > 0.0 ? own : z_sum / cover;
-  // At an outline, its own or one inside it (an ear before the back): mix, to soften the stairs.
+  // Averaged at the body's outline, and at outlines inside it (an ear before the back), to soften
+  // stairs.
   if (own == 0.0 || jump > 0.01 * own) paint = paint_sum / cover;
   float visible = 1.0 - hidden(p, z);
   float alpha = smoothstep(0.1, 0.9, cover) * visible;

@@ -16,7 +16,7 @@ layout(location = 0) out vec4 color;
 layout(location = 1) out float z;
 
 void main() {
-  // The ray through this pixel at the depth of the centre: a ball seen from afar is its outline.
+  // The pixel's ray at the depth of the centre. Perspective within the ball is neglected.
   vec2 at = (gl_FragCoord.xy - 0.5 - pinhole.zw) / pinhole.xy * centre.z - centre.xy;
   float inside = r * r - dot(at, at);
   if (inside < 0.0) discard;

@@ -1,5 +1,5 @@
 #version 450 core
-// Marks on the body: little balls, drawn as points.
+// Dots on a body: small balls, drawn as points.
 layout(location = 0) in vec3 position;  // body frame, m
 layout(location = 1) in float radius;   // m
 layout(location = 2) in vec3 tint;      // sRGB

@@ -1,5 +1,5 @@
 #version 450 core
-// One triangle that covers the viewport, from gl_VertexID alone (draw three vertices).
+// Makes one triangle that covers the viewport from gl_VertexID (draw three vertices).
 out vec2 uv;  // 0..1 across the viewport, row 0 of the picture at 0
 
 void main() {

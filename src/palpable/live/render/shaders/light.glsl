@@ -1,4 +1,4 @@
-// Light on the body: the room's, brighter from above, one lamp, a little gloss.
+// Light on a body: that of the room, which is brighter from above, one lamp, and a little gloss.
 
 /// Linear light of an sRGB colour, by x^2.2.
 vec3 linear_of_srgb(vec3 c) { return pow(c, vec3(2.2)); }
@@ -11,8 +11,8 @@ vec3 srgb_of_linear(vec3 c) { return pow(c, vec3(1.0 / 2.2)); }
 ///   color   linear, of all light; 1: a well lit room
 vec3 lit(vec3 albedo, vec3 n, vec3 key, vec3 up, vec3 view, float lamp, vec3 color) {
   float sky = 0.5 + 0.5 * dot(n, up);
-  // Wrapped a little: light that enters soft material leaves it beyond the terminator. Not more, for
-  // the light that grazes is what shows a dent.
+  // The diffuse term extends slightly beyond the terminator, because light scatters within soft
+  // material. Only slightly, since dents are visible mainly by grazing light.
   float diffuse = lamp * max((dot(n, key) + 0.1) / 1.1, 0.0);
   float gloss = lamp * pow(max(dot(n, normalize(key + view)), 0.0), 40.0);
   float rim = pow(1.0 - max(dot(n, view), 0.0), 4.0) * sky;

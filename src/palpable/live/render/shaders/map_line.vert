@@ -1,5 +1,5 @@
 #version 450 core
-// Stretches of line of a width in pixels: a strip of four vertices for each.
+// Lines of a width in pixels: a strip of four vertices for each.
 layout(location = 0) in vec3 from;        // world, m
 layout(location = 1) in vec3 to;          // world, m
 layout(location = 2) in vec3 tint;        // sRGB
@@ -10,12 +10,12 @@ layout(location = 3) in float half_width; // px
 
 uniform mat4 camera_from_world;
 uniform float width_scale;  // px of this framebuffer per px of the picture
-uniform float cap;          // 1: ends are round, 0: cut off where the stretch ends
+uniform float cap;          // 1: ends are round, 0: cut off at the line's ends
 
 flat out vec3 paint;
 flat out float reach;                 // px
 flat out float length_px;
-noperspective out vec2 along_across;  // px from the beginning, from the middle
+noperspective out vec2 along_across;  // px along the line from its start, px across from its middle
 
 void main() {
   vec3 a = (camera_from_world * vec4(from, 1.0)).xyz;

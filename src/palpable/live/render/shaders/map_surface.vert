@@ -15,8 +15,9 @@ out vec3 paint;
 void main() {
   vec3 x = (camera_from_world * vec4(position, 1.0)).xyz;
   gl_Position = clip_of_camera(x);
-  // The camera's colours hold the room's own light. What turns away from the eye is a little
-  // darker, what faces up a little lighter: enough to tell a table from the floor below it.
+  // The camera's colours include the light of the room. Surfaces that turn away from the eye are
+  // made slightly darker, and those that face up slightly lighter, so that a table can be
+  // distinguished from the floor below it.
   vec3 to_eye = normalize(-x);
   vec3 n = mat3(camera_from_world) * normal;
   float facing = max(dot(n, to_eye), 0.0);

@@ -1,5 +1,5 @@
 #version 450 core
-// A corner of a triangle of the panel.
+// Transforms a vertex of the panel.
 layout(location = 0) in vec2 at;         // px of the window, (0, 0) its upper left corner
 layout(location = 1) in vec2 at_in_font;  // 0 .. 1 of the texture
 layout(location = 2) in vec4 color;

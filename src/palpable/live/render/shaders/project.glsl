@@ -1,4 +1,4 @@
-// From the camera frame (X right, Y down, Z forward) to clip space, such that the centre of pixel
+// Maps the camera frame (X right, Y down, Z forward) to clip space, such that the centre of pixel
 // (u, v) of the picture is the centre of window pixel (u, v): row 0 of the framebuffer is the top
 // row of the picture. Needs depth.glsl.
 

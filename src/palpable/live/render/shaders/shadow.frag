@@ -1,9 +1,8 @@
 #version 450 core
-// Darkens the background where bodies keep the light from it (real_shadows.h). Blended by
-// multiplication.
-layout(binding = 0) uniform sampler2D left;  // share of the light, a texel for each 2 x 2 pixels
-uniform vec2 corner;                         // px: where the first texel begins
-uniform vec2 used;                           // texels of `left` that hold something
+// Darkens the background where bodies throw shadows (real_shadows.h). Blended by multiplication.
+layout(binding = 0) uniform sampler2D left;  // share of light left, one texel per 2 x 2 pixels
+uniform vec2 corner;                         // px, the first texel's corner
+uniform vec2 used;                           // size of the valid part of `left`, texels
 
 layout(location = 0) out vec4 factor;
 

@@ -1,11 +1,11 @@
 #version 450 core
-// A bright studio: a floor with a faint grid that fades into the backdrop.
+// Draws a bright studio: a floor with a faint grid that fades into the backdrop.
 in vec2 uv;
 
 uniform vec4 pinhole;          // fx, fy, cx, cy in px
 uniform mat3 body_from_camera; // directions
 uniform vec3 eye;              // of the camera in the body frame, m; the floor is Z = 0
-uniform float fade;            // m from the origin at which the floor is gone
+uniform float fade;            // m from the origin at which the floor has faded out
 
 layout(location = 0) out vec4 color;  // sRGB
 
@@ -13,8 +13,8 @@ const vec3 kFloor = vec3(0.885, 0.893, 0.905);
 const vec3 kHorizon = vec3(0.80, 0.82, 0.85);
 const vec3 kTop = vec3(0.60, 0.64, 0.70);
 
-/// Share of a line of half width 1/2 px in a pixel, for lines at whole numbers of x; it fades out
-/// where lines would be nearer than about 4 px to each other.
+/// The share of a pixel covered by grid lines at integers of x, 1 px wide. Fades out where lines
+/// would be nearer than about 4 px to each other.
 float line_share(vec2 x) {
   vec2 footprint = max(fwidth(x), vec2(1e-6));
   vec2 to_line = abs(fract(x - 0.5) - 0.5) / footprint;
