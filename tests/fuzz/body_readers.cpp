@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Presses it a little, as every program does that has read a body.
+// Presses it a little, as programs do after reading a body.
 void press(const ReducedBody& whole) {
   const Result<ReducedBody> settled_body = settled(whole, {});
   if (!settled_body.ok()) return;
@@ -45,7 +45,7 @@ std::vector<std::string> write_bodies(const fs::path& folder) {
   return {"plain.palpable", "further.palpable", "several.palpable"};
 }
 
-// Presses a plane into it, by its tables.
+// Presses a plane into it, using its tables.
 void touch(const TouchableBody& read) {
   if (!read.touch) return;
   TouchSolver solver(read.body.surface, read.body.fixed, *read.touch);

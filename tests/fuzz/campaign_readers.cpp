@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A store of two sites and two levels whose numbers mean nothing.
+// A store of two sites and two levels with arbitrary numbers.
 std::vector<std::string> write_store(const fs::path& folder) {
   StoreContent content;
   content.name = "block";

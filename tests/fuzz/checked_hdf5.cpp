@@ -59,7 +59,8 @@ void spoil_attribute(hid_t file, const Place& place, Random& random) {
   } else {
     spoil_number(data, 1, false, random);
   }
-  // Made anew: AddressSanitizer sees HDF5 1.10 write beyond what it has read when it is changed.
+  // Deleted and created again: AddressSanitizer finds that HDF5 1.10 writes out of bounds when an
+  // attribute that was read is changed.
   H5Adelete(object, place.attribute.c_str());
   const hdf5::Handle made(
       H5Acreate2(object, place.attribute.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,

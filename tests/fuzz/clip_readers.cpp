@@ -30,7 +30,7 @@ Rigid3 pose_of(int frame) {
   return pose;
 }
 
-// A text of three lines, each by the format's own writer.
+// A text of three lines, written by the format's own writer.
 template <class Line>
 std::string three(const Line& line) {
   return line(0) + line(1) + line(2);

@@ -1,5 +1,5 @@
 /// @file
-/// Every reader of files that others may have written, by name: files that it reads, and how.
+/// All readers of files that may come from other programs, by name, with valid files for each.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -14,20 +14,20 @@ namespace palpable::fuzz {
 
 struct FuzzReader {
   std::string name;
-  /// Writes small valid files into an empty folder. Returns the names of those that are damaged,
-  /// one at a time.
+  /// Writes small valid files into an empty folder. Returns the names of those that are to be
+  /// damaged, one at a time.
   std::function<std::vector<std::string>(const std::filesystem::path& folder)> write;
-  /// Reads, and looks at what was read. What a user would be told, by an Error or as the answer;
-  /// empty when nothing is wrong.
+  /// Reads the file and uses the content. Returns the message that a user would get, from an Error
+  /// or as a result; empty if nothing is wrong.
   std::function<std::string(const std::filesystem::path& folder, const std::filesystem::path& file)>
       read;
-  /// Messages may name the folder instead of the file: a recording is a folder.
+  /// The message may name the folder in place of the file, for recordings that are folders.
   bool names_folder = false;
-  /// Instead of mutated(), for files with a checksum: damage behind it.
+  /// Damage used in place of mutated(), for files with a checksum.
   std::function<std::string(const std::string& bytes, Random& random)> mutate = {};
 };
 
-/// What a user is told of a Result; `look` gets the value.
+/// The message of a Result that is a problem; else calls `look` with its value.
 template <class T, class Look>
 std::string said(const Result<T>& result, const Look& look) {
   if (!result.ok()) return result.problem().message;
@@ -35,7 +35,7 @@ std::string said(const Result<T>& result, const Look& look) {
   return {};
 }
 
-// Each adds those of its part of the project.
+// Each function adds the readers of one part of the project.
 void add_surface_readers(std::vector<FuzzReader>& readers);
 void add_mesh_readers(std::vector<FuzzReader>& readers);
 void add_body_readers(std::vector<FuzzReader>& readers);

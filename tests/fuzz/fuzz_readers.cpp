@@ -1,9 +1,9 @@
-// Damages small valid files a thousand times and hands them to their readers, each time in a
-// process of its own with 2 GB of memory and three seconds.
+// Damages small valid files a thousand times and passes them to their readers, each in a process of
+// its own, limited to 2 GB of memory and three seconds.
 //
 //   fuzz_readers --list                              names of readers
-//   fuzz_readers surface.stl --count 1000            exit code 1 when one died, hung, or said
-//                                                    something without the name of the file
+//   fuzz_readers surface.stl --count 1000            exit code 1 when a reader crashed, hung, or
+//                                                    gave a message without the file's name
 //   fuzz_readers surface.stl --first 17 --count 1    one damage again; the file is kept
 
 #include "palpable/common/base/contract.h"
@@ -37,7 +37,7 @@ namespace {
 namespace fs = std::filesystem;
 
 #ifdef PALPABLE_ASAN
-constexpr bool kSanitized = true;  // takes terabytes of addresses, and its time
+constexpr bool kSanitized = true;  // needs terabytes of address space, and more time
 #else
 constexpr bool kSanitized = false;
 #endif
@@ -55,7 +55,7 @@ void write_bytes(const fs::path& path, const std::string& bytes) {
       .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-// How a process ended, and what it had to say.
+// How a process ended, and its message.
 struct End {
   bool hung = false;
   int status = 0;
@@ -66,7 +66,7 @@ struct End {
   }
 };
 
-// Runs `work` in a process of its own; what it prints goes to the file `printed`.
+// Runs `work` in a process of its own; its output goes to the file `printed`.
 End run_apart(const std::function<std::string()>& work, const fs::path& printed) {
   int ends[2];
   if (::pipe(ends) != 0) throw Error(std::strerror(errno));
@@ -112,7 +112,7 @@ End run_apart(const std::function<std::string()>& work, const fs::path& printed)
   return end;
 }
 
-// What is wrong with how a damaged file was met; empty: nothing.
+// What the reader did wrong with a damaged file; empty if nothing.
 std::string fault_of(const End& end, const FuzzReader& reader, const fs::path& folder,
                      const fs::path& file) {
   if (end.hung) return fmt::format("not done after {} ms", kMilliseconds);
@@ -137,7 +137,7 @@ struct Options {
   fs::path work = fs::temp_directory_path() / "palpable_fuzz";
 };
 
-// The files from which damage begins, by their names.
+// The undamaged files, by their names.
 std::map<std::string, std::string> valid_files(const FuzzReader& reader, const fs::path& folder,
                                                const fs::path& printed) {
   fs::remove_all(folder);
@@ -164,7 +164,7 @@ std::map<std::string, std::string> valid_files(const FuzzReader& reader, const f
   return files;
 }
 
-// @return how many were met wrongly
+// @return number of files that the reader handled wrongly
 int fuzz(const FuzzReader& reader, const Options& options) {
   const fs::path folder = options.work / (reader.name + "_files");
   const fs::path printed = options.work / (reader.name + "_printed.txt");
@@ -174,7 +174,8 @@ int fuzz(const FuzzReader& reader, const Options& options) {
     names.push_back(name);
     contents.push_back(bytes);
   }
-  // What is not damaged has to be read: else every refusal below would be one of the valid file.
+  // The undamaged files must be readable; otherwise all tests below would only show
+  // that they are not.
   for (const std::string& name : names) {
     const End whole = run_apart([&] { return reader.read(folder, folder / name); }, printed);
     if (!whole.message.empty() || whole.died() || whole.hung) {

@@ -23,7 +23,7 @@ std::string read_volume(const fs::path& /*folder*/, const fs::path& file) {
   });
 }
 
-// Fields and, where the format has them, tetrahedra.
+// Reads fields and, if the format has them, tetrahedra.
 std::string read_fields(const fs::path& /*folder*/, const fs::path& file) {
   const NodalFile nodal = read_nodal_file(file);
   double sum = 0;
@@ -78,7 +78,7 @@ std::string binary_vtk() {
          big(std::array{10}) + "\nPOINT_DATA 4\nFIELD f 1\nu 3 4 double\n" + big(points) + "\n";
 }
 
-// Arrays as text, as base64 and packed by zlib, behind the XML.
+// Arrays as text, as base64 and compressed by zlib, after the XML.
 std::string packed_vtu() {
   const std::array points{0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1.};
   const auto size = static_cast<std::uint32_t>(sizeof points);

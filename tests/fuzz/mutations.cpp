@@ -12,11 +12,11 @@
 namespace palpable::fuzz {
 namespace {
 
-constexpr std::size_t kLargest = 4u << 20;  // bytes: more damage takes longer, and finds no more
+constexpr std::size_t kLargest = 4u << 20;  // bytes; larger files take longer and reveal no more
 
 std::size_t below(Random& random, std::size_t end) { return end == 0 ? 0 : random() % end; }
 
-// A place and a length within `size` bytes; short ones are likelier.
+// A random position and length within `size` bytes; short lengths are more probable.
 std::pair<std::size_t, std::size_t> range_in(Random& random, std::size_t size) {
   const std::size_t at = below(random, size + 1);
   const std::size_t longest = std::min<std::size_t>(size - at, 1u << below(random, 12));
@@ -50,7 +50,8 @@ constexpr std::array<std::string_view, 26> kNumbers{"0",
                                                     "+7",
                                                     "0x10"};
 
-// Where a number in letters begins and ends, from a random place on; an empty range without one.
+// Begin and end of the first decimal number after a random position; an empty range
+// if there is none.
 std::pair<std::size_t, std::size_t> number_in(Random& random, std::string_view text) {
   const std::string_view digits = "0123456789";
   const std::size_t from = below(random, text.size());
@@ -66,7 +67,7 @@ std::pair<std::size_t, std::size_t> number_in(Random& random, std::string_view t
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> lines_of(std::string_view text) {
-  std::vector<std::pair<std::size_t, std::size_t>> lines;  // begin, length with its end
+  std::vector<std::pair<std::size_t, std::size_t>> lines;  // begin, length including the line end
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
     lines.emplace_back(at, end - at);

@@ -11,15 +11,15 @@ namespace palpable::fuzz {
 
 using Random = std::mt19937_64;
 
-/// A file with one to sixteen things wrong: bits, bytes, lines and numbers changed, taken away,
-/// doubled or repeated, the end cut off, nested brackets put in, a part of another file put in.
+/// A file with one to sixteen defects: bits, bytes, lines and numbers changed, removed, duplicated
+/// or repeated; the end truncated; nested brackets or a part of another file inserted.
 /// @param bytes      a valid file
-/// @param relatives  files whose parts may be put in: the same one, others of its format
+/// @param relatives  files whose parts may be inserted: the same file, others of its format
 [[nodiscard]] std::string mutated(std::string bytes, std::span<const std::string> relatives,
                                   Random& random);
 
-/// The same for numbers as they lie in memory: of these bytes, one number of `size` bytes (1, 2, 4,
-/// 8) becomes one that programs trip over: 0, -1, the largest, NaN, infinity.
+/// Replaces one number of `size` bytes (1, 2, 4, 8) in binary data by a value that programs often
+/// handle wrongly: 0, -1, the largest value, NaN, infinity.
 void spoil_number(std::span<char> bytes, std::size_t size, bool floating, Random& random);
 
 }  // namespace palpable::fuzz

@@ -32,7 +32,7 @@ using Eigen::Vector3d;
 constexpr int kFrames = 3, kWidth = 20, kHeight = 10;
 const Rigid3 kHere = Rigid3::Identity();
 
-// A ball, pushed in at its top.
+// A ball with a dent at its top.
 ValuedSurface skin(double depth) {
   ValuedSurface skin{sphere_surface({0, 0, 0.4}, 0.05, 2), {}};
   skin.values = Eigen::VectorXd::Zero(skin.surface.vertex_count());
@@ -63,7 +63,7 @@ MaskImage some_mask() {
   return mask;
 }
 
-// What a clip has of its hand.
+// The hand of a clip.
 std::vector<std::string> write_hands(const fs::path& truth) {
   test::write_bytes(truth / "contact.jsonl", lines_of([](int f) {
                       ContactLine line{f, f > 0, 0.005, 1, Vector3d(0, 0, 0.45)};
@@ -160,7 +160,7 @@ std::vector<std::string> write_clip(const fs::path& folder) {
   return names;
 }
 
-// A closed surface, and where it goes.
+// A closed surface and its path.
 std::string follow(const fs::path& folder, const fs::path& /*file*/) {
   const std::array<std::string, 2> texts{(folder / "cup.off").string(),
                                          "sphere 8mm at 0,0,0.16 to 0,0,0.14"};

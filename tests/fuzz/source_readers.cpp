@@ -42,7 +42,7 @@ void write_image(const fs::path& path, int type = CV_8UC3) {
   cv::imwrite(path.string(), image);
 }
 
-// Opens what is in a folder and plays it. What is told of the source or of one of its frames.
+// Opens the folder and plays it. Returns the messages about the source or one of its frames.
 std::string play(const std::string& source) {
   CameraRequest request;
   request.device = source;
@@ -192,13 +192,13 @@ std::string play_recording(const fs::path& /*folder*/, const fs::path& file) {
   return read.empty() ? play(file.string()) : read;
 }
 
-// Damage behind the checksums of its chunks.
+// Damages a recording and corrects the checksums of its chunks.
 std::string spoilt_recording(const std::string& bytes, Random& random) {
   const std::vector<std::string> relatives{bytes};
   return test::with_right_checksums(mutated(bytes, relatives, random));
 }
 
-// A picture as a camera sends it; the device has no file, which is named here.
+// A picture as sent by a camera. The device has no file, so that the message names this one.
 std::string convert_picture(const fs::path& /*folder*/, const fs::path& file) {
   const std::string bytes = test::file_bytes(file);
   RawPicture raw;

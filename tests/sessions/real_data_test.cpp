@@ -1,6 +1,6 @@
-// Whole sessions on images that nobody here made; each case is skipped, and says so, where its data
-// is not. The body is the dented sphere, whose inside has a closed form: the truth of touching is
-// then a matter of counting true points in a ball.
+// Complete sessions on images of other groups. A case is skipped with a message if its data is
+// missing. The body is the dented sphere, whose inside has a closed form, so that the truth about a
+// touch is the number of true points inside a ball.
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/reduced/scaled_body.h"
@@ -36,11 +36,12 @@ using test::tolerance;
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-// Tests run in the source folder; the data lies beside it.
+// Tests run in the source folder; the data is beside it.
 const fs::path kSquirrel = "../shared/data/hands_squirrel";
 const fs::path kMotorcycle = "/usr/lib/python3/dist-packages/skimage/data/motorcycle_disp.npz";
 
-// Body frame Z up; a camera that looks down by `pitch` degrees (as palpable live --place has it).
+// The pose of a body with Z up, for a camera that looks down by `pitch` degrees (as in
+// palpable live --place).
 Rigid3 upright(const Vector3d& foot, double pitch) {
   Eigen::Matrix3d axes;
   axes << 1, 0, 0, 0, 0, -1, 0, 1, 0;
@@ -67,17 +68,18 @@ std::vector<Vector3d> points_in_ball(const DepthImage& depth, const PinholeCamer
 }
 
 // --- hands_squirrel ----------------------------------------------------------------------------
-// A hand comes from behind and presses a ball of 40 mm on a desk; the virtual sphere of 60 mm
-// stands over that ball, which was there from the beginning and is therefore to be ignored.
+// A hand comes from behind and presses a ball of 40 mm on a desk. The virtual sphere of 60 mm
+// surrounds that ball, which was there from the beginning and must therefore not press.
 
 const test::DentedSphere kOverTheBall{
     .radius = 0.06,
     .directions = {{0, 0, 1}, {0, 1, 0}, {0, -1, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 1}, {0, -1, 1}}};
 const Vector3d kFootOfTheBall(-0.125, 0.063, 0.667);
-constexpr double kLookingDown = 29;  // degrees, of the desk in the recording
+constexpr double kLookingDown = 29;  // degrees, pitch of the camera in the recording
 
-// The truth, by other means than the session's: what is 20 mm nearer than the median of the first
-// 15 frames is the hand; how many of its points are in the ball.
+// The truth, independent of the session: pixels that are 20 mm nearer than the median of the
+// first 15 frames belong to the hand. Returns for each frame the number of the hand's points
+// inside the ball.
 std::vector<int> hand_points_in_ball(const std::vector<Frame>& frames, const PinholeCamera& camera,
                                      const Vector3d& centre, double radius) {
   DepthImage background(camera.width, camera.height, kNone);
@@ -151,7 +153,7 @@ TEST_CASE("a body on the squirrel's desk is touched when the hand reaches it and
   }
   CHECK(inside > 10);
   CHECK(felt >= 0.9 * inside);
-  // It comes from above and behind.
+  // The hand comes from above and behind.
   CHECK(highest > kOverTheBall.radius);
 }
 
@@ -169,11 +171,11 @@ TEST_CASE("a body beside the squirrel's hand is never touched", "[sessions][real
 }
 
 // --- motorcycle --------------------------------------------------------------------------------
-// A ball of 12 cm between engine and front wheel, 2.35 m away: exhaust pipes and fork reach into it
-// and before it.
+// A ball of 12 cm between engine and front wheel, at a distance of 2.35 m: exhaust pipes and fork
+// extend into it and in front of it.
 
 const Vector3d kAmongTheParts(0.446, 0.156, 2.35);
-// Behind the seat, above which its upper half looks out.
+// Behind the seat, which hides its lower half.
 const Vector3d kBehindTheSeat(-0.202, -0.12, 2.65);
 
 struct Motorcycle {
@@ -192,7 +194,7 @@ std::unique_ptr<Motorcycle> motorcycle() {
   auto source = value_or_throw(open_folder(images));
   m->format = source->format();
   if (source->next(m->frame) != FrameStatus::kFrame) throw Error("no frame in " + images.string());
-  Image<std::uint16_t> disparity;  // 1/256 px; 0 where it is unknown
+  Image<std::uint16_t> disparity;  // 1/256 px; 0: unknown
   static_cast<void>(
       value_or_throw(ImageFileReader().read_16bit(images / "truth/disparity.png", disparity)));
   m->true_depth.resize(disparity.width(), disparity.height());
@@ -204,7 +206,7 @@ std::unique_ptr<Motorcycle> motorcycle() {
   return m;
 }
 
-// Of one picture nobody knows what was there before.
+// With a single picture it is unknown which things are new.
 const SessionSettings kOnePicture{.press_static = true, .map = false};
 
 ReducedBody ball_of_12_cm() { return scaled(test::DentedSphere{}.body(), 0.12 / 0.05); }
@@ -276,7 +278,7 @@ TEST_CASE("a body behind the motorcycle's seat is hidden as the true depth impli
   CHECK(overlap.hidden * 10 > overlap.body);
   CHECK(overlap.hidden * 10 < 9 * overlap.body);
   CHECK(overlap.iou() >= 0.8);
-  // Without looking at depth it would be:
+  // Without depth the whole body would be drawn:
   MaskImage all(visible.width(), visible.height(), 0);
   for (std::size_t i = 0; i < all.size(); ++i)
     all.data()[i] = std::isnan(body_depth.data()[i]) ? 0 : 255;

@@ -8,7 +8,7 @@
 
 namespace palpable::test {
 
-/// Baked when it is first asked for.
+/// Baked at the first call.
 inline const IntrusiveBake& baked_beam() {
   static const IntrusiveBake one = [] {
     const ScratchFolder folder("study");

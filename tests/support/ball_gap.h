@@ -1,5 +1,5 @@
 /// @file
-/// Obstacles that a function tells, and a ball as what touches, exactly.
+/// Obstacles given by a function of the gap, and an exact ball as an obstacle.
 #pragma once
 
 #include "palpable/common/contact/obstacles.h"
@@ -14,39 +14,42 @@
 
 namespace palpable::test {
 
-/// The function tells the gap of a place; false: nothing is within kGapReach.
+/// Obstacles whose gap at a position is computed by a function, which returns false if nothing is
+/// within kGapReach.
 class GapFunction : public Obstacles {
  public:
-  using Tell = std::function<bool(const Eigen::Vector3f& place, SurfaceGap& gap)>;
+  using Query = std::function<bool(const Eigen::Vector3f& place, SurfaceGap& gap)>;
   using Near = std::function<bool(const Eigen::Vector3f& place, float reach)>;
-  /// @param near  agrees with `tell`; without one what is told decides
+  /// @param near  must agree with `query`; if empty, `query` is used
   template <class Function>
   requires std::is_invocable_r_v<bool, Function, const Eigen::Vector3f&, SurfaceGap&> GapFunction(
-      Function tell, Near near = {})
-      : tell_(std::move(tell)), near_(std::move(near)) {}
+      Function query, Near near = {})
+      : query_(std::move(query)), near_(std::move(near)) {}
 
-  bool operator()(const Eigen::Vector3f& place, SurfaceGap& gap) const { return tell_(place, gap); }
+  bool operator()(const Eigen::Vector3f& place, SurfaceGap& gap) const {
+    return query_(place, gap);
+  }
 
   void find_gaps(std::span<const Eigen::Vector3f> places,
                  std::span<SurfaceGap> gaps) const override {
     for (std::size_t k = 0; k < places.size(); ++k) {
       gaps[k] = {};
-      if (!tell_(places[k], gaps[k])) gaps[k] = {};
+      if (!query_(places[k], gaps[k])) gaps[k] = {};
     }
   }
   [[nodiscard]] bool may_be_within(const Eigen::Vector3f& place, float reach) const override {
     if (near_) return near_(place, reach);
     SurfaceGap gap;
-    return !(reach < kGapReach) || (tell_(place, gap) && !(gap.distance > reach));
+    return !(reach < kGapReach) || (query_(place, gap) && !(gap.distance > reach));
   }
 
  private:
-  Tell tell_;
+  Query query_;
   Near near_;
 };
 
 /// @param centre, radius  m
-/// @param reach           m: nothing is told farther from it, nor in its very middle
+/// @param reach           m; beyond it, and at the exact centre, the function returns false
 inline GapFunction gap_to_ball(const Eigen::Vector3f& centre, float radius,
                                float reach = kGapReach) {
   return GapFunction([=](const Eigen::Vector3f& x, SurfaceGap& gap) {
@@ -60,7 +63,7 @@ inline GapFunction gap_to_ball(const Eigen::Vector3f& centre, float radius,
   });
 }
 
-/// Obstacles of which there are none.
+/// No obstacles.
 inline GapFunction nothing_near() {
   return GapFunction([](const Eigen::Vector3f&, SurfaceGap&) { return false; });
 }

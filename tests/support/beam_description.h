@@ -36,7 +36,7 @@ inline void write_beam_deck(const std::filesystem::path& path, const SolidModel&
   set("UNDER", face_nodes(model, 0.0, 0.30));
 }
 
-/// @param intrusive  the section [intrusive] and whatever else is to be added
+/// @param intrusive  the section [intrusive] and any further text of the description
 inline BodyDescription describe_small_beam(const std::filesystem::path& folder,
                                            const std::string& intrusive) {
   write_beam_deck(folder / "beam.inp", small_beam(16, 6, 2));

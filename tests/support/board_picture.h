@@ -1,5 +1,5 @@
 /// @file
-/// The picture of a chessboard as an eye with a lens sees it.
+/// The picture of a chessboard seen through a lens.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -13,12 +13,12 @@
 
 namespace palpable::test {
 
-/// By looking through each pixel, `samples` times along each side: a white sheet with black
-/// squares. The board's frame has its origin in the first inner corner, X along the columns.
+/// Ray-traced with `samples` x `samples` rays per pixel: a white sheet with black squares. The
+/// origin of the board's frame is the first inner corner; X points along the columns.
 inline ColorImage board_picture(const DistortedCamera& eye, const Rigid3& camera_from_board,
                                 const BoardPattern& board, int samples = 7) {
   const PinholeCamera& camera = eye.pinhole;
-  // Undo the lens by fixed point iteration; it is mild.
+  // Removes the lens distortion by fixed-point iteration, which suffices for a mild one.
   const auto straight = [&](double u, double v) {
     Eigen::Vector2d p((u - camera.cx_px) / camera.fx_px, (v - camera.cy_px) / camera.fy_px);
     for (int i = 0; i < 10; ++i) {
@@ -35,7 +35,7 @@ inline ColorImage board_picture(const DistortedCamera& eye, const Rigid3& camera
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector3d ray = board_from_camera.linear() * straight(u, v);
-      // Within a pixel the lens is linear.
+      // Within a pixel the lens is treated as linear.
       const Eigen::Vector3d du = board_from_camera.linear() * straight(u + 0.5, v) - ray;
       const Eigen::Vector3d dv = board_from_camera.linear() * straight(u, v + 0.5) - ray;
       int sum = 0;

@@ -11,7 +11,7 @@
 
 namespace palpable::test {
 
-/// A ball that stands on Z = 0 and gives way at six sites (+-X, +-Y, top and one oblique).
+/// A ball that stands on Z = 0 and can be pressed at six sites (+-X, +-Y, top and one oblique).
 ///
 /// Pressed at site s to `level`, a vertex moves along the load, towards the centre, by
 ///
@@ -85,9 +85,9 @@ inline ReducedBody pressed_ball(double radius = 0.05, double full_depth = 0.01,
   return body;
 }
 
-/// The same body over two parameters more: displacement and depth grow with softness (1 + heat),
-/// the load at level 1 with 3 - softness. softness 0.5, 1, 2 (its own value 1), heat 0, 0.5, 1
-/// (0). It has an inside, too: one tetrahedron.
+/// The same body with two further parameters: displacement and depth are proportional to softness
+/// (1 + heat), the load at level 1 to 3 - softness. Samples: softness 0.5, 1, 2 (default 1), heat
+/// 0, 0.5, 1 (default 0). It also has a volume mesh, a single tetrahedron.
 inline ReducedBody with_further(ReducedBody body) {
   const Eigen::Vector3d softness(0.5, 1, 2), heat(0, 0.5, 1);
   const Eigen::Vector3d growth = (1 + heat.array()).matrix();
@@ -119,10 +119,10 @@ inline ReducedBody with_further(ReducedBody body) {
   return body;
 }
 
-/// The ball with an energy in four modes, so that several loads may act: each mode moves the skin
-/// along one axis, more the higher up, but for the last, which makes it broader; strain is
-/// quadratic in the amplitudes, as Green's is. One reaction, 3 N towards the centre at the lowest
-/// free vertex.
+/// The ball with an energy in four modes, so that several loads may act. Each mode moves the skin
+/// along one axis, more at larger heights, except the last, which makes it broader; the strain is
+/// quadratic in the amplitudes, like Green's. There is one reaction, 3 N towards the centre at the
+/// lowest free vertex.
 inline ReducedBody with_several(ReducedBody body) {
   constexpr Eigen::Index n = 4, P = 10, m = 12;
   const Eigen::Index V = body.surface.vertices.cols();
@@ -138,7 +138,7 @@ inline ReducedBody with_several(ReducedBody body) {
     several.modes.col(3).segment<2>(3 * v) = (0.2 * X.head<2>()).cast<float>();
     if (lowest < 0 || X.z() < body.surface.vertices(2, lowest)) lowest = v;
   }
-  // W = 1/2 |e q + 1/2 g qq|^2 with numbers of no meaning; 0.02 J at amplitude 1.
+  // W = 1/2 |e q + 1/2 g qq|^2 with arbitrary coefficients; 0.02 J at amplitude 1.
   Eigen::MatrixXd e(m, n), g(m, P);
   const auto some = [](Eigen::Index number) {
     return std::cos(1.0 + 0.7 * double(number * number));

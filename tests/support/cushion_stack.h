@@ -1,6 +1,6 @@
 /// @file
-/// Cushions (elastic_cushion.h) on top of each other, solved together: by tables, in modes, or as
-/// obstacles that do not give way.
+/// Cushions (elastic_cushion.h) on top of each other, solved together: with tables, with modes, or
+/// as rigid obstacles.
 #pragma once
 
 #include "palpable/common/contact/capsule_obstacles.h"
@@ -22,10 +22,10 @@
 namespace palpable::test {
 
 inline constexpr double kFinger = 0.008;  // m, radius
-inline constexpr double kApart = 0.0002;  // m between cushions
+inline constexpr double kApart = 0.0002;  // m, gap between cushions
 inline constexpr double kTop = ElasticCushion::kHigh;
 
-// A finger that points down, its tip `depth` under the top.
+// A finger that points down and penetrates the top by `depth`.
 inline CapsuleObstacles finger(double depth) {
   const Eigen::Vector3d tip(0.001, -0.002, kTop - depth + kFinger);
   const Capsule capsule{tip, tip + Eigen::Vector3d(0, 0, 0.04), kFinger, kFinger};
@@ -36,7 +36,7 @@ inline CapsuleObstacles finger(double depth) {
 
 enum class Kind { kTables, kModes, kFixed };
 
-// One of a stack of cushions. Each lies another way.
+// One cushion of a stack; each is rotated differently.
 struct Layer {
   ElasticCushion cushion;
   std::optional<ReducedBody> in_modes;
@@ -47,15 +47,14 @@ struct Layer {
   TouchState state;
   ModalState modal_state;
 
-  // @param leading  eigenvectors of its compliance
+  // @param leading  number of eigenvectors of the compliance
   Layer(Kind kind, int leading, const TouchSettings& settings) : cushion(leading) {
     if (kind == Kind::kTables) {
       tables = std::make_unique<TablesBody>(cushion.skin, cushion.fixed, cushion.tables, settings);
       tables->use(state);
     } else if (kind == Kind::kModes) {
       in_modes.emplace(cushion.in_modes());
-      modal_tables.half_space =
-          4e-8;  // 1/Pa: a hundredth of what a point gives way, as the tables'
+      modal_tables.half_space = 4e-8;  // 1/Pa: 1 % of the compliance of a point, as in the tables
       modal_tables.point_spacing = cushion.tables.point_spacing;
       ModalSettings as_tables;
       as_tables.entry = settings.entry;
@@ -84,7 +83,7 @@ struct Layer {
 };
 
 struct Stack {
-  std::vector<std::unique_ptr<Layer>> layers;  // the first of them under the finger
+  std::vector<std::unique_ptr<Layer>> layers;  // the first is under the finger
   std::vector<ContactSolver::Member> members;
   std::unique_ptr<ContactSolver> solver;
   ContactReport report;
@@ -103,7 +102,7 @@ struct Stack {
     }
     solver = std::make_unique<ContactSolver>(members);
   }
-  // The top one alone has an obstacle.
+  // Advances a frame; only the top cushion has an obstacle.
   void advance(const Obstacles& obstacles) {
     near_.assign(layers.size(), {});
     near_.front().obstacles = &obstacles;
@@ -117,7 +116,7 @@ struct Stack {
   [[nodiscard]] Eigen::Isometry3f from_to(std::size_t from, std::size_t to) const {
     return (members[to].world_from_body.inverse() * members[from].world_from_body).cast<float>();
   }
-  // m: how deep a vertex of the upper one is in the lower one, at most.
+  // m, largest penetration of a vertex of the upper cushion into the lower one.
   [[nodiscard]] double entry(std::size_t upper) const {
     MovingSurface lower(layers[upper + 1]->cushion.skin);
     lower.move(layers[upper + 1]->skin());
@@ -129,7 +128,7 @@ struct Stack {
     }
     return static_cast<double>(deepest);
   }
-  // N, world, on one of them: by obstacles, or by all other members.
+  // N, world frame: force on one cushion by obstacles, or by all other members.
   [[nodiscard]] Eigen::Vector3d force(std::size_t on, bool by_others) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const PointForce& at : layers[on]->body().forces()) {

@@ -15,7 +15,7 @@
 
 namespace palpable::test {
 
-/// Site s at the unit direction d_s from the sphere's centre; vertex k is moved by
+/// Site s is in the unit direction d_s from the sphere's centre; vertex k is displaced by
 ///
 ///     u_k(s, level) = -d_s  depth(level)  exp(-|X_k - X_s|^2 / (2 width^2)),
 ///     depth(level)  = deepest (1.5 level - 0.5 level^2)        a rubber that stiffens

@@ -1,5 +1,5 @@
 /// @file
-/// Squares before the synthetic desk's camera: scenes whose pictures can be computed by hand.
+/// Squares in front of the synthetic desk's camera: scenes whose pictures can be computed by hand.
 #pragma once
 
 #include "palpable/desk/film/desk_renderer.h"
@@ -20,7 +20,8 @@ namespace palpable::test {
 inline constexpr const char* kNoGl =
     "no OpenGL 4.5 context here (Mesa's libegl1 and libgl1-mesa-dri are enough)";
 
-/// The desk frame is the camera's: what is placed is where the left eye sees it.
+/// The desk frame equals the left camera's frame, so that positions are those that
+/// the left eye sees.
 inline const Rigid3 kSame = Rigid3::Identity();
 
 inline PaintedMesh square(const Eigen::Vector3d& centre, double half, int image) {
@@ -36,7 +37,7 @@ inline PaintedMesh square(const Eigen::Vector3d& centre, double half, int image)
   return mesh;
 }
 
-/// A soft bright spot in the middle of black: unlike an edge, its place does not depend on how a
+/// A soft bright spot on black: unlike that of an edge, its position does not depend on how a
 /// triangle covers pixels.
 inline ColorImage spot_image() {
   ColorImage image(64, 64);
@@ -65,7 +66,7 @@ inline std::optional<DeskRenderer> renderer_of(const DeskScene& scene, std::uint
   return std::move(made).value();
 }
 
-/// A frame in which camera and movers stand still.
+/// A frame with a fixed camera and fixed objects.
 inline DeskMoment still(int frame, std::vector<HandCapsule> hand = {}) {
   return {frame, [](double) { return kSame; },
           [hand = std::move(hand)](double) {
@@ -76,7 +77,7 @@ inline DeskMoment still(int frame, std::vector<HandCapsule> hand = {}) {
 
 inline double luma(const Rgb& c) { return 0.299 * c.r + 0.587 * c.g + 0.114 * c.b; }
 
-/// The centre of the brightness in a window round `near`.
+/// The centroid of the brightness in a window around `near`.
 inline Eigen::Vector2d bright_spot(const ColorImage& image, const Eigen::Vector2d& near) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double weight = 0.0;
@@ -95,9 +96,9 @@ inline Eigen::Vector2d bright_spot(const ColorImage& image, const Eigen::Vector2
 /// A sensor without noise, gain, vignetting and row error.
 inline constexpr SensorFaults kFaultless{0.0, 1.0, 0.0, 0.0};
 
-/// A renderer of a grey wall at 1 m, made once for each kind of faults in this process: a context
-/// and its programs take a second. Null without OpenGL. It is never destroyed: at the end of the
-/// process the driver's own statics may be gone before it.
+/// A renderer of a grey wall at 1 m, made once for each kind of faults in this process, because a
+/// context and its programs take a second. Null without OpenGL. It is never destroyed, because at
+/// the end of the process the driver's statics may be destroyed first.
 inline DeskRenderer* wall_renderer(const SensorFaults& faults) {
   using Key = std::array<double, 4>;
   static auto& made = *new std::map<Key, std::optional<DeskRenderer>>;

@@ -19,7 +19,7 @@ inline void write_egg(const std::filesystem::path& folder, int subdivisions = 2)
   write_ply(folder / "egg.ply", surface);
 }
 
-/// The egg of a folder that has its surface, as FOLDER/egg.toml would say it.
+/// The description of the egg in a folder that contains its surface, as from FOLDER/egg.toml.
 inline BodyDescription egg_description(const std::filesystem::path& folder, int levels) {
   BodyDescription body;
   body.name = "egg";
@@ -33,13 +33,13 @@ inline BodyDescription egg_description(const std::filesystem::path& folder, int 
   return body;
 }
 
-/// Both.
+/// Writes the surface and returns the description.
 inline BodyDescription egg_body(const std::filesystem::path& folder, int levels) {
   write_egg(folder);
   return egg_description(folder, levels);
 }
 
-/// Its snapshots, or those of the levels between the ones of `held_out_of`.
+/// The egg's solved snapshots, or those of the levels between the levels of `held_out_of`.
 inline SnapshotStore solved_store(const BodyDescription& body, const std::filesystem::path& folder,
                                   const SnapshotStore* held_out_of = nullptr) {
   LocalCrew crew;

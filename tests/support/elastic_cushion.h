@@ -1,11 +1,11 @@
 /// @file
-/// A flat closed body whose compliance is known in closed form, and its tables of touch: what
-/// presses its upper side brings its lower side along.
+/// A flat closed body whose compliance is known in closed form, and its tables of touch. A press on
+/// the upper side also displaces the lower side.
 ///
 ///     G_ij = softness exp(-|x_i - x_j| / length) 1
 ///
-/// as elastic_sheet.h has it; or the part of it in its leading eigenvectors, of which a body in
-/// modes is made, too.
+/// as in elastic_sheet.h; or the part of G in its leading eigenvectors, from which a body in modes
+/// can also be made.
 #pragma once
 
 #include "palpable/common/base/row_kernels.h"
@@ -29,11 +29,11 @@ class ElasticCushion {
   static constexpr double kSoftness = 0.002;             ///< m/N
   static constexpr double kLength = 0.020;               ///< m
 
-  SurfaceMesh skin;  ///< its middle at the origin
+  SurfaceMesh skin;  ///< centred at the origin
   std::vector<std::uint8_t> fixed;
   TouchTables tables;  ///< linear, all near, without a shell
 
-  /// @param leading  eigenvectors of the compliance that are kept; 0: all
+  /// @param leading  number of eigenvectors of the compliance to keep; 0: all
   explicit ElasticCushion(int leading = 0)
       : skin(sphere_surface(Eigen::Vector3d::Zero(), kWide, 3)) {
     skin.vertices.row(2) *= kHigh / kWide;
@@ -46,13 +46,13 @@ class ElasticCushion {
     make_tables();
   }
 
-  /// m/N, in every direction.
+  /// m/N, the same in every direction.
   [[nodiscard]] double compliance(int v, int w) const { return compliance_(v, w); }
 
-  /// The same body by its energy, 1/2 q . q, in three modes for each eigenvector; without a shell.
+  /// The same body by its energy 1/2 q . q, with three modes for each eigenvector; without a shell.
   /// @pre leading > 0
   [[nodiscard]] ReducedBody in_modes() const {
-    ReducedBody body = pressed_ball();  // whose fields no contact reads
+    ReducedBody body = pressed_ball();  // contact does not read its fields
     body.surface = skin;
     body.fixed = fixed;
     const Eigen::Index k = eigenvectors_.cols(), n = 3 * k, pairs = n * (n + 1) / 2;
@@ -71,7 +71,8 @@ class ElasticCushion {
   }
 
  private:
-  // eigenvectors_ times the roots of their eigenvalues, and the compliance that is left.
+  // Reduces the compliance to its leading eigenvectors. eigenvectors_ is scaled by the square roots
+  // of the eigenvalues.
   void keep_leading(int count) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(compliance_);
     eigenvectors_ = solver.eigenvectors().rightCols(count) *

@@ -3,7 +3,7 @@
 ///
 ///     G_ij = softness exp(-|x_i - x_j| / length) 1
 ///
-/// is positive definite whatever the points (Matern's covariance of order 1/2).
+/// is positive definite for any set of points (Matern's covariance of order 1/2).
 #pragma once
 
 #include "palpable/common/base/row_kernels.h"
@@ -23,17 +23,17 @@ namespace palpable::test {
 class ElasticSheet {
  public:
   static constexpr int kSide = 13;            ///< vertices
-  static constexpr double kEdge = 0.004;      ///< m between them
+  static constexpr double kEdge = 0.004;      ///< m, between vertices
   static constexpr double kSoftness = 0.002;  ///< m/N
   static constexpr double kLength = 0.010;    ///< m
 
-  /// In the plane z = 0, its middle vertex at the origin, its upper side to +z.
+  /// In the plane z = 0, its central vertex at the origin, its upper side towards +z.
   SurfaceMesh skin;
   std::vector<std::uint8_t> fixed;
   Eigen::MatrixXd G;  ///< (3V x 3V) m/N
   TouchTables tables;
 
-  /// @param near_radius  m: clusters whose middles are farther apart are far from each other
+  /// @param near_radius  m; clusters whose centres are farther apart are far from each other
   /// @param rank         k
   explicit ElasticSheet(double near_radius = 1.0, int rank = 48) {
     const int V = kSide * kSide;
@@ -63,13 +63,13 @@ class ElasticSheet {
       }
     }
     make_compliance(near_radius, rank);
-    tables.point_spacing = kEdge;  // the vertices alone
+    tables.point_spacing = kEdge;  // only the vertices
   }
 
   [[nodiscard]] int middle() const { return kSide * kSide / 2; }
 
  private:
-  static constexpr int kTile = 4;  // vertices of a cluster, each way
+  static constexpr int kTile = 4;  // vertices of a cluster in each direction
 
   void make_compliance(double near_radius, int rank) {
     ComplianceTable& table = tables.compliance;
@@ -128,7 +128,7 @@ class ElasticSheet {
     make_near(far);
   }
 
-  // The rows of some vertices.
+  // The rows of the given vertices.
   [[nodiscard]] static Eigen::MatrixXd rows_of(const Eigen::MatrixXd& all,
                                                const std::vector<int>& vertices) {
     Eigen::MatrixXd rows(3 * static_cast<Eigen::Index>(vertices.size()), all.cols());
@@ -152,7 +152,7 @@ class ElasticSheet {
       }
       const std::size_t width = padded(near.size()), at = table.near.size();
       table.near.resize(at + 9 * width, 0);
-      const double scale = kSoftness / 32767.0;  // the largest of G
+      const double scale = kSoftness / 32767.0;  // the largest entry of G is kSoftness
       table.near_scale.push_back(static_cast<float>(scale));
       for (std::size_t k = 0; k < near.size(); ++k) {
         for (int d = 0; d < 3; ++d) {

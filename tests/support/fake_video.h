@@ -1,6 +1,6 @@
 /// @file
-/// Cameras made of code behind the calls that real ones answer (V4L2), on a clock that only goes on
-/// when someone waits. They stall, vanish, come back, drop and tear pictures as they are told.
+/// Simulated cameras behind the interface of real ones (V4L2), with a clock that only advances when
+/// the program waits. They stall, vanish, come back, and drop or tear pictures as programmed.
 #pragma once
 
 #include "palpable/live/sources/raw_picture.h"
@@ -37,15 +37,15 @@ struct FakeDevice {
   std::string path;
   std::string card = "Fake Camera";
   std::vector<FakeMode> modes;
-  std::map<std::uint32_t, int> controls;  ///< those it has, and their values
+  std::map<std::uint32_t, int> controls;  ///< available controls and their values
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   int open_error = 0;        ///< of open(), e.g. EACCES
-  std::deque<Shot> shots;    ///< by time
-  double gone_from = 1e300;  ///< s; away in [gone_from, gone_until)
+  std::deque<Shot> shots;    ///< in order of time
+  double gone_from = 1e300;  ///< s; disconnected in [gone_from, gone_until)
   double gone_until = 1e300;
   bool has_stamps = true;
 
-  /// A picture every 1/rate s, all bytes of picture i equal to `first + i`.
+  /// Adds a picture every 1/rate s; all bytes of picture i are `first + i`.
   void film(double begin, int count, double rate, std::size_t bytes, int first = 1) {
     for (int i = 0; i < count; ++i) {
       shots.push_back({begin + i / rate,
@@ -58,8 +58,8 @@ class FakeVideo final : public VideoSystem {
  public:
   std::vector<FakeDevice> cameras;
   double time = 100;
-  int opened = 0;  ///< devices open now
-  int mapped = 0;  ///< buffers mapped now
+  int opened = 0;  ///< devices that are open
+  int mapped = 0;  ///< buffers that are mapped
 
   double now() override { return time; }
   void sleep(double seconds) override { time += seconds; }
@@ -92,7 +92,7 @@ class FakeVideo final : public VideoSystem {
     FakeDevice& camera = cameras[open.camera];
     if (!open.is_open) return EBADF;
     if (away(camera) || open.lost) {
-      open.lost = true;  // coming back is a new device
+      open.lost = true;  // after it has come back it is a new device
       return ENODEV;
     }
     switch (request) {
@@ -172,7 +172,7 @@ class FakeVideo final : public VideoSystem {
         return 0;
       case VIDIOC_STREAMON:
         open.streams = true;
-        // What was taken before nobody listened.
+        // Pictures from before the start of the stream are lost.
         while (!camera.shots.empty() && camera.shots.front().time < time) camera.shots.pop_front();
         return 0;
       case VIDIOC_STREAMOFF:
@@ -224,7 +224,7 @@ class FakeVideo final : public VideoSystem {
     bool lost = false;
     bool streams = false;
     std::uint32_t size = 0;
-    std::uint32_t taken = 7;  // a driver's count need not begin at 0
+    std::uint32_t taken = 7;  // a driver's numbering need not begin at 0
     std::vector<std::vector<std::uint8_t>> memory;
     std::vector<v4l2_buffer> filled;
     std::deque<std::uint32_t> queued;
@@ -256,7 +256,7 @@ class FakeVideo final : public VideoSystem {
     return nullptr;
   }
 
-  // As a kernel does: a picture fills the next queued buffer; without one it is lost.
+  // As a kernel does: a picture fills the next queued buffer, and is lost if there is none.
   void deliver(Open& open, FakeDevice& camera) const {
     while (open.streams && !camera.shots.empty() && camera.shots.front().time <= time) {
       const Shot shot = std::move(camera.shots.front());

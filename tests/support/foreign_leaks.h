@@ -1,5 +1,5 @@
 /// @file
-/// Memory that a driver takes and does not give back is not our leak.
+/// Excludes memory that a driver leaks from our leak detection.
 #pragma once
 
 #include "tests/support/sanitizers.h"
@@ -10,9 +10,9 @@
 
 namespace palpable::test {
 
-/// While one lives, what is allocated is not looked at for leaks. For windows: the window library
-/// unloads the GL driver when it ends, with a few hundred bytes still allocated, and LeakSanitizer
-/// cannot name (and so not suppress) a library that is gone.
+/// During its life, allocations are excluded from leak detection. For windows: the window library
+/// unloads the GL driver at the end, with a few hundred bytes still allocated, and LeakSanitizer
+/// cannot identify (and so not suppress) a library that is no longer loaded.
 class IgnoreForeignLeaks {
  public:
 #ifdef PALPABLE_ASAN

@@ -1,5 +1,5 @@
 /// @file
-/// A disk that is full, as far as a program can tell.
+/// Simulates a full disk.
 #pragma once
 
 #include "tests/support/test.h"
@@ -14,8 +14,8 @@
 
 namespace palpable::test {
 
-/// No file of this program grows beyond so many bytes: as on a full disk writing fails, though with
-/// another reason (File too large). Ends with the object.
+/// Limits the size of every file that this program writes: beyond it, writing fails as on a full
+/// disk, but with another reason (File too large). The limit ends with the object.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(std::size_t bytes) {
@@ -37,12 +37,13 @@ class FileSizeLimit {
   void (*handler_)(int) = nullptr;
 };
 
-/// Set in a process whose leaks are not looked at when it ends: HDF5 that meets a full disk leaves
-/// some.
+/// Set in a process whose leaks are not checked at its end: HDF5 leaks memory when
+/// the disk is full.
 inline bool leaks_are_foreign = false;
 
-/// Runs `work` in a process of its own whose files may have so many bytes; its end is that of a
-/// whole program, with all handlers at exit. Returns what `work` does, or minus the signal.
+/// Runs `work` in a process of its own with a limit on the size of its files; the process ends
+/// like a complete program, with all exit handlers. Returns the result of `work`, or the
+/// negative signal number.
 inline int run_with_full_disk(rlim_t bytes, const std::function<int()>& work) {
   const pid_t process = ::fork();
   REQUIRE(process >= 0);

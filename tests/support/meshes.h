@@ -1,5 +1,5 @@
 /// @file
-/// Surfaces made of surfaces.
+/// Surfaces derived from other surfaces.
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"
@@ -15,7 +15,7 @@ inline SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b) {
   return both;
 }
 
-/// Facing the other way: a shell becomes a cavity.
+/// Reverses the orientation: a shell becomes a cavity.
 inline SurfaceMesh flipped(SurfaceMesh surface) {
   surface.triangles.row(0).swap(surface.triangles.row(1));
   return surface;

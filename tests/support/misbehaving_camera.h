@@ -1,7 +1,7 @@
 /// @file
-/// A camera that does everything a camera should not do, and then goes on: a finger sinks into a
-/// sphere 0.4 m away, frame by frame, while pictures are late, missing, torn or gone. In a room the
-/// camera goes to the right meanwhile.
+/// A camera with all malfunctions of real ones, which continues after each. Its pictures show a
+/// finger that penetrates a sphere 0.4 m away more in every frame. In a room the camera also
+/// moves to the right.
 #pragma once
 
 #include "palpable/live/sources/frame_source.h"
@@ -19,30 +19,30 @@
 
 namespace palpable::test {
 
-/// What the camera does next.
+/// The next event of the camera.
 enum class Act {
-  kGood,         ///< a frame; the finger is 1 mm deeper for each
-  kStall,        ///< nothing comes, the camera is there
-  kDrop,         ///< a frame that nobody ever sees: its number is missing
+  kGood,         ///< a frame; the finger is 1 mm deeper each time
+  kStall,        ///< no picture comes, the camera is connected
+  kDrop,         ///< a frame is lost: its number is missing
   kResize,       ///< images of another size
-  kRightResize,  ///< the right eye's image alone
-  kNoDepth,      ///< colour without its depth
-  kGarbage,      ///< says itself that it cannot be read
-  kNoise,        ///< depths that are no depths: infinite, negative, 0
-  kNoTime,       ///< a time that is no number
-  kStuckClock,   ///< a time that is always the same
+  kRightResize,  ///< only the right eye's image has another size
+  kNoDepth,      ///< colour without depth
+  kGarbage,      ///< reported as unreadable
+  kNoise,        ///< invalid depths: infinite, negative, 0
+  kNoTime,       ///< the time is NaN
+  kStuckClock,   ///< the time is the same again
   kBackInTime,   ///< one frame from long ago
   kFarFuture,    ///< one frame from days ahead
-  kNewClock,     ///< from here on times begin anew
+  kNewClock,     ///< from here on times restart
   kLateClock,    ///< from here on times are a minute later
-  kGone,         ///< the camera is not there
+  kGone,         ///< the camera is disconnected
 };
 
-/// What the camera gives, and of what.
+/// The kind of pictures and their content.
 enum class Shows {
-  kFinger,      ///< colour + depth; nothing behind the finger, the camera stands
-  kRoom,        ///< colour + depth; the wall of seen_wall.h, after 30 good frames the finger, too
-  kStereoRoom,  ///< the same as rectified pairs
+  kFinger,      ///< colour + depth; nothing behind the finger, the camera is fixed
+  kRoom,        ///< colour + depth; the wall of seen_wall.h, and the finger after 30 good frames
+  kStereoRoom,  ///< the same scene as rectified pairs
 };
 
 class MisbehavingCamera final : public FrameSource {
@@ -50,8 +50,8 @@ class MisbehavingCamera final : public FrameSource {
   static constexpr int kWidth = 161;
   static constexpr int kHeight = 121;
   static constexpr double kBaseline = 0.06;  ///< m
-  static constexpr double kStep = 0.001;     ///< m to the right in each good frame of a room
-  static constexpr int kAlone = 30;          ///< good frames of a room before the finger comes
+  static constexpr double kStep = 0.001;  ///< m, motion to the right in each good frame of a room
+  static constexpr int kAlone = 30;       ///< good frames of a room before the finger appears
 
   explicit MisbehavingCamera(std::vector<Act> acts, Shows shows = Shows::kFinger)
       : format_(wall_format()), shows_(shows), acts_(std::move(acts)) {
@@ -62,9 +62,9 @@ class MisbehavingCamera final : public FrameSource {
     }
   }
 
-  /// Where the camera stands to the right of its first place, m, in the frame given last.
+  /// The camera's distance to the right of its first position, m, in the last frame returned.
   double x() const { return shows_ == Shows::kFinger ? 0 : kStep * (good_ - 1); }
-  /// The pixel of the finger's tip in the frame given last.
+  /// The pixel of the fingertip in the last frame returned.
   Eigen::Vector2d tip() const { return format_.depth_camera.project(finger(x()).a); }
 
   const FrameFormat& format() const override { return format_; }
@@ -136,18 +136,18 @@ class MisbehavingCamera final : public FrameSource {
     return FrameStatus::kFrame;
   }
 
-  bool repeats_last = false;  ///< the last act for ever, instead of the end
+  bool repeats_last = false;  ///< repeats the last act for ever
 
  private:
-  // In an eye that stands `x` m to the right: 1 mm deeper for each good frame since it came.
+  // The finger for an eye `x` m to the right: 1 mm deeper in each good frame since its appearance.
   Capsule finger(double x) const {
     const double y = -0.062 + 0.001 * (good_ - (shows_ == Shows::kFinger ? 0 : kAlone));
     if (shows_ == Shows::kFinger) return {{0, y, 0.4}, {0, y - 0.1, 0.38}, 0.009};
-    // Thick, for so few pixels; not at the left, where a pair has no depth.
+    // Thick, because the picture has few pixels; not at the left, where a pair has no depth.
     return {{0.06 - x, y, 0.4}, {0.06 - x, y - 0.1, 0.38}, 0.015};
   }
 
-  // What such an eye sees.
+  // The picture of such an eye.
   void picture(double x, ColorImage& color, DepthImage& depth) const {
     const bool room = shows_ != Shows::kFinger;
     const std::vector<Capsule> there =
@@ -164,7 +164,7 @@ class MisbehavingCamera final : public FrameSource {
           depth(u, v) = static_cast<float>(kWallZ);
           continue;
         }
-        // Skin with spots that go with the finger.
+        // Skin with a pattern that moves with the finger.
         const Eigen::Vector3d at =
             format_.depth_camera.unproject(u, v, static_cast<double>(depth(u, v))) -
             there.front().a;

@@ -1,6 +1,6 @@
 /// @file
-/// A room of four walls with a pattern of noise, and a walk around it by a camera that drifts, for
-/// tests of closed loops.
+/// A room of four walls with a noise texture, and the walk of a camera around it with a drift, for
+/// tests of loop closure.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -17,7 +17,7 @@
 
 namespace palpable::test {
 
-/// 0 .. 1, of place (i, j) of a grid on a wall.
+/// A random number in 0 .. 1 for cell (i, j) of a grid on a wall.
 inline double noise_at(int i, int j, unsigned wall) {
   auto h = static_cast<std::uint32_t>(i) * 0x9E3779B1U ^
            static_cast<std::uint32_t>(j) * 0x85EBCA77U ^ wall * 0xC2B2AE3DU;
@@ -29,7 +29,8 @@ inline double noise_at(int i, int j, unsigned wall) {
   return static_cast<double>(h & 0xFFFF) / 65535.0;
 }
 
-/// Grey level at a point (s, t) m of a wall: noise on grids of 0.2, 0.06 and 0.02 m, blended.
+/// Grey level at the point (s, t), m, of a wall: interpolated noise on grids of 0.2,
+/// 0.06 and 0.02 m.
 inline double wall_texture(double s, double t, unsigned wall) {
   double value = 0;
   for (const double cell : {0.2, 0.06, 0.02}) {
@@ -43,14 +44,14 @@ inline double wall_texture(double s, double t, unsigned wall) {
   return 20 + 70 * value;
 }
 
-/// Of colour and depth alike.
+/// The camera of both colour and depth.
 inline constexpr PinholeCamera kCreepingCamera{640, 360, 350, 350, 319.5, 179.5};
 
-/// Once around in a circle of 0.7 m about the middle of the room, looking outwards, and a little
-/// on.
+/// A full circle of radius 0.7 m about the centre of the room, looking outwards, and a little more.
 inline constexpr int kCreepingCircle = 150, kCreepingFrames = kCreepingCircle + 20;
 
-/// In the first frame's camera, which stands 0.8 m before a wall. The walls are 3 m wide.
+/// The pose relative to the first frame's camera, which is 0.8 m from a wall. The
+/// walls are 3 m wide.
 inline Rigid3 creeping_pose(int n) {
   const Rigid3 room_from_first(Eigen::Translation3d(0, 0, 0.7));
   const double angle = 2 * std::numbers::pi * n / kCreepingCircle;
@@ -58,9 +59,9 @@ inline Rigid3 creeping_pose(int n) {
          room_from_first;
 }
 
-/// What frame `n` shows. The scale of the depth creeps up by h = 0.2 and down again. The integral
-/// of scale and way is 4 h / pi * 0.7 m: a tracker is 0.18 m off at the circle's end, 78 px of the
-/// picture, more than old landmarks are looked for.
+/// The picture and depth of frame `n`. The scale of the depth grows by h = 0.2 and returns to 1.
+/// The integral of scale error and path is 4 h / pi * 0.7 m: a tracker has an error of 0.18 m at
+/// the end of the circle, 78 px in the picture, which exceeds the search range for old landmarks.
 inline void creeping_view(int n, GrayImage& gray, DepthImage& depth) {
   const PinholeCamera& camera = kCreepingCamera;
   const Rigid3 room_from_camera = Eigen::Translation3d(0, 0, 0.7) * creeping_pose(n);
@@ -94,7 +95,7 @@ inline FrameFormat creeping_format() {
   return format;
 }
 
-/// The same as a frame of 30 a second.
+/// The same as a frame at 30 frames a second.
 inline Frame creeping_frame(int n) {
   Frame frame;
   frame.number = n;

@@ -1,5 +1,5 @@
 /// @file
-/// A moving stereo camera before a wall with a pattern of noise, for tests of the tracker's parts.
+/// A moving stereo camera in front of a wall with a noise texture, for tests of tracking.
 ///
 /// World: X right, Y down, Z forward, m. The wall is the plane Z = kNoiseWallZ.
 #pragma once
@@ -20,7 +20,7 @@ namespace palpable::test {
 inline const TrackCamera kNoiseWallCamera{{480, 288, 260, 256, 241.5, 141.5}, 0.063};
 inline constexpr double kNoiseWallZ = 1.2;  // m
 
-/// Pixels by which the wall's picture moves when the camera moves by 1 m to the right.
+/// Motion of the wall's picture, px, for 1 m of camera motion to the right.
 inline constexpr double kPxPerMetre = 260 / kNoiseWallZ;
 
 inline TrackerSettings noise_wall_settings() {
@@ -30,12 +30,12 @@ inline TrackerSettings noise_wall_settings() {
   return settings;
 }
 
-/// camera_from_world of a camera that stands at (x, y, z) and looks along Z.
+/// camera_from_world of a camera at (x, y, z) that looks along Z.
 inline Rigid3 standing_at(double x, double y, double z) {
   return Rigid3(Eigen::Translation3d(-x, -y, -z));
 }
 
-/// Where a camera sees the wall: Z in m of pixel (u, v), and the wall's point, world frame.
+/// The visible point of the wall at pixel (u, v): Z in m, and the point in the world frame.
 inline std::pair<double, Eigen::Vector3d> wall_at(const Rigid3& camera_from_world, double u,
                                                   double v) {
   const Rigid3 world_from_camera = camera_from_world.inverse(Eigen::Isometry);
@@ -46,8 +46,8 @@ inline std::pair<double, Eigen::Vector3d> wall_at(const Rigid3& camera_from_worl
   return {Z, eye + Z * ray};
 }
 
-/// What the camera sees from one pose, or averaged over several: a picture taken while the shutter
-/// was open. Pixels are truncated to whole grey levels; otherwise there is no noise.
+/// The picture from one pose, or the mean over several poses, as with an open shutter. Pixels are
+/// truncated to whole grey levels; there is no other noise.
 inline GrayImage wall_picture(const std::vector<Rigid3>& cameras_from_world) {
   GrayImage image(kNoiseWallCamera.camera.width, kNoiseWallCamera.camera.height);
   for (int y = 0; y < image.height(); ++y) {
@@ -63,18 +63,18 @@ inline GrayImage wall_picture(const std::vector<Rigid3>& cameras_from_world) {
   return image;
 }
 
-/// One frame and the images that it points to.
+/// One frame and the images that it refers to.
 struct WallView {
   GrayImage left, right;
   DepthImage depth;  ///< of the left image's size
   Pyramid pyramid;   ///< of the left image
   TrackerFrame frame;
 
-  /// @param with_right_eye  false: as a colour + depth camera
+  /// @param with_right_eye  false: like a colour + depth camera
   explicit WallView(const Rigid3& camera_from_world, bool with_right_eye = true)
       : WallView(camera_from_world, {camera_from_world}, with_right_eye) {}
 
-  /// A picture averaged over `smeared` poses, and the depth that is seen from `camera_from_world`.
+  /// A picture averaged over the poses `smeared`, with the depth for `camera_from_world`.
   WallView(const Rigid3& camera_from_world, const std::vector<Rigid3>& smeared, bool with_right_eye)
       : left(wall_picture(smeared)), depth(left.width(), left.height()) {
     if (with_right_eye) {
@@ -91,7 +91,7 @@ struct WallView {
     frame.right = with_right_eye ? &right : nullptr;
     frame.depth = &depth;
   }
-  // The pyramid and the frame point into the view.
+  // Not copyable, because the pyramid and the frame point into the object.
   WallView(const WallView&) = delete;
   WallView& operator=(const WallView&) = delete;
   WallView(WallView&&) = delete;
@@ -113,8 +113,8 @@ inline Landmark wall_landmark(const WallView& view, const LandmarkMap& map,
   return landmark;
 }
 
-/// A map of one keyframe, taken at the world's origin, and `across` x `down` landmarks that lie in
-/// a grid over its picture, row by row.
+/// A map of one keyframe at the world's origin, with `across` x `down` landmarks on a grid over its
+/// picture, row by row.
 struct WallMap : LandmarkMap {
   WallMap(const WallView& view, int across, int down) {
     keyframes.emplace_back();
@@ -129,7 +129,7 @@ struct WallMap : LandmarkMap {
   }
 };
 
-/// The picture of the first keyframe of a WallMap, seen by two eyes; made once per program.
+/// The picture of the first keyframe of a WallMap with both eyes; made once per program.
 inline const WallView& first_wall_view() {
   static const WallView view(Rigid3::Identity());
   return view;

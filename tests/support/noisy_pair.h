@@ -1,5 +1,5 @@
 /// @file
-/// A pair of images for tests that hold two stereo matchers equal.
+/// A pair of images for tests that compare two stereo matchers bit by bit.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -14,8 +14,8 @@ struct NoisyPair {
   GrayImage right;
 };
 
-/// Random brightness, shifted by a disparity that grows along x, with noise: every path has steps,
-/// jumps and ties.
+/// Random brightness, shifted by a disparity that grows along x, with noise, so that all paths of a
+/// matcher have steps, jumps and ties.
 inline NoisyPair noisy_pair(int width, int height, unsigned seed) {
   auto random = random_case(seed);
   NoisyPair pair{GrayImage(width, height), GrayImage(width, height)};

@@ -1,6 +1,5 @@
 /// @file
-/// A finger from above into the top of a sphere that may be touched anywhere, as a colour + depth
-/// camera sees it.
+/// A finger that presses the top of a sphere with tables of touch, seen by a colour + depth camera.
 #pragma once
 
 #include "palpable/live/session/frame_loop.h"
@@ -19,11 +18,11 @@
 
 namespace palpable::test {
 
-/// The sphere stands 0.4 m before a camera that looks down on it by 30 degrees.
+/// Pose of the sphere, 0.4 m in front of a camera that looks down on it by 30 degrees.
 inline Rigid3 sphere_pose() {
   using Eigen::Vector3d;
   Rigid3 camera_from_body = Rigid3::Identity();
-  // Body Z up is camera -Y; then tilted.
+  // The body's Z axis is the camera's -Y, then tilted.
   camera_from_body.linear() = (Eigen::AngleAxisd(0.5, Vector3d::UnitX()) *
                                Eigen::AngleAxisd(-std::acos(0.0), Vector3d::UnitX()) *
                                Eigen::AngleAxisd(2 * std::acos(0.0), Vector3d::UnitX()))
@@ -32,8 +31,8 @@ inline Rigid3 sphere_pose() {
   return camera_from_body;
 }
 
-/// The finger's tip `depth` inside (m), with the hand that it belongs to, before a wall. (The
-/// finger alone is too small in this picture to be believed: PressingMaskSettings.)
+/// A frame with the fingertip `depth` m inside the sphere, with its hand, in front of a wall. (The
+/// finger alone is too small in this picture to be accepted: PressingMaskSettings.)
 inline Frame frame_with_finger(int number, double depth) {
   using Eigen::Vector3d;
   const DentedSphere sphere;
@@ -53,10 +52,10 @@ inline Frame frame_with_finger(int number, double depth) {
   return frame;
 }
 
-/// Everything that is seen presses, from the first frame on.
+/// Everything visible presses from the first frame on.
 inline const SessionSettings kEverythingPresses{.press_static = true, .map = false};
 
-/// A loop on the sphere with tables of touch.
+/// A frame loop for the sphere with tables of touch.
 inline FrameLoop touchable_sphere_loop(const SessionSettings& settings = kEverythingPresses) {
   const ReducedBody body = DentedSphere{}.body();
   return std::move(FrameLoop::make(TouchableBody(body, yielding_tables(body.surface)),

@@ -1,5 +1,5 @@
 /// @file
-/// The chunks of a recording (docs/recording_file.md), for tests that cut and spoil them.
+/// The chunks of a recording (docs/recording_file.md), for tests that truncate and damage them.
 #pragma once
 
 #include "palpable/common/base/word_hash.h"
@@ -21,7 +21,7 @@ struct ChunkPlace {
   std::size_t end = 0;
 };
 
-/// The chunks of a recording's bytes, up to one that is not whole.
+/// The chunks of a recording's bytes, up to an incomplete one.
 inline std::vector<ChunkPlace> chunks_of(const std::string& bytes) {
   std::vector<ChunkPlace> chunks;
   for (std::size_t at = kRecordingStart; at + kChunkHead <= bytes.size();) {
@@ -34,7 +34,7 @@ inline std::vector<ChunkPlace> chunks_of(const std::string& bytes) {
   return chunks;
 }
 
-/// The same bytes with each chunk's checksum as it has to be.
+/// The same bytes with the correct checksum in each chunk.
 inline std::string with_right_checksums(std::string bytes) {
   for (const ChunkPlace& chunk : chunks_of(bytes)) {
     std::uint32_t kind = 0;

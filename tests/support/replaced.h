@@ -1,5 +1,5 @@
 /// @file
-/// Texts with one thing wrong or too often, for the tests of readers.
+/// Texts with a single change, for tests of readers.
 #pragma once
 
 #include "tests/support/test.h"
@@ -8,7 +8,8 @@
 
 namespace palpable::test {
 
-/// `text` with the first `what`, which must be there and something else, made `with`.
+/// `text` with the first occurrence of `what` replaced by `with`. `what` must occur and
+/// differ from `with`.
 inline std::string replaced(std::string text, const std::string& what, const std::string& with) {
   const std::size_t at = text.find(what);
   REQUIRE(at != std::string::npos);
@@ -16,7 +17,7 @@ inline std::string replaced(std::string text, const std::string& what, const std
   return text.replace(at, what.size(), with);
 }
 
-/// `text`, `count` times.
+/// `text` repeated `count` times.
 inline std::string repeated(const std::string& text, int count) {
   std::string all;
   for (int i = 0; i < count; ++i) all += text;

@@ -1,5 +1,5 @@
 /// @file
-/// A block of rubber that stands on the ground, for whatever presses sites of a body.
+/// A block of rubber that stands on the ground, for tests that press sites.
 #pragma once
 
 #include "palpable/bake/describe/contact_sites.h"

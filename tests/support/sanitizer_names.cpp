@@ -1,5 +1,5 @@
-// What the sanitizers, which are libraries, ask a test program for: its names must be seen from
-// outside.
+// Settings that the sanitizers, which are libraries, look up in a test program: their names
+// must be exported.
 #include "tests/support/sanitizer_names.h"
 
 #include "tests/support/full_disk.h"
@@ -10,20 +10,21 @@ bool palpable::test::sanitizer_names_are_here() { return true; }
 #define PALPABLE_SEEN extern "C" __attribute__((visibility("default")))
 
 #ifdef PALPABLE_ASAN
-// LeakSanitizer asks for this name before it looks.
+// LeakSanitizer calls this before its check.
 PALPABLE_SEEN int __lsan_is_turned_off();                                               // NOLINT
 PALPABLE_SEEN int __lsan_is_turned_off() { return palpable::test::leaks_are_foreign; }  // NOLINT
 
-// AddressSanitizer guesses where glibc keeps the thread's memory of libraries that are loaded late
-// (Mesa's drivers), and takes it from two words before that; LeakSanitizer dies of a wrong guess.
+// AddressSanitizer guesses where glibc keeps the thread-local memory of libraries that are
+// loaded late (Mesa's drivers), and reads it from two words before; LeakSanitizer crashes
+// after a wrong guess.
 PALPABLE_SEEN const char* __asan_default_options();                                        // NOLINT
 PALPABLE_SEEN const char* __asan_default_options() { return "intercept_tls_get_addr=0"; }  // NOLINT
 #endif
 
 #ifdef PALPABLE_TSAN
-// Debian's OpenCV, its thread pool and the GDAL behind it are not built for ThreadSanitizer, which
-// therefore cannot see how they hand work over; what it says about our own code stays. The linker
-// looks for this name.
+// Debian's OpenCV, its thread pool and its GDAL are not built for ThreadSanitizer, which
+// therefore cannot see their synchronization; reports about our own code remain. The sanitizer
+// looks up this name.
 PALPABLE_SEEN const char* __tsan_default_suppressions();   // NOLINT: the sanitizer's name
 PALPABLE_SEEN const char* __tsan_default_suppressions() {  // NOLINT
   return "race:libopencv_\nrace:libtbb\ndeadlock:libgdal\n";

@@ -1,11 +1,11 @@
 /// @file
-/// The names by which sanitizers ask a test program for its settings.
+/// Functions that sanitizers look up by name in a test program.
 #pragma once
 
 namespace palpable::test {
 
-/// True. main() asks, because the linker takes an object out of a library only if somebody does,
-/// and then the sanitizers find their names, too.
+/// Returns true. main() calls it, because the linker takes an object out of a library only if
+/// something in it is used; then the sanitizers find the other names, too.
 [[nodiscard]] bool sanitizer_names_are_here();
 
 }  // namespace palpable::test

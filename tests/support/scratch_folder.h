@@ -1,5 +1,5 @@
 /// @file
-/// A folder for files that a test writes, inside the build tree.
+/// A folder in the build tree for files that a test writes.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace palpable::test {
 
-/// Empty at the start, gone at the end; of its own for each name and process.
+/// Empty after construction and removed by the destructor; distinct for each name and process.
 class ScratchFolder {
  public:
   explicit ScratchFolder(const std::string& name)
@@ -36,13 +36,13 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// All bytes of a file.
+/// The content of a file.
 inline std::string file_bytes(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// Makes the file be these bytes; makes its folder where there is none.
+/// Writes a file with these bytes and makes its folder if necessary.
 inline void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
   std::filesystem::create_directories(path.parent_path());
   std::ofstream(path, std::ios::binary | std::ios::trunc)

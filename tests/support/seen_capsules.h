@@ -1,5 +1,5 @@
 /// @file
-/// What an ideal depth camera sees of capsules: images with an analytic truth, for tests.
+/// Depth images of capsules by an ideal camera: images with an analytic truth, for tests.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -13,7 +13,7 @@
 
 namespace palpable::test {
 
-/// All points within `radius` of the segment a-b, m; a ball when a == b.
+/// All points within `radius` of the segment a-b, m; a ball if a == b.
 struct Capsule {
   Eigen::Vector3d a, b;
   double radius;
@@ -33,8 +33,8 @@ inline double distance_to(const std::vector<Capsule>& capsules, const Eigen::Vec
   return least;
 }
 
-/// Z of the nearest capsule per pixel (NaN: none), by walking along the ray in steps of the
-/// distance until it is below 10 um. Capsules in the camera frame.
+/// Z of the nearest capsule per pixel (NaN: none), found by sphere tracing to 10 um. Capsules are
+/// in the camera frame.
 inline DepthImage depth_of(const std::vector<Capsule>& capsules, const PinholeCamera& camera,
                            double farthest = 2.0) {
   DepthImage depth(camera.width, camera.height, std::numeric_limits<float>::quiet_NaN());

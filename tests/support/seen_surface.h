@@ -1,6 +1,6 @@
 /// @file
-/// A surface of what presses, made of balls or of a depth image, for the tests of contact, which
-/// itself knows no camera.
+/// A surface of obstacles made of balls or of a depth image, for tests of contact, which itself
+/// does not depend on a camera.
 #pragma once
 
 #include "palpable/live/seen_object/object_surface.h"

@@ -1,5 +1,5 @@
 /// @file
-/// What a colour + depth camera sees of a wall with a pattern of noise, for tests.
+/// A wall with a noise texture seen by a colour + depth camera, for tests.
 #pragma once
 
 #include "palpable/common/geometry/frame.h"
@@ -11,10 +11,10 @@
 
 namespace palpable::test {
 
-/// m from the camera to the wall.
+/// m, distance from the camera to the wall.
 inline constexpr double kWallZ = 0.8;
 
-/// Colour + depth, without noise in either.
+/// Colour + depth, both without sensor noise.
 inline FrameFormat wall_format() {
   FrameFormat format;
   format.kind = FrameFormat::Kind::kColorDepth;
@@ -24,7 +24,7 @@ inline FrameFormat wall_format() {
   return format;
 }
 
-/// Frame `number` of 30 a second, seen by a camera that stands `x` m to the right and `z` m nearer.
+/// Frame `number` at 30 frames a second, for a camera `x` m to the right and `z` m nearer.
 inline Frame frame_of_wall(int number, double x, double z = 0) {
   const FrameFormat format = wall_format();
   const auto noise = [](int i, int j) {

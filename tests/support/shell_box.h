@@ -1,5 +1,5 @@
 /// @file
-/// A box of 20 x 30 x 40 mm as a shell whose stress is recovered.
+/// A box of 20 x 30 x 40 mm as a shell for stress recovery.
 #pragma once
 
 #include "palpable/common/geometry/tet_mesh.h"
@@ -11,9 +11,9 @@
 
 namespace palpable::test {
 
-/// Its first `vertices` nodes are the skin's; each has the mean of all points of the elements that
-/// touch it.
-/// @param materials  of the lower half the first, of the upper one the last
+/// Its first `vertices` nodes are the skin's; stress at each is the mean over all points of the
+/// elements that contain it.
+/// @param materials  the first for the lower half, the last for the upper half
 inline ShellTable shell_box(bool quadratic, int vertices, const std::vector<Material>& materials) {
   TetMesh mesh = box_tets({0, 0, 0}, {0.02, 0.03, 0.04}, 1, 2, 2);
   if (quadratic) mesh = with_edge_nodes(mesh);

@@ -1,5 +1,5 @@
-// What a test program says when some of its cases cannot run: it starts itself on the hidden ones
-// below.
+// Tests the output of a test program whose cases cannot all run: it starts itself with the
+// hidden cases below.
 #include "tests/support/test.h"
 
 #include <cstdio>
@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-// ctest runs hidden cases, too: what these do, they do only for the case below.
+// ctest runs hidden cases, too; these have an effect only when started by the cases below.
 bool is_example() { return std::getenv("PALPABLE_EXAMPLE") != nullptr; }
 
 TEST_CASE("one that cannot run", "[.][example]") {

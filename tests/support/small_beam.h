@@ -23,7 +23,7 @@ inline SolidModel small_beam(int nx = 16, int ny = 4, int nz = 2) {
   return model;
 }
 
-/// Nodes of the face Z = height, from x = `from` on.
+/// Nodes of the face Z = height with x >= `from`.
 inline std::vector<int> face_nodes(const SolidModel& model, double height, double from) {
   std::vector<int> nodes;
   for (int n = 0; n < model.mesh.node_count(); ++n) {
@@ -34,8 +34,8 @@ inline std::vector<int> face_nodes(const SolidModel& model, double height, doubl
   return nodes;
 }
 
-/// (3N x S) `force` newtons along z at each of the nodes, shared by the face's nodes within 0.035
-/// m.
+/// (3N x S): column s is a force of `force` N along z at node s, distributed over the face's
+/// nodes within 0.035 m.
 inline Eigen::SparseMatrix<double> face_loads(const SolidModel& model,
                                               const std::vector<int>& nodes, double force) {
   const Eigen::Matrix3Xd& X = model.mesh.nodes;

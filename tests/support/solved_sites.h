@@ -1,5 +1,5 @@
 /// @file
-/// All sites of a body solved into memory, for tests that look at the numbers.
+/// All sites of a body solved in memory, for tests of the numbers.
 #pragma once
 
 #include "palpable/bake/campaign/site_run.h"

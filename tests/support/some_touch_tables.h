@@ -1,6 +1,6 @@
 /// @file
-/// Tables of touch of any skin that is star-shaped around its middle, whose numbers mean nothing,
-/// but all fit together: for files.
+/// Consistent tables of touch with arbitrary numbers, for any skin that is star-shaped around its
+/// centre: for tests of files.
 #pragma once
 
 #include "palpable/common/base/row_kernels.h"
@@ -32,7 +32,8 @@ inline SymmetricForm form(std::mt19937& random, int variables, int degree) {
   return rounded(variables, degree, coefficients);
 }
 
-// Three slices of the skin, one above the other; only the lowest and the highest are far apart.
+// Three slices of the skin, one above the other; only the lowest and the highest are far
+// from each other.
 inline bool are_far(int c, int d) { return c + d == 2 && c != d; }
 
 inline std::vector<int> nodes_near(const ComplianceTable& table, int cluster) {
@@ -52,7 +53,7 @@ inline ComplianceTable compliance(std::mt19937& random, const SurfaceMesh& skin,
   for (int v = 0; v < V; ++v) {
     c.cluster_of.push_back(std::min(2, static_cast<int>(3 * (skin.vertices(2, v) - low) / height)));
   }
-  c.cluster_of.push_back(1);  // of the node in the middle
+  c.cluster_of.push_back(1);  // of the inner node
   c.basis = rows(random, 3 * (V + 1), rank, 0.1f);
   c.beyond = rows(random, 3 * (V + 1), rank, 0.1f);
   c.far_first = {0};
@@ -73,8 +74,8 @@ inline ComplianceTable compliance(std::mt19937& random, const SurfaceMesh& skin,
   return c;
 }
 
-// A tetrahedron from each triangle to one node in the middle, of two materials by turns. A vertex
-// has the mean of those around it.
+// A tetrahedron from each triangle to one inner node, of two materials alternately. Stress at a
+// vertex is the mean over the tetrahedra that contain it.
 inline ShellTable shell(const SurfaceMesh& skin) {
   ShellTable s;
   const int V = skin.vertex_count();
@@ -104,9 +105,9 @@ inline ShellTable shell(const SurfaceMesh& skin) {
 
 }  // namespace some_tables
 
-/// 1 mm/N at each vertex itself and 32 directions of each of three clusters; `regions` of 16 modes,
-/// 5 of them leading, with 32 far shapes, 48 cross modes and two held-out touches where there are
-/// regions; a shell with one inner node.
+/// A compliance of 1 mm/N at each vertex itself, and a rank of 32 for each of three clusters;
+/// `regions` of 16 modes, 5 of them leading, with 32 far shapes; if there are regions, 48 cross
+/// modes and two held-out touches; a shell with one inner node.
 inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
   constexpr int kRank = 32, kModes = 16, kLeading = 5, kFarShapes = 32, kCrossModes = 48;
   std::mt19937 random(5);
@@ -123,7 +124,7 @@ inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
     region.vertices = some_tables::nodes_near(tables.compliance, cluster);
     region.modes =
         some_tables::rows(random, 3 * static_cast<int>(region.vertices.size()), kModes, 0.03f);
-    const int far = cluster == 1 ? 0 : 1;  // clusters
+    const int far = cluster == 1 ? 0 : 1;  // index of the other cluster
     region.far_shapes = some_tables::rows(random, far * kRank, kFarShapes, 0.02f);
     region.far_shares = some_tables::rows(random, kFarShapes, kModes, 0.2f);
     region.cubic = some_tables::form(random, kModes, 3);
@@ -139,11 +140,11 @@ inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
   return tables;
 }
 
-/// Tables without regions of a skin that gives way,
+/// Tables without regions of a skin with the compliance
 ///
-///     G_vw = 1 mm/N exp(-|x_v - x_w| / 20 mm)
+///      G_vw = 1 mm/N exp(-|x_v - x_w| / 20 mm)
 ///
-/// so that a press takes its neighbours along.
+/// so that a press also displaces the neighbourhood.
 inline TouchTables yielding_tables(const SurfaceMesh& skin) {
   TouchTables tables = some_touch_tables(skin, 0);
   ComplianceTable& table = tables.compliance;
@@ -155,7 +156,7 @@ inline TouchTables yielding_tables(const SurfaceMesh& skin) {
     table.near_scale[v] = 1e-3f / 32767;
     for (std::size_t k = 0; k < count; ++k) {
       const int w = table.neighbours[first + k];
-      if (w >= table.vertices) continue;  // an inner node: it stays
+      if (w >= table.vertices) continue;  // an inner node, which does not move
       const double share = std::exp(-(x.col(v) - x.col(w)).norm() / 0.020);
       for (std::size_t d = 0; d < 3; ++d) {
         table.near[at + 4 * d * padded(count) + k] =

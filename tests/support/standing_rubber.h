@@ -1,5 +1,5 @@
 /// @file
-/// A body of rubber that stands on its lowest nodes, of whatever mesh.
+/// A body of rubber with any mesh that stands on its lowest nodes.
 #pragma once
 
 #include "palpable/bake/solid/solid_model.h"

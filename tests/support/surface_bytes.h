@@ -1,6 +1,6 @@
 /// @file
-/// One tetrahedron's surface in every format that surfaces are read from, as its own programs write
-/// them: for tests of readers.
+/// The surface of one tetrahedron in every format of surfaces, as written by other programs: for
+/// tests of readers.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 /// @file
-/// Tables of snapshots whose reduction is known, or is like a body's.
+/// Snapshot tensors whose reduction is known, or that resemble those of a body.
 #pragma once
 
 #include "palpable/bake/separate/snapshot_tensor.h"
@@ -27,7 +27,7 @@ inline Eigen::VectorXd random_weights(Eigen::Index n, std::mt19937_64& random) {
   return w;
 }
 
-/// A sum of `rank` separated terms, each `ratio` times as large as the one before.
+/// A sum of `rank` separated terms, each `ratio` times the previous one.
 inline SeparatedTensor random_separated(Eigen::Index N, const std::vector<int>& sizes,
                                         Eigen::Index rank, double ratio, std::mt19937_64& random) {
   SeparatedTensor separated{random_matrix(N, rank, random), {}};
@@ -38,8 +38,8 @@ inline SeparatedTensor random_separated(Eigen::Index N, const std::vector<int>& 
   return separated;
 }
 
-/// A pressed body in miniature: a dent at a place that the first parameter chooses, growing with
-/// the second, more than in proportion. Its rank is full, as a body's is.
+/// A pressed body in miniature: the first parameter selects the position of a dent, which grows
+/// with the second one more than linearly. It has full rank, as a body's snapshots have.
 inline SnapshotTensor dents(int N, int sites, int levels) {
   SnapshotTensor snapshots{Eigen::MatrixXd(N, sites * levels), {sites, levels}};
   for (int s = 0; s < sites; ++s) {
@@ -55,7 +55,7 @@ inline SnapshotTensor dents(int N, int sites, int levels) {
   return snapshots;
 }
 
-/// Hilbert's tensor, 1 / (i + j + k ... + 1): its singular values fall fast and never end.
+/// Hilbert's tensor, 1 / (i + j + k ... + 1): its singular values decrease fast but are never 0.
 inline SnapshotTensor hilbert(int N, const std::vector<int>& sizes) {
   const Eigen::Index K = snapshot_count(sizes);
   SnapshotTensor tensor{Eigen::MatrixXd(N, K), sizes};

@@ -1,5 +1,5 @@
 /// @file
-/// A textured wall seen by two rectified eyes of which the right one is turned a little.
+/// A textured wall seen by two rectified eyes, of which the right one is slightly rotated.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -27,7 +27,7 @@ struct TiltedPair {
   GrayImage right;
 };
 
-/// Patches, blurred until they can be interpolated; CV_32FC1, wider than the pair.
+/// A texture that is blurred enough to be interpolated; CV_32FC1, wider than the pair.
 inline cv::Mat blurred_blobs(unsigned seed) {
   cv::RNG random(seed);
   cv::Mat image(kTiltedHeight, kTiltedWidth + 200, CV_32FC1);
@@ -47,7 +47,8 @@ inline GrayImage rounded(const cv::Mat& gray) {
   return image;
 }
 
-/// The wall's pair, the right eye turned by the inverse of `tilt`: correcting by `tilt` aligns it.
+/// The wall's pair with the right eye rotated by the inverse of `tilt`, so that a correction by
+/// `tilt` aligns it.
 inline TiltedPair tilted_pair(const EyeTilt& tilt, unsigned seed) {
   const cv::Mat texture = blurred_blobs(seed);
   const PinholeCamera c = tilted_stereo().camera;

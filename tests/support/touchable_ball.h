@@ -1,5 +1,5 @@
 /// @file
-/// A ball with contact points, by tables whose numbers mean nothing: for searches.
+/// A ball with contact points and tables of arbitrary numbers, for tests of the contact search.
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"
@@ -13,7 +13,7 @@
 
 namespace palpable::test {
 
-// A ball of 40 mm at rest, with points 2 mm apart.
+// A ball of radius 40 mm at rest, with contact points 2 mm apart.
 struct TouchableBall {
   SurfaceMesh surface = sphere_surface({0, 0, 0.04}, 0.04, 3);
   TouchTables tables = some_touch_tables(surface, 1);

@@ -32,7 +32,7 @@ std::vector<double> even_levels(int count) {
   return levels;
 }
 
-// Solves by both programs and checks every level.
+// Solves with both programs and compares every level.
 void compare(const std::string& body, const SolidModel& model, const Matrix3Xd& load,
              const std::vector<double>& levels) {
   const PathResult ours = EquilibriumSolver(model).solve_path(load, levels);
@@ -62,7 +62,7 @@ void compare(const std::string& body, const SolidModel& model, const Matrix3Xd& 
        {"difference of stress", fmt::format("{:.1e}", difference.stress)}});
 }
 
-// A beam that bends both ways and twists: its tip load is along no axis.
+// A beam that bends in both directions and twists: its tip load is not parallel to an axis.
 void compare_beam(const std::string& name, TetMesh mesh, const std::vector<MaterialGroup>& groups) {
   const double L = 0.3, h = 0.02, b = 0.03, E = 1e6;
   SolidModel model;
@@ -179,7 +179,7 @@ TEST_CASE("CalculiX presses a coarse neo-Hookean bunny as we do, at every level"
   }
 }
 
-// Axial force per undeformed area of a unit cube whose surface is moved to diag(s, 1, 1) X.
+// Axial force per undeformed area of a unit cube whose surface is displaced to diag(s, 1, 1) X.
 struct Reactions {
   double ours, calculix;
 };
@@ -187,7 +187,7 @@ Reactions uniaxial_strain(const Material& material, double s) {
   SolidModel model;
   model.mesh = box_tets({0, 0, 0}, {1, 1, 1}, 2, 2, 2);
   model.material = material;
-  // Only the node in the middle is free.
+  // Only the central node is free.
   for (int n = 0; n < model.mesh.node_count(); ++n) {
     if (model.mesh.nodes.col(n) != Vector3d(0.5, 0.5, 0.5)) model.fixed_nodes.push_back(n);
   }
@@ -203,7 +203,8 @@ Reactions uniaxial_strain(const Material& material, double s) {
   for (int n = 0; n < model.mesh.node_count(); ++n) {
     if (model.mesh.nodes(0, n) == 1.0) ours += force(0, n);
   }
-  // The area across does not change, so Cauchy stress xx, uniform, is the force.
+  // The cross section does not change, so that the uniform Cauchy stress xx equals
+  // the force per area.
   const CalculixRun run = solve_with_calculix(model, none, full);
   REQUIRE(run.complete);
   const StressField& stress = run.states.back().stress;

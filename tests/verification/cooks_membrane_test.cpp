@@ -17,7 +17,7 @@ namespace {
 using Eigen::Matrix3Xd;
 using test::tolerance;
 
-// Upward displacement (m) of the middle of the right edge, with `cells` (even) along each edge.
+// Upward displacement, m, of the midpoint of the right edge, with `cells` (even) along each edge.
 double tip_rise(const Material& material, int cells, bool quadratic, int* nodes) {
   // In mm: corners (0, 0), (48, 44), (48, 60), (0, 44); one layer of elements, as thick as wide.
   const double thickness = 0.048 / cells;
@@ -37,7 +37,7 @@ double tip_rise(const Material& material, int cells, bool quadratic, int* nodes)
     model.supports.push_back({.node = n, .held = {clamped, clamped, true}});
   }
   const int tip = nearest_node(mesh, {0.048, 0.052, 0});
-  // 1 N for each mm of thickness, spread evenly over the right edge; dead.
+  // 1 N per mm of thickness, distributed evenly over the right edge; a dead load.
   const Eigen::Vector3d per_area(0, 1.0 / (0.016 * 0.001), 0);
   const Eigen::Matrix3Xi edge =
       triangles_between(skin_triangles(mesh), nodes_on_plane(mesh, {0.048, 0, 0}, {1, 0, 0}, 1e-9));
@@ -54,9 +54,9 @@ double tip_rise(const Material& material, int cells, bool quadratic, int* nodes)
 TEST_CASE("refined linear tetrahedra tend to the known rise of Cook's membrane",
           "[verification][cook][long]") {
   const double mu = 422.5e3, nu = 0.3;
-  // The reference (data README: 14.74 mm) names neither the volumetric part of its law nor its
-  // point. The Abaqus form at the middle of the right edge reproduces it to its four digits; the
-  // limit under eq. (7) is shown beside it.
+  // The reference (data README: 14.74 mm) states neither the volumetric part of its law nor its
+  // point. The Abaqus form at the midpoint of the right edge reproduces all of its four digits; the
+  // limit under eq. (7) is recorded for comparison.
   for (const std::string law : {"neo-hooke-abaqus", "neo-hookean"}) {
     INFO(law);
     const Material material = material_from_young(law, 2 * mu * (1 + nu), nu);
@@ -64,11 +64,12 @@ TEST_CASE("refined linear tetrahedra tend to the known rise of Cook's membrane",
     std::array<int, 3> nodes{};
     const std::array<int, 3> cells{16, 32, 64};
     for (std::size_t m = 0; m < 3; ++m) rise[m] = tip_rise(material, cells[m], false, &nodes[m]);
-    // Aitken: the order, which the corners of the clamped edge lower, comes from the meshes.
+    // Aitken extrapolation: the order, which the corners of the clamped edge reduce, is determined
+    // from the meshes.
     const double d1 = rise[1] - rise[0], d2 = rise[2] - rise[1];
     const double order = std::log2(d1 / d2), limit = rise[2] + d2 * d2 / (d1 - d2);
     INFO("rises " << rise[0] << " " << rise[1] << " " << rise[2] << ", order " << order);
-    CHECK((rise[0] < rise[1] && rise[1] < rise[2]));  // too stiff, less and less
+    CHECK((rise[0] < rise[1] && rise[1] < rise[2]));  // too stiff, but less with each refinement
     CHECK((order > 1.0 && order < 2.2));
     if (law == "neo-hooke-abaqus") {
       CHECK(limit ==
@@ -93,7 +94,7 @@ TEST_CASE("10-node tetrahedra have the known rise of Cook's membrane on a coarse
     int nodes = 0;
     const double rise = tip_rise(material, cells, true, &nodes);
     INFO(cells << " cells, " << nodes << " nodes: " << rise);
-    CHECK(rise > before);  // too stiff, less and less
+    CHECK(rise > before);  // too stiff, but less with each refinement
     before = rise;
     test::record("cook-quadratic", {{"cells along an edge", std::to_string(cells)},
                                     {"nodes", std::to_string(nodes)},

@@ -1,4 +1,4 @@
-// The elastica: a slender cantilever that bends far under a dead load at its tip.
+// The elastica: a slender cantilever with a large deflection under a dead load at its tip.
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/bake/solid/loads.h"
 #include "palpable/bake/solid/selection.h"
@@ -16,14 +16,14 @@ namespace {
 using Eigen::Matrix3Xd;
 using test::tolerance;
 
-// Wider than high: a beam that is bent about its stiff axis would escape to the side.
+// Wider than high, because a beam that is bent about its stiff axis would buckle sideways.
 constexpr double kLength = 1.0, kHeight = 0.05, kWidth = 0.1, kYoung = 1e9;
 
 struct Row {
   double k;     // P L^2 / (E I)
   double w, u;  // deflection and shortening over L, of an inextensible beam without shear
 };
-// The elliptic integrals' values; data README.
+// Values from elliptic integrals; see the data README.
 constexpr std::array kElastica{Row{1, 0.30172, 0.05643}, Row{2, 0.49346, 0.16064},
                                Row{3, 0.60325, 0.25442}, Row{5, 0.71379, 0.38763},
                                Row{10, 0.81061, 0.55500}};
@@ -36,11 +36,11 @@ struct Tip {
 std::array<Tip, 5> bend(const TetMesh& mesh) {
   SolidModel model;
   model.mesh = mesh;
-  // nu = 0: the cross section keeps its shape, so that beam theory has nothing to neglect there.
+  // nu = 0: the cross section keeps its shape, as beam theory assumes.
   model.material = material_from_young("saint-venant-kirchhoff", kYoung, 0.0);
   const double I = kWidth * std::pow(kHeight, 3) / 12;
   model.fixed_nodes = nodes_on_plane(mesh, {0, 0, 0}, {1, 0, 0}, 1e-9);
-  // Shear spread evenly over the end face; its parabola dies out within a height.
+  // Uniform shear over the end face; the difference from a parabola decays within one height.
   const Eigen::Matrix3Xi end = triangles_between(
       skin_triangles(mesh), nodes_on_plane(mesh, {kLength, 0, 0}, {1, 0, 0}, 1e-9));
   const double shear = 10.0 * kYoung * I / (kLength * kLength) / (kWidth * kHeight);
@@ -108,11 +108,11 @@ TEST_CASE("refined linear tetrahedra tend to the elastica from the stiff side",
   for (std::size_t r = 0; r < kElastica.size(); ++r) {
     const Row& row = kElastica[r];
     INFO("P L^2 / EI = " << row.k);
-    // Linear tetrahedra cannot bend: each mesh is too stiff by an amount that falls with h^2.
+    // Linear tetrahedra are too stiff in bending, with an error proportional to h^2.
     CHECK(tips[0][r].w < tips[1][r].w);
     CHECK(tips[1][r].w < tips[2][r].w);
     CHECK(tips[2][r].w < row.w);
-    // To a mesh without size: the parabola in h^2 through the three.
+    // Extrapolation to h = 0 by the parabola in h^2 through the three values.
     const auto extrapolated = [&](auto value) {
       double sum = 0;
       for (std::size_t i = 0; i < 3; ++i) {

@@ -1,4 +1,4 @@
-// 4-node and 10-node tetrahedra on the same nodes, against a finer mesh: the cheap relative of
+// 4-node and 10-node tetrahedra on the same nodes, compared with a finer mesh: a fast version of
 // `palpable bench elements`, which does the same for the paper's bunny.
 #include "palpable/bake/mesh/tetrahedralise.h"
 #include "tests/support/test.h"

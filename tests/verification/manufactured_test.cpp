@@ -1,7 +1,7 @@
-// Manufactured solutions: a smooth displacement is chosen, the body force, traction and prescribed
-// displacement that it needs are computed from it, and the solver must find it again, with an error
-// that falls as theory says: L2 norm by h^2, H1 norm by h for linear tetrahedra; h^3 and h^2 for
-// 10-node ones.
+// Manufactured solutions: for a chosen smooth displacement the required body force, traction
+// and prescribed displacement are computed, and the solver must reproduce the displacement with
+// an error of the theoretical order: L2 norm h^2, H1 norm h for linear tetrahedra; h^3 and h^2
+// for 10-node ones.
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/bake/solid/loads.h"
 #include "palpable/bake/solid/selection.h"
@@ -23,7 +23,7 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using test::tolerance;
 
-constexpr double kAmplitude = 0.15;  // m on a body of 1 m: strains of tens of percent
+constexpr double kAmplitude = 0.15;  // m, for a body of 1 m: strains of tens of percent
 
 Vector3d exact_displacement(const Vector3d& X) {
   return kAmplitude * Vector3d(std::sin(1.3 * X[0] + 0.5 * X[1]), std::cos(0.9 * X[1] + 1.1 * X[2]),
@@ -44,7 +44,7 @@ Matrix3d exact_stress(const Material& material, const Vector3d& X) {
   return first_piola(material, Matrix3d::Identity() + exact_gradient(X));
 }
 
-// -Div P, by central differences: their error, 1e-8, is far below that of the coarsest mesh.
+// -Div P by central differences, whose error of 1e-8 is far below that of the coarsest mesh.
 Vector3d body_force(const Material& material, const Vector3d& X) {
   const double h = 1e-4;
   Vector3d b = Vector3d::Zero();
@@ -59,12 +59,12 @@ struct Errors {
   double l2, h1;  // relative to the norm of the exact displacement, and of its gradient
 };
 
-// A pyramid without its top, whose base is moved as the exact displacement says while the other
-// faces bear its traction. Its sides rise by 45 degrees: where a held face meets a free one at 90,
-// the dual problem of the proof has a singular edge, and the order in L2 is no longer proved.
+// A truncated pyramid whose base has the exact displacement while the other faces carry its
+// traction. Its sides rise by 45 degrees: where a held face meets a free one at 90 degrees, the
+// dual problem of the proof has a singular edge, and the order in L2 is no longer proved.
 Errors solve(const Material& material, int cells, bool quadratic) {
   SolidModel model;
-  // Different cell sizes along the axes, so that no symmetry of the mesh helps.
+  // Different cell sizes along the axes avoid symmetries of the mesh.
   model.mesh = box_tets({-0.8, -0.6, 0}, {0.8, 0.6, 0.4}, cells + cells / 2, cells, cells / 2);
   for (int n = 0; n < model.mesh.node_count(); ++n) {
     auto X = model.mesh.nodes.col(n);
@@ -80,14 +80,14 @@ Errors solve(const Material& material, int cells, bool quadratic) {
     model.fixed_displacement.col(static_cast<Eigen::Index>(k)) =
         exact_displacement(mesh.nodes.col(model.fixed_nodes[k]));
   }
-  // All of the skin bears its traction: at the base, which is held, it changes nothing.
+  // The whole skin carries its traction; at the base, which is held, it has no effect.
   const Matrix3Xd load =
       body_force_load(mesh, [&](const Vector3d& X) { return body_force(material, X); }) +
       traction_load(mesh, skin_triangles(mesh), [&](const Vector3d& X, const Vector3d& n) {
         return Vector3d(exact_stress(material, X) * n);
       });
 
-  const std::array levels{0.25, 0.5, 0.75, 1.0};  // in between the solution is another one
+  const std::array levels{0.25, 0.5, 0.75, 1.0};  // the chosen one only at level 1
   const PathResult path = EquilibriumSolver(model, {.tolerance = 1e-10}).solve_path(load, levels);
   INFO(path.why_stopped);
   REQUIRE(path.complete);

@@ -1,5 +1,5 @@
 /// @file
-/// What a verification test measured, as a line that tools/write_verification.py collects.
+/// Prints results of a verification test as lines that tools/write_verification.py collects.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 namespace palpable::test {
 
 /// Prints one row of a table: "VERIFICATION<tab>table<tab>column=value<tab>...". The first row of a
-/// table names its columns. Values are text as it shall stand in the document.
+/// table names its columns. Values are the text in the document.
 inline void record(std::string_view table,
                    std::initializer_list<std::pair<std::string_view, std::string>> row) {
   std::string line = fmt::format("VERIFICATION\t{}", table);

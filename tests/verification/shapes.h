@@ -1,5 +1,5 @@
 /// @file
-/// Bodies that several verification tests press.
+/// Bodies used by several verification tests.
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"
@@ -10,8 +10,8 @@
 
 namespace palpable::test {
 
-/// A ball of 4 cm radius with two ears: thin parts that bend beside a thick one that is squeezed.
-/// @param subdivisions  of the icosahedron that the sphere is made from
+/// A ball of 4 cm radius with two ears: thin parts that bend beside a thick part that is squeezed.
+/// @param subdivisions  of the icosahedron from which the sphere is made
 inline SurfaceMesh ball_with_ears(int subdivisions) {
   using Eigen::Vector3d;
   const double R = 0.04;

@@ -1,4 +1,4 @@
-// Chessboard pictures that nobody here took. The case is skipped, and says so, where they are not.
+// Chessboard pictures of other groups. The case is skipped with a message if they are missing.
 #include "palpable/live/calibrate/board_calibration.h"
 #include "palpable/live/sources/folder_source.h"
 #include "tests/support/test.h"

@@ -1,5 +1,5 @@
-// What nobody here made: recordings with the truth that came with them. Each case is skipped, and
-// says so, where its data is not.
+// Recordings of other groups with published truth. A case is skipped with a message if its
+// data is missing.
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/live/calibrate/calibration_file.h"
 #include "palpable/live/calibrate/factory_calibration.h"
@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::ScratchFolder;
 
-// Tests run in the source folder; the data lies beside it.
+// Tests run in the source folder; the data is beside it.
 const fs::path kData = "../shared/data";
 
 double known_share(const DepthImage& depth) {
@@ -69,7 +69,7 @@ TEST_CASE("the squirrel recording opens as 90 frames of colour and depth in metr
     // The desk in front of the ball, and the ball's top (data README: a desk at 0.45 to 1.0 m).
     CHECK((seen.depth(110, 180) > 0.45F && seen.depth(110, 180) < 0.7F));
   }
-  // A desk is a plane: of three points on a line of the image, 1 / Z is linear.
+  // A desk is a plane: along a line of the image 1 / Z is linear.
   const DepthImage& Z = frames[0].depth;
   const double bend = 2 / Z(110, 190) - 1 / Z(90, 190) - 1 / Z(130, 190);
   CHECK(std::abs(bend) * Z(110, 190) <= test::tolerance(0.03, "1 % of noise in each of the three"));
@@ -104,7 +104,7 @@ TEST_CASE("the time-of-flight camera's resting desk scatters no more than the mo
   INFO("median " << ratios[ratios.size() / 2] << ", 90 % " << ratios[ratios.size() * 9 / 10]);
   CHECK(ratios[ratios.size() / 2] <= 1.0);
   CHECK(ratios[ratios.size() * 9 / 10] <= 1.5);
-  CHECK(ratios[ratios.size() / 2] >= 0.25);  // a model that is far too wide would swallow hands
+  CHECK(ratios[ratios.size() / 2] >= 0.25);  // a model that is far too wide would hide hands
 }
 
 // --- ZED Mini, serial 10027514: raw 1280 x 720 pairs --------------------------------------------
@@ -120,8 +120,8 @@ std::unique_ptr<FrameSource> zed_source() {
   return value_or_throw(open_folder(kZed / "raw", {.calibration = kZed / "SN10027514.conf"}));
 }
 
-// Row of the match in the right image minus the row in the left one, for corners whose best match
-// by normalised correlation within +-20 rows and 0 to 60 columns is a clear one.
+// Row in the right image minus row in the left one, for corners whose best match by normalised
+// correlation within +-20 rows and 0 to 60 columns is unambiguous.
 std::vector<double> row_differences(const GrayImage& left, const GrayImage& right) {
   constexpr int kHalf = 7;
   constexpr int kRows = 20;
@@ -196,7 +196,7 @@ TEST_CASE("a ZED Mini whose right eye was knocked finds its rows again", "[visio
   const auto source = zed_source();
   Frame frame;
   REQUIRE(source->next(frame) == FrameStatus::kFrame);
-  double as_delivered = 0;                          // what the factory's numbers leave, px
+  double as_delivered = 0;                          // px, row error with the factory's numbers
   for (const double knocked : {0.0, 0.1, -0.08}) {  // degrees; 0.1 are 1.2 rows
     FrameFormat format = source->format();
     const double angle = knocked * M_PI / 180;
@@ -228,7 +228,7 @@ TEST_CASE("a real ZED Mini pair gives depth, from raw images", "[vision][real][S
   camera.see(frame, seen);
   INFO("known " << known_share(seen.depth));
   CHECK(known_share(seen.depth) > 0.5);  // a bare corridor
-  // The board stands 5 m away; here it is in the rectified picture of half size.
+  // The board is 5 m away, here in the rectified picture at half size.
   std::vector<double> board;
   for (int y = 220; y < 237; ++y) {
     for (int x = 312; x < 330; ++x) {
@@ -278,11 +278,11 @@ TEST_CASE("raw ZED pairs taken for rectified ones, and swapped eyes of KITTI's c
 // --- pairs with true disparity ------------------------------------------------------------------
 
 struct Truth {
-  double known_share = 0;  // of the pixels whose truth is known
-  double within_5 = 0;     // of those with both
+  double known_share = 0;  // share of the pixels with a known truth
+  double within_5 = 0;     // share of those with both
 };
 
-// `disparity` is the truth at full size in px of the left image, NaN unknown.
+// `disparity` is the truth at full size, px of the left image, NaN where unknown.
 Truth against_truth(const SeenFrame& seen, const RectifiedStereo& stereo,
                     const DepthImage& disparity) {
   int with_truth = 0;
@@ -370,7 +370,8 @@ TEST_CASE("Middlebury pairs come out at their true disparity", "[vision][real][S
     fs::copy_file(source / set.right, folder / "right/0.png");
     const DepthImage disparity = disparity_of(
         cv::imread((source / set.truth).string(), cv::IMREAD_GRAYSCALE), set.steps_per_px);
-    // Focal length and baseline are not given with these: any will do, since 5 % of Z is 5 % of d.
+    // Focal length and baseline are unknown for these pairs; any values will do, because 5 %
+    // of Z is 5 % of d.
     const RectifiedStereo stereo{
         {disparity.width(), disparity.height(), 500, 500, 200, 150}, 0.1, 0};
     write_rectified_calibration(folder / "rectified.yml", {stereo, 30});

@@ -29,7 +29,7 @@ using Eigen::VectorXd;
 using test::tolerance;
 
 // A prescribed displacement of a slab of 0.4 x 0.1 x 0.05 m that is pressed at (x, y) of its top: a
-// sum of three products. @param X of a node at rest
+// sum of three products. @param X  of a node at rest
 Eigen::Vector3d known_displacement(const Eigen::Vector3d& at, double level,
                                    const Eigen::Vector3d& X) {
   const double x = at.x() / 0.4, y = at.y() / 0.1;

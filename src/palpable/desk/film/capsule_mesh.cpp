@@ -20,7 +20,8 @@ using std::numbers::pi;
 struct CapsuleAxes {
   Vector3d axis, e1, e2;
   double length;
-  double tilt;  // rad, of the normals of the conical side out of the plane perpendicular to the axis
+  double
+      tilt;  // rad, of the normals of the conical side out of the plane perpendicular to the axis
 };
 
 CapsuleAxes axes_of(const Capsule& capsule, const Vector3d& side) {
@@ -45,8 +46,8 @@ struct Ring {
   bool at_b;
 };
 
-/// The rings from the pole at a to the pole at b. The conical side lies between the last ring of a and
-/// the first of b.
+/// The rings from the pole at a to the pole at b. The conical side lies between the last ring of a
+/// and the first of b.
 /// @param step  rad, largest angle between neighbouring rings of a sphere
 std::vector<Ring> rings_of(double tilt, double step) {
   const auto arcs = [&](double angle) {

@@ -8,9 +8,9 @@
 
 namespace palpable {
 
-/// All vertices lie on the surface of the capsule, and all triangles at most a chord error inside it.
-/// The vertices form rings round the axis; the first and the last vertex of a ring coincide and have
-/// the angles 0 and 2 pi.
+/// All vertices lie on the surface of the capsule, and all triangles at most a chord error inside
+/// it. The vertices form rings round the axis; the first and the last vertex of a ring coincide and
+/// have the angles 0 and 2 pi.
 struct CapsuleMesh {
   Eigen::Matrix3Xd vertices;   ///< (3 x N) m
   Eigen::Matrix3Xd normals;    ///< (3 x N) unit, outwards
@@ -18,7 +18,8 @@ struct CapsuleMesh {
   Eigen::Matrix3Xi triangles;  ///< (3 x M) counter-clockwise seen from outside
 };
 
-/// @param side         direction of the angle 0 round the axis; need not be perpendicular to the axis
+/// @param side         direction of the angle 0 round the axis; need not be perpendicular to the
+/// axis
 /// @param chord_error  m, > 0, largest depth of a triangle inside the capsule
 /// Capsules with equal radii and length get equal triangles, independently of their pose.
 /// @throws ContractViolation unless radii and chord error are positive

@@ -8,8 +8,8 @@
 
 namespace palpable {
 
-/// Times are in frames. The exposure is centred at the time `frame`, and so is the readout of the rows.
-/// So the renderer evaluates camera and movers at times up to half a frame away.
+/// Times are in frames. The exposure is centred at the time `frame`, and so is the readout of the
+/// rows. So the renderer evaluates camera and movers at times up to half a frame away.
 struct DeskMoment {
   int frame = 0;
   std::function<Rigid3(double)> camera_from_desk;  ///< at a time

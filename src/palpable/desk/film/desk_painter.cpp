@@ -16,13 +16,13 @@ namespace palpable {
 namespace {
 
 constexpr double kNearest = SeenBox::kNearest;  // m, near plane
-constexpr double kFarthest = 24.0;                  // m, far plane
+constexpr double kFarthest = 24.0;              // m, far plane
 
 /// m, width of the filtered edge outside a shadow, a few texels of the shadow map.
 constexpr double kShadowSpread = 0.005;
 
-/// The projection of an eye at the origin that looks along Z, with Y down. Row 0 of the picture is row
-/// 0 of the texture, so that pictures need no flipping when they are read back.
+/// The projection of an eye at the origin that looks along Z, with Y down. Row 0 of the picture is
+/// row 0 of the texture, so that pictures need no flipping when they are read back.
 Eigen::Matrix4f clip_from_camera(const PinholeCamera& c) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
   // u = fx X/Z + cx is 0 at the centre of pixel 0, window coordinates are 0 at its corner.
@@ -203,8 +203,8 @@ void DeskPainter::cast_shadows(const ShadowMap& map, float along, const Draw& dr
   glEnable(GL_DEPTH_TEST);
   glClearDepth(1.0);
   glClear(GL_DEPTH_BUFFER_BIT);
-  // The stored depth is shifted away from the light, more so on inclined surfaces. Without the shift,
-  // surfaces would cast stripes of shadow on themselves.
+  // The stored depth is shifted away from the light, more so on inclined surfaces. Without the
+  // shift, surfaces would cast stripes of shadow on themselves.
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(2.5F, 8.0F);
   programs_.shade.use();
@@ -280,8 +280,8 @@ void DeskPainter::paint_one(std::size_t i, bool with_moving_shadows) const {
   }
 }
 
-/// Paints all still meshes. Near ones are last in the list and painted first, so that pixels hidden by
-/// them are not shaded.
+/// Paints all still meshes. Near ones are last in the list and painted first, so that pixels hidden
+/// by them are not shaded.
 void DeskPainter::paint_static(bool with_moving_shadows) const {
   for (std::size_t i = meshes_.size(); i-- > 0;)
     paint_one(i, with_moving_shadows && may_be_shaded(i));
@@ -311,8 +311,8 @@ void DeskPainter::paint_movers() const {
   glDisable(GL_CULL_FACE);
 }
 
-/// Whether the eye's still picture shows the desk from this pose. The picture is painted at the second
-/// successive call with the same pose.
+/// Whether the eye's still picture shows the desk from this pose. The picture is painted at the
+/// second successive call with the same pose.
 bool DeskPainter::has_still(Eye& eye, const Rigid3& eye_from_desk) {
   const auto is = [&](const std::optional<Rigid3>& pose) {
     return pose && pose->matrix() == eye_from_desk.matrix();

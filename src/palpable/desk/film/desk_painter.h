@@ -34,26 +34,27 @@ class DeskPainter {
   /// @param look  appearance of the movers
   DeskPainter(PaintPrograms programs, const DeskScene& scene, const DeskLook& look);
 
-  /// Uploads the movers as the shutter opens and as it closes, without their shadow. Fast if they have
-  /// not changed.
+  /// Uploads the movers as the shutter opens and as it closes, without their shadow. Fast if they
+  /// have not changed.
   void place(const Movers& first, const Movers& last);
   /// Computes the shadow of the placed movers at the instant `along`. Fast if it has not changed.
   void shade_by_movers(float along);
 
   /// Paints the ideal picture of one instant within `wanted` and leaves the rest unchanged.
-  /// @param seen  initial depth buffer: seen_depth or seen_depth_turned of the eye. Not used if there
+  /// @param seen  initial depth buffer: seen_depth or seen_depth_turned of the eye. Not used if
+  /// there
   ///              is a still picture
   void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted, const GlTexture& seen,
                    float along);
   /// Paints the still things, with the shadow of the movers, into picture `index` of eye.stills.
   /// @param alone  whether the exposure has no other reference
   void paint_reference(Eye& eye, int index, const Rigid3& eye_from_desk, bool alone);
-  /// Paints the movers into picture `index` of eye.layers, with alpha 0 where there is none or where a
-  /// still thing hides it.
+  /// Paints the movers into picture `index` of eye.layers, with alpha 0 where there is none or
+  /// where a still thing hides it.
   void paint_layer(const Eye& eye, int index, const Rigid3& eye_from_desk, float along);
 
-  /// Rectangles of the ideal picture that contain all movers, without their shadow, while the shutter
-  /// is open and the eye passes through the poses.
+  /// Rectangles of the ideal picture that contain all movers, without their shadow, while the
+  /// shutter is open and the eye passes through the poses.
   /// @param cup  whether there is a cup. Its capsules differ from the drawn surface, so all movers
   ///             together then get one rectangle
   [[nodiscard]] std::vector<Box> parts_touched(const Eye& eye, std::span<const Rigid3> poses,

@@ -1,6 +1,6 @@
 /// @file
-/// The compiled shader programs that film the desk: one for each kind of surface and each way to read
-/// the sensor. The OpenGL context must be current.
+/// The compiled shader programs that film the desk: one for each kind of surface and each way to
+/// read the sensor. The OpenGL context must be current.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -10,8 +10,8 @@
 
 namespace palpable {
 
-/// A program that paints one kind of surface (desk.vert and desk.frag), and the features that it was
-/// compiled with. It has only the uniforms of these features.
+/// A program that paints one kind of surface (desk.vert and desk.frag), and the features that it
+/// was compiled with. It has only the uniforms of these features.
 struct Paint {
   GlProgram program;
   bool far = false;             ///< lit at the vertices, without shadows

@@ -76,8 +76,8 @@ Box needed_by(const Band& band, const Eye& eye) {
   return all_of(eye.ideal).cut({0, y0, eye.ideal.width, static_cast<int>(bottom) + 8 - y0});
 }
 
-/// The homographies of an exposure between positions in the ideal picture (0..1): to a reference from
-/// the instant of each look, and from that of each layer.
+/// The homographies of an exposure between positions in the ideal picture (0..1): to a reference
+/// from the instant of each look, and from that of each layer.
 struct Looks {
   std::vector<Eigen::Matrix3f> still_from_moment, still_from_layer;
 };
@@ -99,8 +99,8 @@ struct DepthTarget {
 /// @param right  the same row in the right eye: (Z, whether it moves)
 bool both_see(int x, float z, std::span<const Eigen::Vector2f> right, const PinholeCamera& view,
               double baseline) {
-  // In the right eye the point lies f T / Z further left. It is hidden there when both pixels next to
-  // it show something nearer.
+  // In the right eye the point lies f T / Z further left. It is hidden there when both pixels next
+  // to it show something nearer.
   const double u = x - view.fx_px * baseline / z;
   const auto u0 = static_cast<int>(std::floor(u));
   if (u0 < 0 || u0 + 1 >= view.width) return false;

@@ -26,7 +26,8 @@ struct RawPair {
 struct DeskCamera {
   StereoRig rig;  ///< as calibrated
   SensorFaults faults;
-  /// From the raw left camera to the rectified left one: a rotation that depends on the rectification.
+  /// From the raw left camera to the rectified left one: a rotation that depends on the
+  /// rectification.
   Rigid3 camera_from_left = Rigid3::Identity();
 };
 
@@ -51,9 +52,11 @@ class DeskRenderer {
   /// Draws one pair. While the shutter is open, movers move linearly between their first and their
   /// last position.
   ///
-  /// * Motion blur: the mean of several instants (exposure.h). The shadow of the movers is that of the
+  /// * Motion blur: the mean of several instants (exposure.h). The shadow of the movers is that of
+  /// the
   ///   middle of the exposure.
-  /// * Rolling shutter: six bands of rows, each painted for its own instant and rotated from row to row
+  /// * Rolling shutter: six bands of rows, each painted for its own instant and rotated from row to
+  /// row
   ///   with the camera. Two neighbouring bands share one shadow of the movers.
   ///
   /// The noise depends on seed, eye and frame number.

@@ -60,8 +60,8 @@ TEST_CASE("an exposure is the mean over its time, with moving camera and movers"
       *new std::optional<DeskRenderer>(renderer_of(scene_of(squares), 1, kFaultless));
   if (!renderer) PALPABLE_SKIP(kNoGl);
   constexpr int kFrame = 3;
-  // A ball that moves along with the camera moves by 3 px in the picture; another one moves by 19 px in
-  // addition to the camera's motion.
+  // A ball that moves along with the camera moves by 3 px in the picture; another one moves by 19
+  // px in addition to the camera's motion.
   struct Motion {
     double turn;   // rad per frame; 0.04: 14 px in half a frame
     double shift;  // m per frame; 0.008: 5 px at 0.5 m
@@ -106,8 +106,8 @@ TEST_CASE("an exposure is the mean over its time, with moving camera and movers"
       right[k] += light(one.right.data()[k]) / kMoments;
     }
   }
-  // The mean errors, in grey levels, of both pictures over the pixels that motion changes by more than
-  // rounding.
+  // The mean errors, in grey levels, of both pictures over the pixels that motion changes by more
+  // than rounding.
   const auto errors = [&](const ColorImage& plain, const ColorImage& image,
                           const std::vector<double>& mean) {
     double unsmeared = 0, error = 0;

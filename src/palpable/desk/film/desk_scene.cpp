@@ -281,7 +281,8 @@ DeskScene desk_scene(const DeskLook& look) {
     }
   }
 
-  // Near things are last in the list and painted first, so that pixels hidden by them are not shaded.
+  // Near things are last in the list and painted first, so that pixels hidden by them are not
+  // shaded.
   Random furnishing(seed, "room");
   if (look.room) build_room(scene, furnishing, look.bare);
   if (look.room) carry_desk(scene);

@@ -17,8 +17,8 @@ struct DeskScene {
   std::vector<PaintedMesh> meshes;  ///< those near the first camera come last
 };
 
-/// A wooden desk with books, a carton, a mug and a written page, in a room. The desk is free round the
-/// body and to its right, from where the hand comes.
+/// A wooden desk with books, a carton, a mug and a written page, in a room. The desk is free round
+/// the body and to its right, from where the hand comes.
 [[nodiscard]] DeskScene desk_scene(const DeskLook& look);
 
 }  // namespace palpable

@@ -11,7 +11,7 @@ namespace palpable {
 
 namespace {
 
-constexpr double kNearStill = 0.4;  // m, assumed distance of the nearest still thing
+constexpr double kNearStill = 0.4;    // m, assumed distance of the nearest still thing
 constexpr double kReferencePx = 2.0;  // px, largest parallax between references
 constexpr double kLookPx = 2.0;       // px, largest motion of the picture between looks
 constexpr double kMoverPx = 4.0;      // px, largest motion of the movers between layers
@@ -19,8 +19,8 @@ constexpr int kMost = 10;             // parts into which each of the three moti
 // share() rounds up: all layers < kMost + references <= 2 kMost, all looks < kMost + all layers.
 static_assert(2 * kMost <= kMostLayers && 3 * kMost <= kMostLooks);
 
-/// Motion of the movers in the picture between two instants, px: the largest motion of a point on the
-/// axis of a capsule that is in view.
+/// Motion of the movers in the picture between two instants, px: the largest motion of a point on
+/// the axis of a capsule that is in view.
 double mover_motion_px(const PinholeCamera& view, const Rigid3& first, const Movers& before,
                        const Rigid3& last, const Movers& after) {
   const auto in_view = [&](const Eigen::Vector3d& x, double radius) {

@@ -35,8 +35,8 @@ struct Exposure {
 /// Upper bounds of the numbers of layers and of looks, over all references.
 inline constexpr int kMostLayers = 20, kMostLooks = 30;
 
-/// The movers as the shutter opens and as it closes: the same things in the same order. If something
-/// appears or vanishes in between, both are the movers at the frame's own time.
+/// The movers as the shutter opens and as it closes: the same things in the same order. If
+/// something appears or vanishes in between, both are the movers at the frame's own time.
 [[nodiscard]] std::pair<Movers, Movers> movers_between(const DeskMoment& frame, double opens,
                                                        double closes);
 
@@ -47,9 +47,10 @@ inline constexpr int kMostLayers = 20, kMostLooks = 30;
 ///     layers      the picture of the movers moves by at most 4 px (skin has little texture),
 ///
 /// unless more than ten of a kind would be needed. There are at most ten references and, since
-/// divisions are rounded up, fewer than twenty layers and fewer than thirty looks. Compared with steps
-/// that are three to four times finer, the pictures of blur-hand differ by 0.2 grey levels on average
-/// (0.1 with 1.5, 1.5 and 3 px) and by 0.7 in the worst of ten frames, which is no more than the noise.
+/// divisions are rounded up, fewer than twenty layers and fewer than thirty looks. Compared with
+/// steps that are three to four times finer, the pictures of blur-hand differ by 0.2 grey levels on
+/// average (0.1 with 1.5, 1.5 and 3 px) and by 0.7 in the worst of ten frames, which is no more
+/// than the noise.
 /// @param view  the eye without its lens
 [[nodiscard]] Exposure split_exposure(const PinholeCamera& view, const Rigid3& eye_from_camera,
                                       const DeskMoment& frame);

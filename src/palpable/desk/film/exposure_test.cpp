@@ -13,8 +13,8 @@ namespace {
 const PinholeCamera kView{1280, 720, 700, 700, 640, 360};
 constexpr double kOpen = 0.5;  // frames
 
-/// A frame with an exposure of half a frame. The camera turns by `rate` (rad per frame) and shifts; a
-/// ball of 2 cm radius moves by `motion` (m per frame) in the camera frame.
+/// A frame with an exposure of half a frame. The camera turns by `rate` (rad per frame) and shifts;
+/// a ball of 2 cm radius moves by `motion` (m per frame) in the camera frame.
 DeskMoment turning(double rate, const Eigen::Vector3d& shift, const Eigen::Vector3d& ball,
                    const Eigen::Vector3d& motion) {
   DeskMoment moment;
@@ -66,7 +66,8 @@ TEST_CASE("movers have a layer for each 4 px that their picture moves within the
   CHECK(split(turning(0, kNo, kAhead, 20 * motion)).layers == 10);    // the upper bound
 }
 
-TEST_CASE("a hand that moves along with a turning camera needs no layers for the rotation", "[film]") {
+TEST_CASE("a hand that moves along with a turning camera needs no layers for the rotation",
+          "[film]") {
   const Exposure exposure = split(turning(0.04, kNo, kAhead, kNo));  // 14 px in half a frame
   CHECK(exposure.references == 1);
   CHECK(exposure.layers == 1);
@@ -85,8 +86,7 @@ TEST_CASE("a shifting camera has references, and layers and looks are shared amo
   CHECK(exposure.references * exposure.layers * exposure.looks <= kMostLooks);
 }
 
-TEST_CASE("the numbers of layers and looks are bounded for any motion",
-          "[film]") {
+TEST_CASE("the numbers of layers and looks are bounded for any motion", "[film]") {
   int most_layers = 0, most_looks = 0;
   for (const double turn : {0.0, 0.01, 0.03, 0.2})
     for (const double shift : {0.0, 0.001, 0.003, 0.006, 0.008, 0.1})

@@ -1,6 +1,6 @@
 /// @file
-/// One eye of the stereo camera on the GPU: its lens, and all pictures from the ideal one to the raw
-/// one. The OpenGL context must be current.
+/// One eye of the stereo camera on the GPU: its lens, and all pictures from the ideal one to the
+/// raw one. The OpenGL context must be current.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -34,8 +34,8 @@ struct PictureStack {
   }
 };
 
-/// px, margin of the ideal picture on each side beyond the part that the lens sees. An exposure also
-/// samples it with small rotations of the eye, which read the margin.
+/// px, margin of the ideal picture on each side beyond the part that the lens sees. An exposure
+/// also samples it with small rotations of the eye, which read the margin.
 inline constexpr int kIdealMargin = 16;
 
 /// One eye: its lens, and the pictures from the ideal one, without a lens, to the raw one.
@@ -59,7 +59,8 @@ struct Eye {
   /// The pictures of an exposure: of the still things, and of the movers where no still thing hides
   /// them. They have no memory until the first exposure.
   PictureStack stills, layers;
-  /// The desk without movers, kept while the eye does not move: each frame starts from a copy of it.
+  /// The desk without movers, kept while the eye does not move: each frame starts from a copy of
+  /// it.
   GlTexture still_color, still_depth;
   /// Initial depth buffers: farthest where the lens looks and nearest elsewhere, so that nothing is
   /// painted there. `turned`: also farthest in the margin that rotated looks read.
@@ -125,7 +126,8 @@ struct Eye {
             ideal.height - 2 * kIdealMargin};
   }
 
-  /// Marks the tiles of the raw picture whose light comes from one of the rectangles of the ideal one.
+  /// Marks the tiles of the raw picture whose light comes from one of the rectangles of the ideal
+  /// one.
   [[nodiscard]] Tiles raw_tiles(std::span<const Box> in_ideal) const {
     constexpr float kFilter = 1;  // px, reach of a filtered texture look-up
     Tiles found(camera.pinhole.width, camera.pinhole.height, kTile);

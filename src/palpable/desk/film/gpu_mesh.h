@@ -17,8 +17,8 @@
 
 namespace palpable {
 
-/// Triangles on the GPU. A moving mesh has two sets of vertices, at the beginning and at the end of an
-/// exposure; the shaders interpolate between them.
+/// Triangles on the GPU. A moving mesh has two sets of vertices, at the beginning and at the end of
+/// an exposure; the shaders interpolate between them.
 struct GpuMesh {
   /// The parts of a moving mesh by the shader that they need.
   enum class Part {
@@ -51,7 +51,8 @@ struct GpuMesh {
     indices.stream(std::span<const std::uint32_t>(mesh.indices));
   }
   /// Uploads a moving mesh.
-  /// @param first,last  the mesh at the beginning and at the end of the exposure, with the same triangles
+  /// @param first,last  the mesh at the beginning and at the end of the exposure, with the same
+  /// triangles
   void fill(const PaintedMesh& first, const PaintedMesh& last, const Eigen::Vector3f& to_sun) {
     PALPABLE_EXPECT(first.vertices.size() == last.vertices.size() && first.indices == last.indices,
                     "a moving mesh keeps its triangles while the shutter is open");

@@ -39,8 +39,8 @@ Eigen::Vector2d undistorted_ray(const DistortedCamera& camera, const Eigen::Vect
 PinholeCamera ideal_camera_for(const DistortedCamera& camera, double focal_px) {
   const int w = camera.pinhole.width;
   const int h = camera.pinhole.height;
-  // The extreme rays belong to pixels at the border of the picture. The filter needs two more pixels
-  // on each side.
+  // The extreme rays belong to pixels at the border of the picture. The filter needs two more
+  // pixels on each side.
   double left = 0, right = 0, top = 0, bottom = 0;
   const auto include = [&](double u, double v) {
     const Eigen::Vector2d ray = undistorted_ray(camera, {u, v});

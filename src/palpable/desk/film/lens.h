@@ -11,13 +11,13 @@
 namespace palpable {
 
 /// The ray (x/Z, y/Z) that DistortedCamera::project maps to `pixel`, to 1e-10, by Newton's method.
-/// The pixel must lie in the image or slightly outside of it, because far outside a barrel distortion
-/// has no inverse.
+/// The pixel must lie in the image or slightly outside of it, because far outside a barrel
+/// distortion has no inverse.
 [[nodiscard]] Eigen::Vector2d undistorted_ray(const DistortedCamera& camera,
                                               const Eigen::Vector2d& pixel);
 
-/// A pinhole camera with the same centre of projection and axis whose picture contains everything that
-/// the lens sees. Its principal point is at a whole pixel.
+/// A pinhole camera with the same centre of projection and axis whose picture contains everything
+/// that the lens sees. Its principal point is at a whole pixel.
 [[nodiscard]] PinholeCamera ideal_camera_for(const DistortedCamera& camera, double focal_px);
 
 /// For each pixel of the raw picture, row by row, the position in the ideal picture, px, from which
@@ -25,8 +25,8 @@ namespace palpable {
 [[nodiscard]] std::vector<Eigen::Vector2f> distortion_map(const DistortedCamera& camera,
                                                           const PinholeCamera& ideal);
 
-/// Initial values of a depth buffer that keep pixels which the lens does not see from being painted.
-/// (ideal.height x ideal.width), row by row:
+/// Initial values of a depth buffer that keep pixels which the lens does not see from being
+/// painted. (ideal.height x ideal.width), row by row:
 ///
 ///     1, the farthest   at pixels that a filtered look-up reads, and up to `margin` px round them
 ///     0, the nearest    elsewhere, where nothing passes the depth test; a fifth of the ideal

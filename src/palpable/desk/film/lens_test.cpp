@@ -35,8 +35,7 @@ TEST_CASE("the ideal picture holds every raw pixel", "[film]") {
   CHECK(ideal.width < 1.45 * 1280);
 }
 
-TEST_CASE("only pixels that the lens reads, and a margin round them, may be painted",
-          "[film]") {
+TEST_CASE("only pixels that the lens reads, and a margin round them, may be painted", "[film]") {
   // A camera of 3 x 2 pixels that all read near one position, one of them at (9.5, 6.25).
   const PinholeCamera ideal{24, 16, 10, 10, 12, 8};
   const std::vector<Eigen::Vector2f> map = {{9, 6}, {9.5F, 6.25F}, {9, 6}, {9, 6}, {9, 6}, {9, 6}};

@@ -1,5 +1,6 @@
 /// @file
-/// Extents of things in a shadow map, to decide which shadows can fall on which things. Desk frame (script/desk_body.h), m.
+/// Extents of things in a shadow map, to decide which shadows can fall on which things. Desk frame
+/// (script/desk_body.h), m.
 #pragma once
 
 #include "palpable/common/geometry/capsule.h"
@@ -42,7 +43,8 @@ class LightBox {
   }
 
  private:
-  static constexpr double kSpread = 0.006;  // ratio to the map's width: soft edges, six texels of the coarser map
+  static constexpr double kSpread =
+      0.006;  // ratio to the map's width: soft edges, six texels of the coarser map
   Eigen::Matrix4d light_;
   Eigen::Vector2d low_ = Eigen::Vector2d::Constant(1e6), high_ = Eigen::Vector2d::Constant(-1e6);
 };
@@ -58,8 +60,8 @@ struct Caster {
       top = std::max(top, static_cast<double>(v.position.z()));
     }
   }
-  /// Whether its shadow may fall on the capsule. Light comes from above, so only a thing that is higher
-  /// than the capsule's lowest point can shade it.
+  /// Whether its shadow may fall on the capsule. Light comes from above, so only a thing that is
+  /// higher than the capsule's lowest point can shade it.
   [[nodiscard]] bool may_shade(const Capsule& capsule, const Eigen::Matrix4d& light) const {
     if (top < std::min(capsule.a.z() - capsule.ra, capsule.b.z() - capsule.rb)) return false;
     LightBox own(light);

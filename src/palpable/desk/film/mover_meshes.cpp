@@ -23,7 +23,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kChordError = 0.00009;  // m, of the triangles of movers
-constexpr double kShadeReach = 0.014;    // m, distance within which the hand blocks the room's light
+constexpr double kShadeReach = 0.014;  // m, distance within which the hand blocks the room's light
 
 /// The cup as one mesh: outside, rounded rim, inside and bottom, in its own frame.
 PaintedMesh cup_mesh() {
@@ -98,8 +98,8 @@ std::vector<PaintedMesh> unfilled_meshes(const DeskLook& look) {
   return meshes;
 }
 
-/// The capsules that are drawn one by one: all except the staves of a cup that is drawn as one mesh. Its
-/// handle is drawn as capsules.
+/// The capsules that are drawn one by one: all except the staves of a cup that is drawn as one
+/// mesh. Its handle is drawn as capsules.
 std::vector<const HandCapsule*> drawn_one_by_one(std::span<const HandCapsule> capsules,
                                                  bool cup_is_one_piece) {
   std::vector<const HandCapsule*> drawn;
@@ -137,8 +137,8 @@ struct Neighbours {
     }
   }
 
-  /// Whether a triangle lies inside one of the capsules, deeper than the chord error of that capsule's
-  /// own triangles. (Capsules are convex: a triangle lies inside when its corners do.)
+  /// Whether a triangle lies inside one of the capsules, deeper than the chord error of that
+  /// capsule's own triangles. (Capsules are convex: a triangle lies inside when its corners do.)
   [[nodiscard]] bool hide(const Eigen::Vector3i& triangle) const {
     for (Eigen::Index k = 0; k < distances.rows(); ++k) {
       const double farthest_out = std::max(
@@ -214,8 +214,8 @@ class CapsulePaint {
     Vector3d normal;  // not unit
     double open;      // m, distance of other parts of the hand above the surface, <= kShadeReach
   };
-  /// The normal of the smooth union of the capsules at vertex v, and the distance of the other parts of
-  /// the hand.
+  /// The normal of the smooth union of the capsules at vertex v, and the distance of the other
+  /// parts of the hand.
   [[nodiscard]] Smoothed smoothed(const Vector3d& x, const Vector3d& n, Eigen::Index v) const {
     Smoothed result{n, kShadeReach};
     if (is_held(own_)) return result;

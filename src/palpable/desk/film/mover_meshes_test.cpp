@@ -42,8 +42,7 @@ int hidden(const std::vector<PaintedMesh>& meshes, const std::vector<HandCapsule
 }  // namespace
 
 // The test of the true depth (desk_renderer_test.cpp) shows that no visible triangle is missing.
-TEST_CASE("triangles inside a hand are left out, for two instants those inside at both",
-          "[film]") {
+TEST_CASE("triangles inside a hand are left out, for two instants those inside at both", "[film]") {
   const std::vector<HandCapsule> open = hand(open_gesture(), {0.0, 0.0, 0.2});
   const std::vector<HandCapsule> closed = hand(pointing_gesture(), {0.01, 0.02, 0.2});
   std::size_t all = 0;

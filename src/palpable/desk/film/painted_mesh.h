@@ -1,5 +1,6 @@
 /// @file
-/// Triangles with a painted surface in the layout that the GPU reads. Desk frame (script/desk_body.h).
+/// Triangles with a painted surface in the layout that the GPU reads. Desk frame
+/// (script/desk_body.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -14,8 +15,8 @@ struct PaintedVertex {
   Eigen::Vector3f position;  ///< m
   Eigen::Vector3f normal;    ///< unit
   Eigen::Vector2f uv;        ///< 0..1 is the whole image; outside, the image repeats
-  /// x: share of the room's light that reaches it; y: 1 in the middle of a crease of the skin, 0 far
-  /// from one; z, w: position on a finger nail, whose edge is the unit circle.
+  /// x: share of the room's light that reaches it; y: 1 in the middle of a crease of the skin, 0
+  /// far from one; z, w: position on a finger nail, whose edge is the unit circle.
   Eigen::Vector4f extra = {1.0F, 0.0F, 9.0F, 9.0F};
 };
 

@@ -29,7 +29,8 @@ struct Box {
           std::max(a.y + a.height, b.y + b.height) - y0};
 }
 
-/// A picture divided into square tiles (cut off at its right and lower border), some of them marked.
+/// A picture divided into square tiles (cut off at its right and lower border), some of them
+/// marked.
 struct Tiles {
   int width = 0, height = 0;  ///< px, of the picture
   int size = 1;               ///< px
@@ -42,7 +43,8 @@ struct Tiles {
         marked(across() * ((height + size - 1) / size), false) {}
   [[nodiscard]] int across() const { return (width + size - 1) / size; }
 
-  /// Rectangles that do not overlap and together cover exactly the marked tiles, or exactly the others.
+  /// Rectangles that do not overlap and together cover exactly the marked tiles, or exactly the
+  /// others.
   [[nodiscard]] std::vector<Box> boxes(bool of_marked) const {
     std::vector<Box> found;
     const int count = static_cast<int>(marked.size());

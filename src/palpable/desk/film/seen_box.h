@@ -11,7 +11,8 @@
 
 namespace palpable {
 
-/// The bounding rectangle, in the picture of an eye, of the parts of capsules beyond the near plane.
+/// The bounding rectangle, in the picture of an eye, of the parts of capsules beyond the near
+/// plane.
 class SeenBox {
  public:
   static constexpr double kNearest = 0.02;  ///< m, near plane: nothing nearer is drawn
@@ -22,9 +23,9 @@ class SeenBox {
   void include(const Eigen::Vector3d& a, double ra, const Eigen::Vector3d& b, double rb) {
     include(a, ra);
     include(b, rb);
-    // If the near plane cuts the hull, the cross-section lies between the two spheres of the hull that
-    // touch the plane from either side. The picture of the part beyond the plane is the hull of the
-    // pictures of the ends beyond it and of this cross-section.
+    // If the near plane cuts the hull, the cross-section lies between the two spheres of the hull
+    // that touch the plane from either side. The picture of the part beyond the plane is the hull
+    // of the pictures of the ends beyond it and of this cross-section.
     const Eigen::Vector3d ab = b - a;
     for (const double side : {-1.0, 1.0}) {
       const double slope = ab.z() - side * (rb - ra);
@@ -43,7 +44,8 @@ class SeenBox {
   }
 
  private:
-  static constexpr double kRounding = 2.0;  // px, margin for the chords of triangles and rounding to pixels
+  static constexpr double kRounding =
+      2.0;  // px, margin for the chords of triangles and rounding to pixels
   PinholeCamera view_;
   // Bounds of x/Z and y/Z; low > high as long as nothing is included.
   Eigen::Vector2d low_ = Eigen::Vector2d::Constant(1e6), high_ = Eigen::Vector2d::Constant(-1e6);

@@ -1,6 +1,6 @@
 /// @file
-/// The sun (the parallel light of a window) and its shadow maps. Desk frame (script/desk_body.h), m.
-/// The OpenGL context must be current.
+/// The sun (the parallel light of a window) and its shadow maps. Desk frame (script/desk_body.h),
+/// m. The OpenGL context must be current.
 #pragma once
 
 #include "palpable/live/render/gl_objects.h"
@@ -18,8 +18,8 @@ namespace palpable {
   return kToSun;
 }
 
-/// From the desk frame to a map of parallel light, 0..1. The map shows a square perpendicular to the
-/// light.
+/// From the desk frame to a map of parallel light, 0..1. The map shows a square perpendicular to
+/// the light.
 /// @param centre      of the square, m
 /// @param half_width  of the square, m
 /// @param reach       depth range of the map along the light, to either side of the centre, m
@@ -72,8 +72,8 @@ struct ShadowMap {
     glNamedFramebufferDrawBuffer(target.get(), GL_NONE);
     glNamedFramebufferReadBuffer(target.get(), GL_NONE);
   }
-  /// Spacing of the four comparisons of a look-up (lit.glsl), ratio to the map's width; soft edges of
-  /// about three texels.
+  /// Spacing of the four comparisons of a look-up (lit.glsl), ratio to the map's width; soft edges
+  /// of about three texels.
   [[nodiscard]] float spread() const { return 2.25F / static_cast<float>(depth.width()); }
   /// The depth of the desk's top at (u, v) in the map is the dot product of this with (u, v, 1).
   [[nodiscard]] Eigen::Vector3f depth_of_top() const {

@@ -100,7 +100,8 @@ void fill(ColorImage& image, int x0, int y0, int x1, int y1, Rgb color) {
     for (int x = std::max(0, x0); x < std::min(x1, image.width()); ++x) image(x, y) = color;
 }
 
-/// Multiplies each pixel by 1 + strength * fine noise, such as paper fibres, printing screen or dust.
+/// Multiplies each pixel by 1 + strength * fine noise, such as paper fibres, printing screen or
+/// dust.
 void roughen(ColorImage& image, double strength, std::uint32_t seed) {
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x) {

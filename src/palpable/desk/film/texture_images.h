@@ -1,10 +1,10 @@
 /// @file
-/// The images with which surfaces of the synthetic desk are painted. They are computed from a seed and
-/// equal on every machine.
+/// The images with which surfaces of the synthetic desk are painted. They are computed from a seed
+/// and equal on every machine.
 ///
-/// A value is 255 times the square root of the linear reflectance, which is close to sRGB and fast to
-/// invert. All images can be repeated in both directions without a seam unless their comment says
-/// otherwise.
+/// A value is 255 times the square root of the linear reflectance, which is close to sRGB and fast
+/// to invert. All images can be repeated in both directions without a seam unless their comment
+/// says otherwise.
 #pragma once
 
 #include "palpable/common/geometry/image.h"

@@ -47,8 +47,8 @@ bool DeepestSample::look_at(const Vector3d& a, const Vector3d& b, const Vector3d
 
 void DeepestSample::halve(const Vector3d& a, const Vector3d& b, const Vector3d& c, int halvings) {
   if (misses_box(a, b, c)) return;
-  // The depth is a 1-Lipschitz function of position: nowhere in the triangle does it exceed the depth
-  // at the centroid by more than the distance to the farthest corner.
+  // The depth is a 1-Lipschitz function of position: nowhere in the triangle does it exceed the
+  // depth at the centroid by more than the distance to the farthest corner.
   const Vector3d middle = (a + b + c) / 3;
   const double reach = std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
   if (reach - distance_to(capsule_, middle) <= depth_) return;

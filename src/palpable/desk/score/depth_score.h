@@ -22,16 +22,16 @@ using LabelImage = Image<std::uint8_t>;
 inline constexpr std::uint8_t kMovingLabel = 1;    ///< hand, sleeve, pencil, cup
 inline constexpr std::uint8_t kBothEyesLabel = 2;  ///< the right eye sees the same point
 
-/// The distances at which depth is scored, m. A pixel belongs to a distance if its true depth differs
-/// from it by at most 15 %, and otherwise to none.
+/// The distances at which depth is scored, m. A pixel belongs to a distance if its true depth
+/// differs from it by at most 15 %, and otherwise to none.
 inline constexpr std::array kDepthDistances{0.2, 0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0};
 
 struct DepthAtDistance {
   std::int64_t pixels = 0;    ///< pixels at this true distance that both eyes see
   std::int64_t measured = 0;  ///< of these pixels, those with a measured depth
   std::int64_t within = 0;    ///< of these, those with an error of at most 1 %
-  /// Median of |Z - Z_true| / Z_true over the measured pixels, in steps of 1e-5; errors above 1 count
-  /// as 1. Nothing when no pixel was measured.
+  /// Median of |Z - Z_true| / Z_true over the measured pixels, in steps of 1e-5; errors above 1
+  /// count as 1. Nothing when no pixel was measured.
   std::optional<double> median_error;
   /// within / pixels: a pixel without depth counts as wrong. Nothing when there are no pixels.
   std::optional<double> within_1pct;
@@ -42,13 +42,13 @@ struct DepthScore {
   std::array<DepthAtDistance, kDepthDistances.size()> at{};
   /// Share of the moving pixels seen by both eyes whose depth error is at most 1 %, over the near
   /// frames; a pixel without depth counts as wrong. In a near frame the median true depth of the
-  /// moving pixels is 0.12 .. 0.5 m and they cover at least 5 % of the image. Nothing without such a
-  /// frame.
+  /// moving pixels is 0.12 .. 0.5 m and they cover at least 5 % of the image. Nothing without such
+  /// a frame.
   std::optional<double> hand_within_1pct;
   int near_frames = 0;
-  /// Share of the pixels with a true depth below 0.11 m, seen by both eyes or not, whose measured depth
-  /// exceeds the true one by more than 20 %. Unknown depth and "too close" count as right here.
-  /// Nothing when there is no such pixel.
+  /// Share of the pixels with a true depth below 0.11 m, seen by both eyes or not, whose measured
+  /// depth exceeds the true one by more than 20 %. Unknown depth and "too close" count as right
+  /// here. Nothing when there is no such pixel.
   std::optional<double> too_close_called_far;
   std::int64_t too_close_pixels = 0;
 };

@@ -78,7 +78,8 @@ TEST_CASE("pixels that the right eye does not see are not scored", "[score]") {
 
 TEST_CASE("a near hand's share is over its pixels that both eyes see", "[score]") {
   DepthScorer scorer(kMillimetre);
-  // A near hand: right, 3 % off, no depth, and one pixel that the right eye does not see; then desk.
+  // A near hand: right, 3 % off, no depth, and one pixel that the right eye does not see; then
+  // desk.
   scorer.add(row({300, 300, 310, 290, 800, 800, 800}), labels_of({3, 3, 3, 1, 2, 2, 2}),
              row({300, 309, 0, 0, 1, 1, 1}));
   CHECK(*scorer.score().hand_within_1pct == Approx(1.0 / 3.0));
@@ -108,7 +109,8 @@ TEST_CASE("a hand that covers less than 5 % of the image is no near hand", "[sco
   CHECK(with_hand(0).near_frames == 0);
 }
 
-TEST_CASE("a pixel that is too close may be unknown or marked too close, but not be far", "[score]") {
+TEST_CASE("a pixel that is too close may be unknown or marked too close, but not be far",
+          "[score]") {
   DepthScorer scorer(kMillimetre);
   // At 100 mm: right, 20 % more, 21 % more, far, unknown, too close. 110 mm is not too close.
   scorer.add(row({100, 100, 100, 100, 100, 100, 110}), kNone,

@@ -15,8 +15,8 @@ struct DisplacementError {
 
 ///     relative = sqrt( sum a |found - truth|^2 / sum a |truth|^2 ),  a: area of the vertex at rest
 ///
-/// A body that is drawn at rest has a relative error of 1. If the true displacement is 0 everywhere,
-/// the relative error is 0 when the found one is 0, too, and otherwise infinite.
+/// A body that is drawn at rest has a relative error of 1. If the true displacement is 0
+/// everywhere, the relative error is 0 when the found one is 0, too, and otherwise infinite.
 /// @param truth, found  (3 x N) m, displacement from rest
 /// @param areas         (N) m^2, vertex_areas() of the skin at rest
 /// @throws ContractViolation when the sizes differ or are 0

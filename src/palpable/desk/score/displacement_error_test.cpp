@@ -19,8 +19,8 @@ Eigen::Matrix3Xd two(const Eigen::Vector3d& first, const Eigen::Vector3d& second
 }
 
 TEST_CASE("the error of a displacement is the one computed by hand", "[score]") {
-  // True displacements of 4 mm and 1 mm: weighted squares 1 x 16 + 3 x 1 = 19. Errors of 0 and 2 mm:
-  // 3 x 4 = 12.
+  // True displacements of 4 mm and 1 mm: weighted squares 1 x 16 + 3 x 1 = 19. Errors of 0 and 2
+  // mm: 3 x 4 = 12.
   const Eigen::Matrix3Xd truth = two({0.004, 0, 0}, {0, 0.001, 0});
   const Eigen::Matrix3Xd found = two({0.004, 0, 0}, {0, 0.001, 0.002});
   const DisplacementError error = displacement_error(truth, found, kAreas);

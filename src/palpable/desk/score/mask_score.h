@@ -18,8 +18,8 @@ struct MaskScore {
 
   MaskScore& operator+=(const MaskScore& other);
 
-  /// Intersection over union. Nothing when the truth is empty, because it would then be 0 for a single
-  /// wrong pixel as for a million.
+  /// Intersection over union. Nothing when the truth is empty, because it would then be 0 for a
+  /// single wrong pixel as for a million.
   [[nodiscard]] std::optional<double> iou() const;
   /// Share of the true pixels that were found; nothing when there are none.
   [[nodiscard]] std::optional<double> recall() const;

@@ -28,7 +28,8 @@ using SightImage = Image<Sight>;
 [[nodiscard]] SightImage true_sight(const DepthImage& body_depth, const DepthImage& true_depth);
 
 /// The drawn state: visible where the mask is set, with or without a depth of the body.
-/// @param visible     not 0 where the picture shows the body; of the size of the depth or twice that
+/// @param visible     not 0 where the picture shows the body; of the size of the depth or twice
+/// that
 ///                    size (then a pixel counts as visible if two or more of its four are set)
 /// @throws ContractViolation for another size
 [[nodiscard]] SightImage drawn_sight(const MaskImage& visible, const DepthImage& body_depth);
@@ -51,13 +52,13 @@ struct MaskOverlap {
 [[nodiscard]] MaskOverlap compare_visible(const MaskImage& visible, const DepthImage& body_depth,
                                           const DepthImage& true_depth);
 
-/// Error of the border between the visible and the hidden part of the body. Border pixels are visible
-/// and have a hidden 4-neighbour. The body's own outline is not part of it.
+/// Error of the border between the visible and the hidden part of the body. Border pixels are
+/// visible and have a hidden 4-neighbour. The body's own outline is not part of it.
 struct BorderError {
   double sum_px = 0;        ///< sum of the distances
   std::int64_t pixels = 0;  ///< border pixels of truth and picture
-  /// Mean distance of a border pixel to the nearest pixel of the other border; nothing without border
-  /// pixels.
+  /// Mean distance of a border pixel to the nearest pixel of the other border; nothing without
+  /// border pixels.
   [[nodiscard]] std::optional<double> mean_px() const {
     if (pixels == 0) return std::nullopt;
     return sum_px / static_cast<double>(pixels);
@@ -82,8 +83,8 @@ inline constexpr int kLargestBorderError = 25;
 /// @throws ContractViolation for unequal sizes
 [[nodiscard]] bool crosses_outline(const SightImage& truth, const MaskImage& moving);
 
-/// Counts over the pixels that show the body in two successive frames and have the same true state in
-/// both.
+/// Counts over the pixels that show the body in two successive frames and have the same true state
+/// in both.
 struct Flicker {
   std::int64_t pixels = 0;
   std::int64_t changed = 0;  ///< of these, drawn differently

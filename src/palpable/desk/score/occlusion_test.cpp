@@ -53,7 +53,8 @@ TEST_CASE("drawing the body over the hand lowers the overlap", "[score]") {
   CHECK(c.overlap(c.right).iou() == Approx(10.0 / 12.0));
 }
 
-TEST_CASE("a part of the body that should be visible and is missing lowers the overlap", "[score]") {
+TEST_CASE("a part of the body that should be visible and is missing lowers the overlap",
+          "[score]") {
   Case c;
   for (int x = 0; x < 6; ++x) c.right(x, 0) = 0;
   CHECK(c.overlap(c.right).iou() == Approx(6.0 / 10.0));

@@ -16,9 +16,10 @@ namespace palpable {
 ///     at least 0
 ///
 /// The vertices of a place are those within kTouchedPlace (touched_places.h) of a touched point at
-/// rest, at least the nearest one. d_p is the mean direction of their true displacements; each place
-/// has its own because a finger and a thumb push in different directions. The penetration does not
-/// show a body that deforms too much, since it then stays clear of the hand; this figure does.
+/// rest, at least the nearest one. d_p is the mean direction of their true displacements; each
+/// place has its own because a finger and a thumb push in different directions. The penetration
+/// does not show a body that deforms too much, since it then stays clear of the hand; this figure
+/// does.
 /// @param rest          (3 x N) m, vertices of the true skin at rest
 /// @param truth, found  (3 x N) m, displacements of these vertices
 /// @param touched       m, on the skin at rest, one point per place

@@ -9,8 +9,8 @@
 
 namespace palpable {
 
-/// Depth of the deepest sample of the triangles (deepest_sample.h) inside the capsules, m; 0 when no
-/// sample is inside.
+/// Depth of the deepest sample of the triangles (deepest_sample.h) inside the capsules, m; 0 when
+/// no sample is inside.
 /// @param surface  m, in the same frame as the capsules
 [[nodiscard]] double deepest_penetration(const SurfaceMesh& surface,
                                          std::span<const Capsule> capsules);

@@ -14,7 +14,8 @@ namespace {
 using Eigen::Vector3d;
 using test::tolerance;
 
-TEST_CASE("the distance to a capsule of constant radius is that to its axis minus the radius", "[score]") {
+TEST_CASE("the distance to a capsule of constant radius is that to its axis minus the radius",
+          "[score]") {
   const Capsule capsule{{0, 0, 0}, {0, 0, 0.1}, 0.01, 0.01};
   CHECK(distance_to(capsule, {0.03, 0, 0.05}) == Approx(0.02));
   CHECK(distance_to(capsule, {0.004, 0, 0.05}) == Approx(-0.006));
@@ -89,7 +90,8 @@ SurfaceMesh large_triangle() {
 }
 
 TEST_CASE("a pencil that comes through between the vertices is found", "[score]") {
-  // A tip of 1.2 mm radius that reaches 5 mm through the plane: the plane is 1.2 mm deep on its axis.
+  // A tip of 1.2 mm radius that reaches 5 mm through the plane: the plane is 1.2 mm deep on its
+  // axis.
   const std::vector<Capsule> pencil{
       {{0.0117, 0.0093, -0.005}, {0.0117, 0.0093, 0.1}, 0.0012, 0.0012}};
   const double depth = deepest_penetration(large_triangle(), pencil);
@@ -98,7 +100,8 @@ TEST_CASE("a pencil that comes through between the vertices is found", "[score]"
   CHECK(depth >= 0.0012 - 0.0009);
 }
 
-TEST_CASE("skipping parts does not change the result: all samples give the same depth", "[score][law]") {
+TEST_CASE("skipping parts does not change the result: all samples give the same depth",
+          "[score][law]") {
   for (unsigned seed = 0; seed < 20; ++seed) {
     INFO("seed " << seed);
     auto random = test::random_case(seed);

@@ -10,8 +10,8 @@
 
 namespace palpable {
 
-/// The largest distance, m, of a vertex of the body at rest between its true pose and the drawn pose,
-/// from translation and rotation together. Deformation by touches is not included.
+/// The largest distance, m, of a vertex of the body at rest between its true pose and the drawn
+/// pose, from translation and rotation together. Deformation by touches is not included.
 /// @param rest          (3 x N) m, body frame, N > 0
 /// @param truth, drawn  camera_from_body of one frame
 /// @throws ContractViolation without a vertex

@@ -16,7 +16,8 @@ Eigen::Matrix3Xd rod() {
   return rest;
 }
 
-TEST_CASE("a body drawn 3 mm beside its position has an error of 3 mm for any camera pose", "[score]") {
+TEST_CASE("a body drawn 3 mm beside its position has an error of 3 mm for any camera pose",
+          "[score]") {
   Rigid3 truth = Rigid3::Identity();
   truth.linear() = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   truth.translation() = Vector3d(0.1, -0.2, 0.4);

@@ -37,15 +37,15 @@ inline constexpr double kCountedPop = 0.004;
 ///
 ///     pop(n) = max over vertices |x_n - x_{n-1}|  -  max(m_n, m_{n-1}, m_{n-2}),   at least 0,
 ///
-/// where m_n is the motion of the hand: the largest displacement, in the world frame, of an end of a
-/// capsule that is within 20 mm of the drawn body in either frame, or 0 when there is none. A deformed
-/// surface moves no farther than the obstacle that presses it; the two earlier motions allow for a
-/// response that is up to two frames late. x is in body coordinates, so that errors of the body's
-/// pose do not count here (anchor_score.h scores them).
+/// where m_n is the motion of the hand: the largest displacement, in the world frame, of an end of
+/// a capsule that is within 20 mm of the drawn body in either frame, or 0 when there is none. A
+/// deformed surface moves no farther than the obstacle that presses it; the two earlier motions
+/// allow for a response that is up to two frames late. x is in body coordinates, so that errors of
+/// the body's pose do not count here (anchor_score.h scores them).
 ///
-/// If the run skipped frames between the two, its last picture stayed on the screen in the meantime:
-/// the jump is visible all the same, and m_n is the motion between the two frames. Frames in which a
-/// near hand has another number of capsules than in the frame before are not compared.
+/// If the run skipped frames between the two, its last picture stayed on the screen in the
+/// meantime: the jump is visible all the same, and m_n is the motion between the two frames. Frames
+/// in which a near hand has another number of capsules than in the frame before are not compared.
 class PopScorer {
  public:
   /// @throws ContractViolation when V changes

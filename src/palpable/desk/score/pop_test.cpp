@@ -92,9 +92,10 @@ TEST_CASE("a jump is found although the frames in between were skipped", "[score
   CHECK(scorer.largest()->frame == 5);
 }
 
-TEST_CASE("the motion of the hand is measured in the world, independently of the camera", "[score]") {
-  // The camera moves from 30 mm left of the body to 50 mm right of it; the hand, above the body, moves
-  // 1 mm to the right.
+TEST_CASE("the motion of the hand is measured in the world, independently of the camera",
+          "[score]") {
+  // The camera moves from 30 mm left of the body to 50 mm right of it; the hand, above the body,
+  // moves 1 mm to the right.
   PopScorer scorer;
   PopFrame before = frame(0, 0, 0.03);
   before.world_from_camera.translation() = Vector3d(-0.03, 0, 0);

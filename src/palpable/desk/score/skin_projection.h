@@ -10,9 +10,9 @@
 
 namespace palpable {
 
-/// A vertex of the target skin gets the value at the nearest point of the source skin, both at rest;
-/// the field is interpolated linearly between the three corners of the triangle there. If the skins
-/// are the same, the values are unchanged.
+/// A vertex of the target skin gets the value at the nearest point of the source skin, both at
+/// rest; the field is interpolated linearly between the three corners of the triangle there. If the
+/// skins are the same, the values are unchanged.
 class SkinProjection {
  public:
   /// @param from  the source skin at rest, with at least one triangle

@@ -19,8 +19,8 @@ inline constexpr double kFeltFrom = 0.003;
 /// Share of the touching surface. A touch that is seen less is not counted as missed.
 inline constexpr double kSeenFrom = 0.5;
 
-/// Share of frames with a felt touch among those in which the obstacle is more than kFeltFrom deep and
-/// at least kSeenFrom of its touching surface is seen; nothing without such a frame.
+/// Share of frames with a felt touch among those in which the obstacle is more than kFeltFrom deep
+/// and at least kSeenFrom of its touching surface is seen; nothing without such a frame.
 /// @param felt  not 0 where a touch was felt; as many frames as `truth`
 /// @throws ContractViolation when the lists differ in length
 [[nodiscard]] std::optional<double> touch_recall(std::span<const TrueReach> truth,

@@ -28,8 +28,8 @@ struct TouchScore {
 [[nodiscard]] TouchScore score_touches(std::span<const std::uint8_t> truth,
                                        std::span<const std::uint8_t> found);
 
-/// Whether touches were felt at the right site: among the frames in which truth and result both have a
-/// site, the share in which it is the same; nothing without such a frame.
+/// Whether touches were felt at the right site: among the frames in which truth and result both
+/// have a site, the share in which it is the same; nothing without such a frame.
 /// @param truth, found  site per frame; -1 without a touch, or for a true touch between sites
 /// @throws ContractViolation when the lists differ in length
 [[nodiscard]] std::optional<double> score_sites(std::span<const int> truth,

@@ -50,8 +50,7 @@ TEST_CASE("depths of a wall agree with the true poses and differ by the error of
   CHECK(std::abs(warped_disagreement(walk.depths, walk.poses, kCamera).value() - 0.003) < near);
 }
 
-TEST_CASE("unknown depths, or too few images, give no result; other sizes are refused",
-          "[score]") {
+TEST_CASE("unknown depths, or too few images, give no result; other sizes are refused", "[score]") {
   Walk walk;
   const std::vector<DepthImage> few(walk.depths.begin(), walk.depths.begin() + 5);
   const std::vector<Rigid3> few_poses(walk.poses.begin(), walk.poses.begin() + 5);

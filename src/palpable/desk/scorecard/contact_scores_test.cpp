@@ -414,7 +414,7 @@ TEST_CASE("a drawn skin that does not lie on the true one is refused", "[scoreca
                                     Catch::Contains("another body, scale or frame") &&
                                     !Catch::Contains("\n"));
   }
-  // Of the body that was filmed, where there is no full response.
+  // Without full-order solutions the skin is compared with that of the filmed body.
   draw_at_rest(1, 0.0013);
   fs::rename(scratch / "truth/deformed/rest.ply", scratch / "truth/body.ply");
   fs::remove_all(scratch / "truth/deformed");

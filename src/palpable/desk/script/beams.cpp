@@ -23,21 +23,24 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kBeamSpacing = 0.003;  // m between points of the beams' surfaces
-constexpr double kAround = 0.040;    // m round the pressed place in which the upper beam gives way
-constexpr double kApproach = 0.050;  // m above the beam at which a press begins
-constexpr double kInner = 0.70, kOuter = 0.93;  // of the length, from the support: pressed places
-constexpr double kBeside = 0.28;                // of the width, from the middle line
-// From where along the beam's length the finger comes, rad from straight down.
+constexpr double kBeamSpacing = 0.003;  // m, spacing of sample points on the beams' surfaces
+constexpr double kAround = 0.040;  // m, radius round the pressed point in which the hand may touch
+constexpr double kApproach = 0.050;  // m, height above the beam at which a press begins
+// Pressed sites: distance from the support, ratio to the beam's length.
+constexpr double kInner = 0.70, kOuter = 0.93;
+// Pressed sites: largest distance from the middle line, ratio to the beam's width.
+constexpr double kBeside = 0.28;
+// Inclinations of the finger against the vertical, towards the free end, rad, in order of
+// preference.
 constexpr std::array kTilts{0.55, 0.70, 0.40, 0.85};
 
 // The two beams on the desk.
 struct Stack {
   std::size_t upper = 0, lower = 0;
   Rigid3 desk_from_scene = Rigid3::Identity();
-  double gap = 0;                // m
-  Eigen::AlignedBox3d box;       // of the upper one, desk frame
-  std::vector<Vector3d> places;  // that may be pressed: sites of the upper one
+  double gap = 0;                // m, between the beams
+  Eigen::AlignedBox3d box;       // of the upper beam, desk frame
+  std::vector<Vector3d> places;  // sites of the upper beam that may be pressed, desk frame
   Eigen::Matrix3Xd lower_points, upper_points;
 };
 
@@ -50,7 +53,8 @@ Eigen::AlignedBox3d box_of(const PlacedDeskBody& body, const Rigid3& desk_from_s
   return box;
 }
 
-// +1 where the free end is to the right, -1 to the left: sites stay off the support.
+// +1 if the free end is at the right, -1 if at the left. Sites are not near the support, so their
+// mean is nearer to the free end.
 double free_side(const PlacedDeskBody& body, const Rigid3& desk_from_scene) {
   const Rigid3 pose = desk_from_scene * body.scene_from_body;
   double sum = 0;
@@ -106,7 +110,7 @@ Stack stack_of(std::span<const PlacedDeskBody> bodies) {
 struct Press {
   Vector3d place;  // on the upper beam
   double depth = 0;
-  double in = 0, hold = 0, out = 0;  // frames
+  double in = 0, hold = 0, out = 0;  // duration of the parts of the press, frames
 };
 
 Press any_press(const Stack& stack, Random& random) {
@@ -117,7 +121,8 @@ Press any_press(const Stack& stack, Random& random) {
   press.in = random.between(18, 60);
   press.hold = random.between(15, 30);
   press.out = random.between(12, 40);
-  // The free end goes down by more than the place: (3 L - a) / (2 a) of it, of a slender beam.
+  // In a slender beam of length L, the free end moves (3 L - a) / (2 a) times as far as the pressed
+  // point at distance a from the support.
   const double along = (press.place.x() - stack.box.min().x()) / stack.box.sizes().x();
   press.depth = stack.gap * 2 * along / (3 - along) + more;
   return press;
@@ -131,7 +136,8 @@ Eigen::Matrix3Xd far_from(const Eigen::Matrix3Xd& points, const Vector3d& place)
   return points(Eigen::all, far);
 }
 
-// The keys of one press, from `start` on; false where the hand would meet something else.
+// Adds the keys of one press that begins at frame `start`. @return false, without adding them, if
+// the hand would touch the lower beam or the upper one elsewhere
 bool add_press(const Stack& stack, const Press& press, double tilt, double start, HandPath& path) {
   const Vector3d pointing(-std::sin(tilt), 0, -std::cos(tilt));
   const Vector3d back(-std::cos(tilt), 0, std::sin(tilt));

@@ -12,7 +12,8 @@ namespace {
 using Eigen::Vector3d;
 using test::tolerance;
 
-// A bar of 0.20 x 0.05 x 0.025 m, round the axis of its frame, its sites on top but at the support.
+// A bar of 0.20 x 0.05 x 0.025 m round the axis of its frame, with sites on its top except near the
+// support.
 DeskBody bar() {
   DeskBody body;
   constexpr int kX = 20, kY = 5;
@@ -70,7 +71,7 @@ TEST_CASE("a finger presses the upper beam onto the lower one, and nothing else"
       if (!planned) CHECK_FALSE(touches(hand, upper.points));
     }
     for (const PlannedTouch& touch : s.touches) {
-      CHECK(touch.depth > 0.0065);  // the free end goes down by more than the gap of 10 mm
+      CHECK(touch.depth > 0.0065);  // the free end moves down by more than the gap of 10 mm
       CHECK(touch.depth < 0.020);
       CHECK(touch.first_touch.x() > 0.03);  // the free end is to the right
       if (touch.frames.last >= s.frames) continue;
@@ -84,8 +85,7 @@ TEST_CASE("a finger presses the upper beam onto the lower one, and nothing else"
   }
 }
 
-TEST_CASE("beams that are none, or do not stand above each other, are refused",
-          "[script][errors]") {
+TEST_CASE("scenes other than two beams above each other are refused", "[script][errors]") {
   CHECK_THROWS_WITH(plan_beams(stack(0.2), 100, 1), Catch::Contains("gap of 2 to 60 mm"));
   CHECK_THROWS_WITH(plan_beams(std::vector<PlacedDeskBody>{{bar()}}, 100, 1),
                     Catch::Contains("two beams"));

@@ -17,15 +17,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSeconds = 1.0 / 30.0;  // a frame
+constexpr double kSeconds = 1.0 / 30.0;  // s per frame
 constexpr double kRest = 60.0;           // frames before the camera begins to move
 
-constexpr double kCameraDistance = 0.44;  // m, to the point it looks at
+constexpr double kCameraDistance = 0.44;  // m, from the point it looks at
 constexpr double kCameraElevation = 35.0 * kDegree;
 const Vector3d kLookedAt(0.012, 0.0, 0.058);
 
-/// Sums of sines in six directions, three of shift and three of turn. Each direction has its own
-/// random phases.
+/// An irregular motion: sums of sines for three components of shift and three of rotation, each
+/// with its own random phases.
 class Unrest {
  public:
   struct Wave {
@@ -36,10 +36,10 @@ class Unrest {
     Random random(seed, name);
     for (std::size_t i = 0; i < 6 * waves_.size(); ++i)
       phases_.push_back(random.between(0.0, kTurn));
-    // Slightly different frequencies: otherwise all directions would repeat in step.
+    // Slightly different frequencies keep the components from repeating in step.
     for (std::size_t axis = 0; axis < 6; ++axis) detune_[axis] = random.between(0.9, 1.1);
   }
-  /// Without unit; first shift, then turn.
+  /// Shift and rotation, both without unit.
   [[nodiscard]] std::pair<Vector3d, Vector3d> at(double frame) const {
     std::array<double, 6> sum{};
     for (std::size_t axis = 0; axis < 6; ++axis)
@@ -49,7 +49,7 @@ class Unrest {
                                         phases_[axis * waves_.size() + w]);
     return {{sum[0], sum[1], sum[2]}, {sum[3], sum[4], sum[5]}};
   }
-  /// The largest shift and the largest turn within the first `frames` frames.
+  /// The largest shift and the largest rotation within the first `frames` frames.
   [[nodiscard]] std::pair<double, double> largest(int frames) const {
     double shift = 0.0;
     double turn = 0.0;
@@ -67,7 +67,7 @@ class Unrest {
   std::array<double, 6> detune_{};
 };
 
-/// The camera moved by `shift` (m) and turned by `turn` (rad), both in its own axes.
+/// The camera shifted by `shift` (m) and rotated by `turn` (rad), both in its own axes.
 Rigid3 moved(const Rigid3& camera_from_desk, const Vector3d& shift, const Vector3d& turn) {
   const double angle = turn.norm();
   Rigid3 change = Rigid3::Identity();
@@ -87,7 +87,7 @@ struct Waypoint {
 };
 
 /// A cubic through the way points. The tangent at a way point is the slope between its neighbours,
-/// at both ends zero.
+/// and zero at both ends.
 Vector3d along(std::span<const Waypoint> way, Vector3d Waypoint::*part, double frame) {
   const auto n = way.size();
   std::size_t k = 0;
@@ -148,16 +148,16 @@ CameraPath walk() {
       {330, {-1.70, -0.65, 0.80}, {0.20, 0.45, 0.00}},
       {450, {-0.70, -1.50, 0.82}, {0.10, 1.00, 0.00}},
       {525, {0.25, -1.62, 0.80}, {0.45, 1.20, 0.10}},
-      {575, {0.65, -1.60, 0.80}, {3.60, -0.10, 0.40}},  // the look away, to the right
+      {575, {0.65, -1.60, 0.80}, {3.60, -0.10, 0.40}},  // a look to the right, away from the desk
       {610, {0.85, -1.52, 0.80}, {4.10, 0.10, 0.30}},
       {665, {0.95, -1.35, 0.75}, {0.50, 0.80, 0.00}},
       {750, {0.50, -0.70, 0.50}, {0.00, 0.10, 0.04}},
-      {830, {-0.24, -0.06, 0.27}, {-0.25, 0.20, 0.06}},  // close over the books
+      {830, {-0.24, -0.06, 0.27}, {-0.25, 0.20, 0.06}},  // close above the books
       {899, {0.05, -0.40, 0.34}, kLookedAt},
   }};
   return [](double frame) {
     const Vector3d eye = along(kWay, &Waypoint::eye, frame);
-    // Steps: the head goes up and down twice a pace, more the faster it moves.
+    // Steps: the head moves up and down, the more the faster the camera moves.
     const Vector3d before = along(kWay, &Waypoint::eye, frame - 1.0);
     const double speed = (eye - before).norm() / kSeconds;
     const double bounce =
@@ -170,7 +170,7 @@ CameraPath shaken(std::uint64_t seed) {
   const Unrest unrest({{2.6, 1.0}, {3.9, 0.7}, {5.0, 0.35}}, seed, "shaken");
   const auto [shift, turn] = unrest.largest(3000);
   return [unrest, metres = 0.014 / shift, radians = 2.5 * kDegree / turn](double frame) {
-    // Bursts of three seconds, one second of rest.
+    // Bursts of 3 s with 1 s of rest.
     const double in_cycle = std::fmod(std::max(0.0, frame - kRest), 120.0);
     const double strength =
         frame < kRest ? 0.0 : smooth_step(in_cycle / 12.0) * smooth_step((90.0 - in_cycle) / 12.0);
@@ -180,7 +180,7 @@ CameraPath shaken(std::uint64_t seed) {
 }
 
 CameraPath fast_turns(std::uint64_t seed) {
-  // Yaw after each turn: to a side, back to the desk (0), to a side ...
+  // Yaw after each turn: to one side, back to the desk (0), to one side and so on.
   std::vector<double> ends = {0.0};
   Random random(seed, "turns");
   for (int i = 0; i < 200; ++i) {
@@ -189,7 +189,7 @@ CameraPath fast_turns(std::uint64_t seed) {
   }
   return [ends](double frame) {
     constexpr double kCycle = 66.0;  // frames from one turn to the next
-    constexpr double kQuick = 12.0;  // frames of a turn
+    constexpr double kQuick = 12.0;  // duration of a turn, frames
     const double since = std::max(0.0, frame - kRest);
     const auto i = std::min(static_cast<std::size_t>(since / kCycle), ends.size() - 2);
     const double t = (since - kCycle * static_cast<double>(i)) / kQuick;

@@ -9,8 +9,9 @@ namespace palpable {
 
 ContactTruth contact_truth(std::span<const Capsule> hand, const Eigen::Matrix3Xd& vertices,
                            double farthest) {
-  // The distance to a ball round the capsule is a lower bound of the distance to the capsule. Where
-  // the bound is not below the nearest so far, the exact distance need not be computed.
+  // The distance to a ball that contains a capsule is a lower bound of the distance to the capsule.
+  // If the bound is not below the smallest distance so far, the exact distance need not be
+  // computed.
   struct Ball {
     Eigen::Vector3d centre;
     double radius;
@@ -41,11 +42,12 @@ ContactTruth contact_truth(std::span<const Capsule> hand, const Eigen::Matrix3Xd
 
 namespace {
 
-/// How far it is from x, which lies inside, along `direction` until the union is left. Each step is
-/// as long as x is deep in the capsule in which it is deepest, so no step overshoots.
+/// The distance, m, from x, which lies inside the union of the capsules, along `direction` to the
+/// surface of the union. Each step is as long as the depth of x in the capsule in which it is
+/// deepest, so that no step overshoots.
 double way_out(std::span<const Capsule> hand, Eigen::Vector3d x, const Eigen::Vector3d& direction) {
-  constexpr double kStop = 1e-6;   // m
-  constexpr double kReach = 0.10;  // m: no body is thicker where it is pressed; ends the loop
+  constexpr double kStop = 1e-6;   // m, shortest step
+  constexpr double kReach = 0.10;  // m, largest result; no body is thicker where it is pressed
   double way = 0.0;
   while (way < kReach) {
     const double step = -signed_distance(hand, x);
@@ -58,7 +60,7 @@ double way_out(std::span<const Capsule> hand, Eigen::Vector3d x, const Eigen::Ve
 
 using Eigen::AlignedBox3d;
 
-/// Capsules with their bounding boxes: most points lie outside of them, which is quick to find out.
+/// Capsules with bounding boxes, which quickly reject most points outside the hand.
 class BoxedHand {
  public:
   explicit BoxedHand(std::span<const Capsule> hand) : hand_(hand) {
@@ -101,7 +103,7 @@ bool touches(std::span<const Capsule> hand, const Eigen::Matrix3Xd& points) {
 
 PressTruth press_truth(std::span<const Capsule> hand, const SurfacePoints& body) {
   const BoxedHand boxed(hand);
-  std::vector<Capsule> near;  // asked for with the first point that is inside
+  std::vector<Capsule> near;  // computed at the first point inside
   PressTruth truth;
   for (Eigen::Index i = 0; i < body.points.cols(); ++i) {
     if (!boxed.holds(body.points.col(i))) continue;

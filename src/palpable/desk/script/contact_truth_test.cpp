@@ -22,7 +22,7 @@ TEST_CASE("a vertex inside a capsule touches, as deep as it lies under the surfa
   CHECK(truth.clearance == 0.0);
 }
 
-TEST_CASE("without a touch the truth says how far the hand is", "[script]") {
+TEST_CASE("without a touch the truth gives the distance of the hand", "[script]") {
   const std::vector<Capsule> hand = {{{0, 0, 0}, {1, 0, 0}, 0.5, 0.5}};
   Eigen::Matrix3Xd vertices(3, 1);
   vertices.col(0) << 0.5, 0, 2.0;
@@ -33,7 +33,7 @@ TEST_CASE("without a touch the truth says how far the hand is", "[script]") {
   CHECK(truth.clearance == 1.5);
 }
 
-TEST_CASE("no hand touches nothing", "[script]") {
+TEST_CASE("without a hand there is no touch", "[script]") {
   const ContactTruth truth = contact_truth({}, Eigen::Matrix3Xd::Zero(3, 4));
   CHECK_FALSE(truth.touching);
   CHECK(truth.depth == 0.0);
@@ -65,7 +65,8 @@ TEST_CASE("skipping far capsules changes nothing", "[script]") {
 }
 
 TEST_CASE(
-    "a finger that comes along the normal is as deep as it has moved on, beyond its radius too",
+    "a finger moving along the normal is as deep as it has moved since its touch, even beyond its "
+    "radius",
     "[script]") {
   const SurfacePoints box =
       sample_surface(box_surface({-0.05, -0.05, -0.05}, {0.05, 0.05, 0.0}), 0.001);
@@ -74,8 +75,7 @@ TEST_CASE(
     const std::vector<Capsule> finger = {{{0, 0, 0.007 - depth}, {0, 0, 0.06}, 0.007, 0.009}};
     const PressTruth truth = press_truth(finger, box);
     REQUIRE(truth.touching);
-    CHECK(std::abs(truth.depth - depth) <=
-          tolerance(2e-5, "a point of the surface every millimetre"));
+    CHECK(std::abs(truth.depth - depth) <= tolerance(2e-5, "points of the surface 1 mm apart"));
     CHECK(box.points.col(truth.point).head<2>().norm() < 0.001);
   }
   const std::vector<Capsule> above = {{{0, 0, 0.0071}, {0, 0, 0.06}, 0.007, 0.009}};

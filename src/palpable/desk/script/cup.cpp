@@ -24,16 +24,16 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kStands = 0.0005;  // m between the desk and a cup that stands on it
-constexpr double kRunUp = 0.10;     // m the cup is pushed over the desk before it touches
-constexpr double kPushFrame = 44;   // of the hand's way, when the push begins
-constexpr double kWidestView = 68.0 * kDegree;  // docs/benchmark.md promises 70 degrees
+constexpr double kStands = 0.0005;  // m, gap between the desk and the bottom of the cup
+constexpr double kRunUp = 0.10;     // m, distance that the cup is pushed before it touches
+constexpr double kPushFrame = 44;   // frame of the hand's motion at which the push begins
+constexpr double kWidestView = 68.0 * kDegree;  // docs/benchmark.md states 70 degrees
 
-/// What the seed chooses.
+/// Random choices of a sequence.
 struct CupChoice {
   double depth;      // m
-  double first_yaw;  // rad, of the body; others are tried after it
-  double in;         // frames of the push
+  double first_yaw;  // rad, first rotation of the body that is tried
+  double in;         // duration of the push, frames
 };
 
 CupChoice cup_choice(std::uint64_t seed) {
@@ -45,7 +45,7 @@ CupChoice cup_choice(std::uint64_t seed) {
   return choice;
 }
 
-/// The direction in which the cup is pushed, and where it touches.
+/// A push: its direction, and the contact at its first touch. Desk frame.
 struct Push {
   Vector3d direction;
   Vector3d at_touch;  // the cup's origin at the first touch
@@ -53,7 +53,7 @@ struct Push {
 };
 
 Rigid3 cup_pose(const Vector3d& origin, const Vector3d& direction) {
-  // The handle looks back and to the thumb's side, where it meets neither body nor palm.
+  // The handle points backwards and to the thumb's side, where it touches neither body nor palm.
   const Vector3d thumb_side = Vector3d::UnitZ().cross(direction);
   const Vector3d handle = (-0.34 * direction + 0.94 * thumb_side).normalized();
   Rigid3 pose = Rigid3::Identity();
@@ -64,9 +64,9 @@ Rigid3 cup_pose(const Vector3d& origin, const Vector3d& direction) {
   return pose;
 }
 
-/// Pushes a cup along `direction` until its side first touches one of the points. None when it
-/// passes all of them.
-/// @param aside  m, by which the cup's axis misses the middle of the points
+/// The push of a cup along `direction` until its side first touches one of the points; none when
+/// the cup passes all of them.
+/// @param aside  m, lateral offset of the cup's axis from the mean of the points
 std::optional<Push> find_push(const Eigen::Matrix3Xd& points, const Vector3d& direction,
                               double aside) {
   const Vector3d across = Vector3d::UnitZ().cross(direction);
@@ -78,7 +78,8 @@ std::optional<Push> find_push(const Eigen::Matrix3Xd& points, const Vector3d& di
     const Vector3d x = points.col(i);
     const double beside = (x - start).dot(across);
     if (std::abs(beside) >= kCupRadius || x.z() > kCupHeight - kCupWallRadius) continue;
-    // A point `beside` the axis stops it half a chord of the cup's circle before the point.
+    // A point at the lateral offset `beside` stops the cup half a chord of its circle before the
+    // point.
     const double stop =
         (x - start).dot(direction) - std::sqrt(kCupRadius * kCupRadius - beside * beside);
     if (push && stop >= first) continue;
@@ -97,16 +98,16 @@ double view_angle_of(const Push& push, const Vector3d& eye) {
   return std::acos(std::clamp(normal.dot(to_eye), -1.0, 1.0));
 }
 
-/// A hand brings the cup, pushes it against the body, lets go and leaves.
+/// The motion: a hand brings the cup, pushes it against the body, releases it and leaves.
 struct CupWay {
-  HandPath hand;  // its tip is on the cup's axis, kGripHeight above the desk
+  HandPath hand;  // its tip is on the cup's axis, kGripHeight above the bottom
   Vector3d direction;
-  double let_go;  // frame; the cup stands still from then on
+  double let_go;  // frame from which the cup stands still
 
   [[nodiscard]] Movers movers(double frame) const {
     Movers all;
     if (frame < kFramesWithoutHand) return all;
-    // The cup follows the planned hand, without its tremor: it stands on the desk.
+    // The cup stands on the desk, so it follows the planned hand without the tremor.
     const HandPose held = hand.planned(std::min(frame, let_go));
     const Vector3d tip = held.desk_from_wrist * hand.tool.fixed_tip;
     all.desk_from_cup = cup_pose(tip - kGripHeight * Vector3d::UnitZ(), direction);
@@ -120,7 +121,7 @@ struct CupWay {
 CupWay cup_way(const Push& push, const CupChoice& choice, std::uint64_t seed) {
   const Vector3d& h = push.direction;
   const double in = choice.in;
-  // The palm looks along the push.
+  // The palm faces along the push.
   const Quaterniond grip(frame_of(h.cross(Vector3d::UnitZ()), -h));
   const Vector3d touch = push.at_touch + kGripHeight * Vector3d::UnitZ();
   const Vector3d deepest = touch + choice.depth * h;
@@ -145,8 +146,8 @@ CupWay cup_way(const Push& push, const CupChoice& choice, std::uint64_t seed) {
   return way;
 }
 
-/// What goes wrong: the hand meets body or desk, or the cup meets the body before the push. Empty
-/// when nothing does.
+/// Describes an unplanned contact: the hand touches body or desk, or the cup touches the body
+/// before the push. Empty when there is none.
 std::string trouble_on(const CupWay& way, const Eigen::Matrix3Xd& body) {
   for (int frame = kFramesWithoutHand; frame < way.hand.keys.back().frame; ++frame) {
     const std::vector<Capsule> hand = shapes_of(way.hand.capsules(frame));

@@ -1,5 +1,5 @@
 /// @file
-/// The sequence "cup": a hand puts a cup against the body, lets go and leaves it there.
+/// The sequence "cup": a hand pushes a cup against the body, releases it and leaves it there.
 #pragma once
 
 #include "palpable/desk/script/desk_body.h"
@@ -9,9 +9,10 @@
 
 namespace palpable {
 
-/// The cup stands from about frame 170 on and reaches 3-7 mm into the undeformed body until the
-/// end. Where it touches, its surface faces the left eye within 70 degrees.
-/// @throws Error when the cup cannot be brought to the body that way
+/// From about frame 170 to the end the cup stands still and reaches 3 to 7 mm into the undeformed
+/// body. At the contact, the angle between its normal and the ray to the left eye is below 70
+/// degrees.
+/// @throws Error when the cup cannot be brought to the body in this way
 [[nodiscard]] Sequence plan_cup(const DeskBody& body, int frames, std::uint64_t seed);
 
 }  // namespace palpable

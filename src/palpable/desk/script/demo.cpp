@@ -26,23 +26,23 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// The motion is written for this many frames with a hand and stretched to what is asked for.
+/// Frames with a hand for which the motion is written; it is stretched to the requested length.
 constexpr double kScriptLength = 330.0;
-constexpr double kSqueezeBegins = 240.0;  // frame of the script
-constexpr int kTargets = 500;             // places of the skin that are looked at
-constexpr int kSqueezesTried = 3;         // of ways to turn the body
-constexpr double kLean = 0.45;            // of a press towards the left
+constexpr double kSqueezeBegins = 240.0;  // in frames of the script
+constexpr int kTargets = 500;             // candidate targets on the skin
+constexpr int kSqueezesTried = 3;         // rotations of the body for which a squeeze is tried
+constexpr double kLean = 0.45;            // tilt of presses towards the left, see skin_targets()
 
-/// What a viewer is to see pressed.
+/// A place of the body that is pressed for the viewer to see.
 struct Place {
-  double low, high;          // height, as a share of the body's
-  double least_up, most_up;  // of the normal
-  double facing;             // cosine between the press and the direction to the eye
+  double low, high;          // bounds of the height, ratio to the body's height
+  double least_up, most_up;  // bounds of the normal's z
+  double facing;             // wanted cosine between the press and the direction to the eye
   double depth;              // m
 };
-/// A dent and its stress are plain to see where the press goes away from the eye a little; the tip
-/// then hides what touches, of which little could be scored (seen_share.h). So one place lies at
-/// the body's outline instead, and so do both sides of the squeeze.
+/// A dent and its stress are clearly visible when the press is directed slightly away from the eye.
+/// But then the tip hides the touching surface, and the touch is not scored (seen_share.h). So one
+/// place lies at the body's outline instead, and so do both sides of the squeeze.
 constexpr std::array<Place, 3> kPlaces{{{0.25, 0.60, -0.3, 0.5, -0.25, 0.010},    // a flank
                                         {0.40, 0.80, 0.75, 1.0, -0.30, 0.010},    // the back
                                         {0.62, 0.90, -0.4, 0.6, 0.20, 0.0085}}};  // an ear's root
@@ -53,7 +53,7 @@ PressRules demo_rules() {
   rules.least_facing = -0.75;
   rules.most_facing = 0.5;
   rules.most_x = -0.25;
-  rules.seen = false;  // the tip itself stands before what it touches
+  rules.seen = false;  // the tip itself hides the place that it touches
   rules.eye_clearance = 0.0;
   return rules;
 }
@@ -73,13 +73,14 @@ bool is_at(const PressTarget& target, const Place& place, double height) {
          target.normal.z() <= place.most_up;
 }
 
-/// How well a press there is seen as its place asks for, from the right.
+/// Score of a target: higher the nearer its direction is to the wanted one, and for presses from
+/// the right.
 double seen_as_asked(const PressTarget& target, const Place& place, const Vector3d& eye) {
   const double facing = target.direction.dot((eye - target.x).normalized());
   return 1.0 - 2.0 * std::abs(facing - place.facing) - 0.4 * target.direction.x();
 }
 
-/// The targets that keep the rules and lie at a place, the best seen first.
+/// The targets at a place that satisfy the rules, the best seen first.
 std::vector<PressTarget> targets_at(const PressSearch& search,
                                     const std::vector<PressTarget>& targets, const Place& place) {
   const double height = search.points().row(2).maxCoeff();
@@ -93,7 +94,7 @@ std::vector<PressTarget> targets_at(const PressSearch& search,
   return found;
 }
 
-/// A posture for each place where one is found, in their order; beside each its depth.
+/// A press with its posture and depth.
 struct PlannedPress {
   PressPosture posture;
   double depth;  // m
@@ -101,8 +102,8 @@ struct PlannedPress {
 std::vector<PlannedPress> find_presses(const PressSearch& search,
                                        const std::vector<PressTarget>& targets,
                                        const std::array<double, kPresses>& depths) {
-  constexpr double kApart = 0.015;  // m between targets
-  constexpr int kTried = 8;         // of each place
+  constexpr double kApart = 0.015;  // m, smallest distance between targets
+  constexpr int kTried = 8;         // targets tried per place
   std::vector<PlannedPress> found;
   for (std::size_t i = 0; i < kPresses; ++i) {
     int tried = 0;
@@ -121,7 +122,7 @@ std::vector<PlannedPress> find_presses(const PressSearch& search,
   return found;
 }
 
-/// Angles to turn the body by, rad: first those at which all places are well seen.
+/// Rotations of the body, rad, sorted by how well the camera sees all places.
 std::vector<double> yaws_for_demo(const DeskBody& body) {
   constexpr int kYaws = 18;
   struct Yaw {
@@ -133,7 +134,7 @@ std::vector<double> yaws_for_demo(const DeskBody& body) {
     const Rigid3 turned = turned_body(angle);
     const PressSearch search(turned.linear() * body.surface.vertices, first_eye());
     const std::vector<PressTarget> targets = skin_targets(body, turned, kTargets, kLean);
-    // A body seen from its broad side is known for what it is.
+    // A body is recognised best from its broad side.
     double value = 4.0 * (search.points().row(0).maxCoeff() - search.points().row(0).minCoeff()) /
                    search.points().row(2).maxCoeff();
     for (const Place& place : kPlaces) {
@@ -149,8 +150,8 @@ std::vector<double> yaws_for_demo(const DeskBody& body) {
   return angles;
 }
 
-/// The hand's way through the whole clip. Moments are written in frames of the script, 0 being the
-/// first frame with a hand.
+/// The path of the hand through the whole clip. Times are in frames of the script, which start with
+/// the first frame with a hand.
 class DemoScript {
  public:
   DemoScript(const std::vector<PlannedPress>& presses, int frames, std::uint64_t seed)
@@ -181,7 +182,7 @@ class DemoScript {
     key(at, tip_for_knuckles(path_.tool, knuckles, turn), turn, open);
   }
 
-  /// Straight in from `start` to `deep`, held until `hold`, straight out until `end`.
+  /// A press: straight in from `start` to `deep`, held until `hold`, straight out until `end`.
   void press(std::size_t which, double start, double deep, double hold, double end) {
     const PressPosture& p = presses_[which].posture;
     const double depth = presses_[which].depth;
@@ -228,11 +229,11 @@ class DemoScript {
   std::vector<PlannedTouch> touches_;
 };
 
-/// What goes wrong in some frame: the hand meets the desk, or the body outside of the presses,
-/// beside their places or deeper than planned. Empty when nothing does.
+/// Describes an unplanned contact: the hand touches the desk, or it touches the body outside of the
+/// frames of the presses, away from their places, or deeper than planned. Empty when there is none.
 std::string trouble_in(const DemoScript& script, const std::vector<PlannedPress>& presses,
                        const PressSearch& search, int frames) {
-  constexpr double kDeeper = 0.0006;  // m, of tremor and of vertices that are apart
+  constexpr double kDeeper = 0.0006;  // m, allowance for tremor and the spacing of vertices
   for (int frame = kFramesWithoutHand; frame < frames; ++frame) {
     const std::vector<Capsule> hand = shapes_of(script.path().capsules(frame));
     const ContactTruth truth = contact_truth(hand, search.points());
@@ -267,14 +268,14 @@ Sequence plan_demo(const DeskBody& body, int frames, std::uint64_t seed) {
   const double squeeze_first = kFramesWithoutHand + kSqueezeBegins * stretch;
 
   std::string why = "no place can be pressed where the left camera sees it";
-  // The presses with the body turned so; whether all goes well.
+  // Plans the presses for a rotation of the body. @return whether there are enough and no trouble
   const auto attempt = [&](double yaw, std::size_t needed) {
     sequence.desk_from_body = turned_body(yaw);
     const PressSearch search(sequence.desk_from_body.linear() * body.surface.vertices, first_eye());
     std::vector<PlannedPress> presses =
         find_presses(search, skin_targets(body, sequence.desk_from_body, kTargets, kLean), depths);
     if (presses.size() < needed) return false;
-    // A body without some of the places is pressed at another again.
+    // If the body lacks some of the places, its first one is pressed again.
     while (presses.size() < kPresses) presses.push_back(presses.front());
 
     const DemoScript script(presses, frames, seed);
@@ -286,7 +287,7 @@ Sequence plan_demo(const DeskBody& body, int frames, std::uint64_t seed) {
     };
     return why.empty();
   };
-  // A second hand takes over from the first, which has left the picture.
+  // Adds a squeeze by a second hand after the first one has left the picture.
   const auto add_squeeze = [&](Sequence& to) {
     auto squeeze = plan_one_squeeze(body, to.desk_from_body, squeeze_first, stretch, seed);
     if (!squeeze) return false;
@@ -296,7 +297,8 @@ Sequence plan_demo(const DeskBody& body, int frames, std::uint64_t seed) {
     };
     return true;
   };
-  // All that a viewer is to see, if the body turned in some way allows it; else as much as does.
+  // Three presses and a squeeze if some rotation of the body allows them, otherwise as much as
+  // possible: more presses are preferred to a squeeze.
   const std::vector<double> yaws = yaws_for_demo(body);
   for (const std::size_t needed : {3U, 2U, 1U}) {
     std::optional<Sequence> without_squeeze;

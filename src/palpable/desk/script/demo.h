@@ -9,9 +9,10 @@
 
 namespace palpable {
 
-/// In a calm room a finger presses three times; in between the hand passes before the body and
-/// behind it. The hand's motion is written for 300 frames and stretched to the length.
-/// @throws Error when the body has no sites that can be pressed where the camera sees it
+/// A finger presses the body three times; in between, the hand passes in front of the body and
+/// behind it. Then finger and thumb squeeze the body, if that is possible. The hand's motion is
+/// written for 330 frames after the first kFramesWithoutHand and stretched to the requested length.
+/// @throws Error when no place of the body can be pressed where the camera sees it
 [[nodiscard]] Sequence plan_demo(const DeskBody& body, int frames, std::uint64_t seed);
 
 }  // namespace palpable

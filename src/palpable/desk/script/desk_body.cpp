@@ -20,8 +20,8 @@ SurfacePoints sample_surface(const SurfaceMesh& surface, double spacing) {
     const Eigen::Vector3d a = surface.vertices.col(corner[0]);
     const Eigen::Vector3d ab = surface.vertices.col(corner[1]) - a;
     const Eigen::Vector3d ac = surface.vertices.col(corner[2]) - a;
-    // Points outwards, twice as long as the triangle is large: at a vertex large triangles count
-    // more.
+    // The outward normal with twice the triangle's area as length, so that large triangles have
+    // more weight in the normals at vertices.
     const Eigen::Vector3d area = ab.cross(ac);
     for (const int v : corner) inwards[v] -= area;
     const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});

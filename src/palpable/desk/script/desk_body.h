@@ -1,9 +1,9 @@
 /// @file
-/// What a script needs of the virtual body: its surface and where it may be pressed. Hands press
-/// it, but the camera never sees it.
+/// The data of the virtual body that a script needs: its surface and its sites. Hands press the
+/// body, but the camera does not see it.
 ///
-/// Desk frame: metres; X to the right as the first camera sees it, Y away from it, Z up; the desk
-/// is Z = 0 and the body stands round the Z axis.
+/// Desk frame, m: X to the right as seen by the first camera, Y away from it, Z up. The desk's top
+/// is Z = 0, and the body stands round the Z axis.
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
@@ -17,17 +17,17 @@ namespace palpable {
 struct DeskBody {
   SurfaceMesh surface;
   std::vector<int> site_vertices;  ///< (S) vertices at which loads act
-  Eigen::Matrix3Xd directions;     ///< (3 x S) unit, of the loads: into the body
+  Eigen::Matrix3Xd directions;     ///< (3 x S) unit, directions of the loads, into the body
 };
 
-/// Points of a surface, dense enough that neither finger nor pencil passes between them.
+/// Sample points of a surface, dense enough that neither finger nor pencil passes between them.
 struct SurfacePoints {
   Eigen::Matrix3Xd points;   ///< (3 x P) m
-  Eigen::Matrix3Xd inwards;  ///< (3 x P) unit, of the triangle: into the body
+  Eigen::Matrix3Xd inwards;  ///< (3 x P) unit normals, into the body
 };
 
-/// The vertices, then points within the triangles and on their edges.
-/// @param spacing  m, > 0: no point of the surface is farther away from the nearest sample
+/// Samples a surface: first its vertices, then points inside the triangles and on their edges.
+/// @param spacing  m, > 0, largest distance of a point of the surface from the nearest sample
 [[nodiscard]] SurfacePoints sample_surface(const SurfaceMesh& surface, double spacing);
 
 /// The same points in another frame.

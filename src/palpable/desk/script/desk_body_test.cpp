@@ -24,7 +24,7 @@ TEST_CASE("no point of a surface is farther from its samples than the spacing", 
   }
 }
 
-TEST_CASE("samples know the way into the body", "[script]") {
+TEST_CASE("samples have the direction into the body", "[script]") {
   const Eigen::Vector3d middle(0.1, -0.2, 0.3);
   const SurfacePoints samples = sample_surface(sphere_surface(middle, 0.05, 2), 0.01);
   for (Eigen::Index i = 0; i < samples.points.cols(); ++i)

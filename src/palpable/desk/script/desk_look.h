@@ -1,5 +1,5 @@
 /// @file
-/// Which desk in which room a sequence is filmed at. film/desk_scene.h builds it.
+/// The appearance of desk and room in a sequence. film/desk_scene.h builds them.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,13 @@
 namespace palpable {
 
 struct DeskLook {
-  std::uint64_t seed = 1;  ///< of textures, and of where exactly things stand
-  /// true: a room of 9 x 11 m with a corridor behind it, so that surfaces lie up to 15.5 m away;
-  /// false: a wall right behind the desk.
+  std::uint64_t seed = 1;  ///< of textures and of the exact positions of things
+  /// true: a room of 9 x 11 m with a corridor, so that surfaces are up to 15.5 m away; false: a
+  /// wall directly behind the desk.
   bool room = true;
-  bool left_free = false;     ///< no books and mug left of the body: a left hand comes from there
-  bool bare = false;          ///< nothing on the desk or the walls, no texture anywhere
-  double skin_texture = 1.0;  ///< contrast of the skin's blotches and lines; 1 is a real hand's
+  bool left_free = false;     ///< no books and mug at the left, for a left hand
+  bool bare = false;          ///< nothing on desk and walls, and no textures
+  double skin_texture = 1.0;  ///< contrast of the skin, ratio to that of a real hand
   double skin_gloss = 0.20;   ///< strength of the highlight on skin
 };
 

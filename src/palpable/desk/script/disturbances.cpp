@@ -58,7 +58,7 @@ void disturb(std::string_view name, Sequence& sequence) {
     sequence.rig = [](int frame) {
       RigState state;
       state.row_offset_px = drifted_px(frame);
-      // The ramp moves by less in one frame than this: it is no step.
+      // 0.1 px is more than the ramp moves in one frame.
       state.row_step = frame > 0 && drifted_px(frame) - drifted_px(frame - 1) > 0.1;
       return state;
     };

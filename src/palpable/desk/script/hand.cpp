@@ -33,8 +33,8 @@ const Vector3d kThumbRoot(0.018, 0.020, -0.008);
 constexpr std::array<double, 3> kThumbLengths = {0.046, 0.034, 0.0235};
 constexpr std::array<double, 4> kThumbRadii = {0.0155, 0.0120, 0.0098, 0.0083};
 
-/// Joints of a chain of bones: each turns by its own angle about Y of the frame before it (X along
-/// the bone, Z to its back), so bending closes towards the palm.
+/// The joints of a chain of bones. Each bone is rotated about the Y axis of the previous bone's
+/// frame (X along the bone, Z towards its back); a positive angle bends towards the palm.
 struct Chain {
   std::array<Vector3d, 4> joints;
   Vector3d direction;  ///< of the last bone
@@ -60,7 +60,8 @@ Chain finger_chain(const FingerShape& shape, const FingerAngles& angles) {
 }
 
 Chain thumb_chain(const ThumbAngles& angles) {
-  // The thumb's nail looks away from the fingers: its frame is rolled about its own axis.
+  // The frame of the thumb is rotated about its own axis, so that its nail faces away from the
+  // fingers.
   const Eigen::Matrix3d frame =
       (AngleAxisd(angles.opening, Vector3d::UnitZ()) *
        AngleAxisd(angles.opposing, Vector3d::UnitY()) * AngleAxisd(-0.9, Vector3d::UnitX()))
@@ -142,7 +143,7 @@ std::vector<HandCapsule> hand_capsules(const HandPose& pose) {
     hand.push_back({{T * a, T * b, ra, rb}, part, T.linear() * back});
   };
 
-  // Fingers first, three bones each, so that kIndexTip is the third capsule of all.
+  // The fingers come first, with three bones each; kIndexTip and kThumbTip depend on this order.
   for (std::size_t f = 0; f < 4; ++f) {
     const FingerShape& shape = kFingers[f];
     const Chain chain = finger_chain(shape, pose.gesture.fingers[f]);
@@ -155,7 +156,7 @@ std::vector<HandCapsule> hand_capsules(const HandPose& pose) {
     add(thumb.joints[i], thumb.joints[i + 1], kThumbRadii[i], kThumbRadii[i + 1],
         i == 2 ? HandPart::kFingerTip : HandPart::kBone, thumb.back);
 
-  // Palm: the four bones, webs between the knuckles, the two pads, the wrist.
+  // Palm: the four bones, webs between the knuckles, the pads and the wrist.
   const Vector3d up = Vector3d::UnitZ();
   for (const FingerShape& shape : kFingers)
     add(shape.root, shape.knuckle, shape.radii[0], shape.radii[1], HandPart::kPalm, up);
@@ -171,7 +172,7 @@ std::vector<HandCapsule> hand_capsules(const HandPose& pose) {
   add(Vector3d(0.000, 0.011, 0.000), Vector3d(0.000, -0.011, 0.000), 0.0180, 0.0175,
       HandPart::kPalm, up);
 
-  // Forearm: two bones side by side make the wrist flat; then the sleeve and the upper arm.
+  // Forearm: two bones side by side, which make the wrist flat; then the sleeve and the upper arm.
   const Vector3d wrist = T.translation();
   const Vector3d across = T.linear() * Vector3d::UnitY();
   const Vector3d back = T.linear() * up;

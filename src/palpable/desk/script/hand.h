@@ -1,8 +1,8 @@
 /// @file
-/// A right hand with its forearm: joints, bones, and the capsules that are its surface.
+/// A right hand with its arm: joints, bones, and the capsules that form its surface.
 ///
 /// Wrist frame: origin in the wrist, X towards the fingers, Y towards the thumb, Z out of the back
-/// of the hand. Metres and radians.
+/// of the hand; m and rad.
 #pragma once
 
 #include "palpable/common/geometry/capsule.h"
@@ -38,11 +38,12 @@ struct HandGesture {
 [[nodiscard]] HandGesture pointing_gesture();  ///< index straight, the others closed
 [[nodiscard]] HandGesture open_gesture();      ///< all nearly straight and spread
 [[nodiscard]] HandGesture flat_gesture();      ///< all straight and side by side
-/// Thumb and index finger against each other, their tips' middles 24 mm apart, or 112 mm; the
-/// others straight. Blended, the tips keep their directions to each other within 10 degrees.
+/// Thumb and index finger opposite to each other, with the centres of their tips 24 mm apart (or
+/// 112 mm for the wide pinch); the other fingers are straight. In blends of the two gestures, the
+/// direction between the tips changes by less than 10 degrees.
 [[nodiscard]] HandGesture pinching_gesture();
 [[nodiscard]] HandGesture wide_pinch_gesture();
-/// Each angle between those of two gestures: `share` 0 gives the first, 1 the second.
+/// Interpolates all angles between two gestures: `share` 0 gives the first, 1 the second.
 [[nodiscard]] HandGesture blend(const HandGesture& first, const HandGesture& second, double share);
 
 /// A hand with its arm.
@@ -53,8 +54,8 @@ struct HandPose {
   Eigen::Vector3d shoulder = Eigen::Vector3d(-0.5, 0, 0.1);  ///< in the desk frame
 };
 
-/// What a capsule is part of; its surface is painted accordingly. The last four are things that a
-/// hand holds (things.h).
+/// The part to which a capsule belongs, which determines how it is painted. The last four are parts
+/// of things that a hand holds (things.h).
 enum class HandPart {
   kPalm,
   kBone,
@@ -67,30 +68,30 @@ enum class HandPart {
   kCup
 };
 
-/// One capsule and what is needed to paint it.
+/// A capsule with the data needed to paint it.
 struct HandCapsule {
   Capsule shape;
   HandPart part = HandPart::kPalm;
-  Eigen::Vector3d back =
-      Eigen::Vector3d::UnitZ();  ///< towards the back of the hand, where nails are
+  /// Unit, towards the back of the hand, where the nails are.
+  Eigen::Vector3d back = Eigen::Vector3d::UnitZ();
 };
 
 /// The number of capsules of a hand, and the index of the last bone of the index finger. End b of
-/// that capsule is the middle of the finger tip's sphere.
+/// that capsule is the centre of the finger tip's sphere.
 inline constexpr int kHandCapsuleCount = 30;
 inline constexpr int kIndexTip = 2;
-inline constexpr int kThumbTip = 14;  ///< likewise of the thumb
+inline constexpr int kThumbTip = 14;  ///< the same for the thumb
 
 /// The capsules of a hand in the desk frame; always kHandCapsuleCount, in the same order.
 [[nodiscard]] std::vector<HandCapsule> hand_capsules(const HandPose& pose);
 
-/// The capsules without their looks.
+/// The capsules without their paint data.
 [[nodiscard]] std::vector<Capsule> shapes_of(std::span<const HandCapsule> hand);
 
-/// Middle of the index finger tip's sphere in the wrist frame.
+/// Centre of the index finger tip's sphere in the wrist frame.
 [[nodiscard]] Eigen::Vector3d index_tip_in_wrist(const HandGesture& gesture);
 
-/// Middle of the thumb tip's sphere in the wrist frame.
+/// Centre of the thumb tip's sphere in the wrist frame.
 [[nodiscard]] Eigen::Vector3d thumb_tip_in_wrist(const HandGesture& gesture);
 
 /// Direction of the index finger's last bone in the wrist frame, unit.

@@ -36,7 +36,7 @@ HandTool flat_hand() {
   tool.working = flat_gesture();
   tool.passing = open_gesture();
   tool.tip = HandTool::Tip::kFixed;
-  // Between the first joints of index and middle finger, whose pads lie a radius below.
+  // Between the first joints of index and middle finger; their pads are one radius below.
   tool.fixed_tip = {0.115, 0.012, -0.002};
   tool.radius = 0.0105;
   return tool;
@@ -60,8 +60,8 @@ HandPose pose_at_tip(const HandTool& tool, const Vector3d& tip, const Quaternion
   pose.gesture = gesture;
   pose.desk_from_wrist.linear() = turn.toRotationMatrix();
   pose.desk_from_wrist.translation() = tip - turn * tip_in_wrist(tool, gesture);
-  // The forearm's direction: 65 % the hand's own, 35 % where the arm comes from. The wrist bends by
-  // the rest.
+  // The direction of the forearm is a mean of the hand's own direction (65 %) and that from which
+  // the arm comes (35 %). The wrist bends accordingly.
   const Vector3d wrist = pose.desk_from_wrist.translation();
   const Vector3d straight = -(turn * Vector3d::UnitX());
   pose.elbow = wrist + 0.25 * (0.65 * straight + 0.35 * arm.elbow.normalized()).normalized();

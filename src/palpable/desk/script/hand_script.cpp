@@ -16,7 +16,8 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kWayToTarget = 14;  // frames from the rest to the start of the straight approach
+constexpr double kWayToTarget =
+    14;  // frames from the rest position to the start of the straight approach
 
 int to_frame(double at) { return static_cast<int>(std::lround(at)); }
 
@@ -48,7 +49,8 @@ bool HandScript::press(const PressPosture& posture, double depth, const Pace& pa
 bool HandScript::slide(const PressPosture& from, const PressTarget& to, double depth,
                        const Pace& pace) {
   constexpr int kParts = 12;
-  constexpr double kFold = 0.012;  // m between neighbouring places: the surface jumps there
+  constexpr double kFold =
+      0.012;  // m, larger steps between neighbouring points mean a fold of the surface
   std::vector<Vector3d> places;
   for (int i = 0; i <= kParts; ++i) {
     const double t = static_cast<double>(i) / kParts;
@@ -100,13 +102,14 @@ void HandScript::work_in_front(double frames) {
 void HandScript::wait(double frames) { key(now() + frames, rest_, rest_turn_, 0.5); }
 
 void HandScript::key(double at, const Vector3d& tip, const Quaterniond& turn, double open) {
-  // The two keys of the constructor count from the first frame with a hand.
+  // The times of the two keys of the constructor are relative to the first frame with a hand.
   const double start = path_.keys.size() < 2 ? kFramesWithoutHand : 0.0;
   path_.keys.push_back({start + at, tip, turn, open});
 }
 
-/// Approaches the first of the places straight, goes through all of them at the full depth, leaves
-/// the last one straight and returns to the rest.
+/// Adds a touch: a straight approach to the first of the places, motion through all of them at the
+/// full depth, straight withdrawal from the last one, and return to the rest position. @return
+/// false, with nothing added, when touches_only() fails
 bool HandScript::touch(const PressPosture& posture, double depth, const Pace& pace,
                        const std::vector<Vector3d>& places) {
   const std::size_t keys_before = path_.keys.size();
@@ -133,8 +136,8 @@ bool HandScript::touch(const PressPosture& posture, double depth, const Pace& pa
   return true;
 }
 
-/// Whether in all frames since `start` the hand touches the body within `frames`, near the target
-/// or the places, and nowhere else.
+/// Whether the hand, since frame `start`, touches the body only within `frames` and only near the
+/// target or the places, and does touch it there. Sets why_not_ otherwise.
 bool HandScript::touches_only(const PressPosture& posture, const std::vector<Vector3d>& places,
                               FrameSpan frames, double start) {
   bool touched = false;

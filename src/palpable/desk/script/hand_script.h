@@ -1,6 +1,6 @@
 /// @file
-/// What one hand does during a sequence: it comes in, presses, goes back to its rest, and so on.
-/// Each press is checked against the body's surface before it is kept.
+/// The actions of one hand during a sequence: it enters, presses, returns to its rest position, and
+/// so on. Each press is checked against the body's surface before it is added.
 #pragma once
 
 #include "palpable/desk/script/desk_body.h"
@@ -15,53 +15,54 @@
 
 namespace palpable {
 
-/// Where the tip is when the knuckles of the passing (open) hand are at a place.
-/// @param turn  desk from wrist; the answer is in the frame of `knuckles`
+/// The position of the tip when the knuckles of the passing (open) hand are at a given position; in
+/// the same frame.
+/// @param turn  desk from wrist
 [[nodiscard]] Eigen::Vector3d tip_for_knuckles(const HandTool& tool,
                                                const Eigen::Vector3d& knuckles,
                                                const Eigen::Quaterniond& turn);
 
-/// Builds a hand's path and the list of its touches, one action after the other.
+/// Builds the path of a hand and the list of its touches, action by action.
 class HandScript {
  public:
-  /// The hand comes in from the right and rests beside the body. All arguments but the seed must
-  /// live as long as the script.
-  /// @param surface  of the body that `search` looks at, desk frame
-  /// @param seed     of the hand's tremor
+  /// The hand enters from the right and rests beside the body. All arguments except the seed must
+  /// outlive the script.
+  /// @param surface  surface of the body that `search` uses, desk frame
+  /// @param seed     seed of the hand's tremor
   HandScript(const PressSearch& search, const SurfacePoints& surface, const PressStyle& style,
              std::uint64_t seed);
 
-  /// How long the parts of a press last, frames: until the full depth, at the depth, back out.
+  /// Durations of the parts of a press, frames: to the full depth, at full depth, back out.
   struct Pace {
     double in, hold, out;
   };
 
-  /// Adds a press and the return to the rest. Adds nothing and returns false when on its way the
-  /// hand would meet the desk, touch the body outside of the target's surroundings, or not touch it
-  /// at all; why_not() then says which.
+  /// Adds a press and the return to the rest position. Returns false and adds nothing when the hand
+  /// would touch the desk, touch the body away from the target, or not touch it at all; why_not()
+  /// then gives the reason.
   bool press(const PressPosture& posture, double depth, const Pace& pace);
 
-  /// As press(), but at the full depth the hand slides along the surface to another target. Also
-  /// returns false where the surface in between has a fold that a finger cannot follow.
+  /// Like press(), but at the full depth the hand slides along the surface to another target. Also
+  /// returns false when the surface in between has a fold that a finger cannot follow.
   bool slide(const PressPosture& from, const PressTarget& to, double depth, const Pace& pace);
 
-  /// Holds a pointing finger in the middle of the picture, 0.09 m before the lens.
-  /// @param frames  how long it stays there
+  /// Holds a pointing finger in the middle of the picture, 0.09 m in front of the lens.
+  /// @param frames  duration
   void pass_the_lens(double frames);
 
-  /// An open hand works 0.15 to 0.22 m before the camera.
-  /// @param frames  how long it works
+  /// Moves an open hand 0.15 to 0.22 m in front of the camera.
+  /// @param frames  duration
   void work_in_front(double frames);
 
-  /// The hand stays at its rest.
+  /// Keeps the hand at its rest position.
   void wait(double frames);
 
-  /// The frame at which the script ends so far.
+  /// The current end of the script, frames.
   [[nodiscard]] double now() const { return path_.keys.back().frame; }
   [[nodiscard]] const HandPath& path() const { return path_; }
   [[nodiscard]] const std::vector<PlannedTouch>& touches() const { return touches_; }
   [[nodiscard]] const std::vector<NamedSpan>& spans() const { return spans_; }
-  /// Why the last refused press was refused.
+  /// Why the last press or slide that returned false was not possible.
   [[nodiscard]] const std::string& why_not() const { return why_not_; }
 
  private:

@@ -28,7 +28,7 @@ HandPose some_pose(unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("a hand with its arm has thirty capsules whatever it does", "[script]") {
+TEST_CASE("a hand with its arm has thirty capsules in every pose", "[script]") {
   STATIC_REQUIRE(kHandCapsuleCount >= 16);
   for (unsigned seed = 0; seed < 5; ++seed)
     CHECK(hand_capsules(some_pose(seed)).size() == kHandCapsuleCount);

@@ -47,8 +47,8 @@ constexpr std::array kKinds = {
                  "the clip of ./demo: three presses, a hand before and behind, a squeeze"},
 };
 
-/// A sequence without presses: a camera that stands, is held or moves, with a working hand or
-/// without.
+/// A sequence without presses: a camera that is fixed, hand-held or moving, with or without a
+/// working hand.
 Sequence plan_motion(std::string_view name, std::string_view motion, bool with_hand, int frames,
                      std::uint64_t seed) {
   Sequence sequence;
@@ -60,14 +60,14 @@ Sequence plan_motion(std::string_view name, std::string_view motion, bool with_h
   CameraPath path = on_tripod();
   if (motion == "walk") path = walk();
   if (motion == "blur") path = fast_turns(seed);
-  // The hand follows the camera's path, not its shaking.
+  // The working hand follows the camera's path without its tremor.
   const CameraPath smooth = path;
   if (motion == "shake") path = shaken(seed);
   sequence.camera_from_desk =
       motion == "still-tripod" ? path : held(path, std::max(frames, 30), seed);
   sequence.movers = [](double) { return Movers{}; };
   if (with_hand) sequence.movers = working_hand(smooth, frames, seed);
-  // A turn of 100 degrees a second is smeared by 15 px in 12 ms.
+  // s; a rotation of 100 degrees/s then gives a motion blur of 15 px.
   const double exposure = motion == "blur" ? 0.012 : 0.0;
   sequence.rig = [exposure](int) {
     RigState state;
@@ -107,8 +107,9 @@ Sequence plan_sequence(std::string_view name, const DeskBody& body, int frames,
   }
   sequence.look.seed = seed;
   if (name != "demo") {
-    // With these OpenCV's SGBM gets 65-85 % of a near hand's pixels within 1 % of their depth
-    // (palpable bench sgbm-reference prints the share). More contrast would make hands too easy.
+    // With these values OpenCV's SGBM measures 65 to 85 % of the pixels of a near hand within 1 %
+    // of their depth (palpable bench sgbm-reference prints the share). More contrast would make
+    // hands too easy to measure.
     sequence.look.skin_texture = 0.80;
     sequence.look.skin_gloss = 0.22;
   }

@@ -1,5 +1,5 @@
 /// @file
-/// The list of sequences, and the plan of each; docs/benchmark.md says what each promises.
+/// The list of sequences, and their plans; docs/benchmark.md states the properties of each.
 ///
 /// A plan is a pure function of name, body, length and seed.
 #pragma once
@@ -16,15 +16,16 @@ namespace palpable {
 /// A sequence that can be planned.
 struct SequenceKind {
   std::string_view name;
-  int frames;  ///< the length that docs/benchmark.md promises something about
-  std::string_view what;
+  int frames;             ///< the length for which docs/benchmark.md states properties
+  std::string_view what;  ///< description for users
 };
 [[nodiscard]] std::span<const SequenceKind> sequence_kinds();
 
 /// @param name    one of sequence_kinds()
-/// @param frames  >= 1. Another length cuts the sequence or lets it go on; its speeds stay. (Only
-///                "demo" is stretched to it.)
-/// @throws Error when the body cannot be touched as the sequence promises
+/// @param frames  >= 1. Another length than that of the list cuts off or continues the sequence
+/// without
+///                changing its speeds; only "demo" is stretched instead
+/// @throws Error when the body cannot be touched in the way of the sequence
 [[nodiscard]] Sequence plan_sequence(std::string_view name, const DeskBody& body, int frames,
                                      std::uint64_t seed);
 

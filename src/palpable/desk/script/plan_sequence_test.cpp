@@ -22,7 +22,7 @@ using palpable::test::tolerance;
 
 namespace {
 
-/// An egg on the desk, 0.13 m high, with sites all over it that are pressed towards its middle.
+/// An egg on the desk, 0.13 m high, covered with sites that are pressed towards its centre.
 /// @param half_width  m
 DeskBody egg(double half_width = 0.045) {
   DeskBody body;
@@ -39,7 +39,7 @@ DeskBody egg(double half_width = 0.045) {
   return body;
 }
 
-/// What finger and thumb can come round.
+/// An egg that finger and thumb can reach round.
 DeskBody slim_egg() { return egg(0.024); }
 
 int length_of(std::string_view name) {
@@ -48,7 +48,7 @@ int length_of(std::string_view name) {
   return 0;
 }
 
-/// Whole sequences are expensive to plan: each is planned once in this process.
+/// A whole sequence, which is expensive to plan and therefore planned only once per process.
 const Sequence& plan(std::string_view name, std::uint64_t seed) {
   static std::map<std::pair<std::string, std::uint64_t>, Sequence> planned;
   const auto [entry, is_new] = planned.try_emplace({std::string(name), seed});
@@ -73,7 +73,7 @@ std::vector<Capsule> in_camera(const Sequence& s, int frame) {
 
 const PinholeCamera kView = zed_mini_rig().left.pinhole;
 
-/// The share of `view` that the capsules cover, by one ray for each cell of a grid.
+/// The share of `view` that the capsules cover, from one ray per cell of a grid.
 double covered_share(const std::vector<Capsule>& in_camera, const PinholeCamera& view, int columns,
                      int rows) {
   int hits = 0;
@@ -87,8 +87,8 @@ double covered_share(const std::vector<Capsule>& in_camera, const PinholeCamera&
   return static_cast<double>(hits) / (columns * rows);
 }
 
-/// A number for a plan: the rig's faults, and poses and movers every 7 frames, rounded to
-/// micrometres so that compilers and processors agree.
+/// A hash of a plan: of the rig's faults, and of poses and movers in every 7th frame, rounded to
+/// micrometres so that it is equal for all compilers and processors.
 std::uint64_t fingerprint(const Sequence& s) {
   std::uint64_t hash = kFnvStart;
   const auto add = [&hash](double value) {
@@ -123,7 +123,7 @@ Touching touching_at(const Sequence& s, const SurfacePoints& in_desk, int frame)
 
 }  // namespace
 
-TEST_CASE("the list of sequences has what the benchmark promises, with its lengths", "[script]") {
+TEST_CASE("the list of sequences has those of the benchmark, with their lengths", "[script]") {
   for (const char* name :
        {"still",     "still-tripod", "walk",        "shake",        "blur", "still-hand",
         "walk-hand", "blur-hand",    "press",       "pencil",       "cup",  "slide",
@@ -141,7 +141,7 @@ TEST_CASE("every sequence begins without a hand, the body 0.35 to 0.5 m before t
   for (const SequenceKind& kind : sequence_kinds()) {
     INFO(kind.name);
     const DeskBody body = kind.name == "squeeze" ? slim_egg() : egg();
-    // 61 frames plan no press: that is quick.
+    // A sequence of 61 frames is fast to plan because it has no press.
     const Sequence s = plan_sequence(kind.name, body, 61, 1);
     CHECK(s.name == kind.name);
     CHECK(s.frames == 61);
@@ -178,7 +178,7 @@ TEST_CASE("a camera on a tripod stands still; held in a hand it trembles by 2-4 
     CHECK(shift >= 0.002);
     CHECK(shift <= 0.004);
     CHECK(std::abs(turn / kDegree - 0.3) <= tolerance(0.01, "scaled to it over these frames"));
-    CHECK(step < 0.002);  // 6 cm/s: a hand, no jump
+    CHECK(step < 0.002);  // 6 cm/s: the motion of a hand, not a jump
   }
 }
 
@@ -205,9 +205,9 @@ TEST_CASE("the walk is longer than 6 m, looks 60 degrees away and comes back", "
     CHECK(length > 6.0);
     CHECK(length < 15.0);
     CHECK(widest > 60.0 * kDegree);
-    CHECK(fastest < 1.2);              // m/s: a walk
-    CHECK(quickest < 90.0 * kDegree);  // a second
-    // It comes back: 0.2 m and 15 degrees from where it began.
+    CHECK(fastest < 1.2);              // m/s, of a walk
+    CHECK(quickest < 90.0 * kDegree);  // per second
+    // At the end it is within 0.2 m and 15 degrees of its start.
     CHECK((eye_of(walk, 899) - eye_of(walk, 0)).norm() < 0.2);
     CHECK(turned_by(walk.camera_from_desk(899) * walk.camera_from_desk(0).inverse()) <
           15.0 * kDegree);
@@ -217,7 +217,7 @@ TEST_CASE("the walk is longer than 6 m, looks 60 degrees away and comes back", "
 TEST_CASE("blur smears by up to 27 px, with rests; shake moves by up to 14 mm and 2.5 degrees",
           "[script]") {
   const Sequence& blur = plan("blur", 1);
-  // 40 degrees in 0.4 s by t^3 (10 - 15 t + 6 t^2), which is steepest at t = 1/2: 15/8.
+  // 40 degrees in 0.4 s by t^3 (10 - 15 t + 6 t^2), whose largest slope is 15/8 at t = 1/2.
   const double fastest_px = kView.fx_px * 40.0 * kDegree / 0.4 * 15.0 / 8.0 * 0.012;
   int smeared = 0;
   int resting = 0;
@@ -264,7 +264,7 @@ TEST_CASE(
       ++looked;
       within += share >= 0.15 && share <= 0.40 ? 1 : 0;
       CHECK(share < 0.6);
-      // The walk ends close over the body, where a hand before the camera is in it.
+      // The walk ends close above the body, where a hand in front of the camera reaches into it.
       if (std::string(name) != "walk-hand") CHECK_FALSE(touching_at(s, body, frame).touching);
     }
     CHECK(2 * within >= looked);
@@ -350,7 +350,7 @@ TEST_CASE("press brings the hand nearer than 0.11 m on 1 % of the image in 40 fr
           const double along = ray_distance(hand, Eigen::Vector3d::Zero(), ray.normalized(), 0.2);
           hits += along / ray.norm() < 0.11 ? 1 : 0;
         }
-      // Twice what is asked for: the cells are coarse.
+      // 2 %, twice the stated share, because the cells are coarse.
       frames += hits * 50 >= kColumns * kRows ? 1 : 0;
     }
     CHECK(frames >= 40);
@@ -379,7 +379,7 @@ TEST_CASE("a cup is put against the body and left there, its touching side in vi
       CHECK_FALSE(touching_at(s, body, frame).touching);
     const Touching left = touching_at(s, body, let_go);
     CHECK(left.touching);
-    // A flat side meets a round body: the way out along the body's normal is the depth or more.
+    // The line along the body's normal is about as long as the planned depth, or longer.
     CHECK(left.depth > 0.8 * s.touches[0].depth);
     const Touching end = touching_at(s, body, s.frames - 1);
     CHECK(end.touching);
@@ -437,7 +437,7 @@ TEST_CASE("finger and thumb squeeze the body at the same time, and the eye sees 
       if (!planned) CHECK_FALSE(touching_at(s, body, frame).touching);
     }
   }
-  // Round the thick one no hand comes.
+  // No hand can reach round the thick egg.
   CHECK_THROWS_WITH(plan_sequence("squeeze", egg(), 260, 1), Catch::Contains("30 to 70 mm"));
 }
 
@@ -466,10 +466,10 @@ TEST_CASE("two hands press from both sides", "[script][long]") {
   CHECK(from_left);
   CHECK(from_right);
   CHECK(s.movers(300).capsules.size() == 2 * kHandCapsuleCount);
-  CHECK(s.look.left_free);  // the left hand rests where books and mug lie otherwise
+  CHECK(s.look.left_free);  // the left hand rests where books and mug would be
 }
 
-TEST_CASE("disturbances are what they are called", "[script]") {
+TEST_CASE("each disturbance changes the sequence as documented", "[script]") {
   const DeskBody body = egg();
   const auto at = [](double seconds) { return static_cast<int>(std::lround(30.0 * seconds)); };
   const Sequence drift = plan_sequence("drift", body, 61, 1);
@@ -499,8 +499,8 @@ TEST_CASE("disturbances are what they are called", "[script]") {
     sheared = std::max(sheared, kView.fx_px * turned_by(rolling.camera_from_desk(frame + frames) *
                                                         rolling.camera_from_desk(frame).inverse()));
   }
-  CHECK(sheared > 2.0);   // px from the first row to the last: it shows
-  CHECK(sheared < 12.0);  // and is no blur
+  CHECK(sheared > 2.0);   // px from the first row to the last, which is visible
+  CHECK(sheared < 12.0);  // but not a blur
 }
 
 TEST_CASE("a sequence depends on its seed and on nothing else", "[script]") {
@@ -515,11 +515,11 @@ TEST_CASE("a sequence depends on its seed and on nothing else", "[script]") {
   }
 }
 
-// The numbers were printed by this case before draws of random numbers got names (issue 22): GCC
-// had drawn several within one argument list in the order that is written down now. A number
-// changes when draws come in another order, or when a motion is changed on purpose; films then
-// differ from earlier ones of the same seed.
-TEST_CASE("a plan is the one that was filmed with this seed before", "[script]") {
+// The fingerprints were printed by this test case before issue 22, which moved the draws of random
+// numbers out of argument lists into statements in the order in which GCC had evaluated them. A
+// fingerprint changes when the order of the draws changes, or when a motion is changed on purpose;
+// films then differ from earlier ones with the same seed.
+TEST_CASE("a plan equals the earlier plan with the same seed", "[script]") {
   struct Known {
     const char* name;
     std::uint64_t fingerprint;
@@ -534,7 +534,7 @@ TEST_CASE("a plan is the one that was filmed with this seed before", "[script]")
 
 TEST_CASE("a body that cannot be pressed is refused with the reason", "[script]") {
   DeskBody body = egg();
-  body.directions.colwise() = Eigen::Vector3d(0, 0, 1);  // only from below
+  body.directions.colwise() = Eigen::Vector3d(0, 0, 1);  // sites that are pressed upwards only
   CHECK_THROWS_WITH(plan_sequence("press", body, 600, 1), Catch::Contains("no site"));
   DeskBody low = egg();
   low.surface.vertices *= 0.2;

@@ -18,9 +18,9 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kDeskGap = 0.003;  // m between hand and desk
-constexpr double kFree = 0.012;     // m of clearance, beyond which more is not better
-constexpr double kFreeWeight = 60.0;
+constexpr double kDeskGap = 0.003;    // m, smallest gap between hand and desk
+constexpr double kFree = 0.012;       // m, clearance beyond which more does not raise the score
+constexpr double kFreeWeight = 60.0;  // weight of the clearance in a hold's score, 1/m
 
 Eigen::Matrix3Xd every_nth(const Eigen::Matrix3Xd& points, Eigen::Index wanted) {
   const Eigen::Index step = std::max<Eigen::Index>(1, points.cols() / wanted);
@@ -29,7 +29,7 @@ Eigen::Matrix3Xd every_nth(const Eigen::Matrix3Xd& points, Eigen::Index wanted) 
   return some;
 }
 
-/// A way to hold the hand. `liking` is higher the more natural the hold is.
+/// An orientation of the hand. `liking` is higher the more natural it is.
 struct HandHold {
   Vector3d pointing, back;
   double liking;
@@ -52,7 +52,8 @@ std::vector<HandHold> holds_of_finger(const Vector3d& d) {
   return holds;
 }
 
-/// The palm is pushed along d. The fingers lie across d and point in any of 24 directions.
+/// Orientations of a palm that is pushed along d: the fingers are perpendicular to d and point in
+/// any of 24 directions.
 std::vector<HandHold> holds_of_palm(const Vector3d& d) {
   std::vector<HandHold> holds;
   const Vector3d across = d.unitOrthogonal();
@@ -84,7 +85,7 @@ double PressSearch::score(const PressTarget& target, const PressRules& rules) co
   if (facing < rules.least_facing || facing > rules.most_facing || target.x.z() < 0.03 ||
       target.direction.x() > rules.most_x)
     return -1.0;
-  // Best are presses from the right, at places that face the eye and lie high.
+  // Presses from the right, at high places that face the eye, have the highest scores.
   return 1.0 + 1.2 * target.normal.dot(to_eye) - 0.6 * target.direction.x() +
          2.0 * std::min(target.x.z(), 0.1);
 }
@@ -118,7 +119,7 @@ std::optional<Vector3d> PressSearch::first_touch(const Vector3d& x, const Vector
 }
 
 bool PressSearch::hides(std::span<const Capsule> hand, const Vector3d& x) const {
-  constexpr double kItself = 0.003;  // m: the hand does touch there
+  constexpr double kItself = 0.003;  // m; the touching tip itself does not count as hiding x
   const double reach = (x - eye_).norm();
   return ray_distance(hand, eye_, (x - eye_) / reach, reach) < reach - kItself;
 }
@@ -128,7 +129,7 @@ std::optional<PressPosture> PressSearch::posture(const PressTarget& target, doub
                                                  const PressRules& rules) const {
   const Vector3d& x = target.x;
   const Vector3d& d = target.direction;
-  Eigen::Matrix3Xd rest(3, some_.cols());  // of the body, where the hand may not touch
+  Eigen::Matrix3Xd rest(3, some_.cols());  // points of the body that the hand must not touch
   Eigen::Index count = 0;
   for (Eigen::Index i = 0; i < some_.cols(); ++i)
     if ((some_.col(i) - x).norm() > rules.near) rest.col(count++) = some_.col(i);
@@ -139,7 +140,8 @@ std::optional<PressPosture> PressSearch::posture(const PressTarget& target, doub
   std::optional<Quaterniond> best;
   double most = 0;
   for (const HandHold& hold : palm ? holds_of_palm(d) : holds_of_finger(d)) {
-    if (best && kFreeWeight * kFree + hold.liking <= most) continue;  // whatever its clearance
+    if (best && kFreeWeight * kFree + hold.liking <= most)
+      continue;  // cannot win with any clearance
     const Quaterniond turn = turn_for(tool, hold.pointing, hold.back);
     const auto hand_at = [&](const Vector3d& place) {
       return shapes_of(capsules_of(tool, pose_at_tip(tool, place, turn, tool.working, arm)));

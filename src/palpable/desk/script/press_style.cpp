@@ -8,8 +8,6 @@
 
 namespace palpable {
 
-namespace {}  // namespace
-
 PressRules rules_where_seen() {
   PressRules rules;
   rules.least_facing = std::cos(68.0 * kDegree);

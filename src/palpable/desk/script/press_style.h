@@ -1,5 +1,5 @@
 /// @file
-/// How each kind of sequence with presses presses: with what, how deep, from where.
+/// The tool, depth and direction of the presses in each kind of sequence.
 #pragma once
 
 #include "palpable/desk/script/hand_path.h"
@@ -17,15 +17,16 @@ struct PressStyle {
   PressRules rules;
   double least_depth = 0.003;  ///< m
   double most_depth = 0.014;   ///< m
-  double least_hold = 4;       ///< frames at the full depth
-  double most_hold = 14;
-  bool slides = false;      ///< along the surface, from one target to another
-  bool comes_near = false;  ///< now and then the hand passes close to the camera
+  double least_hold = 4;       ///< shortest time at the full depth, frames
+  double most_hold = 14;       ///< longest time at the full depth, frames
+  bool slides = false;         ///< whether it slides along the surface to another target
+  bool comes_near = false;     ///< whether the hand sometimes passes close to the camera
   bool two_hands = false;
 };
 
-/// Bounds for presses whose touching surface the camera sees: it faces the eye within 68 degrees
-/// (docs/benchmark.md promises 70) and the press is at least 30 degrees off the line of sight.
+/// Rules for presses whose touching surface the camera sees: the angle between its normal and the
+/// ray to the eye is at most 68 degrees (docs/benchmark.md states 70), and the press is at least 30
+/// degrees away from the line of sight.
 [[nodiscard]] PressRules rules_where_seen();
 
 /// @param name  "press", "press-axial", "press-behind", "pencil", "slide", "palm", "rest" or

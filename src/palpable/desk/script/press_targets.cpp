@@ -49,7 +49,7 @@ std::vector<PressTarget> between_targets(const DeskBody& body, const Rigid3& des
   };
   std::vector<PressTarget> targets;
   for (std::size_t s = 0; s < S; ++s) {
-    // Its nearest neighbour among the later sites: each pair once.
+    // The nearest neighbour among the later sites, so that each pair occurs once.
     std::size_t other = S;
     for (std::size_t o = s + 1; o < S; ++o)
       if (other == S || (place(o) - place(s)).norm() < (place(other) - place(s)).norm()) other = o;
@@ -63,7 +63,7 @@ std::vector<PressTarget> between_targets(const DeskBody& body, const Rigid3& des
     if (std::min((x - place(s)).norm(), (x - place(other)).norm()) < 0.006) continue;
     const Vector3d sum = body.directions.col(static_cast<Eigen::Index>(s)) +
                          body.directions.col(static_cast<Eigen::Index>(other));
-    if (sum.norm() < 0.5) continue;  // they press against each other
+    if (sum.norm() < 0.5) continue;  // the two directions are nearly opposite
     targets.push_back({desk_from_body * x, R * sum.normalized(), R * normals.col(v).cast<double>(),
                        nearest_site(body, x), true});
   }

@@ -23,9 +23,9 @@ namespace palpable {
 
 namespace {
 
-constexpr double kPointSpacing = 0.0015;  // m: a pencil's tip is 1.2 mm in radius
+constexpr double kPointSpacing = 0.0015;  // m; a pencil's tip has a radius of 1.2 mm
 
-/// The body as a right hand finds it; for a left hand the mirror image.
+/// The body on the desk for a right hand, or its mirror image for a left hand.
 struct Desk {
   SurfacePoints surface;
   PressSearch search;
@@ -44,10 +44,10 @@ Desk mirror_desk(const Desk& desk) {
           mirror_image(desk.between)};
 }
 
-/// Chooses the presses of one hand: sites and places between sites take turns, the best seen first.
+/// Chooses the presses of one hand: alternately at sites and between sites, the best seen first.
 class PressChoice {
  public:
-  /// All arguments must live as long as the choice.
+  /// All arguments must outlive this object.
   PressChoice(HandScript& script, const Desk& desk, const PressStyle& style, Random& random)
       : script_(script),
         search_(desk.search),
@@ -58,7 +58,8 @@ class PressChoice {
         share_(random.unit()),
         begins_(random.unit() < 0.5 ? 0 : 1) {}
 
-  /// Adds presses until the hand's script has this many frames. False when not one is possible.
+  /// Adds presses until the hand's script has this many frames. Returns false when none is
+  /// possible.
   bool fill(int frames) {
     for (int press = 0; script_.now() < frames; ++press) {
       const double depth = next_depth();
@@ -74,24 +75,24 @@ class PressChoice {
   }
 
  private:
-  static constexpr std::size_t kDifferent = 6;  // targets; then they are pressed again
-  static constexpr double kApart = 0.012;       // m between them
+  static constexpr std::size_t kDifferent = 6;  // number of targets; then they are pressed again
+  static constexpr double kApart = 0.012;       // m, smallest distance between targets
 
   /// A press that is in the script.
   struct Done {
     PressPosture posture;
-    PressTarget end;  // of a slide
+    PressTarget end;  // end of a slide
     double depth;
   };
 
-  /// Multiples of the golden ratio, without their whole parts, spread evenly over 0..1 wherever
-  /// they begin: so do the depths over their range.
+  /// The next depth, m. The fractional parts of multiples of the golden ratio are spread evenly
+  /// over 0..1 for any start, so the depths are spread evenly over their range.
   double next_depth() {
     share_ = std::fmod(share_ + std::numbers::phi - 1.0, 1.0);
     return style_.least_depth + share_ * (style_.most_depth - style_.least_depth);
   }
 
-  /// From a quick tap to a slow push; no two neighbouring presses are equally fast.
+  /// The next pace, between a fast tap and a slow push; successive presses differ in speed.
   HandScript::Pace next_pace(int press) {
     constexpr std::array<double, 5> kIn = {14, 7, 20, 10, 30};
     const double in = kIn[press % kIn.size()] + random_.between(-1, 1);
@@ -99,7 +100,7 @@ class PressChoice {
     return {in, hold, std::max(7.0, 0.75 * in)};
   }
 
-  /// Presses the next target that can be pressed; of the other kind when this kind has none left.
+  /// Presses the next possible target; of the other kind when this kind has none left.
   bool press_new_target(int press, double depth) {
     const std::size_t kind = (begins_ + press) % 2;
     for (const std::size_t k : {kind, 1 - kind})
@@ -124,7 +125,7 @@ class PressChoice {
     return true;
   }
 
-  /// To the first of all targets at a suitable distance that a slide reaches.
+  /// Slides to the first target at a suitable distance that can be reached.
   bool slide_from(const PressPosture& posture, double depth, const HandScript::Pace& pace) {
     for (const auto& list : targets_)
       for (const RankedTarget& end : list) {
@@ -137,7 +138,7 @@ class PressChoice {
     return false;
   }
 
-  /// Repeats an earlier press, not deeper than it was: its posture was found for that depth.
+  /// Repeats an earlier press, not deeper than before because its posture was found for that depth.
   void press_again(int press, double depth) {
     const Done& earlier = done_[press % done_.size()];
     const HandScript::Pace pace = next_pace(press);
@@ -151,15 +152,15 @@ class PressChoice {
   const PressSearch& search_;
   const PressStyle& style_;
   Random& random_;
-  std::array<std::vector<RankedTarget>, 2> targets_;  // sites, and places between them
-  std::array<std::size_t, 2> next_ = {0, 0};          // the first that was not tried
-  double share_;        // of the range of depths; drawn before begins_
-  std::size_t begins_;  // which of targets_ is pressed first
+  std::array<std::vector<RankedTarget>, 2> targets_;  // sites, and points between them
+  std::array<std::size_t, 2> next_ = {0, 0};          // the first target not yet tried
+  double share_;        // 0..1 in the range of depths; must be drawn before begins_
+  std::size_t begins_;  // index in targets_ of the kind that is pressed first
   std::vector<Done> done_;
 };
 
-/// The smallest gap between two hands, m: the ends and the middle of each capsule of the first
-/// against the surface of the second.
+/// The approximate smallest gap between two hands, m, from balls at the ends and the middle of each
+/// capsule of the first hand to the surface of the second.
 double gap(const std::vector<Capsule>& first, const std::vector<Capsule>& second) {
   double least = 1.0;
   for (const Capsule& c : first)
@@ -177,7 +178,7 @@ bool hands_meet(const HandPath& right, const HandPath& mirrored_left, int frames
   return false;
 }
 
-/// The right hand, and as the mirror image of its path the left one, if there is one.
+/// The right hand and, if there is one, the left hand, whose path is given as its mirror image.
 Movers hands_at(double frame, const HandPath& right, const std::optional<HandPath>& mirrored_left) {
   Movers movers;
   if (frame < kFramesWithoutHand) return movers;
@@ -188,7 +189,7 @@ Movers hands_at(double frame, const HandPath& right, const std::optional<HandPat
   return movers;
 }
 
-/// A sequence, or why there is none with the body turned so.
+/// A sequence, or the reason why there is none for this rotation of the body.
 struct Attempt {
   std::optional<Sequence> sequence;
   std::string why_not;
@@ -228,7 +229,7 @@ Attempt attempt_presses(std::string_view name, const PressStyle& style, const De
   sequence.movers = [right = right.path(), mirrored_left](double frame) {
     return hands_at(frame, right, mirrored_left);
   };
-  // Whole presses are planned; the last may begin after the end.
+  // Only whole presses are planned, so the last may begin after the end of the sequence.
   std::erase_if(sequence.touches, [&](const PlannedTouch& t) { return t.frames.first >= frames; });
   std::erase_if(sequence.spans, [&](const NamedSpan& s) { return s.frames.first >= frames; });
   return {std::move(sequence), ""};
@@ -239,7 +240,7 @@ Attempt attempt_presses(std::string_view name, const PressStyle& style, const De
 Sequence plan_presses(std::string_view name, const DeskBody& body, int frames, std::uint64_t seed) {
   const PressStyle style = press_style(name);
   const SurfacePoints surface = sample_surface(body.surface, kPointSpacing);
-  // Which of the four best yaws is tried first depends on the seed.
+  // The seed determines which of the four best rotations is tried first.
   std::vector<double> yaws = yaws_to_press(body, style.rules, 6, style.two_hands);
   if (yaws.size() >= 4) std::rotate(yaws.begin(), yaws.begin() + seed % 4, yaws.begin() + 4);
 

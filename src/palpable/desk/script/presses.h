@@ -1,7 +1,6 @@
 /// @file
-/// Sequences in which hands press the body: fingers, a flat hand, two hands, a sliding finger, a
-/// pencil. Each plan is checked against the body's surface: the hands touch it where planned and
-/// nowhere else.
+/// Sequences in which hands press the body: a finger, a flat hand, two hands, a sliding finger or a
+/// pencil. Each plan is checked against the body's surface: the hands touch it only where planned.
 #pragma once
 
 #include "palpable/desk/script/desk_body.h"
@@ -12,9 +11,10 @@
 
 namespace palpable {
 
-/// One of "press", "press-axial", "press-behind", "pencil", "slide", "palm", "rest", "two-hands".
-/// The camera stands on its tripod; rig, faults and look (but for left_free) have their defaults.
-/// @throws Error when the body cannot be pressed as the sequence demands
+/// Plans one of "press", "press-axial", "press-behind", "pencil", "slide", "palm", "rest",
+/// "two-hands". The camera is on a tripod; rig, faults and look, except left_free, have their
+/// defaults.
+/// @throws Error when the body cannot be pressed as the sequence requires
 [[nodiscard]] Sequence plan_presses(std::string_view name, const DeskBody& body, int frames,
                                     std::uint64_t seed);
 

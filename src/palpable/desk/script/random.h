@@ -1,6 +1,6 @@
 /// @file
-/// Numbers that depend on a seed and a name alone, the same on every machine (the distributions of
-/// <random> differ between standard libraries).
+/// Random numbers that depend only on a seed and a name and are equal on every machine. (The
+/// distributions of <random> differ between standard libraries.)
 #pragma once
 
 #include "palpable/common/base/fnv1a.h"
@@ -10,18 +10,18 @@
 
 namespace palpable {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): a full-period generator whose every seed is good.
+/// SplitMix64 (Steele, Lea, Flood 2014), a full-period generator for which every seed is suitable.
 ///
-/// What comes out depends on the order of the draws, and C++ leaves the order open in which the
-/// arguments of a function and the operands of most operators are evaluated. So at most one draw
-/// stands in an argument list or in an expression; the others are named in statements before it:
+/// The numbers depend on the order of the draws, and C++ does not specify the order in which the
+/// arguments of a function and the operands of most operators are evaluated. So an argument list or
+/// an expression may contain at most one draw; other draws need statements of their own before it:
 ///
 ///     Vector3d(random.unit(), random.unit(), 0.0)        wrong: another film with another compiler
 ///     const double x = random.unit();                    right
 ///     const double y = random.unit();
 ///     Vector3d(x, y, 0.0)
 ///
-/// (Members of a braced list are evaluated in their order.)
+/// (Members of a braced list are evaluated in order.)
 class Random {
  public:
   /// Streams with different names are independent.

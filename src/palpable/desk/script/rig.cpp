@@ -7,8 +7,8 @@
 namespace palpable {
 
 StereoRig zed_mini_rig() {
-  // RX, CV (about Y) and RZ of the file turn the right eye; T is the baseline seen from it. The
-  // file's TY and TZ are millimetres.
+  // RX, CV (about Y) and RZ of the file are the rotation of the right eye; T is the baseline in its
+  // frame. TY and TZ in the file are in millimetres.
   const Eigen::AngleAxisd about_x(0.00300136, Eigen::Vector3d::UnitX());
   const Eigen::AngleAxisd about_y(0.000189208, Eigen::Vector3d::UnitY());
   const Eigen::AngleAxisd about_z(-0.000855091, Eigen::Vector3d::UnitZ());
@@ -25,7 +25,8 @@ StereoRig zed_mini_rig() {
 SensorFaults sensor_faults(std::uint64_t seed) {
   Random random(seed, "sensor");
   SensorFaults faults;
-  // Both ranges are the outer half of what is allowed: no seed gives a rig nearly without faults.
+  // Both ranges are the outer half of the allowed range, so that no seed gives a rig almost without
+  // faults.
   const double gain_sign = random.sign();
   faults.right_gain = 1.0 + gain_sign * random.between(0.015, 0.029);
   const double row_sign = random.sign();

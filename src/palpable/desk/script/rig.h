@@ -1,5 +1,5 @@
 /// @file
-/// The synthetic desk's stereo rig: its calibration, and how its images differ from it.
+/// The stereo rig of the synthetic desk: its calibration, and the deviations of its images from it.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -8,23 +8,23 @@
 
 namespace palpable {
 
-/// A ZED Mini at 1280 x 720, numbers of the factory file SN10027514.conf (section HD): baseline
-/// 63.02 mm, f about 700 px, barrel distortion of 110 px in the corners, eyes that are 3 mrad from
-/// parallel and 10 px apart in their principal points' rows.
+/// A ZED Mini at 1280 x 720 with the numbers of the factory file SN10027514.conf (section HD):
+/// baseline 63.02 mm, f about 700 px, barrel distortion of 110 px in the corners, optical axes 3
+/// mrad from parallel, and a difference of 10 px between the rows of the principal points.
 [[nodiscard]] StereoRig zed_mini_rig();
 
-/// How the rig's images differ from what a perfect rig with its calibration would give.
+/// Deviations of the rig's images from those of a perfect rig with its calibration.
 struct SensorFaults {
-  /// Standard deviation of the luma before it is rounded. Rounding adds a variance of 1/12: 0.65
+  /// Standard deviation of the luma before rounding. Rounding adds a variance of 1/12, so that 0.65
   /// becomes 0.71.
   double noise_grey_levels = 0.65;
   double right_gain = 1.0;    ///< linear gain of the right eye relative to the left
   double vignetting = 0.22;   ///< share of the light that is lost in a corner of the image
-  double row_error_px = 0.0;  ///< how far the right image lies below where the calibration says
+  double row_error_px = 0.0;  ///< px, how much lower the right image lies than calibrated
 };
 
-/// The faults of one rig. The gain is 1.5 to 2.9 % off, the rows are 0.05 to 0.09 px off: a method
-/// that passes has been tried on a rig with faults.
+/// The faults of one rig: a gain error of 1.5 to 2.9 % and a row error of 0.05 to 0.09 px. No rig
+/// is free of faults, so that every method is tested with them.
 [[nodiscard]] SensorFaults sensor_faults(std::uint64_t seed);
 
 }  // namespace palpable

@@ -13,14 +13,15 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Points all over a capsule's surface: rings round its axis on both ends and on the cone between.
+/// Points that cover a capsule's surface: rings round its axis on both ends and on the cone
+/// between.
 ///
-/// The profile of the surface in the half plane through the axis is an arc round a, a line and an
-/// arc round b. The line touches both circles where the angle from the axis has the cosine
+/// The profile of the surface in a half plane through the axis consists of an arc round a, a line
+/// and an arc round b. The line touches both circles where the angle from the axis has the cosine
 /// (ra - rb) / length.
 std::vector<Vector3d> points_on(Capsule capsule, double spacing) {
   const double length = (capsule.b - capsule.a).norm();
-  if (length <= std::abs(capsule.ra - capsule.rb)) {  // a sphere
+  if (length <= std::abs(capsule.ra - capsule.rb)) {  // the capsule is a sphere
     const bool first = capsule.ra >= capsule.rb;
     const Vector3d centre = first ? capsule.a : capsule.b;
     const double radius = std::max(capsule.ra, capsule.rb);
@@ -40,7 +41,7 @@ std::vector<Vector3d> points_on(Capsule capsule, double spacing) {
       points.push_back(centre + radius * (std::cos(angle) * side + std::sin(angle) * other));
     }
   };
-  // An arc round a centre, from one angle against the axis to another.
+  // Rings along an arc round a centre, between two angles from the axis.
   const auto arc = [&](const Vector3d& centre, double radius, double from, double to) {
     const int steps = std::max(1, static_cast<int>(std::ceil(radius * (to - from) / spacing)));
     for (int i = 0; i <= steps; ++i) {
@@ -64,20 +65,20 @@ std::vector<Vector3d> points_on(Capsule capsule, double spacing) {
 
 Eigen::Matrix3Xd touching_part(std::span<const Capsule> movers, const SurfaceDistance& body,
                                double spacing, int most) {
-  PALPABLE_EXPECT(spacing > 0 && most > 0, "points at a distance, and some of them");
-  constexpr double kOnSurface = 1e-9;  // m: rounding; deeper lies within another capsule
+  PALPABLE_EXPECT(spacing > 0 && most > 0, "spacing and number of points are positive");
+  constexpr double kOnSurface = 1e-9;  // m, rounding; a deeper point lies inside another capsule
   std::vector<Vector3d> inside;
   for (const Capsule& capsule : movers) {
     const double reach = 0.5 * (capsule.b - capsule.a).norm() + std::max(capsule.ra, capsule.rb);
     if (body.nearest(0.5 * (capsule.a + capsule.b)).distance > reach) continue;
-    // As far round a point as the body is away nothing lies in it: most of its neighbours need not
-    // be asked for.
-    Vector3d asked = Vector3d::Zero();
+    // If the body is at distance d from a point, no point within d of it is inside the body, so
+    // that the distances of most neighbouring points need not be computed.
+    Vector3d known = Vector3d::Zero();
     double away = 0.0;
     for (const Vector3d& x : points_on(capsule, spacing)) {
-      if ((x - asked).norm() < away - kOnSurface || signed_distance(movers, x) <= -kOnSurface)
+      if ((x - known).norm() < away - kOnSurface || signed_distance(movers, x) <= -kOnSurface)
         continue;
-      asked = x;
+      known = x;
       away = body.nearest(x).distance;
       if (away < 0.0) inside.push_back(x);
     }
@@ -90,7 +91,7 @@ Eigen::Matrix3Xd touching_part(std::span<const Capsule> movers, const SurfaceDis
 
 double seen_share(const Eigen::Matrix3Xd& points, std::span<const Capsule> movers,
                   const RectifiedStereo& eyes) {
-  // The end of a ray touches the surface; so near to it nothing else can hide the point.
+  // The ray ends on the movers' surface at the point itself, so its last part is not tested.
   constexpr double kBeforePoint = 1e-4;  // m
   const auto in_picture = [&](const Vector3d& x) {
     if (x.z() <= 0.0) return false;

@@ -12,7 +12,7 @@ namespace {
 
 const RectifiedStereo kEyes{{640, 360, 350, 350, 319.5, 179.5}, 0.063};
 
-// A ball of 40 mm before the camera, its middle 0.4 m away.
+// A ball of 40 mm radius in front of the camera, its centre 0.4 m away.
 const Rigid3 kCameraFromBody = Rigid3(Eigen::Translation3d(0, 0, 0.4));
 
 std::vector<Capsule> moved(std::vector<Capsule> capsules, const Rigid3& target_from_source) {
@@ -31,11 +31,11 @@ double share(const std::vector<Capsule>& in_body, const Rigid3& camera_from_body
 
 }  // namespace
 
-TEST_CASE("the touching part is what of a surface lies inside the body", "[script]") {
+TEST_CASE("the touching part is the part of the surface inside the body", "[script]") {
   const SurfaceDistance ball(sphere_surface({0, 0, 0}, 0.04, 5));
   const double radius = 0.008, spacing = 0.0005;
-  // A finger along X, whose tip's middle lies on the ball: half of the tip's sphere is inside, but
-  // for the curvature of the ball.
+  // A finger along X with the centre of its tip on the ball: about half of the tip's sphere is
+  // inside, less because of the ball's curvature.
   const std::vector<Capsule> finger = {{{0.04, 0, 0}, {0.14, 0, 0}, radius, radius}};
   const Eigen::Matrix3Xd part = touching_part(finger, ball, spacing, 100'000);
   REQUIRE(part.cols() > 100);
@@ -44,8 +44,8 @@ TEST_CASE("the touching part is what of a surface lies inside the body", "[scrip
           tolerance(1e-12, "rounding of points built on the surface"));
     CHECK(part.col(i).norm() < 0.04);
   }
-  // Two spheres cut in a plane at x = (2 R^2 - r^2) / (2 R); the cap's height is what of the
-  // finger's sphere lies on the inner side.
+  // The two spheres intersect in the plane x = (2 R^2 - r^2) / (2 R). The cap of the finger's
+  // sphere on the inner side of this plane touches.
   const double height = (2 * 0.04 * 0.04 - radius * radius) / (2 * 0.04) - (0.04 - radius);
   const double area = 2 * std::numbers::pi * radius * height;
   CHECK(static_cast<double>(part.cols()) * spacing * spacing ==
@@ -53,10 +53,10 @@ TEST_CASE("the touching part is what of a surface lies inside the body", "[scrip
   CHECK(touching_part(finger, ball, spacing, 60).cols() == 60);
 }
 
-TEST_CASE("capsules that cone, and spheres, are covered by points too", "[script]") {
+TEST_CASE("conical capsules and spheres are covered by points, too", "[script]") {
   const SurfaceDistance ball(sphere_surface({0, 0, 0}, 0.04, 4));
   const auto all = [&](const Capsule& c) { return touching_part({&c, 1}, ball, 0.001, 100'000); };
-  // Wholly inside: the area is the whole surface.
+  // These capsules are completely inside, so the area is that of the whole surface.
   const Capsule sphere{{0, 0, 0}, {0, 0, 0}, 0.01, 0.01};
   const Capsule swallowed{{0, 0, 0}, {0.002, 0, 0}, 0.01, 0.005};
   const double of_sphere = 4 * std::numbers::pi * 1e-4;
@@ -76,26 +76,26 @@ TEST_CASE("capsules that cone, and spheres, are covered by points too", "[script
 
 TEST_CASE("a camera sees a finger's side, not what is behind it or outside the picture",
           "[script]") {
-  // From the right, across the view: half of the tip faces the camera.
+  // A finger from the right, across the view: half of the tip faces the camera.
   const std::vector<Capsule> across = {{{0.035, 0, 0}, {0.14, 0, 0}, 0.008, 0.008}};
   const double side = share(across, kCameraFromBody);
   CHECK(side > 0.4);
   CHECK(side < 0.75);
-  // Out of the picture nothing is seen.
+  // Outside the picture nothing is seen.
   CHECK(share(across, Rigid3(Eigen::Translation3d(1.0, 0, 0.4))) == 0);
-  // A plate of fingers nearer to the camera hides all.
+  // A plate of capsules nearer to the camera hides everything.
   std::vector<Capsule> covered = across;
   for (int i = -12; i <= 12; ++i)
     covered.push_back({{-0.1, 0.008 * i, -0.15}, {0.1, 0.008 * i, -0.15}, 0.006, 0.006});
   CHECK(share(covered, kCameraFromBody) == 0);
-  // From behind the body towards the camera: the tip's end is what is seen.
+  // A finger from behind the body towards the camera: the end of the tip is seen.
   const std::vector<Capsule> from_behind = {{{0, 0, 0.04}, {0, 0, 0.14}, 0.008, 0.008}};
   CHECK(share(from_behind, kCameraFromBody) > 0.9);
   CHECK(share({}, kCameraFromBody) == 0);
 }
 
-TEST_CASE("what only the right eye sees is seen", "[script]") {
-  // A bar before the left eye, so near to it that it hides the finger from this eye alone.
+TEST_CASE("a part that only the right eye sees counts as seen", "[script]") {
+  // A bar near the left eye hides the finger from this eye only.
   std::vector<Capsule> finger = {{{0.035, 0, 0}, {0.14, 0, 0}, 0.008, 0.008}};
   const double open = share(finger, kCameraFromBody);
   finger.push_back({{0, -0.1, -0.35}, {0, 0.1, -0.35}, 0.02, 0.02});

@@ -1,10 +1,10 @@
 /// @file
-/// A sequence of the synthetic desk: where camera, hands and things are at every moment, what the
-/// rig does in every frame, and which touches are planned. Nothing here is drawn: the film module
-/// turns a sequence into images; plan_sequence.h makes one.
+/// A sequence of the synthetic desk: the poses of camera, hands and things at every time, the state
+/// of the rig in every frame, and the planned touches. plan_sequence.h makes sequences; the film
+/// module renders them.
 ///
-/// Desk frame: desk_body.h. Camera: the rectified left one. A moment is a frame number (30 frames a
-/// second) and need not be whole: an exposure begins and ends between frames.
+/// Desk frame: desk_body.h. Camera: the rectified left one. Times are in frames (30 per second) and
+/// need not be whole, since an exposure begins and ends between frames.
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
@@ -21,7 +21,7 @@
 namespace palpable {
 
 inline constexpr double kFramesPerSecond = 30.0;
-/// The first frames of each sequence hold no hand.
+/// Number of frames without a hand at the beginning of each sequence.
 inline constexpr int kFramesWithoutHand = 60;
 
 /// A span of frames that includes both ends.
@@ -30,35 +30,35 @@ struct FrameSpan {
   int last = 0;
 };
 
-/// Everything that moves, except the camera, at one moment; desk frame.
+/// Everything that moves, except the camera, at one time; desk frame.
 struct Movers {
-  /// The surfaces that can touch. Empty while neither hand nor thing is there. The wall of a cup is
+  /// The surfaces that can touch; empty while there is neither hand nor thing. The wall of a cup is
   /// a ring of capsules (things.h).
   std::vector<HandCapsule> capsules;
-  /// Where the cup is, if there is one; things.h has its frame.
+  /// The pose of the cup, if there is one; things.h defines its frame.
   std::optional<Rigid3> desk_from_cup;
 };
 
-/// What the rig does in one frame.
+/// The state of the rig in one frame.
 struct RigState {
-  double row_offset_px = 0;  ///< how far the right image lies below where the calibration says
-  bool row_step = false;     ///< row_offset_px jumped since the frame before
-  double light = 1;     ///< linear factor on the light of both eyes: exposure and lamp together
-  double exposure = 0;  ///< s for which the shutter is open; 0: nothing is smeared
-  double readout = 0;   ///< s from reading the first row to reading the last; 0: all at once
+  double row_offset_px = 0;  ///< px, how much lower the right image lies than calibrated
+  bool row_step = false;     ///< whether row_offset_px jumped since the previous frame
+  double light = 1;          ///< linear factor of the light in both eyes, from exposure and lamp
+  double exposure = 0;       ///< s, time that the shutter is open; 0: no motion blur
+  double readout = 0;        ///< s, from reading the first row to the last; 0: global shutter
 };
 
-/// What a hand or a thing does to the body, as planned. What truly happens in a frame is measured:
-/// contact_truth.h.
+/// A planned touch of the body by a hand or thing. The true contact in a frame is computed from the
+/// geometry (contact_truth.h).
 struct PlannedTouch {
-  std::string what;             ///< "finger", "pencil", "cup", "palm", "slide"
+  std::string what;             ///< "finger", "thumb", "pencil", "cup", "palm" or "slide"
   int site = -1;                ///< the site nearest to the target
-  bool between = false;         ///< aimed between two sites
-  double depth = 0;             ///< m moved on after first touching the undeformed body
-  FrameSpan frames;             ///< outside of them the hand does not touch
+  bool between = false;         ///< whether the target lies between two sites
+  double depth = 0;             ///< m, motion after the first touch of the undeformed body
+  FrameSpan frames;             ///< outside of these the hand does not touch
   double seconds_to_depth = 0;  ///< from the start of the straight approach to the full depth
   double view_angle = 0;        ///< rad between the touching surface's normal and the ray
-  /// Middle of the touching tip's sphere at the first touch; desk frame.
+  /// Centre of the touching tip's sphere at the first touch; desk frame.
   Eigen::Vector3d first_touch = Eigen::Vector3d::Zero();
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of the press; desk frame, unit
 };
@@ -69,7 +69,7 @@ struct NamedSpan {
   FrameSpan frames;
 };
 
-/// All functions are pure: the same moment gives the same answer.
+/// All functions are pure: equal times give equal results.
 struct Sequence {
   std::string name;
   std::uint64_t seed = 0;
@@ -77,17 +77,17 @@ struct Sequence {
   DeskLook look;
   SensorFaults faults;
   Rigid3 desk_from_body = Rigid3::Identity();
-  std::function<Rigid3(double)> camera_from_desk;  ///< at a moment
-  std::function<Movers(double)> movers;            ///< at a moment
+  std::function<Rigid3(double)> camera_from_desk;  ///< at a time
+  std::function<Movers(double)> movers;            ///< at a time
   std::function<RigState(int)> rig;                ///< in a frame
   std::vector<PlannedTouch> touches;
   std::vector<NamedSpan> spans;
 
-  /// Where the body stands in the first frame's camera.
+  /// The pose of the body in the camera frame of the first frame.
   [[nodiscard]] Rigid3 camera_from_body() const { return camera_from_desk(0.0) * desk_from_body; }
 };
 
-/// The world frame is the first frame's camera.
+/// world_from_camera at a time; the world frame is the camera frame of the first frame.
 [[nodiscard]] inline Rigid3 world_from_camera(const Sequence& sequence, double frame) {
   return sequence.camera_from_desk(0.0) * sequence.camera_from_desk(frame).inverse();
 }

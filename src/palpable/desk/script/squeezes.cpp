@@ -24,51 +24,53 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kSqueezeSpacing = 0.002;  // m between points of the body's surface
-constexpr double kLeastWidth = 0.030;      // m of what is squeezed
-constexpr double kMostWidth = 0.070;       // m: the hand opens to 112 mm between the tips' middles
-constexpr double kLowest = 0.030;          // m above the desk
-constexpr double kNear = 0.024;            // m round the two points in which the hand may touch
-constexpr double kClearance = 0.003;  // m between the hand and the rest of the body, and the desk
-constexpr double kFreeOfSqueeze = 0.010;  // m of clearance, beyond which more is not better
-constexpr double kEyeClearance = 0.10;    // m between the hand and the camera
-constexpr double kOpening = 0.014;        // m by which each tip goes away from the body
-constexpr double kBack = 0.090;           // m that the open hand goes back
-constexpr double kApart = 0.015;          // m between two squeezes
-constexpr double kLeastSeen = 0.55;       // of what touches; docs/benchmark.md promises half
-constexpr std::size_t kDifferent = 4;     // squeezes; then they are done again
-constexpr double kLeastDepth = 0.004;     // m on each side
-constexpr double kMostDepth = 0.006;
-constexpr double kDeeper = 0.002;  // m beyond it: there a tip reaches round a thin part
+constexpr double kSqueezeSpacing = 0.002;  // m, spacing of sample points on the body's surface
+constexpr double kLeastWidth = 0.030;      // m, smallest width of a squeezed part
+constexpr double kMostWidth = 0.070;       // m, largest width; the hand opens to 112 mm
+constexpr double kLowest = 0.030;          // m, smallest height of a squeeze above the desk
+constexpr double kNear = 0.024;           // m, radius round the two points where the hand may touch
+constexpr double kClearance = 0.003;      // m, smallest gap to the rest of the body and the desk
+constexpr double kFreeOfSqueeze = 0.010;  // m, clearance beyond which more is not better
+constexpr double kEyeClearance = 0.10;    // m, smallest distance between hand and camera
+constexpr double kOpening = 0.014;        // m, gap of each tip of the open hand from the body
+constexpr double kBack = 0.090;           // m, distance that the open hand withdraws
+constexpr double kApart = 0.015;          // m, smallest distance between squeezes
+constexpr double kLeastSeen = 0.55;       // seen share of the touch; docs/benchmark.md states half
+constexpr std::size_t kDifferent = 4;     // number of squeezes; then they are repeated
+constexpr double kLeastDepth = 0.004;     // m, on each side
+constexpr double kMostDepth = 0.006;      // m, on each side
+constexpr double kDeeper =
+    0.002;  // m, allowance for the depth where a tip reaches round a thin part
 
-/// Two places of the surface that face away from each other. Desk frame.
+/// Two points of the surface with opposite normals. Desk frame.
 struct TwoSides {
-  Vector3d finger, thumb;  ///< where they touch
+  Vector3d finger, thumb;  ///< where each of them touches
   double score = 0;
 
   [[nodiscard]] Vector3d axis() const { return (finger - thumb).normalized(); }
   [[nodiscard]] double width() const { return (finger - thumb).norm(); }
 };
 
-/// How the hand is held for a squeeze.
+/// The posture of the hand for a squeeze.
 struct SqueezeHold {
   TwoSides sides;
-  Vector3d middle = Vector3d::Zero();  ///< between the tips, at the full depth
+  Vector3d middle = Vector3d::Zero();  ///< midpoint of the tips at the full depth
   Quaterniond turn = Quaterniond::Identity();
   double closed = 0;                  ///< HandKey::open at the full depth
-  double opened = 0;                  ///< and before it
-  Vector3d back = Vector3d::UnitZ();  ///< unit, where the open hand comes from
+  double opened = 0;                  ///< HandKey::open before and after
+  Vector3d back = Vector3d::UnitZ();  ///< unit, from where the open hand comes
   double liking = 0;
 };
 
-/// Both orders of each pair count: the finger may be on either side.
+/// Pairs of points that can be squeezed, best first. Each pair occurs in both orders, since the
+/// finger may be on either side.
 std::vector<TwoSides> two_sides(const SurfacePoints& body, const Vector3d& eye) {
   std::vector<TwoSides> pairs;
   const Eigen::Index step = std::max<Eigen::Index>(1, body.points.cols() / 1200);
   for (Eigen::Index i = 0; i < body.points.cols(); i += step) {
     const Vector3d a = body.points.col(i), inwards = body.inwards.col(i);
     if (a.z() < kLowest) continue;
-    // The farthest point of the line into the body: there may be a hole on the way.
+    // Among all points, the one most nearly opposite to a along both normals.
     std::optional<TwoSides> found;
     double best = 0.93;  // cosine between the line and both normals
     for (Eigen::Index j = 0; j < body.points.cols(); ++j) {
@@ -83,7 +85,8 @@ std::vector<TwoSides> two_sides(const SurfacePoints& body, const Vector3d& eye) 
       found = TwoSides{a, body.points.col(j), 0.0};
     }
     if (!found) continue;
-    // Best across the line of sight, where both sides are seen, and high.
+    // The score is higher for axes across the line of sight, where both sides are seen, and for
+    // high points.
     const Vector3d to_eye = (eye - 0.5 * (found->finger + found->thumb)).normalized();
     found->score = best - std::abs(found->axis().dot(to_eye)) + 4.0 * std::min(a.z(), 0.15);
     pairs.push_back(*found);
@@ -98,7 +101,7 @@ double gap_between_tips(const HandTool& tool, double open) {
   return (index_tip_in_wrist(gesture) - thumb_tip_in_wrist(gesture)).norm();
 }
 
-/// HandKey::open for a distance between the tips' middles; the distance grows with it.
+/// HandKey::open for a distance between the centres of the tips, m; the distance increases with it.
 double open_for(const HandTool& tool, double gap) {
   double low = 0.0, high = 1.0;
   for (int i = 0; i < 40; ++i) {
@@ -108,7 +111,7 @@ double open_for(const HandTool& tool, double gap) {
   return 0.5 * (low + high);
 }
 
-/// One body on the desk, and the hand that squeezes it.
+/// Searches postures for squeezing one body on the desk.
 class SqueezeSearch {
  public:
   SqueezeSearch(SurfacePoints surface, const SurfaceDistance& body, const Rigid3& desk_from_body,
@@ -119,7 +122,7 @@ class SqueezeSearch {
   [[nodiscard]] const HandTool& tool() const { return tool_; }
   [[nodiscard]] const ArmSide& arm() const { return arm_; }
 
-  /// The best way to hold the hand; none when every one breaks a rule.
+  /// The best posture; nothing when each violates a rule.
   [[nodiscard]] std::optional<SqueezeHold> hold(const TwoSides& sides, double depth) const {
     const double radii = index_tip_radius() + thumb_tip_radius();
     const double gap = sides.width() + radii - 2.0 * depth;
@@ -144,7 +147,7 @@ class SqueezeSearch {
                             Vector3d(sides.axis().unitOrthogonal());
       hold.back = back;
       hold.turn = Quaterniond(frame_of(sides.axis(), back) * in_wrist.transpose());
-      // A right hand comes from the right and from above, and not from behind the body.
+      // A right hand preferably comes from the right and from above, not from behind the body.
       const auto liking = [&](double clearance) {
         return back.x() + 0.7 * back.z() - 0.3 * back.y() + 20.0 * clearance;
       };
@@ -177,8 +180,8 @@ class SqueezeSearch {
     return rest.leftCols(count);
   }
 
-  /// m to the rest of the body when closed, kFreeOfSqueeze at most; negative when a rule is broken
-  /// on the way.
+  /// m, clearance of the closed hand from the rest of the body, at most kFreeOfSqueeze; negative
+  /// when a rule is violated during the motion.
   [[nodiscard]] double clearance_of(const SqueezeHold& hold, const Eigen::Matrix3Xd& rest) const {
     const std::vector<Capsule> closed = hand_at(hold, hold.middle, hold.closed);
     if (lowest_point(closed) < kClearance || signed_distance(closed, first_eye()) < kEyeClearance)
@@ -218,11 +221,11 @@ class SqueezeSearch {
   ArmSide arm_;
 };
 
-/// The hand's path: it comes in, squeezes and rests in turn.
+/// Builds the path of the hand, which enters and then alternately squeezes and rests.
 class SqueezeScript {
  public:
-  /// @param first  frame: the hand begins outside of the picture
-  /// @param pace   of all ways; above 1 they take longer
+  /// @param first  first frame of the path, in which the hand is outside of the picture
+  /// @param pace   ratio by which all motions are slowed down
   SqueezeScript(const SqueezeSearch& search, std::uint64_t seed, double first = kFramesWithoutHand,
                 double pace = 1)
       : search_(search),
@@ -241,8 +244,8 @@ class SqueezeScript {
   [[nodiscard]] const HandPath& path() const { return path_; }
   void wait(double frames) { key(now() + frames, rest_, rest_turn_, 0.7); }
 
-  /// The frames outside of which nothing touches; none, and nothing is added, when the hand would
-  /// meet the desk, touch elsewhere, or not touch with both.
+  /// Adds a squeeze. @return the frames outside of which nothing touches; nothing, without adding
+  /// the squeeze, when the hand would touch the desk, touch elsewhere, or not touch with both tips
   std::optional<FrameSpan> squeeze(const SqueezeHold& hold, double depth, double in,
                                    double hold_frames) {
     const std::size_t keys_before = path_.keys.size();
@@ -292,7 +295,7 @@ class SqueezeScript {
   HandPath path_;
 };
 
-/// What finger and thumb do in one squeeze.
+/// The planned touches of finger and thumb in one squeeze.
 std::array<PlannedTouch, 2> touches_of(const SqueezeHold& hold, double depth, FrameSpan frames,
                                        double in, const DeskBody& body,
                                        const Rigid3& desk_from_body) {
@@ -302,7 +305,7 @@ std::array<PlannedTouch, 2> touches_of(const SqueezeHold& hold, double depth, Fr
     const Vector3d& x = is_thumb ? hold.sides.thumb : hold.sides.finger;
     touch.what = is_thumb ? "thumb" : "finger";
     touch.site = nearest_site(body, desk_from_body.inverse() * x);
-    touch.between = true;  // it aims at no site
+    touch.between = true;  // the target is not a site
     touch.depth = depth;
     touch.frames = frames;
     touch.seconds_to_depth = in / kFramesPerSecond;
@@ -313,7 +316,7 @@ std::array<PlannedTouch, 2> touches_of(const SqueezeHold& hold, double depth, Fr
   return both;
 }
 
-/// A sequence with the body turned so; none when no squeeze is possible.
+/// A sequence for one rotation of the body; nothing when no squeeze is possible.
 std::optional<Sequence> attempt_squeezes(const DeskBody& body, const SurfaceDistance& distance,
                                          const SurfacePoints& surface, double yaw, int frames,
                                          std::uint64_t seed) {
@@ -403,7 +406,8 @@ Sequence plan_squeezes(const DeskBody& body, int frames, std::uint64_t seed) {
   Random random(seed, "squeeze-yaw");
   const double first = random.between(0.0, 2.0 * std::numbers::pi);
   for (int turn = 0; turn < 12; ++turn) {
-    const double yaw = first + 150.0 * turn * kDegree;  // far from the last one, each of 12 once
+    const double yaw =
+        first + 150.0 * turn * kDegree;  // far from the last one; visits each of 12 once
     if (auto sequence = attempt_squeezes(body, distance, surface, yaw, frames, seed))
       return *std::move(sequence);
   }

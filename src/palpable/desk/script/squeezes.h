@@ -12,24 +12,26 @@
 
 namespace palpable {
 
-/// One squeeze by a hand that comes in from the right for it.
+/// One squeeze by a hand that enters from the right.
 struct OneSqueeze {
   HandPath path;
   std::vector<PlannedTouch> touches;  ///< finger and thumb
 };
 
-/// Looks for the place where the camera sees it best.
-/// @param first  the frame in which the hand is still outside of the picture
-/// @param pace   of all that it does; 1 takes 90 frames until it has let go
-/// @return nothing where no hand can come round two sides of the body
+/// Plans one squeeze where the camera sees it best.
+/// @param first  first frame, in which the hand is still outside of the picture
+/// @param pace   ratio by which all motions are slowed down; with 1, the hand has released the body
+///               after 90 frames
+/// @return nothing when no hand can reach round two sides of the body
 [[nodiscard]] std::optional<OneSqueeze> plan_one_squeeze(const DeskBody& body,
                                                          const Rigid3& desk_from_body, double first,
                                                          double pace, std::uint64_t seed);
 
-/// Each squeeze is checked against the body's surface: finger and thumb touch it at the same time,
-/// the hand touches it nowhere else, and the camera sees at least half of what touches
-/// (seen_share.h). The camera stands on its tripod; rig, faults and look have their defaults.
-/// @throws Error when the body has no two sides 30 to 70 mm apart that a hand can come round
+/// Plans the sequence. Each squeeze is checked against the body's surface: finger and thumb touch
+/// it at the same time, the hand touches it nowhere else, and the camera sees at least half of the
+/// touching surface (seen_share.h). The camera is on a tripod; rig, faults and look have their
+/// defaults.
+/// @throws Error when the body has no two sides 30 to 70 mm apart that a hand can reach round
 [[nodiscard]] Sequence plan_squeezes(const DeskBody& body, int frames, std::uint64_t seed);
 
 }  // namespace palpable

@@ -19,7 +19,8 @@ HandTool hand_with_pencil() {
   HandTool tool;
   tool.working = tool.passing = grip;
   tool.tip = HandTool::Tip::kFixed;
-  // From the web between thumb and index finger along the thumb's side of the finger's tip.
+  // The pencil lies from the web between thumb and index finger along the thumb's side of the index
+  // finger's tip.
   const Vector3d web(0.066, 0.038, 0.012);
   const Vector3d finger = index_tip_in_wrist(grip);
   const Vector3d straight = (finger - web).normalized();
@@ -49,7 +50,7 @@ HandTool hand_round_cup() {
   grip.thumb = {0.55, 0.72, 0.35, 0.30};
   HandTool tool;
   tool.working = grip;
-  tool.passing = flat_gesture();  // no finger hangs low enough to meet the desk
+  tool.passing = flat_gesture();  // no finger is low enough to touch the desk
   tool.tip = HandTool::Tip::kFixed;
   tool.fixed_tip = {0.092, 0.0, -0.0165 - kCupRadius};
   tool.radius = kCupRadius;
@@ -69,7 +70,7 @@ std::vector<HandCapsule> cup_capsules(const Rigid3& desk_from_cup) {
     const Vector3d out = (kCupRadius - r) * Vector3d(std::cos(turn), std::sin(turn), 0.0);
     add(out + r * Vector3d::UnitZ(), out + (kCupHeight - r) * Vector3d::UnitZ(), r);
   }
-  // The handle: half an ellipse.
+  // The axis of the handle is half an ellipse.
   const auto handle = [](int i) {
     const double t = std::numbers::pi * (static_cast<double>(i) / kCupHandleParts - 0.5);
     return Vector3d(kCupRadius - 0.003 + 0.030 * std::cos(t), 0.0, 0.050 + 0.026 * std::sin(t));

@@ -1,7 +1,8 @@
 /// @file
 /// Things that hands hold, as capsules: a pencil and a cup.
 ///
-/// Metres. Cup frame: origin in the middle of the bottom, Z up its axis, its handle along X.
+/// Lengths in m. Cup frame: origin in the middle of the bottom, Z up along the axis, handle along
+/// X.
 #pragma once
 
 #include "palpable/desk/script/hand_path.h"
@@ -10,23 +11,23 @@
 
 namespace palpable {
 
-/// A hand that holds a pencil as for writing. Its tip is the middle of the lead's rounded end.
+/// A hand that holds a pencil as for writing. The tip is the centre of the lead's rounded end.
 [[nodiscard]] HandTool hand_with_pencil();
 
-/// A hand round an upright cup: thumb up, fingers level. The tip is the point of the cup's axis at
-/// kGripHeight above its bottom. The palm faces -Z of the wrist.
+/// A hand round an upright cup, with the thumb up and the fingers level. The tip is the point of
+/// the cup's axis at kGripHeight above its bottom. The palm faces -Z of the wrist frame.
 [[nodiscard]] HandTool hand_round_cup();
 
-inline constexpr double kCupRadius = 0.040;  ///< of the outside
+inline constexpr double kCupRadius = 0.040;  ///< m, outside
 inline constexpr double kCupHeight = 0.092;
-inline constexpr double kCupWallRadius = 0.003;  ///< half of the wall's thickness
+inline constexpr double kCupWallRadius = 0.003;  ///< m, half of the wall's thickness
 inline constexpr double kGripHeight = 0.058;
 
 inline constexpr int kCupStaves = 120;
 inline constexpr int kCupHandleParts = 7;
 
-/// The cup in the desk frame: first kCupStaves upright capsules side by side, whose outer surface
-/// is within 0.17 mm of the wall, then kCupHandleParts capsules of the handle.
+/// The capsules of the cup in the desk frame: kCupStaves upright capsules side by side, whose outer
+/// surface is within 0.17 mm of the wall, then kCupHandleParts capsules of the handle.
 [[nodiscard]] std::vector<HandCapsule> cup_capsules(const Rigid3& desk_from_cup);
 
 }  // namespace palpable

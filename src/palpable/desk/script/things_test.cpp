@@ -24,7 +24,7 @@ TEST_CASE("a pencil is 165 mm long, ends in its tip and lies between thumb and i
         tolerance(1e-12, "along one axis"));
   CHECK(std::abs((lead.b - lead.a).normalized().dot(tool.pointing) - 1.0) <=
         tolerance(1e-12, "along one axis"));
-  // Not more than skin gives way between pencil and fingers, nor a gap.
+  // Fingers and pencil overlap by no more than skin deforms, and there is no gap.
   const Capsule& wood = tool.held.front().shape;
   const auto gap_to = [&](std::size_t capsule) {
     double least = 1.0;
@@ -38,14 +38,14 @@ TEST_CASE("a pencil is 165 mm long, ends in its tip and lies between thumb and i
   CHECK(gap_to(14) < 0.008);  // the thumb's last bone
 }
 
-TEST_CASE("the staves of a cup are its wall to 0.2 mm", "[script]") {
+TEST_CASE("the staves of a cup follow its wall within 0.2 mm", "[script]") {
   Rigid3 pose = Rigid3::Identity();
   pose.translation() << 0.2, 0.1, 0.3;
   const std::vector<HandCapsule> cup = cup_capsules(pose);
   REQUIRE(cup.size() == kCupStaves + kCupHandleParts);
   const std::vector<Capsule> shapes = shapes_of(cup);
   for (int i = 0; i < 77; ++i) {
-    // The half without the handle.
+    // Points on the half without the handle.
     const double turn = 0.5 * 3.14159 + 3.14159 * i / 76.0;
     const Eigen::Vector3d out(std::cos(turn), std::sin(turn), 0.0);
     const double off = signed_distance(
@@ -55,13 +55,13 @@ TEST_CASE("the staves of a cup are its wall to 0.2 mm", "[script]") {
   }
 }
 
-TEST_CASE("the hand round a cup lies at it, on the side of its palm", "[script]") {
+TEST_CASE("the fingers of the hand round a cup lie on its wall", "[script]") {
   const HandTool tool = hand_round_cup();
   HandPose pose;
   pose.gesture = tool.working;
   const std::vector<HandCapsule> hand = hand_capsules(pose);
-  // Distance of the cup's axis to the bones of three fingers: about the cup's and the finger's
-  // radii. The little one is shorter and reaches in.
+  // The bones of three fingers are about the cup's radius plus the finger's radius away from the
+  // cup's axis. The little finger is shorter and reaches in.
   for (std::size_t i = 0; i < 9; ++i) {
     const Capsule& bone = hand[i].shape;
     const Eigen::Vector3d to = bone.b - tool.fixed_tip;
@@ -86,7 +86,7 @@ TEST_CASE("a mirrored hand is the same hand with its sides exchanged", "[script]
   }
 }
 
-TEST_CASE("a path keeps its keys and overshoots none", "[script]") {
+TEST_CASE("a path passes through its keys without overshooting", "[script]") {
   HandPath path;
   path.tool = index_finger();
   const auto turn = turn_for(path.tool, {-1, 0, 0}, {0, 0, 1});

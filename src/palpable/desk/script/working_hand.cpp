@@ -21,8 +21,8 @@ struct Span {
 }  // namespace
 
 std::function<Movers(double)> working_hand(CameraPath path, int frames, std::uint64_t seed) {
-  // The hand's path is written in a frame that moves with the camera: X right, Y forward, Z up as
-  // the camera sees them.
+  // The path of the hand is defined in a frame that moves with the camera: X right, Y forward, Z
+  // up.
   Rigid3 camera_from_own = Rigid3::Identity();
   camera_from_own.linear() << 1, 0, 0,  //
       0, 0, -1,                         //
@@ -44,7 +44,7 @@ std::function<Movers(double)> working_hand(CameraPath path, int frames, std::uin
   double now = kFramesWithoutHand;
   key(now, away, left_up, palm_down, 0.5);
   while (now < frames) {
-    // The order of the draws is part of the films (random.h).
+    // The order of the random numbers must not change: it determines the films (random.h).
     const auto spot = [&](double nearest, double farthest) {
       const double z = random.between(-0.055, -0.005);
       const double y = random.between(nearest, farthest);

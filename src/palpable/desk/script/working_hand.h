@@ -1,6 +1,6 @@
 /// @file
-/// A hand at work before a moving camera: it comes, does something and goes. It is not meant to
-/// touch anything.
+/// A hand that works in front of a moving camera: it enters, moves about and leaves. It is not
+/// meant to touch anything.
 #pragma once
 
 #include "palpable/desk/script/camera_motions.h"
@@ -11,10 +11,10 @@
 
 namespace palpable {
 
-/// The hand belongs to whoever carries the camera: its path is written in a frame that moves with
-/// the camera. It covers 15-40 % of the ZED Mini's left view in more than half of the frames from
-/// kFramesWithoutHand on.
-/// @param path  of the camera, without tremor: the hand does not shake as the camera does
+/// The hand belongs to the person who carries the camera: its path is defined in a frame that moves
+/// with the camera. It covers 15 to 40 % of the ZED Mini's left view in more than half of the
+/// frames from kFramesWithoutHand on.
+/// @param path  path of the camera without tremor, because the hand does not shake with the camera
 [[nodiscard]] std::function<Movers(double)> working_hand(CameraPath path, int frames,
                                                          std::uint64_t seed);
 

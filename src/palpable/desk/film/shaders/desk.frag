@@ -1,9 +1,9 @@
 #version 450 core
-// A surface in the light of a window (the sun, with shadows) and of the room. Light is computed linearly
-// and written as its square root; images hold square roots, too.
+// A surface in the light of a window (the sun, with shadows) and of the room. Light is computed
+// linearly and written as its square root; images hold square roots, too.
 //
-// One program is compiled for each kind of surface, with only the features that it needs, because Mesa's
-// software renderer executes both sides of a branch:
+// One program is compiled for each kind of surface, with only the features that it needs, because
+// Mesa's software renderer executes both sides of a branch:
 //
 //   FAR             lit at its vertices (desk.vert), without shadows or highlights
 //   STILL_SHADOWS   still things cast shadows on it

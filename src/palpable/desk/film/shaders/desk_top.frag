@@ -1,6 +1,6 @@
 #version 450 core
-// The share of the sun's light that reaches the desk's top. Each pixel corresponds to a texel of a shadow
-// map and holds the share for the point of the top that the sun sees there.
+// The share of the sun's light that reaches the desk's top. Each pixel corresponds to a texel of a
+// shadow map and holds the share for the point of the top that the sun sees there.
 #include "lit.glsl"
 uniform sampler2DShadow shadow;
 uniform float spread;       // of lit(); 1 is the width of the map

@@ -1,6 +1,6 @@
 #version 450 core
-// Lens and sensor: computes the raw picture from the ideal one (painted without a lens), with vignetting,
-// gain and noise.
+// Lens and sensor: computes the raw picture from the ideal one (painted without a lens), with
+// vignetting, gain and noise.
 //
 // Compiled with nothing defined for a picture of one instant, or with
 //
