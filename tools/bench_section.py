@@ -1,4 +1,4 @@
-"""A bench's JSON to a section of docs/results.md: what reduce_results.py, beam_results.py and live_results.py share."""
+"""Converts a benchmark's JSON to a section of docs/results.md: shared by reduce_results.py, beam_results.py and live_results.py."""
 import argparse
 import json
 from pathlib import Path
@@ -9,7 +9,7 @@ from write_results import SECTIONS
 def write_section(doc, name, section_of):
     """The command line `BENCH.json [--note TEXT]`: writes docs/results/NAME from section_of(figures).
 
-    The bench's own figures stay in the file; `doc`'s first line is the help.
+    The benchmark's own figures stay in the file; the first line of `doc` is the help.
     """
     parser = argparse.ArgumentParser(description=doc.splitlines()[0])
     parser.add_argument("bench", type=Path)

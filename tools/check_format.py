@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Are all C++ sources as clang-format 14 writes them? Names those that are not."""
+"""Checks that all C++ sources are formatted by clang-format 14. Names those that are not."""
 import shutil
 import subprocess
 import sys

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""check_instructions.py compile_commands.json: no file is compiled for a certain processor.
+"""check_instructions.py compile_commands.json: checks that no file is compiled for a specific processor.
 
 One package serves every x86-64: instruction sets are chosen when a program runs (Highway's targets, functions with
-a target attribute), so no command may ask the compiler for one. Otherwise an older processor would stop the program
-at its first such instruction."""
+a target attribute), so that no command may request one from the compiler. Otherwise an older processor would abort the
+program at its first such instruction."""
 import json
 import re
 import shlex
 import sys
 
-# -march=..., -mtune=... (harmless by itself, but a sign of the former), -mavx2, -msse4.1, -mfma, -mbmi2, -maes ...
+# -march=..., -mtune=... (harmless by itself, but usually combined with the former), -mavx2, -msse4.1, -mfma, -mbmi2, -maes ...
 OF_A_PROCESSOR = re.compile(r"-m(arch|cpu|tune)=|-m(avx|sse|ssse|fma|bmi|f16c|aes|pclmul|popcnt|lzcnt|movbe|amx)|-x[A-Z]")
 
 

@@ -4,8 +4,9 @@ docs/architecture.md.
 
 Exit code 0 when they agree; otherwise one line per include that the tables do not allow. Also
 compares the table of modules with the USES of CMakeLists.txt and with the folders of src/palpable, refuses
-circles, modules of common that use another folder's, programs of the live half that reach a module of the bake
-half, and two types of one name in one namespace, which a program may mix up without a word from the linker.
+circular dependencies, modules of common that use another folder's, programs of the live half that
+depend on a module of the bake half, and two types of one name in one namespace, which the linker
+would mix up without a message.
 """
 import re
 import sys
@@ -13,12 +14,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# What response and contact keep out, so that they can be compiled for a web page: threads, files, HDF5, OpenCV.
+# Dependencies that response and contact must not have, so that they can be compiled for a web page: threads, files, HDF5, OpenCV.
 PURE = ("response", "contact")
 IMPURE = re.compile(r"(thread|mutex|atomic|condition_variable|future|fstream|filesystem|cstdio)$|hdf5|opencv2/"
                     r"|palpable/common/(body_file/|base/(parallel_work|child_process|whole_file|output_file))")
 
-# How a third party's headers look -> its name in the table.
+# Pattern of a third party's headers -> its name in the table.
 THIRD_PARTIES = {
     r"Eigen/": "Eigen", r"fmt/": "fmt", r"opencv2/": "OpenCV", r"lib(av\w+|swscale)/": "FFmpeg", r"hdf5\.h$": "HDF5", r"pugixml\.hpp$": "pugixml",
     r"epoxy/": "epoxy", r"EGL/": "EGL", r"GLFW/": "GLFW", r"X11/": "X11", r"imgui": "imgui", r"png\.h$": "libpng",
@@ -36,8 +37,8 @@ LIVE_PROGRAMS = ("apps/palpable", "bench/live", "examples")
 
 
 def read_tables():
-    """{module or folder of a program: (what of ours it may use, third parties it may use)}, and {module: its folder
-    of src/palpable}, which the title above its table begins with."""
+    """{module or folder of a program: (our modules that it may use, third parties that it may use)}, and {module: its
+    folder of src/palpable}, with which the title above its table begins."""
     rows, folders, title = {}, {}, ""
     for line in (ROOT / "docs/architecture.md").read_text().splitlines():
         title = line if line.startswith("**") else title
@@ -52,7 +53,7 @@ def read_tables():
 
 
 def folder_of(path):
-    """The row to which a path of ours, of a file or in an #include, belongs."""
+    """The row of the table to which a path belongs, that of a file or of an #include."""
     parts = path.split("/")
     if parts[0] == "palpable":
         return parts[2]
@@ -113,7 +114,7 @@ def reached(allowed, folder):
 
 
 def circles(allowed):
-    """Modules that reach themselves."""
+    """Modules that depend on themselves."""
     for module in sorted(allowed):
         if any(module in reached(allowed, used) for used in allowed[module][0]):
             yield f"docs/architecture.md: {module} uses what uses it"

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""check_links.py palpable: what the live program must not link, it does not link (design: two halves).
-check_links.py libpalpable.so palpable.h: the same of the library, which links no window, picture file or film
-either, and exports the functions of its header and nothing else."""
+"""check_links.py palpable: checks that the live program does not link libraries of the bake half (design: two halves).
+check_links.py libpalpable.so palpable.h: the same for the library, which must not link windows, picture files or films
+either, and must export the functions of its header and nothing else."""
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 FORBIDDEN = re.compile(r"lib(cholmod|tet\b|gmsh|CGAL|mpi|metis|amd|colamd|gmp|mpfr|openblas|lapack)")
-# What a program that uses the library does not want with it.
+# Libraries that a program which uses the library should not need.
 NOT_IN_LIBRARY = re.compile(r"lib(GL|EGL|OpenGL|epoxy|glfw|X11|av\w+|sw\w+|png|opencv_(highgui|videoio|imgcodecs)|pugixml)")
-# One class of each part of the bake half: its static libraries leave no name in the list of the shared ones.
+# One class of each part of the bake half, because its static libraries do not appear in the list of shared ones.
 BAKE_HALF = re.compile(r"palpable::(EquilibriumSolver|ContactWalk|PressSolver|SnapshotStore|TetMesh|BodyDescription)\b")
 
 
@@ -19,7 +19,7 @@ def output_of(*words):
 
 
 def wrong_exports(library, header):
-    """Of what the dynamic linker sees."""
+    """Differences between the exported symbols and the functions of the header."""
     exported = set(re.findall(r"^\w+ \w (\S+)$", output_of("nm", "-D", "--defined-only", library), re.MULTILINE))
     declared = set(re.findall(r"^PALPABLE_API [^;(]*?(\w+)\(", Path(header).read_text(), re.MULTILINE))
     if not declared:

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Names in the anonymous namespaces of one module, which its files must not share.
+"""Finds names in the anonymous namespaces of one module that several of its files use.
 
 The release build compiles a module as one file (PALPABLE_UNITY, cmake/PalpableModule.cmake): a type or constant that
-two files define is then an error, and two functions of one name become overloads, of which a call may choose the other
-file's without a word. So may a call of a function that a header declares, where another file hides it by one of its
-own. One line for each such name; exit code 1 if there are any.
-Programs and benches (folders of apps and bench) are compiled the same way. Tests are not: they stay single files.
+two files define is then an error, and two functions of one name become overloads, of which a call may select the other
+file's without a message. The same may happen to a call of a function declared in a header that another file hides by
+one of its own. Prints one line for each such name; exit code 1 if there are any.
+Programs and benchmarks (folders of apps and bench) are compiled the same way. Tests are not: they remain single files.
 """
 import re
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-# A word, ::, a single sign; comments, strings and preprocessor lines are taken out before.
+# A word, ::, or a single sign; comments, strings and preprocessor lines are removed before.
 TOKEN = re.compile(r"[A-Za-z_]\w*|::|->|[^\s\w]|\d[\w.']*")
 NOISE = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:[^"\\\n]|\\.)*"|(?<!\w)\'(?:[^\'\\\n]|\\.)+\'|^[ \t]*#(?:[^\n]*\\\n)*[^\n]*',
                    re.DOTALL | re.MULTILINE)
@@ -31,7 +31,7 @@ def tokens_of(text):
 
 
 def after_brackets(tokens, at, opening, closing):
-    """The index behind the bracket that closes the one at `at`."""
+    """The index after the bracket that closes the one at `at`."""
     depth = 0
     while at < len(tokens):
         depth += (tokens[at][0] == opening) - (tokens[at][0] == closing)
@@ -42,7 +42,7 @@ def after_brackets(tokens, at, opening, closing):
 
 
 def declared_name(words):
-    """What a declaration, given up to its first { or ;, declares; None if no name of its own."""
+    """The name that a declaration, given up to its first { or ;, declares; None if it declares none."""
     if words[:1] == ["template"]:
         words = words[after_brackets([(w, 0) for w in words], 1, "<", ">"):]
     while words and (words[0] in SKIPPED_WORDS or words[0] == "["):
@@ -71,13 +71,13 @@ def declared_name(words):
 
 
 def names_of(text, is_header=False):
-    """{name: line} of what a file declares for itself alone: in its anonymous namespaces, and what is static. Of a
-    header: in its other namespaces."""
+    """{name: line} of the names that a file declares for itself alone: in its anonymous namespaces, and static ones. For a
+    header: those in its other namespaces."""
     tokens, found, scopes, at, start = list(tokens_of(text)), {}, [], 0, 0
     while at < len(tokens):
         word, line = tokens[at]
         words = [w for w, _ in tokens[start:at]]
-        if word == "}":  # of a namespace: what others open is skipped as a whole
+        if word == "}":  # end of a namespace; other blocks are skipped as a whole
             if scopes:
                 scopes.pop()
             at += 1
@@ -129,7 +129,7 @@ def units():
 
 
 def names_of_headers():
-    """{name: where} of all that our headers declare."""
+    """{name: where} of all names that our headers declare."""
     found = {}
     for folder in ("src/palpable", "apps", "bench"):
         for header in sorted((ROOT / folder).rglob("*.h")):
@@ -154,7 +154,7 @@ def main():
                 if name in there:
                     wrong.append(f"{where}:{line}: '{name}' is also a name in the anonymous namespace of {there[name]}")
                 there.setdefault(name, f"{where}:{line}")
-                # A file's own overload of what it defines for all is no mistake: the types tell them apart.
+                # A file's own overload of a function that it also defines for others is correct: the types distinguish them.
                 for header in declared.get(name, ()) if name not in names_of(text, is_header=True) else ():
                     users = [f for f in texts if f != file and name in words[f] and included(header, texts[f])]
                     if users:

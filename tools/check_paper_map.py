@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Does docs/paper_map.md name code and tests that exist?
+"""Checks that the code and tests named in docs/paper_map.md exist.
 
 Rows look like  | Eq. (7) | `material/neo_hookean.h` `first_piola` | "a body at rest ..." | ... |
 Each `path` in backticks must exist (in a folder of src/palpable, or from the root), each `name` in backticks

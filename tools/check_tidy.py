@@ -29,7 +29,7 @@ def git(*words):
 
 
 def changed_files():
-    """{file: lines changed}, or None where there is no history to compare with."""
+    """{file: lines changed}, or None if there is no history to compare with."""
     base = (git("merge-base", "HEAD", "@{upstream}") or [""])[0]
     head = (git("rev-parse", "HEAD") or [""])[0]
     if not base or base == head:
@@ -59,7 +59,7 @@ def sources_of(changed, known):
 
 
 def compiled_files(path):
-    """The files that an entry of the database compiles: itself, or those of a module that is compiled as one."""
+    """The files that an entry of the database compiles: the file itself, or those of a module that is compiled as one."""
     if "/Unity/" not in str(path):
         return [path]
     return [Path(name) for name in re.findall(r'^#include "(.+)"', path.read_text(), re.MULTILINE)]

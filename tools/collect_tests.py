@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 KEPT = {"LABELS", "TIMEOUT", "SKIP_REGULAR_EXPRESSION", "SKIP_RETURN_CODE", "WORKING_DIRECTORY",
         "RESOURCE_LOCK", "RUN_SERIAL", "ENVIRONMENT", "PASS_REGULAR_EXPRESSION", "DEPENDS"}
 TIMEOUT_OF_A_FILE = 1200  # s
-# What catch_discover_tests chose for each label (cmake/PalpableModule.cmake).
+# The selection that catch_discover_tests made for each label (cmake/PalpableModule.cmake).
 CASES_OF_LABEL = {"unit": "~[long]~[threads]", "long": "[long]", "threads": "[threads]~[long]"}
 
 
@@ -39,7 +39,7 @@ def tests_of(build, labels):
 
 
 def files_of_cases():
-    """{sentence of a test case: stem of its file}, of files that run in one process."""
+    """{sentence of a test case: stem of its file} for files whose cases run in one process."""
     found = {}
     case = re.compile(r'TEST_CASE\(\s*((?:"(?:[^"\\]|\\.)*"\s*)+)')
     for folder in ("src", "apps", "bench", "tests"):
@@ -55,7 +55,7 @@ def files_of_cases():
 
 
 def by_file(tests, files):
-    """The same tests with the cases of one file in one."""
+    """The same tests, with the cases of one file combined into one test."""
     groups, rest = {}, []
     for test in tests:
         labels = next((p["value"] for p in test.get("properties", []) if p["name"] == "LABELS"), [])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""compare_states.py record|compare DIR [--programs BUILD]: whether a change of the code changed a live run.
+"""compare_states.py record|compare DIR [--programs BUILD]: checks whether a change of the code changes live runs.
 
 record   bakes bodies, films and plays them, and keeps in DIR, outside of the repository, what came out: recordings of
          the demo's film, of a squeeze, of two crossed beams and of two posts (300 frames each), and the states of a
@@ -39,7 +39,7 @@ def run(*words, **more):
 def bake(palpable, folder):
     for name, words in BODIES.items():
         body = folder / f"{name}.palpable"
-        # bake continues an interrupted campaign, and does nothing where the body file is complete.
+        # bake continues an interrupted campaign, and does nothing if the body file is complete.
         run(palpable, "bake", *words, "-o", body, cwd=ROOT)
 
 
@@ -57,7 +57,7 @@ def scene_in(folder, scene):
 def record(build, folder):
     palpable = build / "bin/palpable"
     folder.mkdir(parents=True, exist_ok=True)
-    # One folder holds what one build made.
+    # One folder holds the output of one build.
     made_by = f"{palpable}, {hashlib.sha256(palpable.read_bytes()).hexdigest()[:16]}"
     kept = folder / "programs.txt"
     if kept.exists() and kept.read_text().strip() != made_by:

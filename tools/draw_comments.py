@@ -18,7 +18,7 @@ CODE_LINES = 10
 
 
 def comments_of(path):
-    """[(first line, index behind the last line)] of the comments that stand on lines of their own."""
+    """[(first line, index after the last line)] of the comments on lines of their own."""
     lines = path.read_text(encoding="utf-8").split("\n")
     found, at = [], 0
     while at < len(lines):

@@ -28,7 +28,7 @@ def main():
     lines.append("*ELEMENT, TYPE=C3D4, ELSET=ALL")
     element = 0
     for k, j, i in itertools.product(range(CELLS[2]), range(CELLS[1]), range(CELLS[0])):
-        # The six ways from the first to the last corner of the cell, one axis after the other.
+        # The six paths from the first to the last corner of the cell, one axis after the other.
         for order in itertools.permutations(range(3)):
             corner = [i, j, k]
             nodes = [number(*corner)]
@@ -46,7 +46,7 @@ def main():
         # The lower face within 0.10 m of the free end, every second node in x and y.
         "UNDER_TIP": [number(i, j, 0) for i, j in top
                       if SIZE[0] * i / CELLS[0] >= SIZE[0] - 0.10 and i % 2 == 0 and j % 2 == 1],
-        # From the second node off each edge on: 19 in x, 10 in y.
+        # Beginning two nodes from each edge: 19 in x, 10 in y.
         "THIRD": [number(i, j, CELLS[2]) for i, j in top if i % 3 == 2 and j % 3 == 1],
     }
     for name, nodes in sets.items():

@@ -1,6 +1,6 @@
-// make_font FONT.ttf OUT.cpp: draws the letters of a TrueType font at the sizes that pictures need
-// and writes them as a C++ table (src/palpable/live/render/text.h). Runs during the build, so that the
-// program needs no font file and no font library.
+// make_font FONT.ttf OUT.cpp: renders the letters of a TrueType font at the sizes used in pictures
+// and writes them as a C++ table (src/palpable/live/render/text.h). Runs during the build, so that
+// the program needs neither a font file nor a font library.
 
 #define STB_TRUETYPE_IMPLEMENTATION
 #include <cstdio>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSizes[] = {10, 11, 12, 13, 14, 16, 18, 21, 24, 28, 34, 42};
 
-// ASCII, then what technical captions use: degree, square, cubed, micro, middle dot, multiply.
+// ASCII, then signs of technical captions: degree, square, cubed, micro, middle dot, multiply.
 std::vector<int> letters() {
   std::vector<int> all;
   for (int c = 32; c < 127; ++c) all.push_back(c);

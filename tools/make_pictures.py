@@ -42,7 +42,7 @@ def frames_of(film, wanted):
 
 
 def write_row(name, film, numbers, box=(0, 0, 1280, 720), width=640):
-    """Frames of a film beside each other, as a JPEG. `box`: x0 y0 x1 y1 that is cut out, px."""
+    """Writes frames of a film side by side as a JPEG. `box`: x0 y0 x1 y1 of the part to cut out, px."""
     x0, y0, x1, y1 = box
     found = frames_of(film, numbers)
     height = round(width * (y1 - y0) / (x1 - x0))
@@ -52,13 +52,13 @@ def write_row(name, film, numbers, box=(0, 0, 1280, 720), width=640):
 
 
 def write_gif(name, film, first, last, step, box, width, colors):
-    """Every `step`-th frame as a picture that moves."""
+    """Writes every `step`-th frame as an animated picture."""
     x0, y0, x1, y1 = box
     numbers = range(first, last, step)
     size = (width, round(width * (y1 - y0) / (x1 - x0)))
     pictures = [Image.fromarray(cv2.resize(p[y0:y1, x0:x1], size, interpolation=cv2.INTER_AREA)[:, :, ::-1])
                 for p in frames_of(film, numbers).values()]
-    # One palette for all, of six of them: then what stands still does not shimmer.
+    # One palette for all frames, made from six of them, so that fixed parts do not flicker.
     some = Image.new("RGB", (size[0], 6 * size[1]))
     for i in range(6):
         some.paste(pictures[i * len(pictures) // 6], (0, i * size[1]))
@@ -69,7 +69,7 @@ def write_gif(name, film, first, last, step, box, width, colors):
 
 
 def played(work, name, film_words, live_words):
-    """The film that `palpable live` writes of a film of the desk; both are made where they are not there."""
+    """The film that `palpable live` writes of a synthetic clip; both are made if they do not exist."""
     clip, out = work / name, work / (name + "-live")
     if not (clip / "truth" / "script.toml").exists():
         run("synth", *film_words, "-o", clip)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the post of bodies/post.toml as an OFF file: a round bar that stands, with a round top.
+"""Writes the post of bodies/post.toml as an OFF file: an upright round bar with a rounded top.
 
 0.13 m high, 0.04 m wide; the bake makes triangles of its own from it.
 """
@@ -8,7 +8,7 @@ import pathlib
 import sys
 
 RADIUS, HEIGHT = 0.020, 0.130
-AROUND, RINGS = 48, 12  # corners of a ring, rings of the top
+AROUND, RINGS = 48, 12  # vertices of a ring, rings of the top
 
 
 def main():

@@ -33,7 +33,7 @@ doffs_px: 31.086
 
 
 def read_npz(path):
-    """The one float32 array of an .npz: (width, height, values)."""
+    """The only float32 array of an .npz: (width, height, values)."""
     with zipfile.ZipFile(path) as archive:
         data = archive.read(archive.namelist()[0])
     header_size = struct.unpack("<H", data[8:10])[0]
@@ -48,7 +48,7 @@ def read_npz(path):
 
 
 def write_png16(path, width, height, values):
-    """A gray PNG of 16 bits."""
+    """Writes a grey PNG of 16 bits."""
     rows = bytearray()
     for y in range(height):
         row = array.array("H", values[y * width:(y + 1) * width])

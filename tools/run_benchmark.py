@@ -39,8 +39,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 HELD_OUT = range(1000, 1_000_000)  # seeds
 
-# Places are where a person might put the body; they were not measured. {data} and {work} are folders;
-# "intrinsics" is written to {work}/intrinsics.txt; "poses": the set states its true camera path.
+# Places are positions where a person might put the body; they were not measured. {data} and {work} are folders; "intrinsics" is
+# written to {work}/intrinsics.txt; "poses": the data set has the true camera path.
 REAL = {
     "hands_squirrel": {"folder": "hands_squirrel", "place": "-0.125 0.063 0.667 0 29 0", "words": []},
     "hands_shoe": {"folder": "hands_shoe", "place": "0 0.05 0.3 0 40 0", "intrinsics": "920 920 640 360",
@@ -96,7 +96,7 @@ def full_lengths(programs):
 
 
 def written_film(options, name):
-    """The folder of a film that was written before, or None."""
+    """The folder of an existing film, or None."""
     film = options.films / name if options.films else None
     return film if film and (film / "truth").is_dir() else None
 
@@ -106,7 +106,7 @@ def film_frames(film):
 
 
 def refuse_other_films(options):
-    """Stops before anything is run where a film is not the one that was asked for."""
+    """Stops before anything is run if an existing film is not the requested one."""
     for name in options.only:
         film = written_film(options, name)
         if film is None:
@@ -121,7 +121,7 @@ def refuse_other_films(options):
 
 
 def write_film(options, name, folder):
-    """Films into the folder, and writes film.json. Returns the process."""
+    """Renders the film into the folder and writes film.json. Returns the process."""
     words = [options.programs / "palpable", "synth", name, "--body", options.body, "--seed", options.seeds[name],
              "-o", folder]
     if options.frames:
@@ -141,7 +141,7 @@ def touches_truly(film):
 
 
 def solve_truth(options, film):
-    """Adds truth/deformed to a film in which something touches. Returns a complaint, or None."""
+    """Adds truth/deformed to a film with touches. Returns an error message, or None."""
     if not touches_truly(film):
         return None
     solved = run([options.programs / "palpable", "truth", film, "--body", options.describes, "--baked", options.body])
@@ -155,7 +155,7 @@ def timings(result):
 
 
 def play(options, name, folder):
-    """The entry of one sequence: its scores, or the complaint of the command that refused."""
+    """The entry of one sequence: its scores, or the error message of the command that failed."""
     program = options.programs / "palpable"
     film = written_film(options, name)
     if film is None:
@@ -207,14 +207,14 @@ def play_real(options, name, folder):
     return entry
 
 
-# The errors against the full answer that are pooled over sequences, as issue 26 asks: over those with a touch, but
-# not of a thin thing, without light, or before a desk that shows nothing.
+# The sequences over which errors relative to the full-order solution are pooled: those with a touch, except thin things,
+# darkness, and a desk without texture.
 POOLED = ("press", "cup", "slide", "palm", "two-hands", "squeeze", "rest", "press-axial", "press-behind")
 ERRORS = ("displacement_error", "displacement_error_mm", "von_mises_error", "force_error")
 
 
 def pooled(scored, names):
-    """Median and 90 of 100 of each error, as palpable score, over all frames of the sequences; None without any."""
+    """Median and p90 of each error, as in palpable score, over all frames of the sequences; None without any."""
     frames = [frame for name in names if name in scored
               for frame in scored[name]["scores"].get("deformed_by_frame") or []]
     frames = [frame for frame in frames if all(frame[key] is not None for key in ERRORS)]
@@ -240,7 +240,7 @@ def tables(entries, real):
                                 for key, value in zip(keys, cells)]
 
     def pair(value, factor=1):
-        """median, p90 (or p99) as one cell."""
+        """Median and p90 (or p99) as one cell."""
         if value is None:
             return None
         median, high = [value[key] for key in value][:2]
@@ -331,7 +331,7 @@ def tables(entries, real):
 
 
 def page(entries, real, lengths, note, fresh):
-    """What stands in the file."""
+    """The content of the file."""
     text = TEXT
     if seeds := sorted({entry["seed"] for entry in entries.values() if "seed" in entry}):
         text += f"\nSeed {', '.join(map(str, seeds))}."
@@ -386,7 +386,7 @@ def main():
     if options.films and options.films.resolve() == options.work.resolve():
         sys.exit("run_benchmark: --films is --work, whose folders are removed")
     if options.describes is None and options.body is not None:
-        # The demo's body is called bunny, its description bunny-demo.
+        # The demo's body is named bunny, its description bunny-demo.
         names = {"bunny": "bunny-demo"}
         options.describes = ROOT / "bodies" / f"{names.get(options.body.stem, options.body.stem)}.toml"
     if options.only and not options.describes.is_file():

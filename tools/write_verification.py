@@ -119,26 +119,26 @@ def seconds(value):
 
 
 def median_of(rows, mesh, quantity):
-    """Median over the rows that have it, of the errors' size; the sign is that of their median."""
+    """Median over the rows that have it of the errors' absolute values; the sign is that of their median."""
     values = [row["errors"][mesh][quantity] for row in rows if mesh in row["errors"]]
     values = [value for value in values if value is not None]
     return statistics.median(values) if values else None
 
 
 def cost_of(mesh):
-    """CPU of one path, set-up included: the median over the sites."""
+    """CPU time of one path, set-up included: the median over the sites."""
     return mesh["setup_cpu_s"] + statistics.median(mesh["path_cpu_s"])
 
 
 def at_cost(cost, coarse, fine):
-    """Error at `cost` on the line in logarithms through two (cost, error)."""
+    """Error at `cost`, linear in logarithms between two (cost, error)."""
     along = math.log(cost / coarse[0]) / math.log(fine[0] / coarse[0])
     size = abs(coarse[1]) * abs(fine[1] / coarse[1]) ** along
     return math.copysign(size, coarse[1])
 
 
 def elements_section(results):
-    """Which element is truer on the paper's bunny: text and tables."""
+    """Accuracy of the elements for the paper's bunny: text and tables."""
     nested, direct = results["nested"], results["direct"]
     meshes = {mesh["name"]: mesh for mesh in nested["meshes"]}
     own = {mesh["name"]: mesh for mesh in direct["meshes"]}

@@ -49,7 +49,7 @@ void add_inputs(const CompareOptions& options, MethodPage& page) {
     add_store(store, prefix, settings, page, bar.progress());
   }
   page.lead = fmt::format(
-      "How much of the solved states is lost with so many modes or bytes{}.",
+      "Error of the solved states for a given number of modes or bytes{}.",
       stores.empty() ? std::string()
                      : fmt::format("; each method goes on until {:.3g} of all snapshots together "
                                    "(per-site: of each site's) is left",

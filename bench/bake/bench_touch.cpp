@@ -96,9 +96,9 @@ Json scenes_of(const std::vector<TouchDifference>& all) {
                       {"vm", d.touch.von_mises},
                       {"last_share", d.report.last_share},
                       {"stated", d.report.stated ? Json(d.report.stated->displacement) : Json()},
-                      {"entry", d.report.signs.entry},
-                      {"beyond", d.report.signs.beyond},
-                      {"cross", d.report.signs.cross},
+                      {"entry", d.report.indicators.entry},
+                      {"beyond", d.report.indicators.beyond},
+                      {"cross", d.report.indicators.cross},
                       {"candidates", d.report.candidates},
                       {"patches", d.report.patches},
                       {"ms", d.milliseconds}});

@@ -228,7 +228,7 @@ BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::pa
     const auto touching = [&](std::size_t k) { return players.by_others(k).norm() > kTouches; };
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       if (k != pressed && touching(k)) {
-        compared.between_penetration.push_back(players.report().between);
+        compared.between_penetration.push_back(players.report().mutual_penetration);
       }
     }
     if (!truths.front().lines.contains(frame)) continue;

@@ -440,7 +440,9 @@ void add_bench_surface(Command bench) {
   command.add_option("--frames", options->frames, "Of each film (0: its full length)")
       .in_range(0, 100000)
       .show_default();
-  command.add_option("--every", options->every, "The unseen side is looked at every so many frames")
+  command
+      .add_option("--every", options->every,
+                  "Interval of frames in which the unseen side is judged")
       .in_range(1, 1000)
       .show_default();
   command.add_option("--films", options->films,

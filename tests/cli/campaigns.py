@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Campaigns as a stranger meets them: snapshots, resumption, shards, MPI, other solvers, imports."""
+"""Campaigns on the command line: snapshots, resumption, shards, MPI, other solvers, imports."""
 import json
 import os
 import random
@@ -18,11 +18,11 @@ import programs as base
 base.CASES.clear()
 case = base.case
 
-# Solved in a second or two: enough to be killed in the middle.
+# Solved in a second or two: long enough to be killed in the middle.
 BLOCK = base.BAR.replace('sets = "TIP"', "count = 6\nabove = 0.5").replace(
     "direction = [1, 0, 0]", "").replace("levels = 2", "levels = 6").replace('"3 mm"', '"2 mm"')
 
-# Solved in some seconds: more sites than go side by side, so that some are finished before others.
+# Solved in some seconds: more sites than run in parallel, so that some are finished before others.
 LARGE = BLOCK.replace('unit = "mm"', 'unit = "mm"\norder = 2').replace("count = 6", "count = 60").replace(
     "above = 0.5", "above = 0.3").replace("levels = 6", "levels = 8") + "[reduction]\nmax_modes = 2\n"
 
@@ -34,7 +34,7 @@ def files_of(folder):
 def start(programs, *words, cwd, limit=None):
     def prepare():
         if limit is not None:
-            # Writing beyond the limit fails as on a full disk, instead of a signal.
+            # Writing beyond the limit fails, as on a full disk, without a signal.
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
     return subprocess.Popen([programs.palpable, *map(str, words)], cwd=cwd, preexec_fn=prepare,
@@ -79,7 +79,7 @@ def _(programs, folder):
         process = programs.start(*words, cwd=folder / "killed")
         if attempt % 2 == 0:
             time.sleep(dice.uniform(0.0, 0.5) * wall)
-        else:  # while sites are finishing
+        else:  # while sites are being finished
             while process.poll() is None and sites() == before:
                 time.sleep(0.001)
         process.kill()
@@ -122,8 +122,8 @@ def _(programs, folder):
             break
         assert process.returncode == -signal.SIGKILL, process.returncode
         partly += 1
-        assert partly < 20, kept()  # each finishes one table at least
-        if "tables.h5" in kept():  # the linear ones are complete, and the body file has them or is about to
+        assert partly < 20, kept()  # each run finishes at least one table
+        if "tables.h5" in kept():  # the linear tables are complete, and the body file has them or is about to
             assert '"touch"' in programs.succeeds("inspect", body, "--json").stdout
     assert partly >= 4, partly
     whole, killed = files_of(folder / "whole/ball.snapshots/touch"), files_of(tables)
@@ -134,7 +134,7 @@ def _(programs, folder):
     assert re.search(r"^touch +anywhere, several at a time, 3rd order; 6 regions; \S+ MB; 3 touches \(1 finger, 1 palm, "
                      r"1 rim; \S+ to \S+ mm deep\) against full finite elements: displacement \S+ % off", told, re.M), told
 
-    # Other modes of the same campaign keep the tables, modes of another program have none.
+    # Other modes of the same campaign keep the tables; imported modes of another program have none.
     programs.succeeds("reduce", "ball.snapshots", "--error", "1e-2", "-o", "coarse.palpable", cwd=folder / "whole")
     coarse = json.loads(programs.succeeds("inspect", folder / "whole/coarse.palpable", "--json").stdout)
     assert coarse["touch"]["regions"] == 6 and coarse["touch"]["order"] == 3, coarse["touch"]
@@ -144,15 +144,15 @@ def _(programs, folder):
     programs.succeeds("report", "coarse.palpable", cwd=folder / "whole")
     assert "\nheld_out_touch,force,,,,rim " in (folder / "whole/coarse.csv").read_text()
     assert "touch" in coarse["provenance"], coarse["provenance"]
-    # More regions are made beside those that are there.
+    # Additional regions are made beside the existing ones.
     description = folder / "whole/ball.toml"
     description.write_text(description.read_text().replace("regions = 6", "regions = 7"))
     programs.succeeds(*words, cwd=folder / "whole")
     more = files_of(folder / "whole/ball.snapshots/touch")
     assert len(more) == len(whole) + 1
-    # Touches that were held out are answered by all tables together.
+    # Held-out touches depend on all tables together.
     assert all(more[name] == whole[name] for name in whole if name not in ("tables.h5", "held_out.h5"))
-    # Without them the body file has none; the tables stay in the folder.
+    # Without them the body file has none; the tables remain in the folder.
     description.write_text(base.BALL)
     programs.succeeds(*words, cwd=folder / "whole")
     plain = programs.succeeds("inspect", folder / "whole/ball.palpable").stdout
@@ -173,7 +173,7 @@ def _(programs, folder):
     touch = json.loads(programs.succeeds("inspect", body, "--json").stdout)["touch"]
     assert touch["order"] == 1 and touch["held_out"] is None, touch
     tables = folder / "staged/ball.snapshots/touch"
-    # tables.h5 lists what is complete and is written anew with each stage.
+    # tables.h5 lists the complete tables and is written again after each stage.
     linear = {path: path.stat().st_mtime_ns for path in tables.glob("*.h5") if path.name != "tables.h5"}
     assert linear, "no table was kept"
     programs.succeeds(*words, cwd=folder / "staged")
@@ -228,7 +228,7 @@ def _(programs, folder):
     one = programs.succeeds("inspect", folder / "a.palpable").stdout
     assert "palpable reduce" in one and "asked 0.01" in one, one
     programs.succeeds("reduce", store, "--max-modes", "1", "-o", folder / "b.palpable")
-    # Another material: nothing is valid.
+    # With another material no snapshot is valid.
     toml.write_text(BLOCK.replace("60 kPa", "50 kPa"))
     other = programs.succeeds("bake", toml, "-o", folder / "bar.palpable").stdout
     assert "6 sites solved, 0 were there" in other, other
@@ -251,7 +251,7 @@ def _(programs, folder):
     programs.succeeds("merge", *parts, "-o", folder / "bar.snapshots")
     assert files_of(folder / "bar.snapshots") == files_of(folder / "whole/bar.snapshots")
     programs.succeeds("reduce", folder / "bar.snapshots", "-o", folder / "bar.palpable")
-    # Another campaign in the output makes room, and that is said.
+    # Snapshots of another campaign in the output folder are removed, and a message says so.
     base.write_bar(folder / "other", BLOCK.replace("60 kPa", "70 kPa"))
     programs.succeeds("bake", "bar.toml", "-o", "bar.palpable", "--shard", "1/3", cwd=folder / "other")
     there = files_of(folder / "other/bar.snapshots")
@@ -276,7 +276,7 @@ def _(programs, folder):
         assert ("CalculiX (ccx)" in text) == (name == "ccx"), text
         modes[name] = re.findall(r"(\d+) modes, relative L2", text)
     assert modes["ccx"] == modes["own"], modes
-    # Snapshots of one solver are none of the other.
+    # Snapshots of one solver are not valid for the other.
     again = programs.succeeds("bake", toml, "-o", folder / "ccx.palpable").stdout
     assert "2 sites solved, 0 were there" in again, again
     toml.write_text(BLOCK)
@@ -301,7 +301,7 @@ def _(programs, folder):
     assert len(whole["linear_0000.h5"]) > 49 * 58 * 12
     assert "0 of 1 files made now" in programs.succeeds(*words, cwd=folder).stdout
     (folder / "bar.snapshots/linear_0000.h5").write_bytes(whole["linear_0000.h5"][:-100])
-    # Another press changes all snapshots and no response, but what is damaged is made again.
+    # Another press depth invalidates all snapshots but no unit response; a damaged file is made again.
     assert "1 of 1 files made now" in programs.succeeds(*words, cwd=folder).stdout
     assert files_of(folder / "bar.snapshots") == whole
     base.write_bar(folder, BLOCK.replace("count = 6", "count = 2\nlinear = true").replace('"2 mm"', '"1 mm"'))
@@ -329,15 +329,15 @@ def _(programs, folder):
     whole, plain, small = figures("bar.palpable"), figures("plain.palpable"), figures("half.palpable")
     assert whole["volume_nodes"] == 63 and plain["volume_nodes"] == small["volume_nodes"] == 0
     assert plain["stress_rounding"] == 0 and 0 < small["stress_rounding"] < 2 ** -11, small["stress_rounding"]
-    # What a touch between sites costs is known from the store, whoever reduces it.
+    # The error of touches between sites is stored with the snapshots, whoever reduces them.
     assert 0.01 < whole["between_sites_error"] == plain["between_sites_error"] < 2, whole["between_sites_error"]
     sizes = [(folder / name).stat().st_size for name in ("bar.palpable", "plain.palpable", "half.palpable")]
     assert sizes[0] > sizes[1] > sizes[2], sizes
-    # The live half opens both: it draws the boundary.
+    # The live half opens both, because it draws only the boundary.
     for name in ("bar.palpable", "half.palpable"):
         result = programs.run("view", folder / name, "--out", folder / "pictures")
         assert result.returncode == 0 or "EGL" in result.stderr, result.stderr
-    # Other programs get the inside.
+    # Other programs get the volume.
     for name, cells in (("bar.palpable", 144), ("plain.palpable", 112)):
         out = folder / f"{name}.vtu"
         programs.succeeds("export", folder / name, "--to", "vtu", "--site", "0", "-o", out)
@@ -352,7 +352,7 @@ def _(programs, folder):
     said = programs.succeeds(*words, cwd=folder).stdout
     found = re.findall(r"against 6 presses at upper = ([\d.]+), .*: displacement ([\d.e-]+) pooled", said)
     assert [value for value, _ in found] == ["0.75", "1.5"], said
-    # A parabola through three values of a stiffness is no solve, but no guess either.
+    # A parabola through three values of a stiffness is less accurate than a solve, but better than a guess.
     assert all(1e-5 < float(error) < 0.1 for _, error in found), found
     assert (folder / "bar.between-upper/campaign.xdmf").exists()
     assert "held out, upper" in programs.succeeds("inspect", folder / "bar.palpable").stdout
@@ -405,7 +405,7 @@ def _(programs, folder):
     assert f"{60 - there} sites solved, {there} were there" in out, out
     assert files_of(folder / "four/bar.snapshots") == files_of(folder / "one/bar.snapshots")
     assert (folder / "four/bar.palpable").read_bytes() == (folder / "one/bar.palpable").read_bytes()
-    # One error, of the leader, and no rank is left waiting.
+    # One error message, from the leading rank, and no rank waits for ever.
     (folder / "four/bar.toml").write_text(BLOCK.replace('"2 mm"', '"2 m"'))
     code, out, error = ranks(4)
     assert code != 0, out
@@ -434,7 +434,7 @@ stiffness = [0.5, 1, 2]
     assert "ratio 2" in stiff, stiff
     programs.succeeds("reduce", store, "--at", "ratio=0.5", "-o", folder / "soft.palpable")
     assert "ratio 0.5" in programs.succeeds("inspect", folder / "soft.palpable").stdout
-    # Without --at it stays free, and a reader chooses.
+    # Without --at the parameter stays free, and the reader chooses its value.
     programs.succeeds("reduce", store, "-o", folder / "free.palpable")
     assert "ratio" in programs.succeeds("inspect", folder / "free.palpable").stdout
     programs.refuses("reduce", store, "--method", "pod", "-o", folder / "x.palpable",
@@ -449,7 +449,7 @@ stiffness = [0.5, 1, 2]
 
 @case("a body learnt from a part of its snapshots is inspected, compared and played live")
 def _(programs, folder):
-    # The side x = 0 of the bar, from its middle up: the place of a press is a quantity there.
+    # The side x = 0 of the bar, its upper half: there the position of a press is a parameter.
     side = [9 * z + 3 * y + 1 for z in range(3, 7) for y in range(3)]
     deck = base.bar_deck().replace("NSET=TIP\n59\n", f"NSET=TIP\n{', '.join(map(str, side))}\n")
     base.write_bar(folder, base.BAR.replace("levels = 2", "levels = 4"), deck)
@@ -467,7 +467,7 @@ def _(programs, folder):
     programs.succeeds(*learn, "--part", "0.6", "--seed", "2")
     assert (folder / "sparse.palpable").read_bytes() != first
 
-    # That side stands 2 mm inside a wall 0.441 m away, which presses it.
+    # That side penetrates a wall 0.441 m away by 2 mm; the wall presses it.
     clip = base.write_stereo(folder / "clip", frames=4)
     (clip / "scene.toml").write_text("press_static = true\ncamera_from_body = [0, 1, 0, 0,  0, 0, -1, 0.04,  -1, 0, 0, 0.433,  "
                                      "0, 0, 0, 1]\n")
@@ -480,7 +480,7 @@ def _(programs, folder):
     programs.succeeds("compare", folder / "bar.snapshots", folder / "sparse.palpable", "-o", folder / "c.html")
     assert "sparse.palpable (sparse-pgd)" in (folder / "c.csv").read_text()
 
-    # What belongs to the one is refused with the other.
+    # Options of one method are refused with the other.
     for more, says in (((*learn, "--error", "1e-3"), ["--error", "sparse-pgd"]),
                        ((*learn, "--norm", "own"), ["--norm", "sparse-pgd"]),
                        ((*learn, "--part", "0.05"), ["0.05 of 48 snapshots are 2", "at least 5"]),
@@ -532,7 +532,7 @@ def _(programs, folder):
     (folder / "other").mkdir()
     (folder / "other/letter.txt").write_text("of somebody")
     programs.refuses("bake", toml, *out, "--snapshots", folder / "other", says=["holds something else"])
-    # A body file among the snapshots would replace one of them, or be in the way of the next site's.
+    # A body file among the snapshots would replace one of them, or block the next site's file.
     programs.succeeds("bake", toml, *out, "--shard", "1/6")
     before = files_of(folder / "bar.snapshots")
     for name in ("campaign.h5", "site_0000.h5", "site_0005.h5", "../bar.snapshots/x"):
@@ -548,7 +548,7 @@ def _(programs, folder):
 
 
 def vtu_arrays(path):
-    """Arrays of a grid as `palpable solve` writes it: name -> (components, numbers)."""
+    """Arrays of a grid as written by `palpable solve`: name -> (components, numbers)."""
     data = path.read_bytes()
     head, raw = data.split(b"<AppendedData", 1)
     raw = raw[raw.index(b"_") + 1:]

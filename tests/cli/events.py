@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Programs that connect to a live run, among them the client that docs/touch_events.md prints."""
+"""Clients that connect to a live run, among them the client printed in docs/touch_events.md."""
 import json
 import os
 import re
@@ -20,12 +20,12 @@ case = base.case
 
 
 def touched_body(programs):
-    """A ball that may be touched anywhere."""
+    """A ball with tables of touch."""
     return programs.baked_ball(programs.work / "touched", base.TOUCHED_BALL)
 
 
 def start(programs, folder, events, *more, body=None):
-    """A run of thousands of frames of a wall that presses the body, in the folder, until it is ended."""
+    """A run of thousands of frames in which a wall presses the body; it runs in `folder` until it is ended."""
     if not (folder / "clip").exists():
         write_long_clip(folder / "clip")
         (folder / "clip/scene.toml").write_text(SCENE)
@@ -47,7 +47,7 @@ def written_touches(folder):
 
 
 def printed_client():
-    """The Python code of docs/touch_events.md as it stands there."""
+    """The Python code printed in docs/touch_events.md."""
     blocks = re.findall(r"^```python\n(.*?)^```$", (base.ROOT / "docs/touch_events.md").read_text(), re.DOTALL | re.MULTILINE)
     assert len(blocks) == 1, f"{len(blocks)} clients"
     assert len([line for line in blocks[0].splitlines() if line]) <= 10, "a ten-line client"
@@ -94,7 +94,7 @@ def _(programs, folder):
         address = process.stdout.readline().removeprefix("events: ").strip()
         assert re.fullmatch(r"127\.0\.0\.1:\d+", address), address
         connection, lines = connect(address)
-        asleep, _ = connect(address)  # reads nothing, and harms nobody
+        asleep, _ = connect(address)  # never reads, and must not disturb the others
         connection.sendall(b"GET / HTTP/1.1\r\n\r\n")
         hello = json.loads(next(lines))
         assert hello["type"] == "hello" and hello["version"] == 1, hello

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""An installed copy, as somebody meets it who has nothing else of this repository: its files, its programs, and
-examples/installed, which use its library."""
+"""An installed copy without the rest of this repository: its files, its programs, and examples/installed, which use its
+library."""
 import fcntl
 import os
 import re
@@ -27,7 +27,7 @@ def run(*words, **options):
 
 
 def round_ball(parts=3):
-    """An octahedron whose faces were parted in four so many times, its corners brought onto the unit sphere; as OFF."""
+    """An octahedron whose faces were split in four `parts` times, its vertices projected onto the unit sphere; as OFF."""
     corners = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
     faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
     for _ in range(parts):
@@ -52,7 +52,7 @@ def round_ball(parts=3):
 
 
 class Installed:
-    """Made once, shared by the cases: the copy, a ball that its programs have baked, the examples built by CMake."""
+    """Made once and shared by the cases: the copy, a ball baked by its programs, the examples built by CMake."""
     def __init__(self, programs):
         build = Path(programs.palpable).parent.parent
         place = programs.work / "installed"
@@ -70,7 +70,7 @@ class Installed:
             run("cmake", "--install", build, "--prefix", self.prefix)
             describes = base.write_ball(place, base.TOUCHED_BALL)
             (place / "ball.off").write_text(round_ball())
-            # The programs find each other without being on the path.
+            # The programs find each other although they are not on the path.
             run(self.prefix / "bin/palpable", "bake", describes, "-o", self.body)
             run("cmake", "-S", base.ROOT / "examples/installed", "-B", self.examples, "-G", "Ninja",
                 f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_C_FLAGS={WARNINGS}")
@@ -87,7 +87,7 @@ def _(programs, folder):
                  "share/doc/palpable/LICENSE"):
         assert (copy.prefix / file).exists(), file
     assert [p.name for p in (copy.prefix / "include").rglob("*.h")] == ["palpable.h"], "and no header of C++"
-    # Nothing of it says where it was built.
+    # No installed file contains a path of the build.
     for file in (copy.prefix / "lib").rglob("*"):
         if file.suffix in (".cmake", ".pc"):
             assert str(base.ROOT) not in file.read_text() and "/usr/lib" not in file.read_text(), file
@@ -106,7 +106,7 @@ def _(programs, folder):
     assert run(program, "inspect", "post", cwd=folder) == run(program, "inspect", shipped / "post.palpable", cwd=folder)
     refused = subprocess.run([program, "inspect", "pest"], cwd=folder, capture_output=True, text=True)
     assert refused.returncode == 1 and "pest" in refused.stderr, refused.stderr
-    # The repository's own bodies go first; here there are none.
+    # The repository's own bodies would be found first; here there are none.
     filmed = subprocess.run([program, "synth", "still", "--frames", "1", "-o", "clip"], cwd=folder, capture_output=True, text=True)
     if filmed.returncode != 0 and "EGL" in filmed.stderr:
         print("SKIPPED: no OpenGL here: " + filmed.stderr.strip())

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Live runs that are killed, hung up, started twice or out of disk: what they leave can be read."""
+"""Live runs that are killed, hung up, started twice or out of disk space leave readable files."""
 import contextlib
 import fcntl
 import json
@@ -23,7 +23,7 @@ FRAMES = 10000  # of the clip: many more than are played before the interruption
 
 
 def write_long_clip(folder):
-    """A wall, whose two pictures are on the disk once and have 10000 names each."""
+    """A wall, whose two pictures are on the disk once with 10000 names each."""
     base.write_stereo(folder, frames=1)
     for eye in ("left", "right"):
         for n in range(1, FRAMES):
@@ -32,7 +32,7 @@ def write_long_clip(folder):
 
 
 def boxes(film):
-    """The names of an MP4's outermost boxes; of one that is cut off nothing."""
+    """The names of an MP4's top-level boxes; empty if it is truncated."""
     data, at, names = film.read_bytes(), 0, []
     while at + 8 <= len(data):
         size = struct.unpack(">I", data[at:at + 4])[0]
@@ -44,20 +44,20 @@ def boxes(film):
 
 
 def wait_for(process, happened):
-    """Until it has; a program that ended before is a failure, and one that does nothing is ended by ctest."""
+    """Waits until it has; fails if the program ended before. A program that does nothing is ended by ctest."""
     while not happened():
         assert process.poll() is None, f"ended with {process.returncode}\n{process.communicate()}"
         time.sleep(0.01)
 
 
 def is_under_way(out):
-    """Whether film and texts have reached the disk more than once."""
+    """Whether the film and the text files have reached the disk more than once."""
     film = out / "touch.mp4"
     return film.exists() and boxes(film).count("moof") >= 2 and (out / "pose.jsonl").read_text().count("\n") >= 100
 
 
 def rows_of(out):
-    """Rows of timing.csv; every line of every text is whole."""
+    """Number of rows of timing.csv; checks that every line of every text file is complete."""
     header, *rows = (out / "timing.csv").read_text().splitlines()
     for row in rows:
         assert len(row.split(",")) == len(header.split(",")), row
@@ -72,7 +72,7 @@ def rows_of(out):
 
 
 def pictures_of(programs, folder, film):
-    """How many a player gets of it, without a damaged one: live plays it as both eyes of a camera."""
+    """Number of pictures that a player decodes, none of them damaged: live plays the film as both eyes of a camera."""
     eye = folder / "eye.mp4"
     shutil.copy(film, eye)
     programs.succeeds("live", programs.small_body(), "--source", eye, "--right", eye, "--calibration",
@@ -97,7 +97,7 @@ def _(programs, folder):
     pictures = pictures_of(programs, folder, out / "touch.mp4")
     print(f"{rows} rows of timing.csv, {pictures} pictures in the film")
     assert 0 < pictures <= len(list((out / "visible").iterdir())), (pictures, rows)
-    # It holds nothing up: the folder is an earlier run's, no more.
+    # The folder does not block anything: it is an earlier run's output.
     programs.refuses(*base.live(programs, folder), says=["out", "earlier run", "--overwrite"])
     programs.succeeds(*base.live(programs, folder, "--overwrite", "--frames", "2"))
     assert rows_of(out) == 2
@@ -110,7 +110,7 @@ def _(programs, folder):
     for signals in ((signal.SIGINT,), (signal.SIGTERM,), (signal.SIGHUP, signal.SIGHUP)):
         process = programs.start(*base.live(programs, folder, "--overwrite"))
         wait_for(process, lambda: is_under_way(out))
-        for number in signals:  # bash passes SIGHUP on to a program that has got it already
+        for number in signals:  # bash passes SIGHUP on to a program that has already received it
             process.send_signal(number)
         printed = process.communicate()
         assert process.returncode == 0, (signals, process.returncode, printed)
@@ -164,7 +164,7 @@ def _(programs, folder):
     printed = first.communicate()
     assert first.returncode == 0, printed
     assert rows_of(out) == json.loads((out / "live.json").read_text())["frames"]
-    # A run that cannot begin leaves no folder behind.
+    # A run that cannot begin makes no folder.
     words = base.live(programs, folder)
     programs.refuses(words[0], folder / "none.palpable", *words[2:-1], folder / "a/b", says=["none.palpable"])
     assert not (folder / "a").exists()
@@ -172,7 +172,7 @@ def _(programs, folder):
 
 @contextlib.contextmanager
 def small_disk(folder, size):
-    """A file system of this size at the folder; False where nobody may mount one."""
+    """Mounts a file system of this size at the folder; False without the permission to mount."""
     folder.mkdir()
     mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", folder],
                              capture_output=True, text=True).returncode == 0
@@ -249,7 +249,7 @@ def _(programs, folder):
                 print("SKIPPED: no OpenGL here: " + str(error))
                 return
             raise
-        process.send_signal(signal.SIGSTOP)  # it would be done before the other has begun
+        process.send_signal(signal.SIGSTOP)  # it would otherwise finish before the other has begun
         programs.refuses(*words, says=["clip", "another run"])
         process.send_signal(number)
         process.send_signal(signal.SIGCONT)
@@ -261,7 +261,7 @@ def _(programs, folder):
     assert sorted(path.name for path in clip.iterdir()) == ["frames", "notes.txt", "truth"]
     assert len(list((clip / "frames/left").iterdir())) == 25 and (clip / "truth/camera.toml").exists()
     assert not (clip / "frames/leftover").exists()
-    programs.refuses(*words, says=["frames: exists"])  # a whole one is kept
+    programs.refuses(*words, says=["frames: exists"])  # a complete one is kept
     (folder / "other/frames").mkdir(parents=True)
     programs.refuses(*words[:-1], folder / "other", says=["frames: exists"])
     (folder / "mine").mkdir()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a live run writes, and what not: one case, one test, as in programs.py. `--list` names the cases."""
+"""The files that a live run writes; one case is one test, as in programs.py. `--list` names the cases."""
 import json
 import os
 import struct
@@ -25,7 +25,7 @@ def without_out(programs, folder, *more):
 def _(programs, folder):
     base.write_stereo(folder / "clip", frames=3)
     before = sorted(folder.rglob("*"))
-    # No window and no files: nothing is drawn, so it needs no OpenGL and no display.
+    # Without a window and without files nothing is drawn, so that neither OpenGL nor a display is needed.
     result = programs.succeeds(*without_out(programs, folder), cwd=folder)
     assert "3 frames in" in result.stdout and "touch.mp4" not in result.stdout, result.stdout
     assert "live" in result.stderr and "100 %" in result.stderr, result.stderr
@@ -51,7 +51,7 @@ def _(programs, folder):
 
 
 def film_size(path):
-    """(width, height) of a film's picture, of its track's header."""
+    """(width, height) of a film's pictures, from its track's header."""
     data = path.read_bytes()
     at = data.index(b"tkhd") - 4
     width, height = struct.unpack_from(">II", data, at + struct.unpack_from(">I", data, at)[0] - 8)
@@ -70,7 +70,7 @@ def _(programs, folder):
     truth = folder / "clip/truth"
     (truth / "depth").mkdir(parents=True)
     (truth / "camera.toml").write_text("fps = 30.0\ndepth_unit_m = 0.00025\n")
-    # Nothing is known of the true depth of the second frame.
+    # The true depth of the second frame is unknown.
     (truth / "depth/000000.png").write_bytes(base.png(base.WIDTH // 2, base.HEIGHT // 2, lambda x, y: 1764, bits=16, channels=1))
     programs.succeeds(*words, "--views", "camera", "depth", "mask", "truth")
     assert json.loads((folder / "out/live.json").read_text())["view"] == "camera,depth,mask,truth"
@@ -96,18 +96,18 @@ def drain(readers):
 
 
 def play_on_stuck_disk(programs, folder, *more):
-    """Three seconds of frames as a camera gives them; when one of STUCK is written the disk stands still for a second.
+    """Plays three seconds of frames as a camera delivers them; the disk blocks for a second at each frame of STUCK.
 
-    Returns what was printed, and live.json.
+    Returns the output, and live.json.
     """
     out = folder / "out"
     process = programs.start(*base.live(programs, folder, "--paced", *more))
     readers = []
     try:
-        while not (out / "moving").exists():  # made last
+        while not (out / "moving").exists():  # the last one that is made
             assert process.poll() is None, process.communicate()
             time.sleep(0.002)
-        for n in STUCK:  # whoever opens one waits for a reader
+        for n in STUCK:  # opening one blocks until it is read
             os.mkfifo(out / f"depth/{n:06d}.png")
         time.sleep(2.2)
         readers = [os.open(out / f"depth/{n:06d}.png", os.O_RDWR | os.O_NONBLOCK) for n in STUCK]
@@ -140,7 +140,7 @@ def _(programs, folder):
     assert lines_of(out / "timing.csv") == frames + 1 and lines_of(out / "pose.jsonl") == frames
     for name in ("visible", "body_depth"):
         assert len(list((out / name).iterdir())) == frames - left_out, name
-    # The loop did not stand still with the disk: it answered frames all the time.
+    # The loop did not wait for the disk: it processed frames all the time.
     assert live["processed"][-1] == 89 and not any(b - a > 10 for a, b in zip(live["processed"], live["processed"][1:]))
 
 
@@ -152,7 +152,7 @@ def _(programs, folder):
     assert live["frames_left_out"] == 0 and "--every-frame" not in printed, (live, printed)
     for name in ("visible", "body_depth"):
         assert len(list((out / name).iterdir())) == live["frames"], name
-    assert live["source_troubles"]["dropped"] >= 10, live  # while it waited
+    assert live["source_troubles"]["dropped"] >= 10, live  # during the waits
 
 
 @case("live tells each second and at the end how fast it goes when it is asked to, and live.json always")

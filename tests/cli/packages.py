@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""The Debian packages of tools/package.sh, as somebody meets them who has a new Debian 12 and nothing of ours: what
-they hold and say, installed into a clean root, run there, used from C, and removed; the image of the Dockerfile; and
-the programs on an old processor.
+"""The Debian packages of tools/package.sh on a new Debian 12 without this repository: their content and metadata,
+installation into a clean root, running them there, use from C, and removal; the image of the Dockerfile; and the
+programs on an old processor.
 
-A clean root is what mmdebstrap makes, unpacked for each case into its folder. Commands run in it in a mount namespace
-of their own, so that nothing stays mounted, however a case ends. What apt downloads is kept in the folder of the
-build (cli/packages/archives)."""
+A clean root is made by mmdebstrap and unpacked for each case into its folder. Commands run in it in a mount namespace
+of their own, so that nothing remains mounted, however a case ends. Downloads of apt are kept in the build folder
+(cli/packages/archives)."""
 import fcntl
 import json
 import os
@@ -32,11 +32,11 @@ VERSION = re.search(r"\((\S+)\)", (base.ROOT / "packaging/changelog").read_text(
 
 
 class CannotRun(Exception):
-    """Why a case is skipped."""
+    """The reason why a case is skipped."""
 
 
 def skips_without_means(function):
-    """What the machine lacks skips a case, with the reason."""
+    """Skips a case, with the reason, if the machine lacks something that it needs."""
     def run(programs, folder):
         try:
             function(programs, folder)
@@ -53,7 +53,7 @@ def run(*words, timeout=1200, **options):
 
 
 def built_packages(programs):
-    """{name: file} of the packages of this very tree, which tools/package.sh builds as far as they are out of date."""
+    """{name: file} of the packages of this source tree; tools/package.sh builds those that are out of date."""
     for tool in ("dpkg-shlibdeps", "help2man"):
         if shutil.which(tool) is None:
             raise CannotRun(f"{tool} is not installed (tools/packages-package.txt)")
@@ -80,21 +80,21 @@ exec chroot --userspec="$user" "$root" "$@"
 
 
 def sources_of_apt():
-    """The files that say where the machine's apt gets packages from."""
+    """The files with the package sources of the machine's apt."""
     folder = Path("/etc/apt/sources.list.d")
     files = [Path("/etc/apt/sources.list"), *sorted(folder.glob("*.list")), *sorted(folder.glob("*.sources"))]
     return [file for file in files if file.is_file() and "debian" in file.read_text()]
 
 
 def options_of_apt():
-    """How it reaches them: proxies and what it checks."""
+    """Options for access to the sources: proxies and checks."""
     said = subprocess.run(["apt-config", "dump"], capture_output=True, text=True).stdout
     wanted = re.compile(r'^Acquire::(https?::|Check-|Retries|AllowInsecure)\S* ".+";$')
     return [line for line in said.splitlines() if wanted.match(line)]
 
 
 class CleanRoot:
-    """A Debian 12 of the least that apt needs, and root's means to run commands in it."""
+    """A Debian 12 with the minimum that apt needs, and functions to run commands in it as root."""
     def __init__(self, programs, folder):
         if os.geteuid() != 0:
             raise CannotRun("a clean root needs root's rights")
@@ -111,7 +111,7 @@ class CleanRoot:
         self.packages_before = self.packages()
 
     def base(self, kept):
-        """The tar file of a root that nothing was installed into, made once for the sources of this machine's apt."""
+        """The tar file of a root without installed packages, made once for the sources of this machine's apt."""
         sources, options = sources_of_apt(), options_of_apt()
         made_of = "\n".join([*(file.read_text() for file in sources), *options])
         tar, stamp = kept / "base.tar", kept / "base.txt"
@@ -153,7 +153,7 @@ class CleanRoot:
 
 
 def first_file(folder, pattern, found):
-    """Watches the folder until a file of the pattern is there, and keeps the moment."""
+    """Watches the folder until a file that matches the pattern exists, and stores the time."""
     while "end" not in found:
         if next(folder.glob(pattern), None) is not None:
             found["at"] = time.monotonic()
@@ -162,7 +162,7 @@ def first_file(folder, pattern, found):
 
 
 def check_run(out, pictures):
-    """What `palpable live` wrote is the film of a hand that presses the body."""
+    """Checks that `palpable live` wrote the film of a hand that presses the body."""
     told = json.loads((out / "live.json").read_text())
     assert told["frames"] == 300, told
     for name in pictures:
@@ -171,7 +171,7 @@ def check_run(out, pictures):
     assert (out / "touch.mp4").stat().st_size > 100000
     lines = [json.loads(line) for line in (out / "touches.jsonl").read_text().splitlines()]
     forces = [sum(c * c for c in touch["force"])**0.5 for line in lines for touch in line["touches"]]
-    # The demo presses three times and squeezes once, 10 mm deep: a soft rubber answers with newtons.
+    # The demo presses three times and squeezes once, 10 mm deep: the force of a soft rubber is some newtons.
     assert len(lines) > 40 and 0.5 < max(forces) < 30, (len(lines), max(forces, default=None))
     return len(lines), max(forces)
 
@@ -185,7 +185,7 @@ def fields(package):
 
 
 def listing(package):
-    """(mode, owner, path) of what a package installs; a link's path without where it points."""
+    """(mode, owner, path) of the files that a package installs; a link's path without its target."""
     for line in run("dpkg-deb", "--contents", package).splitlines():
         mode, owner, _, _, _, path = line.split(None, 5)
         yield mode, owner, path.split(" -> ")[0].lstrip(".")
@@ -219,7 +219,7 @@ def _(programs, folder):
                         ("palpable-bake", "libtet1.5"), ("libpalpable-dev", f"libpalpable0 (= {VERSION})"),
                         ("palpable", "libopencv-core406"), ("palpable", "libgl1-mesa-dri"), ("libpalpable0", "libhwy1")):
         assert needs in said[name]["Depends"], f"{name}: {said[name]['Depends']}"
-    # The live half is free of the GPL libraries of the other.
+    # The live half does not depend on the GPL libraries of the offline half.
     for name in ("palpable", "libpalpable0", "libpalpable-dev"):
         for library in ("libtet", "libcholmod", "libgmp", "libmpfr", "openmpi", "openblas", "palpable-bake"):
             assert library not in said[name].get("Depends", ""), f"{name}: {library}"
@@ -242,18 +242,18 @@ def _(programs, folder):
     run("dpkg-deb", "--control", packages["libpalpable0"], control)
     assert (control / "shlibs").read_text().startswith("libpalpable 0 libpalpable0 (>= 0.2.0~dev1)")
     assert (control / "triggers").read_text() == "activate-noawait ldconfig\n"
-    # Nothing else is run as root.
+    # No maintainer script runs as root.
     scripts = [file.name for file in control.iterdir() if file.name in ("preinst", "postinst", "prerm", "postrm")]
     assert not scripts, scripts
-    # The shipped body is small, is no scan of anybody's, and says nothing about where it was baked.
+    # The shipped body is small, is not a scan, and does not reveal where it was baked.
     body = folder / "palpable" / POST.lstrip("/")
     told = programs.succeeds("inspect", body).stdout
-    told = told.replace(str(body), "")  # where this test unpacked it
+    told = told.replace(str(body), "")  # the path to which this test unpacked it
     assert body.stat().st_size < 8e6 and "bunny" not in told and str(base.ROOT) not in told, told
     assert str(base.ROOT).encode() not in body.read_bytes()
 
 
-# What lintian complains of and stays: tag -> why.
+# Tags of lintian that are accepted: tag -> reason.
 LEFT = {
     "initial-upload-closes-no-bugs": "the packages are no upload to Debian, where a bug would have asked for them",
 }
@@ -289,7 +289,7 @@ def _(programs, folder):
     begin = time.monotonic()
     root.install(*(f"/packages/{package.name}" for package in packages.values()))
     installed = time.monotonic() - begin
-    # Neither compiler nor headers nor anything else of where it was built.
+    # Neither compiler nor headers nor other parts of the build environment are present.
     for tool in ("cc", "gcc", "g++", "cmake", "make", "pkg-config"):
         assert not (root / f"usr/bin/{tool}").exists(), tool
     headers = [name for name in root.packages() if name.endswith("-dev") and name != "libpalpable-dev"]
@@ -301,7 +301,7 @@ def _(programs, folder):
         assert "0.2.0~dev1" in root.run(program, "--version")
     root.run("dpkg", "--audit")
 
-    # As a user without rights, in a folder of their own.
+    # As a user without privileges, in a folder of the user's own.
     user, out = "65534:65534", root / "tmp/out"
     found = {}
     watch = threading.Thread(target=first_file, args=(out, "pictures/*.png", found))
@@ -315,15 +315,15 @@ def _(programs, folder):
     frames, force = check_run(out, ("touch.png", "hand_nearer.png", "body_nearer.png", "pictures/000120.png"))
     print(f"apt install: {installed:.0f} s; to the first picture: {found['at'] - begin:.0f} s; "
           f"{frames} frames touched, {force:.1f} N at most")
-    # Where no body is named it is the shipped one, too.
+    # The default body is the shipped one.
     root.run("palpable", "synth", "press", "--frames", "2", "-o", "/tmp/clip", user=user, cwd="/tmp")
     assert (root / "tmp/clip/frames").is_dir()
-    # The other half meshes, solves and reduces.
+    # The offline half meshes, solves and reduces.
     base.write_ball(root / "tmp/ball", base.TOUCHED_BALL)
     (root / "tmp/ball/ball.off").write_text(round_ball())
     root.run("palpable", "bake", "ball.toml", "-o", "ball.palpable", cwd="/tmp/ball")
 
-    # The library, by CMake and by pkg-config.
+    # The library, found by CMake and by pkg-config.
     root.install("gcc", "libc6-dev", "cmake", "make", "pkg-config")
     shutil.copytree(base.ROOT / "examples/installed", root / "tmp/examples")
     root.run("cmake", "-S", ".", "-B", "by-cmake", cwd="/tmp/examples")
@@ -353,14 +353,14 @@ def _(programs, folder):
 
 
 def instructions(text):
-    """(word, rest) of each line of a Dockerfile; lines that end in a backslash go on."""
+    """(word, rest) of each instruction of a Dockerfile; a backslash at the end continues the line."""
     text = re.sub(r"^\s*#.*\n", "", text, flags=re.MULTILINE)
     text = re.sub(r"\\\n\s*", " ", text)
     return [tuple(line.strip().split(None, 1)) for line in text.splitlines() if line.strip()]
 
 
 def in_context(source):
-    """The files that a COPY finds: .dockerignore lets nothing through but what its last lines name."""
+    """The files that a COPY can find: .dockerignore excludes everything except what its last lines name."""
     lines = [line.strip() for line in (base.ROOT / ".dockerignore").read_text().splitlines()]
     lines = [line for line in lines if line and not line.startswith("#")]
     assert lines[0] == "*", lines
@@ -398,13 +398,13 @@ def _(programs, folder):
     assert not (root / "packages").exists() and not any((root / "var/lib/apt/lists").iterdir())
     print(root.run(*command, cwd=cwd))
     check_run(root / "out", ("touch.png",))
-    # Another run of the same container's folder, as `docker run` with the same volume does.
+    # A second run into the same folder, like `docker run` with the same volume.
     assert "--overwrite" in command
 
 
 # ---- an old processor --------------------------------------------------------------------------------
 
-# Asks the processor for an instruction that x86-64 does not have to have.
+# Executes an instruction that not every x86-64 processor has.
 USES_AVX2 = """#include <immintrin.h>
 #include <stdio.h>
 int main(int argc, char** argv) {
@@ -423,9 +423,9 @@ def _(programs, folder):
     emulator = shutil.which("qemu-x86_64")
     if emulator is None or os.uname().machine != "x86_64":
         raise CannotRun("qemu-x86_64 is not installed (tools/packages-check.txt)")
-    # As an AMD processor of this family OpenBLAS takes it for an Opteron, and asks it for 3DNow!, which it lacks.
+    # With an AMD vendor OpenBLAS would select its Opteron kernels, which use 3DNow!, and the emulator lacks it.
     old = [emulator, "-cpu", "qemu64,vendor=GenuineIntel"]
-    # The emulated processor refuses what an old one would.
+    # Check that the emulated processor rejects what an old one rejects.
     (folder / "avx2.c").write_text(USES_AVX2)
     run("cc", "-O0", "-mavx2", folder / "avx2.c", "-o", folder / "avx2")
     refused = subprocess.run([*old, folder / "avx2"], capture_output=True)
@@ -436,7 +436,7 @@ def _(programs, folder):
     description = base.write_ball(folder, base.TOUCHED_BALL)
     run(*old, bake, "bake", description, "-o", folder / "old.palpable", env=environment)
     programs.succeeds("bake", description, "-o", folder / "new.palpable")
-    # The same body answers with the same bytes on both. The finger arrives at frame 102; the emulator is slow.
+    # The same body gives the same bytes on both. The finger arrives at frame 102; the emulator is slow.
     body = folder / "new.palpable"
     film = programs.run("synth", "press", "--body", body, "--frames", "160", "-o", folder / "clip")
     if film.returncode != 0 and "EGL" in film.stderr:
@@ -451,14 +451,14 @@ def _(programs, folder):
         told[name] = (folder / name / "touches.jsonl").read_text()
     assert told["new"].count("\n") > 3, "nothing was touched: the comparison proves little"
     assert told["old"] == told["new"]
-    # What each half baked is the same body to what another order of additions changes.
+    # Bodies baked on both are equal up to the order of additions.
     facts = [json.loads(programs.succeeds("inspect", folder / f"{name}.palpable", "--json").stdout) for name in ("old", "new")]
     assert facts[0]["sites"] == facts[1]["sites"], facts
 
 
 # ---- another architecture ----------------------------------------------------------------------------
 
-# Of this architecture: they run.
+# Tools of this machine's architecture, because they run here.
 TOOLS_FOR_ARM64 = ("crossbuild-essential-arm64", "cmake", "ninja-build", "pkg-config", "python3", "qemu-user", "catch2",
                    "libeigen3-dev", "fonts-dejavu-core")
 MODULES_FOR_ARM64 = ("base", "geometry")
@@ -484,7 +484,7 @@ def _(programs, folder):
     for program in programs_of_tests:
         made = run("file", "-b", next((root / "build").rglob(program)))
         assert "ARM aarch64" in made, made
-    # posix_spawn shares the child's memory to learn why it could not start; qemu-user makes a fork of it.
+    # posix_spawn reports a failure through memory shared with the child; qemu-user turns it into a fork, which does not share.
     said = root.run("ctest", "--test-dir", "/build", "-L", f"^unit\\.({'|'.join(MODULES_FOR_ARM64)})$",
                     "-E", "a program that is not there is a problem that names it")
     print(f"libraries: {installed - begin:.0f} s, build and tests: {time.monotonic() - installed:.0f} s")

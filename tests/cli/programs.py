@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The programs as a stranger meets them: one case, one test. `--list` names the cases.
+"""The command-line programs: one case is one test. `--list` names the cases.
 
-A refusal is one clear line on stderr that begins with "palpable: ", nothing on stdout, exit code 1.
+An error is one clear line on stderr that begins with "palpable: ", nothing on stdout, exit code 1.
 """
 import argparse
 import csv
@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 
 
 def case(sentence, *, long=False):
-    """long: minutes of it; ./check --long runs it, ./check does not."""
+    """long: the case takes minutes; ./check --long runs it, ./check does not."""
     def add(function):
         CASES[sentence] = function
         if long:
@@ -49,10 +49,10 @@ class Programs:
                               cwd=cwd, timeout=timeout, stdin=subprocess.DEVNULL)
 
     def start(self, *words, limit=None, before=None, **options):
-        """Does not wait for its end. limit: no file grows beyond so many bytes; before: called in its process."""
+        """Returns without waiting for the end. limit: largest size of a file, bytes; before: called in the new process."""
         def prepare():
             if limit is not None:
-                # Writing beyond the limit fails as on a full disk, instead of a signal.
+                # Writing beyond the limit fails, as on a full disk, without a signal.
                 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
                 resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
             if before is not None:
@@ -66,11 +66,11 @@ class Programs:
         return result
 
     def refuses(self, *words, says, **options):
-        """One line, and each of the texts in `says` is in it."""
+        """Expects an error of one line that contains each of the texts in `says`."""
         result = self.run(*words, **options)
         lines = [line for line in result.stderr.splitlines() if line.startswith("palpable: ")]
         others = [line for line in result.stderr.splitlines() if not line.startswith("palpable: ")]
-        # Work that fails half way may have reported progress; the refusal comes last and once.
+        # Work that fails half way may have reported progress before; the error comes last and once.
         assert result.returncode == 1, f"{words}: exit code {result.returncode}\n{result.stderr}"
         assert len(lines) == 1, f"{words}: {len(lines)} lines\n{result.stderr}"
         assert result.stderr.splitlines()[-1] == lines[0], f"not the last line\n{result.stderr}"
@@ -85,12 +85,12 @@ class Programs:
         return self.baked_ball(self.work, BALL)
 
     def baked_ball(self, folder, text):
-        """Of this description, baked once into the folder and shared by the cases."""
+        """The body of this description, baked once into the folder and shared by the cases."""
         folder.mkdir(parents=True, exist_ok=True)
         with open(folder / "lock", "w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             body = folder / "ball.palpable"
-            # A folder of an earlier program may hold a body that this one does not read any more.
+            # The folder may contain a body of an earlier program version, which the present one may not read.
             program = Path(self.palpable).with_name("palpable-bake")
             if not body.exists() or body.stat().st_mtime < program.stat().st_mtime:
                 self.succeeds("bake", write_ball(folder, text), "-o", body)
@@ -122,9 +122,9 @@ tolerance = 1e-3
 [touch]
 tables = "none"
 """
-# The same, that may be touched anywhere.
+# The same with tables of touch.
 TOUCHED_BALL = BALL.replace('"none"', '"linear"\nheld_out = 0')
-# Appended to a body: its upper half, whose stiffness is a parameter.
+# Appended to a body: a parameter for the stiffness of its upper half.
 UPPER_HALF = """
 [[material.group]]
 name = "upper"
@@ -209,7 +209,7 @@ def write_bar(folder, text=BAR, deck=None):
 
 
 def png(width, height, shade, bits=8, channels=3):
-    """A picture of small squares, as a PNG; without any library."""
+    """A PNG with a pattern of small squares, written without a library."""
     rows = b""
     for y in range(height):
         row = bytearray()
@@ -226,7 +226,7 @@ def png(width, height, shade, bits=8, channels=3):
 
 
 def png_of_rows(rows):
-    """A PNG of rows of (r, g, b)."""
+    """A PNG from rows of (r, g, b)."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 2, 0, 0, 0)
@@ -242,7 +242,7 @@ def texture(shift):
 
 
 def write_stereo(folder, frames=4, width=WIDTH, shift=25):
-    """A wall 0.44 m away: every point of the right image lies 25 px farther left; 11 m / shift otherwise."""
+    """A wall 0.44 m away: every point is 25 px farther left in the right image; other distances are 11 m / shift."""
     for eye, of_eye in (("left", 0), ("right", shift)):
         (folder / eye).mkdir(parents=True)
         for n in range(frames):
@@ -254,7 +254,7 @@ def write_stereo(folder, frames=4, width=WIDTH, shift=25):
 
 
 def write_nearing_wall(folder, frames):
-    """The same wall, which comes nearer by 1.5 cm every three frames, into what stands before it."""
+    """The same wall, which advances by 1.5 cm every three frames and penetrates the body in front of it."""
     write_stereo(folder, frames=1)
     for n in range(1, frames):
         for eye, shift in (("left", 0), ("right", 25 + n // 3)):
@@ -299,7 +299,7 @@ def _(programs, folder):
             assert len(line) <= 100, f"{len(line)} columns: palpable {' '.join(words)} --help\n{line}"
             assert line == line.rstrip(), f"spaces at the end: palpable {' '.join(words)} --help\n{line}|"
         todo += [(*words, command) for command in commands_of(text)]
-        # bench lists in its own words those that palpable-bake has.
+        # The list of bench includes the benchmarks of palpable-bake.
         if words == ("bench",):
             todo += [("bench", name) for name in re.findall(r"^  bench (\S+)", text, re.MULTILINE)]
     bake = subprocess.run([str(Path(programs.palpable).with_name("palpable-bake")), "--help"], capture_output=True,
@@ -427,7 +427,7 @@ def _(programs, folder):
         (folder / "bodies/body.toml").write_text(text)
         for words in (("bake", "bodies/body.toml", "-o", "x.palpable"), ("solve", "bodies/body.toml", "-o", "x.vtu")):
             programs.refuses(*words, cwd=folder, says=[f"build/meshes/{file}: no such file", "tools/setup.sh bodies"])
-    # A mesh that stands elsewhere is the user's own.
+    # A mesh in another folder is the user's own.
     (folder / "bodies/body.toml").write_text(BAR.replace("bar.inp", "beam.inp"))
     line = programs.refuses("bake", "bodies/body.toml", "-o", "x.palpable", cwd=folder, says=["beam.inp: no such file"])
     assert "setup.sh" not in line
@@ -451,8 +451,8 @@ def _(programs, folder):
                                    "--order", order, "-o", grid)
         rows = [line.split() for line in result.stdout.splitlines()]
         header = next(i for i, row in enumerate(rows) if row[:2] == ["level", "Newton"])
-        # Newton steps of a level are numbered from 0; the first row begins with the level, the last, of
-        # the state that was found, ends with the press and the smallest J.
+        # Newton steps of a level are numbered from 0. The first row begins with the level; the last, for the converged state,
+        # ends with the press depth and the smallest J.
         levels, residuals = [], []
         for row in rows[header + 1:]:
             if not row:
@@ -490,7 +490,7 @@ def _(programs, folder):
     lines = (folder / "ball.msh").read_text().splitlines()
     at = next(i for i, line in enumerate(lines) if re.fullmatch(r"\d+ 4 2 \d+ \d+( \d+){4}", line))
     words = lines[at].split()
-    words[-1], words[-2] = words[-2], words[-1]  # two corners exchanged
+    words[-1], words[-2] = words[-2], words[-1]  # two corners swapped
     lines[at] = " ".join(words)
     (folder / "bad.msh").write_text("\n".join(lines) + "\n")
     (folder / "bad.toml").write_text(
@@ -521,10 +521,10 @@ def _(programs, folder):
 
 
 def solved(result):
-    """(load at level 1, presses in mm of the states found) of a `palpable solve`."""
+    """(load at level 1, press depths in mm of the converged states) of a `palpable solve`."""
     load = float(re.search(r"level 1 is ([0-9.e+-]+) N", result.stdout)[1])
     rows = [line.split() for line in result.stdout.splitlines()]
-    # A state's row ends with its press and smallest J, a Newton step's with CG iterations and share.
+    # The row of a state ends with its press depth and smallest J, that of a Newton step with CG iterations and a share.
     return load, [float(row[-2]) for row in rows if len(row) > 3 and re.fullmatch(r"[0-9]+\.[0-9]{4}", row[-2])]
 
 
@@ -541,7 +541,7 @@ def _(programs, folder):
         programs.succeeds("bake", toml, "-o", folder / "bar.palpable")
         text = programs.succeeds("inspect", folder / "bar.palpable").stdout
         assert f"{4 if order == 1 else 10}-node tetrahedra" in text, text
-    # 4-node tetrahedra are too stiff in bending, on a mesh of two across by far.
+    # 4-node tetrahedra are too stiff in bending, by far on a mesh with two cells across.
     assert loads[2] < 0.8 * loads[1], loads
     programs.refuses("solve", toml, "--order", "3", "-o", folder / "x.vtu", says=["--order"])
     result = programs.succeeds("solve", toml, "--order", "1", "-o", folder / "x.vtu")
@@ -558,7 +558,7 @@ def _(programs, folder):
     stiff = load(BAR.replace('[support]', '[[material.group]]\nset = "lower"\nC1 = "1 MPa"\n'
                              'D1 = "4 MPa"\n[support]'))
     assert stiff > 3 * plain, (stiff, plain)
-    # A base that may slide along x gives way more; the far edge alone holds it.
+    # A base that can slide along x is more compliant; only the far edge holds it.
     sliding = load(BAR.replace('set = "BASE"', 'set = "BASE"\nhold = "yz"').replace("[support]", "[[support]]")
                    + '[[support]]\nhold = "x"\nbox = {low = ["-10 mm", "-10 mm", "0 mm"], '
                    'high = ["-10 mm", "10 mm", "0 mm"]}\n')
@@ -568,8 +568,8 @@ def _(programs, folder):
     result = programs.succeeds("solve", toml, "-o", folder / "x.vtu")
     assert "come first: nodes move by up to" in result.stdout, result.stdout
     weak, table = solved(result)
-    assert weak < 0.97 * plain, (weak, plain)  # a column under its weight is easier to bend
-    assert abs(table[-1] - 3.0) < 0.01, table  # counted from the loaded shape
+    assert weak < 0.97 * plain, (weak, plain)  # a column under its weight bends more easily
+    assert abs(table[-1] - 3.0) < 0.01, table  # measured from the shape under its weight
     pulled = load(BAR + '[[pressure]]\npressure = "-10 kPa"\nabove = 0.99\n')
     assert pulled > 1.05 * plain, (pulled, plain)
     toml.write_text(BAR.replace('depth = "3 mm"', 'force = "0.01 N"'))
@@ -727,7 +727,7 @@ def _(programs, folder):
 
 
 class Elements(html.parser.HTMLParser):
-    """Refuses a page whose elements do not close, or that loads anything; keeps its data."""
+    """Rejects a page with unclosed elements or that loads anything; keeps its data."""
     EMPTY = {"meta", "br", "hr", "img", "input", "link"}
 
     def __init__(self, text):
@@ -794,7 +794,7 @@ def _(programs, folder):
     assert data["timing"]["displacement_us"] > 0 and data["file"]["bytes"] == body.stat().st_size
     keys = {key for key, _ in data["provenance"]}
     assert {"mesh", "material", "reduction", "program", "command line"} <= keys, keys
-    # Without -o beside where one is.
+    # Without -o the page is written beside an input.
     programs.succeeds("report", body, cwd=folder)
     assert page_of(folder / "ball.html")["name"] == "ball"
 
@@ -828,10 +828,10 @@ def _(programs, folder):
             line = lines[name]
             assert line["pooled"][-1] <= 1e-2 and name in result.stdout, line
             assert line["bytes"] == sorted(line["bytes"]) and line["worst"][-1] >= line["median"][-1]
-        # No other sum of as many modes is better than POD's.
+        # No other sum of as many modes has a smaller error than POD's.
         for modes, error in zip(lines["pod"]["modes"], lines["pod"]["pooled"]):
             assert error <= lines["pgd, 3 factors"]["pooled"][modes - 1] * (1 + 1e-6)
-        # The body is what per-site makes of these snapshots, but with norms of their own.
+        # The body is that of per-site for these snapshots, but its errors use other norms.
         assert lines[names[0]]["columns"][0] == lines["per-site"]["columns"][0] == 6
     rows = rows_of(folder / "all.csv")
     assert {row["method"] for row in rows} == set(names)
@@ -849,7 +849,7 @@ def _(programs, folder):
     programs.refuses("report", body, "-o", folder / "none" / "x.html", says=["none", "does not exist"])
     programs.refuses("report", body, "-o", folder / "x.csv", says=["x.csv", "x.html"])
     programs.refuses("compare", body, "--method", "magic", says=["magic"])
-    # A file from before errors were kept by the number of modes has a page, and no line on a chart.
+    # A file from before errors were stored per number of modes has a page, but no line in a chart.
     old = ROOT / "tests/data/ball_v1.palpable"
     programs.succeeds("report", old, "-o", folder / "old.html")
     assert page_of(folder / "old.html")["courses"]["displacement"] is None
@@ -859,7 +859,7 @@ def _(programs, folder):
 @case("two bakes of one body give the same bytes")
 def _(programs, folder):
     write_ball(folder)
-    # The command line is part of a body's provenance, so both are the same but for the folder.
+    # The command line is part of a body's provenance, so that both must be equal except for the folder.
     for name in ("a", "b"):
         (folder / name).mkdir()
         for file in ("ball.off", "ball.toml"):
@@ -920,7 +920,7 @@ def _(programs, folder):
     output = programs.succeeds(*bake).stdout
     assert "power series" in output and "intrusive PGD" in output, output
     assert not (folder / "bar.snapshots").exists()
-    # What was solved is kept as numbers all the same.
+    # The solutions are stored as numbers in any case.
     assert "bar.solid.h5" in output and b"palpable solid" in (folder / "bar.solid.h5").read_bytes(), output
     shown = programs.succeeds("inspect", folder / "bar.palpable").stdout
     assert re.search(r"^sites +1, at ", shown, re.M) and "travelling" in shown, shown
@@ -928,7 +928,7 @@ def _(programs, folder):
     programs.refuses(*bake, "--solver", "calculix", says=["--solver", "campaign"])
     programs.refuses(*bake, "--volume", says=["--volume", "campaign"])
     programs.refuses(*bake[:3], "greedy", *bake[4:], says=["intrusive-pgd"])
-    (folder / "other.solid.h5").mkdir()  # where mesh and law would go
+    (folder / "other.solid.h5").mkdir()  # in the way of the file for mesh and law
     said = programs.refuses(*bake[:-1], folder / "other.palpable", says=["other.solid.h5: is a folder"])
     assert not (folder / "other.palpable").exists(), said
     for what, says in ((text, ["[intrusive]"]), (travels.replace("0.05 N", "5 N"), ["beyond the range", "5 N"]),
@@ -941,7 +941,7 @@ def _(programs, folder):
 @case("loads are named by a point and a force, one or several at once, and others are refused")
 def _(programs, folder):
     law = BAR.replace('young = "60 kPa"', 'law = "saint-venant-kirchhoff"\nyoung = "60 kPa"')
-    # Node 51: at (10, 0, 50) mm as the body stands.
+    # Node 51 is at (10, 0, 50) mm in the body frame.
     deck = bar_deck().replace("*NSET, NSET=TIP\n59", "*NSET, NSET=FLANK\n51\n*NSET, NSET=TIP\n59")
     bar = write_bar(folder, law + '[intrusive]\npositions = "TIP"\nreactions = "FLANK"\nforce = "0.05 N"\n', deck)
     body, alone = folder / "bar.palpable", folder / "alone.palpable"
@@ -958,7 +958,7 @@ def _(programs, folder):
     assert "0.04 N at site 0" in text and "kPa" in text and "error" in text, text
     two = json.loads(programs.succeeds("press", body, "--load", "0,0,0.06=0.02", "--load", "0,0,0.06=0.02", "--json").stdout)
     assert "largest_von_mises_pa" not in two, two
-    # The same load in two parts; the modes of several loads are others than those of one.
+    # The same load in two parts; the modes for several loads differ from those for one.
     assert abs(two["loads"][0]["depth_m"] / one["loads"][0]["depth_m"] - 1) < 0.05, (one, two)
 
     both = json.loads(programs.succeeds("press", body, "--load", "0,0,0.06=0.04", "--load", "0.01,0,0.05=0.04", "--json").stdout)
@@ -989,7 +989,7 @@ def _(programs, folder):
     result = programs.succeeds("bench", "elements", folder / "ball.toml", "--sites", "2", "--pressed", "1",
                                "--poisson", "0.4", "--json")
     elements = json.loads(result.stdout)
-    # The claim of docs/verification.md, on the coarsest ball.
+    # The claim of docs/verification.md, for the coarsest ball.
     for press in elements["nested"]["presses"]:
         assert abs(press["errors"]["10-node"]["press"]) < abs(press["errors"]["4-node"]["press"]), press
     for section in (solid, elements):
@@ -1014,7 +1014,7 @@ def _(programs, folder):
                 "ms_672", "ms_1080p", "error_by_depth"):
         assert figures[key], (key, figures)
     assert 0 <= figures["too_close_called_far"] <= 1 and figures["simd"], figures
-    # The pairs with truth are not in that folder.
+    # The pairs with a truth are not in that folder.
     assert figures["bad2_ratio"] == dict.fromkeys(("tsukuba", "teddy", "Cloth3", "mean")), figures
     programs.refuses(*words, "--simd", "MMX", says=["--simd MMX", figures["simd"]])
     programs.refuses("bench", "depth", "--body", folder / "none.palpable", says=["none.palpable"])
@@ -1051,10 +1051,10 @@ def _(programs, folder):
     figures = json.loads(result.stdout)
     assert figures["cpu_ms_720p"] > 0 and figures["relocalise_s"] <= 0.5, figures
     assert figures["lost_before_dark"] == 0, figures
-    # A camera on a tripod is known to stand in every frame; what it costs is for the reader.
+    # A camera on a tripod must be found fixed in every frame; its cost is only reported.
     assert figures["fixed_share"] == 1 and figures["fixed_cpu_ms"] > 0, figures
     assert figures["map_ms"] > 0 and figures["mask_ms"] > 0, figures
-    # The yardstick sees a hand that is in the map; with the mask none is.
+    # The measure detects a hand that was fused into the map; with the mask none is.
     assert figures["ghost_voxels_no_mask"] > 100 and figures["ghost_voxels"] == 0, figures
     # The recordings are not in that folder.
     for key in ("ate_7scenes_mm", "warp_ratio_7scenes", "kitti_position_error", "ate_7scenes_long_mm",
@@ -1062,7 +1062,7 @@ def _(programs, folder):
         assert figures[key] is None, (key, figures)
 
 
-@case("exact answers refine a touch, the same again, and a run goes on without who is to give them", long=True)
+@case("full-order solutions refine a touch, reproducibly, and a run continues when their process is missing", long=True)
 def _(programs, folder):
     touched = folder / "touched"
     describes = write_ball(touched, BALL.replace('"none"', '"full"\nregions = 12\nheld_out = 0'))
@@ -1088,7 +1088,7 @@ def _(programs, folder):
     assert counts and int(counts[1]) >= 1, result.stdout
     assert touches("second", *refine)[0] == first != plain
 
-    # Another ball; and a program that ends: one line each, and the touch is the tables' alone.
+    # A description of another ball, and a process that exits: one message each, and the touch uses the tables only.
     other = write_ball(folder / "other", BALL.replace("60 kPa", "90 kPa"))
     alone = folder / "alone"
     alone.mkdir()
@@ -1107,7 +1107,7 @@ def _(programs, folder):
 
 
 def without_times(folder):
-    """All that a run says about its frames: file -> bytes, or live.json without what a clock measured."""
+    """All results of a run about its frames: file -> bytes, live.json without measured times."""
     said = {path.relative_to(folder): path.read_bytes() for name in ("depth", "moving", "visible", "body_depth")
             for path in sorted((folder / name).iterdir())}
     for name in ("touches.jsonl", "pose.jsonl", "trajectory.txt", "rectification.jsonl"):
@@ -1156,7 +1156,7 @@ def _(programs, folder):
     assert result.returncode == 0, result.stderr
     results = []
     for name in ("with", "without"):
-        if name == "without":  # the loop must not know where the truth is
+        if name == "without":  # the loop must not have access to the truth
             (folder / "clip/truth").rename(folder / "truth")
         programs.succeeds("live", body, "--source", folder / "clip/frames", "--out", folder / name)
         for file in ("touch.mp4", "timing.csv", "touches.jsonl", "live.json"):
@@ -1177,8 +1177,8 @@ def _(programs, folder):
 def _(programs, folder):
     write_ball(folder)
     body, grid = folder / "ball.toml", folder / "x.vtu"
-    # An octahedron on z = 0, 100 mm high; remeshing rounds its corners by some millimetres. A finger's tip comes
-    # straight down onto the upper one.
+    # An octahedron on z = 0, 100 mm high; remeshing rounds its corners by some millimetres. A fingertip moves straight down
+    # onto the upper one.
     finger = "capsule 8mm,8mm at 0,0,0.11 and 0,0,0.2 to 0,0,0.094"
     output = programs.succeeds("solve", body, "--obstacle", finger, "--steps", "4", "-o", grid).stdout
     rows = [line.split() for line in output.splitlines()]
@@ -1186,13 +1186,13 @@ def _(programs, folder):
     states = [dict(zip(rows[header], row)) for row in rows[header + 1:header + 5]]
     assert [float(state["way"]) for state in states] == [0.25, 0.5, 0.75, 1], states
     forces = [float(state["Fz/N"]) for state in states]
-    assert forces[1] == 0 and 0 > forces[2] > forces[3], forces  # it touches after half the way, and presses down
-    # At first nearly straight down; later the tip of a coarse mesh bends aside.
+    assert forces[1] == 0 and 0 > forces[2] > forces[3], forces  # it touches after half of the path, and presses down
+    # At first the force is nearly vertical; later the tip of a coarse mesh bends sideways.
     assert abs(float(states[2]["Fx/N"])) < 0.1 * -forces[2], states[2]
     for field in (b"displacement", b"von_mises", b"contact_force"):
         assert b'Name="' + field + b'"' in grid.read_bytes(), field
 
-    # The same finger as a surface with a pose: a box 16 mm wide whose lower face goes the same way.
+    # The same finger as a surface with a pose: a box 16 mm wide whose lower face moves along the same path.
     corners = [(x, y, z) for z in (0, 0.05) for y in (-0.008, 0.008) for x in (-0.008, 0.008)]
     faces = "0 2 3 1,4 5 7 6,0 1 5 4,2 6 7 3,0 4 6 2,1 3 7 5".split(",")
     (folder / "box.off").write_text("OFF\n8 6 0\n" + "".join(f"{x} {y} {z}\n" for x, y, z in corners)
@@ -1238,7 +1238,7 @@ def _(programs, folder):
             before[line["frame"]] = skin
     assert before, told
 
-    # Asked again, nothing is solved again; asked for more, what is there stays.
+    # Repeated, nothing is solved again; with more frames, existing solutions are kept.
     output = programs.succeeds("truth", clip, "--body", describes, "--frames", "4").stdout
     assert output.count("was there") == len(told), output
     assert all((deformed / f"{frame:06d}.ply").read_bytes() == skin for frame, skin in before.items())
@@ -1247,13 +1247,13 @@ def _(programs, folder):
     score = json.loads(programs.succeeds("score", clip / "truth", folder / "result", "--body", body, "--json").stdout)
     counts = [score[f"deformed_frames{kind}"] for kind in ("", "_shallow", "_unseen")]
     assert sum(counts) == len(before), score
-    # The body stands where scene.toml says, as it did when it was filmed.
+    # The body has the pose in scene.toml, as when the clip was rendered.
     assert score["placement_error_mm"]["p90"] < 1e-3, score
     assert score["frames_processed"] == score["frames"] == 120, score
     for key in ("displacement_error", "von_mises_error", "force_error", "overpress_mm"):
         assert key in score, key
 
-    # The tables' answer to the true hand, without a camera.
+    # The response of the tables to the true hand, without a camera.
     touched = folder / "touched"
     tables = write_ball(touched, BALL.replace('"none"', '"full"\nregions = 12\nheld_out = 0'))
     programs.succeeds("bake", tables, "-o", touched / "ball.palpable")
@@ -1261,7 +1261,7 @@ def _(programs, folder):
     deep = [line["frame"] for line in told if line["scored"] and line["depth_m"] >= 0.004]
     assert [frame["frame"] for frame in answer["clips"][str(clip)]["by_frame"]] == deep != [], answer
     assert answer["displacement_error"]["median"] < 0.15, answer
-    # Of the front alone the other side is assumed: worse, but no other touch.
+    # With the visible side only, the other side is assumed: less accurate, but the same touches.
     front = json.loads(
         programs.succeeds("bench", "clip", touched / "ball.palpable", clip, "--true-depth", "--json").stdout)
     assert front["frames"] == answer["frames"], front
@@ -1269,7 +1269,7 @@ def _(programs, folder):
     programs.refuses("bench", "clip", body, clip, says=["no tables of touch"])
     programs.refuses("bench", "clip", touched / "ball.palpable", folder / "none", says=["none"])
 
-    # The true skins handed in as the answer are perfect.
+    # A result that consists of the true skins is perfect.
     perfect = folder / "perfect"
     (perfect / "meshes").mkdir(parents=True)
     shutil.copy(deformed / "rest.ply", perfect / "meshes")
@@ -1281,13 +1281,13 @@ def _(programs, folder):
     (perfect / "live.json").write_text(json.dumps({"processed": sorted(before)}))
     score = json.loads(programs.succeeds("score", clip / "truth", perfect, "--json").stdout)
     for key in ("displacement_error", "von_mises_error", "force_error"):
-        # The stress of a PLY has single precision, the forces of deformed.jsonl nine decimals.
+        # The stress in a PLY has single precision, the forces in deformed.jsonl nine decimals.
         assert score[key] is None or score[key]["median"] < 1e-6, (key, score[key])
     told_in_short = "shape off by 0 % in the median (0 % in 9 of 10), force by 0 % (0 %)"
     text = programs.succeeds("score", clip / "truth", perfect).stdout
     assert (told_in_short in text) == (score["displacement_error"] is not None), text
 
-    # Drawn at another scale, the same skin is another body.
+    # The same skin at another scale belongs to another body.
     text = (deformed / "rest.ply").read_bytes()
     head, points = text.split(b"end_header\n", 1)
     count = int(re.search(rb"element vertex (\d+)", head)[1])
@@ -1297,13 +1297,13 @@ def _(programs, folder):
     (perfect / "meshes/rest.ply").write_bytes(head + b"end_header\n" + scaled + points[stride * count:])
     programs.refuses("score", clip / "truth", perfect, says=["meshes/rest.ply", "another body, scale or frame"])
 
-    # Another body, a clip without a truth, a folder that is none.
+    # Another body, a clip without a truth, an invalid folder.
     other = folder / "other"
     write_ball(other, BALL.replace('"100 mm"', '"90 mm"'))
     programs.refuses("truth", clip, "--body", other / "ball.toml", says=["truth/body.ply", "another skin"])
     programs.refuses("truth", clip, "--body", other / "ball.toml", "--baked", body,
                      says=[body.name, "another skin"])
-    (clip / "truth/body.ply").rename(folder / "body.ply")  # a film of before
+    (clip / "truth/body.ply").rename(folder / "body.ply")  # as in clips of earlier versions
     programs.refuses("truth", clip, "--body", other / "ball.toml", says=["deformed"])
     write_ball(other, BALL.replace("60 kPa", "600 kPa"))
     programs.refuses("truth", clip, "--body", other / "ball.toml", says=["deformed", "another material"])
@@ -1313,7 +1313,7 @@ def _(programs, folder):
     programs.refuses("truth", folder / "result", "--body", describes, says=["truth"])
 
 
-# A truth and a result of three frames, 20 x 10 px, whose scores can be counted by hand.
+# A truth and a result of three frames of 20 x 10 px, whose scores can be computed by hand.
 IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
 
 
@@ -1330,7 +1330,7 @@ def images(folder, shade, bits, frames=3):
 
 
 def write_truth(folder):
-    """A desk at 0.5 m; a hand at 0.3 m over the left quarter; 4 px at 0.1 m. The camera goes 2 mm a frame."""
+    """A desk at 0.5 m; a hand at 0.3 m over the left quarter; 4 px at 0.1 m. The camera moves by 2 mm per frame."""
     lines(folder / "camera.toml", ["width = 20", "height = 10", "fps = 2", "depth_unit_m = 0.00025"])
     images(folder / "depth", lambda n, x, y: 400 if y == 9 and x > 15 else 1200 if x < 5 else 2000, 16)
     images(folder / "labels", lambda n, x, y: 3 if x < 5 else 2, 8)
@@ -1342,19 +1342,19 @@ def write_truth(folder):
 
 
 def write_result(folder):
-    # The hand's depth is 2 % off in one column of five; the 0.1 m are called 0.5 m in one pixel of four.
+    # The hand's depth is wrong by 2 % in one column of five; one of the four pixels at 0.1 m is measured as 0.5 m.
     images(folder / "depth", lambda n, x, y: 1224 if x == 0 else 1200 if x < 5
            else (2000 if x == 16 else 65535) if y == 9 and x > 15 else 2000, 16)
     images(folder / "moving", lambda n, x, y: 255 if x < 4 or x == 12 else 0, 8)
-    # A body at 0.4 m over columns 2..11: hidden up to column 4; drawn from column 6 on, in frame 2 from 5.
+    # A body at 0.4 m in columns 2..11: hidden up to column 4; drawn from column 6 on, in frame 2 from column 5 on.
     images(folder / "body_depth", lambda n, x, y: 4000 if 2 <= x <= 11 and y < 9 else 0, 16)
     images(folder / "visible", lambda n, x, y: 255 if (5 if n == 2 else 6) <= x <= 11 and y < 9 else 0, 8)
     lines(folder / "trajectory.txt", [f"{n / 2} 0 0 0 0 0 0 1" for n in range(3)])
     lines(folder / "pose.jsonl", [{"frame": n, "camera_from_body": IDENTITY} for n in range(3)])
     lines(folder / "touches.jsonl", [{"frame": 2, "site": 1}])
     lines(folder / "rectification.jsonl", [{"frame": 0, "row_correction_px": 0.1}])
-    # A triangle with a corner 5 mm inside the hand. In frame 2 the corner rises by 3 mm, while the hand goes
-    # 2 mm with the camera: 1 mm is a pop.
+    # A triangle with a corner 5 mm inside the hand. In frame 2 the corner rises by 3 mm while the hand moves by 2 mm with the
+    # camera, so that 1 mm is a jump.
     for n in range(3):
         (folder / "meshes").mkdir(exist_ok=True)
         lines(folder / f"meshes/{n:06d}.ply", [
@@ -1435,7 +1435,7 @@ def _(programs, folder):
     close(scores["moving_false"], 1 / 20)  # of the two frames that have a mask
     close(scores["occlusion_iou"], (6 / 7 + 1) / 3)
     assert scores["occlusion_iou_worst_frame"] == 0, scores
-    # Frame 1 was not looked at: nothing of it counts, neither images nor path nor rows.
+    # Frame 1 was not processed: it does not count for any score, neither for images nor for path or rows.
     (result / "live.json").write_text(json.dumps({"processed": [0, 2]}))
     lines(result / "rectification.jsonl", [{"frame": n, "row_correction_px": 9 if n == 1 else 0.1} for n in range(3)])
     lines(result / "trajectory.txt", [f"{n / 2} {0.5 if n == 1 else 0} 0 0 0 0 0 1" for n in range(3)])
@@ -1468,11 +1468,11 @@ def _(programs, folder):
     poses = (result / "pose.jsonl").read_text()
     (result / "pose.jsonl").write_text("".join(poses.splitlines(keepends=True)[:2]))
     assert nulls() == {*surface, "jitter_mm"}
-    # Of a frame that was not looked at, the body is at rest where it truly stands; that must be known.
+    # In a frame that was not processed the body is at rest at its true pose, which must be known.
     (result / "live.json").write_text(json.dumps({"processed": [0, 1]}))
     (result / "meshes/000002.ply").unlink()
     assert nulls() == set(surface[:2])
-    place = [*IDENTITY[:11], 0.01, *IDENTITY[12:]]  # before the camera, or it would be refused
+    place = [*IDENTITY[:11], 0.01, *IDENTITY[12:]]  # in front of the camera, as any other would be refused
     (truth / "scene.toml").write_text(f"camera_from_body = {place}\n")
     assert nulls() == set()
 
@@ -1486,12 +1486,12 @@ def _(programs, folder):
     shutil.rmtree(result / "depth")
     lines(result / "touches.jsonl", [{"frame": 99, "site": 1}])
     programs.refuses("score", truth, result, says=["touches.jsonl", "99", "3 frames"])
-    # A trajectory of one pose fits every other one.
+    # A trajectory of a single pose can be aligned with any other.
     (result / "touches.jsonl").unlink()
     lines(result / "trajectory.txt", ["0 0 0 0 0 0 0 1"])
     scores = json.loads(programs.succeeds("score", truth, result, "--json").stdout)
     assert scores["ate_mm"] is None and abs(scores["trajectory_share"] - 1 / 3) < 1e-9, scores
-    # Where the body stood all the time is a result by itself.
+    # The constant pose of the body alone is a valid result.
     only = folder / "only"
     only.mkdir()
     (only / "live.json").write_text(json.dumps({"camera_from_body": IDENTITY}))
@@ -1545,10 +1545,10 @@ def _(programs, folder):
                           programs.palpable], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     scores = json.loads(run.stdout)
-    # Its wall at 0.5 m is where the desk is, and nowhere else.
+    # The wall at 0.5 m is correct where the desk is, and nowhere else.
     assert scores["depth_within_1pct"]["0.5"] == 1 and scores["hand_within_1pct"] == 0, scores
     assert scores["too_close_called_far"] == 1 and scores["ate_mm"] is None, scores
-    # Once more into the same folder; and without arguments it says how to use it.
+    # Again into the same folder; without arguments it prints its usage.
     run = subprocess.run([sys.executable, ROOT / "examples/score_my_depth.py", folder / "clip", folder / "mine",
                           programs.palpable], capture_output=True, text=True)
     assert run.returncode == 0 and json.loads(run.stdout) == scores, run.stderr
@@ -1556,7 +1556,7 @@ def _(programs, folder):
     assert run.returncode != 0 and run.stderr.startswith("usage: ") and run.stderr.count("\n") == 1, run.stderr
 
 
-@case("an earlier run is replaced only if asked, and nobody else's files at all")
+@case("an earlier run is replaced only with --overwrite, and other files never")
 def _(programs, folder):
     write_stereo(folder / "clip", frames=2)
     programs.succeeds(*live(programs, folder))
@@ -1593,7 +1593,7 @@ def _(programs, folder):
         assert kept() == before, wrong
     programs.refuses(*right, "--calibration", out / "live.json", says=["live.json", "would be overwritten"])
     assert kept() == before
-    # What is wrong with a source is known when its first frame has been looked at.
+    # Problems of a source are known after its first frame was evaluated.
     shutil.copytree(folder / "clip", folder / "crooked")
     for image in (folder / "crooked/right").iterdir():
         image.write_bytes(png(WIDTH, HEIGHT, lambda x, y: texture(24)(x, y - 14)))
@@ -1641,14 +1641,14 @@ def _(programs, folder):
         (truth / f"depth/{n:06d}.png").write_bytes(png(WIDTH // 2, HEIGHT // 2, lambda x, y: 1764, bits=16, channels=1))
     lines(truth / "trajectory.txt", [f"{n / 30:.6f} 0 0 0 0 0 0 1" for n in range(3)])
     scores = json.loads(programs.succeeds("score", truth, folder / "out", "--json").stdout)
-    # 25 px are 12.5 at the half size that is matched: half a pixel of it are 4 %. 12 of 160 columns have no partner.
+    # 25 px are 12.5 at half resolution, where half a pixel is 4 %. 12 of 160 columns have no counterpart.
     assert scores["depth_median"]["0.5"] < 0.04 and scores["depth_density"]["0.5"] > 0.85, scores
     assert scores["ate_mm"] < 1e-6 and scores["trajectory_share"] == 1 and scores["jitter_mm"] < 1e-6, scores
     assert scores["moving_iou"] is None and scores["moving_false"] is None and scores["row_error_px"] is None, scores
 
 
 def ply_points(path):
-    """Vertices (x, y, z) and the number of triangles of a binary PLY as `palpable scan` writes it."""
+    """Vertices (x, y, z) and the number of triangles of a binary PLY written by `palpable scan`."""
     header, body = path.read_bytes().split(b"end_header\n", 1)
     counts = {name: int(count) for name, count in re.findall(r"element (\w+) (\d+)", header.decode())}
     assert len(body) == 15 * counts["vertex"] + 13 * counts["face"], f"{path}: {counts}, {len(body)} bytes"
@@ -1657,7 +1657,7 @@ def ply_points(path):
 
 @case("a scanned wall is a surface where the wall is, in the world of the poses that are given")
 def _(programs, folder):
-    # A depth of this small picture scatters by 9 mm: twelve frames weigh as much as a voxel needs.
+    # Depth in this small picture has a standard deviation of 9 mm: twelve frames give a voxel enough weight.
     write_stereo(folder / "clip", frames=12)
     said = programs.succeeds("scan", folder / "clip", "-o", folder / "wall.ply", "--fuse-every", "0").stdout
     assert "12 frames, 12 fused, 0 without a pose" in said, said
@@ -1666,19 +1666,19 @@ def _(programs, folder):
     # 175 px * 0.063 m / 25 px; half a pixel of the matched 12.5 are 4 %.
     assert all(abs(z - 0.441) < 0.018 for _, _, z in points), (min(points), max(points))
 
-    # The same from a camera that is said to stand 1 m to the right.
+    # The same from a camera whose given poses are 1 m to the right.
     lines(folder / "poses.txt", ["# time tx ty tz qx qy qz qw"] + [f"{5 + n / 30:.6f} 1 0 0 0 0 0 1" for n in range(12)])
     programs.succeeds("scan", folder / "clip", "-o", folder / "moved.ply", "--fuse-every", "0",
                       "--trajectory", folder / "poses.txt")
     moved, again = ply_points(folder / "moved.ply")
     assert again == triangles, (again, triangles)  # 1 m is a whole number of voxels
     middle = [sum(p[axis] for p in moved) / len(moved) - sum(p[axis] for p in points) / len(points) for axis in range(3)]
-    # A float at 1 m has other last digits: a vertex more or less at the rim moves the mean of a thousand by 0.2 mm.
+    # A float near 1 m has other last digits: one more or one less vertex at the rim moves the mean of a thousand by 0.2 mm.
     assert all(abs(found - true) < 1e-3 for found, true in zip(middle, (1, 0, 0))), middle
 
 
 def png_rows(path):
-    """Rows of (r, g, b) of a PNG of 8 bits and three channels."""
+    """Rows of (r, g, b) of a PNG with 8 bits and three channels."""
     data, at, packed, size = path.read_bytes(), 8, b"", None
     while at < len(data):
         length, kind = struct.unpack_from(">I4s", data, at)
@@ -1745,15 +1745,15 @@ def _(programs, folder):
     refuses_poses(["0 0 0 0 0 0 0 1", "0.1 0 0 north 0 0 0 1"], "line 2", "tx ty tz")
     refuses_poses(["0 0 0 0 0 0 0 1", "# said twice", "0 0 0 0 0 0 0 1"], "line 3", "times must rise")
     refuses_poses(["0 0 0 0 0 0 0 2"], "line 1", "length 2")
-    # A wall seen twice at 9 mm of scatter: of so few frames all that was seen is kept.
+    # A wall seen twice with a standard deviation of 9 mm: of so few frames every surface is kept.
     programs.succeeds("scan", folder / "clip", "-o", out)
     assert out.exists()
 
 
 def write_desk(folder, frames=2):
-    """A desk under a camera that looks down by 45 degrees, 0.44 m away in the middle of the picture.
+    """A desk under a camera that looks down by 45 degrees, 0.44 m away in the centre of the picture.
 
-    Its left picture is the texture as it is; only how the eyes differ says where the desk is."""
+    Its left picture is the plain texture; only the difference of the eyes shows where the desk is."""
     height = 0.44 * sin(0.25 * 3.141592653589793)  # of the camera above it
 
     def inverse_depth(y):
@@ -1783,7 +1783,7 @@ def _(programs, folder):
     away = (pose[7] + pose[11]) * 0.5 ** 0.5
     assert abs(away / height - 1) < 0.03 and abs(pose[3]) < 0.03 and abs(pose[11] - 0.44) < 0.05, (away, pose)
 
-    # A wall that faces the camera looks as the desk does to one that looks straight down; beyond 1.5 m nobody touches.
+    # A wall that faces the camera cannot be told from a desk seen from above; planes beyond 1.5 m are not used.
     programs.succeeds(*words, write_stereo(folder / "below", frames=2), "--overwrite")
     pose = json.loads((folder / "out/live.json").read_text())["camera_from_body"]
     assert pose[10] < -0.99 and abs(pose[11] - 0.44) < 0.02, pose
@@ -1811,7 +1811,7 @@ def _(programs, folder):
 
 
 def on_screen(programs, *words, cwd=None):
-    """Runs the program on a screen of its own (Xvfb); None where there is none."""
+    """Runs the program on a virtual screen (Xvfb); None if that is not installed."""
     if shutil.which("xvfb-run") is None:
         print("SKIPPED: xvfb-run is not installed")
         return None
@@ -1829,7 +1829,7 @@ def _(programs, folder):
         programs.succeeds(*live(programs, folder, "--view", view, "--overwrite"))
         assert (folder / "out/touch.mp4").stat().st_size != seen
         assert json.loads((folder / "out/live.json").read_text())["view"] == view
-        # All else is the same.
+        # Everything else is equal.
         assert len(list((folder / "out/visible").iterdir())) == 24
     programs.refuses(*live(programs, folder, "--view", "below"), says=["--view", "below"])
     programs.refuses(*live(programs, folder, "--view", "map", "--pictures", "--overwrite"), says=["--pictures", "--view map"])
@@ -1857,11 +1857,11 @@ def _(programs, folder):
     last = sorted(path.name for path in (folder / "stress").glob("*level_100.png"))[-1]
     assert (folder / "pictures" / last).read_bytes() != (folder / "stress" / last).read_bytes()
     programs.refuses("view", programs.small_body(), "--paint", "szx2", "--out", folder / "x", says=["--paint", "szx2"])
-    # At its sites the force alone is known.
+    # At sites only the force is known.
     for sites in (words, ["view", programs.small_body(), "--out", folder / "x"]):
         programs.refuses(*sites, "--paint", "contact", says=["--paint contact", "sites", "tables of touch"])
 
-    # Modes of another program may come without stress: that is said, and no pressure of 0 is shown.
+    # Modes of another program may come without stress: that is an error, and no stress of 0 is shown.
     programs.succeeds("export", programs.small_body(), "--to", "numpy", "-o", folder / "modes")
     for file in (folder / "modes").glob("stress*"):
         file.unlink()
@@ -1894,7 +1894,7 @@ def _(programs, folder):
         try:
             window = screen.window()
             wait_for("a picture", lambda: screen.lit_share(window) > 0.9)
-            screen.type(window, "t")  # no panel, which would lie on the black
+            screen.type(window, "t")  # hides the panel, which would cover the black
             for width, height in ((640, 360), (900, 700), (300, 600)):
                 screen.resize(window, width, height)
                 # The picture is 16 : 9, the rest of the window black.
@@ -1935,19 +1935,19 @@ def _(programs, folder):
             screen.cover_for_a_moment(window)
             wait_for("the picture again", lambda: screen.pixels(window) == rest)
 
-            # On the body: pressed until the button that began it is released.
+            # On the body: it is pressed until the same button is released.
             body, beside = (640, 360), (1200, 600)
             screen.mouse(window, (MOTION, *body), (BUTTON_PRESS, *body, LEFT), (MOTION, body[0] + 300, body[1]))
             wait_for("a press", lambda: screen.pixels(window) != rest)
             time.sleep(0.3)  # a few pictures
             pressed = screen.pixels(window)
             screen.mouse(window, (BUTTON_PRESS, *beside, RIGHT), (BUTTON_RELEASE, *beside, RIGHT))
-            time.sleep(0.5)  # what springs back takes a fifth of a second
+            time.sleep(0.5)  # springing back takes a fifth of a second
             assert screen.pixels(window) == pressed, "the right button ended the press of the left one"
             screen.mouse(window, (BUTTON_RELEASE, *beside, LEFT))
             wait_for("the body at rest", lambda: screen.pixels(window) == rest)
 
-            # Beside it: a turn, of which all happens between two pictures.
+            # Beside the body: a turn whose events all occur between two pictures.
             screen.mouse(window, (MOTION, *beside), (BUTTON_PRESS, *beside, LEFT), (MOTION, beside[0] - 200, beside[1]),
                          (BUTTON_RELEASE, beside[0] - 200, beside[1], LEFT))
             wait_for("a turn", lambda: screen.pixels(window) != rest)
@@ -1985,7 +1985,7 @@ def _(programs, folder):
     programs.succeeds("live", programs.small_body(), "--source", recording, "--place",
                       "-0.125 0.063 0.667 0 29 0", "--out", folder / "out")
     counts = json.loads((folder / "out/live.json").read_text())
-    # The recording shows the hand over this place from frame 43 on, its finger on it by frame 60
+    # In the recording the hand is over this position from frame 43 on, its finger on it by frame 60
     # (tests/sessions measures that in the depth itself).
     assert 43 <= counts["first_touch_frame"] <= 60, counts
 
@@ -2028,7 +2028,7 @@ def _(programs, folder):
 
 
 def write_boards(folder, poses, square=0.03):
-    """A board of 7 x 4 inner corners before two eyes 70 mm apart, as gray pictures without a library."""
+    """A board of 7 x 4 inner corners in front of two eyes 70 mm apart, as grey pictures written without a library."""
     focal, width, height = 300.0, 320, 240
     for eye, offset in (("left", 0.0), ("right", 0.07)):
         (folder / eye).mkdir(parents=True)
@@ -2069,7 +2069,7 @@ def _(programs, folder):
     result = programs.succeeds(*words, "-o", folder / "found.yml", "--json")
     found = json.loads(result.stdout)
     assert found["boards"] == 8, found
-    # A pixel of four samples places an edge to an eighth: corners of 0.1 px, lenses to a percent.
+    # A pixel of four samples locates an edge to an eighth of a pixel: corners to 0.1 px, lenses to a percent.
     for eye in ("left", "right"):
         for name in ("fx_px", "fy_px"):
             assert abs(found[eye][name] / 300 - 1) < 0.02, found
@@ -2080,12 +2080,12 @@ def _(programs, folder):
     assert "8 boards in 8 pairs; tilt" in table and "again.yml" in table, table
     checked = programs.succeeds(*words, "--check", folder / "found.yml").stdout
     assert "rows after rectification" in checked, checked
-    # The file is what live reads.
+    # live reads the file.
     programs.succeeds(*live(programs, folder, "--calibration", folder / "found.yml", "--frames", "2",
                             source="boards"))
 
     programs.refuses(*words, says=["-o is needed"])
-    # Beside its pictures it may be made, but what stands there belongs to the source.
+    # A new file may be made beside the pictures, but existing files there belong to the source.
     programs.succeeds(*words, "-o", folder / "boards/own.yml")
     programs.refuses(*words, "-o", folder / "boards/own.yml", says=["own.yml", "would be destroyed"])
     programs.refuses(*words, "-o", folder / "none/x.yml", says=["none/x.yml", "does not exist"])
@@ -2113,9 +2113,9 @@ def _(programs, folder):
     words = ("live", programs.small_body(), "--source", folder / "boards", "--out", folder / "out", "--anchor", "board")
     programs.succeeds(*words, "--board", "7x4", "--square", "30")
     pose = json.loads((folder / "out/live.json").read_text())["camera_from_body"]
-    # Corners of 0.1 px on a board 130 px wide.
+    # Corners are accurate to 0.1 px on a board 130 px wide.
     assert all(abs(found - true) < 0.002 for found, true in zip((pose[3], pose[7], pose[11]), (0.04, 0.02, 0.42))), pose
-    # The columns of write_boards' rotation: Y along the rows of squares, but upwards, and Z to the camera.
+    # The columns of write_boards' rotation: Y along the rows of squares, but upwards, and Z towards the camera.
     along = cos(0.2), 0.0, -sin(0.2)
     out = -cos(-0.5) * sin(0.2), sin(-0.5), -cos(-0.5) * cos(0.2)
     assert all(abs(pose[4 * i] - along[i]) < 0.02 and abs(pose[4 * i + 2] - out[i]) < 0.02 for i in range(3)), (pose, out)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs that are recorded, and played again to the same states."""
+"""Recorded runs, and replays with identical states."""
 import json
 import re
 import shutil
@@ -20,7 +20,7 @@ FRAMES = 12
 
 
 def write_clip(folder, frames=FRAMES):
-    """A wall that presses the body, and comes nearer from frame to frame."""
+    """A wall that presses the body and advances from frame to frame."""
     base.write_stereo(folder, frames=1)
     for n in range(1, frames):
         for eye, shift in (("left", 0), ("right", 25 + n // 4)):
@@ -36,7 +36,7 @@ def states_of(printed):
 
 
 def record(programs, folder, *more, frames=FRAMES):
-    """A recorded run of the clip. Returns what it printed of its states."""
+    """Records a run of the clip. Returns the printed hash of its states."""
     if not (folder / "clip").exists():
         write_clip(folder / "clip", frames)
     result = programs.succeeds("live", touched_body(programs), "--source", folder / "clip", "--record", folder / "a.palprec",
@@ -46,7 +46,7 @@ def record(programs, folder, *more, frames=FRAMES):
 
 
 def chunks_of(data):
-    """(kind, where its head begins, where it ends) of each chunk, as docs/recording_file.md has them."""
+    """(kind, begin, end) of each chunk, as in docs/recording_file.md."""
     assert data[:8] == b"PALPREC\n" and struct.unpack_from("<I", data, 8) == (1,)
     at, chunks = 12, []
     while at < len(data):
@@ -73,7 +73,7 @@ def _(programs, folder):
         assert (folder / "again" / name).read_bytes() == (folder / "out" / name).read_bytes(), name
     touches = (folder / "out/touches.jsonl").read_text().splitlines()
     assert any(json.loads(line)["touches"] for line in touches)
-    # What is painted is no part of the states.
+    # The paint is not part of the states.
     films = {(folder / "again/touch.mp4").read_bytes()}
     for paint in ("pressure", "contact"):
         painted = programs.succeeds("replay", folder / "a.palprec", "--paint", paint, "--out", folder / paint)
@@ -90,7 +90,7 @@ def _(programs, folder):
 @case("a recording of before the modules moved still plays, with the body that was baked for it")
 def _(programs, folder):
     data = base.ROOT / "tests/data"
-    # Equal states are promised for one build only: of another one they may differ, and the end then says so.
+    # Equal states are promised for one build only; with another one they may differ, which the last message reports.
     result = programs.run("replay", data / "wall_v1.palprec", "--body", data / "touched_ball_v1.palpable", "--out", folder / "out")
     assert states_of(result.stdout)[1] == "30", (result.stdout, result.stderr)
     if result.returncode == 0:
@@ -136,7 +136,7 @@ def _(programs, folder):
     programs.succeeds(*words, "--paced")
     assert states_of(programs.succeeds("replay", folder / "c.palprec").stdout) == states
     programs.refuses(*words, "--right", "x", says=["b.palprec", "--right"])
-    # All of it was read, though nothing but noise was seen.
+    # All of it was read, although only noise was visible.
     programs.refuses("scan", folder / "elsewhere/b.palprec", "-o", folder / "room.ply",
                      says=[f"no surface within 3 m was seen in {FRAMES} frames (0 without a pose, 0 triangles)"])
 
@@ -156,7 +156,7 @@ def _(programs, folder):
         assert states_of(result.stdout)[1] == str(known), (size, result.stdout)
         assert f"{known} of {known} states of the live run: equal\n" in result.stdout, result.stdout
         assert "cut.palprec was cut off" in result.stdout, result.stdout
-    # One bit of one pixel.
+    # Changes one bit of one pixel.
     damaged = bytearray(whole)
     damaged[(frames[6][1] + frames[6][2]) // 2] ^= 1
     cut.write_bytes(damaged)
@@ -183,7 +183,7 @@ def _(programs, folder):
 
 
 def checksum(kind, payload):
-    """As docs/recording_file.md says."""
+    """As in docs/recording_file.md."""
     mask = 2**64 - 1
     value = 0xcbf29ce484222325
     padded = payload + bytes(-len(payload) % 8)
@@ -254,11 +254,11 @@ def _(programs, folder):
     assert known > 5 and f"{known} of {known} states of the live run: equal" in result.stdout, result.stdout
 
 
-@case("exact answers of a second process are in the recording, and a run that did not wait for them replays")
+@case("full-order solutions of a second process are in the recording, and a run that did not wait for them replays")
 def _(programs, folder):
     base.write_stereo(folder / "clip", frames=30)
     body = touched_body(programs)
-    # The wall stands 4 mm in the ball.
+    # The wall penetrates the ball by 4 mm.
     words = ("live", body, "--source", folder / "clip", "--press-static", "--overwrite", "--record", folder / "a.palprec",
              "--place", "1 0 0 0 0 0 -1 0.04 0 1 0 0.402 0 0 0 1")
     plain = states_of(programs.succeeds(*words).stdout)
@@ -280,7 +280,7 @@ def _(programs, folder):
     write_clip(folder / "clip")
     live = programs.succeeds("live", "--scene", two_balls(programs, folder), "--source", folder / "clip", "--record",
                              folder / "a.palprec", "--out", folder / "out")
-    (folder / "desk.toml").unlink()  # it is in the recording
+    (folder / "desk.toml").unlink()  # the replay must not need it
     result = programs.succeeds("replay", folder / "a.palprec", "--out", folder / "again")
     assert states_of(result.stdout) == states_of(live.stdout)
     for name in ("touches.jsonl", "pose.jsonl"):
@@ -308,11 +308,11 @@ def _(programs, folder):
     write_clip(folder / "clip", frames=30)
     exact = paper_touches(programs, folder, "--paper-nodes", "all", "--distance", "grid")
     field = paper_touches(programs, folder, "--paper-nodes", "all", "--distance", "voxmap")
-    # The wall goes through the ball, so a node is always nearer to it than a voxel, where the field is exact.
+    # The wall passes through the ball, so that some node is always within one voxel of it, where the field is exact.
     assert field == exact and len(exact) == 30, (field, exact)
     assert sum(map(len, exact.values())) > 20 and len({touch[0][0] for touch in exact.values() if touch}) > 1, exact
     assert paper_touches(programs, folder, "--paper-nodes", "sites") != exact
-    # Each of the other options changes what is answered, and is asked for in its own unit.
+    # Each of the other options changes the results, and has its own unit.
     usual = paper_touches(programs, folder)
     assert paper_touches(programs, folder, "--paper-step", 2, "--paper-press", 12, "--paper-release", 25, "--paper-nodes",
                          "sites", "--distance", "grid") == usual
@@ -363,7 +363,7 @@ def _(programs, folder):
         wrong = json.loads(json.dumps(about))
         wrong["run"]["paper"][key] = value
         programs.refuses(*play(wrong, data), says=["changed.palprec", says])
-    # An earlier version's has no such key.
+    # Recordings of earlier versions do not have this key.
     del about["run"]["paper"]
     programs.refuses(*play(about, data), says=["states", "differ"])
     usual = record(programs, folder, "--contact", "paper")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Several bodies on one desk: what a scene's text may say, and that film, loop and score know each by its name."""
+"""Several bodies on one desk: the text of a scene, and clip, loop and score, which name each body."""
 import json
 import sys
 from pathlib import Path
@@ -22,7 +22,7 @@ def scene(folder, *bodies, name="desk.toml"):
 
 
 def two_balls(programs, folder):
-    """One of 100 mm, and one of half that 90 mm to the right of it, in another colour."""
+    """One ball of 100 mm, and one of half that size 90 mm to the right of it, in another colour."""
     ball = programs.small_body()
     return scene(folder, body("large", ball),
                  body("small", ball, 'beside = "large"\nscale = 0.5\nat = ["90 mm", "0 mm", "0 mm"]\n'
@@ -76,7 +76,7 @@ def _(programs, folder):
     large, small = score["bodies"]["large"], score["bodies"]["small"]
     assert large["frames_touching"] > 0 and large["touch_recall"] > 0.8, large
     assert small["frames_touching"] == 0 and not small["touch_false_5mm"], small
-    # The same again gives the same.
+    # A repetition gives the same result.
     programs.succeeds("live", "--scene", desk, "--source", clip / "frames", "--meshes", "--out", folder / "again")
     for file in ("touches.jsonl", "pose.jsonl"):
         assert (out / file).read_bytes() == (folder / "again" / file).read_bytes(), file

@@ -1,4 +1,4 @@
-"""A screen of a test's own (Xvfb) and a user before it, who looks at a program's window, resizes it and types.
+"""A virtual screen for a test (Xvfb) and a simulated user, who looks at a program's window, resizes it and types.
 
 Xlib is called through ctypes; its structures below are those of X11/Xlib.h, on machines with 64 bits.
 """
@@ -12,7 +12,7 @@ from ctypes import CFUNCTYPE, POINTER, Structure, byref, c_char_p, c_int, c_long
 KEY_PRESS, KEY_RELEASE, BUTTON_PRESS, BUTTON_RELEASE, MOTION = 2, 3, 4, 5, 6
 LEFT, RIGHT = 1, 3
 Z_PIXMAP = 2
-SECONDS = 60  # that anything may take
+SECONDS = 60  # s, limit for any wait
 
 
 class Attributes(Structure):
@@ -29,7 +29,7 @@ class Picture(Structure):
 
 
 class Event(Structure):
-    """XKeyEvent and XButtonEvent; XMotionEvent has no detail there, but the same places before it."""
+    """XKeyEvent and XButtonEvent; XMotionEvent has no detail there, but the same members before it."""
     _fields_ = [("type", c_int), ("serial", c_ulong), ("sent", c_int), ("display", c_void_p), ("window", c_ulong),
                 ("root", c_ulong), ("below", c_ulong), ("time", c_ulong), ("x", c_int), ("y", c_int),
                 ("x_root", c_int), ("y_root", c_int), ("state", c_uint), ("detail", c_uint), ("same", c_int),
@@ -47,7 +47,7 @@ HANDLER = CFUNCTYPE(c_int, c_void_p, POINTER(Error))
 
 @HANDLER
 def forgive_a_closed_window(_display, error):
-    """A window may go at the press of a key, before the same key's release has been sent to it."""
+    """A window may close at the press of a key, before the release of that key has been sent to it."""
     if (error.contents.code, error.contents.request) == (BAD_WINDOW, SEND_EVENT):
         return 0
     print(f"X error {error.contents.code} of request {error.contents.request}", flush=True)
@@ -55,7 +55,7 @@ def forgive_a_closed_window(_display, error):
 
 
 def wait_for(what, seen):
-    """Calls `seen` until it says something that is true, and returns that."""
+    """Calls `seen` until it returns something true, and returns that."""
     end = time.monotonic() + SECONDS
     while time.monotonic() < end:
         result = seen()
@@ -66,7 +66,7 @@ def wait_for(what, seen):
 
 
 class Screen:
-    """with Screen() as screen: ...; `screen.missing` says what is not installed, or nothing."""
+    """with Screen() as screen: ...; `screen.missing` names what is not installed; None if nothing."""
 
     def __init__(self):
         self.missing = "" if shutil.which("Xvfb") else "no Xvfb (Debian package xvfb)"
@@ -114,7 +114,7 @@ class Screen:
             self.server.wait()
 
     def start(self, *command, **options):
-        """A program on this screen."""
+        """Starts a program on this screen."""
         return subprocess.Popen([str(word) for word in command], env={**os.environ, "DISPLAY": self.name},
                                 stdin=subprocess.DEVNULL, **options)
 
@@ -127,7 +127,7 @@ class Screen:
         return [window for window in found if self.attributes(window).map_state == 2]
 
     def window(self):
-        """The one that is shown, once there is one."""
+        """The visible window; waits until there is one."""
         return wait_for("a window", self.windows)[0]
 
     def attributes(self, window):
@@ -140,7 +140,7 @@ class Screen:
         self.x.XSync(self.display, 0)
 
     def cover_for_a_moment(self, window):
-        """With a black window, which goes again. What the window below has lost it has to draw."""
+        """Covers the window with a black one and removes that again, so that the window has to be redrawn."""
         size = self.attributes(window)
         cover = self.x.XCreateSimpleWindow(self.display, self.root, size.x, size.y, size.width, size.height, 0, 0, 0)
         self.x.XMapRaised(self.display, cover)
@@ -150,7 +150,7 @@ class Screen:
         self.x.XSync(self.display, 0)
 
     def pixels(self, window):
-        """All of the window's, 4 bytes each."""
+        """The window's pixels, 4 bytes each."""
         size = self.attributes(window)
         image = self.x.XGetImage(self.display, window, 0, 0, size.width, size.height, 0xFFFFFF, Z_PIXMAP)
         picture = Picture.from_address(image)
@@ -175,7 +175,7 @@ class Screen:
         self.x.XSync(self.display, 0)
 
     def mouse(self, window, *happened):
-        """(kind, x, y) or (kind, x, y, button) each, which reach the program together."""
+        """Sends events (kind, x, y) or (kind, x, y, button) to the program together."""
         for kind, x, y, *button in happened:
             event = Event(type=kind, display=self.display, window=window, root=self.root, same=1, x=x, y=y)
             event.detail = button[0] if button else 0

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures, rigs and files that nobody tuned for: one case, one test, as in programs.py. `--list` names the cases."""
+"""Pictures, rigs and files for which nothing was tuned; one case is one test, as in programs.py. `--list` names the cases."""
 import json
 import shutil
 import sys
@@ -16,7 +16,7 @@ case = base.case
 
 
 def write_pair(folder, left="imL.png", right="imR.png"):
-    """One moment of base.write_stereo() as two named pictures."""
+    """One frame of base.write_stereo() as two named pictures."""
     clip = base.write_stereo(folder / "clip", frames=1)
     shutil.copy(clip / "left/000000.png", folder / left)
     shutil.copy(clip / "right/000000.png", folder / right)
@@ -35,7 +35,7 @@ def _(programs, folder):
     assert json.loads((folder / "out/live.json").read_text())["frames"] == 1
     programs.refuses("scan", pair[0], "-o", folder / "a.ply", says=["no pair side by side", "--right"])
     programs.refuses("scan", folder / "none.png", "--right", pair[2], "-o", folder / "a.ply", says=["no image is called", "none.png"])
-    # What is scanned is not what is written over.
+    # An input must not be overwritten.
     programs.refuses("scan", *pair, "-o", folder / "b.ply", "--picture", folder / "imR.png", says=["imR.png"])
 
 
@@ -50,7 +50,7 @@ def _(programs, folder):
 
 
 def pose_rows(angle, x):
-    """world_from_camera of a camera that turns about Y, 3 rows."""
+    """world_from_camera, 3 rows, of a camera rotated about Y."""
     return [[cos(angle), 0, sin(angle), x], [0, 1, 0, 0.1 * x * x], [-sin(angle), 0, cos(angle), 0]]
 
 
@@ -156,7 +156,7 @@ def _(programs, folder):
     assert "accepted although" in said and "standard deviation" in said, said
     found = json.loads(programs.succeeds(*words, "--accept", "--json").stdout)
     assert "5 pairs" in found["weakness"], found
-    # As wrong as it says, and no more.
+    # The error is within the stated uncertainty.
     assert abs(found["left"]["fx_px"] / 300 - 1) < 4 * found["focal_sigma"], found
 
 

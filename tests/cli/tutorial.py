@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docs/tutorial.md, command by command: a cube for the duck, the filmed desk for the camera, no window."""
+"""docs/tutorial.md, command by command: a cube in place of the duck, a rendered desk in place of the camera, no window."""
 import re
 import shlex
 import sys
@@ -23,9 +23,9 @@ def blocks(text):
 
 
 def as_tested(words):
-    """No camera and no screen: the film of the desk, and no window."""
+    """Replaces the camera by the rendered desk and removes --window."""
     replaced = ["desk/frames" if word == "/dev/video0" else word for word in words if word != "--window"]
-    if "/dev/video0" in words:  # the film brings its own calibration
+    if "/dev/video0" in words:  # the clip has its own calibration
         at = replaced.index("--calibration")
         del replaced[at:at + 2]
     return replaced
@@ -50,7 +50,7 @@ def _(programs, folder):
                 print("SKIPPED: no OpenGL here: " + result.stderr.strip())
                 return
             if words[1] == "cameras":
-                continue  # there may be none
+                continue  # there may be no camera
             assert result.returncode == 0, f"{line}\n{result.stdout}\n{result.stderr}"
             print(line, "|", result.stdout.strip().splitlines()[-1:] or "")
             ran += 1

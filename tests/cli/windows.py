@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The windows of live and view, used by mouse and keys on a screen of the test's own: one case, one test, as in
-programs.py. `--list` names the cases."""
+"""The windows of live and view, operated by mouse and keys on a virtual screen; one case is one test, as in programs.py.
+`--list` names the cases."""
 import json
 import shutil
 import sys
@@ -18,7 +18,7 @@ case = base.case
 
 @contextmanager
 def shown(programs, here, *words):
-    """(screen, window, process) of a program whose window shows a picture; nothing where there is no screen."""
+    """(screen, window, process) of a program whose window shows a picture; nothing without a screen."""
     here.mkdir(parents=True, exist_ok=True)
     with Screen() as screen:
         if screen.missing:
@@ -36,7 +36,7 @@ def shown(programs, here, *words):
 
 
 def settled(screen, window):
-    """The window's pixels once they stay as they are for a while."""
+    """The window's pixels after they have not changed for a while."""
     last = [screen.pixels(window), 0]
 
     def is_still():
@@ -48,7 +48,7 @@ def settled(screen, window):
 
 
 def changed_by(screen, window, what, do):
-    """The window's pixels after `do`, which changes them, once they stay: a window is seen half drawn, too."""
+    """The window's pixels after `do` has changed them and they are constant: an intermediate state may be half drawn."""
     before = screen.pixels(window)
     do()
     wait_for(what, lambda: screen.pixels(window) != before)
@@ -56,13 +56,13 @@ def changed_by(screen, window, what, do):
 
 
 def enlarge(screen, window):
-    """Makes the window so large that the panel's letters have 15 px."""
+    """Enlarges the window so that the panel's letters have 15 px."""
     screen.resize(window, 1280, 720)
     wait_for("the larger picture", lambda: screen.lit_share(window) > 0.8)
 
 
 def share_apart(one, other):
-    """The share of two windows' bytes that are more than 16 apart."""
+    """The share of two windows' bytes that differ by more than 16."""
     return sum(abs(a - b) > 16 for a, b in zip(one, other)) / len(one)
 
 
@@ -91,7 +91,7 @@ def _(programs, folder):
         changed_by(screen, window, "no legend", type_key("l"))
         assert changed_by(screen, window, "the legend", type_key("l")) == camera
 
-        # What is kept is what is shown, without the panel: of the window's size here, so to the bit.
+        # The saved picture is the one shown, without the panel; here it has the window's size, so that it is bit-identical.
         seen = colors(screen, window)
         screen.type(window, "p")
         kept = here / "ball_live_1.png"
@@ -103,7 +103,7 @@ def _(programs, folder):
         wait_for("a second picture", lambda: second.exists() and second.stat().st_size > 0)
         assert second.read_bytes() == kept.read_bytes(), "the panel is in the picture"
 
-        # It waits where it is until it is told to go on by one frame. The caption says the time.
+        # The run waits until the next frame is requested. The caption contains the time.
         assert program.poll() is None
         changed_by(screen, window, "the next frame", type_key("s"))
         changed_by(screen, window, "the keys", type_key("h"))
@@ -122,7 +122,7 @@ def click(screen, window, x, y):
 
 
 def places(folder):
-    """Of each frame the body's 16 numbers in the camera."""
+    """For each frame the body's 16 numbers in the camera frame."""
     return [json.loads(line)["camera_from_body"] for line in (folder / "out/pose.jsonl").read_text().splitlines()]
 
 
@@ -135,26 +135,26 @@ def _(programs, folder):
         screen, window, program = given
         enlarge(screen, window)
         changed_by(screen, window, "no panel", lambda: screen.type(window, "t"))
-        # Without the key a click is none; with it the next frame shows the body there.
+        # Without the key a click has no effect; with it the next frame shows the body there.
         before = settled(screen, window)
         click(screen, window, 900, 300)
         screen.type(window, "a")
         assert settled(screen, window) == before
         changed_by(screen, window, "the body elsewhere", lambda: click(screen, window, 900, 300))
-        # The matcher sees nothing at the left margin: there the next frame comes, and the body stays.
+        # The matcher has no depth at the left margin: after a click there the next frame comes, and the body stays.
         screen.type(window, "a")
         changed_by(screen, window, "a frame", lambda: click(screen, window, 4, 300))
-        screen.type(window, ESCAPE)  # not the end: it ends the placing, which goes on until a click says a place
+        screen.type(window, ESCAPE)  # ends the placing, not the program; otherwise it continues until a valid click
         changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
         screen.type(window, ESCAPE)
         assert program.wait(timeout=60) == 0
     first, placed, still, anew = places(folder)
-    # The wall stands 0.441 m away and faces the camera; a pixel of the picture is 4 of the window.
+    # The wall is 0.441 m away and faces the camera; one pixel of the picture is 4 px of the window.
     where = [placed[at] for at in (3, 7, 11)]
     meant = [((900 + 0.5) / 4 - 0.5 - 159.5) / 175 * 0.441, ((300 + 0.5) / 4 - 0.5 - 89.5) / 175 * 0.441, 0.441]
     assert all(abs(a - b) < 0.01 for a, b in zip(where, meant)), (where, meant)
-    assert placed[10] < -0.99, placed  # its Z comes out of the wall
-    # A camera that stands still is followed to a millimetre.
+    assert placed[10] < -0.99, placed  # its Z points out of the wall
+    # The pose of a fixed camera is tracked to a millimetre.
     assert all(abs(a - b) < 1e-3 for a, b in zip(placed, still)), (placed, still)
     assert anew == first
 
@@ -171,23 +171,23 @@ def _(programs, folder):
             screen, window, program = given
             enlarge(screen, window)
             changed_by(screen, window, "no panel", lambda: screen.type(window, "t"))
-            changed_by(screen, window, "a frame", lambda: screen.type(window, "s"))  # the caption says the time
+            changed_by(screen, window, "a frame", lambda: screen.type(window, "s"))  # the caption contains the time
             changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
             screen.type(window, ESCAPE)
             assert program.wait(timeout=60) == 0
         first, *_, anew = places(folder)
         assert len(places(folder)) == 3
-        # The start takes the median of all frames' planes, the new beginning the plane of one.
+        # The start uses the median of all frames' planes, the restart the plane of one frame.
         assert all(abs(a - b) < 0.02 for a, b in zip(first, anew)), (at, first, anew)
         if at:
             x, y, z = (anew[k] for k in (3, 7, 11))
             assert abs(175 * x / z + 159.5 - 90) < 2 and abs(175 * y / z + 89.5 - 130) < 2, anew
 
 
-# What the panel looked like when somebody looked at it, without the line that says how fast the run is.
+# The panel as it was approved, without the line with the run's speed.
 PANEL = Path(__file__).parent.parent / "data/live_panel.png"
 PANEL_SIZE = (224, 612)
-PANEL_FROM = 30  # px from above
+PANEL_FROM = 30  # px from the top
 
 
 @case("the panel of live looks as it did")
@@ -206,8 +206,8 @@ def _(programs, folder):
     (folder / "panel.png").write_bytes(base.png_of_rows(now))
     then = base.png_rows(PANEL)
     assert (len(then), len(then[0])) == (len(now), len(now[0]))
-    # Letters and buttons have soft edges, which another Mesa may round by some grey levels; what moved by a pixel
-    # changes the edges of all letters, 4 % of the panel.
+    # Letters and buttons have soft edges, which another Mesa may round by some grey levels; a shift by one pixel changes the
+    # edges of all letters, 4 % of the panel.
     apart = [max(abs(a - b) for a, b in zip(one, other)) > 48 for one, other in zip(sum(now, []), sum(then, []))]
     assert sum(apart) / len(apart) < 0.005, f"{sum(apart)} px of the panel are others: {folder / 'panel.png'}"
 
@@ -221,7 +221,7 @@ def _(programs, folder):
         screen, window, program = given
         enlarge(screen, window)
         for _ in range(10):
-            # The caption says the time.
+            # The caption contains the time.
             changed_by(screen, window, "the next frame", lambda: screen.type(window, "s"))
 
         def picture():
@@ -235,7 +235,7 @@ def _(programs, folder):
             changed_by(screen, window, "a switch", lambda: click(screen, window, *place))
             seen.append(picture())
         assert len(set(seen)) == 3, "stress, zz and xx"
-        # A session that begins anew keeps what is painted of its first frame, too.
+        # A restarted session keeps the painted quantity, also in its first frame.
         changed_by(screen, window, "the beginning", lambda: screen.type(window, "e"))
         anew = picture()
         changed_by(screen, window, "the start", lambda: screen.type(window, "r"))
@@ -256,7 +256,7 @@ def _(programs, folder):
         enlarge(screen, window)
 
         def step():
-            # The caption says the time.
+            # The caption contains the time.
             changed_by(screen, window, "the next frame", lambda: screen.type(window, "s"))
         step()
         step()
@@ -270,8 +270,8 @@ def _(programs, folder):
         assert len(found) == 1, found
         changed_by(screen, window, "the end of the second", lambda: click(screen, window, *record))
         step()
-        # What begins a session ends a recording of the one before.
-        time.sleep(1.1)  # its name has the second
+        # A change that begins a session ends the recording of the previous one.
+        time.sleep(1.1)  # its name contains the second
         screen.type(window, "v")
         step()
         step()
@@ -299,7 +299,7 @@ def _(programs, folder):
 
 @case("a paused window of a camera holds its picture, and the run goes on behind it")
 def _(programs, folder):
-    base.write_stereo(folder / "clip", frames=240)  # 8 s as a camera gives them
+    base.write_stereo(folder / "clip", frames=240)  # 8 s at a camera's rate
     with shown(programs, folder, *base.live(programs, folder, "--window", "--paused", "--paced")) as given:
         if given is None:
             return
@@ -330,9 +330,9 @@ def _(programs, folder):
             changed_by(screen, window, "no panel", lambda: screen.type(window, "t"))
             rest = changed_by(screen, window, "no help", lambda: screen.type(window, "h"))
             pressed = []
-            # Two places nearest to one site: a finger presses both, a site is pressed but once.
+            # Two positions nearest to the same site: a finger presses at both, a press at a site is the same.
             for place in ((600, 300), (612, 300)):
-                # Dragged so far that it is the full press at once.
+                # Dragged so far that the full press is reached at once.
                 far = (place[0], place[1] + 300)
                 screen.mouse(window, (MOTION, *place), (BUTTON_PRESS, *place, LEFT), (MOTION, *far))
                 wait_for("a press", lambda: screen.pixels(window) != rest)
@@ -340,7 +340,7 @@ def _(programs, folder):
                 screen.mouse(window, (BUTTON_RELEASE, *far, LEFT))
                 wait_for("the body at rest", lambda: screen.pixels(window) == rest)
             assert (pressed[0] != pressed[1]) == presses_anywhere, body
-            # At rest all fields are 0, and the body looks like its material; pressed each looks otherwise.
+            # At rest all fields are 0, and the body has its material's colour; pressed, each field looks different.
             screen.mouse(window, (MOTION, *place), (BUTTON_PRESS, *place, LEFT), (MOTION, *far))
             wait_for("a press", lambda: screen.pixels(window) != rest)
             stress = settled(screen, window)
@@ -348,7 +348,7 @@ def _(programs, folder):
                 changed_by(screen, window, field, lambda: screen.type(window, "f"))
             assert share_apart(settled(screen, window), stress) > 0.05
             changed_by(screen, window, "stress", lambda: screen.type(window, "f"))
-            # A finger that is held is answered anew for each picture, and settles by less than is seen.
+            # The contact of a held finger is computed again for each picture; the changes are too small to be visible.
             assert share_apart(settled(screen, window), stress) < 0.01
             screen.mouse(window, (BUTTON_RELEASE, *far, LEFT))
             screen.type(window, ESCAPE)
@@ -359,7 +359,7 @@ def _(programs, folder):
 def _(programs, folder):
     soft = programs.baked_ball(programs.work / "sliding", base.BALL + base.UPPER_HALF)
     base.write_stereo(folder / "clip", frames=12)
-    # The panel says its name in one line, in whatever folder it lies.
+    # The panel shows the file's name in one line, whatever its folder.
     far = folder / "a folder whose name is longer than a line of the panel"
     far.mkdir()
     words = list(base.live(programs, folder, "--window", "--paused", "--record", far / "a.palprec"))

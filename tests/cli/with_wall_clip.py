@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""with_wall_clip.py PROGRAM [WORDS...]: runs the program; {clip} among the words becomes a folder of
-stereo pairs of a wall 0.441 m away, in whose scene.toml a body of 0.1 m stands in the wall, which
+"""with_wall_clip.py PROGRAM [WORDS...]: runs the program; {clip} among the words is replaced by a folder of
+stereo pairs of a wall 0.441 m away. Its scene.toml places a body of 0.1 m so that the wall penetrates and
 presses it."""
 import subprocess
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What users and files should not say: refused in one line that names the culprit, or borne."""
+"""Invalid options and files: an error in one line that names the cause, or tolerated."""
 import json
 import os
 import re
@@ -29,13 +29,13 @@ def _(programs, folder):
                       ("mesh", folder / "a.off", "-o", folder / "x.msh", "--edge"),
                       ("solve", folder / "a.toml", "-o", folder / "x.vtu", "--level"),
                       ("reduce", folder, "-o", folder / "x.palpable", "--error")):
-            # A value that begins with "-" is one only behind "=".
+            # A value that begins with "-" is recognized as a value only after "=".
             said = programs.refuses(*words[:-1], f"{words[-1]}={value}", says=[words[-1], value, "finite"])
             assert ".cpp" not in said, said
         programs.refuses("view", body, "--out", folder / "x", f"--set=heat={value}", says=["--set", "heat"])
         programs.refuses("press", body, "--load", f"0,0,{value}=1", says=["--load", "finite"])
         programs.refuses("press", body, "--load", f"0,0,0={value}", says=["--load", "finite"])
-    for value in ("abc", "-1", "1,5"):  # and not the largest number that there is, in 308 digits
+    for value in ("abc", "-1", "1,5"):  # and not the largest double, in 308 digits
         programs.refuses("view", body, f"--site={value}", says=[f"--site: must be 0 or more, not '{value}', see"])
         programs.refuses("view", body, f"--close-after={value}", says=["--close-after: "])
     programs.refuses("view", body, "--close-after=0", says=["--close-after: must be above 0, not '0'"])
@@ -69,7 +69,7 @@ def _(programs, folder):
         programs.refuses(command, body, "-o", folder / result, says=[f"{body}: is a baked body", "BODY.toml"])
         programs.refuses(command, folder, "-o", folder / result, says=[f"{folder}: is a folder", "BODY.toml"])
     with open(folder / "large.toml", "wb") as file:
-        file.truncate(5_000_000_000)  # takes no room
+        file.truncate(5_000_000_000)  # a sparse file
     programs.refuses("bake", folder / "large.toml", "-o", folder / "x.palpable", says=["large.toml: 5000 MB, where 16 are read at most"])
     programs.refuses("bake", folder / "none.stl", "-o", folder / "x.palpable", says=["none.stl: no such file"])
     (folder / "bad.stl").write_text("solid\nnothing\n")
@@ -145,11 +145,11 @@ def _(programs, folder):
 def _(programs, folder):
     (folder / ("a" * 200 + ".png")).write_bytes(b"")
     programs.refuses("scan", folder / ("*a" * 40 + "*b.png"), "-o", folder / "x.ply", says=["no image is called"],
-                     timeout=60)  # every way to divide 200 letters among 40 stars would take for ever
+                     timeout=60)  # trying all distributions of 200 letters among 40 stars would take for ever
 
 
 def on_small_disk(programs, limit, *words, cwd=None):
-    """No file may grow beyond the limit, as behind ulimit -f."""
+    """No file may grow beyond the limit, as with ulimit -f."""
     def prepare():
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
     return subprocess.run([programs.palpable, *map(str, words)], capture_output=True, text=True, preexec_fn=prepare,
@@ -157,7 +157,7 @@ def on_small_disk(programs, limit, *words, cwd=None):
 
 
 def bytes_of(path):
-    """Of a file, or of all files in a folder by their names; nothing where there is none."""
+    """The content of a file, or of all files in a folder by their names; None if there is none."""
     if path.is_dir():
         return {inner.name: inner.read_bytes() for inner in path.iterdir()}
     return path.read_bytes() if path.exists() else None
@@ -184,7 +184,7 @@ def _(programs, folder):
             said = [line for line in result.stderr.splitlines() if line.startswith("palpable: ")]
             assert result.returncode == 1 and len(said) == 1, (words, result.returncode, result.stderr)
             assert name in said[0] and "cannot be written: File too large" in said[0], said
-            # Of a folder, files that fit may be there.
+            # In a folder, files that fit may remain.
             assert before or not output.is_dir() or all(len(data) <= 100 for data in bytes_of(output).values())
             assert bytes_of(output) == there or (output.is_dir() and not before), (words, before)
             assert not list(folder.rglob("*.part*")), list(folder.rglob("*.part*"))
@@ -200,7 +200,7 @@ def _(programs, folder):
                                     stdin=subprocess.DEVNULL, timeout=120)
         assert result.returncode == 1, (words, result)
         assert result.stderr.splitlines()[-1] == "palpable: what is printed cannot be written: No space left on device", result
-    # The next file that a program opens gets the number of a stream that is closed.
+    # The next file that a program opens gets the number of a closed stream.
     base.write_stereo(folder / "clip", frames=3)
     closed = {"stdin": None, "timeout": 120, "preexec_fn": lambda: [os.close(stream) for stream in (0, 1, 2)]}
     mesh = (programs.palpable, "mesh", folder / "ball.off", "-o")
@@ -231,15 +231,15 @@ def _(programs, folder):
                           (("mesh", "ball.off"), "./link"), (("report", "b.palpable"), "b.palpable")):
         programs.refuses(*words, "-o", output, cwd=folder, says=[output, "is read as input"])
     programs.refuses("bench", "beam", "ball.toml", "-o", "ball.off", cwd=folder, says=["is read as input"])
-    # The table beside a page has a name that nobody gave.
+    # The name of the table beside a page was not given by the user.
     (folder / "b.csv").write_text("time,force\n0,1\n")
     for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html")):
         programs.refuses(*words, cwd=folder, says=["b.csv: is somebody's", "another name"])
     assert (folder / "b.csv").read_text() == "time,force\n0,1\n" and not (folder / "b.html").exists()
     (folder / "b.csv").unlink()
     for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html"), ("report", "b.palpable")):
-        programs.succeeds(*words, cwd=folder)  # its own are replaced
-    # Neither has the file of an export's arrays.
+        programs.succeeds(*words, cwd=folder)  # its own files are replaced
+    # The same holds for the file with an export's arrays.
     (folder / "mine.h5").write_text("of somebody")
     for kind in ("xdmf", "pxdmf"):
         programs.refuses("export", "b.palpable", "--to", kind, "-o", "mine", cwd=folder,
@@ -261,7 +261,7 @@ def _(programs, folder):
     programs.succeeds("export", programs.small_body(), "--to", "numpy", "-o", folder / "modes")
     for kind in ("stl", "ply", "obj", "off", "3ds", "msh", "inp", "vtu", "vtk", "palpable"):
         with open(folder / f"large.{kind}", "wb") as file:
-            file.truncate(1 << 43)  # of holes: takes no room
+            file.truncate(1 << 43)  # a sparse file
     for damaged in ("modes/vertices.npy", "b.snapshots/site_0001.h5"):
         with open(folder / damaged, "r+b") as file:
             file.truncate(1 << 43)
@@ -276,10 +276,10 @@ def _(programs, folder):
     programs.refuses("reduce", "b.snapshots", "-o", "x.palpable", cwd=folder, says=["site_0001.h5", says])
 
 
-@case("a folder that nobody may write into is named before the work")
+@case("a folder without write permission is named before the work")
 def _(programs, folder):
     base.write_ball(folder)
-    for command in ("bake", "solve"):  # /proc takes no files, from root neither
+    for command in ("bake", "solve"):  # /proc accepts no files, not even from root
         programs.refuses(command, folder / "ball.toml", "-o", "/proc/x", says=["/proc/x: cannot be written: "])
     programs.refuses("mesh", folder / "ball.off", "-o", "/proc/x", says=["/proc/x: cannot be written: "])
     programs.refuses("scan", folder, "-o", "/proc/x.ply", says=["/proc/x.ply: cannot be written: "])

@@ -28,7 +28,7 @@ struct TiltedPair {
 };
 
 /// A texture that is blurred enough to be interpolated; CV_32FC1, wider than the pair.
-inline cv::Mat blurred_blobs(unsigned seed) {
+inline cv::Mat blurred_texture(unsigned seed) {
   cv::RNG random(seed);
   cv::Mat image(kTiltedHeight, kTiltedWidth + 200, CV_32FC1);
   random.fill(image, cv::RNG::UNIFORM, 0, 255);
@@ -50,7 +50,7 @@ inline GrayImage rounded(const cv::Mat& gray) {
 /// The wall's pair with the right eye rotated by the inverse of `tilt`, so that a correction by
 /// `tilt` aligns it.
 inline TiltedPair tilted_pair(const EyeTilt& tilt, unsigned seed) {
-  const cv::Mat texture = blurred_blobs(seed);
+  const cv::Mat texture = blurred_texture(seed);
   const PinholeCamera c = tilted_stereo().camera;
   const Eigen::Matrix3d aligned_from_tilted = tilt.rotation();
   cv::Mat x(kTiltedHeight, kTiltedWidth, CV_32FC1), y(kTiltedHeight, kTiltedWidth, CV_32FC1);

@@ -159,7 +159,7 @@ TEST_CASE("two beams press each other as hard, enter nothing, and come back", "[
     const Vector3d on_lower = beams.force(0, true), on_upper = beams.force(1, true);
     CHECK((on_lower + on_upper).norm() <= tolerance(1e-6, "N: floats of what is equal"));
     CHECK(beams.report.imbalance <= tolerance(1e-6, "N, likewise"));
-    CHECK(beams.report.between <= tolerance(5e-4, "m: the half space under a point"));
+    CHECK(beams.report.mutual_penetration <= tolerance(5e-4, "m: the half space under a point"));
     if (on_lower.z() < 0) {
       lay = true;
       CHECK(-on_lower.z() >= last * (1 - tolerance(0.02, "it only grows as the finger goes on")));

@@ -153,7 +153,7 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
       TouchDifference d = difference_of(skin, walk, touch, now, scene, depth);
       d.refined = refined;
       d.report = report;
-      d.touch.unscaled_error = unscaled_error(report.signs);
+      d.touch.unscaled_error = unscaled_error(report.indicators);
       d.milliseconds = took;
       found(d);
     };

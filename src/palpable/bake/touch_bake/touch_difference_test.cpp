@@ -68,12 +68,12 @@ TEST_CASE("touch tables agree with full contact, and better than the linear tabl
       CHECK(d.touch.displacement < tolerance(0.08, "of the one that slips; 0.03 of the others"));
       CHECK(d.touch.force < tolerance(0.05, "likewise"));
       CHECK(d.report.penetration < 2e-4);
-      CHECK((d.report.signs.beyond > 0.002 && d.report.signs.beyond < 0.3));
-      CHECK(d.touch.unscaled_error == unscaled_error(d.report.signs));
+      CHECK((d.report.indicators.beyond > 0.002 && d.report.indicators.beyond < 0.3));
+      CHECK(d.touch.unscaled_error == unscaled_error(d.report.indicators));
       nonlinear.push_back(d.touch.displacement);
     }
     for (const TouchDifference& d : body.compare(thing, false)) {
-      CHECK(d.report.signs.beyond == 0.0);
+      CHECK(d.report.indicators.beyond == 0.0);
       linear.push_back(d.touch.displacement);
     }
   }

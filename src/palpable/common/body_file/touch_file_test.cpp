@@ -214,24 +214,24 @@ void check_refused(const TouchTables& good, const Faults& faults) {
 
 TEST_CASE("a coarser skin that breaks a rule is named", "[body_file][errors][carried]") {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  check_refused(
-      carrying_tables(),
-      {{"the coarser skin has positions that are not finite",
-        [](auto& t) { t.coarse->surface.vertices(1, 2) = kNan; }},
-       {"the coarser skin has triangles of vertices that are not there",
-        [](auto& t) { t.coarse->surface.triangles(0, 1) = 5000; }},
-       {"the coarser skin has triangles of vertices that are not there",
-        [](auto& t) { t.coarse->surface.triangles(2, 0) = -1; }},
-       {"the coarser skin does not say which vertices are held", [](auto& t) { t.coarse->fixed.pop_back(); }},
-       {"the coarser skin is not where the body's is",
-        [](auto& t) { t.coarse->surface.vertices *= 2; }},
-       {"the coarser skin has no vertices",
-        [](auto& t) { t.coarse->surface.vertices.resize(3, 0); }},
-       {"the compliance is of", [](auto& t) {
-          t.coarse->surface.vertices.conservativeResizeLike(
-              Eigen::Matrix3Xd::Zero(3, t.coarse->surface.vertex_count() + 1));
-          t.coarse->fixed.push_back(0);
-        }}});
+  check_refused(carrying_tables(),
+                {{"the coarser skin has positions that are not finite",
+                  [](auto& t) { t.coarse->surface.vertices(1, 2) = kNan; }},
+                 {"the coarser skin has triangles of vertices that are not there",
+                  [](auto& t) { t.coarse->surface.triangles(0, 1) = 5000; }},
+                 {"the coarser skin has triangles of vertices that are not there",
+                  [](auto& t) { t.coarse->surface.triangles(2, 0) = -1; }},
+                 {"the coarser skin does not say which vertices are held",
+                  [](auto& t) { t.coarse->fixed.pop_back(); }},
+                 {"the coarser skin is not where the body's is",
+                  [](auto& t) { t.coarse->surface.vertices *= 2; }},
+                 {"the coarser skin has no vertices",
+                  [](auto& t) { t.coarse->surface.vertices.resize(3, 0); }},
+                 {"the compliance is of", [](auto& t) {
+                    t.coarse->surface.vertices.conservativeResizeLike(
+                        Eigen::Matrix3Xd::Zero(3, t.coarse->surface.vertex_count() + 1));
+                    t.coarse->fixed.push_back(0);
+                  }}});
 }
 
 TEST_CASE("tables that break a rule are named, and not written over a good file",

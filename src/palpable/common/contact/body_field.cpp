@@ -8,10 +8,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr float kCell = 0.008f;    // m; larger for a body that would have more nodes than these
-constexpr float kMostNodes = 64;   // along a side: a body as large as a house
-constexpr float kMargin = 0.024f;  // m round the body; a ball farther away must be larger than that
-constexpr float kToNode = 0.87f;   // of a cell: the farthest that a point is from its nearest node
+constexpr float kCell = 0.008f;    // m, side of a grid cell; larger if kMostNodes would be exceeded
+constexpr float kMostNodes = 64;   // cells along one side of the grid, at most
+constexpr float kMargin = 0.024f;  // m around the body; smaller balls outside it cannot overlap
+constexpr float kToNode = 0.87f;   // largest distance from the nearest node, ratio to kCell
 
 }  // namespace
 

@@ -26,7 +26,7 @@ TEST_CASE("a ball overlaps the body by as much as it reaches beyond its skin", "
     const float a = away(random), r = radius(random);
     const auto found = field.overlap(middle + a * d, r);
     const double depth = static_cast<double>(r) - static_cast<double>(a) + 0.05;
-    // Of 642 vertices the triangles lie up to 0.3 mm inside the sphere.
+    // The triangles of 642 vertices lie up to 0.3 mm inside the sphere.
     if (depth < 0) CHECK_FALSE(found);
     if (depth > 4e-4) {
       REQUIRE(found);
@@ -38,14 +38,15 @@ TEST_CASE("a ball overlaps the body by as much as it reaches beyond its skin", "
   CHECK(overlaps > 500);
 }
 
-TEST_CASE("what lies on the support does not overlap, and asking allocates nothing", "[contact]") {
+TEST_CASE("a ball at the support does not overlap, and a query allocates nothing", "[contact]") {
   const BodyField field(test::DentedSphere{}.body());
   CHECK_FALSE(field.overlap({0, 0, -0.002f}, 0.006f));
   std::optional<BodyField::Overlap> found;
   CHECK(test::allocations_during([&] { found = field.overlap({0, 0, 0.104f}, 0.008f); }) == 0);
   REQUIRE(found);
   CHECK_FALSE(field.overlap({0, 0, 0.5f}, 0.008f));
-  CHECK(field.overlap({0, 0, 0.5f}, 0.45f));  // huge, from far outside of the table
+  CHECK(
+      field.overlap({0, 0, 0.5f}, 0.45f));  // a huge ball whose centre is far outside of the table
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 /// @file
-/// Exact capsules as obstacles: what a game or a haptic device has instead of a camera.
+/// Exact capsules as obstacles, as in a game or with a haptic device instead of a camera.
 #pragma once
 
 #include "palpable/common/contact/obstacles.h"
@@ -29,7 +29,7 @@ class CapsuleObstacles : public Obstacles {
 
   std::vector<CapsuleField> fields_;
   std::vector<Eigen::AlignedBox3f> boxes_;
-  Eigen::AlignedBox3f box_;  // of all
+  Eigen::AlignedBox3f box_;  // of all capsules
 };
 
 }  // namespace palpable

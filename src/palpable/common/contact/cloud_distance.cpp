@@ -14,25 +14,27 @@ using Eigen::Array3f;
 using Eigen::Array3i;
 using Eigen::Vector3f;
 
-// Of the grid, along each axis: what is asked has some ten.
+// Largest number of grid cells along each axis; clouds near a body have some ten.
 constexpr int kMostCells = 32;
 
-// Of a voxmap: 50 MB. A body of 0.15 m has 0.13 million.
+// Largest number of corners of a voxmap, 50 MB. A body of 0.15 m has 0.13 million.
 constexpr double kMostCorners = 4e6;
 
-// Voxels: if a point is nearer than one, the corners know of one nearer than this (1 + sqrt(3)).
+// Distance in voxels below which the points themselves are searched. Where a point is nearer than
+// one voxel, the distance by the corners is less than 1 + sqrt(3).
 constexpr float kByCorners = 3;
 
 }  // namespace
 
 CloudGrid::CloudGrid(double reach) : usual_cell_(static_cast<float>(reach / 2)) {
-  PALPABLE_EXPECT(reach > 0 && std::isfinite(reach), "distances are asked up to a length");
+  PALPABLE_EXPECT(reach > 0 && std::isfinite(reach),
+                  "the largest distance of queries is positive and finite");
   first_.reserve(kMostCells * kMostCells * kMostCells + 1);
 }
 
 void CloudGrid::reserve(std::size_t points) { entries_.reserve(points); }
 
-// Monotonous along each axis: whatever lies within a box lies in the cells between its corners'.
+// Monotonic along each axis: the points in a box lie in the cells between those of its corners.
 Array3i CloudGrid::cell_of(const Vector3f& x) const {
   const Array3f cell = ((x - box_.min()).array() * per_metre_).floor();
   return cell.max(0.0f).min((cells_ - 1).cast<float>()).cast<int>();
@@ -47,7 +49,7 @@ void CloudGrid::build(std::span<const Vector3f> cloud) {
   cells_ = (side / usual_cell_).floor().min(static_cast<float>(kMostCells - 1)).cast<int>() + 1;
   const Array3f cell = (side / cells_.cast<float>()).max(usual_cell_);
   per_metre_ = cell.inverse();
-  // Counted, added up, filled from the last point on: each cell's points keep their order.
+  // A counting sort, filled from the last point on, so that each cell's points keep their order.
   first_.assign(static_cast<std::size_t>(cells_.prod()) + 1, 0);
   const auto cell_at = [&](const Vector3f& point) -> int& {
     const Array3i at = cell_of(point);
@@ -63,7 +65,7 @@ void CloudGrid::build(std::span<const Vector3f> cloud) {
 
 std::optional<NearestSeen> CloudGrid::nearest(const Vector3f& x, float below) const {
   if (entries_.empty() || !(box_.squaredExteriorDistance(x) < below)) return std::nullopt;
-  // Rounding: a cell more is asked rather than one too few.
+  // A little more, so that rounding does not leave out a cell.
   const Vector3f reach = Vector3f::Constant(1.0001f * std::sqrt(below));
   const Array3i low = cell_of(x - reach), high = cell_of(x + reach);
   const Entry* best = nullptr;
@@ -88,10 +90,11 @@ std::optional<NearestSeen> CloudGrid::nearest(const Vector3f& x, float below) co
 
 Voxmap::Voxmap(const Eigen::AlignedBox3d& region, double reach, double voxel)
     : reach_(static_cast<float>(reach)) {
-  PALPABLE_EXPECT(reach > 0 && std::isfinite(reach), "distances are asked up to a length");
+  PALPABLE_EXPECT(reach > 0 && std::isfinite(reach),
+                  "the largest distance of queries is positive and finite");
   PALPABLE_EXPECT(voxel > 0 && std::isfinite(voxel), "a voxel has a side");
   PALPABLE_EXPECT(!region.isEmpty(), "the region around a body is not empty");
-  // All points that matter lie in it, and all voxels in which is asked.
+  // Large enough for all points within the reach of the region.
   const Eigen::Vector3d size = region.sizes().array() + 2 * reach;
   const auto count = [&](double side) -> Eigen::Array3d {
     return (size.array() / side).ceil() + 1;
@@ -112,7 +115,7 @@ void Voxmap::reserve(std::size_t points) {
   next_.reserve(points);
 }
 
-// Of those that have a meaning the nearest one, by its corner.
+// The voxel of x, or the nearest one in use, given by its first corner.
 Array3i Voxmap::voxel_of(const Vector3f& x) const {
   const Array3f at = ((x - origin_).array() / voxel_).floor();
   return at.max(low_.cast<float>()).min((high_ - 1).cast<float>()).cast<int>();
@@ -131,20 +134,20 @@ void Voxmap::build(std::span<const Vector3f> cloud) {
   }
   next_.resize(points_.size());
   if (points_.empty()) return;
-  // Only around the points does anybody get an answer.
+  // Only voxels within the reach of the points are used.
   low_ = Array3i::Zero();
   high_ = corners_ - 1;
   const Vector3f reach = Vector3f::Constant(reach_);
   const Array3i low = voxel_of(box_.min() - reach), high = voxel_of(box_.max() + reach) + 1;
   low_ = low;
   high_ = high;
-  forget();
-  sow();
+  clear_corners();
+  insert_points();
   for (int z = low_.z(); z <= high_.z(); ++z) sweep_slice(z, z - 1);
   for (int z = high_.z(); z >= low_.z(); --z) sweep_slice(z, z + 1);
 }
 
-void Voxmap::forget() {
+void Voxmap::clear_corners() {
   for (int z = low_.z(); z <= high_.z(); ++z) {
     for (int y = low_.y(); y <= high_.y(); ++y) {
       Corner* row = field_.data() + number_of(low_.x(), y, z);
@@ -153,8 +156,8 @@ void Voxmap::forget() {
   }
 }
 
-// Each point tells the corners of its voxel of itself.
-void Voxmap::sow() {
+// Enters each point into its voxel and into the corners of that voxel.
+void Voxmap::insert_points() {
   for (int k = 0; k < static_cast<int>(points_.size()); ++k) {
     const Vector3f& point = points_[k];
     const Array3i at = voxel_of(point);
@@ -171,7 +174,7 @@ void Voxmap::sow() {
   }
 }
 
-// What the slice `from` knows, and then what rows know of each other, both ways.
+// Passes points on from slice `from` to slice z, and then between the rows of slice z, up and down.
 void Voxmap::sweep_slice(int z, int from) {
   const bool has_slice = low_.z() <= from && from <= high_.z();
   const std::ptrdiff_t slice = has_slice ? number_of(0, 0, from) - number_of(0, 0, z) : 0;
@@ -180,13 +183,13 @@ void Voxmap::sweep_slice(int z, int from) {
   for (int y = high_.y() - 1; y >= low_.y(); --y) sweep_row(y, z, 0, row);
 }
 
-// What the rows so many corners away know (0: there is none), and then what neighbours in the row
-// know of each other, both ways.
+// Passes points on to the row (y, z) from the rows at these offsets in field_ (0: there is none),
+// and then between neighbours in the row, both ways.
 void Voxmap::sweep_row(int y, int z, std::ptrdiff_t slice, std::ptrdiff_t row) {
   Corner* const corners = field_.data() + number_of(low_.x(), y, z);
   const int last = high_.x() - low_.x();
   const Vector3f begin = place_of(low_.x(), y, z);
-  const auto hand_on = [&](int x, const Corner& known) {
+  const auto pass_on = [&](int x, const Corner& known) {
     Corner& here = corners[x];
     if (known.closest < 0 || known.closest == here.closest) return;
     const Vector3f place(begin.x() + voxel_ * static_cast<float>(x), begin.y(), begin.z());
@@ -194,11 +197,11 @@ void Voxmap::sweep_row(int y, int z, std::ptrdiff_t slice, std::ptrdiff_t row) {
     if (squared < here.squared) here.closest = known.closest, here.squared = squared;
   };
   for (int x = 0; x <= last; ++x) {
-    if (slice != 0) hand_on(x, corners[x + slice]);
-    if (row != 0) hand_on(x, corners[x + row]);
-    if (x > 0) hand_on(x, corners[x - 1]);
+    if (slice != 0) pass_on(x, corners[x + slice]);
+    if (row != 0) pass_on(x, corners[x + row]);
+    if (x > 0) pass_on(x, corners[x - 1]);
   }
-  for (int x = last - 1; x >= 0; --x) hand_on(x, corners[x + 1]);
+  for (int x = last - 1; x >= 0; --x) pass_on(x, corners[x + 1]);
 }
 
 std::optional<NearestSeen> Voxmap::nearest(const Vector3f& x, float below) const {

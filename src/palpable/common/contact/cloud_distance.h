@@ -1,10 +1,10 @@
 /// @file
-/// How far the nearest seen point is from a place, and which it is: the query of Algorithm 1,
-/// twice.
+/// The seen point nearest to a position, and its distance: the query of Algorithm 1, in two
+/// implementations.
 ///
-/// CloudGrid is exact. Voxmap is the paper's (Sec. 3.4, Figs. 7 and 8): what is seen is equipped
-/// with a distance field, made anew in each frame, and the body's nodes, the point shell, look it
-/// up.
+/// CloudGrid is exact. Voxmap is that of the paper (Sec. 3.4, Figs. 7 and 8): a distance field
+/// around the seen points is made anew in each frame, and the body's nodes, the point shell, look
+/// it up.
 ///
 /// Body frame, metres. Points of a cloud are finite. Nothing here throws; building allocates
 /// nothing once there is room for as many points (reserve()). The same cloud gives the same bytes.
@@ -26,25 +26,25 @@ enum class DistanceQuery {
   kVoxmap  ///< Voxmap
 };
 
-/// A seen point, as a query finds it.
+/// The result of a query.
 struct NearestSeen {
   int index = 0;          ///< into the cloud
-  Eigen::Vector3f point;  ///< m, that one
-  float squared = 0;      ///< m^2, its distance
+  Eigen::Vector3f point;  ///< m, its position
+  float squared = 0;      ///< m^2, square of its distance
 };
 
-/// The points in cells of a uniform grid around them, some half the reach wide: a query asks the
-/// cells that its reach overlaps.
+/// The points in the cells of a uniform grid around them, about half the reach wide: a query
+/// searches the cells that its reach overlaps.
 class CloudGrid {
  public:
-  /// @param reach  m, up to which distances are asked
+  /// @param reach  m, the largest distance of queries
   explicit CloudGrid(double reach);
 
   void reserve(std::size_t points);
   void build(std::span<const Eigen::Vector3f> cloud);
 
-  /// The nearest point whose squared distance is less than `below`, of equally near ones the first:
-  /// what looking at all of them finds.
+  /// The nearest point whose squared distance is less than `below`, the first one of equally near
+  /// points: the same as a search through all points.
   /// @param below  m^2
   [[nodiscard]] std::optional<NearestSeen> nearest(const Eigen::Vector3f& x, float below) const;
 
@@ -63,44 +63,46 @@ class CloudGrid {
   Eigen::AlignedBox3f box_;
   Eigen::Array3f per_metre_ = Eigen::Array3f::Zero();  // cells
   Eigen::Array3i cells_ = Eigen::Array3i::Zero();
-  std::vector<int> first_;  // entry of each cell, and behind the last one
+  std::vector<int> first_;  // first entry of each cell, and the end of the last one
   std::vector<Entry> entries_;
 };
 
-/// A field over the region around a body: each corner of its voxels knows the point of the cloud
-/// that is nearest to it. Points are handed on from corner to corner in two sweeps, up and down
-/// (Danielsson's), so some corners know the second nearest.
+/// A field over the region around a body: each corner of its voxels stores the point of the cloud
+/// that is nearest to it. The points are passed from corner to corner in two sweeps, up and down
+/// (Danielsson's algorithm), so that some corners store the second nearest.
 ///
 ///     d(x) = min over the corners c of the voxel of x  |x - closest(c)|
 ///
-/// That is never less than the true distance. By the corners alone what touches would be up to 0.71
-/// voxels away: a surface through the middle of a voxel is met by its corners' closest points so
-/// far beside. So where the answer is less than three voxels, the points in the voxel of x and in
-/// those around it are asked, too, and nearer than a voxel it is exact. Inside of the region it is
-/// off by less than half a voxel; docs/contact.md has the figures.
+/// This is never less than the true distance. With the corners alone the distance of a touching
+/// point would be up to 0.71 voxels too large: the surface may pass through the middle of a voxel,
+/// far from the points that are nearest to its corners. So where the result is less than three
+/// voxels, the points in the voxel of x and in its neighbours are searched as well; distances below
+/// one voxel are then exact. In the whole region the error is less than half a voxel;
+/// docs/contact.md has the figures.
 class Voxmap {
  public:
-  /// @param region  m, in which distances are asked; beyond it the voxels of its edge answer
-  /// @param reach   m, up to which
-  /// @param voxel   m, its side; made larger where the region would have more than 4 million of
-  /// them
+  /// @param region  m, the box of the queried positions; beyond it the voxels at its border are
+  ///                used
+  /// @param reach   m, the largest distance of queries
+  /// @param voxel   m, side of a voxel; made larger where the region would have more than 4 million
+  ///                of them
   Voxmap(const Eigen::AlignedBox3d& region, double reach, double voxel);
 
   void reserve(std::size_t points);
   void build(std::span<const Eigen::Vector3f> cloud);
 
-  /// As CloudGrid::nearest, as exact as that.
+  /// As CloudGrid::nearest, with the error described above.
   [[nodiscard]] std::optional<NearestSeen> nearest(const Eigen::Vector3f& x, float below) const;
 
-  /// m
+  /// m, side of a voxel.
   [[nodiscard]] double voxel() const { return static_cast<double>(voxel_); }
 
  private:
-  // What a corner knows.
+  // Contents of a corner.
   struct Corner {
-    int closest;    // point; -1: none within the reach
+    int closest;    // index into points_; -1: none within the reach
     float squared;  // m^2, its distance
-    int first;      // point in the voxel above, right and behind of the corner; -1: there is none
+    int first;      // first point in the voxel that begins at the corner; -1: there is none
   };
   [[nodiscard]] Eigen::Array3i voxel_of(const Eigen::Vector3f& x) const;
   [[nodiscard]] std::ptrdiff_t number_of(int x, int y, int z) const {
@@ -109,25 +111,25 @@ class Voxmap {
   [[nodiscard]] Eigen::Vector3f place_of(int x, int y, int z) const {
     return origin_ + voxel_ * Eigen::Vector3f(Eigen::Vector3i(x, y, z).cast<float>());
   }
-  void forget();
-  void sow();
+  void clear_corners();
+  void insert_points();
   void sweep_slice(int z, int from);
   void sweep_row(int y, int z, std::ptrdiff_t slice, std::ptrdiff_t row);
 
   float voxel_;  // m
   float reach_;  // m
-  float far_;    // m^2, beyond which no corner needs to know a point
+  float far_;    // m^2, square of the distance beyond which corners store no point
   Eigen::Vector3f origin_;
   Eigen::Array3i corners_;  // along each axis
   std::vector<Corner> field_;
   std::vector<Eigen::Vector3f> points_;
-  std::vector<int> index_;     // into the cloud, of each
-  std::vector<int> next_;      // point of the same voxel; -1: it is the last
+  std::vector<int> index_;     // of each point, into the cloud
+  std::vector<int> next_;      // next point of the same voxel; -1: it is the last
   Eigen::AlignedBox3f box_;    // of the points
-  Eigen::Array3i low_, high_;  // the corners that have a meaning, both included
+  Eigen::Array3i low_, high_;  // range of the corners in use, both included
 };
 
-/// One of them.
+/// A CloudGrid or a Voxmap.
 class CloudDistance {
  public:
   CloudDistance(DistanceQuery how, const Eigen::AlignedBox3d& region, double reach, double voxel);
@@ -136,7 +138,7 @@ class CloudDistance {
   void build(std::span<const Eigen::Vector3f> cloud);
   [[nodiscard]] std::optional<NearestSeen> nearest(const Eigen::Vector3f& x, float below) const;
 
-  /// m, up to which distances are asked
+  /// m, the largest distance of queries.
   [[nodiscard]] double reach() const { return reach_; }
 
  private:

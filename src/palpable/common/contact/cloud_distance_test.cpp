@@ -44,7 +44,8 @@ Vector3d some_place(std::mt19937& random, const AlignedBox3d& box) {
   return box.min() + t.cwiseProduct(box.sizes());
 }
 
-// What a camera above sees of a solid: rays so far apart on the desk, with its noise in depth.
+// The points of a solid that a camera above sees: rays `apart` (m) on the desk, with noise in depth
+// (m).
 Cloud seen_from_above(const std::vector<Capsule>& solid, double apart, double noise,
                       std::mt19937& random) {
   std::normal_distribution<double> off;
@@ -90,7 +91,7 @@ struct NamedCloud {
   Cloud points;
 };
 
-// As far apart as the camera's at step 2 (3 mm), and nearer than a voxel.
+// Points 3 mm apart, as a camera's at step 2, and points closer to each other than a voxel.
 std::vector<NamedCloud> some_clouds() {
   std::vector<NamedCloud> clouds;
   std::mt19937 random(11);
@@ -112,7 +113,8 @@ std::vector<NamedCloud> some_clouds() {
   return clouds;
 }
 
-TEST_CASE("the grid finds what looking at every point finds, bit for bit", "[contact][distance]") {
+TEST_CASE("the grid finds the same point as a search through all points, bit for bit",
+          "[contact][distance]") {
   std::mt19937 random(7);
   int near = 0, far = 0;
   for (const NamedCloud& cloud : some_clouds()) {
@@ -120,7 +122,7 @@ TEST_CASE("the grid finds what looking at every point finds, bit for bit", "[con
     CloudGrid grid(kReach);
     grid.build(cloud.points);
     for (int n = 0; n < kQueries / 4; ++n) {
-      // Beyond the region, too: a body bulges.
+      // Positions beyond the region, too, because a body may bulge.
       const Vector3f x = (1.3 * some_place(random, kRegion)).cast<float>();
       for (const float below : {static_cast<float>(kReach * kReach), 1e-5f}) {
         const auto expected = by_brute_force(cloud.points, x, below);
@@ -141,19 +143,19 @@ TEST_CASE("the grid finds what looking at every point finds, bit for bit", "[con
   CHECK(far > 1000);
 }
 
-TEST_CASE("of equally near points the grid takes the first, and one point or a line will do",
+TEST_CASE("of equally near points the grid returns the first, also for one point or a line",
           "[contact][distance]") {
   CloudGrid grid(kReach);
   grid.build(Cloud{{0.03f, 0, 0}, {0, 0.01f, 0}, {0.01f, 0, 0}, {0, -0.01f, 0}, {0, 0.01f, 0}});
   CHECK(grid.nearest(Vector3f::Zero(), 1)->index == 1);
-  // Not at the bound itself.
+  // `below` itself is excluded.
   CHECK_FALSE(grid.nearest(Vector3f::Zero(), 0.01f * 0.01f).has_value());
   grid.build(Cloud{{0.03f, 0, 0}});
   CHECK(grid.nearest(Vector3f::Zero(), 1)->index == 0);
   CHECK_FALSE(grid.nearest(Vector3f::Zero(), 1e-4f).has_value());
   grid.build(Cloud{});
   CHECK_FALSE(grid.nearest(Vector3f::Zero(), 1).has_value());
-  // A whole skin of another body, a metre long: cells grow instead of becoming more.
+  // A cloud a metre long, as another body's skin: cells become larger, not more.
   Cloud line;
   for (int k = 0; k < 5000; ++k) line.emplace_back(2e-4f * static_cast<float>(k), 0, 0);
   grid.build(line);
@@ -161,8 +163,9 @@ TEST_CASE("of equally near points the grid takes the first, and one point or a l
     CHECK(grid.nearest(line[k] + Vector3f(0, 0.01f, 0), 1)->index == k);
 }
 
-TEST_CASE("the voxmap agrees with looking at every point within half a voxel in the whole region",
-          "[contact][distance][Fig8]") {
+TEST_CASE(
+    "the voxmap agrees with a search through all points within half a voxel in the whole region",
+    "[contact][distance][Fig8]") {
   std::mt19937 random(5);
   std::vector<double> off, near_off;
   const auto below = static_cast<float>(kReach * kReach);
@@ -173,7 +176,7 @@ TEST_CASE("the voxmap agrees with looking at every point within half a voxel in 
     std::uniform_int_distribution<std::size_t> which(0, cloud.points.size() - 1);
     double worst = 0;
     for (int n = 0; n < kQueries; ++n) {
-      // Every other place is beside a point: there what touches is decided.
+      // Every other position is near a point, where touches are decided.
       Vector3d x = some_place(random, kRegion);
       if (n % 2 == 1 && !cloud.points.empty()) {
         const double far = 0.008;
@@ -188,7 +191,7 @@ TEST_CASE("the voxmap agrees with looking at every point within half a voxel in 
         continue;
       }
       const double true_one = std::sqrt(static_cast<double>(expected->squared));
-      if (!found) {  // it may take what is just within for just beyond
+      if (!found) {  // a distance just within the reach may be overestimated
         REQUIRE(true_one > kReach - kVoxel / 2);
         continue;
       }
@@ -198,7 +201,7 @@ TEST_CASE("the voxmap agrees with looking at every point within half a voxel in 
       if (true_one < kVoxel) near_off.push_back(off.back());
       worst = std::max(worst, off.back());
     }
-    CHECK(worst <= test::tolerance(0.5 * kVoxel, "the promise"));
+    CHECK(worst <= test::tolerance(0.5 * kVoxel, "the stated bound"));
   }
   REQUIRE(off.size() > 8 * kQueries);
   REQUIRE(near_off.size() > kQueries);
@@ -208,12 +211,13 @@ TEST_CASE("the voxmap agrees with looking at every point within half a voxel in 
                                        << off.size() << " queries");
   CHECK(off.front() >= 0);  // a point of the cloud is never nearer than the nearest
   CHECK(usual < 0.25 * kVoxel);
-  // Nearer than a voxel the points themselves are asked.
+  // Below the side of a voxel the points themselves are searched.
   CHECK(*std::max_element(near_off.begin(), near_off.end()) == 0);
 }
 
-TEST_CASE("a field made anew forgets the frame before, and an empty one knows nothing",
-          "[contact][distance]") {
+TEST_CASE(
+    "a field that is built again has no points of the frame before, and an empty one has none",
+    "[contact][distance]") {
   Voxmap map(kRegion, kReach, kVoxel);
   const Vector3f left(-0.04f, 0, 0.05f), right(0.04f, 0, 0.05f);
   map.build(Cloud{left, left + Vector3f(0, 0.01f, 0)});
@@ -221,7 +225,7 @@ TEST_CASE("a field made anew forgets the frame before, and an empty one knows no
   map.build(Cloud{right});
   CHECK_FALSE(map.nearest(left, static_cast<float>(kReach * kReach)).has_value());
   CHECK(map.nearest(right, 1)->index == 0);
-  // What lies beyond the reach of the region does not matter to it.
+  // Points beyond the reach of the region are left out.
   map.build(Cloud{Vector3f(0.5f, 0, 0), right});
   CHECK(map.nearest(right, 1)->index == 1);
   map.build(Cloud{Vector3f(0.5f, 0, 0)});

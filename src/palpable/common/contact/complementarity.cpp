@@ -9,12 +9,16 @@
 namespace palpable {
 namespace {
 
-constexpr int kBlockTries = 3;  // without fewer wrong points, before one changes sides at a time
+// Steps without fewer wrong points until the points change sides one at a time.
+constexpr int kBlockTries = 3;
+// Largest number of factorisations of a solve.
 constexpr int kMostSteps = 200;
-constexpr double kRounding = 1e-10;  // relative: a force or gap so far below 0 is 0
+// A force or gap below 0 by less than this counts as 0; ratio to the largest force or gap.
+constexpr double kRounding = 1e-10;
 
-// In place, row by row: L L^T = A of the lower triangle. False where A is not positive definite.
-// Each column is subtracted from the rows below at once, along the rows, which vectorises.
+// Replaces the lower triangle of A by L, L L^T = A, row by row. False if A is not positive
+// definite. Each column is subtracted from the rows below at once, along the rows, which
+// vectorises.
 // @param column  (n) scratch
 bool factorise(double* A, int n, double* column) {
   for (int k = 0; k < n; ++k) {
@@ -61,7 +65,7 @@ Complementarity::Complementarity(int most)
   pressing_.reserve(static_cast<std::size_t>(most));
 }
 
-// The forces at which all pressing points have gap 0, into f_.
+// Computes into f_ the forces at which all pressing points have gap 0.
 bool Complementarity::solve_pressing(std::span<const double> W, std::span<const double> q) {
   ++steps_;
   const std::size_t m = q.size();

@@ -5,8 +5,8 @@
 ///
 ///     g = W f + q >= 0,     f >= 0,     g_i f_i = 0
 ///
-/// which is the minimum of 1/2 f W f + q f over f >= 0. With W positive definite there is one
-/// answer.
+/// which is the minimum of 1/2 f W f + q f over f >= 0. With W positive definite there is exactly
+/// one solution.
 #pragma once
 
 #include <span>
@@ -14,25 +14,25 @@
 
 namespace palpable {
 
-/// Holds the memory of its solves.
+/// Keeps the memory of its solves.
 class Complementarity {
  public:
   /// @param most  contact points of one problem
   explicit Complementarity(int most);
 
-  /// Block principal pivoting (Judice and Pires, Comput. Oper. Res. 21, 1994): the points that pull
-  /// or enter change sides together, and one at a time (Murty) where that does not help. Starts
-  /// with the points whose f is above 0 on entry. Allocates nothing.
+  /// Block principal pivoting (Judice and Pires, Comput. Oper. Res. 21, 1994): all points that pull
+  /// or enter change sides together, or one at a time (Murty) where that does not help. Starts with
+  /// the points whose f is above 0 on entry. Allocates nothing.
   ///
   /// @param W  (m x m) row by row, symmetric positive definite; the lower triangle is read
   /// @param q  (m)
-  /// @param f  (m) in: a guess; out: the answer
+  /// @param f  (m) in: a guess; out: the solution
   /// @return whether it converged; else f is the best known, 0 where it would pull, and 0
   ///         everywhere if W is not positive definite
-  /// @throws ContractViolation for more points than the constructor was told
+  /// @throws ContractViolation for more points than the constructor was given
   bool solve(std::span<const double> W, std::span<const double> q, std::span<double> f);
 
-  [[nodiscard]] int steps() const { return steps_; }  ///< of the last solve: factorisations
+  [[nodiscard]] int steps() const { return steps_; }  ///< factorisations of the last solve
 
  private:
   bool solve_pressing(std::span<const double> W, std::span<const double> q);
@@ -40,8 +40,8 @@ class Complementarity {
 
   int most_;
   int steps_ = 0;
-  std::vector<int> pressing_;                // points that press now, rising
-  std::vector<char> presses_;                // (m)
+  std::vector<int> pressing_;                // points that press now, in rising order
+  std::vector<char> presses_;                // (m) 1: it presses now
   std::vector<double> factor_, f_, column_;  // of the pressing points; (m); scratch
 };
 

@@ -35,7 +35,7 @@ Problem some_problem(unsigned seed, int m) {
   return p;
 }
 
-// Every subset of points may be the one that presses; one of them satisfies all conditions.
+// Tries every subset of points as the pressing ones; exactly one satisfies all conditions.
 VectorXd by_trying_all(const Problem& p) {
   const int m = static_cast<int>(p.q.size());
   for (int set = 0; set < (1 << m); ++set) {
@@ -52,7 +52,7 @@ VectorXd by_trying_all(const Problem& p) {
   return {};
 }
 
-// Row by row, as the solver reads it.
+// Solves with W row by row, as the solver reads it.
 bool solve(Complementarity& solver, const Problem& p, VectorXd& f) {
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> W = p.W;
   return solver.solve({W.data(), static_cast<std::size_t>(W.size())},
@@ -60,7 +60,7 @@ bool solve(Complementarity& solver, const Problem& p, VectorXd& f) {
                       {f.data(), static_cast<std::size_t>(f.size())});
 }
 
-TEST_CASE("the forces are those that trying every set of points finds", "[contact][law]") {
+TEST_CASE("the forces are those found by trying every set of pressing points", "[contact][law]") {
   Complementarity solver(12);
   for (unsigned seed = 0; seed < 60; ++seed) {
     INFO("seed " << seed);
@@ -72,7 +72,7 @@ TEST_CASE("the forces are those that trying every set of points finds", "[contac
   }
 }
 
-TEST_CASE("whatever the guess, nothing pulls, nothing enters, and nothing presses at a distance",
+TEST_CASE("for any guess no point pulls, none enters, and none presses at a distance",
           "[contact][law]") {
   Complementarity solver(150);
   for (unsigned seed = 0; seed < 20; ++seed) {
@@ -101,7 +101,8 @@ TEST_CASE("a good guess costs one factorisation", "[contact]") {
   CHECK(solver.steps() == 1);
 }
 
-TEST_CASE("no points, no gap below 0, and a single point are problems, too", "[contact]") {
+TEST_CASE("problems without points, without a gap below 0, and with a single point are solved",
+          "[contact]") {
   Complementarity solver(3);
   VectorXd f(0);
   CHECK(solve(solver, {MatrixXd(0, 0), VectorXd(0)}, f));
@@ -113,7 +114,8 @@ TEST_CASE("no points, no gap below 0, and a single point are problems, too", "[c
   CHECK(f[0] == Approx(1.5));
 }
 
-TEST_CASE("a compliance that is not positive definite is no answer, and no hang", "[contact]") {
+TEST_CASE("a compliance that is not positive definite is reported, and the solve ends",
+          "[contact]") {
   Complementarity solver(2);
   VectorXd f = VectorXd::Zero(2);
   MatrixXd W(2, 2);
@@ -124,7 +126,8 @@ TEST_CASE("a compliance that is not positive definite is no answer, and no hang"
   CHECK_FALSE(solve(solver, {W, VectorXd::Constant(2, -1)}, f));
 }
 
-TEST_CASE("a solve allocates nothing and knows its limits", "[contact][frame loop]") {
+TEST_CASE("a solve allocates nothing, and refuses more points than it has room for",
+          "[contact][frame loop]") {
   const Problem p = some_problem(3, 30);
   Complementarity solver(30);
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> W = p.W;

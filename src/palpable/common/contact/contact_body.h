@@ -10,7 +10,7 @@
 ///     └──────────────────────┘               └───────────────────────────────────────────┘
 ///                                              TablesBody: tables of touch, float
 ///                                              ModalBody: energy in modes, double
-///                                              PrescribedSkin: an obstacle, does not give way
+///                                              PrescribedSkin: an obstacle, does not deform
 ///
 /// A frame has steps, a step has iterations of Newton's method. Two displacements are
 /// distinguished: the *shape* is the displacement of the whole skin, computed now and then, in
@@ -49,11 +49,11 @@ struct SkinPointSet {
 struct ContactLimits {
   double band = 0;            ///< m: points nearer than this to an obstacle may press
   double largest_step = 0;    ///< m that an obstacle advances in one step
-  int most_steps = 1;         ///< of a frame; what is deeper is reached in later frames
+  int most_steps = 1;         ///< of a frame; deeper obstacles are reached in later frames
   int iterations = 1;         ///< of Newton's method, in each step but the last
   int last_iterations = 1;    ///< in the last step
   double tolerance = 0;       ///< m: iterations end when no point that takes part moves more
-  double entry = 0;           ///< m that a round obstacle may enter between two contact points
+  double entry = 0;           ///< m that a curved obstacle may enter between two contact points
   double largest_change = 0;  ///< m that one iteration may move a point
   /// Whether an iteration that moves points farther than the one before is shortened. Without it
   /// two sets of points may press in turn for ever.
@@ -88,17 +88,16 @@ struct UnitForce {
   Eigen::Vector3f direction = Eigen::Vector3f::Zero();  ///< unit, body frame
 };
 
-/// What a place begins a step with.
+/// The load of a place when a step begins.
 struct PlaceLoad {
   Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, body frame
   float entry = 0;                                  ///< m that the obstacle penetrates there
 };
 
-/// Places that take part in a step, at most: of a body alone, and of one that is solved with
-/// others.
+/// Largest number of places in a step: of a body alone, and of one that is solved with others.
 inline constexpr int kMostPlaces = 256, kMostPlacesWithOthers = 512;
 
-/// Functions are called in the order in which they stand here. Nothing but the first frame of a
+/// The functions are called in the order in which they are declared. Only the first frame of a
 /// state allocates.
 class ContactBody {
  public:
@@ -114,41 +113,42 @@ class ContactBody {
   virtual void begin_frame() = 0;
   /// Whether the state is the unloaded body. @pre begin_frame()
   [[nodiscard]] virtual bool is_at_rest() const = 0;
-  /// Those of the state, rising by point, then by PointForce::by. The solver reads them when it
-  /// begins a step and replaces them when it ends one.
+  /// The forces of the state, in rising order of point, then of PointForce::by. The solver reads
+  /// them when it begins a step and replaces them when it ends one.
   [[nodiscard]] virtual std::vector<PointForce>& forces() = 0;
 
   // --- shape
 
-  /// m, of a contact point.
+  /// m, position of a contact point.
   [[nodiscard]] virtual Eigen::Vector3f shape_at(int point) = 0;
-  /// m, of a vertex that is the middle of a cluster of contact points (skin_clusters.h).
+  /// m, position of a vertex that is the middle of a cluster of contact points (skin_clusters.h).
   [[nodiscard]] virtual Eigen::Vector3f shape_at_vertex(int vertex) = 0;
-  /// m, of a foot: the place on this skin, by the F vertices, that is nearest to a contact point of
-  /// another body, and at which that one's force acts back. Linear in the displacement, as
+  /// m, position of a foot: the place on this skin, given by the F vertices, that is nearest to a
+  /// contact point of another body and takes its reaction. Linear in the displacement, as
   /// position() is.
   [[nodiscard]] virtual Eigen::Vector3f shape_at(const SkinPoint& foot) = 0;
+  /// The same at rest.
   [[nodiscard]] virtual Eigen::Vector3f rest_at(const SkinPoint& foot) const = 0;
   /// Unit, outwards, of the skin at a contact point; 0 where it is not known.
   [[nodiscard]] virtual Eigen::Vector3f normal_at(int point) = 0;
-  /// Holds the skin.
+  /// A box around the skin.
   [[nodiscard]] virtual Eigen::AlignedBox3f bounds() = 0;
   /// Signed distances to the skin.
   [[nodiscard]] virtual const MovingSurface& surface() = 0;
 
   // --- a step
 
-  /// The places of the next step: none, then those that are added. False: there is no room for one
-  /// more. A place's number is how many were added before it.
+  /// These set the places of the next step: clear_places(), then one add_place() each. False: there
+  /// is no room for one more. The number of a place is how many were added before it.
   virtual void clear_places() = 0;
   virtual bool add_place(int point) = 0;
   virtual bool add_place(const SkinPoint& foot) = 0;
-  /// The places that were added take part from now on, under these forces.
+  /// From now on the places that were added take part, under these forces.
   /// @param loads  (P)
-  /// @param last   the frame's last step, which is computed to the full
+  /// @param last   whether it is the frame's last step, which is computed with all terms
   virtual void begin_step(std::span<const PlaceLoad> loads, bool last) = 0;
 
-  /// m, of a place now.
+  /// m, present position of a place.
   [[nodiscard]] virtual Eigen::Vector3f position(std::size_t place) const = 0;
 
   // --- an iteration
@@ -187,7 +187,7 @@ class ContactBody {
   virtual void find_step(std::span<const Eigen::Vector3f> forces) = 0;
   /// Moves the places by a share of the step. May be called again with a smaller share.
   /// @param forces  (P) N, that share of the way from those before the iteration
-  /// @return m that the place moved that moved most, since linearise()
+  /// @return m, the largest displacement of a place since linearise()
   virtual double move(std::span<const Eigen::Vector3f> forces, double share) = 0;
 
   // --- end of a step
@@ -204,11 +204,11 @@ class ContactBody {
 
   // --- end of a frame
 
-  /// All steps are kept. @param penetration  m, of obstacles at the deepest contact point
+  /// Called after the last step. @param penetration  m, of obstacles at the deepest contact point
   virtual void end_frame(double penetration) = 0;
-  /// m that the vertex moved that moved most, since begin_frame().
+  /// m, the largest displacement of a vertex since begin_frame().
   [[nodiscard]] virtual double moved() const = 0;
-  /// The state goes back to this share of its way since begin_frame(), its forces likewise.
+  /// Reduces the change of the state, forces included, since begin_frame() to this share.
   virtual void limit_step(double share) = 0;
 };
 

@@ -9,13 +9,13 @@ namespace {
 
 using Eigen::Vector3f;
 
-// How often an iteration that moves a point too far is halved before it is given up.
+// Largest number of times that an iteration that moves a point too far is halved.
 constexpr int kHalvings = 6;
 // Ratio to ContactLimits::largest_step: the smallest gap that leaves a point out where
 // ContactLimits::narrows.
 constexpr double kLeastReach = 0.02;
 // Largest number of searches in the last step of a frame. With fewer, points that the solution
-// moved into an obstacle, and feet that have slid, are mended only in the next frame.
+// moved into an obstacle, and feet that have slid, are corrected only in the next frame.
 constexpr int kRounds = 3;
 // Ratio to ContactLimits::largest_step: if the last iteration moved a point farther, the solution
 // has not converged. The bodies then move by kUnsettledSteps largest steps at most.
@@ -68,7 +68,7 @@ void ContactFrame::begin(std::span<const int> members, std::span<const SkinPair>
   search_.begin(members, pairs, limits_);
 }
 
-// Drops contacts for which there is no room.
+// Gives contacts places, and drops those for which there is no room.
 void ContactFrame::find_places() {
   report_.dropped += search_.keep_nearest();
   report_.candidates = std::max(report_.candidates, static_cast<int>(search_.contacts().size()));
@@ -77,7 +77,7 @@ void ContactFrame::find_places() {
 // --- iterations
 
 // Gives the contacts the forces of the states, and numbers their places. A force at a point that is
-// no contact any more is dropped. @param goes_on  the contacts keep the forces of the round before
+// no longer a contact is dropped. @param goes_on  the contacts keep the forces of the round before
 void ContactFrame::take_up(double shift, bool goes_on) {
   for (const int k : members_) {
     part(k).loads.assign(part(k).places, {});
@@ -137,8 +137,9 @@ void ContactFrame::choose_pressed(double shift) {
   }
 }
 
-// New forces of the contacts that take part. A state on the way may have no positive definite
-// tangent; without what is not always positive the step is a shorter one, not a wrong one.
+// Computes new forces of the contacts that take part. In an intermediate state the full tangent may
+// not be positive definite; without the terms that can cause this the step is shorter but still
+// right.
 bool ContactFrame::solve_problem(double shift) {
   using Tangent = ContactBody::Tangent;
   const auto solve = [&](bool turning, Tangent tangent) {
@@ -194,7 +195,7 @@ double ContactFrame::iterate(double shift, float share) {
       is_stuck_ = halving == kHalvings;
       return moved;
     }
-    // The last time nothing is left of the step: no state is better than one beyond what is known.
+    // The last halving takes the whole step back: a state too far away would not be a valid one.
     const float part_of_step = halving + 1 < kHalvings ? 0.5f : 0.0f;
     go_back(part_of_step);
     gone *= static_cast<double>(part_of_step);
@@ -204,7 +205,7 @@ double ContactFrame::iterate(double shift, float share) {
 
 // --- steps
 
-// Solves, forms the shapes, and searches again until nothing more is found.
+// Solves, forms the shapes, and searches again until no new contact is found.
 void ContactFrame::run_last_step(double shift, int most) {
   bool goes_on = false;
   for (int round = 0;; ++round) {
@@ -230,17 +231,17 @@ void ContactFrame::run_last_step(double shift, int most) {
 
 // Hands forces and displacements to the states of the bodies.
 void ContactFrame::end_step(bool last) {
-  // Those that entered last and were not solved have no position.
+  // Contacts that entered last and were not solved have no place.
   std::erase_if(search_.contacts(), [](const Contact& c) { return c.place == Contact::kNoPlace; });
   if (last) search_.find_gaps(0);
-  report_.penetration = report_.between = 0;
+  report_.penetration = report_.mutual_penetration = 0;
   for (const int k : members_) {
     part(k).body->forces().clear();
     part(k).penetration = 0;
   }
   for (const Contact& c : search_.contacts()) {
     const double depth = -static_cast<double>(c.distance);
-    double& deepest = c.by < 0 ? part(c.body).penetration : report_.between;
+    double& deepest = c.by < 0 ? part(c.body).penetration : report_.mutual_penetration;
     if (c.by < 0 || c.pressing > 0) deepest = std::max(deepest, depth);
     if (c.pressing > 0) part(c.body).body->forces().push_back({c.point, c.force, c.by});
   }
@@ -255,7 +256,7 @@ void ContactFrame::end_step(bool last) {
   }
 }
 
-// Limits how far each body moves in this frame; the rest of its way is left to later frames.
+// Applies the step limit to each body; the rest of its displacement is left to later frames.
 void ContactFrame::end_frame(double largest_move) {
   for (const int k : members_) part(k).body->end_frame(part(k).penetration);
   const bool settled =
@@ -269,7 +270,7 @@ void ContactFrame::end_frame(double largest_move) {
     part(k).share_gone = moved > largest_move ? largest_move / moved : 1;
     report_.left_to_move = std::max(report_.left_to_move, moved - largest_move);
   }
-  // Bodies that press each other go the same share of their way, so that their forces stay
+  // Bodies that press each other are limited to the same share, so that their forces stay
   // opposite.
   for (bool is_new = true; is_new;) {
     is_new = false;
@@ -301,7 +302,7 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
   is_entered_ = false;
   if (steps > 1) search_.remember();
   for (int step = 1; step <= steps; ++step) {
-    // Obstacles are taken back so far that a skin enters them by no more than a step.
+    // Obstacles are moved back so that a skin enters them by no more than one step.
     const double shift = std::max(0.0, depth - step * limits_.largest_step);
     const bool last = step == steps;
     if (!last) {
@@ -309,7 +310,7 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
     } else if (steps > 1 || shift > 0) {
       search_.find(shift);
     }
-    // Those that press and have just lost sight of the obstacle lose their force by themselves.
+    // A point with a force that is no longer near an obstacle is no contact, and loses its force.
     report_.dropped = 0;
     find_places();
     if (last) {

@@ -17,17 +17,17 @@ namespace palpable {
 
 /// How a frame went, of all bodies, or of one and those that were solved with it.
 struct ContactReport {
-  int candidates = 0;      ///< contact points near something
-  int dropped = 0;         ///< more of them than there is room for
-  int steps = 0;           ///< in which obstacles advanced
-  int rounds = 0;          ///< of the last step, each begun by a search for contacts
-  int iterations = 0;      ///< of Newton's method in all
-  double last_change = 0;  ///< m, of a point in the last iteration
-  double penetration = 0;  ///< m, of obstacles at the deepest contact point
-  double between = 0;      ///< m, of bodies into each other, at the points that press
-  double imbalance = 0;    ///< N, of the forces between bodies: what does not cancel out
-  /// m, that a vertex has yet to move: beyond the largest move of a frame, or by the last iteration
-  /// where iterations have not converged.
+  int candidates = 0;             ///< contact points near an obstacle or another skin
+  int dropped = 0;                ///< of these, dropped for lack of room
+  int steps = 0;                  ///< in which obstacles advanced
+  int rounds = 0;                 ///< of the last step, each begun by a search for contacts
+  int iterations = 0;             ///< of Newton's method, in all steps
+  double last_change = 0;         ///< m, largest displacement of a point in the last iteration
+  double penetration = 0;         ///< m, of obstacles at the deepest contact point
+  double mutual_penetration = 0;  ///< m, of bodies into each other, at contact points with force
+  double imbalance = 0;           ///< N, norm of the sum of all forces between bodies; 0 in theory
+  /// m that a vertex has yet to move: beyond the step limit, or by the last iteration if the
+  /// iterations have not converged.
   double left_to_move = 0;
 };
 
@@ -35,10 +35,10 @@ struct ContactReport {
 class ContactFrame {
  public:
   /// @param parts  outlive this
-  /// @param most   contacts at a time
+  /// @param most   contacts at a time, at most
   ContactFrame(std::span<ContactPart> parts, int most);
 
-  /// @param members  indices of parts, rising; their frames were begun
+  /// @param members  indices of parts, in rising order; begin_frame() was called for their bodies
   /// @param pairs    of these members
   /// @param largest_move  m, see ContactSolver
   ContactReport solve(std::span<const int> members, std::span<const SkinPair> pairs,
@@ -48,7 +48,7 @@ class ContactFrame {
   [[nodiscard]] const SkinPair& pair_of(const Contact& contact) const {
     return search_.pair_of(contact);
   }
-  /// Those of the frame solved last, before anything was held back.
+  /// The contacts of the frame solved last, before the step limit.
   [[nodiscard]] std::span<const Contact> contacts() const { return search_.contacts(); }
 
  private:
@@ -75,11 +75,11 @@ class ContactFrame {
   ContactLimits limits_;  // of all members
   ContactReport report_;
   double reach_ = 0;         // m: points nearer than this take part in the next iteration
-  bool is_stuck_ = false;    // no step of the last iteration could be made
-  bool is_entered_ = false;  // by points that do not take part
+  bool is_stuck_ = false;    // the last iteration could make no step
+  bool is_entered_ = false;  // points that do not take part entered an obstacle
 
-  std::vector<Contact> pressed_;         // those that take part in an iteration,
-  std::vector<std::size_t> of_pressed_;  // and which
+  std::vector<Contact> pressed_;         // contacts that take part in an iteration,
+  std::vector<std::size_t> of_pressed_;  // and their indices among all contacts
   std::vector<Eigen::Vector3f> forces_before_;
   std::vector<ProblemBody> bodies_;  // by their number
 };

@@ -15,9 +15,11 @@ namespace {
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
-// Of the wider of both spacings: on a square grid the next but one lies 1.41 of it away.
+// Reach of a force, ratio to the larger of both spacings. On a square grid the diagonal neighbour
+// lies at 1.41. Smaller: the pressure shows single points; larger: its edges are blurred.
 constexpr float kReach = 1.5f;
-// Cosine between a force and the inward normal: the far side of an ear is not what is pressed.
+// Smallest cosine between a force and the inward normal of a vertex that has a share of it: the
+// other side of a thin part has none.
 constexpr float kFaces = 0.2f;
 
 std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
@@ -37,7 +39,7 @@ float ContactPressure::reach(float spacing) const {
   return kReach * std::max(spacing, usual_edge_);
 }
 
-// The vertices that may have a share of some force, and their areas.
+// Finds the vertices that may have a share of a force, and their areas.
 void ContactPressure::find_near(const TouchPatches& pressed, const Matrix3Xf& vertices) {
   Eigen::AlignedBox3f box;
   for (std::size_t i = 0; i < pressed.points().size(); ++i) {
@@ -88,7 +90,7 @@ void ContactPressure::spread(const TouchPatches& pressed, const Matrix3Xf& verti
         pressure[index(near_[k])] += force * weights_[k] / (sum * areas_[index(near_[k])]);
       }
     } else if (nearest_vertex >= 0 && areas_[index(nearest_vertex)] > 0) {
-      // On a ridge, or in a triangle much larger than the others.
+      // No vertex faces the force: on a ridge, or in a triangle much larger than the others.
       pressure[index(nearest_vertex)] += force / areas_[index(nearest_vertex)];
     }
   }

@@ -20,7 +20,7 @@ using test::tolerance;
 
 constexpr int kSide = 25;           // vertices of a plate, each way
 constexpr double kEdge = 0.004;     // m between them
-constexpr double kThick = 0.003;    // m: an ear's tip
+constexpr double kThick = 0.003;    // m, thickness of the plate
 constexpr float kPoints = 0.0025f;  // m between pressed points
 
 // Two sheets that face away from each other, the upper one first.
@@ -53,7 +53,7 @@ SurfaceMesh plate() {
   return skin;
 }
 
-// A square of points of the upper sheet that bear 20 kPa together, scaled with the plate.
+// A square of points of the upper sheet under an even pressure of 20 kPa, scaled with the plate.
 TouchPatches pressed_square(float scale = 1) {
   TouchPatches pressed(400);
   for (int y = 0; y < 16; ++y) {
@@ -89,7 +89,7 @@ struct Shape {
   }
 };
 
-TEST_CASE("even pressure comes out even, adds up to the forces, and stays on its side",
+TEST_CASE("even forces give even pressure, which adds up to the forces and stays on its side",
           "[contact]") {
   const Shape shape;
   ContactPressure contact(shape.skin);
@@ -102,9 +102,10 @@ TEST_CASE("even pressure comes out even, adds up to the forces, and stays on its
     const Vector3f x = shape.vertices.col(v);
     const float p = pressure[static_cast<std::size_t>(v)];
     const float beside = std::max(std::abs(x.x() - 0.04675f), std::abs(x.y() - 0.04675f));
-    // Inside of the square by a reach (6 mm) of points that are 2.5 mm apart; outside by as much.
+    // Inside the square by more than the reach (6 mm), and outside by more than it.
     if (beside < 0.012f) {
-      CHECK(std::abs(p - 20e3f) < tolerance(0.05, "points and vertices beat: 2.5 on 4 mm") * 20e3);
+      CHECK(std::abs(p - 20e3f) <
+            tolerance(0.05, "moire of points 2.5 mm and vertices 4 mm apart") * 20e3);
     }
     if (beside > 0.026f) CHECK(p == 0);
   }
@@ -113,7 +114,7 @@ TEST_CASE("even pressure comes out even, adds up to the forces, and stays on its
                     [](float p) { return p == 0; }));
 }
 
-TEST_CASE("pressure is force on the area that the skin has now", "[contact]") {
+TEST_CASE("pressure is force per present area", "[contact]") {
   const Shape rest, wider(1.2f);
   ContactPressure contact(rest.skin);
   std::vector<float> pressure, stretched;
@@ -122,10 +123,10 @@ TEST_CASE("pressure is force on the area that the skin has now", "[contact]") {
   const std::size_t middle = 11 * kSide + 11;
   CHECK(wider.force_of(stretched) == Approx(rest.force_of(pressure)).epsilon(1e-4));
   CHECK(std::abs(stretched[middle] - 20e3f / 1.44f) <
-        tolerance(0.05, "points and vertices beat") * 20e3 / 1.44);
+        tolerance(0.05, "moire of points and vertices") * 20e3 / 1.44);
 }
 
-TEST_CASE("a force that no vertex faces stands on the nearest one, and of none there is none",
+TEST_CASE("a force that no vertex faces acts on the nearest one, and without forces pressure is 0",
           "[contact]") {
   const Shape shape;
   ContactPressure contact(shape.skin);
@@ -137,7 +138,7 @@ TEST_CASE("a force that no vertex faces stands on the nearest one, and of none t
   CHECK(shape.force_of(pressure) == 0);
   CHECK(pressure.size() == 2 * kSide * kSide);
 
-  // Along the plate, as on a ridge.
+  // A force along the plate, as on a ridge.
   pressed.points().push_back(
       {Vector3f(0.0405f, 0.0405f, 0), Vector3f::Zero(), Vector3f(-1, 0, 0), kPoints * kPoints});
   pressed.find(nullptr, touches);

@@ -13,16 +13,18 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr std::size_t kMostTurning =
-    16;  // a multiple of 8: those with the largest force times curvature
-// Force times curvature times compliance below which turning is left out: it changes the step by
-// as little.
+// Largest number of contacts with turning normals, those with the largest force times curvature; a
+// multiple of 8.
+constexpr std::size_t kMostTurning = 16;
+// Force times curvature times compliance, below which the turning of a contact's normal is left
+// out: about the relative change of the step by it.
 constexpr double kTurns = 0.02;
-// The iteration for the turning forces must not run away: D is scaled down to this.
+// Largest eigenvalue of G_tt D. D is scaled down to it, because M = (1 - D G_tt)^-1 D has a pole at
+// 1.
 constexpr double kLargestTurn = 0.8;
 
-// In place: A becomes its LU factors with the rows exchanged, B becomes A^-1 B; both row by row.
-// @param columns  of B
+// Replaces A by its LU factors with exchanged rows, and B by A^-1 B; both row by row.
+// @param columns  number of columns of B
 bool solve_in_place(double* A, std::size_t n, double* B, std::size_t columns) {
   for (std::size_t k = 0; k < n; ++k) {
     std::size_t pivot = k;
@@ -66,7 +68,7 @@ ContactProblem::ContactProblem(int most) : complementarity_(most) {
   for (auto* vector : {&qt_, &x_, &y_}) vector->resize(t);
 }
 
-// W = N J N^T, and q: the gaps if no force acted, by the tangents.
+// Computes W = N J N^T, and q: the gaps without forces, by the tangents.
 void ContactProblem::assemble(std::span<const Contact> contacts, std::span<ProblemBody> bodies,
                               const ContactStep& step) {
   const std::size_t m = contacts.size();
@@ -97,7 +99,7 @@ void ContactProblem::find_local_compliance(std::span<const Contact> contacts,
   }
 }
 
-// Which contacts press something round, hard enough to matter.
+// Finds the contacts with curved obstacles whose force is large enough for turning to matter.
 void ContactProblem::find_turning(std::span<const Contact> contacts) {
   turning_.clear();
   for (std::size_t p = 0; p < contacts.size(); ++p) {
@@ -118,8 +120,8 @@ void ContactProblem::find_turning(std::span<const Contact> contacts) {
   turning_.resize(kMostTurning);
 }
 
-// Reduces D_ so far that the iteration for the turning forces does not diverge: the largest
-// eigenvalue of G_tt D, roughly, by a few steps of the power method.
+// Scales D_ down so that the largest eigenvalue of G_tt D, estimated by a few steps of the power
+// method, is at most kLargestTurn.
 void ContactProblem::bound_turning(std::size_t t) {
   const auto size = static_cast<Eigen::Index>(t);
   const Eigen::Map<const Eigen::MatrixXd> Gtt(Gtt_.data(), size, size);
@@ -141,7 +143,7 @@ void ContactProblem::bound_turning(std::size_t t) {
   for (std::size_t i = 0; i < t * t; ++i) D_[i] *= kLargestTurn / largest;
 }
 
-// G_nt, G_tt and the free displacement of the turning contacts.
+// Computes G_nt, G_tt and the free displacement of the turning contacts.
 void ContactProblem::assemble_tangential(std::span<const Contact> contacts,
                                          std::span<ProblemBody> bodies) {
   const std::size_t m = contacts.size(), t = 2 * turning_.size(), wide = padded(t);
@@ -168,7 +170,7 @@ void ContactProblem::assemble_tangential(std::span<const Contact> contacts,
   }
 }
 
-// W and q with the turning of normals; M_, qt_ and Gnt_ for the forces afterwards.
+// Adds the turning of normals to W and q; M_, qt_ and Gnt_ remain for the forces afterwards.
 bool ContactProblem::add_turning(std::span<const Contact> contacts, std::span<ProblemBody> bodies) {
   const std::size_t m = contacts.size(), t = 2 * turning_.size(), wide = padded(t);
   if (t == 0) return true;
@@ -189,7 +191,7 @@ bool ContactProblem::add_turning(std::span<const Contact> contacts, std::span<Pr
     std::fill(row, row + wide, 0.0f);
     for (std::size_t j = 0; j < t; ++j) row[j] = static_cast<float>(solved_[i * t + j]);
   }
-  // Rows of Gnt M, and of it times Gnt^T.
+  // Row by row: Gnt M, then Gnt M Gnt^T.
   std::array<float, 2 * kMostTurning> turned;
   const std::span<float> row(turned.data(), wide);
   for (std::size_t p = 0; p < m; ++p) {

@@ -7,8 +7,8 @@
 ///   T  (2 for each contact with a curved obstacle, x 3P) tangential directions
 ///   J  the bodies' tangents, m/N (ContactBody::add_compliance())
 ///
-///     W f + q >= 0,    f >= 0,    f_i (W f + q)_i = 0,        W = N J N^T + c,   q = g + N (u_free
-///     - u)
+///     W f + q >= 0,    f >= 0,    f_i (W f + q)_i = 0,
+///     W = N J N^T + c,   q = g + N (u_free - u)
 ///
 /// with u_free the displacement without forces by the tangent, and c the local compliance of the
 /// skin under a point. A contact that slides by T du along an obstacle of curvature K has its
@@ -17,8 +17,8 @@
 ///
 ///     W += G_nt M G_nt^T,     M = D (1 - G_tt D)^-1,     G_nt = N J T^T, G_tt = T J T^T
 ///
-/// Friction would be added here: T holds the tangents, G_tt and G_nt their compliance; Coulomb's
-/// cone joins the complementarity conditions.
+/// Friction would be added here: T has the tangents, G_tt and G_nt their compliance, and the
+/// complementarity conditions would be extended by Coulomb's cone.
 #pragma once
 
 #include "palpable/common/contact/complementarity.h"
@@ -34,24 +34,25 @@ namespace palpable {
 
 /// A contact point that may press an obstacle or another body.
 struct Contact {
-  int body = 0;                                       ///< of the solver's
-  int point = 0;                                      ///< contact point of that body
-  int by = -1;                                        ///< the other body; -1: an obstacle
-  SkinPoint foot;                                     ///< on the other body
-  std::size_t place = kNoPlace;                       ///< of the point, on `body`
-  std::size_t on_foot = kNoPlace;                     ///< of the foot, on `by`
-  float distance = 0;                                 ///< m, the gap now
-  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, away from what presses; of `body`
+  int body = 0;                    ///< index in the solver
+  int point = 0;                   ///< contact point of that body
+  int by = -1;                     ///< index of the other body; -1: an obstacle
+  SkinPoint foot;                  ///< on the other body
+  std::size_t place = kNoPlace;    ///< number of the point's place on `body`
+  std::size_t on_foot = kNoPlace;  ///< number of the foot's place on `by`
+  float distance = 0;              ///< m, the gap now
+  Eigen::Vector3f normal =
+      Eigen::Vector3f::UnitZ();  ///< unit, out of the obstacle; frame of `body`
   Eigen::Vector3f foot_normal = Eigen::Vector3f::UnitZ();  ///< the same in the frame of `by`
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();     ///< 1/m
   float softness = 0;                                      ///< SurfaceGap::softness
   double area = 0;                                         ///< m^2 that the point stands for
-  double pressing = 0;                                     ///< N, along the normal
-  Eigen::Vector3f force = Eigen::Vector3f::Zero();         ///< N, all of it; frame of `body`
-  /// m, frame of `by`: the point from the foot, and the gap, when the foot was found.
+  double pressing = 0;                                     ///< N, normal force
+  Eigen::Vector3f force = Eigen::Vector3f::Zero();         ///< N, with its turning; frame of `body`
+  /// m, frame of `by`: vector from the foot to the point, and the gap, when the foot was found.
   Eigen::Vector3f anchor = Eigen::Vector3f::Zero();
   float anchor_gap = 0;
-  float slid = 0;  ///< m along the other skin, since the foot was found
+  float slid = 0;  ///< m, slip along the other skin since the foot was found
 
   static constexpr std::size_t kNoPlace = static_cast<std::size_t>(-1);
 };
@@ -64,11 +65,11 @@ struct ProblemBody {
 
 struct ContactStep {
   double shift = 0;     ///< m, added to gaps of obstacles: how far load steps move them back
-  bool turning = true;  ///< false: normals keep their direction
+  bool turning = true;  ///< false: the turning of normals is left out
   ContactBody::Tangent tangent = ContactBody::Tangent::kFull;
 };
 
-/// Holds the memory of its solves, which allocate nothing.
+/// Keeps the memory of its solves, which allocate nothing.
 class ContactProblem {
  public:
   /// @param most  contacts of one problem
@@ -80,7 +81,7 @@ class ContactProblem {
   bool solve(std::span<Contact> contacts, std::span<ProblemBody> bodies, const ContactStep& step);
 
  private:
-  struct Turning {  // a contact that presses a round obstacle
+  struct Turning {  // a contact with a curved obstacle
     std::size_t contact = 0;
     Eigen::Vector3f t1 = Eigen::Vector3f::Zero(), t2 = Eigen::Vector3f::Zero();
   };

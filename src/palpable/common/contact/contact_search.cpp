@@ -12,7 +12,7 @@ using Eigen::Vector3f;
 
 // Ratio to ContactLimits::band: a point that entered less deep is left to the next frame.
 constexpr double kEntered = 0.04;
-// How often ContactLimits::entry is doubled to reduce the number of contact points.
+// Largest number of times that ContactLimits::entry is doubled to reduce the contact points.
 constexpr int kCoarser = 8;
 // Cosines of the angle between two skins' normals. Below kFacing (46 degrees) the skins do not lie
 // on each other. From kAlmostFlat (14 degrees) to kFlat (8) the normal of the contact point gains
@@ -37,7 +37,7 @@ bool is_same(const Contact& a, const Contact& b) {
   return a.body == b.body && a.point == b.point && a.by == b.by;
 }
 
-// m, of a place of a skin from its nearest edge.
+// m, distance of a position on a skin from the nearest sharp edge.
 float edge_distance_of(const ContactPart& part, const SkinPoint& place) {
   float sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -52,13 +52,13 @@ std::optional<NearestOnSkin> nearest_on(const MovingSurface& skin, const Vector3
   const Eigen::AlignedBox3f bounds = skin.bounds();
   if (!(bounds.squaredExteriorDistance(x) < band * band)) return std::nullopt;
   auto found = skin.nearest(x, band);
-  // What is inside may be farther from the skin.
+  // Positions inside may be farther from the skin.
   if (!found && bounds.contains(x)) found = skin.nearest(x, kDeepInside);
   return found;
 }
 
-// Direction of the force between two skins, in the frame of the other one: the other skin's normal.
-// Where the other skin has an edge that lies on the face around the point, the normal of that face.
+// Direction of the force between two skins, in the frame of the other one: the normal of the other
+// skin, or, where an edge of it lies on the face around the point, the normal of that face.
 Vector3f normal_between(ContactPart& part, int point, ContactPart& other,
                         const NearestOnSkin& found, const SkinPair& pair) {
   const MovingSurface& surface = other.body->surface();
@@ -69,8 +69,8 @@ Vector3f normal_between(ContactPart& part, int point, ContactPart& other,
   const float facing = against.dot(normal);
   // Skins that do not face each other: the gap's own direction.
   if (!(facing > kFacing)) return normal;
-  // An edge matters as far as its face's contact points are apart; skins that lie on each other are
-  // as good as one another.
+  // The influence of an edge ends at the distance of the contact points on the face. Where skins
+  // are parallel, both normals are equally good.
   const float nearness = 1 - from_edge / points.between;
   const float flatness = std::clamp((facing - kAlmostFlat) / (kFlat - kAlmostFlat), 0.0f, 1.0f);
   const float share = std::max(nearness, flatness);
@@ -141,7 +141,7 @@ void ContactSearch::find(double shift) {
   for (const SkinPair& pair : pairs_) find_between(pair);
 }
 
-// A contact between bodies gets the plane of the place that is nearest to its point.
+// Gives a contact between bodies the tangent plane at the position nearest to its point.
 // @param from_foot  m, the point from the foot, frame of the other body
 void ContactSearch::take_plane(Contact& contact, const NearestOnSkin& found,
                                const Vector3f& from_foot, const SkinPair& pair) {

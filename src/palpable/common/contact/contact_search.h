@@ -26,27 +26,27 @@
 
 namespace palpable {
 
-/// A body, and what is near it.
+/// A body with the obstacles near it.
 struct ContactPart {
   explicit ContactPart(ContactBody& the_body);
 
   ContactBody* body;
-  const Obstacles* obstacles = nullptr;  ///< in its frame; null: none
+  const Obstacles* obstacles = nullptr;  ///< in the body's frame; null: none
   NearPoints near;
-  /// (F) m, of a vertex from the nearest edge at rest, 1 at most.
+  /// (F) m, distance of each vertex from the nearest sharp edge at rest; 1 without one.
   std::vector<float> edge_distance;
-  std::size_t places = 0;                     ///< that were added for the next step
+  std::size_t places = 0;                     ///< number of places of the next step
   std::vector<PlaceLoad> loads;               ///< of these
   std::vector<Eigen::Vector3f> place_forces;  ///< likewise, N
   double penetration = 0;                     ///< m, as ContactReport, of this body
-  double share_gone = 1;                      ///< of its way in the frame; less: it was held back
+  double share_gone = 1;                      ///< of its displacement; < 1: step limit
 };
 
 /// Contact points of one body before the skin of another.
 struct SkinPair {
-  int points = 0, skin = 0;  ///< bodies
+  int points = 0, skin = 0;  ///< indices of the two bodies
   Eigen::Isometry3f skin_from_points = Eigen::Isometry3f::Identity();
-  float overlap = 0;  ///< m, added to gaps: how deep the shapes at rest stand in each other
+  float overlap = 0;  ///< m, added to gaps: the overlap of the shapes at rest
 };
 
 /// Its memory is used again in each frame.
@@ -57,10 +57,10 @@ class ContactSearch {
   static constexpr double kTakesPart = 0.4;
 
   /// @param parts  outlive this
-  /// @param most   contacts at a time
+  /// @param most   contacts at a time, at most
   ContactSearch(std::span<ContactPart> parts, int most);
 
-  /// A new frame. @param members, pairs  as ContactFrame::solve()  @param limits  of all members
+  /// Begins a frame. @param members, pairs  as ContactFrame::solve()  @param limits  of all members
   void begin(std::span<const int> members, std::span<const SkinPair> pairs,
              const ContactLimits& limits);
 
@@ -69,7 +69,7 @@ class ContactSearch {
   /// The pair of a contact between bodies.
   [[nodiscard]] const SkinPair& pair_of(const Contact& contact) const;
 
-  // A shift is how far obstacles are taken back in the present step, m.
+  // A shift is how far obstacles are moved back in the present step, m.
 
   /// The contacts become those in the present shapes.
   void find(double shift);
@@ -108,7 +108,7 @@ class ContactSearch {
 
   std::vector<Contact> contacts_;
   std::vector<Contact> found_;               // by remember()
-  std::vector<Contact> feet_before_;         // those between bodies of the round before
+  std::vector<Contact> feet_before_;         // contacts between bodies of the round before
   std::vector<char> is_contact_;             // by point, of one body
   std::vector<int> queried_points_;          // of one body: points whose gaps are queried,
   std::vector<std::size_t> of_queried_;      // their contacts,

@@ -13,14 +13,14 @@ using Eigen::AlignedBox3f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// m between the boxes of two skins, beyond which they cannot touch in this frame: the band, and how
-// far a body may move, at most kFastest.
+// Distance of the boxes of two skins beyond which they cannot touch in a frame: m for the search
+// band, plus the step limit, of which at most kFastest counts.
 constexpr float kBesideBody = 0.004f, kFastest = 0.05f;
-// m by which bodies at rest stand off each other at least: single precision rounds their positions,
-// and a force of nothing would keep both awake.
+// m, smallest gap between bodies at rest. Without it rounding of positions in single precision
+// would cause tiny forces, and bodies at rest would be solved in every frame.
 constexpr float kStandsOff = 2e-5f;
 
-// (F) m, of each vertex from the nearest one on an edge, 1 where there is none.
+// (F) m, distance of each vertex from the nearest one on a sharp edge; 1 if there is none.
 std::vector<float> distances_from_edges(const MovingSurface& skin) {
   const std::vector<int> edges = skin.sharp_vertices();
   const Eigen::Index F = skin.vertex_count();
@@ -42,7 +42,7 @@ struct ContactSolver::Work {
     Rigid3 world_from_body;
     double largest_move = 0;  // m, ContactSolver::Near
     bool is_awake = false;
-    int group = 0;  // the lowest of those that are solved together
+    int group = 0;  // the lowest index of the members that are solved together
     bool is_at_rest = true;
     ContactReport report;
     std::vector<PressedPoint> pressed, pressed_before;
@@ -66,7 +66,7 @@ struct ContactSolver::Work {
 };
 
 ContactSolver::Work::Work(const std::vector<ContactSolver::Member>& all) {
-  PALPABLE_EXPECT(!all.empty(), "something is solved");
+  PALPABLE_EXPECT(!all.empty(), "a solver has a member");
   for (const ContactSolver::Member& one : all) {
     members.emplace_back(one.world_from_body);
     parts.emplace_back(*one.body);
@@ -85,9 +85,10 @@ ContactSolver::Work::Work(const std::vector<ContactSolver::Member>& all) {
   }
 }
 
-// Of each two bodies, compares the contact points of the first with the skin of the second. The
-// points of the second are compared with the first one's skin, too, if the second has edges, which
-// may lie between two points of the first, or if the first has no points.
+// Makes the pairs of bodies. The contact points of the first body of a pair are searched on the
+// skin of the second one. The points of the second are searched on the first one's skin as well if
+// the second has sharp edges, which may lie between two points of the first, or if the first has no
+// points.
 void ContactSolver::Work::pair_up() {
   for (ContactPart& part : parts) part.edge_distance = distances_from_edges(part.body->surface());
   const int count = static_cast<int>(parts.size());
@@ -135,7 +136,8 @@ bool ContactSolver::Work::are_near(const SkinPair& pair, float beside) const {
   return box.intersects(parts[static_cast<std::size_t>(pair.skin)].body->bounds());
 }
 
-// Who takes part in this frame, and with whom: what presses one body may bring it to the next.
+// Finds the members that are solved in this frame, in groups: an obstacle that presses one body may
+// press it against the next one.
 void ContactSolver::Work::find_groups() {
   double largest_move = 0;
   for (std::size_t k = 0; k < members.size(); ++k) {
@@ -192,8 +194,8 @@ void ContactSolver::Work::solve(int group) {
   }
 }
 
-// Collects where the points of other members press. Forces on a body that was held back are those
-// between the frame before and this one.
+// Collects the points at which other members press. Where the step limit holds, forces are
+// interpolated between the frame before and this one.
 void ContactSolver::Work::find_pressed() {
   for (const Contact& c : frame->contacts()) {
     if (c.by < 0 || !(c.pressing > 0)) continue;
@@ -216,7 +218,7 @@ void ContactSolver::Work::find_pressed() {
   }
 }
 
-// N, of the forces between the members that were solved last.
+// N, norm of the sum of all forces between the members that were solved last.
 double ContactSolver::Work::imbalance() const {
   Vector3d sum = Vector3d::Zero();
   for (const int k : solved) {
@@ -238,7 +240,7 @@ ContactSolver::ContactSolver(ContactSolver&&) noexcept = default;
 
 ContactReport ContactSolver::advance(std::span<const Near> near) {
   Work& w = *work_;
-  PALPABLE_EXPECT(near.size() == w.parts.size(), "what is near each member");
+  PALPABLE_EXPECT(near.size() == w.parts.size(), "a Near for each member");
   for (std::size_t k = 0; k < w.parts.size(); ++k) {
     w.parts[k].obstacles = near[k].obstacles;
     w.members[k].largest_move = near[k].largest_move;
@@ -269,7 +271,7 @@ ContactReport ContactSolver::advance(std::span<const Near> near) {
     all.iterations += one.iterations;
     all.last_change = std::max(all.last_change, one.last_change);
     all.penetration = std::max(all.penetration, one.penetration);
-    all.between = std::max(all.between, one.between);
+    all.mutual_penetration = std::max(all.mutual_penetration, one.mutual_penetration);
     all.imbalance = std::max(all.imbalance, one.imbalance);
     all.left_to_move = std::max(all.left_to_move, one.left_to_move);
   }

@@ -4,7 +4,7 @@
 ///
 ///     g_i >= 0,   f_i >= 0,   g_i f_i = 0          at every contact i, with
 ///
-///     g_i   gap: signed distance of a contact point from what is near it, m
+///     g_i   gap: signed distance of a contact point from the obstacle or skin near it, m
 ///     f_i   normal force, N: on the body at the point, and the opposite one on the other body
 ///
 /// How a force comes about:
@@ -57,37 +57,38 @@
 
 namespace palpable {
 
-/// Advancing allocates nothing once states have had their room.
+/// advance() allocates nothing once states have had their room.
 class ContactSolver {
  public:
   struct Member {
     ContactBody* body = nullptr;  ///< with a state, when advance() is called; outlives the solver
     Rigid3 world_from_body = Rigid3::Identity();
   };
-  /// What is near a member in a frame.
+  /// The obstacles near a member in a frame, and its step limit.
   struct Near {
-    const Obstacles* obstacles = nullptr;  ///< other members apart, in its frame; null: none
-    /// m: no vertex moves by more; what is left of its way is made up in the frames after. Of
-    /// bodies that are solved together the largest holds.
+    const Obstacles* obstacles = nullptr;  ///< without other members, body frame; null: none
+    /// m, step limit: no vertex moves farther in this frame; the rest of the displacement follows
+    /// in later frames. Bodies that are solved together use the largest one.
     double largest_move = std::numeric_limits<double>::infinity();
   };
   explicit ContactSolver(const std::vector<Member>& members);
   ~ContactSolver();
   ContactSolver(ContactSolver&&) noexcept;
 
-  /// The states in which nothing enters a body. Pure: the same states and gaps give the same bytes.
+  /// Advances the states to those in which nothing enters a body. Pure: the same states and gaps
+  /// give the same bytes.
   /// @param near  of each member
   ContactReport advance(std::span<const Near> near);
 
-  // Of a member, and of the frame advanced last:
+  // These are for one member, after the frame advanced last.
 
-  /// Of it and those that were solved with it.
+  /// The report of the member and those that were solved with it.
   [[nodiscard]] const ContactReport& report_of(int member) const;
-  /// m, of obstacles at its deepest contact point.
+  /// m, penetration of obstacles at its deepest contact point.
   [[nodiscard]] double penetration_of(int member) const;
-  /// Where contact points of other members press it.
+  /// The points at which contact points of other members press it.
   [[nodiscard]] std::span<const PressedPoint> pressed_by_others(int member) const;
-  /// Nothing presses it, and its shape is that at rest.
+  /// Whether nothing presses it and its shape is that at rest.
   [[nodiscard]] bool is_at_rest(int member) const;
 
  private:

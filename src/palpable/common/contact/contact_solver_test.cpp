@@ -38,7 +38,8 @@ double apart(const Matrix3Xf& a, const Matrix3Xf& b) {
 
 TEST_CASE("a pressed cushion presses the one below, which presses back as hard",
           "[contact][bodies]") {
-  // By tables with all of the compliance, else with what both kinds can hold.
+  // Two bodies with tables have the whole compliance; others the leading modes, which both kinds
+  // hold.
   for (const std::vector<Kind>& kinds :
        {std::vector{T, T}, std::vector{M, M}, std::vector{T, M}, std::vector{M, T}}) {
     const bool is_whole = kinds == std::vector{T, T};
@@ -48,14 +49,15 @@ TEST_CASE("a pressed cushion presses the one below, which presses back as hard",
       stack.press(depth);
       INFO(depth << " m, kinds " << static_cast<int>(kinds[0]) << static_cast<int>(kinds[1]));
       CHECK(stack.report.imbalance < tolerance(1e-6, "N: rounding"));
-      CHECK(stack.report.between < tolerance(5e-5, "m: softness, a hundredth of how it gives way"));
+      CHECK(stack.report.mutual_penetration <
+            tolerance(5e-5, "m: softness, a hundredth of the compliance"));
       CHECK(stack.entry(0) < tolerance(1.5e-4, "m: points 3 mm apart on a dent of this size"));
     }
     const Vector3d down = stack.force(1, true), up = stack.force(0, true);
     CHECK(down.z() < (is_whole ? -0.5 : -0.4));
     CHECK((down + up).norm() < tolerance(1e-6, "N: rounding"));
     CHECK(stack.layers[1]->largest_move() > (is_whole ? 0.0015 : 0.001));
-    // By itself the upper one gives way more easily.
+    // Alone, the upper one deforms more easily.
     Stack alone(kinds, 0.02, leading);
     alone.press(0.006);
     CHECK(alone.report.rounds == 1);
@@ -78,7 +80,7 @@ TEST_CASE("a body by its tables and the same one in modes have the same contact"
   }
 }
 
-TEST_CASE("what a body bears of another is its whole response to these forces",
+TEST_CASE("the displacement of a body by another one is its whole response to the forces",
           "[contact][bodies]") {
   Stack stack({T, T});
   for (int frame = 0; frame < 4; ++frame) stack.press(0.005);
@@ -110,7 +112,7 @@ TEST_CASE("what a body bears of another is its whole response to these forces",
   CHECK(off < tolerance(1e-5, "m: feet are those of a round ago"));
 }
 
-TEST_CASE("held still nothing oscillates", "[contact][bodies]") {
+TEST_CASE("under an obstacle that stands still no body oscillates", "[contact][bodies]") {
   for (const std::size_t count : {2, 3}) {
     Stack stack(std::vector<Kind>(count, T));
     stack.press(0.006);
@@ -129,7 +131,8 @@ TEST_CASE("held still nothing oscillates", "[contact][bodies]") {
   }
 }
 
-TEST_CASE("what one frame cannot do converges in the next", "[contact][bodies]") {
+TEST_CASE("contact that does not converge in one frame converges in the next ones",
+          "[contact][bodies]") {
   Stack slow({T, T}), fast({T, T});
   for (int frame = 1; frame <= 20; ++frame) slow.press(0.0003 * frame);
   for (int frame = 0; frame < 3; ++frame) fast.press(0.006);
@@ -139,7 +142,7 @@ TEST_CASE("what one frame cannot do converges in the next", "[contact][bodies]")
   }
 }
 
-TEST_CASE("bodies that are let go go back to rest", "[contact][bodies]") {
+TEST_CASE("bodies that are released return to rest", "[contact][bodies]") {
   for (const std::vector<Kind>& kinds : {std::vector{T, T, T}, std::vector{M, T, M}}) {
     Stack stack(kinds, kApart, kLeading);
     stack.press(0.006);
@@ -157,8 +160,7 @@ TEST_CASE("bodies that are let go go back to rest", "[contact][bodies]") {
   }
 }
 
-TEST_CASE("a skin that does not give way is an obstacle, and moves as it is told",
-          "[contact][bodies]") {
+TEST_CASE("a prescribed skin is an obstacle, and moves as prescribed", "[contact][bodies]") {
   Stack stack({T, F});
   for (int frame = 0; frame < 3; ++frame) stack.press(0.006);
   const double on_hard = stack.force(0, true).z();
@@ -166,15 +168,15 @@ TEST_CASE("a skin that does not give way is an obstacle, and moves as it is told
   Stack both({T, T});
   for (int frame = 0; frame < 3; ++frame) both.press(0.006);
   CHECK(on_hard > 1.2 * both.force(0, true).z());
-  // It moves out of the way.
+  // The lower skin moves away.
   Matrix3Xf lower = stack.layers[1]->skin();
-  lower.row(2).array() += 0.01f;  // it lies upside down
+  lower.row(2).array() += 0.01f;  // its frame is upside down
   stack.layers[1]->fixed->move(lower);
   for (int frame = 0; frame < 3; ++frame) stack.press(0.006);
   CHECK(stack.force(0, true).isZero(0));
 }
 
-TEST_CASE("a frame says how it ended", "[contact][bodies]") {
+TEST_CASE("a frame reports how it ended", "[contact][bodies]") {
   Stack converged({T});
   converged.press(0.001);
   CHECK(converged.report.left_to_move == 0);
@@ -188,14 +190,14 @@ TEST_CASE("a frame says how it ended", "[contact][bodies]") {
   CHECK(unsettled.report.left_to_move > 0);  // its first iteration moved points by millimetres
   CHECK(unsettled.report.left_to_move == unsettled.report.last_change);
 
-  // So many steps, and the rest in the frames to come.
+  // Two steps, and the rest in later frames.
   TouchSettings few_steps;
   few_steps.most_steps = 2;
   Stack stopped({T}, kApart, 0, few_steps);
   stopped.press(0.006);
   CHECK(stopped.report.steps == 2);
 
-  // No vertex moves farther than it may.
+  // No vertex moves farther than the step limit.
   Stack slow({T});
   const CapsuleObstacles deep = finger(0.006);
   const std::array near{ContactSolver::Near{&deep, 0.001}};
@@ -205,7 +207,7 @@ TEST_CASE("a frame says how it ended", "[contact][bodies]") {
 
   // A plate over the whole cushion has more points than there is room for.
   const test::GapFunction plate([](const Vector3f& x, SurfaceGap& gap) {
-    gap.distance = 0.002f - x.z();  // from above, 6 mm under the top
+    gap.distance = 0.002f - x.z();  // from above, 6 mm below the top
     gap.normal = -Vector3f::UnitZ();
     gap.curvature.diagonal().setConstant(300);  // 1/m: as sharp as a pencil everywhere
     return true;
@@ -215,7 +217,7 @@ TEST_CASE("a frame says how it ended", "[contact][bodies]") {
   CHECK(crowded.report.dropped > 0);
 }
 
-TEST_CASE("what is no number presses nothing", "[contact][bodies]") {
+TEST_CASE("gaps that are NaN press nothing", "[contact][bodies]") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const test::GapFunction bad([nan](const Vector3f&, SurfaceGap& gap) {
     gap.distance = nan;
@@ -230,7 +232,7 @@ TEST_CASE("what is no number presses nothing", "[contact][bodies]") {
   }
 }
 
-TEST_CASE("the same frames give the same bytes, and take no memory", "[contact][bodies]") {
+TEST_CASE("the same frames give the same bytes, and allocate nothing", "[contact][bodies]") {
   for (const std::vector<Kind>& kinds : {std::vector{T, T, T}, std::vector{M, T, F}}) {
     Stack one(kinds, kApart, kLeading), other(kinds, kApart, kLeading);
     for (const double depth : {0.001, 0.006, 0.004, 0.002}) {
@@ -247,8 +249,9 @@ TEST_CASE("the same frames give the same bytes, and take no memory", "[contact][
   }
 }
 
-TEST_CASE("a stack has the same bytes whoever else is solved at once", "[contact][bodies]") {
-  // A stack is solved by one thread. What stacks might share would show where several are.
+TEST_CASE("a stack has the same bytes when others are solved at the same time",
+          "[contact][bodies]") {
+  // A stack is solved by one thread. Data shared between stacks would show with several threads.
   const auto played = [] {
     Stack stack({T, M}, kApart, kLeading);
     for (const double depth : {0.002, 0.006, 0.003}) stack.press(depth);

@@ -14,9 +14,9 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kLeaf = 4;           // triangles
-constexpr float kSmooth = 0.766f;  // cosine of 40 degrees
-constexpr float kOnEdge = 1e-5f;   // a weight below it is 0: the nearest place is an edge or corner
+constexpr int kLeaf = 4;           // triangles in a leaf of the tree, at most
+constexpr float kSmooth = 0.766f;  // cosine of 40 degrees; sharper edges stay sharp
+constexpr float kOnEdge = 1e-5f;   // corner weights below this count as 0: on an edge or corner
 
 // Weights of the corners at the point of a triangle that is nearest to x (Ericson, Real-Time
 // Collision Detection, 5.1.5).
@@ -47,7 +47,7 @@ Vector3f nearest_weights_in(const Vector3f& a, const Vector3f& b, const Vector3f
     return {0, 1 - t, t};
   }
   const float sum = va + vb + vc;
-  if (!(sum > 0)) return {1, 0, 0};  // no triangle
+  if (!(sum > 0)) return {1, 0, 0};  // a degenerate triangle
   return Vector3f(va, vb, vc) / sum;
 }
 
@@ -107,7 +107,7 @@ void MovingSurface::find_corners() {
 }
 
 void MovingSurface::find_adjacent() {
-  std::map<std::pair<int, int>, int> of_edge;  // directed: the triangle that runs along it
+  std::map<std::pair<int, int>, int> of_edge;  // directed edge: the triangle that has it
   for (int t = 0; t < triangles_.cols(); ++t) {
     for (int k = 0; k < 3; ++k) of_edge[{triangles_(k, t), triangles_((k + 1) % 3, t)}] = t;
   }
@@ -129,10 +129,10 @@ void MovingSurface::find_adjacent() {
 }
 
 void MovingSurface::move(const Eigen::Matrix3Xf& vertices) {
-  PALPABLE_EXPECT(vertices.cols() == vertices_.cols(), "as many vertices as ever");
+  PALPABLE_EXPECT(vertices.cols() == vertices_.cols(), "as many vertices as at rest");
   vertices_.topRows<3>() = vertices;
   auto last = std::ssize(corners_);
-  for (auto box = boxes_.rbegin(); box != boxes_.rend(); ++box) {  // halves stand behind the whole
+  for (auto box = boxes_.rbegin(); box != boxes_.rend(); ++box) {  // halves come after the whole
     if (box->count == 0) {
       const Box &one = (&*box)[1], &other = boxes_[box->second];
       box->low = one.low.min(other.low);
@@ -185,7 +185,7 @@ std::optional<NearestOnSkin> MovingSurface::nearest(const Vector3f& x, float rea
   for (int k = 0; k < 3; ++k) y += best.weights[k] * vertex(triangles_(k, best.triangle));
   const float distance = std::sqrt(best.square);
   found.distance = (x - y).dot(found.normal) < 0 ? -distance : distance;
-  // Off the skin the direction itself is the gradient, exactly.
+  // Off the skin the direction to the nearest position is the exact gradient.
   if (distance > 1e-6f) found.normal = (x - y) / found.distance;
   return found;
 }
@@ -248,7 +248,8 @@ Vector3f MovingSurface::vertex_normal(int v) const {
   return normal_around(v, Vector3f::UnitZ(), -2);
 }
 
-// Of the faces around a vertex, by their angles there; of those alone that face some way.
+// Mean normal of the faces around a vertex, weighted by their angles; only of faces whose normal
+// has at least this cosine with `way`.
 Vector3f MovingSurface::normal_around(int v, const Vector3f& way, float least_cosine) const {
   const Vector3f here = vertex(v);
   Vector3f sum = Vector3f::Zero();
@@ -276,7 +277,7 @@ RoundedSkin MovingSurface::rounded_at(const NearestOnSkin& found) const {
   for (int k = 0; k < 3; ++k) corners.col(k) = normal_around(triangles_(k, t), face, kSmooth);
   RoundedSkin skin;
   skin.normal = (corners * found.weights).normalized();
-  // Before a sharp edge or corner, or a triangle that is none.
+  // In front of a sharp edge or corner, or in a degenerate triangle.
   if (!(skin.normal.dot(found.normal) > kSmooth) || !(square > 0)) {
     return {found.normal, Eigen::Matrix3f::Zero()};
   }

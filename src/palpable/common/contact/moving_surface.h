@@ -1,5 +1,5 @@
 /// @file
-/// Signed distance to a closed skin that deforms: what bodies ask of each other.
+/// Signed distance to a closed skin that deforms, for contact between bodies.
 ///
 ///   V  vertices     T  triangles
 #pragma once
@@ -20,7 +20,7 @@ namespace palpable {
 /// m: the deepest penetration between two bodies that is detected.
 inline constexpr float kDeepInside = 0.02f;
 
-/// What of the skin is nearest to a place.
+/// The position on the skin that is nearest to a query point.
 struct NearestOnSkin {
   float distance = 0;  ///< m, negative inside
   int triangle = 0;
@@ -28,37 +28,37 @@ struct NearestOnSkin {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, of the face, edge or corner
 };
 
-/// The round skin for which the triangles stand.
+/// The smooth skin that the triangles approximate.
 struct RoundedSkin {
-  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();    ///< unit, outwards; turns along the skin
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, outwards; continuous along the skin
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  ///< 1/m, dn/dx; symmetric
 };
 
-/// A tree of boxes over the triangles, made once; where the vertices are is told again and again.
-/// The sign is that of the angle-weighted normal of the nearest face, edge or corner
-/// (surface_distance.h, which is exact to a double's rounding and made anew for each shape).
+/// A tree of boxes over the triangles, made once; the positions of the vertices are updated by
+/// move(). The sign of a distance is that of the angle-weighted normal of the nearest face, edge or
+/// corner (as in surface_distance.h, which is exact in double precision but made anew for each
+/// shape).
 class MovingSurface {
  public:
   /// @param skin  closed; at rest
   explicit MovingSurface(const SurfaceMesh& skin);
 
-  /// @param vertices  (3 x V) m, where they are now. Copied; allocates nothing
+  /// @param vertices  (3 x V) m, present positions. Copied; allocates nothing
   void move(const Eigen::Matrix3Xf& vertices);
 
-  /// Nothing where the skin is farther than `reach`. Allocates nothing.
+  /// Nothing if the skin is farther than `reach`. Allocates nothing.
   [[nodiscard]] std::optional<NearestOnSkin> nearest(const Eigen::Vector3f& x, float reach) const;
-  /// Normals of the corners, interpolated in the triangle, so that what slides over an edge is not
-  /// pushed another way from one place to the next. Edges of more than 40 degrees stay edges.
+  /// The vertex normals, interpolated in the triangle, so that the direction of a force does not
+  /// jump when a point slides over an edge. Edges of more than 40 degrees stay sharp.
   [[nodiscard]] RoundedSkin rounded_at(const NearestOnSkin& found) const;
-  /// Whether the box of a triangle, or one that holds it, is nearer than `reach`: the cheaper
-  /// question.
+  /// Whether the box of some triangles is nearer than `reach`: a cheaper query.
   [[nodiscard]] bool may_be_within(const Eigen::Vector3f& x, float reach) const;
 
-  /// Those on edges of more than 40 degrees, rising.
+  /// The vertices on edges of more than 40 degrees, in rising order.
   [[nodiscard]] std::vector<int> sharp_vertices() const;
-  /// Unit, outwards: of the faces around, by their angles.
+  /// Unit, outwards: the mean of the adjacent faces' normals, weighted by their angles.
   [[nodiscard]] Eigen::Vector3f vertex_normal(int v) const;
-  /// The same place, as a mean of its triangle's corners; without an area.
+  /// The position as a weighted mean of its triangle's corners; the area is not set.
   [[nodiscard]] SkinPoint place_of(const NearestOnSkin& found) const {
     const Eigen::Vector3i c = corners(found.triangle);
     return {{c[0], c[1], c[2]}, found.weights, 0};
@@ -72,9 +72,9 @@ class MovingSurface {
   }
 
  private:
-  // Triangles order_[first .. first + count - 1]; an inner box has none, and its halves are the
-  // next box and `second`. The corners of those triangles are corners_[second ..] up to those of
-  // the next box that has any.
+  // A leaf holds the triangles order_[first .. first + count - 1], and the corners of these are
+  // corners_[second ..] up to those of the next leaf. An inner box has count 0; its halves are the
+  // next box and `second`.
   struct Box {
     Eigen::Array4f low, high;  // the fourth number is 0
     int first = 0, count = 0, second = 0;
@@ -99,10 +99,10 @@ class MovingSurface {
   Eigen::Matrix3Xi triangles_;
   Eigen::Matrix4Xf vertices_;  // the fourth number is 0
   std::vector<int> order_;
-  std::vector<int> corners_;  // of each innermost box each vertex once
+  std::vector<int> corners_;  // the vertices of each leaf, each once
   std::vector<Box> boxes_;
   std::vector<std::array<int, 3>> across_;  // (T) triangle beyond the edge from corner k to k + 1
-  std::vector<int> first_, around_;         // of a vertex: around_[first_[v]] .. its triangles
+  std::vector<int> first_, around_;  // triangles of v: around_[first_[v]] .. [first_[v + 1] - 1]
 };
 
 }  // namespace palpable

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using test::tolerance;
 
-// A flat bar with sharp rims: a ball, pressed flat.
+// A flat bar with sharp rims: a flattened ball.
 SurfaceMesh flat_bar() {
   SurfaceMesh bar = sphere_surface(Vector3d::Zero(), 1, 3);
   for (Eigen::Index v = 0; v < bar.vertices.cols(); ++v) {
@@ -25,7 +25,7 @@ SurfaceMesh flat_bar() {
   return bar;
 }
 
-// The same, bent round the y axis.
+// The same bar, bent around the y axis.
 Eigen::Matrix3Xf bent(const SurfaceMesh& bar, double curvature) {
   Eigen::Matrix3Xd x = bar.vertices;
   for (Eigen::Index v = 0; v < x.cols(); ++v) {
@@ -37,7 +37,7 @@ Eigen::Matrix3Xf bent(const SurfaceMesh& bar, double curvature) {
   return x.cast<float>();
 }
 
-TEST_CASE("a skin that has moved is as far as one that was made there", "[contact]") {
+TEST_CASE("distances to a moved skin are those to a skin made in the same shape", "[contact]") {
   const SurfaceMesh bar = flat_bar();
   MovingSurface moving(bar);
   const Eigen::Matrix3Xf now = bent(bar, 6.0);
@@ -61,7 +61,7 @@ TEST_CASE("a skin that has moved is as far as one that was made there", "[contac
           tolerance(1e-6, "m: floats of 0.1 m"));
     CHECK(static_cast<double>(std::abs(found->weights.sum() - 1.0f)) <= tolerance(1e-5, "floats"));
     if (std::abs(wanted.distance) > 1e-4) {
-      // Where two sides are equally near, either is right.
+      // Where two sides are equally near, either normal is right.
       const Vector3d step = x + 1e-5 * found->normal.cast<double>();
       CHECK(exact.nearest(step).distance - wanted.distance >
             1e-5 * (1 - tolerance(0.05, "its direction is a float's difference")));
@@ -77,12 +77,13 @@ TEST_CASE("a skin that has moved is as far as one that was made there", "[contac
         }) == 0);
 }
 
-TEST_CASE("a place that is no number is near nothing", "[contact]") {
+TEST_CASE("a query at NaN finds nothing", "[contact]") {
   const MovingSurface bar(flat_bar());
   CHECK_FALSE(bar.nearest(Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()), 0.1f));
 }
 
-TEST_CASE("a skin is as round as what it stands for, and its edges stay edges", "[contact]") {
+TEST_CASE("a rounded skin has the curvature of the smooth surface, and sharp edges stay sharp",
+          "[contact]") {
   const double radius = 0.03;
   const MovingSurface ball(sphere_surface(Vector3d::Zero(), radius, 3));
   auto random = test::random_case(7);
@@ -114,7 +115,7 @@ TEST_CASE("a skin is as round as what it stands for, and its edges stay edges", 
   const RoundedSkin flat = corners.rounded_at(*found);
   CHECK((flat.normal - Vector3f::UnitZ()).norm() < tolerance(1e-6, "rounding"));
   CHECK(flat.curvature.norm() < tolerance(1e-3, "1/m: rounding"));
-  // Before an edge what is nearest says the way.
+  // In front of an edge the normal is the direction from the nearest position.
   const auto beside = corners.nearest(Vector3f(0.011f, 0.005f, 0.011f), 0.005f);
   REQUIRE(beside);
   CHECK(corners.rounded_at(*beside).normal == beside->normal);

@@ -12,11 +12,11 @@ namespace {
 
 using Eigen::Vector3f;
 
-// The points of a cluster may lie farther from its middle than at rest, where the skin is
+// Largest distance of a cluster's points from its middle, ratio to that at rest: the skin may be
 // stretched.
 constexpr float kStretch = 1.3f;
-// m: up to so far from where a gap was queried, normal and curvature give it. What that leaves out
-// is of the third order: 2e-6 m at the tip of a pencil.
+// m from the position where a gap was queried, up to which its normal and curvature give it. The
+// error is of the third order: 2e-6 m at the tip of a pencil.
 constexpr float kSameGap = 0.0003f;
 constexpr std::size_t kClustersOfBlock = 16;
 
@@ -29,8 +29,8 @@ float largest_curvature(const Eigen::Matrix3f& K) {
 }
 
 bool is_point_needed(float level, float bend, float entry, float coarsest, float finest) {
-  // Where each point has another within s the ball of radius 1/bend enters by s^2 bend / 4,
-  // roughly.
+  // Where each point has another one within s, a ball of radius 1/bend enters by about s^2 bend /
+  // 4.
   const float enough = bend > 0 ? std::min(coarsest, std::sqrt(4 * entry / bend)) : coarsest;
   return level > 0 ? level * std::numbers::sqrt2_v<float> > enough : enough < finest;
 }
@@ -44,7 +44,7 @@ NearPoints::NearPoints(ContactBody& body)
   returned_.reserve(known_.size());
   of_queried_.reserve(known_.size());
   for (std::size_t p = 0; p < points_.points.size(); ++p) {
-    // A level is that of the next finer set.
+    // The points of one level coarser than `between` are included.
     if (points_.levels[p] * std::numbers::sqrt2_v < float >> points_.between) {
       between_.push_back(static_cast<int>(p));
     }
@@ -52,7 +52,7 @@ NearPoints::NearPoints(ContactBody& body)
   if (points_.clusters != nullptr) arrange_clusters(points_.clusters->clusters());
 }
 
-// Clusters that lie beside each other stand beside each other, in blocks.
+// Orders the clusters along a curve and divides them into blocks of neighbouring ones.
 void NearPoints::arrange_clusters(std::span<const SkinCluster> clusters) {
   if (clusters.empty()) return;
   Eigen::Matrix3Xd middles(3, std::ssize(clusters));
@@ -101,7 +101,7 @@ void NearPoints::find_gaps(std::span<const int> points, std::span<const Vector3f
     const GapBeside beside = gap_beside(last.gap.normal, last.gap.curvature, way);
     gap.distance += beside.farther;
     gap.normal = beside.normal;
-    // Over a long way the curvature of a hollow would describe a surface that is not there.
+    // Far away the curvature of a concave obstacle would give a surface that is not there.
     const float moved = way.norm();
     if (moved >= kSameGap) gap.distance = std::max(gap.distance, last.gap.distance - moved);
   }

@@ -1,10 +1,10 @@
 /// @file
-/// Search for the contact points of a body that are near an obstacle, in the body's shape, and the
-/// gap of each. The obstacles are queried as seldom as the result allows.
+/// Search for the contact points of a body that are near an obstacle, in the body's shape, and for
+/// the gap of each, with as few queries of the obstacles as possible.
 ///
-/// A gap is queried again only where its point has moved by more than 0.3 mm within a frame; up to
-/// there its normal and curvature give it. The sharper an obstacle, the more points it needs
-/// (point_levels.h). Within a cluster of points (skin_clusters.h) the coarsest are queried first;
+/// A gap is queried again only if its point has moved by more than 0.3 mm within a frame; up to
+/// there its normal and curvature give it. A sharper obstacle needs more points (point_levels.h).
+/// Within a cluster of points (skin_clusters.h) the coarsest are queried first, and
 /// finer ones only while an obstacle twice as sharp as the sharpest found there would need them.
 /// Neighbouring clusters form blocks; a block far from all obstacles is skipped with one query.
 ///
@@ -30,7 +30,7 @@ namespace palpable {
 /// The larger of the two curvatures of a surface, 1/m.
 [[nodiscard]] float largest_curvature(const Eigen::Matrix3f& K);
 
-/// Whether an obstacle could enter between the points that remain without one.
+/// Whether an obstacle could enter too deep between the other points if this one were left out.
 /// @param level    of the point, m, and `coarsest`, `finest`: point_levels()
 /// @param bend     1/m, the obstacle's largest curvature
 /// @param entry    m that it may enter between two points
@@ -49,14 +49,14 @@ class NearPoints {
   /// The gaps of points, with one query of the obstacles.
   /// @param points     indices of contact points
   /// @param positions  m, of each now
-  /// @param far        m: of a point that is farther for certain no more than that may be returned
+  /// @param far        m: for a point that is certainly farther, a lower bound may be returned
   /// @param gaps       as many, overwritten; an infinite distance where there is no obstacle, or
   ///                   where what was returned is not finite
   void find_gaps(std::span<const int> points, std::span<const Eigen::Vector3f> positions,
                  const Obstacles& obstacles, float far, std::span<SurfaceGap> gaps);
 
-  /// Points of the shape that are nearer than `band` (m) to an obstacle, of those that an obstacle
-  /// as sharp needs. @param found  found(point, gap)
+  /// Calls found(point, gap) for the contact points of the shape that are nearer than `band` (m) to
+  /// an obstacle and that an obstacle of its curvature needs.
   template <class Found>
   void for_each(float band, const Obstacles& obstacles, const Found& found) {
     for (const Block& block : blocks_) {
@@ -71,13 +71,13 @@ class NearPoints {
     return is_point_needed(points_.levels[static_cast<std::size_t>(point)],
                            largest_curvature(curvature), entry, points_.coarsest, points_.finest);
   }
-  /// Contact points that are compared with the skins of other bodies.
+  /// The contact points that are searched on the skins of other bodies.
   [[nodiscard]] std::span<const int> between() const { return between_; }
 
  private:
-  static constexpr float kSharper = 2;
+  static constexpr float kSharper = 2;  // finer points are queried for this ratio of sharpness
   static constexpr float kUnseen = -std::numeric_limits<float>::infinity();
-  // A gap as it was returned in this frame.
+  // The last gap of a point.
   struct Known {
     int frame = -1;
     Eigen::Vector3f position = Eigen::Vector3f::Zero();
@@ -112,7 +112,7 @@ class NearPoints {
   ContactBody& body_;
   SkinPointSet points_;
   float entry_;
-  std::vector<SkinCluster> clusters_;  // along a curve
+  std::vector<SkinCluster> clusters_;  // along a space-filling curve
   std::vector<Block> blocks_;
   std::vector<int> between_;
   std::vector<Known> known_;  // (C)

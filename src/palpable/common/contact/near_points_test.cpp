@@ -42,7 +42,7 @@ bool find_gap(NearPoints& near_points, int point, const Vector3f& x, const Obsta
   return std::isfinite(gap.distance);
 }
 
-// Asking every point.
+// The same by querying every point.
 std::vector<int> near_by_all(Ball& ball, float band, const test::GapFunction& gap) {
   std::vector<int> points;
   const SkinPointSet all = ball.body->contact_points();
@@ -58,7 +58,7 @@ std::vector<int> near_by_all(Ball& ball, float band, const test::GapFunction& ga
   return points;
 }
 
-TEST_CASE("the larger curvature of cylinders, balls and hollows", "[contact]") {
+TEST_CASE("the larger curvature of cylinders, balls and concave surfaces", "[contact]") {
   const auto bent = [](float x, float y) -> Eigen::Matrix3f {
     return Vector3f(x, y, 0).asDiagonal();
   };
@@ -67,7 +67,7 @@ TEST_CASE("the larger curvature of cylinders, balls and hollows", "[contact]") {
   CHECK(largest_curvature(bent(-80, 20)) == Approx(20));
 }
 
-TEST_CASE("a sharp object needs all points, a flat one the coarse ones", "[contact]") {
+TEST_CASE("a sharp obstacle needs all points, a flat one the coarse ones", "[contact]") {
   const float flat = 0, pencil = 1 / 0.0035f;
   const float coarsest = 0.006f, finest = 0.0015f, entry = 0.00025f;
   CHECK(is_point_needed(0.006f, flat, entry, coarsest, finest));
@@ -75,7 +75,7 @@ TEST_CASE("a sharp object needs all points, a flat one the coarse ones", "[conta
   CHECK(is_point_needed(0.003f, pencil, entry, coarsest, finest));
 }
 
-TEST_CASE("clusters leave out no point that is near, of balls of any size", "[contact]") {
+TEST_CASE("clusters leave out no near point, for balls of any size", "[contact]") {
   Ball ball;
   ball.state.u.row(0).setConstant(0.003f);  // the shape has moved, too
   for (const float radius : {0.0035f, 0.008f, 0.030f}) {
@@ -88,7 +88,7 @@ TEST_CASE("clusters leave out no point that is near, of balls of any size", "[co
       const std::vector<int> points = found_by(near_points, band, always);
       CHECK(points == near_by_all(ball, band, gap));
       CHECK((band == 0.0f || !points.empty()));
-      // A cheaper question asked first changes nothing.
+      // may_be_within(), which is called first, does not change the result.
       NearPoints beside(*ball.body);
       beside.start();
       const test::GapFunction::Near near = [&](const Vector3f& x, float reach) {
@@ -100,61 +100,60 @@ TEST_CASE("clusters leave out no point that is near, of balls of any size", "[co
   }
 }
 
-TEST_CASE("a gap is asked once for a place, and told by its curvature beside it", "[contact]") {
+TEST_CASE("a gap is queried once at a position, and given by its curvature near it", "[contact]") {
   Ball ball;
   NearPoints near_points(*ball.body);
   near_points.start();
   const float radius = 0.008f;
   const test::GapFunction exact = test::gap_to_ball(Vector3f::Zero(), radius);
-  int asked = 0;
+  int queried = 0;
   const test::GapFunction gap = [&](const Vector3f& x, SurfaceGap& seen) {
-    ++asked;
+    ++queried;
     return exact(x, seen);
   };
-  const float far = 1;  // m: all distances are wanted
+  const float far = 1;  // m: all distances are needed
   SurfaceGap seen, wanted;
   const Vector3f x(0, 0, radius + 0.001f), beside = x + Vector3f(0.00025f, 0, 0.0001f);
   CHECK(find_gap(near_points, 5, x, gap, far, seen));
   CHECK(find_gap(near_points, 5, beside, gap, far, seen));
-  CHECK(asked == 1);
+  CHECK(queried == 1);
   CHECK(exact(beside, wanted));
   CHECK(std::abs(seen.distance - wanted.distance) <
         tolerance(1e-7, "m: third order of 0.27 mm by a ball of 8 mm, and single precision"));
   CHECK((seen.normal - wanted.normal).norm() < tolerance(1e-3, "second order of the normal"));
-  // Another point, a place farther away, another frame.
+  // Queried again: another point, a position farther away, another frame.
   CHECK(find_gap(near_points, 6, x, gap, far, seen));
   CHECK(find_gap(near_points, 5, x + Vector3f(0, 0, 0.0004f), gap, far, seen));
   near_points.start();
   CHECK(find_gap(near_points, 5, x + Vector3f(0, 0, 0.0004f), gap, far, seen));
-  CHECK(asked == 4);
+  CHECK(queried == 4);
 }
 
-TEST_CASE("what stays far is not asked again, and told no nearer than it is for sure",
+TEST_CASE("a point that stays far is not queried again, and gets a lower bound of its distance",
           "[contact]") {
   Ball ball;
   NearPoints near_points(*ball.body);
   near_points.start();
-  int asked = 0;
+  int queried = 0;
   const test::GapFunction exact = test::gap_to_ball(Vector3f::Zero(), 0.008f);
   const test::GapFunction gap = [&](const Vector3f& x, SurfaceGap& seen) {
-    ++asked;
+    ++queried;
     return exact(x, seen);
   };
   SurfaceGap seen;
   const float far = 0.001f;
   CHECK(find_gap(near_points, 0, {0, 0, 0.018f}, gap, far, seen));  // 10 mm away
-  CHECK(find_gap(near_points, 0, {0, 0, 0.014f}, gap, far, seen));  // 6 mm for sure
-  CHECK(asked == 1);
+  CHECK(find_gap(near_points, 0, {0, 0, 0.014f}, gap, far, seen));  // at least 6 mm
+  CHECK(queried == 1);
   CHECK(seen.distance >= 0.006f - 1e-7f);
   CHECK(find_gap(near_points, 0, {0, 0, 0.0085f}, gap, far, seen));  // might be near
-  CHECK(asked == 2);
+  CHECK(queried == 2);
   CHECK(seen.distance == Approx(0.0005).margin(1e-7));
 }
 
-TEST_CASE("the places of many points are asked in one call, those that are known not at all",
-          "[contact]") {
+TEST_CASE("many positions are queried in one call, and known ones not at all", "[contact]") {
   struct Counting : Obstacles {
-    mutable std::vector<std::size_t> calls;  // places of each
+    mutable std::vector<std::size_t> calls;  // positions in each call
     const test::GapFunction exact = test::gap_to_ball(Vector3f::Zero(), 0.008f);
     void find_gaps(std::span<const Vector3f> places, std::span<SurfaceGap> gaps) const override {
       calls.push_back(places.size());
@@ -180,7 +179,7 @@ TEST_CASE("the places of many points are asked in one call, those that are known
   CHECK(obstacles.calls == std::vector<std::size_t>{3, 1});
 }
 
-TEST_CASE("what is no number is nothing", "[contact]") {
+TEST_CASE("a gap with NaN counts as no obstacle", "[contact]") {
   Ball ball;
   NearPoints near_points(*ball.body);
   const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -1,11 +1,12 @@
 /// @file
-/// What may press a body, other bodies apart, as the contact solver sees it: a set of obstacles
-/// that returns the signed distances of positions, many in one call.
+/// The obstacles of a body, as the contact solver sees them: a set that returns the signed
+/// distances of positions, many in one call. Other bodies are not part of it.
 ///
 ///     g(x) = distance of x from the nearest obstacle, m, negative inside it
 ///
-/// Implemented by what a camera sees (pressing_surface.h), by capsules (capsule_obstacles.h), by
-/// what the full solver is pressed by (touch_bake/touch_difference.h), and in tests by functions.
+/// Implemented by the surface that a camera sees (pressing_surface.h), by capsules
+/// (capsule_obstacles.h), by the obstacles of the full solver (touch_bake/touch_difference.h), and
+/// in tests by functions.
 #pragma once
 
 #include "palpable/common/contact/surface_gap.h"
@@ -30,12 +31,12 @@ class Obstacles {
   virtual void find_gaps(std::span<const Eigen::Vector3f> places,
                          std::span<SurfaceGap> gaps) const = 0;
 
-  /// Whether an obstacle may be nearer to a place than `reach` (m), which may exceed kGapReach: a
-  /// cheaper question, asked first. True where that is not known.
+  /// Whether an obstacle may be nearer to a position than `reach` (m), which may exceed kGapReach:
+  /// a cheaper query, made first. True if that is not known.
   [[nodiscard]] virtual bool may_be_within(const Eigen::Vector3f& place, float reach) const = 0;
 };
 
-/// The gap of one place.
+/// The gap of one position.
 [[nodiscard]] inline SurfaceGap gap_at(const Obstacles& obstacles, const Eigen::Vector3f& place) {
   SurfaceGap gap;
   obstacles.find_gaps({&place, 1}, {&gap, 1});

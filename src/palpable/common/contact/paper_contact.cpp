@@ -11,7 +11,7 @@ namespace palpable {
 
 namespace {
 
-// Of a squared length, so that rounding leaves out nothing that is just within it.
+// Factor on a squared reach, so that rounding does not leave out a distance just within it.
 constexpr double kSomewhatMore = 1 + 1e-6;
 
 int site_nearest_to_vertex(const ReducedBody& body, int vertex) {

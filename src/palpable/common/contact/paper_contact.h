@@ -6,7 +6,7 @@
 ///     if  d_min < delta_Incr  and  t < t_max:                     t++, update(node, t)
 ///     else if  delta_Incr < d_min < delta_Decr  and  t > t_min:   t--, update(node, t)
 ///
-/// Kept for comparison (`--contact paper`). What is wrong with it, each with a test:
+/// Kept for comparison (`--contact paper`). Its defects, each with a test:
 /// - beyond delta_Decr, or with nothing seen, nothing happens: a hand that leaves between two
 ///   frames leaves the body pressed for ever;
 /// - the nearest node is taken anew in every frame: when it changes while pressed, the whole press
@@ -46,7 +46,7 @@ struct PaperSettings {
   double release_distance = 0.025;  ///< m, delta_Decr > delta_Incr
   QueriedNodes nodes = QueriedNodes::kSites;
   DistanceQuery distance = DistanceQuery::kGrid;
-  double voxel = 0.004;  ///< m, of the Voxmap: as far apart as the points of the cloud
+  double voxel = 0.004;  ///< m, side of the Voxmap's voxels: about the spacing of the cloud
 };
 
 /// deformationPseudoTime and nodeVirtualObject. The default is at rest.
@@ -64,7 +64,7 @@ class PaperNodes {
  public:
   PaperNodes(const ReducedBody& body, QueriedNodes which);
 
-  /// Gives them the shape. Allocates nothing.
+  /// Moves the nodes to the shape of a state. Allocates nothing.
   /// @param body  as in the constructor
   void deform(const PaperState& state, const ReducedBody& body);
 
@@ -82,22 +82,23 @@ class PaperNodes {
 
 /// The queried node to which a seen point is nearest.
 struct NearestNode {
-  int site = 0;                                     ///< PaperNodes::site_of it
+  int site = 0;                                     ///< PaperNodes::site_of() the node
   double distance = 0;                              ///< m, from point to point
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< m, the seen one
 };
 
-/// parallelizedDistance, up to cloud.reach(); nothing when all is farther. Of equally near nodes
-/// the first.
+/// parallelizedDistance, up to cloud.reach(); nothing if all nodes are farther. The first of
+/// equally near nodes.
 [[nodiscard]] std::optional<NearestNode> nearest_node(const PaperNodes& nodes,
                                                       const CloudDistance& cloud);
 
-/// The same however far it is, as it is printed: all pairs, O(N n).
+/// The same for any distance, as printed: all pairs, O(N n).
 /// @param cloud  m, body frame
 [[nodiscard]] std::optional<NearestNode> nearest_by_all_pairs(
     const PaperNodes& nodes, std::span<const Eigen::Vector3f> cloud);
 
-/// One frame. Pure. A distance of exactly delta_Incr or delta_Decr does nothing, as printed.
+/// Advances the state by one frame. Pure. A distance of exactly delta_Incr or delta_Decr changes
+/// nothing, as printed.
 /// @throws ContractViolation unless 0 < press_distance < release_distance and last_step >= 1
 [[nodiscard]] PaperState advance_as_printed(const PaperState& previous,
                                             const std::optional<NearestNode>& nearest,

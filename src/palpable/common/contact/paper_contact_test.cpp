@@ -61,7 +61,7 @@ TEST_CASE("Algorithm 1 freezes when the hand leaves between two frames", "[conta
   CHECK(pressed.step == 2);
 }
 
-TEST_CASE("Algorithm 1 takes the press along when another node becomes the nearest",
+TEST_CASE("Algorithm 1 moves the whole press to another node when that becomes the nearest",
           "[contact][Alg1]") {
   const PaperState jumped = after({3, 4, Vector3d::Zero()}, seen(1, 0.003));
   CHECK(jumped.site == 1);
@@ -82,7 +82,7 @@ TEST_CASE("the nearest node is the one with the smallest distance from point to 
   CHECK_FALSE(nearest_by_all_pairs(nodes, {}).has_value());
 }
 
-// Of the front of a ball of 12 mm that hovers 2 mm above the sphere, somewhere.
+// Points of a ball of radius 12 mm that hovers 2 mm above the sphere in a direction.
 std::vector<Vector3f> hovering_cap(const Vector3d& direction, std::mt19937& random) {
   const Vector3d centre = Vector3d(0, 0, 0.05) + 0.064 * direction;
   std::normal_distribution<double> any;
@@ -94,8 +94,7 @@ std::vector<Vector3f> hovering_cap(const Vector3d& direction, std::mt19937& rand
   return cloud;
 }
 
-TEST_CASE("the grid finds the pair that all pairs have, however the body is pressed",
-          "[contact][Alg1]") {
+TEST_CASE("the grid finds the same pair as all pairs, in any pressed shape", "[contact][Alg1]") {
   const ReducedBody body = test::DentedSphere{}.body();
   const double reach = 0.025;
   CloudDistance grid(DistanceQuery::kGrid, box_of(body.surface), reach, 0.004);
@@ -124,9 +123,8 @@ TEST_CASE("the grid finds the pair that all pairs have, however the body is pres
   CHECK(near > 60);
 }
 
-TEST_CASE(
-    "all nodes of the skin are queried but those of the support, and the nearest site pressed",
-    "[contact][Alg1]") {
+TEST_CASE("all nodes of the skin except held ones are queried, and the nearest site is pressed",
+          "[contact][Alg1]") {
   const ReducedBody body = test::DentedSphere{}.body();
   PaperNodes nodes(body, QueriedNodes::kAll);
   const Eigen::Matrix3Xd& X = body.surface.vertices;
@@ -144,10 +142,10 @@ TEST_CASE(
   CHECK(nearest->distance == Approx(0.001).margin(test::tolerance(1e-7, "floats of 5 cm")));
   // The middles of the sites alone are 31 mm away.
   CHECK(nearest_by_all_pairs(PaperNodes(body, QueriedNodes::kSites), cloud)->distance > 0.02);
-  // What is below the support is far from all nodes.
+  // A point below the support is far from all nodes.
   const std::vector<Vector3f> below{{0, 0, -0.001f}};
   CHECK(nearest_by_all_pairs(nodes, below)->distance > 0.01);
-  // Their shape is the pressed one's.
+  // The nodes have the pressed shape.
   nodes.deform({1, 7, Vector3d::Zero()}, body);
   const double deepest = nodes.positions().row(1).minCoeff();
   CHECK(deepest > -0.05 + 0.5 * test::DentedSphere{}.depth(0.7));
@@ -155,7 +153,7 @@ TEST_CASE(
   CHECK(nodes.positions().row(1).minCoeff() == Approx(-0.05).margin(1e-6));
 }
 
-TEST_CASE("a frame of Algorithm 1 takes no memory, whatever it queries and how",
+TEST_CASE("a frame of Algorithm 1 allocates nothing, with any nodes and either query",
           "[contact][Alg1]") {
   const ReducedBody body = test::DentedSphere{}.body();
   std::mt19937 random(3);
@@ -174,8 +172,7 @@ TEST_CASE("a frame of Algorithm 1 takes no memory, whatever it queries and how",
   }
 }
 
-TEST_CASE("the nodes that are queried have the shape that the press gives them",
-          "[contact][Alg1]") {
+TEST_CASE("the queried nodes have the pressed shape", "[contact][Alg1]") {
   const test::DentedSphere sphere;
   const ReducedBody body = sphere.body();
   PaperNodes nodes(body, QueriedNodes::kSites);

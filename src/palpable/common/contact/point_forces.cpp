@@ -29,7 +29,7 @@ void ForcesAtStart::limit_step(std::vector<PointForce>& forces, float share) {
     mixed_.push_back({now.point, force, now.by});
   }
   while (begun != begun_.end()) add_begun();
-  // Frame after frame held back would collect ever more forces.
+  // If the step limit holds frame after frame, forces would accumulate without end.
   while (mixed_.size() > most_) {
     mixed_.erase(std::min_element(mixed_.begin(), mixed_.end(), [](const auto& a, const auto& b) {
       return a.force.squaredNorm() < b.force.squaredNorm();

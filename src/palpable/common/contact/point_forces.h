@@ -1,5 +1,5 @@
 /// @file
-/// Forces at the contact points of a skin, and the way between those of two states.
+/// Forces at the contact points of a skin, and interpolation between the forces of two states.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,19 +16,19 @@ struct PointForce {
   int by = -1;  ///< which other body presses: its index in the solver; -1: an obstacle
 };
 
-/// Whether one force stands before another in a state's list: by point, then by what presses.
+/// Whether one force comes before another in a state's list: ordered by point, then by `by`.
 [[nodiscard]] inline bool stands_before(const PointForce& a, const PointForce& b) {
   return a.point != b.point ? a.point < b.point : a.by < b.by;
 }
 
-/// Remembers the forces with which a frame begins, to go back towards them. Allocates in its
-/// constructor.
+/// Stores the forces with which a frame begins, so that the step limit can interpolate from them.
+/// Allocates in its constructor.
 class ForcesAtStart {
  public:
-  /// @param most  forces of a state that was held back: the least are dropped
+  /// @param most  forces of a state after limit_step(): the smallest ones are dropped
   explicit ForcesAtStart(std::size_t most);
 
-  /// @pre at most as many forces as the constructor was told, in order
+  /// @pre at most as many forces as the constructor was given, in order
   void start(const std::vector<PointForce>& forces);
   /// forces <- begun + share (forces - begun).
   void limit_step(std::vector<PointForce>& forces, float share);

@@ -18,7 +18,7 @@ using Eigen::Vector3f;
 
 constexpr std::size_t kMost = 4;
 
-// At each point a force of as many N.
+// At each point a force of that number of N.
 std::vector<PointForce> forces_at(std::initializer_list<int> points) {
   std::vector<PointForce> forces;
   forces.reserve(kMost);
@@ -30,7 +30,7 @@ std::vector<PointForce> forces_at(std::initializer_list<int> points) {
 
 }  // namespace
 
-TEST_CASE("forces that are held back go a share of the way", "[contact]") {
+TEST_CASE("under the step limit forces change by a share", "[contact]") {
   ForcesAtStart begun(kMost);
   begun.start(forces_at({1, 4}));
   std::vector<PointForce> forces = forces_at({2, 4});
@@ -44,7 +44,7 @@ TEST_CASE("forces that are held back go a share of the way", "[contact]") {
   }
 }
 
-TEST_CASE("what two things do to one point stays apart", "[contact]") {
+TEST_CASE("the forces of two bodies at one point stay separate", "[contact]") {
   ForcesAtStart begun(kMost);
   begun.start({{3, Vector3f(0, 0, 1), -1}, {3, Vector3f(0, 0, 2), 1}});
   std::vector<PointForce> forces{{3, Vector3f(0, 0, 5), 1}};
@@ -56,7 +56,8 @@ TEST_CASE("what two things do to one point stays apart", "[contact]") {
   CHECK(forces[1].force.z() == 3.5f);
 }
 
-TEST_CASE("of more forces than there is room for the least are dropped", "[contact]") {
+TEST_CASE("if there are more forces than there is room for, the smallest are dropped",
+          "[contact]") {
   ForcesAtStart begun(kMost);
   begun.start(forces_at({1, 3, 5}));
   std::vector<PointForce> forces = forces_at({2, 4, 6});

@@ -11,8 +11,8 @@
 
 namespace palpable {
 
-/// Points by the cube of a grid that they lie in: all that are within one edge of a place lie in
-/// the 27 cubes around it.
+/// Points by the grid cube that they lie in: all points within one edge of a position lie in the 27
+/// cubes around it.
 class PointGrid {
  public:
   /// @param edge  m, > 0
@@ -22,8 +22,8 @@ class PointGrid {
     cubes_[key_of(cube_of(place))].push_back(point);
   }
 
-  /// Asks is_it(point) of those in the cubes around a place, which lie within two edges of it,
-  /// until it is true. @return whether it was
+  /// Calls is_it(point) for the points in the 27 cubes around a position until it returns true. The
+  /// points lie less than 2 edges away along each axis. @return whether it did
   template <class IsIt>
   bool any_near(const Eigen::Vector3f& place, const IsIt& is_it) const {
     const Eigen::Vector3i middle = cube_of(place);

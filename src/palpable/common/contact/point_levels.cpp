@@ -32,7 +32,7 @@ std::vector<float> point_levels(const SurfaceMesh& skin, std::span<const SkinPoi
     }
     for (std::size_t p = 0; p < points.size(); ++p) {
       if (levels[p] > 0) continue;
-      // On its side of the body.
+      // Only points on the same side of the body count.
       const bool has_near = chosen.any_near(places[p], [&](std::size_t other) {
         return (places[other] - places[p]).squaredNorm() < within * within &&
                outwards[other].dot(outwards[p]) > 0;

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
-TEST_CASE("points of a level are some way apart, and no point of the skin is farther from them",
+TEST_CASE("points of a level are at least its length apart, and every point has one within it",
           "[contact]") {
   const test::ElasticSheet sheet;
   const std::vector<SkinPoint> points = skin_points(sheet.skin, sheet.fixed, 0.002);
@@ -47,8 +47,7 @@ TEST_CASE("points of a level are some way apart, and no point of the skin is far
   }
 }
 
-TEST_CASE("points of the other side of a thin sheet do not stand for those of this one",
-          "[contact]") {
+TEST_CASE("points on the other side of a thin sheet do not cover those of this side", "[contact]") {
   // Two triangles 1 mm apart that face away from each other.
   SurfaceMesh skin;
   skin.vertices.resize(3, 6);

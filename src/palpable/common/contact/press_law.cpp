@@ -14,19 +14,23 @@ namespace {
 
 using Eigen::Vector3f;
 
-// m around the deepest place: a touched one farther away belongs to another finger.
+// m, radius of the touched region around its deepest position; balls farther away belong to another
+// finger.
 constexpr float kRegionRadius = 0.025f;
 
-// Of a ball's radius: a point as deep inside is inside.
+// Largest tolerance, ratio to a ball's radius: a point deeper inside than this always counts as
+// inside.
 constexpr double kMostTolerance = 0.5;
 
-// s: a longer gap between two frames counts as this one, so that the press does not jump after it.
+// s, longest interval between two frames that is taken into account, so that the press does not
+// jump after a gap.
 constexpr double kLongestFrame = 0.1;
 
-// A measurement that differs from the press by at least so many sigma is followed at once.
+// Change of the measurement, in sigmas, from which on it is followed at once.
 constexpr double kPromptInSigmas = 4;
 
-// Halvings between two samples of the level axis: what they leave is far below any camera's noise.
+// Bisections between two samples of the level axis: the remaining error is far below any camera's
+// noise.
 constexpr int kBisections = 7;
 
 double distance_to_site(const ReducedBody& body, int site, const Vector3f& x) {
@@ -46,14 +50,15 @@ int site_nearest_to_point(const ReducedBody& body, const Vector3f& x) {
   return nearest;
 }
 
-// On a body as large as a house points 2 mm apart would fill the memory; nobody feels the
-// difference.
+// Largest number of points of the skin, approximately: on a body as large as a house points 2 mm
+// apart would fill the memory.
 constexpr double kMostPoints = 60000;
 
-// m: as asked for, or so that there are about as many points at most. A point stands for half the
-// square of the spacing, roughly: triangles are cut by their longest edge.
+// m, the wanted spacing, or a larger one with which there are about kMostPoints points. A point
+// stands for about half the square of the spacing, because triangles are divided by their longest
+// edge.
 double spacing_on(const SurfaceMesh& surface, double wanted) {
-  PALPABLE_EXPECT(wanted > 0, "points are some way apart");
+  PALPABLE_EXPECT(wanted > 0, "the spacing of points is positive");
   double area = 0;
   for (int t = 0; t < surface.triangle_count(); ++t) {
     const Eigen::Vector3d a = surface.vertices.col(surface.triangles(0, t));
@@ -80,7 +85,7 @@ PressLaw::PressLaw(const ReducedBody& body, const PressSettings& settings)
                   "site_keeping is a share");
   PALPABLE_EXPECT(0 < settings.least_follow && settings.least_follow <= 1,
                   "a press follows by a share in (0, 1]");
-  PALPABLE_EXPECT(settings.fastest > 0, "a press must end some day");
+  PALPABLE_EXPECT(settings.fastest > 0, "the speed of a press is positive");
 }
 
 std::optional<PressLaw::Inside> PressLaw::inside(const Vector3f& x, const PressingSurface& seen,
@@ -128,15 +133,15 @@ std::optional<TouchedRegion> PressLaw::touched_region(const PressingSurface& see
   return region;
 }
 
-// From the deepest level down: an object that has gone right through the point at rest still
-// presses. One that the path enters from behind (a thumb on the other side of a thin ear) pushes
-// the point back, not on, and does not count.
+// Scans from the deepest level down, so that an object that has gone right through the point's
+// position at rest still presses. An object that the path enters from behind (a thumb on the other
+// side of a thin ear) pushes the point back, not forward, and does not count.
 PressLaw::Demand PressLaw::last_inside(const Eigen::Ref<const Eigen::Matrix3Xf>& path,
                                        const PressingSurface& seen, double tolerance_share,
                                        double least) const {
   const Eigen::VectorXd& levels = body_->levels();
   const Eigen::Index L = levels.size();
-  const auto pushed_on = [&](const Vector3f& x, Eigen::Index l) -> std::optional<Inside> {
+  const auto pushed_forward = [&](const Vector3f& x, Eigen::Index l) -> std::optional<Inside> {
     const auto found = inside(x, seen, tolerance_share);
     const Eigen::Index from = std::max<Eigen::Index>(l - 1, 0);
     const Vector3f way = path.col(from + 1) - path.col(from);
@@ -145,14 +150,14 @@ PressLaw::Demand PressLaw::last_inside(const Eigen::Ref<const Eigen::Matrix3Xf>&
   };
   for (Eigen::Index l = L - 1; l >= 0; --l) {
     if (l + 1 < L && levels[l + 1] <= least) break;
-    auto found = pushed_on(path.col(l), l);
+    auto found = pushed_forward(path.col(l), l);
     if (!found) continue;
     double in = 0;  // where between levels l and l + 1 the point leaves the object
     double out = l + 1 < L ? 1 : 0;
     for (int i = 0; i < kBisections && out > in; ++i) {
       const double t = (in + out) / 2;
       const auto s = static_cast<float>(t);
-      if (const auto there = pushed_on((1 - s) * path.col(l) + s * path.col(l + 1), l + 1)) {
+      if (const auto there = pushed_forward((1 - s) * path.col(l) + s * path.col(l + 1), l + 1)) {
         in = t;
         found = there;
       } else {
@@ -172,7 +177,7 @@ PressLaw::Demand PressLaw::demanded_level(int site, const PressingSurface& seen,
   Demand demand;
   if (!path.box.intersects(seen.bounds())) return demand;
   for (Eigen::Index j = 0; j < std::ssize(path.points); ++j) {
-    // A level that another point already demands need not be looked at.
+    // Levels up to the one already demanded need not be searched.
     const Demand other =
         last_inside(path.positions.middleCols(j * L, L), seen, tolerance_share, demand.level);
     if (other.level > demand.level) demand = other;
@@ -210,7 +215,7 @@ double PressLaw::followed_level(const Touch& before, const Need& need) const {
   const auto sigma = static_cast<double>(need.place.sigma);
   const double slack = settings_.hysteresis * settings_.tolerance * sigma;
   const double wanted = std::clamp(before.press_depth, need.depth - slack, need.depth + slack);
-  // Small changes may be noise and are followed slowly; large ones cannot be and are followed at
+  // Small changes may be noise and are followed slowly; large ones are not, and are followed at
   // once.
   const double change = std::abs(wanted - before.press_depth);
   const double follow = change < kPromptInSigmas * sigma
@@ -249,7 +254,7 @@ PressState PressLaw::advance(const PressState& previous, const PressingSurface& 
     if (level > 0) {
       level = next.leaving_site ? before.level - step
                                 : std::clamp(level, before.level - step, before.level + step);
-    } else if (next.leaving_site && region) {  // the hand is there, at the other site
+    } else if (next.leaving_site && region) {  // the hand is at the other site
       level = before.level - step;
     }
     if (level > 0) {

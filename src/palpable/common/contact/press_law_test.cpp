@@ -21,10 +21,10 @@ using Eigen::Vector3f;
 using test::tolerance;
 
 constexpr double kFinger = 0.008;  // m, radius
-constexpr float kSigma = 0.001f;   // m, of a surface that is known to a millimetre
+constexpr float kSigma = 0.001f;   // m, standard deviation of the surface
 
-/// A finger that comes along -`direction` and whose tip is `depth` inside the sphere of radius
-/// `radius` at (0, 0, radius): balls on its axis.
+/// A finger that points along -`direction`, as balls on its axis. Its tip is `depth` inside the
+/// sphere around (0, 0, radius).
 std::vector<ObjectBall> finger(const test::DentedSphere& sphere, const Vector3d& direction,
                                double depth, float sigma = kSigma) {
   const Vector3d d = direction.normalized();
@@ -42,7 +42,7 @@ struct Loop {
   explicit Loop(const PressSettings& settings = {}, double dent_width = 0.012)
       : sphere{.width = dent_width}, law(body, settings) {}
 
-  /// `frames` times the same balls: a third of a full press per frame is the most that is followed.
+  /// Advances `frames` frames with the same balls; the press follows by a third per frame at most.
   const std::optional<Touch>& see(const std::vector<ObjectBall>& balls, int frames = 1) {
     seen.build(balls, region);
     for (int i = 0; i < frames; ++i) {
@@ -89,7 +89,7 @@ TEST_CASE("the level puts the touched skin on the measured surface", "[contact][
     // The vertex under the tip moves by depth(level) exactly.
     CHECK(loop.sphere.depth(touch->level) >= depth - tolerance(2e-4, "vertex 0.1 mm off"));
     CHECK(loop.sphere.depth(touch->level) <=
-          depth + tolerance(0.0035, "neighbours, 6 mm aside, give way less than the middle"));
+          depth + tolerance(0.0035, "neighbours, 6 mm aside, move less than the middle"));
     CHECK(deepest_left(loop) < tolerance(2e-4, "bisection to 1/128 of a level step"));
     CHECK(touch->force == Approx(3.0 * touch->level));
     CHECK(touch->direction == loop.body.sites[1].direction);
@@ -99,7 +99,7 @@ TEST_CASE("the level puts the touched skin on the measured surface", "[contact][
 
 TEST_CASE("a press deeper than the finger is thick is still a press", "[contact][law]") {
   Loop loop;
-  // A short finger whose far end has passed the skin at rest: nothing of it is there any more.
+  // A short finger whose far end has passed the skin's position at rest.
   std::vector<ObjectBall> tip = finger(loop.sphere, {0, 0, 1}, 0.014);
   loop.see(tip, 4);
   REQUIRE(loop.state.touch);
@@ -120,8 +120,8 @@ TEST_CASE("a press deeper than the finger is thick is still a press", "[contact]
   CHECK(loop.state.touch->level >= before - 1e-9);
 }
 
-TEST_CASE("what the skin would meet from behind does not press it", "[contact][law]") {
-  // A finger presses the top a little; another lies where the top would go if it were pressed
+TEST_CASE("an object that the skin would meet from behind does not press it", "[contact][law]") {
+  // A finger presses the top a little; another lies where the top would be if it were pressed
   // fully. It pushes up, not down.
   Loop loop;
   auto balls = finger(loop.sphere, {0, 0, 1}, 0.004);
@@ -134,7 +134,7 @@ TEST_CASE("what the skin would meet from behind does not press it", "[contact][l
   CHECK(loop.law.demanded_level(0, loop.seen).level == Approx(alone));
 }
 
-TEST_CASE("the tip of a pencil between three vertices is felt", "[contact][law]") {
+TEST_CASE("the tip of a pencil between three vertices is detected", "[contact][law]") {
   Loop loop;
   // The middle of the triangle at the top that is farthest from its corners.
   const Eigen::Matrix3Xd& x = loop.body.surface.vertices;
@@ -160,7 +160,7 @@ TEST_CASE("a hand that leaves between two frames leaves the body at rest", "[con
   REQUIRE(loop.see(finger(loop.sphere, {0, 0, 1}, 0.010)).has_value());
   CHECK_FALSE(loop.see(finger(loop.sphere, {0, 0, 1}, -0.2)).has_value());
 
-  // The same two frames and Algorithm 1: pressed for ever.
+  // With Algorithm 1 the same two frames leave the body pressed for ever.
   const PaperSettings settings;
   PaperState paper;
   PaperNodes nodes(loop.body, QueriedNodes::kSites);
@@ -185,7 +185,7 @@ TEST_CASE("a full press takes a few frames at 30 Hz, not as many as there are le
   CHECK(frames >= 2);
 }
 
-TEST_CASE("nothing seen is nothing touched", "[contact][law]") {
+TEST_CASE("without a seen object there is no touch", "[contact][law]") {
   Loop loop;
   CHECK_FALSE(loop.see({}).has_value());
   REQUIRE(loop.see(finger(loop.sphere, {0, 0, 1}, 0.010)).has_value());
@@ -210,8 +210,9 @@ TEST_CASE("a pressed body does not tremble with the noise", "[contact][law]") {
     const auto& touch =
         loop.see(finger(loop.sphere, {0, 0, 1}, 0.008 + 0.0003 * std::sin(frame * 1.7)));
     REQUIRE(touch.has_value());
-    CHECK(touch->level == Approx(rest).epsilon(tolerance(
-                              1e-5, "held, but for one way from depth to level and back")));
+    CHECK(touch->level ==
+          Approx(rest).epsilon(
+              tolerance(1e-5, "held, except for the conversion from depth to level and back")));
   }
 }
 
@@ -239,8 +240,7 @@ TEST_CASE("the tolerance is the surface's own sigma", "[contact][law]") {
   CHECK_FALSE(loop.see(finger(loop.sphere, {0, 0, 1}, 0.004, 0.006f)).has_value());
 }
 
-TEST_CASE("the base that the support holds is not touched by the desk on which it stands",
-          "[contact][law]") {
+TEST_CASE("the desk does not touch the base that the support holds", "[contact][law]") {
   Loop loop;
   std::vector<ObjectBall> desk;
   for (int i = -40; i <= 40; ++i) {
@@ -306,7 +306,7 @@ TEST_CASE("a point that is inside by less than sigma demands nothing", "[contact
   CHECK(loop.law.demanded_level(0, loop.seen).level > 0);
 }
 
-TEST_CASE("a touch between the sites is answered by the nearest one", "[contact][law]") {
+TEST_CASE("a touch between the sites presses the nearest one", "[contact][law]") {
   Loop loop;
   const auto& touch = loop.see(finger(loop.sphere, {0, -0.62, 0.78}, 0.006, 0), 3);
   REQUIRE(touch.has_value());
@@ -319,7 +319,7 @@ TEST_CASE("a touch between the sites is answered by the nearest one", "[contact]
         region->depth - tolerance(1e-4, "from depth to level and back, in 10 samples"));
 }
 
-TEST_CASE("whatever is seen, the state stays admissible", "[contact][law]") {
+TEST_CASE("for any seen object the state stays admissible", "[contact][law]") {
   for (unsigned seed = 0; seed < 8; ++seed) {
     INFO("seed " << seed);
     auto random = test::random_case(seed);
@@ -360,7 +360,7 @@ TEST_CASE("press depth and level are each other's inverse", "[contact]") {
   CHECK(press_depth_of_level(loop.body, 2, 2) == loop.body.press_depth(10, 2));
 }
 
-TEST_CASE("a site's path holds its patch and what moves with it, and no fixed vertex",
+TEST_CASE("a site's path has its patch and the points that move with it, and no fixed vertex",
           "[contact]") {
   const Loop loop;
   const auto skin = loop.law.skin();
@@ -388,7 +388,7 @@ TEST_CASE("a site's path holds its patch and what moves with it, and no fixed ve
   }
 }
 
-TEST_CASE("the level that moves a site's vertex so far moves it so far", "[contact]") {
+TEST_CASE("level_that_moves() inverts the displacement of a site's vertex", "[contact]") {
   const Loop loop;
   const auto paths = press_paths(loop.body, loop.law.skin(), 0.5);
   for (double level = 0; level <= 1.0; level += 0.037) {

@@ -1,5 +1,5 @@
 /// @file
-/// Where the skin of a body goes when a site is pressed: the table that the law of sites
+/// The positions of the skin of a body when a site is pressed: the table that the law of sites
 /// looks up (design: "level over depth is strictly monotone and tabulated").
 ///
 ///   S  sites     L  levels of the body's level axis, level 0 included     n_s  points of site s
@@ -19,8 +19,9 @@ namespace palpable {
 /// The points that follow one site, and their deformed positions.
 struct SitePath {
   /// (n_s) the vertices of the patch, and every point of the skin that moves at level 1 at least a
-  /// given share of what the patch's most moved vertex moves. Points that move less cannot measure
-  /// the press: to move one by 1 mm the site would have to be pressed by many. Rising.
+  /// given share of what the patch's most moved vertex moves, in rising order. Points that move
+  /// less cannot measure the press: a displacement of 1 mm of such a point would demand a press of
+  /// many mm.
   std::vector<int> points;
   /// (3 x n_s L) m, body frame; point j at level l is column j L + l.
   Eigen::Matrix3Xf positions;

@@ -5,7 +5,7 @@
 namespace palpable {
 namespace {
 
-// m of sigma that make a point as compliant as the body is there.
+// m of sigma at which the additional compliance of a contact point equals the body's own.
 constexpr float kSigmaOfBody = 0.01f;
 
 }  // namespace

@@ -19,7 +19,7 @@
 
 namespace palpable {
 
-/// What is nearest to a query point.
+/// The surface nearest to a query point.
 struct NearestOnObject {
   float distance = 0;  ///< phi, m; negative inside
   int ball = 0;        ///< index into balls()

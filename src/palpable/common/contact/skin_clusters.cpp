@@ -16,7 +16,7 @@ SkinClusters::SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const Ski
   }
   for (std::size_t seed = 0; seed < points.size(); ++seed) {
     if (taken[seed] != 0) continue;
-    // Around the heaviest corner of the first point that is left.
+    // The middle is the corner with the largest weight of the first point that is left.
     int corner = 0;
     points[seed].weights.maxCoeff(&corner);
     SkinCluster cluster{points[seed].corners[static_cast<std::size_t>(corner)], 0,
@@ -29,7 +29,7 @@ SkinClusters::SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const Ski
       order_.push_back(static_cast<int>(p));
       cluster.radius = std::max(cluster.radius, distance);
     };
-    take(seed);  // it may be farther from its corner than all others
+    take(seed);  // it may be farther from the middle than `radius`
     grid.any_near(middle, [&](std::size_t p) {
       take(p);
       return false;

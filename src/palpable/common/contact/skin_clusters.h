@@ -1,6 +1,6 @@
 /// @file
-/// The contact points in small heaps, so that most of them need not be asked for in a frame: an
-/// object that is far from a heap's middle is far from its points.
+/// The contact points in small clusters, so that most of them need not be queried in a frame: an
+/// obstacle that is far from a cluster's middle is far from all its points.
 #pragma once
 
 #include "palpable/common/geometry/skin_points.h"
@@ -13,8 +13,8 @@
 namespace palpable {
 
 struct SkinCluster {
-  int vertex = 0;    ///< of the skin, its middle
-  float radius = 0;  ///< m, at rest: of the ball around the middle that holds its points
+  int vertex = 0;    ///< of the skin: the cluster's middle
+  float radius = 0;  ///< m, at rest: largest distance of a point from the middle
   int first = 0;     ///< its points: SkinClusters::order()[first] .. [last - 1]
   int last = 0;
 };
@@ -23,8 +23,9 @@ class SkinClusters {
  public:
   /// @param vertices  (3 x V) m, at rest
   /// @param places    (3 x C) m, of the points at rest
-  /// @param levels    (C) point_levels(): a heap's points are ordered by them, the coarsest first
-  /// @param radius    m: no heap is larger, but for its outermost points' triangles
+  /// @param levels    (C) point_levels(): a cluster's points are ordered by them, the coarsest
+  ///                  first
+  /// @param radius    m, largest radius of a cluster; only its first point may be farther away
   SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const SkinPoint> points,
                const Eigen::Matrix3Xf& places, std::span<const float> levels, float radius);
 

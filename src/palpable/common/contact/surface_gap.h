@@ -23,19 +23,19 @@ struct SurfaceGap {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the obstacle
   /// Second derivative of the distance, 1/m: a ball of radius r has (1 - n n^T) / r.
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();
-  /// Additional compliance of the contact as a ratio to the body's own at the point, beside
-  /// TouchSettings::softness: an obstacle that is seen with uncertainty presses softly.
+  /// Additional compliance of the contact as a ratio to the body's own at the point, in addition to
+  /// TouchSettings::softness: an obstacle whose position is uncertain presses softly.
   float softness = 0;
   Known known = Known::kMeasured;
   float unseen_for = 0;  ///< s since the obstacle was measured; 0: it is now
 
-  /// Whether there is an obstacle, and all of it numbers.
+  /// Whether there is an obstacle, and all numbers are finite.
   [[nodiscard]] bool is_known() const {
     return std::isfinite(distance) && normal.allFinite() && curvature.allFinite();
   }
 };
 
-/// The gap beside the position for which it was queried, to second order.
+/// The gap at a position near the one for which it was queried, to second order.
 struct GapBeside {
   float farther = 0;       ///< m, the change of the distance
   Eigen::Vector3f normal;  ///< unit

@@ -9,11 +9,13 @@ namespace {
 
 using Eigen::Vector3f;
 
-// m: pressed points that lie so near to each other, and are pushed the same way, are of one touch.
+// m: pressed points closer than this that are pushed the same way belong to one touch.
 constexpr float kOneTouch = 0.006f;
-// m: of the sparsest set that a flat object is given every place has a point within half of this.
+// m: farther points are not neighbours. Every position has a point of the sparsest set, that for
+// flat obstacles, within half of this.
 constexpr float kSparse = 0.012f;
-// Of two neighbours' mean spacing: on a square grid the next but one lies 1.41 of it away.
+// Largest distance of neighbours, ratio to their mean spacing: on a square grid the diagonal
+// neighbour lies at 1.41.
 constexpr float kNeighbours = 1.5f;
 
 }  // namespace
@@ -21,8 +23,8 @@ constexpr float kNeighbours = 1.5f;
 TouchPatches::TouchPatches(std::size_t most) {
   points_.reserve(most);
   places_.reserve(most);
-  asked_.reserve(most);
-  told_.reserve(most);
+  queried_.reserve(most);
+  gaps_.reserve(most);
 }
 
 void TouchPatches::find(const Obstacles* seen, std::vector<Touch>& touches) {
@@ -34,7 +36,7 @@ void TouchPatches::find(const Obstacles* seen, std::vector<Touch>& touches) {
             [](const Touch& a, const Touch& b) { return a.force > b.force; });
 }
 
-// Whether two points may belong to one touch, wherever they are.
+// Whether two points may belong to one touch, apart from their distance.
 bool TouchPatches::are_alike(int i, int j) const {
   return points_[i].by == points_[j].by && points_[i].force.dot(points_[j].force) > 0;
 }
@@ -55,7 +57,7 @@ void TouchPatches::find_spacings() {
   }
 }
 
-// Numbers the patches, by their first points.
+// Joins neighbours into patches, and numbers these by their first points.
 void TouchPatches::join_neighbours() {
   find_spacings();
   const int n = static_cast<int>(points_.size());
@@ -81,21 +83,21 @@ void TouchPatches::join_neighbours() {
   }
 }
 
-// Where what presses each point comes from.
+// Finds for each point whether its obstacle was measured, and how long ago.
 void TouchPatches::find_known(const Obstacles* seen) {
-  asked_.clear();
+  queried_.clear();
   for (const PressedPoint& point : points_) {
-    if (point.by < 0) asked_.push_back(point.place);
+    if (point.by < 0) queried_.push_back(point.place);
   }
-  told_.resize(asked_.size());
+  gaps_.resize(queried_.size());
   if (seen == nullptr) {
-    std::fill(told_.begin(), told_.end(), SurfaceGap());
-  } else if (!asked_.empty()) {
-    seen->find_gaps(asked_, told_);
+    std::fill(gaps_.begin(), gaps_.end(), SurfaceGap());
+  } else if (!queried_.empty()) {
+    seen->find_gaps(queried_, gaps_);
   }
   std::size_t next = 0;
   for (std::size_t k = 0; k < points_.size(); ++k) {
-    const SurfaceGap at = points_[k].by < 0 ? told_[next++] : SurfaceGap();
+    const SurfaceGap at = points_[k].by < 0 ? gaps_[next++] : SurfaceGap();
     places_[k].known = at.known;
     places_[k].unseen_for = at.unseen_for;
   }

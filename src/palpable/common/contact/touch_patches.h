@@ -1,9 +1,10 @@
 /// @file
-/// Forces at points of a skin as touches: neighbours that are pushed in the same direction are one.
+/// Combines forces at points of a skin into touches: neighbouring points that are pushed in the
+/// same direction form one contact patch.
 ///
-/// Near a flat object few points take part (point_levels.h), each for a larger part of the skin.
-/// Where a pressed point's nearest neighbour is s away, it stands for s^2, and neighbours are those
-/// within 1.5 s.
+/// Near a flat obstacle few points take part (point_levels.h), each for a larger part of the skin.
+/// A pressed point whose nearest neighbour is s away stands for an area s^2, and points within 1.5
+/// s are neighbours.
 #pragma once
 
 #include "palpable/common/contact/obstacles.h"
@@ -16,13 +17,13 @@
 
 namespace palpable {
 
-/// A point of the skin that is pressed, where it is now; body frame.
+/// A pressed point of the skin in the present shape; body frame.
 struct PressedPoint {
   Eigen::Vector3f place;  ///< m
-  Eigen::Vector3f moved;  ///< m, since rest
+  Eigen::Vector3f moved;  ///< m, its displacement
   Eigen::Vector3f force;  ///< N
   float area = 0;         ///< m^2 of the skin that it stands for
-  int by = -1;            ///< which other body presses it (Touch::by)
+  int by = -1;            ///< Touch::by
 };
 
 /// Keeps its memory.
@@ -35,21 +36,21 @@ class TouchPatches {
   [[nodiscard]] std::vector<PressedPoint>& points() { return points_; }
   [[nodiscard]] const std::vector<PressedPoint>& points() const { return points_; }
 
-  /// @param seen     what presses, other bodies apart; says which of it is assumed, or held. Null:
-  ///                 all is measured
+  /// @param seen     the obstacles without other bodies; they tell which part of them is assumed or
+  ///                 held. Null: all is measured
   /// @param touches  overwritten: the one with the largest force first
   void find(const Obstacles* seen, std::vector<Touch>& touches);
-  /// m, after find(): from this point to the next one that is pushed the same way, at least as far
-  /// as it stands for the skin itself.
+  /// m, after find(): the spacing of a point, its distance from the nearest one that is pushed the
+  /// same way, and at least the root of its own area.
   [[nodiscard]] float spacing(std::size_t point) const { return places_[point].spacing; }
 
  private:
-  // Of a union-find forest.
+  // A node of a union-find forest.
   struct Place {
     int first = 0;
     int patch = 0;
-    float spacing = 0;  // m, to the next one that is pushed the same way
-    // Of what presses it, as SurfaceGap.
+    float spacing = 0;  // m, see spacing()
+    // Of the obstacle, as in SurfaceGap.
     Known known = Known::kMeasured;
     float unseen_for = 0;
   };
@@ -61,8 +62,8 @@ class TouchPatches {
 
   std::vector<PressedPoint> points_;
   std::vector<Place> places_;
-  std::vector<Eigen::Vector3f> asked_;  // places of the points that something seen presses,
-  std::vector<SurfaceGap> told_;        // and its gaps there
+  std::vector<Eigen::Vector3f> queried_;  // positions of the points that obstacles press,
+  std::vector<SurfaceGap> gaps_;          // and the gaps there
   int patches_ = 0;
 };
 

@@ -16,8 +16,8 @@ constexpr double kOfEntry = 1.1, kOfBeyond = 0.2, kOfCross = 0.6;
 
 }  // namespace
 
-double unscaled_error(const ErrorSigns& signs) {
-  return kOfEntry * signs.entry + kOfBeyond * signs.beyond + kOfCross * signs.cross;
+double unscaled_error(const ErrorIndicators& indicators) {
+  return kOfEntry * indicators.entry + kOfBeyond * indicators.beyond + kOfCross * indicators.cross;
 }
 
 std::optional<ErrorScale> error_scale(const std::vector<HeldOutTouch>& touches) {

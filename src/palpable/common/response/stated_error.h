@@ -18,14 +18,14 @@ namespace palpable {
 struct HeldOutTouch;
 
 /// Error indicators, each a ratio to the displacement of the skin.
-struct ErrorSigns {
+struct ErrorIndicators {
   double entry = 0;   ///< penetration of the deepest contact point / largest displacement
   double beyond = 0;  ///< what regions and cross terms add to the linear displacement, L2
   double cross = 0;   ///< the cross terms, which are known to second order only, L2
 };
 
 /// The weighted sum of the indicators, before it is multiplied by the body's factor.
-[[nodiscard]] double unscaled_error(const ErrorSigns& signs);
+[[nodiscard]] double unscaled_error(const ErrorIndicators& indicators);
 
 /// Relative errors, defined as those of HeldOutTouch.
 struct StatedError {
@@ -36,8 +36,8 @@ struct StatedError {
 /// The factors of a body by which the weighted sum of indicators becomes a stated error.
 struct ErrorScale {
   double displacement = 0, von_mises = 0;
-  [[nodiscard]] StatedError stated(const ErrorSigns& signs) const {
-    const double sum = unscaled_error(signs);
+  [[nodiscard]] StatedError stated(const ErrorIndicators& indicators) const {
+    const double sum = unscaled_error(indicators);
     return {displacement * sum, von_mises * sum};
   }
 };

@@ -495,9 +495,9 @@ void TablesBody::end_frame(double penetration) {
   double left = 1;
   for (const float weight : w.correcting) left -= kCorrected * static_cast<double>(weight);
   left = std::max(1 - kCorrected, left);
-  w.report.signs = {std::max(0.0, penetration) / std::sqrt(largest), left * std::sqrt(beyond / all),
-                    left * std::sqrt(cross / all)};
-  if (w.error_scale) w.report.stated = w.error_scale->stated(w.report.signs);
+  w.report.indicators = {std::max(0.0, penetration) / std::sqrt(largest),
+                         left * std::sqrt(beyond / all), left * std::sqrt(cross / all)};
+  if (w.error_scale) w.report.stated = w.error_scale->stated(w.report.indicators);
 }
 
 const TablesReport& TablesBody::report() const { return work_->report; }

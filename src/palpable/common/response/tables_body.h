@@ -53,9 +53,9 @@ struct TouchSettings {
 
 /// How the tables were used in a frame, and the error stated for its state.
 struct TablesReport {
-  int patches = 0;        ///< patches of load
-  double last_share = 0;  ///< NonlinearResponse::last_share()
-  ErrorSigns signs;       ///< 0 without force
+  int patches = 0;             ///< patches of load
+  double last_share = 0;       ///< NonlinearResponse::last_share()
+  ErrorIndicators indicators;  ///< 0 without force
   /// The error by these indicators; nothing without force, or where the tables' held-out touches
   /// give no factor.
   std::optional<StatedError> stated;

@@ -11,7 +11,7 @@ TouchReport report_of(const TablesBody& body, const ContactSolver& solver, int m
   const TablesReport& tables = body.report();
   report.patches = tables.patches;
   report.last_share = tables.last_share;
-  report.signs = tables.signs;
+  report.indicators = tables.indicators;
   if (!(report.left_to_move > 0)) report.stated = tables.stated;
   return report;
 }

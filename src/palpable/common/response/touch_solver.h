@@ -46,9 +46,9 @@ namespace palpable {
 
 /// How one frame went.
 struct TouchReport : ContactReport {
-  int patches = 0;        ///< patches of load
-  double last_share = 0;  ///< NonlinearResponse::last_share()
-  ErrorSigns signs;       ///< 0 without force
+  int patches = 0;             ///< patches of load
+  double last_share = 0;       ///< NonlinearResponse::last_share()
+  ErrorIndicators indicators;  ///< 0 without force
   /// The error by these indicators; nothing without force, for a state at the step limit, or where
   /// the tables' held-out touches give no factor.
   std::optional<StatedError> stated;

@@ -298,13 +298,15 @@ TEST_CASE("a state comes with a stated error, by the factors of the held-out tou
   const TouchReport report = solver.advance(state, ball(0.02f, 0.003f));
   REQUIRE(report.stated.has_value());
   const double largest = static_cast<double>(state.u.colwise().norm().maxCoeff());
-  CHECK(report.signs.entry == Approx(report.penetration / largest));
-  CHECK(report.signs.entry > 0.01);
-  CHECK(report.signs.beyond == 0.0);  // the sheet's tables are linear
-  CHECK(report.signs.cross == 0.0);
+  CHECK(report.indicators.entry == Approx(report.penetration / largest));
+  CHECK(report.indicators.entry > 0.01);
+  CHECK(report.indicators.beyond == 0.0);  // the sheet's tables are linear
+  CHECK(report.indicators.cross == 0.0);
   // The touches' errors are 1.5 times their indicators, those of their stress 4.5 times.
-  CHECK(report.stated->displacement == Approx(kOnTheSafeSide * 1.5 * unscaled_error(report.signs)));
-  CHECK(report.stated->von_mises == Approx(kOnTheSafeSide * 4.5 * unscaled_error(report.signs)));
+  CHECK(report.stated->displacement ==
+        Approx(kOnTheSafeSide * 1.5 * unscaled_error(report.indicators)));
+  CHECK(report.stated->von_mises ==
+        Approx(kOnTheSafeSide * 4.5 * unscaled_error(report.indicators)));
   const GapFunction deeper = ball(0.02f, 0.0031f);
   CHECK(test::allocations_during([&] { solver.advance(state, deeper); }) == 0);
   // While the step limit holds, the state is not the solution yet.

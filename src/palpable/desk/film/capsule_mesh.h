@@ -18,10 +18,9 @@ struct CapsuleMesh {
   Eigen::Matrix3Xi triangles;  ///< (3 x M) counter-clockwise seen from outside
 };
 
-/// @param side         direction of the angle 0 round the axis; need not be perpendicular to the
-/// axis
+/// Meshes a capsule. Capsules with equal radii and length get equal triangles in every pose.
+/// @param side         direction of the angle 0 round the axis; need not be perpendicular to it
 /// @param chord_error  m, > 0, largest depth of a triangle inside the capsule
-/// Capsules with equal radii and length get equal triangles, independently of their pose.
 /// @throws ContractViolation unless radii and chord error are positive
 [[nodiscard]] CapsuleMesh tessellate(const Capsule& capsule, const Eigen::Vector3d& side,
                                      double chord_error);

@@ -42,8 +42,7 @@ class DeskPainter {
 
   /// Paints the ideal picture of one instant within `wanted` and leaves the rest unchanged.
   /// @param seen  initial depth buffer: seen_depth or seen_depth_turned of the eye. Not used if
-  /// there
-  ///              is a still picture
+  ///              there is a still picture
   void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted, const GlTexture& seen,
                    float along);
   /// Paints the still things, with the shadow of the movers, into picture `index` of eye.stills.

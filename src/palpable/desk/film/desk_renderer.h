@@ -53,11 +53,9 @@ class DeskRenderer {
   /// last position.
   ///
   /// * Motion blur: the mean of several instants (exposure.h). The shadow of the movers is that of
-  /// the
-  ///   middle of the exposure.
+  ///   the middle of the exposure.
   /// * Rolling shutter: six bands of rows, each painted for its own instant and rotated from row to
-  /// row
-  ///   with the camera. Two neighbouring bands share one shadow of the movers.
+  ///   row with the camera. Two neighbouring bands share one shadow of the movers.
   ///
   /// The noise depends on seed, eye and frame number.
   void draw(const DeskMoment& moment, RawPair& pictures);

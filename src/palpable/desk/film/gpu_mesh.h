@@ -52,7 +52,7 @@ struct GpuMesh {
   }
   /// Uploads a moving mesh.
   /// @param first,last  the mesh at the beginning and at the end of the exposure, with the same
-  /// triangles
+  ///                    triangles
   void fill(const PaintedMesh& first, const PaintedMesh& last, const Eigen::Vector3f& to_sun) {
     PALPABLE_EXPECT(first.vertices.size() == last.vertices.size() && first.indices == last.indices,
                     "a moving mesh keeps its triangles while the shutter is open");

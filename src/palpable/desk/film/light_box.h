@@ -43,8 +43,8 @@ class LightBox {
   }
 
  private:
-  static constexpr double kSpread =
-      0.006;  // ratio to the map's width: soft edges, six texels of the coarser map
+  // Ratio to the map's width: soft edges, six texels of the coarser map.
+  static constexpr double kSpread = 0.006;
   Eigen::Matrix4d light_;
   Eigen::Vector2d low_ = Eigen::Vector2d::Constant(1e6), high_ = Eigen::Vector2d::Constant(-1e6);
 };

@@ -23,14 +23,13 @@ namespace palpable {
 ///
 /// * Vertices lie on the capsules, and triangles within 0.09 mm of them.
 /// * Normals of skin and sleeve are those of a smooth union of the capsules, so that the capsules
-/// of a
-///   hand are shaded as one surface.
+///   of a hand are shaded as one surface.
 /// * Triangles inside another capsule are left out, since they are not visible.
 /// * If the frame of a cup is given, its wall is one surface of revolution instead of the capsules.
 ///
 /// @param also  the same movers at another instant, or empty. With it, only triangles that are
-/// inside
-///              at both instants are left out, so that the meshes of both have the same triangles.
+///              inside at both instants are left out, so that the meshes of both have the same
+///              triangles.
 [[nodiscard]] std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
                                                     const std::optional<Rigid3>& desk_from_cup,
                                                     const DeskLook& look,

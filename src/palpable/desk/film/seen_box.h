@@ -44,8 +44,7 @@ class SeenBox {
   }
 
  private:
-  static constexpr double kRounding =
-      2.0;  // px, margin for the chords of triangles and rounding to pixels
+  static constexpr double kRounding = 2.0;  // px, margin for chords of triangles and rounding
   PinholeCamera view_;
   // Bounds of x/Z and y/Z; low > high as long as nothing is included.
   Eigen::Vector2d low_ = Eigen::Vector2d::Constant(1e6), high_ = Eigen::Vector2d::Constant(-1e6);

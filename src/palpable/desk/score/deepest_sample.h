@@ -26,8 +26,7 @@ class DeepestSample {
  public:
   /// @param capsule  must outlive this object
   /// @param from     m; only deeper samples are found. A negative value also finds samples outside
-  /// the
-  ///                 capsule that are this near to it
+  ///                 the capsule that are this near to it
   DeepestSample(const Capsule& capsule, double from);
 
   /// @return whether the triangle holds a deeper sample than all triangles before it

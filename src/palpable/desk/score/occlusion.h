@@ -29,8 +29,7 @@ using SightImage = Image<Sight>;
 
 /// The drawn state: visible where the mask is set, with or without a depth of the body.
 /// @param visible     not 0 where the picture shows the body; of the size of the depth or twice
-/// that
-///                    size (then a pixel counts as visible if two or more of its four are set)
+///                    that size (then a pixel counts as visible if two or more of its four are set)
 /// @throws ContractViolation for another size
 [[nodiscard]] SightImage drawn_sight(const MaskImage& visible, const DepthImage& body_depth);
 

@@ -42,8 +42,8 @@ TEST_CASE("without a touch there is no delay and no share", "[score]") {
 TEST_CASE("sites are compared where truth and result both have one", "[score]") {
   const std::vector<int> truth{-1, 3, 3, 3, 5, -1, 2};
   const std::vector<int> found{3, 3, 4, 3, -1, 2, 3};
-  CHECK(*score_sites(truth, found) ==
-        Approx(0.5));  // compared: frames 1, 2, 3 and 6; equal in 1 and 3
+  // Frames 1, 2, 3 and 6 are compared; 1 and 3 are equal.
+  CHECK(*score_sites(truth, found) == Approx(0.5));
   CHECK_FALSE(score_sites(std::vector{-1, 2}, std::vector{2, -1}).has_value());
 }
 

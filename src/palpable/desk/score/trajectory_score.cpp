@@ -12,8 +12,7 @@ namespace palpable {
 
 namespace {
 constexpr double kClock = 1e-6;  // s, rounding of times in files, which have 6 decimals
-constexpr double kLatest =
-    1.5;  // largest time between the poses of a relative error, ratio to span
+constexpr double kLatest = 1.5;  // largest time between two compared poses, ratio to the span
 }  // namespace
 
 std::vector<PosePair> match_in_time(std::span<const StampedPose> truth,

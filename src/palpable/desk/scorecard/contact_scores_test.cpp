@@ -365,8 +365,8 @@ TEST_CASE("frames left out by a result count as the body at rest", "[scorecard]"
   CHECK(same(*scores().surface.penetration_p99_mm, *left_out.surface.penetration_p99_mm));
   fs::remove(scratch / "truth/scene.toml");
   CHECK_FALSE(scores().surface.penetration_p99_mm.has_value());
-  CHECK(scores().surface.largest_pop_mm ==
-        left_out.surface.largest_pop_mm);  // needs only the other frames
+  // Pops need only the other frames.
+  CHECK(scores().surface.largest_pop_mm == left_out.surface.largest_pop_mm);
 }
 
 TEST_CASE("a body with the right shape in a wrong pose has the error of that pose", "[scorecard]") {

@@ -31,9 +31,8 @@ struct PoseScores {
 inline constexpr double kSameMoment = 0.02;
 
 /// @param result  a file in TUM's format, or a folder that holds trajectory.txt. If its live.json
-/// has
-///                color_from_depth and the published poses are those of the depth camera, the found
-///                poses are converted to the depth camera
+///                has color_from_depth and the published poses are those of the depth camera, the
+///                found poses are converted to the depth camera
 /// @throws Error when the result cannot be read, or when fewer than two poses match
 [[nodiscard]] PoseScores score_poses(const PublishedPoses& published,
                                      const std::filesystem::path& result);

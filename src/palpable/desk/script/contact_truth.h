@@ -22,7 +22,7 @@ struct ContactTruth {
 
 /// @param vertices  (3 x V) m, points of the body in the frame of the capsules
 /// @param farthest  m; a larger clearance is not computed but returned as this value, which is
-/// faster
+///                  faster
 [[nodiscard]] ContactTruth contact_truth(std::span<const Capsule> hand,
                                          const Eigen::Matrix3Xd& vertices,
                                          double farthest = std::numeric_limits<double>::infinity());

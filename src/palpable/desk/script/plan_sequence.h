@@ -23,8 +23,7 @@ struct SequenceKind {
 
 /// @param name    one of sequence_kinds()
 /// @param frames  >= 1. Another length than that of the list cuts off or continues the sequence
-/// without
-///                changing its speeds; only "demo" is stretched instead
+///                without changing its speeds; only "demo" is stretched instead
 /// @throws Error when the body cannot be touched in the way of the sequence
 [[nodiscard]] Sequence plan_sequence(std::string_view name, const DeskBody& body, int frames,
                                      std::uint64_t seed);

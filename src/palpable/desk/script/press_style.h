@@ -30,7 +30,7 @@ struct PressStyle {
 [[nodiscard]] PressRules rules_where_seen();
 
 /// @param name  "press", "press-axial", "press-behind", "pencil", "slide", "palm", "rest" or
-/// "two-hands"
+///              "two-hands"
 /// @throws ContractViolation for another name
 [[nodiscard]] PressStyle press_style(std::string_view name);
 

@@ -41,7 +41,7 @@ namespace palpable {
 /// pressed within the rules, sorted by the sum of the scores of the best sites, highest first.
 /// @param sites      number of best sites whose scores are added
 /// @param two_hands  whether the mirrored hand must find sites, too; the smaller of both sums
-/// counts
+///                   counts
 [[nodiscard]] std::vector<double> yaws_to_press(const DeskBody& body, const PressRules& rules,
                                                 std::size_t sites, bool two_hands);
 

@@ -39,8 +39,8 @@ constexpr double kLeastSeen = 0.55;       // seen share of the touch; docs/bench
 constexpr std::size_t kDifferent = 4;     // number of squeezes; then they are repeated
 constexpr double kLeastDepth = 0.004;     // m, on each side
 constexpr double kMostDepth = 0.006;      // m, on each side
-constexpr double kDeeper =
-    0.002;  // m, allowance for the depth where a tip reaches round a thin part
+// m, allowance for the depth where a tip reaches round a thin part.
+constexpr double kDeeper = 0.002;
 
 /// Two points of the surface with opposite normals. Desk frame.
 struct TwoSides {

@@ -68,8 +68,9 @@ Points3 board_points(const BoardPattern& pattern) {
   return points;
 }
 
-// The largest angle between two boards' normals, rad, for a lens of ordinary width without
-// distortion: boards that are all parallel are found by it before anything is solved.
+// The largest angle between the normals of two boards, rad, computed for a lens of ordinary focal
+// length without distortion. It detects boards that are all parallel before the calibration is
+// solved.
 double largest_tilt(const Points3& board, const std::vector<Points2>& seen, int width, int height) {
   const cv::Matx33d K(0.9 * width, 0, 0.5 * width, 0, 0.9 * width, 0.5 * height, 0, 0, 1);
   std::vector<cv::Vec3d> normals;
@@ -112,8 +113,8 @@ Rigid3 rigid_of(const cv::Vec3d& turn, const cv::Vec3d& place) {
   return pose;
 }
 
-// find_board_pose's frame, from that of the corner that was found first, whose X runs along a row
-// and Y along a column of corners.
+// Converts a pose to the board frame of find_board_pose().
+// @param first  pose with the origin in the first corner, X along a row and Y along a column
 Rigid3 centred_pose(const Rigid3& first, const BoardPattern& pattern) {
   Rigid3 pose = Rigid3::Identity();
   pose.translation() =
@@ -157,7 +158,7 @@ std::string no_rig(const std::string& wrong) {
   return wrong;
 }
 
-// What the two eyes saw, as OpenCV wants it; one entry per view.
+// The corners in OpenCV's types; one entry per view.
 struct Corners {
   std::vector<Points3> boards;
   std::vector<Points2> left;
@@ -177,7 +178,7 @@ Corners corners_of(std::span<const BoardView> views, const BoardPattern& pattern
 // Fills rig, focal_sigma, reprojection_px and reprojections_px.
 void solve(const Corners& corners, int width, int height, BoardCalibration& result) {
   const cv::Size size(width, height);
-  // k3 stays 0: from a board that does not reach into the picture's corners it cannot be told apart
+  // k3 is fixed to 0: unless the boards extend into the picture's corners, it cannot be separated
   // from k2.
   constexpr int kFlags = cv::CALIB_FIX_K3;
   cv::Mat K1, D1, K2, D2, R, T, E, F, turns, places, sigma, of_places, errors;
@@ -216,7 +217,7 @@ std::optional<Problem> bad_reprojection(const BoardCalibration& result,
       pattern.columns, pattern.rows)};
 }
 
-// Share of the image inside the hull of all corners.
+// Share of the image inside the convex hull of all corners.
 double covered_share(const std::vector<Points2>& views, int width, int height) {
   Points2 all;
   for (const Points2& points : views) all.insert(all.end(), points.begin(), points.end());
@@ -225,8 +226,9 @@ double covered_share(const std::vector<Points2>& views, int width, int height) {
   return cv::contourArea(hull) / (static_cast<double>(width) * height);
 }
 
-// What is wanting in the boards, and what follows for the focal length; empty where nothing is.
-// `result` is solved already.
+// Describes what the set of boards lacks, and the resulting uncertainty of the focal length; empty if
+// it lacks nothing.
+// @pre  solve() has filled `result`
 std::string weakness_of(const BoardCalibration& result, int views, const BoardLimits& limits) {
   std::vector<std::string> wanting;
   if (views < limits.fewest_views) {
@@ -290,7 +292,8 @@ std::optional<BoardView> find_board(const ColorImage& left, const ColorImage& ri
     if (!in_left) return std::nullopt;
     auto in_right = corners_of(right, pattern);
     if (!in_right) return std::nullopt;
-    // A board with an even sum of corners looks the same upside down; the eyes do not.
+    // Some boards look the same upside down, so the corners may be found in opposite order in the
+    // two images; but the eyes are not upside down relative to each other.
     if ((in_left->back() - in_left->front()).dot(in_right->back() - in_right->front()) < 0) {
       std::reverse(in_right->begin(), in_right->end());
     }

@@ -20,7 +20,7 @@ namespace palpable {
 namespace {
 
 constexpr int kMostRows = 100;       // of a matrix; cameras have 3, lenses up to 14 numbers
-constexpr int kLargestSide = 16384;  // px; beyond is a slip or an attack
+constexpr int kLargestSide = 16384;  // px; larger values are mistakes or attacks
 
 // Thrown and caught in this file only.
 struct Unusable {
@@ -28,7 +28,7 @@ struct Unusable {
 };
 
 cv::FileStorage open_yaml(const std::string& text) {
-  // OpenCV guesses the format by the first bytes and falls back on others; this is the only one.
+  // OpenCV guesses the format from the first bytes and also reads others; only YAML is accepted.
   if (text.rfind("%YAML", 0) != 0) {
     throw Unusable{"is not OpenCV YAML: its first line should be %YAML:1.0"};
   }
@@ -58,7 +58,7 @@ std::vector<double> matrix(const cv::FileStorage& file, const char* name) {
   const cv::FileNode node = file[name];
   if (node.empty()) throw Unusable{fmt::format("has no matrix '{}'", name)};
   if (!node.isMap()) throw Unusable{fmt::format("has '{}', which is no matrix", name)};
-  // Before OpenCV makes room for them: a damaged file may claim any number.
+  // Checked before OpenCV allocates memory, because a damaged file may contain any number.
   for (const char* side : {"rows", "cols"}) {
     const cv::FileNode count = node[side];
     if (!count.isInt() || static_cast<int>(count) < 1 || static_cast<int>(count) > kMostRows) {
@@ -137,7 +137,8 @@ StereoCalibration stereo_from(const cv::FileStorage& file) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(calibration.rig.right_from_left.linear(),
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();
-  // What is a rotation to round-off stays as it is written, so that a round trip changes no bit.
+  // A matrix that is a rotation except for rounding is not changed, so that writing and reading
+  // preserve every bit.
   if ((nearest - calibration.rig.right_from_left.linear()).cwiseAbs().maxCoeff() > 1e-12) {
     calibration.rig.right_from_left.linear() = nearest;
   }
@@ -174,7 +175,7 @@ Result<T> read(const std::filesystem::path& path, T (*parse)(const cv::FileStora
   return Problem{fmt::format("calibration {} {}", path.string(), why)};
 }
 
-// A number that YAML readers take for a real one, with as many digits as it needs.
+// Formats a number so that YAML readers take it for a real number, with as many digits as it needs.
 std::string real(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
@@ -201,7 +202,7 @@ std::string wrong_with(const PinholeCamera& camera, std::string_view name) {
   for (const double value : {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px}) {
     if (!std::isfinite(value)) return fmt::format("a number of the {} camera is not finite", name);
   }
-  // A lens from 170 degrees to 0.1 degrees; outside of it the numbers are in another unit.
+  // Fields of view from 170 degrees to 0.1 degrees; otherwise the numbers have a wrong unit.
   const double side = std::max(camera.width, camera.height);
   for (const double focal : {camera.fx_px, camera.fy_px}) {
     if (!(focal > 0.04 * side && focal < 600 * side)) {
@@ -218,9 +219,12 @@ std::string wrong_with(const PinholeCamera& camera, std::string_view name) {
   return {};
 }
 
-// Whether no ray reaches the middle of the image's left and right border, because the radial part
-// r (1 + k1 r^2 + k2 r^4 + k3 r^6) has its maximum before it. (In the corners many usable
-// calibrations fold; that does no harm.)
+// Whether the distortion folds the image over: whether its radial part
+//
+//     r (1 + k1 r^2 + k2 r^4 + k3 r^6)
+//
+// has its maximum before it reaches the middle of the image's left and right border. (Many usable
+// calibrations fold in the corners, which does no harm.)
 bool folds_over(const DistortedCamera& read_lens) {
   const double border = 0.5 * read_lens.pinhole.width / read_lens.pinhole.fx_px;
   const double k1 = read_lens.distortion[0];
@@ -239,7 +243,7 @@ constexpr double kShortestBaseline = 1e-3;  // m
 constexpr double kLongestBaseline = 10.0;   // m
 constexpr double kLargestAngle = 0.7;       // rad between the eyes; real rigs have a few hundredths
 
-// Eyes of 10 mm to 10 m apart, had they been written in millimetres.
+// A hint for the message if the baseline is plausible (up to 10 m) when read in millimetres.
 const char* of_millimetres(double baseline) {
   return baseline > kLongestBaseline && baseline <= 1000 * kLongestBaseline
              ? " (this looks like millimetres: divide it by 1000)"
@@ -273,7 +277,7 @@ std::string wrong_with_eyes(const StereoRig& rig) {
   return {};
 }
 
-// How the eyes stand to each other.
+// Describes a fault of the pose between the eyes; empty if there is none.
 std::string wrong_with_pose(const Rigid3& right_from_left) {
   const Eigen::Matrix3d R = right_from_left.linear();
   const Eigen::Vector3d T = right_from_left.translation();

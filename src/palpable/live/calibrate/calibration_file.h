@@ -15,36 +15,34 @@
 
 namespace palpable {
 
-/// What a rig's file says; both images have the same size.
+/// The content of a rig's file; both images have the same size.
 struct StereoCalibration {
   StereoRig rig;
   double frames_per_second = 30;
 };
 
-/// The same for images whose rows are aligned already.
+/// The content of a file for images that are already rectified.
 struct RectifiedCalibration {
   RectifiedStereo stereo;
   double frames_per_second = 30;
 };
 
-/// What is wrong with a rig, in one line without a file's name: numbers that are not finite, sizes
-/// or focal lengths that are not positive, a distortion that no lens has, a rotation that is not
-/// one
-/// (|R^T R - I| > 1e-3 in an entry, or det R < 0), a baseline that is not within 1 mm .. 10 m (a
-/// file in millimetres is a common slip), eyes that do not stand side by side or look more than 40
-/// degrees apart. Empty when nothing is wrong.
+/// Describes the first fault of a rig, in one line without a file's name; empty if there is none.
+/// Faults are numbers that are not finite, sizes or focal lengths that are not positive, a
+/// distortion that no lens has, an R that is not a rotation (|R^T R - I| > 1e-3 in an entry, or
+/// det R < 0), a baseline that is not within 1 mm .. 10 m (a file in millimetres is a common
+/// mistake), cameras that do not stand side by side or whose axes differ by more than 40 degrees.
 [[nodiscard]] std::string what_is_wrong_with(const StereoRig& rig);
 [[nodiscard]] std::string what_is_wrong_with(const RectifiedStereo& stereo);
 
-/// Reads and checks. Whatever the bytes are, the result is a sound rig or a problem that names the
-/// file. R is replaced by the nearest rotation, so that round-off in the text does no harm.
+/// Reads and checks a file. For any content, the result is a valid rig or a problem that names the
+/// file. R is replaced by the nearest rotation, so that rounding in the text has no effect.
 [[nodiscard]] Result<StereoCalibration> read_stereo_calibration(const std::filesystem::path& path);
 [[nodiscard]] Result<RectifiedCalibration> read_rectified_calibration(
     const std::filesystem::path& path);
 
-/// Write all digits, so that reading gives the same numbers again.
-/// @throws ContractViolation when the calibration is not sound; Error when the file cannot be
-/// written
+/// These write all digits, so that reading gives the same numbers again.
+/// @throws ContractViolation if the calibration is not valid; Error if the file cannot be written
 void write_stereo_calibration(const std::filesystem::path& path,
                               const StereoCalibration& calibration);
 void write_rectified_calibration(const std::filesystem::path& path,

@@ -35,7 +35,7 @@ std::string trimmed(std::string_view text) {
 // "SECTION.key" -> text.
 using Entries = std::map<std::string, std::string>;
 
-// Later entries win, as in the vendor's own reader.
+// If a key occurs twice the later entry is used, as in the vendor's own reader.
 Entries entries_of(const std::vector<std::string>& lines) {
   Entries entries;
   std::string section;

@@ -11,11 +11,11 @@
 
 namespace palpable {
 
-/// The rig for images of this size (px, one eye). With width 0 the size is chosen: the first of
-/// HD, FHD, 2K and VGA that the file has.
+/// The rig for images of this size (px, one eye). With width 0 the size is the first of HD, FHD, 2K
+/// and VGA that the file contains.
 ///
-/// A problem, naming the file, when it cannot be read, has no numbers for this size (the message
-/// names those that it has), lacks a number or makes no sound rig.
+/// Returns a problem that names the file if it cannot be read, has no section for this size (the
+/// message lists the sizes that it has), lacks a number, or describes a rig that is not valid.
 [[nodiscard]] Result<StereoCalibration> read_factory_calibration(const std::filesystem::path& path,
                                                                  int width, int height);
 

@@ -1,6 +1,6 @@
 /// @file
-/// Our images seen as OpenCV matrices, nothing copied. For .cpp files: no header here includes
-/// OpenCV, which takes long to compile.
+/// Our images as OpenCV matrices, without copying. Include it in .cpp files only: OpenCV's headers
+/// take long to compile.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -22,7 +22,7 @@ inline cv::Mat view(GrayImage& image) {
 inline cv::Mat view(DepthImage& image) {
   return {image.height(), image.width(), CV_32FC1, image.data()};
 }
-/// For reading only; OpenCV has no matrix of constants.
+/// For reading only; OpenCV has no read-only matrix.
 template <class T>
 cv::Mat view(const Image<T>& image) {
   return view(const_cast<Image<T>&>(image));  // NOLINT(cppcoreguidelines-pro-type-const-cast)

@@ -62,8 +62,8 @@ Result<RectifiedGeometry> rectify_rig(const StereoRig& rig) {
   geometry.rectified_from_left.linear() = to_eigen(R1);
   geometry.rectified_from_right.linear() = to_eigen(R2);
   geometry.rectified_from_right.translation().x() = geometry.stereo.baseline;
-  // alpha = 0 zooms in until no blank pixel is left. A distortion that folds the image over leaves
-  // next to nothing to zoom to, and OpenCV then answers with a focal length of any size.
+  // alpha = 0 zooms in until no blank pixel is left. If the distortion folds the image over, almost
+  // no part of it is usable, and OpenCV returns an arbitrary focal length.
   constexpr double kLargestZoom = 4;
   const double zoom = geometry.stereo.camera.fx_px / rig.left.pinhole.fx_px;
   if (!what_is_wrong_with(geometry.stereo).empty() || zoom > kLargestZoom ||
@@ -85,8 +85,8 @@ RectifiedGeometry rectified_geometry(const StereoRig& rig) {
 }
 
 struct Rectification::Maps {
-  // From rectified to raw pixels. xy: CV_16SC2, whole pixels; fraction: CV_16UC1, which of OpenCV's
-  // 32 x 32 weights.
+  // Maps rectified to raw pixels. xy: CV_16SC2, integer pixels; fraction: CV_16UC1, index into
+  // OpenCV's 32 x 32 interpolation weights.
   struct Table {
     cv::Mat xy;
     cv::Mat fraction;
@@ -100,7 +100,7 @@ struct Rectification::Maps {
 
 namespace {
 
-// @param at  (column, row) of the rectified picture -> px of the raw one
+// @param at  function from (column, row) of the rectified picture to px of the raw one
 template <class At>
 void fill_grid(const PinholeCamera& camera, const At& at, WarpGrid& grid) {
   grid.resize(camera.width, camera.height);
@@ -110,7 +110,7 @@ void fill_grid(const PinholeCamera& camera, const At& at, WarpGrid& grid) {
       const int u = i * WarpGrid::kStep;
       const int inside = std::min(u, last);
       Eigen::Vector2d p = at(inside, v);
-      // What lies beyond the picture's end goes on as it came.
+      // Columns beyond the picture's end are extrapolated linearly.
       if (u > last) p += (u - last) * (p - at(last - 1, v));
       grid.set(v, u, p.x(), p.y());
     }

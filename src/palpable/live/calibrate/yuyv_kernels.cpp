@@ -1,11 +1,11 @@
-// Compiled once for each set of vector instructions. All numbers are whole, so that every version
-// gives the same.
+// Compiled once for each set of vector instructions. All numbers are integers, so that every version
+// gives the same result.
 //
-// Eight pixels of a row, a step, lie on a straight line in the raw picture, nearly along its rows:
-// all that they need is in 16 pixels of two or three rows, which are loaded as they lie and picked
-// from by a shuffle. (Gathering each pixel by its address takes three times as long where the
-// processor is guarded against leaks of gathered data.) A step that reaches farther is made
-// plainly.
+// Eight pixels of a row, a step, lie on a straight line in the raw picture, nearly along its rows.
+// All pixels that they need are among 16 pixels of two or three rows, which are loaded as whole
+// vectors and selected by a shuffle. (Gather instructions take three times as long on processors
+// with a mitigation against leaks of gathered data.) Steps that need more are computed by the scalar
+// version.
 
 #include "palpable/live/calibrate/yuyv_kernels.h"
 
@@ -19,7 +19,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpable/live/calibrate/yuyv_kernels.cpp"
-// What each file of Highway needs first:
+// Highway requires this include before the next:
 #include <hwy/foreach_target.h>
 // clang-format off
 #include <hwy/highway.h>
@@ -31,23 +31,24 @@ namespace palpable {
 namespace {
 
 constexpr int kStep = WarpGrid::kStep;
-constexpr int kPairs = kStep / 2;  // of pixels, in a step
+constexpr int kPairs = kStep / 2;  // pairs of pixels in a step
 constexpr int kOne = WarpGrid::kOne;
-constexpr int kShift = 16;   // of kOne
+constexpr int kShift = 16;   // kOne = 1 << kShift
 constexpr int kLoaded = 16;  // pixels of a row that are loaded for a step
 constexpr int kLoadedPairs = kLoaded / 2;
-constexpr int kMostRows = 5;  // that are loaded for a step; in a picture's corners they slope
+constexpr int kMostRows = 5;  // largest number of rows of a step, which slopes in the corners
 
-// Luma is interpolated in 1/32 px along x and y, which makes it 1024 times as large; 255 / 219 of
-// it, times 1024 again, is what is shown.
+// Luma is interpolated with weights in 1/32 along x and y, so the sum is 1024 times the luma. The
+// factor 255 / 219 is kStretch / 1024.
 constexpr int kFine = 5;
 constexpr int kBlack = 16 << (2 * kFine);
 constexpr int kStretch = 1192;
 constexpr int kLumaShift = 2 * kFine + 10;
 constexpr int kLumaHalf = 1 << (kLumaShift - 1);
 
-// Colours are interpolated in 1/64 of a pair. The upper half of the product of twice that and these
-// is 4 times BT.601's share of U or V.
+// U and V are interpolated with weights in 1/64, so the sum is 64 times their value. The constants
+// are BT.601's coefficients times 2048: the upper half of (2 x sum x constant) is then 4 times the
+// contribution of U or V.
 constexpr int kPairFine = 6;
 constexpr int kGrey = 128 << kPairFine;
 constexpr int kRedOfV = 3269;     // 1.596
@@ -55,7 +56,7 @@ constexpr int kGreenOfU = -803;   // -0.392
 constexpr int kGreenOfV = -1665;  // -0.813
 constexpr int kBlueOfU = 4131;    // 2.017
 
-// Where a step's pixels lie.
+// The positions of a step's pixels in the raw picture.
 struct Line {
   const std::int32_t* x;  // two entries of the grid
   const std::int32_t* y;
@@ -66,11 +67,11 @@ Line line_of(const WarpGrid& grid, int row, int step) {
   return {grid.x.data() + at, grid.y.data() + at, grid.steps.data() + at};
 }
 int on_line(const std::int32_t* ends, int i) { return ends[0] + (((ends[1] - ends[0]) * i) >> 3); }
-// Of the pair i; its middle lies half a pixel beside its first.
+// The position of pair i; the middle of a pair is half a pixel to the right of its first pixel.
 int pair_on_line(const std::int32_t* ends, int i) {
   return ends[0] + (((ends[1] - ends[0]) * (4 * i + 1)) >> 4);
 }
-int pair_place(const std::int32_t* ends, int i) { return (pair_on_line(ends, i) - kOne / 2) >> 1; }
+int pair_position(const std::int32_t* ends, int i) { return (pair_on_line(ends, i) - kOne / 2) >> 1; }
 
 // The pixel before a coordinate, and the share of the next one: 0 .. 1 << bits.
 struct Between {
@@ -87,7 +88,7 @@ const Yuyv* row_of(const YuyvEye& eye, int y) {
   return eye.first + static_cast<std::size_t>(y) * eye.row_pairs;
 }
 
-// The row of a step's colours.
+// The row from which a step's colours are taken.
 int color_row(const Line& line, int height) {
   return std::clamp((on_line(line.y, kPairs) + kOne / 2) >> kShift, 0, height - 1);
 }
@@ -115,7 +116,7 @@ void plain_color_step(const Line& line, const YuyvEye& eye, const std::uint8_t* 
   const Yuyv* row = row_of(eye, color_row(line, eye.height));
   const auto product = [](int a, int b) { return (2 * a * b) >> 16; };
   for (int i = 0; i < count; ++i) {
-    const Between x = between(pair_place(line.x, i / 2), eye.width / 2, kPairFine);
+    const Between x = between(pair_position(line.x, i / 2), eye.width / 2, kPairFine);
     const Yuyv &a = row[x.first], &b = row[x.first + 1];
     const int U = (a.u << kPairFine) + (b.u - a.u) * x.share - kGrey;
     const int V = (a.v << kPairFine) + (b.v - a.v) * x.share - kGrey;
@@ -145,7 +146,7 @@ void plain_color(const WarpGrid& grid, const YuyvEye& eye, const GrayImage& luma
   }
 }
 
-// Along a line the least and the largest are at its ends.
+// The range of a coordinate along a line, which is between the values at its ends.
 struct Reach {
   int least;
   int most;
@@ -167,7 +168,7 @@ WarpGrid::Step step_of(const Line& line, int width, int height) {
     step.luma_row = static_cast<std::int16_t>(y.first());
     step.luma_rows = static_cast<std::int8_t>(rows);
   }
-  const Reach pairs = reach(pair_place(line.x, 0), pair_place(line.x, kPairs - 1));
+  const Reach pairs = reach(pair_position(line.x, 0), pair_position(line.x, kPairs - 1));
   const int pair_begin = std::min(pairs.first(), width / 2 - kLoadedPairs);
   if (pair_begin >= 0 && pairs.within(width / 2) && pairs.last() < pair_begin + kLoadedPairs) {
     step.color_begin = static_cast<std::int16_t>(pair_begin);
@@ -200,7 +201,7 @@ using HalfBytes = hn::FixedTag<std::uint8_t, 8>;
 using Shorts = hn::FixedTag<std::int16_t, 8>;
 using FourInts = hn::FixedTag<std::int32_t, 4>;
 
-// Pixels before coordinates that lie within the picture, and the shares of the next ones.
+// As Between, for several coordinates that lie within the picture.
 template <class D>
 struct BetweenVector {
   hn::Vec<D> first;
@@ -212,7 +213,7 @@ HWY_INLINE BetweenVector<D> between_all(D d, hn::Vec<D> at) {
           hn::And(hn::ShiftRight<kShift - kBits>(at), hn::Set(d, (1 << kBits) - 1))};
 }
 
-// The bytes 0 2 4 ... of 32.
+// The bytes with even index (0, 2, 4, ...) of 32 bytes.
 HWY_INLINE hn::Vec<Bytes> even_bytes(const void* from) {
   const auto* bytes = static_cast<const std::uint8_t*>(from);
   const auto half = [&](const std::uint8_t* at) HWY_ATTR {
@@ -221,7 +222,7 @@ HWY_INLINE hn::Vec<Bytes> even_bytes(const void* from) {
   };
   return hn::Combine(Bytes(), half(bytes + 16), half(bytes));
 }
-// The bytes 1 3 5 ... of 32.
+// The bytes with odd index (1, 3, 5, ...) of 32 bytes.
 HWY_INLINE hn::Vec<Bytes> odd_bytes(const void* from) {
   const hn::RebindToUnsigned<Shorts> d;
   const auto* bytes = static_cast<const std::uint8_t*>(from);
@@ -292,7 +293,7 @@ HWY_ATTR void luma(const WarpGrid& grid, const YuyvEye& eye, GrayImage& warped) 
   }
 }
 
-// A step's four U and V are lanes U V U V ...; each pair of pixels has the same.
+// The four U and V of a step are in the lanes U V U V ...; both pixels of a pair share them.
 HWY_INLINE void color_step(const Line& line, const YuyvEye& eye, const std::uint8_t* luma_of_step,
                            Rgb* to) {
   const FourInts d;
@@ -310,7 +311,7 @@ HWY_INLINE void color_step(const Line& line, const YuyvEye& eye, const std::uint
                                                         8, 9, 8, 9, 12, 13, 12, 13};
   alignas(16) static constexpr std::uint8_t kOfV[16] = {2,  3,  2,  3,  6,  7,  6,  7,
                                                         10, 11, 10, 11, 14, 15, 14, 15};
-  // With the highest bit set a lookup gives 0: bytes become shorts.
+  // An index with its highest bit set selects 0, which extends the bytes to shorts.
   const auto u_then_v = hn::BitCast(bytes, hn::Set(d, static_cast<std::int32_t>(0x80018000U)));
   const auto part = hn::Add(hn::ShiftLeft<2>(hn::Iota(d, 0)), hn::Set(d, 1));
   const auto middle = hn::Add(hn::Set(d, line.x[0]),
@@ -411,7 +412,8 @@ void WarpGrid::prepare(int raw_width, int raw_height) {
 }
 
 void WarpGrid::set(int row, int at_column, double x_px, double y_px) {
-  // Positions of far outside are as good as those a little outside; rounded to 1/32 px.
+  // Positions far outside are clamped: all of them show the border. Half a unit is added so that
+  // truncation to 1/32 px rounds.
   constexpr double kFarthest = 8192;  // px
   const auto fixed = [&](double px) {
     return static_cast<std::int32_t>(std::lround(std::clamp(px, -kFarthest, kFarthest) * kOne)) +

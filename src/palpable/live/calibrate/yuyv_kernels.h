@@ -1,6 +1,6 @@
 /// @file
-/// Warps a camera's YUYV picture: luma and colour of one eye, read where they lie. There is a plain
-/// version and one for each set of vector instructions; all give the same bytes.
+/// Warps a camera's YUYV picture without converting it first: luma and colour of one eye. There is a
+/// scalar version and one for each set of vector instructions; all give the same bytes.
 ///
 ///   w, h  size of the eye's picture and of the warped one, px
 #pragma once
@@ -15,39 +15,41 @@
 
 namespace palpable {
 
-/// Where the pixels of a warped picture lie in the raw one: at every eighth column of each row, and
-/// straight between. (The distortion of a lens bends by 0.002 px over 1 px at the most, so that
-/// between two of them nothing is off by more than 0.02 px.)
+/// The positions of a warped picture's pixels in the raw one: stored for every eighth column of each
+/// row, linear between. (The second derivative of a lens's distortion is at most 0.002 px per px^2,
+/// so the error of the interpolation is at most 0.02 px.)
 struct WarpGrid {
   static constexpr int kStep = 8;  ///< px
   static constexpr int kOne = 1 << 16;
 
-  /// The eight pixels between two columns, as vectors work on them: what they read of a raw row
-  /// lies within 16 px. Filled by prepare().
+  /// The part of the raw picture that a vector step needs, which computes the eight pixels between
+  /// two stored columns: 16 px of some rows. Filled by prepare().
   struct Step {
     std::int16_t luma_begin = 0;   ///< px
-    std::int16_t luma_row = 0;     ///< the first of luma_rows
+    std::int16_t luma_row = 0;     ///< the first row
     std::int16_t color_begin = 0;  ///< pairs of pixels
     std::int16_t color_row = 0;
-    std::int8_t luma_rows = 0;   ///< 2 .. 5; 0: they reach farther, or beyond the raw picture
-    std::int8_t color_rows = 0;  ///< 1; 0 likewise
+    std::int8_t luma_rows = 0;   ///< number of rows, 2 .. 5; 0: the step needs more than this part,
+                                 ///< or pixels outside the raw picture
+    std::int8_t color_rows = 0;  ///< 1; or 0 for the same reasons
   };
 
   int width = 0;                ///< px, >= 2
   int height = 0;               ///< px, >= 2
-  int columns = 0;              ///< beyond the last one, so that each pixel lies between two
-  std::vector<std::int32_t> x;  ///< (height x columns) px times kOne; outside of the picture, too
+  int columns = 0;              ///< stored columns, so many that each pixel lies between two
+  std::vector<std::int32_t> x;  ///< (height x columns) px times kOne; may be outside the picture
   std::vector<std::int32_t> y;
   std::vector<Step> steps;  ///< (height x columns), the last of each row unused
 
   void resize(int width_px, int height_px);
   /// @param at_column  a multiple of kStep
   void set(int row, int at_column, double x_px, double y_px);
-  /// Once all are set. @param raw_width, raw_height  px, of an eye's raw picture
+  /// Must be called after all positions are set.
+  /// @param raw_width, raw_height  px, of an eye's raw picture
   void prepare(int raw_width, int raw_height);
 };
 
-/// One eye in a picture of both.
+/// The part of one eye in a picture of both.
 struct YuyvEye {
   const Yuyv* first = nullptr;  ///< its first pair of pixels
   std::size_t row_pairs = 0;    ///< pairs from one row of the picture to the next
@@ -55,20 +57,20 @@ struct YuyvEye {
   int height = 0;               ///< px, >= 2
 };
 
-/// For grids that are prepared for the size of the eye.
+/// One implementation of the loops. Grids must be prepared for the size of the eye.
 struct YuyvKernels {
   const char* name = "";
-  /// Bilinear between pixels, in 1/32 px; what lies outside is as the border. BT.601's luma 16 ..
-  /// 235 becomes 0 .. 255.
+  /// Bilinear interpolation in steps of 1/32 px; outside the picture the border's value is used.
+  /// BT.601's luma 16 .. 235 is scaled to 0 .. 255.
   void (*luma)(const WarpGrid& grid, const YuyvEye& eye, GrayImage& warped);
-  /// Colours: those of `luma`, with U and V read once for each two pixels, where their middle lies:
-  /// bilinear along the row that is nearest to the middle of their eight.
-  /// @param luma  what the function above makes of the same
+  /// Computes colours from `luma` and from U and V, which are sampled once for each two pixels, at
+  /// their middle: interpolated linearly along one row, the one nearest to the middle of the step.
+  /// @param luma  the result of the function above for the same eye
   void (*color)(const WarpGrid& grid, const YuyvEye& eye, const GrayImage& luma,
                 ColorImage& warped);
 };
 
-/// All kernels that this processor can run, the fastest first and the plain one last.
+/// All kernels that this processor can run, the fastest first and the scalar one last.
 [[nodiscard]] std::span<const YuyvKernels> yuyv_kernels();
 
 }  // namespace palpable

@@ -14,19 +14,20 @@
 namespace palpable {
 namespace {
 
-// The guard looks for things down to here, m: at 40 mm neither eye is in focus.
+// Smallest depth that the guard of the matcher searches, m: at 40 mm neither camera is in focus.
 constexpr double kGuardNearest = 0.05;
 
 constexpr int kMostThreads = 16;
 
-// Below the disparity of infinity, where nothing is: so far things are matched inside of the range,
-// whose ends are not trusted, and tell how rows lie; fill_depth() leaves out what is too far.
-constexpr int kBehindInfinity = 2;  // px
+// px by which the searched range extends below the disparity of infinity. The ends of the range are
+// not trusted, so without this very distant things would not be matched and could not be used to
+// measure the row error; fill_depth() leaves out depths that are too large.
+constexpr int kBehindInfinity = 2;
 
-// Frames without a measured row error after which the rows are looked for otherwise, and again.
-// That takes 50 ms: a second apart at first, then ever less often.
+// Frames without a measured row error after which find_rows() is tried. It takes 50 ms and is
+// repeated at 4, 16, 64 ... times this number of frames.
 constexpr int kUnmeasured = 8;
-constexpr double kLeastRows = 0.4;  // px of the matched images; the watch measures what is less
+constexpr double kLeastRows = 0.4;  // px of the matched images; the row watch measures smaller ones
 
 bool searches_rows(int unmeasured) {
   int due = kUnmeasured;
@@ -43,7 +44,7 @@ StereoMatcherSettings matching_of(const StereoEyes& eyes, const DepthSettings& s
   const int most = (kMostDisparities - 1 - std::abs(s.first)) / 16 * 16;
   s.disparities = std::min((eyes.last_disparity() - s.first + 1 + 15) / 16 * 16, most);
   const double f_T = matched.camera.fx_px * matched.baseline;
-  // At a quarter of the resolution, from the same end of the range on.
+  // The guard works at a quarter of the resolution and begins at the same end of the range.
   const double widest = matched.camera.width;
   s.guard_disparities =
       static_cast<int>(std::min(f_T / kGuardNearest + std::abs(s.first), widest) / 4);
@@ -101,7 +102,7 @@ void CensusCamera::match(SeenFrame& seen) {
   if (eyes_.halved()) matcher_.refine(seen.left, seen.right, pair_);
 }
 
-// What is found now helps from the next frame on.
+// A correction that is found in this frame is applied from the next frame on.
 void CensusCamera::watch_rows(SeenFrame& seen) {
   const RowError& error = watch_->measure(seen.left, seen.right, pair_.disparity, pair_.confidence,
                                           eyes_.halved() ? 2 : 1);
@@ -124,8 +125,8 @@ void CensusCamera::find_misfit(SeenFrame& seen) const {
   if (seen.misfit && eyes_.halved()) seen.misfit->rows_px *= 2;
 }
 
-// Where too few points match to measure their rows, the rows may be the reason: places are looked
-// for on all rows, and the right eye turned so that the watch finds them.
+// If too few points match to measure their row error, the row error itself may be the reason. This
+// searches points over many rows, and turns the right camera so that the row watch can measure.
 void CensusCamera::find_rows(const SeenFrame& seen) {
   const double infinity = eyes_.matched().disparity_at_infinity_px;
   const std::optional<double> rows =

@@ -1,5 +1,6 @@
 /// @file
-/// Depth of a stereo rig by our own matcher (stereo_matcher.h), whose rows are watched.
+/// Depth of a stereo rig by our own matcher (stereo_matcher.h), with supervision of the row
+/// alignment (row_watch.h).
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -15,14 +16,14 @@ namespace palpable {
 /// One of DepthCamera's three cameras, and the default for stereo.
 class CensusCamera {
  public:
-  /// A problem when the rig is none (StereoEyes), its disparities lie beyond the matcher's, or
-  /// settings.threads are too many.
+  /// Returns a problem if the rig is not valid (StereoEyes), its disparities exceed the matcher's
+  /// range, or settings.threads is too large.
   [[nodiscard]] static Result<CensusCamera> make(const FrameFormat& format,
                                                  const DepthSettings& settings);
 
-  /// Fills what DepthCamera::see() leaves open of `seen`.
+  /// Fills those parts of `seen` that DepthCamera::see() does not fill.
   /// @param seen  its color and depth have their sizes already
-  /// @return false, and `seen` unspecified, when the frame's images do not have the format's size
+  /// @return false, and `seen` unspecified, if the frame's images do not have the format's size
   bool measure(const Frame& frame, SeenFrame& seen, StageTimes& times);
 
   [[nodiscard]] const PinholeCamera& camera() const { return eyes_.rectified().camera; }
@@ -45,8 +46,8 @@ class CensusCamera {
   MatchedPair pair_;
   std::optional<RowWatch> watch_;
   double row_correction_px_ = 0;
-  bool fit_is_known_ = false;  // asked of the first frame alone: it takes time and memory
-  int unmeasured_ = 0;         // frames in a row in which the watch could not measure
+  bool fit_is_known_ = false;  // find_misfit() runs in the first frame only: it takes 50 ms
+  int unmeasured_ = 0;         // successive frames in which the row watch could not measure
 };
 
 }  // namespace palpable

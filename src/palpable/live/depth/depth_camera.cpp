@@ -97,7 +97,7 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
   bool usable = false;
   try {
     usable = std::visit([&](auto& any) { return any.measure(frame, seen, p.times); }, p.any);
-  } catch (const cv::Exception&) {}  // OpenCV ran out of memory, say: this frame has no depth
+  } catch (const cv::Exception&) {}  // for instance out of memory: this frame has no depth
   if (!usable) blank(seen);
   seen.density = density_of(seen);
   seen.trouble = p.watch.look(seen.density, seen.row_error_px);

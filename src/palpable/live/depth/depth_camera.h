@@ -21,31 +21,30 @@ namespace palpable {
 ///     stereo, raw or rectified   kCensus            CensusCamera (census_camera.h)
 ///     stereo, raw or rectified   kOpenCv            SgbmCamera (sgbm_camera.h)
 ///
-/// Allocates memory while it is made and at the first frame; then its own code allocates none (what
-/// OpenCV allocates inside for a frame, it frees).
+/// Allocates memory during construction and at the first frame; afterwards its own code does not
+/// (OpenCV allocates temporary memory in each frame).
 class DepthCamera {
  public:
-  /// A problem when a stereo format's numbers do not make a rig, or the format's size is too small
-  /// for its disparities.
+  /// Returns a problem if the numbers of a stereo format are not a valid rig, or if the images are
+  /// too small for stereo.
   [[nodiscard]] static Result<DepthCamera> make(const FrameFormat& format,
                                                 const DepthSettings& settings = {});
   DepthCamera(DepthCamera&&) noexcept;
   DepthCamera& operator=(DepthCamera&&) noexcept;
   ~DepthCamera();
 
-  /// Fills `seen`, whose memory is used again. A frame whose images do not have the format's size
-  /// gives an image without depth (all NaN) rather than an error: the loop goes on.
+  /// Fills `seen`, whose memory is reused. A frame whose images do not have the format's size gives
+  /// an image without depth (all NaN) rather than an error, so that the loop continues.
   void see(const Frame& frame, SeenFrame& seen);
 
-  /// Of `color` and of `depth` in every SeenFrame.
+  /// The cameras of `color` and of `depth` in every SeenFrame.
   [[nodiscard]] const PinholeCamera& camera() const;
   [[nodiscard]] const PinholeCamera& depth_camera() const;
-  /// The rig of a stereo format, rectified, at the size of `color`; null for colour + depth, which
-  /// has none.
+  /// The rectified rig of a stereo format, at the size of `color`; null for colour + depth.
   [[nodiscard]] const RectifiedStereo* rectified() const;
-  /// How far measured depths scatter around the true ones.
+  /// The standard deviation of measured depths.
   [[nodiscard]] const DepthNoise& noise() const;
-  /// Whether colour and depth come from two sensors that stand apart, each with a lens of its own.
+  /// Whether colour and depth come from two separate sensors, each with a lens of its own.
   [[nodiscard]] bool has_two_sensors() const;
   /// Wall time of the last frame: "rectify" (luma and colour), "disparity", "depth" (filters, Z).
   [[nodiscard]] const StageTimes& last_times() const;

@@ -1,5 +1,5 @@
 /// @file
-/// How far measured depths scatter around the true one.
+/// The standard deviation of measured depths.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -17,26 +17,26 @@ struct DepthNoise {
   [[nodiscard]] double sigma(double depth) const {
     return constant + depth * (linear + depth * quadratic);
   }
-  /// The same to a float's rounding, for loops over pixels.
+  /// The same in single precision, for loops over pixels.
   [[nodiscard]] float sigma_in_float(float depth) const {
     return static_cast<float>(constant) +
            depth * (static_cast<float>(linear) + depth * static_cast<float>(quadratic));
   }
 };
 
-/// Stereo: Z = f T / d gives sigma_Z = Z^2 / (f T) sigma_d. Pass the camera in which the disparity
-/// was measured. Block matching scatters by 0.25 px at the matched resolution on textured, still
-/// surfaces; systematic errors do not count here, since two depths that are compared both have
-/// them.
+/// Stereo: Z = f T / d gives sigma_Z = Z^2 / (f T) sigma_d. `matched` is the camera in which the
+/// disparity was measured. On textured, static surfaces block matching has a standard deviation of
+/// 0.25 px at the matched resolution. Systematic errors are not included, because they are the same
+/// in the depths that are compared with each other.
 [[nodiscard]] inline DepthNoise stereo_noise(const RectifiedStereo& matched,
                                              double sigma_disparity_px = 0.25) {
   return {0, 0, sigma_disparity_px / (matched.camera.fx_px * matched.baseline)};
 }
 
-/// Time of flight: the returned light fades with Z^2, and the phase noise grows as it fades; the
-/// steps of 1 mm are the constant. Fitted to the recording hands_squirrel, whose resting pixels
-/// scatter by 0.4 mm at 0.45 m, 2.2 mm at 1.25 m, 8 mm at 2.4 m (medians; one pixel in ten by twice
-/// that): a little above its medians.
+/// Time of flight: the returned light falls with Z^2, and the phase noise grows accordingly; the
+/// constant is due to the depth's resolution of 1 mm. Fitted to the recording hands_squirrel, to be
+/// slightly above the medians of its static pixels, whose standard deviation is 0.4 mm at 0.45 m,
+/// 2.2 mm at 1.25 m and 8 mm at 2.4 m (one pixel in ten: twice that).
 [[nodiscard]] inline DepthNoise time_of_flight_noise() { return {0.0007, 0, 0.0013}; }
 
 }  // namespace palpable

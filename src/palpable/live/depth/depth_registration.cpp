@@ -9,9 +9,10 @@
 namespace palpable {
 namespace {
 
-constexpr float kJump = 1.06F;          // depths of one surface differ less from pixel to pixel
-constexpr float kLeastInverse = 1e-4F;  // 1/m: behind the colour camera, or 10 km before it
-// Of a triangle's height: two that share a side leave no pixel on it to neither by rounding.
+constexpr float kJump = 1.06F;          // largest ratio of neighbouring depths of one surface
+constexpr float kLeastInverse = 1e-4F;  // 1/m; excludes points behind the camera or beyond 10 km
+// Width by which a triangle is enlarged, as a share of its height. Without it, rounding could leave
+// pixels on a common side of two triangles to neither of them.
 constexpr float kOverlap = 1e-3F;
 
 Eigen::Matrix3d matrix_of(const PinholeCamera& camera) {
@@ -27,14 +28,14 @@ Range range_of(float a, float b, float c) {
   return {std::min(std::min(a, b), c), std::max(std::max(a, b), c)};
 }
 
-// Pixels whose centres may lie within; none: last < first.
+// The pixels whose centres may lie within a range; empty if last < first.
 struct Pixels {
   int first = 0, last = -1;
 };
 Pixels pixels_between(const Range& range, int size) {
   const auto end = static_cast<float>(size);
   if (!(range.high >= 0 && range.low < end)) return {};
-  // Casts of what is not negative, since std::floor is a call on plain SSE2.
+  // Casts of non-negative numbers, because std::floor is a function call with plain SSE2.
   return {range.low > 0 ? static_cast<int>(range.low + 1 - kOverlap) : 0,
           static_cast<int>(std::min(range.high + kOverlap, end - 1))};
 }
@@ -81,12 +82,12 @@ void DepthRegistration::draw(const Corner& a, const Corner& b, const Corner& c, 
     float* row = into.row(v);
     for (int u = us.first; u <= us.last; ++u) {
       const float du = static_cast<float>(u) - a.u, dv = static_cast<float>(v) - a.v;
-      const float in_b = du * cv - cu * dv;  // shares of b and c, times the area
+      const float in_b = du * cv - cu * dv;  // barycentric coordinates of b and c, times the area
       const float in_c = bu * dv - du * bv;
       const float over = kOverlap * area;
       if (in_b < -over || in_c < -over || in_b + in_c > area + over) continue;
       const float Z = area / (area * a.w + in_b * (b.w - a.w) + in_c * (c.w - a.w));
-      if (!(row[u] <= Z)) row[u] = Z;  // NaN: nothing yet
+      if (!(row[u] <= Z)) row[u] = Z;  // also if row[u] is NaN: nothing was drawn yet
     }
   }
 }

@@ -65,7 +65,7 @@ bool DepthSensorCamera::measure(const Frame& frame, SeenFrame& seen, StageTimes&
   DepthImage& known = registration_ ? own_view_ : seen.depth;
   known.resize(width_, height_);
   std::transform(frame.depth.begin(), frame.depth.end(), known.begin(), [&](float Z) {
-    // NaN: unknown stays unknown
+    // False for NaN, so that unknown depths stay unknown.
     return Z > 0 && Z <= farthest_ ? Z : std::numeric_limits<float>::quiet_NaN();
   });
   if (registration_) registration_->to_color(own_view_, seen.depth);

@@ -1,5 +1,5 @@
 /// @file
-/// A camera that measures depth itself (time of flight, structured light) beside a colour image.
+/// A camera with a depth sensor (time of flight, structured light) beside the colour sensor.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -14,17 +14,17 @@
 
 namespace palpable {
 
-/// One of DepthCamera's three cameras. Depth passes through in the colour camera's view; what is
-/// not a depth, or lies beyond settings.farthest, becomes NaN.
+/// One of DepthCamera's three cameras. Its depth is the sensor's depth in the colour camera's view;
+/// values that are no depths, or beyond settings.farthest, become NaN.
 class DepthSensorCamera {
  public:
-  /// A problem when a focal length is not positive or the colour's numbers fit no camera.
+  /// Returns a problem if a focal length is not positive or the colour camera is not valid.
   [[nodiscard]] static Result<DepthSensorCamera> make(const FrameFormat& format,
                                                       const DepthSettings& settings);
 
-  /// Fills what DepthCamera::see() leaves open of `seen`.
+  /// Fills those parts of `seen` that DepthCamera::see() does not fill.
   /// @param seen  its color and depth have their sizes already
-  /// @return false, and `seen` unspecified, when the frame's images do not have the format's size
+  /// @return false, and `seen` unspecified, if the frame's images do not have the format's size
   bool measure(const Frame& frame, SeenFrame& seen, StageTimes& times);
 
   [[nodiscard]] const PinholeCamera& camera() const { return camera_; }
@@ -40,8 +40,8 @@ class DepthSensorCamera {
   double farthest_ = 0;
   PinholeCamera camera_;
   DepthNoise noise_ = time_of_flight_noise();
-  std::optional<DepthRegistration> registration_;  // where the colour is another view
-  DepthImage own_view_;                            // of the depth sensor, before it is registered
+  std::optional<DepthRegistration> registration_;  // if colour and depth have different views
+  DepthImage own_view_;                            // depth in the depth sensor's view
 };
 
 }  // namespace palpable

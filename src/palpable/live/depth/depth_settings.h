@@ -1,5 +1,5 @@
 /// @file
-/// How depth is measured.
+/// Settings of the depth measurement.
 #pragma once
 
 #include <optional>
@@ -12,30 +12,30 @@ struct DepthSettings {
     kOpenCv   ///< cv::StereoSGBM, 3-way: the reference
   };
   Matcher matcher = Matcher::kCensus;
-  /// Disparities are searched up to this depth in m: 184 px at half resolution of a 720p pair
-  /// (f = 700 px, T = 63 mm). A range that is too short does not leave holes, it calls near things
-  /// far; kCensus guards against that, kOpenCv does not.
+  /// Smallest depth that is searched, m: 0.12 m is a disparity of 184 px at half resolution of a
+  /// 720p pair (f = 700 px, T = 63 mm). If a thing is closer, matching does not leave a hole but
+  /// gives a wrong, large depth. kCensus guards against that, kOpenCv does not.
   double nearest = 0.12;
-  /// Depths beyond are unknown, m. Nothing: 20 m, and for a stereo rig as far as the disparity is
-  /// 12 px of the full images if that is farther: 20 m for a rig of 63 mm at 720p (half a pixel is
-  /// 25 % of the depth there), and 32 m for a car's of 537 mm. A rig's rows are off by 0.1 px where
-  /// its calibration is good: 1 % of the depth at 12 px, and of the path of a camera that goes by
-  /// it.
+  /// Largest depth, m; depths beyond are unknown. Nothing: 20 m, or for a stereo rig the depth whose
+  /// disparity is 12 px of the full images, if that is larger. That gives 20 m for a rig of 63 mm at
+  /// 720p (where half a pixel is 25 % of the depth), and 32 m for a car's rig of 537 mm. Even a good
+  /// calibration has an error of 0.1 px, which at 12 px is 1 % of the depth, and 1 % of the path
+  /// length of a camera that is tracked by such depths.
   std::optional<double> farthest = std::nullopt;
   /// Match stereo at full resolution instead of half: for scenes, small images and benchmarks.
   /// Takes about 6 times as long.
   bool full_resolution = false;
-  /// The same for images at most so wide, px, whatever full_resolution says: at half of their size
+  /// Largest width of images, px, that are always matched at full resolution: at half their size
   /// there would be too little left to match.
   int full_up_to_px = 0;
-  /// A patch of connected pixels smaller than this is noise and becomes unknown (kOpenCv).
+  /// Connected patches of fewer pixels than this are noise and become unknown (kOpenCv).
   int speckle_size_px = 60;
   int threads = 2;  ///< of kCensus; the depth does not depend on it
-  /// Measure the row error of every frame, and correct it once it lasts (row_watch.h; kCensus).
+  /// Measure the row error of every frame, and correct it if it persists (row_watch.h; kCensus).
   bool watch_rows = true;
 };
 
 inline constexpr double kUsualFarthest = 20.0;      ///< m
-inline constexpr double kLeastUsualDisparity = 12;  ///< px of the full images, of farther depths
+inline constexpr double kLeastUsualDisparity = 12;  ///< px of the full images (farthest)
 
 }  // namespace palpable

@@ -6,7 +6,7 @@
 namespace palpable {
 
 DepthTrouble DepthWatch::look(double density, double row_error_px) {
-  constexpr double kPart = 1.0 / 16;  // of a new frame
+  constexpr double kPart = 1.0 / 16;  // weight of a new frame in the average
   smooth_ = seen_ == 0 ? density : smooth_ + kPart * (density - smooth_);
   ++seen_;
   if (seen_ >= settings_.frames) best_ = std::max(best_, smooth_);

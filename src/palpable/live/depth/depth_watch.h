@@ -1,37 +1,38 @@
 /// @file
-/// Is depth still measured as it should be? What makes it bad makes no noise: rows that are out of
-/// line, a lens out of focus or a dark room leave a picture that looks right and hardly any depth.
+/// Detects that the quality of the depth has dropped. The causes are not visible in the picture:
+/// misaligned rows, a lens out of focus or a dark room leave an ordinary picture with hardly any
+/// depth.
 #pragma once
 
 namespace palpable {
 
 enum class DepthTrouble {
   kNone,
-  kRowsOff,   ///< matched points lie on different rows, and the correction does not mend it
-  kFewDepths  ///< of the picture hardly anything has a depth, or far less than before
+  kRowsOff,   ///< matched points lie on different rows in spite of the row correction
+  kFewDepths  ///< hardly any pixels have a depth, or far fewer than before
 };
 
 struct DepthWatchSettings {
-  int frames = 24;           ///< in a row for which something must be wrong before it is told
-  double rows_off_px = 0.5;  ///< row error, px of the full images, that costs half of the depths
-  double few = 0.05;         ///< share of the pixels
-  double of_best = 0.25;     ///< share of the best density so far below which it has collapsed
+  int frames = 24;           ///< successive bad frames after which a trouble is reported
+  double rows_off_px = 0.5;  ///< row error, px of the full images; at 0.5 half the depths are lost
+  double few = 0.05;         ///< share of the pixels below which the density is too low
+  double of_best = 0.25;     ///< share of the best density so far below which it is too low
 };
 
-/// Told of every frame, in order. Allocates nothing.
+/// Must be called with every frame, in order. Does not allocate.
 class DepthWatch {
  public:
   explicit DepthWatch(const DepthWatchSettings& settings = {}) : settings_(settings) {}
 
   /// @param density       share of the pixels that have a depth or are marked as too close
-  /// @param row_error_px  what is left after the correction; NaN: not measured in this frame, which
-  ///                      changes nothing of what was known
+  /// @param row_error_px  remaining row error after the correction; NaN: not measured in this
+  ///                      frame, which leaves the count of bad frames unchanged
   [[nodiscard]] DepthTrouble look(double density, double row_error_px);
 
  private:
   DepthWatchSettings settings_;
-  double smooth_ = 0;  // density, over some 16 frames
-  double best_ = 0;    // of the smooth ones
+  double smooth_ = 0;  // exponential average of the density over about 16 frames
+  double best_ = 0;    // the largest value of smooth_
   int seen_ = 0, few_ = 0, rows_off_ = 0;
 };
 

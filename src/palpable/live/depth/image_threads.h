@@ -1,11 +1,12 @@
 /// @file
-/// How many threads OpenCV may use.
+/// The number of threads that OpenCV may use.
 #pragma once
 
 namespace palpable {
 
-/// Of this whole process, from now on: of warping, converting and resizing pictures, whose results
-/// do not depend on it. @param threads  >= 1
+/// Sets the number of threads with which OpenCV warps, converts and resizes pictures, for the whole
+/// process. The results do not depend on it.
+/// @param threads  >= 1
 void use_image_threads(int threads);
 
 }  // namespace palpable

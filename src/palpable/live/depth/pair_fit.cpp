@@ -13,19 +13,20 @@
 namespace palpable {
 namespace {
 
-constexpr int kReach = 4;  // of a place's window, px
+constexpr int kReach = 4;  // px from the middle of a window to its sides
 constexpr int kSide = 2 * kReach + 1;
 constexpr std::size_t kMostPlaces = 60;
-constexpr std::size_t kLeastPlaces = 20;  // as many as the row watch asks for
-// Mean steps along and across a window, grey levels per px: with less it shows a plain surface or a
-// single edge, which would be found on many rows.
+constexpr std::size_t kLeastPlaces = 20;  // points that must be found; as in RowWatchSettings
+// Smallest mean difference between neighbouring pixels, horizontally and vertically, grey levels. A
+// window with less shows a plain surface or a single edge, which would be found on many rows.
 constexpr int kLeastTexture = 2;
-// Grey levels per px: a window that differs by more is no partner, unless the steps along and
-// across it are more than twice as large (half a pixel off, such a window differs by half of its
-// steps).
+// Largest mean difference between a window and its partner, grey levels. The limit is half of the
+// window's mean difference between neighbouring pixels if that is larger, because a window that is
+// displaced by half a pixel differs by so much.
 constexpr int kLargestDifference = 10;
-constexpr double kAgreeing = 0.6;  // of the places
-// Of images at half the size; the row watch corrects 2.5 px of the full ones.
+constexpr double kAgreeing = 0.6;  // share of the points that must agree
+// px of images at half the size, from which a row error is a misfit. The row watch corrects smaller
+// ones, up to 2.5 px of the full images.
 constexpr double kLeastRowsOff = 1.5;
 
 struct Place {
@@ -45,7 +46,7 @@ int texture_of(const GrayImage& image, int x, int y) {
   return std::min(along, across);
 }
 
-// The best of a few places of each cell, and of those kMostPlaces.
+// Points with strong texture: the best of a few positions in each cell, and of those kMostPlaces.
 std::vector<Place> textured_places(const GrayImage& image) {
   constexpr int kCell = 16;
   constexpr int kStep = 4;
@@ -63,8 +64,8 @@ std::vector<Place> textured_places(const GrayImage& image) {
       if (best.texture >= kLeastTexture * kSide * kSide) places.push_back(best);
     }
   }
-  // Spread over the picture instead of the most textured: repeated texture (leaves) finds wrong
-  // partners.
+  // Takes points that are spread over the picture instead of those with the strongest texture,
+  // because repeated texture (leaves) is matched wrongly.
   if (places.size() > kMostPlaces) {
     for (std::size_t i = 0; i < kMostPlaces; ++i)
       places[i] = places[i * places.size() / kMostPlaces];
@@ -116,10 +117,10 @@ std::optional<Found> find(const Place& place, const GrayImage& left, const GrayI
   return found;
 }
 
-// What most places agree on.
+// The offset on which most points agree.
 struct Agreement {
   double rows_px = 0;
-  bool behind_infinity = false;  // most lie there
+  bool behind_infinity = false;  // most points have a disparity below that of infinity
 };
 
 std::optional<Agreement> agreement_of(const GrayImage& left, const GrayImage& right, int infinity,
@@ -134,7 +135,7 @@ std::optional<Agreement> agreement_of(const GrayImage& left, const GrayImage& ri
     if (found) places.push_back(*found);
   }
   if (places.size() < kLeastPlaces) return std::nullopt;
-  // The row that most places lie on, its neighbours included.
+  // The row offset with the most points, counting those of the two neighbouring rows.
   std::array<int, 2 * kFarthestRow + 3> votes{};
   for (const Found& f : places) ++votes[f.row + kFarthestRow + 1];
   const auto near = [&](int row) {

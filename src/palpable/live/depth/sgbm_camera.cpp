@@ -14,22 +14,22 @@
 namespace palpable {
 namespace {
 
-constexpr int kSubpixels = 16;  // OpenCV's disparities come in sixteenths of a pixel
+constexpr int kSubpixels = 16;  // OpenCV's unit of disparities is 1/16 px
 
-// Cost block and penalties of the reference settings (research/vision.md): P1 for a step of one
-// pixel, P2 for a jump; per channel and block pixel as OpenCV counts them.
+// Block size and penalties of the reference settings (research/vision.md): P1 for a step of one
+// pixel, P2 for a jump, in OpenCV's unit (per channel and block pixel).
 constexpr int kBlock = 5;
 constexpr int kP1 = 8 * kBlock * kBlock;
 constexpr int kP2 = 32 * kBlock * kBlock;
 constexpr int kUniquenessPercent = 5;
 constexpr int kLargestLeftRightDifference = 1;  // px between the left view's match and the right's
 
-// Of each disparity in sixteenths from the first searched one on: its depth, NaN where the matcher
-// is not to be trusted.
+// A table from disparity to depth, in steps of 1/16 px from the first searched disparity on; NaN
+// where the matcher is not trusted.
 std::vector<float> depth_table(const StereoEyes& eyes) {
   const int disparities = eyes.disparities();
   std::vector<float> depth_of(disparities * kSubpixels, std::numeric_limits<float>::quiet_NaN());
-  // A minimum at either end of the range has only one neighbour: the true one may lie outside.
+  // A minimum at either end of the range is left out: the true minimum may lie outside.
   for (int i = kSubpixels; i <= (disparities - 2) * kSubpixels; ++i) {
     const double Z =
         eyes.matched().depth(eyes.first_disparity() + static_cast<double>(i) / kSubpixels);
@@ -43,7 +43,7 @@ std::vector<float> depth_table(const StereoEyes& eyes) {
 struct SgbmCamera::Parts {
   StereoEyes eyes;
   DepthNoise noise;
-  std::vector<float> depth_of;  // by disparity, as depth_table() has it
+  std::vector<float> depth_of;  // depth_table()
   cv::Ptr<cv::StereoSGBM> matcher;
   cv::Mat left_padded;
   cv::Mat right_padded;
@@ -58,8 +58,8 @@ struct SgbmCamera::Parts {
                                        settings.speckle_size_px, 1,
                                        cv::StereoSGBM::MODE_SGBM_3WAY)) {}
 
-  // OpenCV computes no column x < first + disparities (and, if first < 0, none of the last -first):
-  // padding moves those columns out of the picture.
+  // OpenCV does not compute the columns x < first + disparities (and, if first < 0, the last -first
+  // columns). Padding moves those columns out of the picture.
   [[nodiscard]] int pad_left() const {
     return std::max(eyes.first_disparity() + eyes.disparities(), 0);
   }
@@ -86,7 +86,7 @@ void SgbmCamera::Parts::fill_depth(DepthImage& depth) const {
     float* Z = depth.row(y);
     for (int x = 0; x < width; ++x) {
       const int i = d[x] - first;  // negative where the matcher found nothing
-      // A partner outside of the right image was never seen: such a match is a guess.
+      // A match whose partner lies outside the right image is an extrapolation, and is left out.
       const int partner = x * kSubpixels - d[x];
       const bool seen_by_both = partner >= 0 && partner <= (width - 1) * kSubpixels;
       Z[x] = i >= 0 && i < count && seen_by_both ? depth_of[i]

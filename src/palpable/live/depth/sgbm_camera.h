@@ -1,6 +1,6 @@
 /// @file
-/// Depth of a stereo rig by OpenCV's semi-global block matcher: the reference that ours is held to
-/// in `palpable bench depth`.
+/// Depth of a stereo rig by OpenCV's semi-global block matcher: the reference with which ours is
+/// compared in `palpable bench depth`.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -11,20 +11,20 @@
 
 namespace palpable {
 
-/// One of DepthCamera's three cameras. It does not say what is too close nor how sure a depth is,
-/// and does not watch rows.
+/// One of DepthCamera's three cameras. It provides neither the mask of too close pixels nor
+/// confidences, and does not measure row errors.
 class SgbmCamera {
  public:
-  /// A problem when the rig is none (StereoEyes) or OpenCV has no matcher for it.
+  /// Returns a problem if the rig is not valid (StereoEyes) or OpenCV has no matcher for it.
   [[nodiscard]] static Result<SgbmCamera> make(const FrameFormat& format,
                                                const DepthSettings& settings);
   SgbmCamera(SgbmCamera&&) noexcept;
   SgbmCamera& operator=(SgbmCamera&&) noexcept;
   ~SgbmCamera();
 
-  /// Fills what DepthCamera::see() leaves open of `seen`.
+  /// Fills those parts of `seen` that DepthCamera::see() does not fill.
   /// @param seen  its color and depth have their sizes already
-  /// @return false, and `seen` unspecified, when the frame's images do not have the format's size
+  /// @return false, and `seen` unspecified, if the frame's images do not have the format's size
   bool measure(const Frame& frame, SeenFrame& seen, StageTimes& times);
 
   [[nodiscard]] const PinholeCamera& camera() const;

@@ -55,16 +55,16 @@ StereoEyes::StereoEyes(Rectification rectification, const FrameFormat& format,
           kUsualFarthest, rectified_.camera.fx_px * rectified_.baseline / kLeastUsualDisparity))) {
   if (!halved_) return;
   matched_.camera = rectified_.camera.scaled_down(2);
-  // x_L - x_R shrinks with the picture; the half pixels of the two centres cancel.
+  // x_L - x_R scales with the picture; the half pixels of the two centres cancel.
   matched_.disparity_at_infinity_px = rectified_.disparity_at_infinity_px / 2;
 }
 
 void StereoEyes::find_range(const DepthSettings& settings) {
   const double f_T = matched_.camera.fx_px * matched_.baseline;
   const double infinity = matched_.disparity_at_infinity_px;
-  // One less and one more than the range needs, because neither end is trusted.
+  // The range is extended by one at both ends, because the ends are not trusted.
   first_disparity_ = static_cast<int>(std::floor(infinity + f_T / farthest_)) - 1;
-  // What both eyes see at a disparity of half the width or more is a strip at the border.
+  // At a disparity of half the width or more only a strip at the border is visible to both cameras.
   last_disparity_ = std::min(static_cast<int>(std::ceil(infinity + f_T / settings.nearest)) + 1,
                              std::max(matched_.camera.width / 2, first_disparity_ + 16));
   disparities_ = (last_disparity_ - first_disparity_ + 1 + 15) / 16 * 16;

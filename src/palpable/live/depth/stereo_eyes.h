@@ -1,6 +1,6 @@
 /// @file
-/// What every way of matching needs of a stereo rig: rectified images, and which disparities to
-/// search in them.
+/// The common input of both stereo matchers: rectified images, and the range of disparities to
+/// search.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -12,19 +12,19 @@
 
 namespace palpable {
 
-/// The eyes of a raw rig, or of one whose rows are aligned already, at the resolution of matching:
-/// half of the images', or the same with settings.full_resolution, or full_up_to_px.
+/// The two cameras ("eyes") of a raw or rectified rig. The resolution of matching is half of the
+/// images', or the full one with settings.full_resolution or for images up to full_up_to_px.
 class StereoEyes {
  public:
-  /// A problem when the numbers do not make a rig or the images are too small to be matched.
+  /// Returns a problem if the numbers are not a valid rig or the images are too small to be matched.
   [[nodiscard]] static Result<StereoEyes> make(const FrameFormat& format,
                                                const DepthSettings& settings);
 
   /// Whether the frame's images have the format's size.
   [[nodiscard]] bool fits(const Frame& frame) const;
 
-  /// Fills color, left, right and, where halved(), left_half of `seen`.
-  /// @param frame  one that fits
+  /// Fills color, left, right and, if halved(), left_half of `seen`.
+  /// @pre fits(frame)
   void rectify(const Frame& frame, SeenFrame& seen);
 
   /// The images to match, once the frame is rectified.
@@ -44,12 +44,12 @@ class StereoEyes {
   [[nodiscard]] bool halved() const { return halved_; }
   [[nodiscard]] DepthNoise noise() const { return stereo_noise(matched_); }
 
-  /// Disparities from first_disparity() on, px of the matched images, that reach from
-  /// farthest() to settings.nearest; how many is a multiple of 16.
+  /// The range of disparities, px of the matched images: disparities() of them, a multiple of 16,
+  /// from first_disparity() on. It corresponds to depths from farthest() to settings.nearest.
   [[nodiscard]] double farthest() const { return farthest_; }  ///< m; depths beyond are unknown
   [[nodiscard]] int first_disparity() const { return first_disparity_; }
   [[nodiscard]] int disparities() const { return disparities_; }
-  /// The last one that settings.nearest needs; at most the last of them.
+  /// The largest disparity that settings.nearest needs; at most the end of the range.
   [[nodiscard]] int last_disparity() const { return last_disparity_; }
 
  private:

@@ -148,7 +148,7 @@ TEST_CASE("who connects before the greeting is known waits for it", "[events]") 
   CHECK(early.lines().size() == 1);
 }
 
-TEST_CASE("a client that does not read loses whole lines, is told how many, and harms nobody",
+TEST_CASE("a client that does not read loses whole lines, gets their number, and disturbs no other",
           "[events]") {
   const bool is_unix = GENERATE(true, false);
   Served served(is_unix);
@@ -325,7 +325,7 @@ TEST_CASE("a client that has ended its own sending still gets lines", "[events]"
   CHECK(served.server.client_count() == 1);
 }
 
-TEST_CASE("what a client sends is thrown away, and a flood of it delays nobody", "[events]") {
+TEST_CASE("what a client sends is discarded, and a flood of it delays no other", "[events]") {
   const bool is_unix = GENERATE(true, false);
   Served served(is_unix);
   EventServer& server = served.server;

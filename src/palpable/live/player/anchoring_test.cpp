@@ -190,7 +190,7 @@ Frame frame_of_crowded_desk() {
   return frame;
 }
 
-TEST_CASE("on a desk with a thing in the middle a body stands beside it, or where it is told to",
+TEST_CASE("on a desk with a thing in the middle a body stands beside it, or at the given pixel",
           "[player][anchor]") {
   const FrameFormat format = test::wall_format();
   const PinholeCamera& camera = format.depth_camera;

@@ -29,7 +29,7 @@ void LiveCounts::add(const Scene& scene) {
   for (const Touch& touch : scene.touches) deepest = std::max(deepest, touch.press_depth);
   between_bodies += std::any_of(scene.touches.begin(), scene.touches.end(),
                                 [](const Touch& touch) { return touch.by >= 0; });
-  between = std::max(between, scene.between);
+  between = std::max(between, scene.mutual_penetration);
   imbalance = std::max(imbalance, scene.imbalance);
 }
 

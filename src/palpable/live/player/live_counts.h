@@ -23,8 +23,8 @@ struct LiveCounts {
   int site_changes = 0;            ///< times that a touch was at another site than the previous one
   double deepest = 0;              ///< m, largest press depth of all touches
   int between_bodies = 0;          ///< frames in which bodies pressed each other
-  double between = 0;              ///< m, largest penetration between bodies (Scene::between)
-  double imbalance = 0;            ///< N, largest (Scene::imbalance)
+  double between = 0;    ///< m, largest penetration between bodies (Scene::mutual_penetration)
+  double imbalance = 0;  ///< N, largest (Scene::imbalance)
 
   int left_to_move = 0;  ///< frames with Scene::left_to_move
   int dropped = 0;       ///< frames with Scene::contacts_dropped

@@ -49,7 +49,7 @@ std::uint64_t state_hash(const Scene& scene) {
   hash.add(scene.number);
   hash.add(scene.time);
   add(hash, scene.camera);
-  hash.add(scene.between);
+  hash.add(scene.mutual_penetration);
   hash.add(scene.imbalance);
   hash.add(scene.touches.size());
   for (const Touch& touch : scene.touches) add(hash, touch);

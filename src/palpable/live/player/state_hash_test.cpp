@@ -28,7 +28,7 @@ TEST_CASE("whatever differs in what was answered, its hash differs", "[player][r
   const std::vector<std::function<void(Scene&)>> changes{
       [](Scene& s) { s.number = 4; },
       [](Scene& s) { s.time = 0.2; },
-      [](Scene& s) { s.between = 1e-9; },
+      [](Scene& s) { s.mutual_penetration = 1e-9; },
       [](Scene& s) { s.imbalance = 1e-9; },
       [](Scene& s) { s.camera.world_from_camera.translation().x() = 1e-12; },
       [](Scene& s) { s.camera.state = TrackState::kLost; },

@@ -15,7 +15,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("whatever the budget, everybody has a thread and nobody more than there are",
+TEST_CASE("whatever the budget, each part has a thread and none has more than the budget",
           "[player][threads]") {
   for (int threads = 1; threads <= 64; ++threads) {
     INFO(threads);

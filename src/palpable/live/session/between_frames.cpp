@@ -8,11 +8,12 @@
 namespace palpable {
 namespace {
 
-// s: the interval of a camera whose frames' times say nothing.
+// s, the interval between frames where the frames' times do not give it.
 constexpr double kUsual = 1.0 / 30;
 
 const TouchTables& tables_of(const Session& session) {
-  PALPABLE_EXPECT(!BetweenFrames::trouble_of(session), "one body, that its tables answer");
+  PALPABLE_EXPECT(!BetweenFrames::trouble_of(session),
+                  "a session of one body with tables of touch");
   return *session.body().response.tables();
 }
 
@@ -29,12 +30,12 @@ void SolvedFrame::take(const Session& session, const Scene& scene) {
 
 std::optional<Problem> BetweenFrames::trouble_of(const Session& session) {
   if (session.body_count() != 1)
-    return Problem{"of several bodies none is answered between frames"};
+    return Problem{"contact between frames needs a session of one body"};
   if (session.body().response.tables() == nullptr) {
-    return Problem{"only a body with tables of touch is answered between frames"};
+    return Problem{"contact between frames needs a body with tables of touch"};
   }
   if (session.refiner() != nullptr) {
-    return Problem{"exact answers are blended in frame by frame, and not between frames"};
+    return Problem{"full-order solutions are blended in frame by frame, and not between frames"};
   }
   return std::nullopt;
 }
@@ -57,7 +58,7 @@ void BetweenFrames::begin(const SolvedFrame& frame) {
 void BetweenFrames::advance(double ahead) {
   motion_.carry(ahead, balls_);
   surface_.build(balls_, region_, camera_);
-  // A frame's largest way holds for a frame: of what is left of it there, a share.
+  // The step limit is for one frame: between frames a share of it applies.
   const double frame = motion_.interval() > 0 ? motion_.interval() : kUsual;
   const double share = std::clamp((ahead - ahead_) / frame, 0.0, 1.0);
   ahead_ = ahead;

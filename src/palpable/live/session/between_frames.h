@@ -1,14 +1,15 @@
 /// @file
-/// Contact at a higher rate than the camera's: between two frames the pressing things are moved on
-/// with the velocity that was measured (seen_object/surface_motion.h), and contact is solved again.
+/// Contact at a higher rate than the camera's: between two frames the obstacles are moved on with
+/// their measured velocity (seen_object/surface_motion.h), and contact is solved again.
 ///
-///     frame n ── answered ──> its touches, its things and how fast each moves
+///     frame n ── solved ──> its touches, its obstacles and the velocity of each
 ///                                 │ 1 ms later      │ 2 ms later
 ///                                 v                 v
 ///                              touches, shape    touches, shape    ...     until frame n + 1
 ///
-/// Nothing of it goes back into the session: frame n + 1 is answered from frame n. So a run is the
-/// same with it and without, and what is told between frames depends on those frames alone.
+/// Nothing of this goes back into the session: frame n + 1 is solved from the state of frame n. So
+/// a run is the same with it and without it, and the results between frames depend on those frames
+/// alone.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -29,44 +30,46 @@
 
 namespace palpable {
 
-/// What is known when a frame has been answered. Plain data, for another thread.
+/// The result of a session's frame, as far as BetweenFrames needs it. Plain data, for another
+/// thread.
 struct SolvedFrame {
   int number = 0;
   double time = 0;                                   ///< s
   std::vector<ObjectBall> balls;                     ///< body frame
-  Eigen::Vector3f camera = Eigen::Vector3f::Zero();  ///< m, body frame: where it sees from
+  Eigen::Vector3f camera = Eigen::Vector3f::Zero();  ///< m, body frame: its position
   TouchState state;
 
-  /// Takes over what the session answered last; its memory is used again.
+  /// Copies the result of the session's last frame; keeps its memory.
   void take(const Session& session, const Scene& scene);
 };
 
-/// For a session of one body that its tables answer, without exact answers beside them.
+/// For a session of one body with tables of touch, without corrections by full-order solutions.
 ///
-/// On a thread of its own: it shares the body's tables with the session, which do not change.
-/// Allocates nothing once its memory suffices.
+/// May run on its own thread: it shares with the session only the body's tables, which do not
+/// change. Allocates nothing once its memory suffices.
 class BetweenFrames {
  public:
-  /// Why a session's body is not answered between frames; nothing if it is.
+  /// Why contact cannot be solved between the frames of a session; nothing if it can.
   [[nodiscard]] static std::optional<Problem> trouble_of(const Session& session);
 
-  /// @pre trouble_of() has none
+  /// @pre trouble_of(session) is empty
   /// @param session  outlives this
   explicit BetweenFrames(const Session& session);
 
-  /// Goes on from here.
+  /// Continues from this frame.
   void begin(const SolvedFrame& frame);
-  /// s between that frame and the one before it; 0: it is the first, or was long after.
+  /// s between that frame and the one before it; 0: it is the first one, or came long after.
   [[nodiscard]] double interval() const { return motion_.interval(); }
 
-  /// Answers `ahead` s after the frame. Call it with rising times.
+  /// Solves contact at `ahead` s after the frame. Call it with rising times.
   void advance(double ahead);
-  /// As advance() found them, or as the frame had them: a patch of skin each, the strongest first.
+  /// The touches of the last advance(), else of the frame: one per contact patch, the strongest
+  /// first.
   [[nodiscard]] const std::vector<Touch>& touches() const { return touches_; }
   [[nodiscard]] const TouchState& state() const { return state_; }
-  /// Where the skin is then, (3 x F) m.
+  /// Positions of the skin at that time, (3 x F) m.
   void place(Eigen::Matrix3Xf& skin) const { contact_.place(state_, skin); }
-  /// Where it is in another state of the body.
+  /// Positions of the skin in another state of the body.
   void place(const TouchState& state, Eigen::Matrix3Xf& skin) const { contact_.place(state, skin); }
 
  private:
@@ -75,7 +78,7 @@ class BetweenFrames {
   SurfaceMotion motion_;
   ObjectSurface surface_;
   Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
-  double ahead_ = 0;  // of the answer last made
+  double ahead_ = 0;  // s after the frame, of the last advance()
   std::vector<ObjectBall> balls_;
   TouchState state_;
   std::vector<Touch> touches_;

@@ -24,21 +24,22 @@ double farthest(const Eigen::Matrix3Xf& a, const Eigen::Matrix3Xf& b) {
   return static_cast<double>((a - b).colwise().norm().maxCoeff());
 }
 
-// Of frames in which a finger goes on into the sphere, 1 mm each.
+// A session and its BetweenFrames, for frames in which a finger presses a sphere.
 struct Pressed {
   FrameLoop loop = test::touchable_sphere_loop();
   BetweenFrames between{loop.session};
-  SolvedFrame answered;
+  SolvedFrame solved;
 
   void press(int frame, double depth) {
     loop.process(test::frame_with_finger(frame, depth));
-    answered.take(loop.session, loop.scene);
-    between.begin(answered);
+    solved.take(loop.session, loop.scene);
+    between.begin(solved);
   }
 };
 
-TEST_CASE("between frames a finger goes on, and the body gives way as the next frame will have it",
-          "[session][between]") {
+TEST_CASE(
+    "between frames a finger advances, and the body deforms towards the state of the next frame",
+    "[session][between]") {
   Pressed of;
   for (int n = 0; n < 6; ++n) of.press(n, 0.001 * n);
   const Eigen::Matrix3Xf before = of.loop.scene.bodies[0].vertices;
@@ -58,13 +59,13 @@ TEST_CASE("between frames a finger goes on, and the body gives way as the next f
   of.between.place(skin);
   of.press(6, 0.006);
   const Eigen::Matrix3Xf& next = of.loop.scene.bodies[0].vertices;
-  // A pixel of this camera is 2.3 mm there: what it sees of the finger goes on by fits and starts.
+  // A pixel of this camera is 2.3 mm there, so the seen finger advances unevenly.
   CHECK(farthest(skin, next) < farthest(before, next));
   const double next_force = force_of(of.loop.scene.touches);
   CHECK(std::abs(last - next_force) < tolerance(0.8, "of the step") * (next_force - force_before));
 }
 
-TEST_CASE("what is told between frames is the same each time, and changes no frame",
+TEST_CASE("results between frames are the same each time, and change no frame",
           "[session][between]") {
   Pressed one, other;
   FrameLoop alone = test::touchable_sphere_loop();
@@ -84,14 +85,15 @@ TEST_CASE("what is told between frames is the same each time, and changes no fra
   }
 }
 
-TEST_CASE("who is not answered between frames is told why", "[session][between]") {
+TEST_CASE("a session whose contact cannot be solved between frames is refused with the reason",
+          "[session][between]") {
   const FrameLoop sites =
       std::move(FrameLoop::make(test::DentedSphere{}.body(), test::sphere_pose(),
                                 test::wall_format(), test::kEverythingPresses)
                     .value());
   const auto trouble = BetweenFrames::trouble_of(sites.session);
   REQUIRE(trouble);
-  CHECK(trouble->message == "only a body with tables of touch is answered between frames");
+  CHECK(trouble->message == "contact between frames needs a body with tables of touch");
   CHECK_FALSE(BetweenFrames::trouble_of(test::touchable_sphere_loop().session));
 }
 

@@ -123,7 +123,7 @@ void ModesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touche
 void ModesLaw::reconstruct(const RestShape& rest, const std::vector<Touch>&,
                            const SceneExtras& extras, SceneBody& shown) {
   shown.stated_error.reset();
-  if (state_.q.isZero(0)) {  // what stands about costs a copy
+  if (state_.q.isZero(0)) {  // at rest: only a copy
     rest.show(extras, shown);
     if (extras.contact_pressure) shown.contact_pressure.resize(rest.von_mises.size(), 0.0f);
     return;

@@ -65,12 +65,12 @@ class TablesLaw {
   TablesLaw(const ReducedBody& body, const TouchTables& tables, const TouchSettings& settings,
             RestShape& rest);
 
-  /// The body, which `together` solves with others.
+  /// The body, for a solver of several bodies.
   [[nodiscard]] ContactBody& contact_body() { return contact_.solver().body(); }
   /// From now on `together` solves the contact of this body, its number `number`; find_touches()
   /// reads what was solved. The law must not be moved afterwards.
   void join(const ContactSolver& together, int number);
-  /// m that a vertex may move in a frame.
+  /// m, the step limit of a vertex in a frame.
   [[nodiscard]] double largest_move(const PressingSurface& seen) const {
     return SkinContact::largest_move(seen);
   }
@@ -82,7 +82,7 @@ class TablesLaw {
   /// How the contact of the frame went, where no other solver was joined.
   [[nodiscard]] const ContactReport& report() const { return report_; }
 
-  std::optional<Refiner> refiner;  ///< gives exact answers, which are taken up; none: tables alone
+  std::optional<Refiner> refiner;  ///< gives full-order solutions; none: the tables alone
   [[nodiscard]] const TouchState& state() const { return state_; }
   [[nodiscard]] const TouchTables& tables() const { return *tables_; }
 
@@ -91,7 +91,7 @@ class TablesLaw {
   const TouchTables* tables_;
   SkinContact contact_;
   TouchState state_;
-  // Answered together with others and not at rest, though nothing may touch it in this frame.
+  // The body was solved with others and is not at rest, even if nothing touches it in this frame.
   bool is_moved_ = false;
   ContactReport report_;
   std::optional<StatedError> stated_;
@@ -104,7 +104,7 @@ class TablesLaw {
 class ModesLaw {
  public:
   static constexpr ContactKind kKind = ContactKind::kAnywhere;
-  /// @param twin  another body of the same make, or none (are_twins())
+  /// @param twin  a body with the same numbers (are_twins()), or none
   /// @param rest  gets the stress at rest
   ModesLaw(const ReducedBody& body, const ModalTables& tables, const ModalBody* twin,
            RestShape& rest);
@@ -125,7 +125,7 @@ class ModesLaw {
  private:
   ModalBody contact_body_;
   ModalState state_;
-  TouchPatches patches_;  // of the frame answered last
+  TouchPatches patches_;  // of the frame solved last
   ContactPressure pressure_;
   const ContactSolver* together_ = nullptr;
   int number_ = -1;
@@ -149,8 +149,8 @@ class SitesLaw {
   PressState state_;
 };
 
-/// Algorithm 1 of the paper as printed (contact/paper_contact.h). Where no real thing is near, the
-/// skin of another body presses, and is not pressed back (paper Sec. 5.1).
+/// Algorithm 1 of the paper as printed (contact/paper_contact.h). Where no real obstacle is near,
+/// the skin of another body presses this one without being pressed back (paper Sec. 5.1).
 class PaperLaw {
  public:
   static constexpr ContactKind kKind = ContactKind::kPaper;

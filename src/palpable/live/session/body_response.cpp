@@ -40,7 +40,7 @@ ContactKind BodyResponse::contact() const {
   return std::visit([](const auto& law) { return law.kKind; }, law_);
 }
 
-bool BodyResponse::asks_for_others() const { return std::holds_alternative<PaperLaw>(law_); }
+bool BodyResponse::reads_others() const { return std::holds_alternative<PaperLaw>(law_); }
 
 const ModalTables* BodyResponse::modal() const {
   const auto* law = std::get_if<ModesLaw>(&law_);
@@ -77,18 +77,18 @@ void BodyResponse::reconstruct(const std::vector<Touch>& touches, const SceneExt
 namespace {
 
 template <class Law>
-constexpr bool kGivesWay = std::is_same_v<Law, TablesLaw> || std::is_same_v<Law, ModesLaw>;
+constexpr bool kDeforms = std::is_same_v<Law, TablesLaw> || std::is_same_v<Law, ModesLaw>;
 
 }  // namespace
 
-bool BodyResponse::gives_way() const {
-  return std::visit([](const auto& law) { return kGivesWay<std::decay_t<decltype(law)>>; }, law_);
+bool BodyResponse::deforms() const {
+  return std::visit([](const auto& law) { return kDeforms<std::decay_t<decltype(law)>>; }, law_);
 }
 
 ContactBody& BodyResponse::contact_body() {
   return std::visit(
       [this](auto& law) -> ContactBody& {
-        if constexpr (kGivesWay<std::decay_t<decltype(law)>>) {
+        if constexpr (kDeforms<std::decay_t<decltype(law)>>) {
           return law.contact_body();
         } else {
           if (!obstacle_) obstacle_.emplace(body_.surface);
@@ -101,7 +101,7 @@ ContactBody& BodyResponse::contact_body() {
 ContactSolver::Near BodyResponse::near() const {
   return std::visit(
       [this](const auto& law) -> ContactSolver::Near {
-        if constexpr (kGivesWay<std::decay_t<decltype(law)>>) {
+        if constexpr (kDeforms<std::decay_t<decltype(law)>>) {
           return {&surface_, law.largest_move(surface_)};
         } else {
           return {nullptr, 0};
@@ -113,7 +113,7 @@ ContactSolver::Near BodyResponse::near() const {
 void BodyResponse::join(const ContactSolver& together, int number) {
   std::visit(
       [&](auto& law) {
-        if constexpr (kGivesWay<std::decay_t<decltype(law)>>) law.join(together, number);
+        if constexpr (kDeforms<std::decay_t<decltype(law)>>) law.join(together, number);
       },
       law_);
 }
@@ -133,7 +133,7 @@ void BodyResponse::refine_with(Refiner refiner) {
 
 const TouchState& BodyResponse::touched() const {
   const auto* law = std::get_if<TablesLaw>(&law_);
-  PALPABLE_EXPECT(law != nullptr, "tables remember a state");
+  PALPABLE_EXPECT(law != nullptr, "only a body with tables has a touch state");
   return law->state();
 }
 

@@ -1,6 +1,6 @@
 /// @file
-/// What one body of a session answers: the surface of what presses it, its touches, its shape. Its
-/// contact law (body_laws.h) is chosen once.
+/// The response of one body of a session: the seen surface that presses it, its touches and its
+/// shape. Its contact law (body_laws.h) is chosen once.
 ///
 ///   V  surface vertices
 #pragma once
@@ -28,79 +28,79 @@
 
 namespace palpable {
 
-/// How touches are answered.
+/// How touches are found, for each contact law.
 struct ResponseSettings {
   ContactKind contact = ContactKind::kAnywhere;
   ObjectSurfaceSettings surface{};
-  TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of what a camera knows
+  TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of a camera's depth error
   PressSettings press{};
   PaperSettings paper{};
 };
 
-/// Remembers its state from frame to frame. Where nothing presses it costs next to nothing.
+/// Keeps the body's state from frame to frame. A body that nothing presses costs next to nothing.
 /// Allocates nothing after the first frames.
 class BodyResponse {
  public:
-  /// @param twin  of the same make (are_twins()), or none: both read the same numbers; outlives
-  /// this
+  /// @param twin  a body with the same numbers (are_twins()), or none: both read one copy; outlives
+  ///              this
   BodyResponse(TouchableBody body, const ResponseSettings& settings,
                const BodyResponse* twin = nullptr);
   BodyResponse(const BodyResponse&) = delete;  // its law points to the body
   BodyResponse& operator=(const BodyResponse&) = delete;
 
-  /// The part of the image in which things that matter to the body may be seen.
+  /// The part of the image in which obstacles near the body may be seen.
   [[nodiscard]] PixelBox box_of_interest(const Rigid3& camera_from_body,
                                          const PinholeCamera& camera) const;
 
-  /// Makes the surface of the things that press near the body.
-  /// @param shows  of each pixel what it shows (PressingMask)
+  /// Builds the surface of the obstacles near the body.
+  /// @param shows  what each pixel shows (PressingMask)
   void look(const SeenFrame& seen, const MaskImage& shows, const Rigid3& camera_from_body);
 
-  /// One frame's touches, the strongest first. Of bodies that were joined the contact of the frame
-  /// must have been solved before, by what they were joined to.
+  /// The touches of a frame, the strongest first. If the body has joined a solver, that must have
+  /// solved the frame before.
   /// @param time     s, of the frame
-  /// @param others   m, body frame: points of another body's skin, if asks_for_others()
-  /// @param by       number of the body that they are of
+  /// @param others   m, body frame: points of another body's skin, if reads_others()
+  /// @param by       number of that body
   /// @param touches  overwritten
   void find_touches(double time, std::span<const Eigen::Vector3f> others, int by,
                     std::vector<Touch>& touches);
   /// Whether the law reads the points of another body's skin.
-  [[nodiscard]] bool asks_for_others() const;
+  [[nodiscard]] bool reads_others() const;
 
   /// Shape, normals, stress and stated error of the touches found last.
-  /// @param touches  as find_touches() gave them
-  /// @param extras   what is wanted, too; else it is emptied
+  /// @param touches  as find_touches() returned them
+  /// @param extras   additional arrays to fill; the others are emptied
   void reconstruct(const std::vector<Touch>& touches, const SceneExtras& extras, SceneBody& shown);
 
-  /// Its body, with what it was given beside; only the destructor may be called after it.
+  /// Moves the body and its tables out; afterwards only the destructor may be called.
   [[nodiscard]] TouchableBody take_body();
 
-  /// From now on exact answers are taken up, if tables answer the body; else nothing comes of it.
+  /// From now on full-order solutions refine the contact. Does nothing for a body without tables.
   void refine_with(Refiner refiner);
   [[nodiscard]] Refiner* refiner();
   [[nodiscard]] const Refiner* refiner() const;
 
-  /// The settings', or what the body has tables for.
+  /// The law in use: that of the settings, or kSite where the body has no tables for it.
   [[nodiscard]] ContactKind contact() const;
-  /// Whether forces on the body move it all over its skin, so that others press it and it presses
-  /// them.
-  [[nodiscard]] bool gives_way() const;
-  /// The body for a solver of several. One that does not give way is an obstacle there.
+  /// Whether the body deforms under forces anywhere on its skin, so that it and other bodies press
+  /// each other.
+  [[nodiscard]] bool deforms() const;
+  /// The body for a solver of several bodies. A body that does not deform is an obstacle there.
   [[nodiscard]] ContactBody& contact_body();
-  /// What is near the body in this frame, for that solver.
+  /// The obstacles near the body and its step limit in this frame, for that solver.
   [[nodiscard]] ContactSolver::Near near() const;
-  /// From now on `together` solves the body's contact; in it the body has this number.
+  /// From now on `together` solves the body's contact; the body has this number in it.
   void join(const ContactSolver& together, int number);
-  /// How the contact of the frame went; nothing unless its own tables solved it.
+  /// How the contact of the frame went; the default unless the body's own tables solved it.
   [[nodiscard]] ContactReport report() const;
-  /// The obstacle is where the body is shown. Nothing happens if it gives way.
+  /// Moves the obstacle that stands for a body that does not deform to the body's shown shape.
   void move_obstacle(const Eigen::Matrix3Xf& vertices);
 
-  /// Null unless the body is answered by its energy in modes.
+  /// The tables of ModesLaw; null for another law.
   [[nodiscard]] const ModalTables* modal() const;
-  /// Which answer it; null unless they do.
+  /// The tables of TablesLaw; null for another law.
   [[nodiscard]] const TouchTables* tables() const;
-  /// What they remember of the frame answered last. @pre tables()
+  /// The state after the last frame. @pre tables() is not null
   [[nodiscard]] const TouchState& touched() const;
   [[nodiscard]] const ReducedBody& body() const { return body_; }
   [[nodiscard]] const ObjectSurface& surface() const { return surface_; }
@@ -115,7 +115,7 @@ class BodyResponse {
   Eigen::AlignedBox3d region_;
   ObjectSurface surface_;
   BodyLaw law_;
-  std::optional<PrescribedSkin> obstacle_;  // where others need one
+  std::optional<PrescribedSkin> obstacle_;  // made by contact_body()
 };
 
 }  // namespace palpable

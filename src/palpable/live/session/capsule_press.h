@@ -1,6 +1,6 @@
 /// @file
-/// A body that is pressed by exact capsules, without any camera: what a game or a haptic device
-/// has.
+/// A body that is pressed by exact capsules instead of what a camera sees, as in a game or with a
+/// haptic device.
 #pragma once
 
 #include "palpable/common/contact/capsule_obstacles.h"
@@ -17,8 +17,7 @@
 
 namespace palpable {
 
-/// Remembers its state from call to call. Allocates nothing once it has pressed with as many
-/// capsules.
+/// Keeps the body's state from call to call. Allocates nothing once as many capsules have pressed.
 class CapsulePress {
  public:
   /// @param body  with tables of touch
@@ -31,9 +30,9 @@ class CapsulePress {
   /// @param touches   overwritten, the strongest first
   TouchReport advance(std::span<const Capsule> capsules, SceneBody& shown,
                       std::vector<Touch>& touches);
-  /// What the shown body has beside the rest from now on; to begin with none of it.
+  /// The additional arrays that shown bodies have from now on; none at first.
   void keep(const SceneExtras& extras) { extras_ = extras; }
-  /// As if nothing had pressed yet.
+  /// Sets the body back to rest.
   void forget() { state_ = TouchState(); }
 
  private:

@@ -1,11 +1,11 @@
 /// @file
-/// A camera's frame in, a scene out: both halves of a live run on one thread.
+/// Turns a camera's frame into a scene: both halves of a live run on one thread.
 ///
 ///     frame -- DepthCamera::see() --> colour + depth -- Session::respond() --> touches, u, sigma
 ///
-/// The two halves share nothing but the scene that goes from one to the other. So the next frame
-/// can be seen on one thread while this one is answered on another: palpable/live does that with
-/// the same two objects.
+/// The two halves share nothing but the scene that one passes to the other. So the next frame can
+/// be converted to depth on one thread while this one is solved on another, as live/player does
+/// with the same two objects.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -20,22 +20,23 @@
 namespace palpable {
 
 struct FrameLoop {
-  DepthCamera camera;  ///< the half that sees
-  Session session;     ///< the half that answers
+  DepthCamera camera;  ///< frames to depth
+  Session session;     ///< depth to touches and shapes
   Scene scene{};       ///< of the frame processed last
 
-  /// A problem when the format's numbers make no depth camera, or a setting is out of range.
+  /// A problem when the format's numbers do not define a depth camera, or a setting is out of
+  /// range.
   /// @param bodies  as Session::make()
   [[nodiscard]] static Result<FrameLoop> make(std::vector<PlacedBody> bodies,
                                               const FrameFormat& format,
                                               const SessionSettings& settings = {});
   /// The same with one body.
-  /// @param world_from_body  where it stands; the world is the first frame's camera
+  /// @param world_from_body  the body's pose; the world is the first frame's camera
   [[nodiscard]] static Result<FrameLoop> make(TouchableBody body, const Rigid3& world_from_body,
                                               const FrameFormat& format,
                                               const SessionSettings& settings = {});
 
-  /// One frame, seen and answered. The scene is overwritten by the next call.
+  /// Processes one frame. The scene is overwritten by the next call.
   const Scene& process(const Frame& frame);
   /// The same with a pose that is known from elsewhere (Session::respond).
   const Scene& process(const Frame& frame, const std::optional<Rigid3>& world_from_camera);

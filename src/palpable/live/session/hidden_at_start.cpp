@@ -5,7 +5,9 @@
 namespace palpable {
 namespace {
 
-constexpr double kBefore = 0.01;  // m
+// An occluder is nearer than the vertex by the sum of these, m and sigmas of the measured depth.
+// Smaller: noise, or a thing that touches the skin, counts as an occluder.
+constexpr double kBefore = 0.01;
 constexpr double kSigmas = 4;
 
 }  // namespace

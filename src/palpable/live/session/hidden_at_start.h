@@ -1,7 +1,7 @@
 /// @file
-/// Which part of a body is hidden as a session begins: a hand lies over it, a cup stands before it.
-/// What hides it is taken for the room until its place has been seen free (anchored_scene.h), so a
-/// touch of it there is not felt until then.
+/// Which part of a body is hidden when a session begins, by a hand over it or a cup before it. Such
+/// an occluder counts as part of the room until its place has been seen free (anchored_scene.h), so
+/// its touches there are not detected until then.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -16,18 +16,19 @@
 
 namespace palpable {
 
-/// Of one body. Allocates nothing after the first frame.
+/// For one body. Allocates nothing after the first frame.
 class HiddenAtStart {
  public:
-  /// Frames in which a part may be found hidden; later ones can only show it.
+  /// Number of first frames in which a vertex can become hidden; later ones can only show it.
   static constexpr int kFrames = 5;
 
-  /// Forgets all: the next frame is the first one.
+  /// Starts over: the next frame is the first one.
   void begin();
 
-  /// A vertex is hidden where something is measured more than 10 mm and 4 sigma before it, and no
-  /// longer once something is measured there that is not: the desk behind, say, which the camera
-  /// sees through the body. What has no depth or is beside the picture says nothing.
+  /// Updates the hidden vertices. A vertex is hidden if the depth at its pixel is more than 10 mm
+  /// and 4 sigma less than its own, and no longer hidden once a measured depth there is not (of the
+  /// desk behind, for instance, since the real picture does not contain the body). Pixels without
+  /// depth, and vertices outside the picture, change nothing.
   /// @param vertices  (3 x V) m, body frame, at rest
   /// @return share of the vertices that were hidden in the first kFrames frames and ever since
   [[nodiscard]] double look(const DepthImage& depth, const PinholeCamera& camera,

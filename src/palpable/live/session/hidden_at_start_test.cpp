@@ -28,7 +28,7 @@ DepthImage seen(int until) {
   return depth;
 }
 
-TEST_CASE("what is hidden from the first frame on is told until it has been seen",
+TEST_CASE("a part that is hidden from the first frame on is reported until it has been seen",
           "[session][hidden]") {
   const Eigen::Matrix3Xd vertices = sheet();
   HiddenAtStart hidden;
@@ -37,8 +37,8 @@ TEST_CASE("what is hidden from the first frame on is told until it has been seen
   };
   CHECK(look(80) == Approx(0.5));
   for (int n = 0; n < 10; ++n) CHECK(look(80) == Approx(0.5));
-  CHECK(look(60) < 0.25);  // the hand draws back
-  CHECK(look(80) < 0.25);  // and comes again: the part is known now
+  CHECK(look(60) < 0.25);  // the hand withdraws
+  CHECK(look(80) < 0.25);  // and returns: the part has been seen
   CHECK(look(0) == 0);
   CHECK(look(160) == 0);
   hidden.begin();
@@ -46,7 +46,7 @@ TEST_CASE("what is hidden from the first frame on is told until it has been seen
 }
 
 TEST_CASE(
-    "a hand that comes later, a hole in the depth and what is beside the picture hide nothing",
+    "a hand that comes later, a hole in the depth and vertices outside the picture hide nothing",
     "[session][hidden]") {
   const Eigen::Matrix3Xd vertices = sheet();
   HiddenAtStart hidden;
@@ -61,7 +61,7 @@ TEST_CASE(
     CHECK(look(seen(160), behind) == 0);
   }
   CHECK(look(seen(160), Rigid3::Identity()) == 0);
-  // What touches the skin or lies less than 10 mm before it does not hide it.
+  // A thing that touches the skin or is less than 10 mm in front of it does not hide it.
   HiddenAtStart touched;
   const DepthImage near(kCamera.width, kCamera.height, 0.493F);
   CHECK(touched.look(near, kCamera, kNoise, vertices, Rigid3::Identity()) == 0);

@@ -11,7 +11,8 @@
 namespace palpable {
 
 Result<Refiner> Refiner::start(const RefinerSettings& settings) {
-  PALPABLE_EXPECT(settings.latency >= 1, "an answer comes after the frame that asked for it");
+  PALPABLE_EXPECT(settings.latency >= 1,
+                  "a solution is taken up after the frame that requested it");
   Result<ChildProcess> child =
       ChildProcess::start(settings.program, {"refine", settings.description.string()});
   if (!child.ok()) return child.problem();
@@ -24,7 +25,7 @@ Refiner Refiner::repeating(std::function<void(int n, RefinerStep& step)> step_of
 
 void Refiner::take_up(TouchSolver& solver, TouchState& state, const Eigen::Matrix3Xf& exact) {
   took_up_now_ = true;
-  if (solver.refine(state, asked_, exact)) {
+  if (solver.refine(state, load_, exact)) {
     ++counts_.taken_up;
   } else {
     ++counts_.refused;
@@ -32,34 +33,35 @@ void Refiner::take_up(TouchSolver& solver, TouchState& state, const Eigen::Matri
 }
 
 void Refiner::begin_frame(TouchSolver& solver, TouchState& state) {
-  asked_now_ = false;
+  requested_now_ = false;
   took_up_now_ = false;
   if (stage_ == Stage::kRepeats) {
     step_.asked = false;
     step_.exact.resize(3, 0);
     step_of_(frame_++, step_);
-    // Of other columns only where the frames before went another way, too.
-    const bool fits = step_.exact.cols() > 0 && step_.exact.cols() == asked_.tables.cols();
+    // The number of columns differs only if the replay's earlier frames differed from the
+    // recording.
+    const bool fits = step_.exact.cols() > 0 && step_.exact.cols() == load_.tables.cols();
     if (fits) take_up(solver, state, step_.exact);
     return;
   }
   ++frame_;
   if (stage_ == Stage::kEnded) return;
-  const bool is_due = stage_ == Stage::kAsked && frame_ == asked_at_ + settings_.latency;
+  const bool is_due = stage_ == Stage::kRequested && frame_ == requested_at_ + settings_.latency;
   if (stage_ == Stage::kStarts || stage_ == Stage::kIsProbed) {
-    listen(solver, settings_.waits ? settings_.patience_at_first : 0);
+    receive(solver, settings_.waits ? settings_.patience_at_first : 0);
   } else {
-    listen(solver, is_due && settings_.waits ? settings_.patience : 0);
+    receive(solver, is_due && settings_.waits ? settings_.patience : 0);
   }
-  if (stage_ != Stage::kAsked) return;
-  if (!answered_) {
+  if (stage_ != Stage::kRequested) return;
+  if (!has_solution_) {
     if (is_due) {
       ++counts_.late;
       dropped_ = true;
     }
     return;
   }
-  if (!is_due && !dropped_) return;  // it waits for its frame
+  if (!is_due && !dropped_) return;  // not before its frame
   stage_ = Stage::kIdle;
   if (dropped_) return;
   if (exact_.cols() == 0) {
@@ -71,35 +73,36 @@ void Refiner::begin_frame(TouchSolver& solver, TouchState& state) {
 
 void Refiner::end_frame(TouchSolver& solver, const TouchState& state, const TouchReport& report) {
   if (stage_ == Stage::kRepeats) {
-    asked_now_ = step_.asked && solver.request(state, asked_);
-    counts_.asked += asked_now_;
+    requested_now_ = step_.asked && solver.request(state, load_);
+    counts_.asked += requested_now_;
     return;
   }
-  if (stage_ != Stage::kIdle || report.left_to_move > 0 || !solver.request(state, asked_)) return;
+  if (stage_ != Stage::kIdle || report.left_to_move > 0 || !solver.request(state, load_)) return;
   ++counts_.asked;
-  asked_now_ = true;
-  asked_at_ = frame_;
-  stage_ = Stage::kAsked;
+  requested_now_ = true;
+  requested_at_ = frame_;
+  stage_ = Stage::kRequested;
   send_load();
 }
 
-// Sends asked_.
+// Sends the load of load_.
 void Refiner::send_load() {
-  answered_ = dropped_ = false;
-  write_load(++number_, asked_.forces, bytes_);
+  has_solution_ = dropped_ = false;
+  write_load(++number_, load_.forces, bytes_);
   if (!child_->send(bytes_)) end(fmt::format("it ended {}", child_->how_it_ended()));
 }
 
-// Reads what has come. With a wait, until what is waited for is there.
-void Refiner::listen(TouchSolver& solver, double wait) {
+// Reads the messages that have arrived. With a wait (s) it returns when the pending message has
+// come, or ends refinement when the wait is over.
+void Refiner::receive(TouchSolver& solver, double wait) {
   using Clock = std::chrono::steady_clock;
   const bool is_patient = wait > 0;
   const auto until = Clock::now() + std::chrono::duration<double>(wait);
   while (stage_ != Stage::kEnded) {
     while (const auto message = messages_.next()) read(*message, solver);
     if (stage_ == Stage::kEnded) return;
-    if (messages_.broken()) return end("what it says is no answer");
-    if (stage_ == Stage::kIdle || (stage_ == Stage::kAsked && answered_)) return;
+    if (messages_.broken()) return end("it sent an invalid message");
+    if (stage_ == Stage::kIdle || (stage_ == Stage::kRequested && has_solution_)) return;
     const double left =
         is_patient ? std::chrono::duration<double>(until - Clock::now()).count() : 0;
     const auto count = child_->receive(messages_.room(), left);
@@ -107,7 +110,7 @@ void Refiner::listen(TouchSolver& solver, double wait) {
     messages_.add(*count);
     if (*count > 0) continue;
     if (!is_patient) return;
-    if (Clock::now() >= until) return end(fmt::format("no answer came within {:g} s", wait));
+    if (Clock::now() >= until) return end(fmt::format("no solution came within {:g} s", wait));
   }
 }
 
@@ -116,22 +119,23 @@ void Refiner::read(const ExactMessage& message, TouchSolver& solver) {
   const bool is_answer = message.kind == Kind::kAnswer && message.number == number_;
   if (message.kind == Kind::kSorry) return end(std::string(message.text()));
   if (message.kind == Kind::kReady && stage_ == Stage::kStarts) {
-    solver.probe(asked_);
-    if (static_cast<Eigen::Index>(message.count) != asked_.tables.cols())
-      return end("it is of another body");
+    solver.probe(load_);
+    if (static_cast<Eigen::Index>(message.count) != load_.tables.cols())
+      return end("it was started for another body");
     stage_ = Stage::kIsProbed;
     return send_load();
   }
   const auto nodes = static_cast<Eigen::Index>(message.count);
-  const bool fits = nodes == 0 || nodes == asked_.tables.cols();
+  const bool fits = nodes == 0 || nodes == load_.tables.cols();
   if (is_answer && fits && stage_ == Stage::kIsProbed) {
     if (nodes > 0) message.read_solution(exact_);
-    if (nodes == 0 || !TouchSolver::agrees(asked_, exact_)) return end("it is of another body");
+    if (nodes == 0 || !TouchSolver::agrees(load_, exact_))
+      return end("it was started for another body");
     stage_ = Stage::kIdle;
     return;
   }
-  if (is_answer && fits && stage_ == Stage::kAsked && !answered_) {
-    answered_ = true;
+  if (is_answer && fits && stage_ == Stage::kRequested && !has_solution_) {
+    has_solution_ = true;
     if (nodes > 0) {
       message.read_solution(exact_);
     } else {
@@ -139,14 +143,14 @@ void Refiner::read(const ExactMessage& message, TouchSolver& solver) {
     }
     return;
   }
-  end("what it says is no answer");
+  end("it sent an invalid message");
 }
 
 void Refiner::end(std::string why) {
   if (stage_ == Stage::kEnded) return;
   stage_ = Stage::kEnded;
   child_.reset();
-  trouble_ = fmt::format("--refine {}: {}; the touch goes on without",
+  trouble_ = fmt::format("--refine {}: {}; contact continues without it",
                          settings_.description.string(), why);
 }
 

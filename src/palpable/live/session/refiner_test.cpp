@@ -30,7 +30,7 @@ void write_file(const fs::path& path, const std::vector<std::byte>& bytes) {
              static_cast<std::streamsize>(bytes.size()));
 }
 
-// A sheet under a ball, and a program that says prepared bytes, whatever it is asked.
+// A sheet under a ball, and a program that writes prepared bytes whatever it reads.
 struct Pressed {
   test::ScratchFolder folder{"refiner"};
   test::ElasticSheet body;
@@ -38,48 +38,48 @@ struct Pressed {
   TouchSolver solver{body.skin, body.fixed, body.tables, settings};
   TouchState state;
   TouchReport report;
-  std::vector<std::byte> said;
+  std::vector<std::byte> output;
   test::GapFunction gap = test::gap_to_ball(Vector3f(0, 0, 0.017f), 0.02f);
   test::GapFunction nothing = test::nothing_near();
 
-  // A kReady, and the right answer to the probe.
-  void say_hello(float probe_factor = 1) {
+  // Writes kReady, and the right solution of the probe.
+  void write_start(float probe_factor = 1) {
     RequestedLoad probe;
     solver.probe(probe);
     std::vector<std::byte> bytes;
     write_ready(static_cast<int>(probe.tables.cols()), bytes);
-    say(bytes);
+    write(bytes);
     write_solution(1, Matrix3Xf(probe_factor * probe.tables), bytes);
-    say(bytes);
+    write(bytes);
   }
-  // What the program does then to answer the first load: an eighth more than the tables.
-  std::string answer() {
+  // Shell commands by which the program solves the first load: an eighth more than the tables.
+  std::string solve_load() {
     TouchState pressed;
-    RequestedLoad asked;
+    RequestedLoad load;
     std::vector<std::byte> bytes;
-    solver.probe(asked);
-    write_load(1, asked.forces, bytes);
-    std::size_t heard = bytes.size();
+    solver.probe(load);
+    write_load(1, load.forces, bytes);
+    std::size_t bytes_read = bytes.size();
     solver.advance(pressed, gap);
-    REQUIRE(solver.request(pressed, asked));
-    write_load(2, asked.forces, bytes);
-    heard += bytes.size();
-    write_solution(2, Matrix3Xf(1.125f * asked.tables), bytes);
-    write_file(folder / "answer", bytes);
-    return "head -c " + std::to_string(heard) + " > /dev/null\ncat '" +
-           (folder / "answer").string() + "'\n" + kStays;
+    REQUIRE(solver.request(pressed, load));
+    write_load(2, load.forces, bytes);
+    bytes_read += bytes.size();
+    write_solution(2, Matrix3Xf(1.125f * load.tables), bytes);
+    write_file(folder / "solution", bytes);
+    return "head -c " + std::to_string(bytes_read) + " > /dev/null\ncat '" +
+           (folder / "solution").string() + "'\n" + kStays;
   }
-  void say(const std::vector<std::byte>& bytes) {
-    said.insert(said.end(), bytes.begin(), bytes.end());
+  void write(const std::vector<std::byte>& bytes) {
+    output.insert(output.end(), bytes.begin(), bytes.end());
   }
-  // @param then  what the program does after that
+  // @param then  shell commands of the program after that
   Refiner refiner(const RefinerSettings& how, const std::string& then = kStays) {
-    write_file(folder / "said", said);
+    write_file(folder / "output", output);
     std::ofstream(folder / "program") << "#!/bin/sh\ncat \"$2\"\n" << then << "\n";
     fs::permissions(folder / "program", fs::perms::owner_all);
     RefinerSettings wanted = how;
     wanted.program = folder / "program";
-    wanted.description = folder / "said";
+    wanted.description = folder / "output";
     return std::move(Refiner::start(wanted).value());
   }
   void frame(Refiner& refiner, const test::GapFunction& seen) {
@@ -92,11 +92,11 @@ struct Pressed {
 const RefinerSettings kWaits{.latency = 4, .waits = true, .patience = 20};
 const RefinerSettings kDoesNotWait{.latency = 4, .waits = false};
 
-TEST_CASE("an exact answer is taken up a fixed number of frames after it was asked for",
+TEST_CASE("a full-order solution is taken up a fixed number of frames after it was requested",
           "[session]") {
   Pressed pressed;
-  pressed.say_hello();
-  Refiner refiner = pressed.refiner(kWaits, pressed.answer());
+  pressed.write_start();
+  Refiner refiner = pressed.refiner(kWaits, pressed.solve_load());
   for (int n = 0; n < 3; ++n) pressed.frame(refiner, pressed.nothing);
   CHECK(refiner.counts().asked == 0);
   pressed.frame(refiner, pressed.gap);
@@ -114,14 +114,14 @@ TEST_CASE("an exact answer is taken up a fixed number of frames after it was ask
   CHECK_FALSE(refiner.take_trouble());
 }
 
-TEST_CASE("a recording that waits for its answers is the same again", "[session]") {
+TEST_CASE("a recording that waits for its solutions is the same again", "[session]") {
   std::vector<Matrix3Xf> states;
   for (int times = 0; times < 2; ++times) {
     Pressed pressed;
-    pressed.say_hello();
-    // How long the answer takes changes nothing.
+    pressed.write_start();
+    // The time that the solution takes changes nothing.
     const std::string takes = times == 0 ? "" : "sleep 0.3\n";
-    Refiner refiner = pressed.refiner(kWaits, takes + pressed.answer());
+    Refiner refiner = pressed.refiner(kWaits, takes + pressed.solve_load());
     for (int n = 0; n < 9; ++n) pressed.frame(refiner, pressed.gap);
     CHECK(refiner.counts().taken_up == 1);
     states.push_back(pressed.state.u);
@@ -130,14 +130,14 @@ TEST_CASE("a recording that waits for its answers is the same again", "[session]
                     sizeof(float) * static_cast<std::size_t>(states[0].size())) == 0);
 }
 
-TEST_CASE("what was asked and taken up is done again from what was recorded of it", "[session]") {
+TEST_CASE("recorded requests and solutions are repeated in a replay", "[session]") {
   std::vector<RefinerStep> steps;
   std::vector<Matrix3Xf> states;
   int asked = 0;
   {
     Pressed pressed;
-    pressed.say_hello();
-    Refiner refiner = pressed.refiner(kWaits, pressed.answer());
+    pressed.write_start();
+    Refiner refiner = pressed.refiner(kWaits, pressed.solve_load());
     for (int n = 0; n < 9; ++n) {
       pressed.frame(refiner, n < 2 ? pressed.nothing : pressed.gap);
       RefinerStep& step = steps.emplace_back();
@@ -165,7 +165,7 @@ TEST_CASE("what was asked and taken up is done again from what was recorded of i
   CHECK_FALSE(refiner.take_trouble());
 }
 
-TEST_CASE("a recorded answer that does not fit the body is passed over", "[session][errors]") {
+TEST_CASE("a recorded solution that does not fit the body is skipped", "[session][errors]") {
   Pressed pressed;
   Pressed plain;
   Refiner refiner = Refiner::repeating([](int, RefinerStep& step) {
@@ -180,67 +180,69 @@ TEST_CASE("a recorded answer that does not fit the body is passed over", "[sessi
   CHECK(refiner.counts().taken_up == 0);
 }
 
-TEST_CASE("an answer that a camera would have to wait for is dropped", "[session]") {
+TEST_CASE("a solution that a camera would have to wait for is dropped", "[session]") {
   Pressed pressed;
-  pressed.say_hello();
+  pressed.write_start();
   Refiner refiner = pressed.refiner(kDoesNotWait);
   for (int n = 0; n < 400 && refiner.counts().late == 0; ++n) {
     pressed.frame(refiner, pressed.gap);
-    // Until it is ready, which takes a process's start.
+    // The program takes some time to start.
     if (refiner.counts().asked == 0) ::usleep(10'000);
   }
   CHECK(refiner.counts().late == 1);
   for (int n = 0; n < 10; ++n) pressed.frame(refiner, pressed.gap);
-  // Nothing else is asked for while the answerer is busy.
+  // Nothing else is requested while the program is busy.
   CHECK(refiner.counts().asked == 1);
   CHECK(refiner.counts().taken_up == 0);
   CHECK_FALSE(pressed.state.refinement.acts());
 }
 
-TEST_CASE("whoever dies, talks rubbish or knows another body is told of once, and done without",
-          "[session]") {
+TEST_CASE(
+    "a program that dies, sends rubbish or has another body is reported once, and contact "
+    "continues",
+    "[session]") {
   struct Case {
-    std::string says;
+    std::string why;
     std::function<void(Pressed&)> prepare;
     std::string then;
   };
   std::vector<std::byte> bytes;
   const std::vector<Case> cases{
       {"it ended with exit code 3", [](Pressed&) {}, "exit 3"},
-      {"it ended with exit code 4", [](Pressed& p) { p.say_hello(); }, "exit 4"},
-      {"it ended by signal 9 (Killed)", [](Pressed& p) { p.say_hello(); }, "kill -9 $$"},
-      {"what it says is no answer", [](Pressed&) {},
+      {"it ended with exit code 4", [](Pressed& p) { p.write_start(); }, "exit 4"},
+      {"it ended by signal 9 (Killed)", [](Pressed& p) { p.write_start(); }, "kill -9 $$"},
+      {"it sent an invalid message", [](Pressed&) {},
        "echo palpable-bake: what kind of program is this; sleep 9"},
-      {"what it says is no answer",
+      {"it sent an invalid message",
        [&](Pressed& p) {
-         p.say_hello();
+         p.write_start();
          write_solution(2, Matrix3Xf::Zero(3, 5).eval(), bytes);
-         p.say(bytes);
+         p.write(bytes);
        },
        kStays},
-      {"it is of another body",
+      {"it was started for another body",
        [&](Pressed& p) {
          write_ready(5, bytes);
-         p.say(bytes);
+         p.write(bytes);
        },
        kStays},
-      {"it is of another body", [](Pressed& p) { p.say_hello(1.2f); }, kStays},
+      {"it was started for another body", [](Pressed& p) { p.write_start(1.2f); }, kStays},
       {"no such material",
        [&](Pressed& p) {
          write_sorry("no such material", bytes);
-         p.say(bytes);
+         p.write(bytes);
        },
        "exit 0"},
-      {"no answer came within 0.2 s", [](Pressed& p) { p.say_hello(); }, kStays},
+      {"no solution came within 0.2 s", [](Pressed& p) { p.write_start(); }, kStays},
   };
   Pressed plain;
   for (int n = 0; n < 9; ++n) plain.solver.advance(plain.state, plain.gap);
   for (const Case& one : cases) {
-    INFO(one.says);
+    INFO(one.why);
     Pressed pressed;
     one.prepare(pressed);
     RefinerSettings settings = kWaits;
-    settings.patience = one.says.starts_with("no answer") ? 0.2 : 20;
+    settings.patience = one.why.starts_with("no solution") ? 0.2 : 20;
     Refiner refiner = pressed.refiner(settings, one.then);
     std::vector<std::string> troubles;
     for (int n = 0; n < 9; ++n) {
@@ -248,14 +250,14 @@ TEST_CASE("whoever dies, talks rubbish or knows another body is told of once, an
       if (auto trouble = refiner.take_trouble()) troubles.push_back(*trouble);
     }
     REQUIRE(troubles.size() == 1);
-    CHECK(troubles[0] == "--refine " + (pressed.folder / "said").string() + ": " + one.says +
-                             "; the touch goes on without");
+    CHECK(troubles[0] == "--refine " + (pressed.folder / "output").string() + ": " + one.why +
+                             "; contact continues without it");
     CHECK(pressed.state.u == plain.state.u);
     CHECK(refiner.counts().taken_up == 0);
   }
 }
 
-TEST_CASE("an answerer that does not start is a problem", "[session]") {
+TEST_CASE("a program that does not start is a problem", "[session]") {
   const auto result = Refiner::start({.program = "/no/such/program", .description = "x.toml"});
   REQUIRE_FALSE(result.ok());
   CHECK(result.problem().message.find("/no/such/program") != std::string::npos);
@@ -263,13 +265,13 @@ TEST_CASE("an answerer that does not start is a problem", "[session]") {
 
 TEST_CASE("refined frames allocate nothing", "[session]") {
   Pressed pressed;
-  pressed.say_hello();
-  Refiner refiner = pressed.refiner(kWaits, pressed.answer());
+  pressed.write_start();
+  Refiner refiner = pressed.refiner(kWaits, pressed.solve_load());
   pressed.frame(refiner, pressed.gap);
   for (int n = 0; n < 3; ++n) {
     CHECK(test::allocations_during([&] { pressed.frame(refiner, pressed.gap); }) == 0);
   }
-  // The correction has its room from the first answer on.
+  // The correction has its room from the first solution on.
   pressed.frame(refiner, pressed.gap);
   for (int n = 0; n < 4; ++n) {
     CHECK(test::allocations_during([&] { pressed.frame(refiner, pressed.gap); }) == 0);

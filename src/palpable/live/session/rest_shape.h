@@ -1,6 +1,6 @@
 /// @file
-/// A body that nothing presses, as a scene shows it: copied in every frame in which nothing
-/// touches.
+/// A body at rest, as a scene shows it. It is copied into the scene in every frame in which nothing
+/// touches the body.
 ///
 ///   V  surface vertices
 #pragma once
@@ -15,14 +15,14 @@
 namespace palpable {
 
 struct RestShape {
-  /// Without stress; whoever knows that of a preload writes it.
+  /// The stress is 0; the body's contact law overwrites it with that of a preload.
   explicit RestShape(const ReducedBody& body);
 
   /// Copies vertices, normals and stress into `shown`, and clears its contact pressure.
-  /// @param extras  whether the components of the stress are wanted, too; else they are cleared
+  /// @param extras  whether the components of the stress are copied; else they are cleared
   void show(const SceneExtras& extras, SceneBody& shown) const;
-  /// Gives the arrays of `shown` the sizes that a pressed shape needs, and clears its contact
-  /// pressure. What stands in them is not changed otherwise.
+  /// Resizes the arrays of `shown` for a pressed shape, and clears its contact pressure. Other
+  /// values are not changed.
   void make_room(const SceneExtras& extras, SceneBody& shown) const;
 
   Eigen::Matrix3Xf vertices;     ///< (3 x V) m, body frame

@@ -1,5 +1,5 @@
 /// @file
-/// The answer to one frame: where bodies are touched and what they then look like.
+/// The result of one frame: where bodies are touched, and their deformed shapes and stresses.
 ///
 ///   V  surface vertices of a body
 #pragma once
@@ -19,8 +19,8 @@
 
 namespace palpable {
 
-/// What a body of a scene has only if it is asked for (Session::keep). Nothing else of an answer
-/// depends on it.
+/// Arrays of a scene's bodies that are filled only on request (Session::keep). Nothing else of a
+/// scene depends on them.
 struct SceneExtras {
   bool components = false;        ///< SceneBody::cauchy
   bool contact_pressure = false;  ///< SceneBody::contact_pressure
@@ -30,53 +30,52 @@ struct SceneExtras {
 
 /// One of a scene's bodies.
 struct SceneBody {
-  Rigid3 camera_from_body = Rigid3::Identity();  ///< where it is drawn and touched
+  Rigid3 camera_from_body = Rigid3::Identity();  ///< the body's pose in the frame
   Eigen::Matrix3Xf vertices;                     ///< (3 x V) m, body frame, deformed
   Eigen::Matrix3Xf normals;                      ///< (3 x V) unit, outwards
-  std::vector<float> von_mises;                  ///< (V) Pa; at rest that of its preload
-  /// (6V) Pa, Cauchy stress xx yy zz xy yz zx of each vertex along the body frame's axes, of which
-  /// `von_mises` is made; at rest likewise. Empty unless SceneExtras::components are kept.
+  std::vector<float> von_mises;                  ///< (V) Pa; at rest that of the preload
+  /// (6V) Pa, Cauchy stress xx yy zz xy yz zx of each vertex along the body frame's axes, from
+  /// which `von_mises` is computed. Empty unless SceneExtras::components are kept.
   std::vector<float> cauchy;
-  /// (V) Pa, how hard things press there (contact_pressure.h); 0 where nothing does. Empty unless
-  /// SceneExtras::contact_pressure is kept, and of a body that is pressed at its sites alone.
+  /// (V) Pa, contact pressure (contact_pressure.h); 0 where nothing presses. Empty unless
+  /// SceneExtras::contact_pressure is kept, and for a body that is pressed at its sites only.
   std::vector<float> contact_pressure;
-  /// Of the answer, the obstacle taken as it is seen; nothing where nothing touches or where that
-  /// is not known.
+  /// The error of displacement and stress, for the obstacle as it is seen; nothing without a touch,
+  /// or where it is not known.
   std::optional<StatedError> stated_error;
-  /// Share of the skin that has been hidden since the session began: what hides it counts as the
-  /// room, and is not felt (hidden_at_start.h).
+  /// Share of the skin's vertices that have been hidden since the session began: their occluder
+  /// counts as part of the room, and its touches are not detected (hidden_at_start.h).
   double hidden_since_start = 0;
 };
 
-/// All that is to be drawn, written or compared of one frame. Plain data without pointers: it may
-/// be kept, copied and handed to another thread.
+/// Everything that is drawn, written or compared of one frame. Plain data without pointers: it may
+/// be kept, copied and passed to another thread.
 ///
 /// A scene is filled in two steps: the depth camera fills `seen`, then Session::respond() fills the
 /// rest. A loop uses the same few scenes again and again (swap them, do not copy them): then no
 /// step allocates memory once every scene has been filled.
 struct Scene {
-  SeenFrame seen;  ///< the question: colour and depth of the frame
+  SeenFrame seen;  ///< the input: colour and depth of the frame
 
   int number = 0;              ///< the frame's: seen.number
   double time = 0;             ///< s, the frame's: seen.time
   std::vector<Touch> touches;  ///< of all bodies, the strongest first
-  /// In the order of the session's.
+  /// In the order of the session's bodies.
   std::vector<SceneBody> bodies;
-  double between = 0;    ///< m, of bodies into each other, at the points that press
-  double imbalance = 0;  ///< N, of the forces between bodies: what one bears and the other does not
-  /// m: how far a body has yet to move, where its contact did not converge or it came too far for
-  /// one frame (ContactReport::left_to_move); the largest.
+  double mutual_penetration = 0;  ///< m, of bodies into each other, at contact points with force
+  double imbalance = 0;  ///< N, by how much the forces between bodies do not cancel; 0 in theory
+  /// m that a body has yet to move, because its contact did not converge or the step limit held
+  /// (ContactReport::left_to_move); the largest of all bodies.
   double left_to_move = 0;
-  int contacts_dropped = 0;  ///< contact points near something, for which there was no room
+  int contacts_dropped = 0;  ///< contact points near an obstacle for which there was no room
   TrackedPose camera;        ///< identity and kFixed when nothing is tracked
-  /// 255 where something moves, of the depth's size. Empty when that is not looked for, or when the
+  /// 255 where something moves, of the depth's size. Empty if motion is not searched, or when the
   /// camera is lost.
   MaskImage moving;
-  /// 255 where the depth is none of the pixel's own (MovingMask::borrowed()). Empty when `moving`
-  /// is.
+  /// 255 where the depth is not the pixel's own (MovingMask::borrowed()). Empty when `moving` is.
   MaskImage borrowed;
-  /// Stages as in StageTimes: "rectify" ... "depth" of seeing, "track" ... "contact", "evaluate" of
-  /// answering. Each step adds its own; whoever fills a scene anew clears them first.
+  /// Stages as in StageTimes: "rectify" ... "depth" by the depth camera, "track" ... "contact",
+  /// "evaluate" by the session. Each half adds its own; clear them before a scene is filled again.
   StageTimes times;
 };
 

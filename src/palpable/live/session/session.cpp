@@ -17,23 +17,24 @@
 namespace palpable {
 namespace {
 
-// The windows of our matcher reach over the outlines of near things: on six films of the synthetic
-// desk outlines lie 1.0 to 1.4 px of the depth too far out beside the measured room, 0 to 1.0 px
-// where colours tell them, and 0 beside pixels without depth.
+// px of the depth image by which the outlines of near things lie too far out, because the windows
+// of our matcher reach over them: 1.0 to 1.4 px beside the measured room on six films of the
+// synthetic desk; 0 to 1.0 px where colours determine the outline (kByColor); 0 beside pixels
+// without depth.
 constexpr double kCensusFattening = 1.3;
 constexpr double kByColor = 0.5;
 
-// Sigmas of one pixel's depth, 0.25 px, by which the middle of a thin thing is measured too far
-// away: by 0.18 px on fingers, 0.11 on a pencil and a hand. Its outlines lie deeper and hold the
-// paths of the aggregation back, and what shines on a round front seems to lie behind it: without
-// gloss it is half as much.
+// Error of the measured middle of a thin thing, away from the camera, in sigmas of one pixel's
+// depth (0.25 px): 0.18 px on fingers, 0.11 px on a pencil and a hand. Its outlines have larger
+// depths, which the aggregation's paths carry inwards, and highlights on a curved front appear
+// behind it: without gloss the error is half as large.
 constexpr double kTooFarSigmas = 0.52;
 
-// px around the part of the image in which things may press: a thing is known some frames before it
-// arrives, and its outlines need what lies beside.
+// px by which the part of the image in which things may press is enlarged: a thing must be known
+// some frames before it arrives, and its outline needs the pixels beside it.
 constexpr int kBeside = 48;
 
-// What the camera knows of its depths.
+// The surface settings with the noise and the outline errors of this depth camera.
 ObjectSurfaceSettings fitted(ObjectSurfaceSettings surface, const DepthCamera& camera,
                              const FrameFormat& format, DepthSettings::Matcher matcher) {
   const DepthNoise& noise = camera.noise();
@@ -52,7 +53,7 @@ ObjectSurfaceSettings fitted(ObjectSurfaceSettings surface, const DepthCamera& c
 std::optional<Problem> wrong_setting(const SessionSettings& s) {
   if (!s.map && !s.press_static) {
     return Problem{
-        "without a map nobody knows what was there when the body was anchored: all of it "
+        "without a map it is unknown what was there when the body was anchored: all of it "
         "has to press (press_static)"};
   }
   if (!(s.surface.balls.most_radius > 0) || !(s.surface.band > 0) || s.surface.step < 1 ||
@@ -73,13 +74,13 @@ std::optional<Problem> wrong_setting(const SessionSettings& s) {
   return std::nullopt;
 }
 
-// A body with what the session itself keeps of it from frame to frame.
+// A body with the data that the session itself keeps of it from frame to frame.
 struct RememberedBody : SessionBody {
   using SessionBody::SessionBody;
 
   std::vector<Touch> touches;
   HiddenAtStart hidden;
-  Eigen::Matrix3Xf shape;  // (3 x V) m, as it was shown last, where a law asks for it
+  Eigen::Matrix3Xf shape;  // (3 x V) m, the shape of the last frame, where a law reads it
 };
 
 ResponseSettings response_settings(const SessionSettings& s, const DepthCamera& camera,
@@ -118,29 +119,29 @@ struct Session::Parts {
   void solve_together();
   void forget_room();
   void place_camera(Scene& scene, const SlamFrame& found);
-  void find_what_is_hidden(Scene& scene);
-  void find_what_presses(const Scene& scene);
+  void find_hidden_parts(Scene& scene);
+  void find_pressers(const Scene& scene);
   int gather_others(std::size_t of);
   void find_touches(Scene& scene);
-  void answer(Scene& scene, const SlamFrame& found);
+  void respond(Scene& scene, const SlamFrame& found);
 
   SessionSettings settings;
   DepthNoise noise;
   Slam slam;
   std::vector<std::unique_ptr<RememberedBody>> bodies;
-  std::optional<ContactSolver> together;  // of bodies that give way, and of what stands beside them
-  std::vector<ContactSolver::Near> near;  // what is near each in this frame
+  std::optional<ContactSolver> together;  // of all bodies; see solve_together()
+  std::vector<ContactSolver::Near> near;  // obstacles of each body in this frame
 
   std::optional<AnchoredScene> anchored;
-  LookedAt looked_at = LookedAt::kNothing;  // with what the mask of this frame was compared
-  const StaticPicture* picture = nullptr;   // that one
+  LookedAt looked_at = LookedAt::kNothing;  // what this frame's mask was compared with
+  const StaticPicture* picture = nullptr;   // the picture it was compared with
   PressingMask pressing;
-  const MaskImage* shows = nullptr;  // of the pressing mask
+  const MaskImage* shows = nullptr;  // of the last frame, in `pressing`
   SceneExtras extras;
   std::vector<Eigen::Vector3f> others;  // of gather_others()
 };
 
-// One of the bodies with the same modes as this one; null: there is none.
+// A body of the session with the same modes as this one; null: there is none.
 const BodyResponse* Session::Parts::twin_of(const TouchableBody& body) const {
   if (!body.modal) return nullptr;
   for (const auto& other : bodies) {
@@ -153,13 +154,14 @@ const BodyResponse* Session::Parts::twin_of(const TouchableBody& body) const {
   return nullptr;
 }
 
-// The contact of several bodies is solved together if any gives way; that of one in modes as well,
-// by the same solver. A single body with tables is solved by its law.
+// Makes the solver of all bodies. The contact of several bodies is solved together if any of them
+// deforms; that of a single body in modes is solved by the same solver. A single body with tables
+// is solved by its law.
 void Session::Parts::solve_together() {
-  const bool any_gives_way = std::any_of(
-      bodies.begin(), bodies.end(), [](const auto& body) { return body->response.gives_way(); });
+  const bool any_deforms = std::any_of(bodies.begin(), bodies.end(),
+                                       [](const auto& body) { return body->response.deforms(); });
   const bool is_single = bodies.size() == 1 && bodies.front()->response.modal() == nullptr;
-  if (!any_gives_way || is_single) return;
+  if (!any_deforms || is_single) return;
   std::vector<ContactSolver::Member> members;
   for (const auto& body : bodies) {
     members.push_back({&body->response.contact_body(), body->world_from_body});
@@ -170,14 +172,13 @@ void Session::Parts::solve_together() {
   }
 }
 
-// Forgets what was learnt of the room: what is seen from now on is the room in which the body
-// stands.
+// Forgets the room: what is seen from now on is the room in which the bodies are anchored.
 void Session::Parts::forget_room() {
   if (settings.map) anchored.emplace(*slam.map());
   for (const auto& body : bodies) body->hidden.begin();
 }
 
-// Takes up where the camera is, and with it the body, and what moves.
+// Copies the camera's pose and what moves into the scene, and places the bodies by that pose.
 void Session::Parts::place_camera(Scene& scene, const SlamFrame& found) {
   scene.camera = found.camera;
   looked_at = found.looked_at;
@@ -198,7 +199,7 @@ void Session::Parts::place_camera(Scene& scene, const SlamFrame& found) {
     const StageTimer timer(scene.times, "map");
     anchored->update(*slam.map(), *slam.space(), found.camera.newest_keyframe);
   }
-  // A camera that has not moved sees a body where it was put, to the bit.
+  // If the camera has not moved, the pose is the given one to the bit.
   const bool stands = scene.camera.world_from_camera.matrix().isIdentity(0);
   const Rigid3 camera_from_world = scene.camera.world_from_camera.inverse();
   scene.bodies.resize(bodies.size());
@@ -208,9 +209,9 @@ void Session::Parts::place_camera(Scene& scene, const SlamFrame& found) {
   }
 }
 
-// Of what presses only what has come: where something hides a body from the start, nothing can be
-// said to have.
-void Session::Parts::find_what_is_hidden(Scene& scene) {
+// Finds the parts of bodies that have been hidden since the start. A thing there was there before,
+// so it counts as the room and does not press.
+void Session::Parts::find_hidden_parts(Scene& scene) {
   if (settings.press_static || scene.camera.state == TrackState::kLost) return;
   const SeenFrame& seen = scene.seen;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
@@ -221,9 +222,9 @@ void Session::Parts::find_what_is_hidden(Scene& scene) {
   }
 }
 
-// What each pixel near the bodies shows. A camera that is lost knows nothing of it: where the hand
-// is in the world is not known.
-void Session::Parts::find_what_presses(const Scene& scene) {
+// Finds what each pixel near the bodies shows. Nothing presses while the camera is lost, because
+// the obstacles' positions in the world are not known.
+void Session::Parts::find_pressers(const Scene& scene) {
   const SeenFrame& seen = scene.seen;
   PixelBox box;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
@@ -244,12 +245,12 @@ void Session::Parts::find_what_presses(const Scene& scene) {
                          *slam.space(), box, picture);
 }
 
-// The skin of another body that something real pressed in the frame before, in this body's frame:
-// with Algorithm 1 as printed it is the lower beam's obstacle. @return its number, -1: there is
-// none
+// Gathers the skin of another body that something real pressed in the frame before, in the frame of
+// body `of`. Algorithm 1 as printed takes it as an obstacle of the lower beam. @return its number,
+// -1: there is none
 int Session::Parts::gather_others(std::size_t of) {
   others.clear();
-  if (!bodies[of]->response.asks_for_others()) return -1;
+  if (!bodies[of]->response.reads_others()) return -1;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const RememberedBody& other = *bodies[k];
     const bool pressed = !other.touches.empty() && other.touches.front().by < 0;
@@ -264,19 +265,20 @@ int Session::Parts::gather_others(std::size_t of) {
   return -1;
 }
 
-// Of all bodies, the strongest first; of equals that of the first body.
+// Finds the touches of all bodies, the strongest first; of equal ones that of the lower body
+// number.
 void Session::Parts::find_touches(Scene& scene) {
   scene.touches.clear();
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     bodies[k]->response.look(scene.seen, *shows, scene.bodies[k].camera_from_body);
   }
-  scene.between = scene.imbalance = scene.left_to_move = 0;
+  scene.mutual_penetration = scene.imbalance = scene.left_to_move = 0;
   scene.contacts_dropped = 0;
   if (together) {
     near.clear();
     for (const auto& body : bodies) near.push_back(body->response.near());
     const ContactReport report = together->advance(near);
-    scene.between = report.between;
+    scene.mutual_penetration = report.mutual_penetration;
     scene.imbalance = report.imbalance;
     scene.left_to_move = report.left_to_move;
     scene.contacts_dropped = report.dropped;
@@ -295,8 +297,8 @@ void Session::Parts::find_touches(Scene& scene) {
       scene.touches.push_back(touch);
     }
   }
-  if (bodies.size() < 2) return;  // in its own order
-  // Sorted by hand: std::stable_sort takes memory. There are few.
+  if (bodies.size() < 2) return;  // already in order
+  // An insertion sort of few items: std::stable_sort would allocate.
   for (std::size_t k = 1; k < scene.touches.size(); ++k) {
     for (std::size_t j = k; j > 0 && scene.touches[j - 1].force < scene.touches[j].force; --j) {
       std::swap(scene.touches[j - 1], scene.touches[j]);
@@ -316,15 +318,15 @@ Result<Session> Session::make(std::vector<PlacedBody> bodies, const DepthCamera&
   return Session(std::make_unique<Parts>(std::move(bodies), camera, format, settings));
 }
 
-void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
+void Session::Parts::respond(Scene& scene, const SlamFrame& found) {
   scene.number = scene.seen.number;
   scene.time = scene.seen.time;
 
   place_camera(scene, found);
   {
     const StageTimer timer(scene.times, "presses");
-    find_what_is_hidden(scene);
-    find_what_presses(scene);
+    find_hidden_parts(scene);
+    find_pressers(scene);
   }
   {
     const StageTimer timer(scene.times, "contact");
@@ -334,18 +336,18 @@ void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     RememberedBody& body = *bodies[k];
     body.response.reconstruct(body.touches, extras, scene.bodies[k]);
-    if (body.response.asks_for_others() && bodies.size() > 1) body.shape = scene.bodies[k].vertices;
+    if (body.response.reads_others() && bodies.size() > 1) body.shape = scene.bodies[k].vertices;
     body.response.move_obstacle(scene.bodies[k].vertices);
   }
 }
 
 void Session::respond(Scene& scene) {
-  parts_->answer(scene, parts_->slam.advance(scene.seen, scene.times));
+  parts_->respond(scene, parts_->slam.advance(scene.seen, scene.times));
 }
 
 void Session::respond(Scene& scene, const std::optional<Rigid3>& world_from_camera) {
   PALPABLE_EXPECT(!parts_->settings.track, "a session that follows the camera finds its own poses");
-  parts_->answer(scene, parts_->slam.advance(scene.seen, world_from_camera, scene.times));
+  parts_->respond(scene, parts_->slam.advance(scene.seen, world_from_camera, scene.times));
 }
 
 void Session::keep(const SceneExtras& extras) { parts_->extras = extras; }
@@ -368,7 +370,7 @@ std::vector<PlacedBody> Session::take_bodies() {
 int Session::body_count() const { return static_cast<int>(parts_->bodies.size()); }
 const SessionBody& Session::body(int number) const { return parts_->body(number); }
 const MaskImage& Session::shows() const {
-  PALPABLE_EXPECT(parts_->shows != nullptr, "a frame was answered");
+  PALPABLE_EXPECT(parts_->shows != nullptr, "a frame was processed");
   return *parts_->shows;
 }
 const Slam& Session::slam() const { return parts_->slam; }

@@ -1,19 +1,19 @@
 /// @file
-/// The answering half of a live run: what was seen of a frame in, touches and deformed bodies out
-/// (paper Sec. 4).
+/// The second half of a live run: turns the colour and depth of a frame into touches and deformed
+/// bodies (paper Sec. 4).
 ///
-///     colour + depth -> camera's pose -> what presses -> the object's surface -> touches
+///     colour + depth -> camera's pose -> pressing mask -> the obstacles' surface -> touches
 ///                    -> u, sigma
 ///
-/// Frames become colour + depth in the other half, DepthCamera (depth_camera.h). frame_loop.h runs
-/// both halves on one thread, live/player on two.
+/// The first half, DepthCamera (depth_camera.h), turns frames into colour + depth. frame_loop.h
+/// runs both halves on one thread, live/player on two.
 ///
-/// Bodies stand still in the world, which is the camera frame of the first frame (or that of the
+/// Bodies are fixed in the world, which is the camera frame of the first frame (or that of the
 /// poses with which respond() is called).
 ///
-/// Nothing here looks at a clock (except to say how long a stage took), draws random numbers or
-/// keeps anything beyond its own state: the same frames give the same bytes. Contact and
-/// reconstruction allocate nothing after the first frames.
+/// Nothing here reads a clock (except to time the stages), draws random numbers or keeps anything
+/// beyond its own state: the same frames give the same bytes. Contact and reconstruction allocate
+/// nothing after the first frames.
 #pragma once
 
 #include "palpable/common/base/error.h"
@@ -40,21 +40,22 @@ namespace palpable {
 
 struct SessionSettings {
   ContactKind contact = ContactKind::kAnywhere;
-  /// What was there when the bodies were anchored presses them, too: its desk, a wall. Else only
-  /// what has come since presses (pressing_mask.h), and knowing that takes `map`.
+  /// Whether things that were there when the bodies were anchored, such as the desk or a wall,
+  /// press them, too. Otherwise only things that came later press (pressing_mask.h), which requires
+  /// `map`.
   bool press_static = false;
-  /// Follow the camera (tracker.h); false: it stands where it stood in the first frame.
+  /// Whether the camera is tracked (tracker.h); false: it does not move.
   bool track = false;
-  /// Find what moves (moving_mask.h), leave it out of the tracking, and fuse the rest into a map
-  /// (surface_map.h) ten times a second; in which order: slam.h.
+  /// Whether moving things are found (moving_mask.h) and left out of the tracking, and the rest is
+  /// fused into a map (surface_map.h) ten times a second; slam.h has the order.
   bool map = true;
-  /// With which the depth camera is made whose frames are answered.
+  /// The settings of the depth camera whose frames are processed.
   DepthSettings depth{};
-  /// Its noise is replaced by what the camera says of its depths, and with our own matcher its
-  /// fattening by what the windows add; session.cpp has the figures.
+  /// Its noise is replaced by that of the depth camera, and with our own matcher its fattening by
+  /// that of the matching windows; session.cpp has the figures.
   ObjectSurfaceSettings surface{};
   PressingMaskSettings pressing{};
-  TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of what a camera knows
+  TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of a camera's depth error
   PressSettings press{};
   PaperSettings paper{};
 };
@@ -63,7 +64,7 @@ class Session {
  public:
   /// A problem when a setting is out of range.
   /// @param bodies  at least one, whose names differ where there are several
-  /// @param camera  that turns frames of `format` to depth; it is read during this call only
+  /// @param camera  turns frames of `format` to depth; read during this call only
   [[nodiscard]] static Result<Session> make(std::vector<PlacedBody> bodies,
                                             const DepthCamera& camera, const FrameFormat& format,
                                             const SessionSettings& settings = {});
@@ -71,40 +72,41 @@ class Session {
   Session& operator=(Session&&) noexcept;
   ~Session();
 
-  /// Answers scene.seen: fills all other members, whose memory is used again, and adds the stages
+  /// Processes scene.seen: fills all other members, whose memory is used again, and adds the stages
   /// of this half to scene.times. Call it in the order of the frames.
   void respond(Scene& scene);
 
-  /// The same with a pose that is known from elsewhere, in a session that does not follow the
-  /// camera; all of its frames come with one. Bodies stand in the world of these poses.
-  /// @param world_from_camera  nothing: it is not known in this frame, so that nothing presses
+  /// The same with a pose that is known from elsewhere, in a session that does not track the
+  /// camera; all of its frames must come with one. Bodies are fixed in the world of these poses.
+  /// @param world_from_camera  nothing: the pose is not known in this frame, and nothing presses
   void respond(Scene& scene, const std::optional<Rigid3>& world_from_camera);
 
-  /// What scenes from now on have beside the rest; to begin with none of it. A scene allocates room
-  /// for it once.
+  /// The additional arrays that scenes have from now on; none at first. A scene allocates room for
+  /// them once.
   void keep(const SceneExtras& extras);
   [[nodiscard]] const SceneExtras& kept() const;
 
-  /// From now on exact answers are taken up where the first body is touched anywhere.
+  /// From now on full-order solutions refine the contact of the first body, if it has tables of
+  /// touch.
   void refine_with(Refiner refiner);
-  /// Null without refine_with(), and where tables do not answer the first body.
+  /// Null without refine_with(), and if the first body is not solved by tables.
   [[nodiscard]] Refiner* refiner();
   [[nodiscard]] const Refiner* refiner() const;
 
-  /// Ends the session: its bodies where they stand, for another one. Of this one only
-  /// settings() may be asked after it.
+  /// Ends the session and returns its bodies with their poses, for another session. Afterwards only
+  /// settings() may be called.
   [[nodiscard]] std::vector<PlacedBody> take_bodies();
 
   [[nodiscard]] int body_count() const;
-  /// By number from 0 on, in the order of make(); as it is after the frame answered last.
+  /// A body by its number from 0 on, in the order of make(), in its state after the last frame.
   [[nodiscard]] const SessionBody& body(int number = 0) const;
 
-  /// What each pixel of the frame answered last shows, near bodies: kShowsPresser where something
-  /// may press it (geometry/image.h).
+  /// What each pixel of the last frame shows, near bodies: kShowsPresser where something may press
+  /// one (geometry/image.h).
   [[nodiscard]] const MaskImage& shows() const;
-  /// The room and the camera in it, as they have been seen so far: map, free space, tracker.
+  /// The room and the camera in it as seen so far: map, free space, tracker.
   [[nodiscard]] const Slam& slam() const;
-  /// What belonged to the room when bodies were anchored, in the first frame; null without
+  /// The room as it was when the bodies were anchored, in the first frame; null without
   /// SessionSettings::map.
   [[nodiscard]] const AnchoredScene* anchored_scene() const;
   [[nodiscard]] const SessionSettings& settings() const;

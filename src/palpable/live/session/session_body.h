@@ -19,7 +19,7 @@ struct PlacedBody {
   TouchableBody body;
   Rigid3 world_from_body = Rigid3::Identity();  ///< the world is the first frame's camera
   std::string name = {};                        ///< in files and captions; empty: the body's own
-  std::optional<Rgb> color = {};                ///< of its material; none: rubber
+  std::optional<Rgb> color = {};                ///< of its material; none: that of rubber
 
   /// The given name, else the one in the body file.
   [[nodiscard]] const std::string& shown_name() const {

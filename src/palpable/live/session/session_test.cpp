@@ -30,7 +30,7 @@ using test::sphere_pose;
 using test::tolerance;
 using test::touchable_sphere_loop;
 
-// Colour + depth needs no matcher: this module's own work is what follows the depth.
+// Colour + depth needs no matcher: this module begins after the depth.
 FrameFormat depth_format() { return test::wall_format(); }
 
 FrameLoop make_loop(const SessionSettings& settings = kEverythingPresses) {
@@ -56,7 +56,7 @@ TEST_CASE("a body with tables is touched where the finger is, not at a site", "[
   CHECK(force.normalized().z() < -0.7);
   CHECK(touch.press_depth == Approx(0.008).margin(tolerance(2.5e-3, "m: vertices 6 mm apart")));
   CHECK((touch.point_in_body - Vector3d(0, 0, 0.092)).norm() < tolerance(0.006, "m, likewise"));
-  // Nothing of the skin is left in what is seen.
+  // No part of the skin is inside the seen obstacle.
   float deepest = 0;
   for (Eigen::Index v = 0; v < rest.cols(); ++v) {
     const auto found =
@@ -72,7 +72,7 @@ TEST_CASE("a body with tables is touched where the finger is, not at a site", "[
   CHECK(after.bodies[0].vertices == rest);
 }
 
-TEST_CASE("tables are not asked where somebody wants the sites", "[session]") {
+TEST_CASE("with the setting kSite the tables are not used", "[session]") {
   SessionSettings settings = kEverythingPresses;
   settings.contact = ContactKind::kSite;
   FrameLoop loop = touchable_sphere_loop(settings);
@@ -80,12 +80,11 @@ TEST_CASE("tables are not asked where somebody wants the sites", "[session]") {
   for (int n = 0; n < 4; ++n) loop.process(frame_with_finger(n, 0.008));
   REQUIRE(loop.scene.touches.size() == 1);
   CHECK(loop.scene.touches[0].site == 0);
-  // A body without tables has nothing else.
+  // A body without tables always has this law.
   CHECK(make_loop().session.body().response.contact() == ContactKind::kSite);
 }
 
-TEST_CASE("a touched body with tables gives the same bytes again, and allocates nothing",
-          "[session]") {
+TEST_CASE("a touched body with tables gives the same bytes again", "[session]") {
   FrameLoop one = touchable_sphere_loop(), other = touchable_sphere_loop();
   for (int n = 0; n < 6; ++n) {
     const Frame frame = frame_with_finger(n, n < 2 ? -0.03 : 0.002 * n);
@@ -94,7 +93,7 @@ TEST_CASE("a touched body with tables gives the same bytes again, and allocates 
   }
 }
 
-TEST_CASE("of several bodies the one that is pressed says so, the others stand as they stood",
+TEST_CASE("of several bodies the pressed one is reported, and the others stay at rest",
           "[session][scene]") {
   std::vector<PlacedBody> bodies;
   Rigid3 aside = sphere_pose();
@@ -121,13 +120,14 @@ TEST_CASE("of several bodies the one that is pressed says so, the others stand a
   CHECK(scene.touches[0].by == -1);
   CHECK(scene.touches[0].press_depth ==
         Approx(alone.scene.touches.at(0).press_depth)
-            .margin(tolerance(5e-4, "m: the part of the image that is asked is larger")));
+            .margin(tolerance(5e-4, "m: the part of the image that is searched is larger")));
   CHECK(scene.bodies[0].vertices == loop.session.body(0).model().surface.vertices.cast<float>());
   CHECK_FALSE(scene.bodies[1].vertices == scene.bodies[0].vertices);
   CHECK((scene.bodies[0].camera_from_body.translation() - aside.translation()).norm() == 0);
 }
 
-TEST_CASE("the bodies of a session that ends answer in the next one as in the first", "[session]") {
+TEST_CASE("the bodies of a session that ends respond in the next one as in the first",
+          "[session]") {
   FrameLoop loop = touchable_sphere_loop(), fresh = touchable_sphere_loop();
   for (int n = 0; n < 6; ++n) loop.process(frame_with_finger(n, 0.002 * n));
   std::vector<PlacedBody> bodies = loop.session.take_bodies();
@@ -165,8 +165,7 @@ TEST_CASE("with Algorithm 1 as printed a body presses the one that nothing real 
   CHECK(lower == 1);
 }
 
-TEST_CASE("a body with an energy in modes gives way to a finger, and takes no memory for it",
-          "[session][scene]") {
+TEST_CASE("a body with an energy in modes deforms under a finger", "[session][scene]") {
   const ReducedBody ball = test::with_several(test::pressed_ball());
   ModalTables tables;
   const int V = ball.surface.vertex_count();
@@ -241,7 +240,7 @@ double mises_of(const SceneBody& body, std::size_t v) {
                    3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
 }
 
-// That the six components are those of the von Mises stress. @return the largest of that, Pa
+// Checks that the components give the von Mises stress. @return the largest von Mises stress, Pa
 double check_components(const SceneBody& body) {
   REQUIRE(body.cauchy.size() == 6 * body.von_mises.size());
   const double largest =
@@ -256,7 +255,8 @@ double check_components(const SceneBody& body) {
 
 constexpr SceneExtras kAllExtras{.components = true, .contact_pressure = true};
 
-// That it adds up to the forces of the scene's touches; of a body with sites alone none is known.
+// Checks that the pressure adds up to the forces of the scene's touches. A body with sites alone
+// has none.
 void check_contact_pressure(const FrameLoop& loop) {
   const SceneBody& body = loop.scene.bodies[0];
   if (loop.session.body(0).response.contact() != ContactKind::kAnywhere) {
@@ -272,13 +272,13 @@ void check_contact_pressure(const FrameLoop& loop) {
     sum += static_cast<double>(body.contact_pressure[v]) * areas[static_cast<Eigen::Index>(v)];
   }
   for (const Touch& touch : loop.scene.touches) force += touch.force;
-  // A touch tells the sum of forces as vectors; those round a fingertip spread, by 45 degrees of a
-  // ball in modes that it has sunk into.
+  // A touch has the sum of its forces as vectors. The forces around a fingertip diverge, by up to
+  // 45 degrees where it has sunk into the ball in modes, so the sum of their norms is larger.
   CHECK(sum >= force * (1 - 1e-3));
   CHECK(sum <= force * 1.42);
 }
 
-TEST_CASE("scenes have what is wanted of them, and nothing else differs", "[session]") {
+TEST_CASE("scenes have the extras that are kept, and nothing else differs", "[session]") {
   ModalTables modal;
   const ReducedBody ball = test::with_several(test::pressed_ball());
   const int V = ball.surface.vertex_count();
@@ -330,7 +330,7 @@ TEST_CASE("at rest the components are those of the preload", "[session]") {
   const ReducedBody body = test::DentedSphere{}.body();
   TouchTables tables = test::yielding_tables(body.surface);
   tables.shell.preload.setZero();
-  tables.shell.preload.row(2) = 0.01 * tables.shell.stress_free.row(2);  // pulled along z
+  tables.shell.preload.row(2) = 0.01 * tables.shell.stress_free.row(2);  // stretched along z
   FrameLoop loop = value_or_throw(FrameLoop::make(TouchableBody(body, tables), sphere_pose(),
                                                   depth_format(), kEverythingPresses));
   loop.session.keep(kAllExtras);
@@ -410,13 +410,13 @@ TEST_CASE("a scene that was kept stays as it was", "[session]") {
   CHECK_FALSE(kept.bodies[0].vertices == loop.scene.bodies[0].vertices);
 }
 
-// Frames in which nothing but the room is seen: so many make its place free.
+// Frames in which only the room is seen: enough for the finger's place to be known as free.
 constexpr int kBefore = 40;
 
-// A thing is believed in the third frame in which it is seen, and pressed with from then on.
-constexpr int kUntilBelieved = 3;
+// An obstacle presses from the third frame on in which it is seen.
+constexpr int kUntilItPresses = 3;
 
-TEST_CASE("what was there when the body was anchored does not press it, unless that is asked for",
+TEST_CASE("a thing that was there when the body was anchored presses it only with press_static",
           "[session][presses]") {
   // The finger rests in the body from the first frame on.
   FrameLoop everything = make_loop({.press_static = true});
@@ -425,12 +425,12 @@ TEST_CASE("what was there when the body was anchored does not press it, unless t
   for (int n = 0; n < 60; ++n) { CHECK(loop.process(frame_with_finger(n, 0.010)).touches.empty()); }
 }
 
-TEST_CASE("what comes after the body was anchored presses it, and leaves it at once",
+TEST_CASE("a thing that comes after the body was anchored presses it, and releases it at once",
           "[session][presses]") {
   FrameLoop loop = make_loop({});
   int n = 0;
   for (; n < kBefore; ++n) CHECK(loop.process(frame_with_finger(n, -0.3)).touches.empty());
-  for (int k = 1; k < kUntilBelieved; ++k) loop.process(frame_with_finger(n++, 0.010));
+  for (int k = 1; k < kUntilItPresses; ++k) loop.process(frame_with_finger(n++, 0.010));
   CHECK(loop.process(frame_with_finger(n++, 0.010)).touches.size() == 1);
   const MaskImage& shows = loop.session.shows();
   CHECK(std::count(shows.begin(), shows.end(), kShowsPresser) > 100);
@@ -438,12 +438,12 @@ TEST_CASE("what comes after the body was anchored presses it, and leaves it at o
   CHECK(std::count(shows.begin(), shows.end(), kShowsPresser) == 0);
 }
 
-TEST_CASE("what was put against the body and left there goes on pressing it",
+TEST_CASE("a thing that was put against the body and left there keeps pressing it",
           "[session][presses][long]") {
   FrameLoop loop = make_loop({});
   int n = 0;
   for (; n < kBefore; ++n) CHECK(loop.process(frame_with_finger(n, -0.3)).touches.empty());
-  for (int k = 1; k < kUntilBelieved; ++k) loop.process(frame_with_finger(n++, 0.010));
+  for (int k = 1; k < kUntilItPresses; ++k) loop.process(frame_with_finger(n++, 0.010));
   for (const int end = n + 2000; n < end; ++n) {
     INFO("frame " << n);
     CHECK(loop.process(frame_with_finger(n, 0.010)).touches.size() == 1);
@@ -476,7 +476,7 @@ TEST_CASE("a frame without any depth holds the press; after a while it fades",
           "[session][presses]") {
   FrameLoop loop = make_loop();
   int n = 0;
-  for (; n < 60; ++n) loop.process(frame_with_finger(n, 0.010));  // until the filter is at rest
+  for (; n < 60; ++n) loop.process(frame_with_finger(n, 0.010));  // until the filter has settled
   REQUIRE(loop.scene.touches.size() == 1);
   const double before = loop.scene.touches[0].press_depth;
   CHECK(loop.scene.touches[0].unseen_for == 0);
@@ -495,7 +495,7 @@ TEST_CASE("a frame without any depth holds the press; after a while it fades",
   CHECK(loop.scene.touches.empty());
 }
 
-// A finger away from a body and one that presses it, seen once and answered in turn.
+// Two scenes, with a finger away from a body and one that presses it, processed in turn.
 struct AwayAndPressing {
   explicit AwayAndPressing(FrameLoop& the_loop) : loop(the_loop) {
     loop.camera.see(frame_with_finger(0, -0.3), away.seen);
@@ -527,10 +527,10 @@ TEST_CASE("contact and reconstruction allocate nothing after the first frames",
     FrameLoop loop = make_loop(settings);
     AwayAndPressing finger(loop);
     finger.respond(finger.away, kBefore);
-    finger.respond(finger.pressing, kUntilBelieved + 1);
+    finger.respond(finger.pressing, kUntilItPresses + 1);
     finger.respond(finger.away, 1);
     CHECK(test::allocations_during([&] {
-            finger.respond(finger.pressing, kUntilBelieved + 1);
+            finger.respond(finger.pressing, kUntilItPresses + 1);
             finger.respond(finger.away, 1);
           }) == 0);
     CHECK(finger.pressing.touches.size() == 1);
@@ -544,10 +544,10 @@ TEST_CASE("a scene that keeps extras takes memory for them once", "[session]") {
   loop.session.keep(kAllExtras);
   AwayAndPressing finger(loop);
   finger.respond(finger.away, kBefore);
-  finger.respond(finger.pressing, kUntilBelieved + 3);
+  finger.respond(finger.pressing, kUntilItPresses + 3);
   finger.respond(finger.away, 1);
   CHECK(test::allocations_during([&] {
-          finger.respond(finger.pressing, kUntilBelieved + 3);
+          finger.respond(finger.pressing, kUntilItPresses + 3);
           finger.respond(finger.away, 1);
           loop.session.keep({});
           finger.respond(finger.pressing, 1);
@@ -557,7 +557,7 @@ TEST_CASE("a scene that keeps extras takes memory for them once", "[session]") {
   CHECK_FALSE(finger.pressing.touches.empty());
 }
 
-TEST_CASE("every stage of a frame is timed, those of seeing too, and those of earlier frames not",
+TEST_CASE("a scene has the times of all stages of its frame, and not of earlier ones",
           "[session]") {
   FrameLoop loop = make_loop();
   loop.process(frame_with_finger(0, 0.006));
@@ -576,7 +576,7 @@ TEST_CASE("settings out of range and formats without numbers are problems, not c
                 .ok();
   };
   CHECK_FALSE(refused({}));
-  CHECK(refused({.map = false}));  // nobody would know what was there before
+  CHECK(refused({.map = false}));  // what was there before would be unknown
   CHECK_FALSE(refused({.press_static = true, .map = false}));
   SessionSettings thin;
   thin.surface.balls.most_radius = 0;
@@ -597,7 +597,7 @@ TEST_CASE("settings out of range and formats without numbers are problems, not c
   CHECK_FALSE(FrameLoop::make(test::DentedSphere{}.body(), sphere_pose(), nothing).ok());
 }
 
-TEST_CASE("the body stays where it was put in the room while the camera moves, if it is followed",
+TEST_CASE("a body keeps its pose in the room while the camera moves, if the camera is tracked",
           "[session]") {
   SessionSettings settings;
   settings.track = true;
@@ -610,15 +610,17 @@ TEST_CASE("the body stays where it was put in the room while the camera moves, i
     CHECK((scene.bodies[0].camera_from_body.translation() - sphere_pose().translation() +
            Vector3d(x, 0, 0))
               .norm() <=
-          tolerance(1.5e-3, "a third of a pixel of 250 px at 0.8 m; below 0.3 px it still stands"));
+          tolerance(1.5e-3,
+                    "a third of a pixel of 250 px at 0.8 m; less than 0.3 px counts as no motion"));
     CHECK(fixed.process(test::frame_of_wall(n, x)).bodies[0].camera_from_body.matrix() ==
           sphere_pose().matrix());
   }
   CHECK(followed.session.slam().tracker()->counts().lost == 0);
 }
 
-TEST_CASE("a session that is given poses answers as one whose camera stands, wherever the world is",
-          "[session]") {
+TEST_CASE(
+    "a session with given poses responds as one with a fixed camera, whatever the world frame",
+    "[session]") {
   Rigid3 world_from_camera = Rigid3::Identity();
   world_from_camera.linear() =
       Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
@@ -627,7 +629,7 @@ TEST_CASE("a session that is given poses answers as one whose camera stands, whe
   FrameLoop given =
       value_or_throw(FrameLoop::make(test::DentedSphere{}.body(), world_from_camera * sphere_pose(),
                                      depth_format(), SessionSettings{}));
-  const auto answer = [&](const Frame& frame, const std::optional<Rigid3>& where) {
+  const auto respond = [&](const Frame& frame, const std::optional<Rigid3>& where) {
     given.camera.see(frame, given.scene.seen);
     given.session.respond(given.scene, where);
   };
@@ -635,7 +637,7 @@ TEST_CASE("a session that is given poses answers as one whose camera stands, whe
   for (; n < kBefore + 6; ++n) {
     const Frame frame = frame_with_finger(n, n < kBefore ? -0.3 : 0.010);
     stands.process(frame);
-    answer(frame, world_from_camera);
+    respond(frame, world_from_camera);
     CHECK(given.scene.camera.state == TrackState::kTracking);
     REQUIRE(given.scene.touches.size() == stands.scene.touches.size());
     CHECK(given.scene.bodies[0].camera_from_body.isApprox(sphere_pose(), 1e-12));
@@ -644,14 +646,14 @@ TEST_CASE("a session that is given poses answers as one whose camera stands, whe
   REQUIRE(touching > 0);
   CHECK(given.scene.touches[0].press_depth ==
         Approx(stands.scene.touches[0].press_depth)
-            .margin(tolerance(2e-4, "m: voxels of the room lie otherwise")));
-  answer(frame_with_finger(n, 0.010), std::nullopt);
+            .margin(tolerance(2e-4, "m: the room's voxels have another orientation")));
+  respond(frame_with_finger(n, 0.010), std::nullopt);
   CHECK(given.scene.camera.state == TrackState::kLost);
   CHECK_THROWS_AS(make_loop({.track = true}).session.respond(given.scene, world_from_camera),
                   ContractViolation);
 }
 
-TEST_CASE("nothing presses while the camera is lost, and the mask is not given", "[session]") {
+TEST_CASE("nothing presses while the camera is lost, and the mask is empty", "[session]") {
   FrameLoop loop = make_loop({.track = true, .map = true});
   int number = 0;
   for (const double x : {0.0, 0.0, 0.01, 0.02, 0.03, 0.02, 0.01, 0.0}) {
@@ -683,7 +685,7 @@ TEST_CASE("a session knows what was in the room when the body was anchored", "[s
   CHECK(loop.session.slam().space()->is_free({0, 0, 0.4}));
 }
 
-TEST_CASE("what a camera saw before it moved in the dark is no room of the body's", "[session]") {
+TEST_CASE("what a camera saw before it moved in the dark is not the body's room", "[session]") {
   FrameLoop loop = make_loop({.track = true, .map = true});
   int number = 0;
   const auto show = [&](double z, bool dark) {
@@ -717,13 +719,13 @@ TEST_CASE("what was in the room when the body was anchored is not forgotten when
     CHECK(loop.session.anchored_scene()->blocks() > blocks / 2);
   }
   CHECK(closed >= 1);
-  // Of the walls to the right and behind the camera the map has nothing yet. What comes close
-  // before one was not there: it is remembered where the wall is. (What nobody knows counts as the
-  // room's. Of the wall to the left not everything came into the map: depths shrink while it is
-  // seen, and it seems to move.)
+  // The map has no walls to the right and behind the camera yet. A thing close in front of one was
+  // not there at first, which is remembered from before the loop was closed. (What is unknown
+  // counts as the room. The wall to the left is not used: its measured depths shrink while it is
+  // seen, so it seems to move and not all of it came into the map.)
   for (const Vector3d& out : {Vector3d(1, 0, 0), Vector3d(0, 0, -1)}) {
     INFO("towards " << out.transpose());
-    int before_wall = 0;  // of points 5 mm apart
+    int before_wall = 0;  // points, 5 mm apart
     for (double away = 1; away < 2; away += 0.005) {
       const Vector3d p = Vector3d(0, 0, -0.7) + away * out;  // from the room's middle
       REQUIRE_FALSE(loop.session.slam().map()->distance(p));

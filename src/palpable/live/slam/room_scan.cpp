@@ -12,14 +12,14 @@
 namespace palpable {
 namespace {
 
-// world_from_camera of a frame, where poses are given instead of tracked.
+// Returns world_from_camera of a frame if poses are given instead of tracked.
 using PoseOf = std::function<std::optional<Rigid3>(int index, const SeenFrame& seen)>;
 
 // One pass through a source.
-// @param depth    how frames are measured
-// @param most     frames that are read at most; -1: all
+// @param depth    settings for the depth of the frames
+// @param most     largest number of frames that are read; -1: all
 // @param pose_of  empty: the camera is tracked
-// @param again    this is the second pass: it has the first one's frames, whatever `go_on` returns
+// @param again    this is the second pass: it reads `most` frames, whatever `go_on` returns
 RoomScan play(FrameSource& source, const std::string& name, const DepthSettings& depth,
               const SlamSettings& settings, int most, const PoseOf& pose_of, bool again,
               const std::function<bool(const RoomScanStep&)>& go_on) {
@@ -109,7 +109,7 @@ RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
 }
 
 ColoredSurface surface_of(const RoomScan& scan) {
-  constexpr int kTooFewToAgree = 3;  // frames
+  constexpr int kTooFewToAgree = 3;  // fused frames up to which voxels of any weight are used
   const SurfaceMap& map = *scan.slam->map();
   return scan.slam->counts().fused <= kTooFewToAgree ? map.mesh(0) : map.mesh();
 }

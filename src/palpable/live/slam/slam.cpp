@@ -11,18 +11,19 @@
 namespace palpable {
 namespace {
 
-// s: time stamps that are meant to be evenly spaced are off by up to this much.
+// s; tolerance for time stamps that are meant to be evenly spaced.
 constexpr double kUneven = 1e-4;
 
-// Last motions: after a longer gap the camera has hardly gone on as before.
+// Largest factor by which the last motion is extrapolated after missing frames.
 constexpr double kLongestPrediction = 3;
 
-// px between the picture and where the predicted pose has it, from which on the mask is found anew.
+// px; error of the predicted pose, as a shift of the picture, above which the mask is computed again
+// with the pose that was found.
 constexpr double kMostSurprise = 4;
 
-// Whether there is a pose to learn from. Before there is a keyframe, a camera that stands has its
-// pose where the world begins. Otherwise a hand before a bare desk would be the first thing to be
-// followed.
+// Whether the frame has a pose with which the map may be updated. This includes a camera that stands
+// still before there is a keyframe, at the world's origin. Without that, the first landmarks in
+// front of a bare desk would be those on a hand.
 bool is_placed(const TrackedPose& camera) {
   return is_known(camera) || camera.state == TrackState::kStarting;
 }
@@ -38,8 +39,8 @@ Slam::Slam(const DepthCamera& camera, const SlamSettings& settings)
 
 void Slam::begin_map() {
   MovingMaskSettings moving = settings_.moving;
-  // The map's distance is that of a voxel's middle, which a point in the voxel's corner is half a
-  // diagonal away from: the mask must allow for that, and 5 mm.
+  // The map's distance refers to the middle of a voxel, from which a point in the voxel's corner is
+  // half a diagonal away. The mask's tolerance is at least that plus 5 mm.
   moving.step = std::max(moving.step, 0.5 * std::sqrt(3.0) * settings_.surface.voxel + 0.005);
   mover_.emplace(noise_, moving);
   if (map_) {
@@ -60,13 +61,13 @@ const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
   }
   {
     const StageTimer timer(times, "track");
-    // Without a keyframe the mask was found from a pose that nothing has confirmed yet: the tracker
-    // looks for its first landmarks everywhere.
+    // Before there is a keyframe, the mask was computed with an unconfirmed pose. The tracker then
+    // searches its first landmarks in the whole picture.
     const bool has_keyframe = is_known(last_camera_);
     frame_.camera = tracker_->track(tracker_frame(seen, has_keyframe ? frame_.moving : nullptr));
   }
   const StageTimer timer(times, "map");
-  // The mask was found from a predicted pose that turns out to be wrong.
+  // Discards the mask if the predicted pose turned out to be wrong.
   if (!is_placed(frame_.camera)) frame_.moving = nullptr;
   const bool has_mask = frame_.moving != nullptr || large_mask_ != nullptr;
   if (has_mask && frame_.camera.prediction_error_px > kMostSurprise) {
@@ -74,17 +75,17 @@ const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
     find_moving(seen, frame_.camera.world_from_camera);
   }
   if (frame_.camera.closed_loop && map_) {
-    frame_.moving = nullptr;  // it was found by the map that is forgotten now
+    frame_.moving = nullptr;  // it was computed with the map that is now cleared
     begin_map();
     frame_.corrections = tracker_->corrections();
-    last_camera_.state = TrackState::kLost;  // from its pose to the corrected one is no motion
+    last_camera_.state = TrackState::kLost;  // the step to the corrected pose is not a motion
   }
   if (frame_.camera.new_world && map_) begin_map();
   learn(seen);
   return frame_;
 }
 
-// world_from_camera at `time` if the camera has gone on as before.
+// world_from_camera at `time`, extrapolated from the last motion.
 Rigid3 Slam::predicted_pose(double time) const {
   const double share = last_motion_time_ > 0 ? std::clamp((time - last_time_) / last_motion_time_,
                                                           0.0, kLongestPrediction)
@@ -127,7 +128,7 @@ void Slam::find_moving(const SeenFrame& seen, const Rigid3& world_from_camera) {
   }
 }
 
-// Learns from the frame, if its pose is known and its mask can be used: motion, free space, map.
+// Updates the last motion, and free space and map if the pose is known and the mask is usable.
 void Slam::learn(const SeenFrame& seen) {
   const bool known = is_placed(frame_.camera);
   const Rigid3& world_from_camera = frame_.camera.world_from_camera;
@@ -144,7 +145,7 @@ void Slam::learn(const SeenFrame& seen) {
   last_camera_ = frame_.camera;
   ++counts_.frames;
   if (!known) ++counts_.lost;
-  if (frame_.moving == nullptr) return;  // as in each frame of a lost camera
+  if (frame_.moving == nullptr) return;  // also in each frame of a lost camera
   {
     const CpuTimer timer(counts_.mask_cpu_s);
     mover_->learn(world_from_camera);

@@ -133,7 +133,7 @@ TEST_CASE("calibrations are kept where the user's settings are, a ZED's own are 
           Folders{"/home/ada/.config/palpable", "/usr/local/zed/settings"});
   }
   const Variable config("XDG_CONFIG_HOME", nullptr);
-  const Variable nobody("HOME", nullptr);
+  const Variable no_home("HOME", nullptr);
   CHECK(calibration_folders() == Folders{"/usr/local/zed/settings"});
 }
 

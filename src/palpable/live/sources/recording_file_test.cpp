@@ -316,7 +316,7 @@ TEST_CASE("any changed bit of a recording ends it there, and never changes a fra
   CHECK(unreadable > 1000);  // most bytes belong to images
 }
 
-TEST_CASE("damage behind right checksums, lengths of exabytes among it, harms nobody",
+TEST_CASE("damage behind right checksums, such as lengths of exabytes, does no harm",
           "[sources][recording][errors]") {
   const test::ScratchFolder folder("spoilt");
   const FrameFormat format = depth_format(true);

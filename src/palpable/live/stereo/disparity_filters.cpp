@@ -8,10 +8,10 @@
 namespace palpable {
 namespace {
 
-constexpr int kLargestSum = 3 * 24;  // of costs along three paths, when nothing agrees
+constexpr int kLargestSum = 3 * 24;  // sum of the costs of three paths if all bits differ
 
-// S and d of whoever owns a right pixel, so that the better one is the smaller number: of equal S
-// the larger d, the nearer thing.
+// A claim packs S and d of a left pixel that matches a right pixel into one number, so that the
+// better claim is the smaller number; if S is equal, the one with the larger d (the nearer object).
 constexpr std::uint32_t kNobody = 0xffffffffU;
 std::uint32_t claim(int cost, int d) {
   return static_cast<std::uint32_t>(cost) << 16U | (0xffffU - static_cast<std::uint32_t>(d));
@@ -20,7 +20,8 @@ int disparity_of(std::uint32_t claim) { return static_cast<int>(0xffffU - (claim
 
 std::int16_t with_fraction(int d, int before, int cost, int after) {
   const int steep = std::max(before, after) - cost;
-  // Rounded to the nearest: steps * (before - after) / (2 steep), moved to above 0 before dividing.
+  // Rounds steps * (before - after) / (2 steep) to the nearest integer; made positive before
+  // dividing.
   const int fraction =
       steep <= 0
           ? 0
@@ -82,7 +83,7 @@ void take_lag_back(const Disparities& in, int y_begin, int y_end, Disparities& o
     const std::int16_t *above = in.row(y - kReach), *below = in.row(y + kReach);
     for (int x = 0; x < in.width(); ++x) {
       const int d = here[x], a = above[x], b = below[x];
-      // What is unknown or too close is farther away from all that is measured than a step.
+      // The marks for unknown and too close differ from all measured values by more than a step.
       const bool one =
           std::abs(a - d) <= kLagStep && std::abs(b - d) <= kLagStep && is_measured(here[x]);
       const int moved = (kLagRows_64 * (b - a) + 128) >> 8;
@@ -108,7 +109,7 @@ void SpeckleFilter::operator()(const SpeckleLimits& limits, int step, const Gray
                                Disparities& d) {
   const int width = d.width();
   const int height = d.height();
-  // As many runs as pixels at the worst.
+  // In the worst case there are as many runs as pixels.
   if (runs_.capacity() < d.size()) runs_.reserve(d.size());
   runs_.clear();
   const auto near = [step](std::int16_t a, std::int16_t b) { return std::abs(a - b) <= step; };
@@ -131,7 +132,7 @@ void SpeckleFilter::operator()(const SpeckleLimits& limits, int step, const Gray
         for (int i = x; i < end; ++i) sure += of_row[i];
       }
       runs_.push_back({x, end, y, me, end - x, sure});
-      // The runs above that share a column; the last one may reach the next run too.
+      // Visits the runs of the row above that share a column; the last may also touch the next run.
       while (above < row_begin && runs_[above].end <= x) ++above;
       const std::int16_t* up = y > 0 ? d.row(y - 1) : nullptr;
       for (std::size_t i = above; i < row_begin && runs_[i].begin < end; ++i) {

@@ -51,7 +51,7 @@ namespace palpable {
 [[gnu::always_inline]] inline void smooth_surfaces_loops(const Disparities& in, int y_begin,
                                                          int y_end, Disparities& out) {
   constexpr int kReach = 2;
-  constexpr int kChunk = 128;  // columns at a time, so that the sums stay in registers' reach
+  constexpr int kChunk = 128;  // columns at a time, so that the sums stay in the L1 cache
   const int width = in.width();
   const int height = in.height();
   std::int16_t sum[kChunk];
@@ -68,7 +68,8 @@ namespace palpable {
           const int from = std::max(begin, -i);
           const int to = std::min(end, width - i);
           for (int x = from; x < to; ++x) {
-            // Differences wrap around, but kMostDisparities keeps those to the two marks large.
+            // Differences wrap around. Because of kMostDisparities, those between a measured
+            // disparity and the marks for unknown and too close are still large.
             const auto difference = static_cast<std::uint16_t>(other[x] - here[x]);
             const auto moved = static_cast<std::uint16_t>(difference + kSmoothStep);
             const auto near = static_cast<std::uint16_t>(moved <= 2 * kSmoothStep ? 0xffff : 0);

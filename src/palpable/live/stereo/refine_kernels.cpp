@@ -1,7 +1,7 @@
-// The refinement and the filters of stereo_kernels.h for whatever vector instructions there are, by
+// The refinement and the filters of stereo_kernels.h for all available vector instructions, with
 // Google Highway: this file is compiled once for each instruction set.
 
-// AVX-512 with popcount of bytes. Has no effect after the first header of Highway.
+// Enables AVX-512 with popcount of bytes. Must precede the first header of Highway.
 #define HWY_WANT_AVX3_DL
 #include "palpable/live/stereo/refine_kernels.h"
 
@@ -14,7 +14,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpable/live/stereo/refine_kernels.cpp"
-// What each file of Highway needs first:
+// Highway requires this include before the next:
 #include <hwy/foreach_target.h>
 // clang-format off
 #include <hwy/highway.h>
@@ -30,13 +30,13 @@ static_assert(HWY_ATTAINABLE_AVX3_DL != 0,
               "HWY_WANT_AVX3_DL comes before the first header of Highway");
 #endif
 
-// The rows of sums that Refinement keeps; a row is `stride` numbers long, more than the image's W.
+// The rows of sums that Refinement needs; a row has `stride` numbers, more than the image's width.
 struct RefineMemory {
   std::size_t stride;
   std::int16_t *g, *l;  // kRefineRows rows each
   std::int16_t *column, *sum_g, *sum_l, *sum_r;
   std::int32_t *column_32, *sum_gg, *sum_gl;
-  std::int32_t *of_g, *of_r, *of_gg, *of_gr;  // of each half pixel
+  std::int32_t *of_g, *of_r, *of_gg, *of_gr;  // RefineSums of each pixel of the half image
 
   static constexpr std::size_t kRows_16 = 2 * kRefineRows + 4;
   static constexpr std::size_t kRows_32 = 3 + 4;
@@ -70,7 +70,7 @@ namespace palpable::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
-// What a processor without any of the vector instructions runs.
+// For a processor without any of the vector instructions.
 void refine(const GrayImage& left, const GrayImage& right, int y_begin, int y_end, Disparities& d,
             std::uint8_t* workspace) {
   scalar_stereo_kernels().refine(left, right, y_begin, y_end, d, workspace);
@@ -83,13 +83,14 @@ void smooth(const Disparities& in, int y_begin, int y_end, Disparities& out) {
 }
 #else
 
-// With f the fraction, sums over the window are
+// With f the fraction, the sums over the window are
 //
 //     r  = sum 64 L - ((64 - f) sum R0 + f sum R1)         R1: R one column further right
 //     gr = sum 64 g L - ((64 - f) sum g R0 + f sum g R1)
 //
-// What does not depend on d is the same for every place of the window: it is summed once per
-// column, then over kRefineColumns columns. Only sum g R0 and sum g R1 are left for each pixel.
+// All sums that do not pair L with R are computed for every window position at once: over the rows
+// of each column, then over kRefineColumns columns. Only sum g R0 and sum g R1 must be computed for
+// each pixel.
 class Refinement {
  public:
   HWY_INLINE Refinement(const GrayImage& left, const GrayImage& right, std::uint8_t* memory)
@@ -98,7 +99,7 @@ class Refinement {
   HWY_ATTR void row(int y, std::int16_t* d, int width) {
     const int top = RefineWindow::top_of(y);
     if (top < 0 || top + kRefineRows > left_.height()) return;
-    // Rows that the window before this one had too are there already.
+    // Rows that the window before this one also contained are already loaded.
     for (int v = std::max(top, next_); v < top + kRefineRows; ++v) load(v);
     next_ = top + kRefineRows;
     sum_columns(top);
@@ -123,7 +124,7 @@ class Refinement {
     std::int16_t* l = l_row(v);
     const int W = left_.width();
     for (int u = 0; u < W; ++u) l[u] = L[u];
-    g[0] = g[W - 1] = 0;  // never in a window
+    g[0] = g[W - 1] = 0;  // not part of any window
     for (int u = 1; u + 1 < W; ++u) g[u] = static_cast<std::int16_t>(L[u + 1] - L[u - 1]);
   }
 
@@ -162,7 +163,7 @@ class Refinement {
     over_columns(at_.sum_gl, column_32);
   }
 
-  // What RefineSums holds, for pixel x; zeros where it stays as it is.
+  // Computes the RefineSums of pixel x; zeros if it is not to be changed.
   HWY_INLINE void gather(int x, int y, std::int16_t d) {
     at_.of_g[x] = at_.of_r[x] = at_.of_gg[x] = at_.of_gr[x] = 0;
     if (!is_measured(d)) return;
@@ -193,8 +194,8 @@ class Refinement {
     at_.of_gr[x] = kDisparitySteps * at_.sum_gl[window.left] - gr;
   }
 
-  // RefineSums::step() for all pixels. Every product is a whole number below 2^53, so that only the
-  // quotient is rounded, as it is there.
+  // RefineSums::step() for all pixels. Every product is an integer below 2^53, so that only the
+  // quotient is rounded, as in RefineSums::step().
   HWY_ATTR void move(std::int16_t* d, int width) const {
     const hn::ScalableTag<double> df;
     const hn::Rebind<std::int32_t, decltype(df)> di;

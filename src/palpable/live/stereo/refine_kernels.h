@@ -15,7 +15,8 @@ struct RefineKernels {
   decltype(StereoKernels::smooth) smooth;
 };
 
-/// Of the instruction set that Highway has chosen, or for_each_simd_target() for the moment.
+/// The functions for the instruction set that Highway or, during its calls,
+/// for_each_simd_target() has chosen.
 [[nodiscard]] RefineKernels chosen_refine_kernels();
 
 /// Memory that `refine` needs for full images of this width.

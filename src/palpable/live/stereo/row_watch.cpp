@@ -14,16 +14,17 @@
 namespace palpable {
 namespace {
 
-constexpr int kWindowReach = 5;  // of a point's window, px
-constexpr int kSteps = 6;
-constexpr int kTries = 4;          // places in a cell, across and down, until one has texture
-constexpr double kFarthest = 2.5;  // px; a point that moves farther is lost
-constexpr double kConverged = 0.03;
-constexpr std::uint8_t kSure = 150;  // confidence of a point
-// Least eigenvalue of the window's gradient matrix, (grey levels / px)^2 per pixel: a corner.
+constexpr int kWindowReach = 5;  // px from the middle of a point's window to its sides
+constexpr int kSteps = 6;        // largest number of Gauss-Newton steps
+constexpr int kTries = 4;        // positions tried in a cell, across and down
+constexpr double kFarthest = 2.5;   // px; a point that moves farther is lost
+constexpr double kConverged = 0.03;  // px, length of the last step
+constexpr std::uint8_t kSure = 150;  // lowest confidence of a point
+// Lower limit of the smaller eigenvalue of the window's gradient matrix, (grey levels / px)^2 per
+// pixel, so that only corners are used.
 constexpr double kLeastTexture = 6;
 constexpr double kLargestResidual = 8;  // grey levels, root mean square
-constexpr double kTukey = 0.6;          // px; residuals beyond have no weight in the fit
+constexpr double kTukey = 0.6;          // px; larger residuals have no weight in the fit
 
 double sample(const GrayImage& image, double u, double v) {
   const int x = static_cast<int>(u);
@@ -56,7 +57,7 @@ RowWatch::RowWatch(const PinholeCamera& camera, const RowWatchSettings& settings
 std::optional<RowWatch::Point> RowWatch::follow(const GrayImage& left, const GrayImage& right,
                                                 int u, int v, double disparity) const {
   const double start = u - disparity;
-  const int margin = kWindowReach + 4;  // kFarthest, and a pixel to interpolate
+  const int margin = kWindowReach + 4;  // for kFarthest, and a pixel to interpolate
   if (u < margin || v < margin || u >= left.width() - margin || v >= left.height() - margin ||
       start < margin + 1 || start >= left.width() - margin - 2) {
     return std::nullopt;
@@ -76,7 +77,7 @@ std::optional<RowWatch::Point> RowWatch::follow(const GrayImage& left, const Gra
     }
   }
   mean_g /= n;
-  H -= n * mean_g * mean_g.transpose();  // the eyes may differ by a constant
+  H -= n * mean_g * mean_g.transpose();  // the images may differ by a constant
   const double trace = H.trace();
   const double least = trace / 2 - std::sqrt(std::max(trace * trace / 4 - H.determinant(), 0.0));
   if (least < kLeastTexture * n) return std::nullopt;
@@ -111,7 +112,7 @@ std::optional<RowWatch::Point> RowWatch::follow(const GrayImage& left, const Gra
 }
 
 void RowWatch::fit() {
-  // Reweighted least squares from the median on, Tukey's weights.
+  // Iteratively reweighted least squares with Tukey's weights, starting at the median.
   double pitch = error_.median_px / camera_.fy_px;
   double roll = 0;
   for (int i = 0; i < 8; ++i) {
@@ -127,7 +128,7 @@ void RowWatch::fit() {
       A += w * row * row.transpose();
       b += w * point.row_error * row;
     }
-    // Points on one side of the picture alone cannot tell the roll from the pitch.
+    // Regularisation: points on one side of the picture only cannot separate roll from pitch.
     A(1, 1) += 1e-2 * A(0, 0);
     const Eigen::Vector2d found = A.ldlt().solve(b);
     if (!found.allFinite()) break;
@@ -191,7 +192,7 @@ std::optional<EyeTilt> RowWatch::correction_due() {
   const double median = median_over_frames([](const RowError& e) { return e.median_px; });
   const EyeTilt tilt{median_over_frames([](const RowError& e) { return e.tilt.pitch; }),
                      median_over_frames([](const RowError& e) { return e.tilt.roll; })};
-  // Few points scatter: three frames in four have to be off to the same side.
+  // With few points the median scatters. So 75 % of the frames must have an error of the same sign.
   const auto agreeing = std::count_if(history_.begin(), history_.end(), [&](const RowError& e) {
     return e.median_px * median > 0 && std::abs(e.median_px) > settings_.limit_px / 2;
   });

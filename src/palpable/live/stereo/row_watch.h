@@ -1,7 +1,8 @@
 /// @file
-/// Are the eyes' rows still aligned? Half a pixel of row error halves the pixels of a desk that can
-/// be matched. So in every frame matched points are located to a fraction of a row in both images,
-/// and a small rotation of the right eye is fitted to their row differences.
+/// Detects a misalignment of the rows of the two cameras. A row error of half a pixel halves the
+/// number of a desk's pixels that can be matched. So in every frame matched points are located to a
+/// fraction of a row in both images, and a small rotation of the right camera is fitted to their row
+/// differences.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -19,13 +20,13 @@ namespace palpable {
 
 struct RowWatchSettings {
   int cell_px = 64;            ///< one point is followed in each cell of cell_px x cell_px
-  int least_points = 20;       ///< with fewer nothing is measured
+  int least_points = 20;       ///< with fewer points nothing is measured
   double limit_px = 0.04;      ///< a larger median error is corrected if most frames agree on it
-  double limit_edge_px = 0.3;  ///< so is a roll that moves the picture's side by more than this
+  double limit_edge_px = 0.3;  ///< a roll is corrected if it moves the picture's sides by more
 };
 
-/// A small rotation of the right eye that aligns its rows again: first by `roll` about Z, then by
-/// `pitch` about X, radians.
+/// A small rotation of the right camera that aligns its rows again: first by `roll` about Z, then
+/// by `pitch` about X, radians.
 struct EyeTilt {
   double pitch = 0;
   double roll = 0;
@@ -35,11 +36,11 @@ struct EyeTilt {
 /// The row error in one frame, px of the full images.
 struct RowError {
   int points = 0;
-  /// Median of v_right - v_left: positive where the right image lies lower. NaN with too few
+  /// Median of v_right - v_left: positive where the right image lies lower. NaN if there are too few
   /// points.
   double median_px = 0;
-  /// Fitted to e(u, v) = f (1 + y^2) pitch - f x roll, x = (u - cx) / f, y = (v - cy) / f: the row
-  /// error of an eye that is turned by the inverse of this.
+  /// The correction. Fitted to the row errors e(u, v) = f (1 + y^2) pitch - f x roll, with
+  /// x = (u - cx) / f and y = (v - cy) / f, which a camera has that is turned by the inverse of it.
   EyeTilt tilt;
 };
 
@@ -49,16 +50,16 @@ class RowWatch {
   /// @param camera  of the full rectified images
   RowWatch(const PinholeCamera& camera, const RowWatchSettings& settings = {});
 
-  /// Follows points from the left to the right image: Lucas and Kanade's method (1981) from the
-  /// matched place on, along rows and columns together. Along columns alone, an error of the
-  /// disparity would look like a row error wherever edges are slanted.
-  /// @param disparity   of the rectified pair, of images `factor` times smaller
-  /// @param confidence  of the same size; points are taken where it is high
+  /// Locates points of the left image in the right image with Lucas and Kanade's method (1981),
+  /// starting at the matched position, in x and y together. With y alone, an error of the disparity
+  /// would appear as a row error wherever edges are slanted.
+  /// @param disparity   of the rectified pair, for images smaller by `factor`
+  /// @param confidence  of the same size; only points with high confidence are used
   const RowError& measure(const GrayImage& left, const GrayImage& right,
                           const Disparities& disparity, const GrayImage& confidence, int factor);
 
-  /// The correction, once the median of the last kFrames frames exceeds a limit. The watch then
-  /// starts again from no frames, so the caller has to apply the correction.
+  /// The correction, if the median over the last kFrames frames exceeds a limit. The history is then
+  /// cleared, so the caller must apply the correction.
   [[nodiscard]] std::optional<EyeTilt> correction_due();
 
   [[nodiscard]] const RowError& last() const { return error_; }
@@ -70,7 +71,7 @@ class RowWatch {
   };
   std::optional<Point> follow(const GrayImage& left, const GrayImage& right, int u, int v,
                               double disparity) const;
-  // Adds the first point of a cell that can be followed, if any can.
+  // Adds the first point of a cell that can be followed, if there is one.
   void follow_one_of(const GrayImage& left, const GrayImage& right, const Disparities& disparity,
                      const GrayImage& confidence, int factor, Eigen::Vector2i corner, int cell);
   void fit();

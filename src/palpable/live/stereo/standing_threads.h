@@ -1,5 +1,5 @@
 /// @file
-/// A few threads that wait for work, for work of milliseconds in every frame.
+/// A small thread pool for parallel loops that take milliseconds in every frame.
 #pragma once
 
 #include <condition_variable>
@@ -9,7 +9,7 @@
 
 namespace palpable {
 
-/// The caller's thread and size - 1 more. Allocates no memory once it is made.
+/// Consists of the caller's thread and size - 1 more. Does not allocate after its construction.
 class StandingThreads {
  public:
   /// @param size  >= 1
@@ -20,8 +20,8 @@ class StandingThreads {
 
   [[nodiscard]] int size() const { return static_cast<int>(threads_.size()) + 1; }
 
-  /// Calls work(i) once for each i in [0, count), all threads together, and returns when all are
-  /// done. `work` must not throw.
+  /// Calls work(i) once for each i in [0, count), distributed over all threads, and returns when all
+  /// calls have returned. `work` must not throw.
   template <class Work>
   void run(int count, const Work& work) {
     run(count, &work, [](const void* w, int i) { (*static_cast<const Work*>(w))(i); });

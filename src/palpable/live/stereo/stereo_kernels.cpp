@@ -1,17 +1,20 @@
-// The matcher's census and aggregation for whatever vector instructions there are, by Google
-// Highway: this file is compiled once for each instruction set, and the best one is chosen when the
-// program runs. refine_kernels.cpp has the other loops.
+// The matcher's census and aggregation for all available vector instructions, with Google Highway:
+// this file is compiled once for each instruction set, and the best one is chosen at run time.
+// refine_kernels.cpp contains the other loops.
 //
-// A vector holds `kBlocks` blocks of 16 bytes. Each block belongs to another strip of rows, so that
-// nothing ever moves between blocks and all vector widths do the same arithmetic. In a block, lane
-// l of register j belongs to the disparity d = l R + j with R = D / 16: the neighbours d - 1 and d
-// + 1 are then whole registers, but for the first and the last register, which are shifted by one
-// lane.
+// A vector holds `kBlocks` blocks of 16 bytes. Each block belongs to a different strip of rows, so
+// that no data move between blocks and all vector widths perform the same arithmetic. In a block,
+// lane l of register j belongs to the disparity
 //
-// Shapes of the row buffers, a row at a time:
+//     d = l R + j     with R = D / 16
+//
+// so that the neighbours d - 1 and d + 1 are whole registers. Only the neighbours of the first and
+// the last register must be shifted by one lane.
+//
+// Shapes of the row buffers, for one row at a time:
 //   costs, above, sum (W x R x N) bytes, N = 16 kBlocks
 
-// AVX-512 with popcount of bytes. Has no effect after the first header of Highway.
+// Enables AVX-512 with popcount of bytes. Must precede the first header of Highway.
 #define HWY_WANT_AVX3_DL
 #include "palpable/live/stereo/stereo_kernels.h"
 
@@ -25,7 +28,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpable/live/stereo/stereo_kernels.cpp"
-// What each file of Highway needs first:
+// Highway requires this include before the next:
 #include <hwy/foreach_target.h>
 // clang-format off
 #include <hwy/highway.h>
@@ -43,7 +46,8 @@ static_assert(HWY_ATTAINABLE_AVX3_DL != 0,
 
 constexpr std::size_t kBlock = 16;  // bytes
 constexpr std::size_t kWidestVector = 64;
-constexpr std::uint8_t kNoNeighbour = 127;  // above every P2 + cost; plus P1 it still fits a byte
+// L of a disparity outside the range: larger than every P2 + cost, and with P1 it still fits a byte.
+constexpr std::uint8_t kNoNeighbour = 127;
 
 constexpr std::array<std::uint8_t, 64> byte_of_block() {
   std::array<std::uint8_t, 64> bytes{};
@@ -51,11 +55,11 @@ constexpr std::array<std::uint8_t, 64> byte_of_block() {
   return bytes;
 }
 
-// Bytes of one of census()'s five rows: a vector may read beyond the row's end, but not beyond
-// these.
+// Bytes of one of the five rows of census(), including the bytes that a vector may read beyond the
+// row's end.
 std::size_t census_stride(int width) { return width + 4 + 320; }
 
-// Where the parts of a gang's workspace begin, in bytes.
+// The offsets of the parts of a gang's workspace, bytes.
 struct Workspace {
   std::size_t costs = 0, above = 0, above_least = 0, sum = 0, left = 0, right = 0, raw = 0,
               across = 0, padded = 0, p2_along = 0, p2_down = 0, bytes = 0;
@@ -92,7 +96,7 @@ namespace palpable::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
-// What a processor without any of the vector instructions runs.
+// For a processor without any of the vector instructions.
 void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* workspace) {
   scalar_stereo_kernels().census(image, codes, workspace);
 }
@@ -103,12 +107,13 @@ void match(const MatchJob& job, int first_strip, int count, std::uint8_t* worksp
 
 // --- census ------------------------------------------------------------------------------------
 
-// One row of codes; rows[i] is row y - 2 + i, padded by 2 on the left, by more on the right.
+// Computes one row of codes; rows[i] is row y - 2 + i, padded by 2 px on the left and by more on the
+// right.
 HWY_ATTR void census_row(const std::uint8_t* const rows[5], int width, CensusCodes& codes, int y) {
   const hn::ScalableTag<std::uint8_t> d;
   const auto lanes = static_cast<int>(hn::Lanes(d));
   const auto step = hn::Set(d, static_cast<std::uint8_t>(kCensusStep));
-  // Eight neighbours for each byte, in the order in which the plain version walks.
+  // Each byte has eight neighbours, in the order of the scalar version.
   for (int x = 0; x < width; x += lanes) {
     const auto centre = hn::SaturatedSub(hn::LoadU(d, rows[2] + x + 2), step);
     int bit = 0;
@@ -140,7 +145,7 @@ HWY_ATTR void census_row(const std::uint8_t* const rows[5], int width, CensusCod
 HWY_ATTR void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* ring) {
   const int width = image.width();
   const int height = image.height();
-  // Five padded rows at a time.
+  // A ring buffer of five padded rows.
   const std::size_t stride = census_stride(width);
   const auto load = [&](int y) {
     std::uint8_t* to = ring + ((y + 5) % 5) * stride;
@@ -172,13 +177,13 @@ HWY_INLINE V least_of_block(Tag d, V v) {
   return hn::Min(v, hn::CombineShiftRightBytes<1>(d, v, v));
 }
 
-// What a step of a path needs from the pixel before.
+// The state of a path at the pixel before, which a step needs.
 template <class Tag, class V = Bytes<Tag>>
 struct Walk {
-  V previous;  // of d - 1
-  V here;      // of d
-  V last;      // of d + 1 for the last register
-  V least;
+  V previous;  // L at d - 1
+  V here;      // L at d
+  V last;      // L at d + 1 for the last register
+  V least;     // the smallest L
   V limit;  // least + P2
 
   HWY_INLINE Walk(Tag d, const std::uint8_t* path, int R, V the_least, V p2) {
@@ -190,7 +195,7 @@ struct Walk {
     least = the_least;
     limit = hn::Add(the_least, p2);
   }
-  // L of one register, `next` being the path's next register before it changes.
+  // L of one register. `next` is the next register's L of the pixel before.
   HWY_INLINE V step(V cost, V next, V p1) {
     const V sides = hn::Add(hn::Min(previous, next), p1);
     const V best = hn::Min(hn::Min(here, limit), sides);
@@ -200,7 +205,7 @@ struct Walk {
   }
 };
 
-// 16 rows of 16 bytes become 16 columns.
+// Transposes a matrix of 16 x 16 bytes.
 template <class D16, class V16>
 HWY_INLINE void transpose_16(D16 d16, V16 (&v)[16]) {
   V16 w[16];
@@ -286,8 +291,8 @@ class Gang {
     }
   }
 
-  // Codes of the rows: left_[plane][x] holds one byte for each block; lane l of right_[plane][q] is
-  // the code of the right pixel q - (R - 1) - first - l R.
+  // Loads the codes of the rows: left_[plane][x] has one byte for each block; lane l of
+  // right_[plane][q] is the code of the right pixel q - (R - 1) - first - l R.
   HWY_INLINE void load_row(int t) {
     for (std::size_t plane = 0; plane < 3; ++plane) {
       for (int b = 0; b < kBlocks; ++b) {
@@ -299,7 +304,7 @@ class Gang {
     }
     for (int b = 0; b < kBlocks; ++b) load_p2(row_of(b, t), b);
   }
-  // P2 of the steps to the row's pixels: one byte for each block.
+  // Computes P2 of the steps to the row's pixels: one byte for each block.
   HWY_INLINE void load_p2(int y, int b) {
     const GrayImage& image = *job_.image;
     const std::uint8_t* here = image.row(y);
@@ -311,7 +316,7 @@ class Gang {
       before = here[x];
     }
   }
-  // Byte b of `bytes` in all lanes of block b.
+  // Copies byte b of `bytes` to all lanes of block b.
   [[nodiscard]] HWY_INLINE V spread(const std::uint8_t* bytes) const {
     const Tag d;
     alignas(kWidestVector) static constexpr std::array<std::uint8_t, 64> kByteOfBlock =
@@ -355,7 +360,7 @@ class Gang {
   [[nodiscard]] HWY_INLINE std::size_t right_plane() const { return (W_ + R_ + kBlock) * N; }
   HWY_INLINE void spread_right(const std::uint8_t* codes, std::uint8_t* to) {
     const hn::FixedTag<std::uint8_t, 16> d16;
-    // padded_[i] is the pixel i - (D - 1) - first, the border's beyond the border.
+    // padded_[i] is the code of pixel i - (D - 1) - first, or that of the nearest border pixel.
     const int D = job_.disparities;
     const int length = W_ + D + 2 * static_cast<int>(kBlock);
     const int from = -(D - 1) - job_.first;
@@ -366,7 +371,7 @@ class Gang {
     std::memset(padded_ + end, codes[W_ - 1], length - end);
     const int count = W_ + R_ - 1;
     for (int q = 0; q < count; q += static_cast<int>(kBlock)) {
-      // q - (R-1) - l R, counted from padded_[0]: + D - 1, and D = 16 R.
+      // The index q - (R-1) - l R + D - 1 in padded_, where D = 16 R.
       hn::Vec<decltype(d16)> v[16];
       for (int l = 0; l < 16; ++l) { v[l] = hn::LoadU(d16, padded_ + q + (15 - l) * R_); }
       transpose_16(d16, v);
@@ -374,7 +379,7 @@ class Gang {
     }
   }
 
-  // Hamming distances at x into slot x % 3 of raw_.
+  // Writes the Hamming distances at x into slot x % 3 of raw_.
   HWY_INLINE void raw_costs(int x) {
     const Tag d;
     const std::size_t at = x;
@@ -395,8 +400,8 @@ class Gang {
     }
   }
 
-  // From left to right: costs, the path from above and, if the row is wanted, the path from the
-  // left and the sum of both.
+  // From left to right: computes costs, the path from above and, if the row is needed, the path from
+  // the left and the sum of both.
   template <bool kWanted>
   HWY_INLINE void forwards() {
     const Tag d;
@@ -443,7 +448,7 @@ class Gang {
     }
   }
 
-  // From right to left: the path from the right, the whole sum, and its winner.
+  // From right to left: computes the path from the right, the complete sum, and its winner.
   HWY_INLINE void backwards(int t) {
     const Tag d;
     const V p1 = hn::Set(d, static_cast<std::uint8_t>(job_.penalties.p1));
@@ -481,7 +486,7 @@ class Gang {
   HWY_INLINE void store_winners(int t, int x, V best, V which, const std::uint8_t* sum) {
     const Tag d;
     const V least = least_of_block(d, best);
-    // The smallest d of a block's equals lies in its lowest lane.
+    // If several lanes have the smallest sum, the lowest lane has the smallest d.
     alignas(kWidestVector) std::uint8_t winners[8 * ((N + 63) / 64) + 8];
     alignas(kWidestVector) std::uint8_t registers[N];
     alignas(kWidestVector) std::uint8_t costs[N];
@@ -575,7 +580,7 @@ std::vector<StereoKernels> find_kernels() {
   return kernels;
 }
 
-// Before main(): the first frame, too, allocates nothing, and no two threads choose at once.
+// Initialised before main(), so that no frame allocates and no two threads initialise it at once.
 const std::vector<StereoKernels> kKernels = find_kernels();
 
 }  // namespace

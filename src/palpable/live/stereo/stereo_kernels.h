@@ -1,5 +1,5 @@
 /// @file
-/// The inner loops of the stereo matcher: a plain version and a vectorised one that gives the same
+/// The inner loops of the stereo matcher: a scalar version and a vectorised one that gives the same
 /// bytes.
 ///
 ///   W, H  width and height of the matched images, px
@@ -11,7 +11,7 @@
 ///
 /// **Cost** of disparity d at x: the number of differing bits of left(x) and right(x - first - d),
 /// averaged over x-1, x, x+1 with weights 1 2 1 (rounded as avg(avg(c-, c+), c) with
-/// avg(a, b) = (a + b + 1) / 2). Beyond the border the border's code counts.
+/// avg(a, b) = (a + b + 1) / 2). Beyond the border, the code of the border pixel is used.
 ///
 /// **Aggregation** (semi-global matching, Hirschmueller 2008) along r = from the left, from the
 /// right and from above:
@@ -21,22 +21,22 @@
 ///     P2(p, r)  = max( p2_least, p2 - |I(p) - I(p-r)| )      I: grey levels of the left image
 ///     S(p, d)   = sum of the three L_r
 ///
-/// P2 is the price of a jump in depth, lower where the picture has an edge. With a constant P2 a
-/// ramp of P1 steps would be cheaper than the jump from a finger to the desk just behind it, and in
-/// such a ramp a touch cannot be found. At a path's start L_r = C.
+/// P2 is the cost of a jump in depth; it is lower where the picture has an edge. With a constant P2
+/// a ramp of P1 steps would be cheaper than the jump from a finger to the desk just behind it, and
+/// the position of a touch could not be found in such a ramp. At a path's start L_r = C.
 ///
-/// The picture is cut into kStrips bands of rows. The path from above starts anew kWarmUpRows above
-/// each band. So the bands are independent: they are computed in the lanes of one vector and on
-/// several threads, and the result does not depend on how many.
+/// The picture is divided into kStrips strips of rows. The path from above starts anew kWarmUpRows
+/// above each strip, so the strips are independent of each other. They are computed in the lanes of
+/// one vector and on several threads, and the result does not depend on the number of these.
 ///
 /// **Fraction of a pixel at full resolution**: at disparity d of an image of half the size, the
-/// full images differ in a window of 8 x 6 px around (2x, 2y) by r(u) = L(u) - R(u - 2d), where
-/// R is interpolated along the row. With g = dL/du the window matches best (Lucas and Kanade 1981;
-/// the images may differ by a constant) after a step of
+/// difference of the full images in a window of 8 x 6 px around (2x, 2y) is r(u) = L(u) - R(u - 2d),
+/// where R is interpolated along the row. With g = dL/du the window matches best (Lucas and Kanade
+/// 1981; the images may differ by a constant) after a step of
 ///
 ///     -cov(g, r) / (var(g) + kFlatness)       full pixels
 ///
-/// which is limited to kLongestStep: longer ones come from edges and highlights.
+/// which is limited to kLongestStep, because longer steps are caused by edges and highlights.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -51,12 +51,12 @@ namespace palpable {
 inline constexpr int kStrips = 8;
 inline constexpr int kWarmUpRows = 8;
 inline constexpr int kCensusStep = 1;
-/// Costs are at most 24, so that with this P2 a sum of three paths fits a byte.
+/// Largest P2. Costs are at most 24, so that with this P2 the sum of three paths fits a byte.
 inline constexpr int kLargestP2 = 61;
 /// Largest magnitude of a disparity: disparities and their differences fit 16 bits.
 inline constexpr int kMostDisparities = 496;
 
-inline constexpr int kDisparitySteps = 64;  ///< a disparity is a whole number of 1/64 px
+inline constexpr int kDisparitySteps = 64;  ///< disparities are integers in units of 1/64 px
 
 using Disparities = Image<std::int16_t>;
 inline constexpr std::int16_t kUnknownDisparity = INT16_MIN;
@@ -65,12 +65,12 @@ inline constexpr std::int16_t kTooCloseDisparity = INT16_MAX;
   return d != kUnknownDisparity && d != kTooCloseDisparity;
 }
 
-/// Three bytes of code per pixel, each in an image of its own (H x W).
+/// The three bytes of the pixels' census codes, each in an image of its own (H x W).
 using CensusCodes = std::array<GrayImage, 3>;
 
-/// What the aggregation found for each pixel (H x W each).
+/// The result of the aggregation for each pixel (H x W each).
 struct Winners {
-  Image<std::uint16_t> best;  ///< the d of the smallest S, the smallest such d
+  Image<std::uint16_t> best;  ///< the smallest d for which S is smallest
   GrayImage cost;             ///< S(best)
   GrayImage before;           ///< S(best - 1), 255 if there is none
   GrayImage after;            ///< S(best + 1), 255 if there is none
@@ -78,7 +78,7 @@ struct Winners {
   void resize(int width, int height);
 };
 
-/// P1, of a step of one disparity, and P2, of a jump: in bits of the census code.
+/// Costs along a path, in bits of the census code: P1 for a step of one disparity, P2 for a jump.
 struct PathPenalties {
   int p1 = 0;
   int p2 = 0;        ///< <= kLargestP2
@@ -109,11 +109,11 @@ struct StereoKernels {
   const char* name;  ///< "scalar", "SSE4", "AVX2", "AVX3" (AVX-512), "AVX3_DL" (with byte popcount)
   /// Codes of a whole image; `codes` has its size already. Workspace as below.
   void (*census)(const GrayImage& image, CensusCodes& codes, std::uint8_t* workspace);
-  /// Winners of the rows of strips first_strip .. first_strip + count - 1, and of no others.
+  /// Computes the winners in the rows of strips first_strip .. first_strip + count - 1 only.
   /// @param workspace  kernel_workspace_bytes() of memory, aligned to 64 bytes; one per thread
   void (*match)(const MatchJob& job, int first_strip, int count, std::uint8_t* workspace);
-  /// Moves the measured disparities of rows [y_begin, y_end) of an image of half the size to where
-  /// the full images match best. Pixels whose window leaves a picture are not moved.
+  /// Refines the measured disparities of rows [y_begin, y_end) of an image of half the size so that
+  /// the full images match best. Pixels whose window extends beyond a picture are not changed.
   void (*refine)(const GrayImage& left, const GrayImage& right, int y_begin, int y_end,
                  Disparities& d, std::uint8_t* workspace);
   /// median_3x3 and smooth_surfaces of disparity_filters.h.
@@ -121,23 +121,23 @@ struct StereoKernels {
   void (*smooth)(const Disparities& in, int y_begin, int y_end, Disparities& out);
 };
 
-/// What `refine` sums over a pixel's window: g = L(u+1) - L(u-1), r in 1/64 grey levels.
+/// Sums over a pixel's window in `refine`: g = L(u+1) - L(u-1), r in 1/64 grey levels.
 struct RefineSums {
   std::int64_t g = 0, r = 0, gg = 0, gr = 0;
 
   /// The step in 1/64 px of the half image.
   [[nodiscard]] int step() const;
 };
-inline constexpr int kRefineColumns = 8;  // from 2x - 3
-inline constexpr int kRefineRows = 6;     // from 2y - 2
+inline constexpr int kRefineColumns = 8;  // columns of the window, from 2x - 3 on
+inline constexpr int kRefineRows = 6;     // rows of the window, from 2y - 2 on
 
-/// Variance of a flat window, (grey levels per pixel)^2 per pixel: a window with this variance
-/// moves by half of its step.
+/// Regularisation, (grey levels per pixel)^2: in a window whose gradient has this variance the step
+/// is halved.
 inline constexpr int kFlatness = 16;
 inline constexpr int kLongestStep =
     16;  ///< 1/64 px of the half image: half a pixel of the full one
 
-/// Where the window of half pixel (x, y) lies, or `inside` false where it leaves a picture.
+/// The window of pixel (x, y) of the half image in both full images.
 struct RefineWindow {
   constexpr RefineWindow(int x, int y, std::int16_t d, int width, int height)
       : left(2 * x - 3), top(top_of(y)) {
@@ -146,19 +146,19 @@ struct RefineWindow {
     static_assert(kDisparitySteps == 64);
     right = left - whole;
     fraction = whole * kDisparitySteps - shift;
-    // One column more on each side of L for the gradient, one on the right of R to interpolate.
+    // L needs one more column on each side for the gradient, R one on the right to interpolate.
     inside = left >= 1 && left + kRefineColumns < width && right >= 0 &&
              right + kRefineColumns < width && top >= 0 && top + kRefineRows <= height;
   }
   [[nodiscard]] static constexpr int top_of(int y) { return 2 * y - 2; }
-  bool inside = false;
+  bool inside = false;  ///< false: it extends beyond a picture
   int left;          ///< first column of L
   int right = 0;     ///< first column of R
   int top;           ///< first row
   int fraction = 0;  ///< weight of R(u + 1), 1/64
 };
 
-/// Enough for each of the three at images of this width, for `refine` at pairs of it.
+/// The workspace that census, match and refine need for matched images of this width.
 [[nodiscard]] std::size_t kernel_workspace_bytes(int width, int disparities);
 
 /// Rows [begin, end) of strip s.
@@ -170,7 +170,7 @@ struct StripRows {
   return {strip * height / kStrips, (strip + 1) * height / kStrips};
 }
 
-/// The slow, obvious implementation.
+/// The straightforward, slow implementation.
 [[nodiscard]] const StereoKernels& scalar_stereo_kernels();
 /// All implementations that this processor can run, best first; the last is the scalar one.
 [[nodiscard]] std::span<const StereoKernels> stereo_kernels();

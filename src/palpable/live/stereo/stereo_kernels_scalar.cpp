@@ -1,5 +1,5 @@
-// The matcher's loops, written like the formulas of stereo_kernels.h. Tests hold the vectorised
-// ones to these.
+// The matcher's loops, written like the formulas of stereo_kernels.h. Tests compare the vectorised
+// loops with these.
 
 #include "palpable/live/stereo/disparity_filters.h"
 #include "palpable/live/stereo/stereo_kernels.h"
@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kCensusReach = 2;  // of the census window
+constexpr int kCensusReach = 2;  // px from the middle of the census window to its sides
 
 void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* /*workspace*/) {
   const int width = image.width();
@@ -64,7 +64,7 @@ void costs_of_row(const MatchJob& job, int y, Costs& raw, Costs& costs) {
   }
 }
 
-// One step of a path, between pixels whose grey levels differ by `difference`. Without `previous`
+// One step of a path, between pixels whose grey levels differ by `difference`. If `previous` is null
 // the path starts here.
 void step(const MatchJob& job, const int* cost, int difference, const int* previous, int* path) {
   const int D = job.disparities;

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int kGuardShrink = 4;
 constexpr SpeckleLimits kGuardSpeckles{8, 0};
-constexpr int kSpeckleStep = kDisparitySteps;  // neighbours of one patch differ by 1 px at most
+constexpr int kSpeckleStep = kDisparitySteps;  // largest step within a patch: 1 px
 constexpr int kGapStep = 2 * kDisparitySteps;
 
-// Memory that is aligned for vectors of every width.
+// Memory that is aligned for vectors of any width.
 class AlignedBytes {
  public:
   void at_least(std::size_t bytes) {
@@ -55,7 +55,7 @@ void shrink(const GrayImage& image, GrayImage& small) {
   }
 }
 
-// What one pass over a range needs.
+// The images of one pass over a range of disparities.
 struct Pass {
   CensusCodes left;
   CensusCodes right;
@@ -120,7 +120,8 @@ void StereoMatcher::Parts::find_winners(Pass& p, const GrayImage& left, const Gr
     kernels->census(eye == 0 ? left : right, eye == 0 ? p.left : p.right, workspaces[eye].begin());
   });
   const MatchJob job{&p.left, &p.right, &left, first, disparities, settings.penalties, &p.winners};
-  // As many strips at once as leaves work for every thread: the widest vectors hold four.
+  // The widest vectors hold four strips; with more threads fewer strips are computed at once, so
+  // that every thread has work.
   const int strips = crew.size() <= 2 ? 4 : crew.size() <= 4 ? 2 : 1;
   crew.run(kStrips / strips,
            [&](int i) { kernels->match(job, i * strips, strips, workspaces[i].begin()); });
@@ -140,13 +141,14 @@ void StereoMatcher::Parts::check(Pass& p, int first, int disparities, int left_r
   });
 }
 
-// Marks as too close where the guard finds something nearer than the range; the ring around such a
-// place becomes unknown.
+// Marks pixels as too close where the guard finds something nearer than the range. A ring of one
+// pixel of the guard around them becomes unknown.
 void StereoMatcher::Parts::mark_too_close(const GrayImage& left, const GrayImage& right,
                                           MatchedPair& out) {
   crew.run(2,
            [&](int eye) { shrink(eye == 0 ? left : right, eye == 0 ? guard_left : guard_right); });
-  // Rounded down: the smallest disparities are searched too, or they would come out too close.
+  // Rounded down, so that the guard also searches the smallest disparities of the range; otherwise
+  // such pixels could be matched wrongly as too close.
   const int first = settings.first / kGuardShrink - (settings.first % kGuardShrink < 0 ? 1 : 0) - 1;
   find_winners(guard, guard_left, guard_right, first, settings.guard_disparities);
   coarse.resize(guard_left.width(), guard_left.height());
@@ -171,7 +173,7 @@ void StereoMatcher::Parts::mark_too_close(const GrayImage& left, const GrayImage
       for (int v = kGuardShrink * y; v < kGuardShrink * (y + 1); ++v) {
         for (int u = kGuardShrink * x; u < kGuardShrink * (x + 1); ++u) {
           std::int16_t& d = out.disparity(u, v);
-          // What was measured near the end of the range agrees with the guard.
+          // Disparities near the end of the range are consistent with the guard, and are kept.
           if (is_measured(d) && d >= (end - settings.disparities / 4) * kDisparitySteps) continue;
           d = here ? kTooCloseDisparity : kUnknownDisparity;
           out.confidence(u, v) = 0;
