@@ -226,8 +226,8 @@ double covered_share(const std::vector<Points2>& views, int width, int height) {
   return cv::contourArea(hull) / (static_cast<double>(width) * height);
 }
 
-// Describes what the set of boards lacks, and the resulting uncertainty of the focal length; empty if
-// it lacks nothing.
+// Describes what the set of boards lacks, and the resulting uncertainty of the focal length; empty
+// if it lacks nothing.
 // @pre  solve() has filled `result`
 std::string weakness_of(const BoardCalibration& result, int views, const BoardLimits& limits) {
   std::vector<std::string> wanting;

@@ -49,8 +49,8 @@ struct BoardView {
                                                     const PinholeCamera& camera,
                                                     const BoardPattern& pattern);
 
-/// Mean distance between the corners of two views in px, over both images. A second view that hardly
-/// differs from the first adds nothing to a calibration.
+/// Mean distance between the corners of two views in px, over both images. A second view that
+/// hardly differs from the first adds nothing to a calibration.
 [[nodiscard]] double difference_px(const BoardView& a, const BoardView& b);
 
 /// Limits beyond which a calibration is refused.

@@ -31,8 +31,8 @@ StereoRig true_rig() {
   return rig;
 }
 
-// Tilted about an axis in the image by up to `tilt` (rad), 0.4 to 0.7 m away, its middle anywhere
-// in the middle of the picture.
+// The pose of a board that is tilted about an axis in the image by up to `tilt` (rad), 0.4 to 0.7 m
+// away, with its middle in the central part of the picture.
 Rigid3 board_pose(std::mt19937_64& random, double tilt) {
   std::uniform_real_distribution<double> unit(-1, 1);
   const double direction = 3.1416 * unit(random);
@@ -112,10 +112,10 @@ TEST_CASE("corners with a tenth of a pixel of noise give the rig to what the noi
     CHECK((found.focal_sigma > 0.001 && found.focal_sigma < 0.01));
     CHECK(std::abs(got.right_from_left.translation().norm() - 0.07) <=
           tolerance(0.0007, "one percent"));
-    // Two coordinates with a noise of 0.1 px each.
+    // The distance between two coordinates with a noise of 0.1 px each.
     CHECK(found.reprojection_px == Approx(0.141).epsilon(0.15));
     CHECK(found.row_error_px == Approx(0.141).epsilon(0.15));
-    // The true rig's own row error is the noise as well.
+    // The row error of the true rig is the noise, too.
     CHECK(value_or_throw(row_error_px(views_of(rig, 14, 0.6, 0.1, seed), rig)) ==
           Approx(0.141).epsilon(0.15));
   }
@@ -132,12 +132,12 @@ TEST_CASE("a bad calibration is refused with its reason", "[calibrate][refusal]"
   for (BoardView& seen : swapped) std::swap(seen.left, seen.right);
   CHECK(contains(refusal(swapped), "the eyes are swapped"));
 
-  auto moved = good;  // one pair where the eyes were not at the same moment
+  auto moved = good;  // in one pair the images were not taken at the same instant
   for (Vector2d& corner : moved[3].right) corner += Vector2d(14, -17);
   const std::string off = refusal(moved);
   CHECK(contains(off, "px (rms)"));
   CHECK(contains(off, "pair 3"));
-  CHECK(contains(off, "inner corners"));  // what is most often said wrong
+  CHECK(contains(off, "inner corners"));  // the most frequent mistake
 
   BoardPattern metres = kBoard;
   metres.square = 30;
@@ -155,7 +155,7 @@ TEST_CASE("weak boards are refused with the uncertainty that follows, or accepte
   const StereoRig rig = true_rig();
   BoardLimits accepting;
   accepting.accept_weak = true;
-  accepting.largest_row_error_px = 1;  // the noisy ones' is 0.83
+  accepting.largest_row_error_px = 1;  // that of the noisy boards is 0.83
   const auto good = views_of(rig, 10, 0.6, 0.05, 5);
   const auto few = std::vector<BoardView>(good.begin(), good.begin() + 4);
   const auto flat = views_of(rig, 10, 0.09, 0.05, 5);
@@ -172,7 +172,7 @@ TEST_CASE("weak boards are refused with the uncertainty that follows, or accepte
     CHECK(contains(refused, why));
     CHECK(contains(refused, "--accept"));
     const auto taken = value_or_throw(calibrate_boards(views, kBoard, kWidth, kHeight, accepting));
-    // The uncertainty is the one that the corners have: what is accepted is as wrong as it says.
+    // The stated uncertainty agrees with the actual error.
     CHECK(std::abs(taken.calibration.rig.left.pinhole.fx_px / 530 - 1) <=
           tolerance(4 * taken.focal_sigma, "four standard deviations, as it says itself"));
     CHECK(contains(taken.weakness, why));
@@ -182,7 +182,7 @@ TEST_CASE("weak boards are refused with the uncertainty that follows, or accepte
                                                percent < 1 ? 2 : 1)));
   }
   CHECK(value_or_throw(calibrate_boards(good, kBoard, kWidth, kHeight, accepting)).weakness == "");
-  // Boards that nothing is told by stay refused.
+  // Boards without any information are still refused.
   const auto two = std::vector<BoardView>(good.begin(), good.begin() + 2);
   CHECK_FALSE(calibrate_boards(two, kBoard, kWidth, kHeight, accepting).ok());
   auto swapped = few;
@@ -203,7 +203,8 @@ TEST_CASE("a board's corners are found where they are, in the same order by both
   auto found = find_board(left, right, kBoard);
   REQUIRE(found);
   const Vector3d first = left_from_board * Vector3d::Zero();
-  // 7 x 5 corners look the same upside down: either corner may be the first, but for both eyes.
+  // A board of 7 x 5 corners looks the same upside down: either corner may be the first, but it
+  // must be the same one in both images.
   const bool upside_down = (found->left.front() - rig.left.project(first)).norm() > 5;
   double worst = 0;
   for (int k = 0; k < kBoard.columns * kBoard.rows; ++k) {
@@ -232,7 +233,7 @@ TEST_CASE("one picture says where its board stands, whichever way up it is held"
     const Vector3d middle(0.5 * (kBoard.columns - 1) * kBoard.square,
                           0.5 * (kBoard.rows - 1) * kBoard.square, 0);
     const Vector3d place = camera_from_board * middle;
-    // A quarter turn more from case to case.
+    // Each case turns the board by another quarter turn.
     camera_from_board.linear() =
         camera_from_board.linear() *
         Eigen::AngleAxisd(1.5707963 * seed, Vector3d::UnitZ()).toRotationMatrix();
@@ -247,7 +248,7 @@ TEST_CASE("one picture says where its board stands, whichever way up it is held"
           tolerance(0.01, "corners of 0.1 px, 35 of them, on a board 100 px wide"));
     CHECK((R.transpose() * R - Eigen::Matrix3d::Identity()).norm() <= 1e-9);
     CHECK(R.determinant() > 0);
-    // Along a side of the board, within half a right angle of the picture's X.
+    // X is along a side of the board, and within 45 degrees of the picture's X axis.
     CHECK(R(0, 0) > 0.7);
     const double along = std::max(std::abs(R.col(0).dot(camera_from_board.linear().col(0))),
                                   std::abs(R.col(0).dot(camera_from_board.linear().col(1))));

@@ -264,7 +264,7 @@ TEST_CASE("a calibration file with bytes changed at random never gives an unsoun
       CHECK(result.problem().message.find("noise.yml") != std::string::npos);
     }
   }
-  CHECK(refused > 100);  // else the changes did not reach the reader
+  CHECK(refused > 100);  // otherwise the changes had no effect on the reader
 }
 
 }  // namespace

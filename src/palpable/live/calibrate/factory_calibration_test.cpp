@@ -58,7 +58,7 @@ TEST_CASE("a factory file is read the same under a locale with decimal commas", 
   const ScratchFolder folder("factory_locale");
   write_bytes(folder / "SN1.conf", kConf);
   const std::string before = std::setlocale(LC_ALL, nullptr);
-  // Where none is installed the case still reads the file under the default.
+  // If none is installed, the file is read under the default locale.
   for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8"}) {
     if (std::setlocale(LC_ALL, name) != nullptr) break;
   }

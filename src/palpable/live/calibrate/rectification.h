@@ -21,8 +21,8 @@ struct RectifiedGeometry {
 };
 
 /// Computes the rectification of a rig. Both eyes are turned by half of the rotation between them,
-/// and then together until the baseline is the X axis (Bouguet's method, cv::stereoRectify with zero
-/// disparity at infinity and alpha = 0: the largest picture without blank pixels). The same
+/// and then together until the baseline is the X axis (Bouguet's method, cv::stereoRectify with
+/// zero disparity at infinity and alpha = 0: the largest picture without blank pixels). The same
 /// calibration always gives the same result.
 ///
 /// Returns a problem if the rig is not valid (calibration_file.h) or there is no such picture.
@@ -48,8 +48,8 @@ class Rectification {
 
   enum class Eye { kLeft, kRight };
 
-  /// Corrects the right eye by a small rotation: from now on its rays are multiplied by `turn`. This
-  /// is needed when a rig was knocked or has become warm (row_watch.h). Takes as long as a few
+  /// Corrects the right eye by a small rotation: from now on its rays are multiplied by `turn`.
+  /// This is needed when a rig was knocked or has become warm (row_watch.h). Takes as long as a few
   /// frames.
   void turn_right(const Eigen::Matrix3d& turn);
 
@@ -62,9 +62,9 @@ class Rectification {
   /// The same directly from the YUYV pictures that cameras send (yuyv_kernels.h), without a
   /// conversion or copy: luma of either eye, and the colours of the left one.
   ///
-  /// Compared with the functions above on a picture that was converted to colours, luma differs by 1
-  /// level on average and by 4 at an edge. The reasons are that it is not rounded to colours first,
-  /// and that positions within 8 px are interpolated linearly. Where colours are clipped to
+  /// Compared with the functions above on a picture that was converted to colours, luma differs by
+  /// 1 level on average and by 4 at an edge. The reasons are that it is not rounded to colours
+  /// first, and that positions within 8 px are interpolated linearly. Where colours are clipped to
   /// 0 .. 255, this luma is more accurate.
   /// @param both  Frame::both
   /// @throws ContractViolation if its size is not that of the rig's two eyes side by side

@@ -15,8 +15,8 @@ namespace {
 
 using Eye = Rectification::Eye;
 
-// A rig like the ZED Mini of the shared data, with a few degrees more between its eyes. Not square,
-// and everything differs between left and right, so that nothing can be swapped unseen.
+// A rig like the ZED Mini of the shared data, with a few degrees more between its eyes. All numbers
+// differ between x and y and between left and right, so that any confusion is detected.
 StereoRig some_rig() {
   StereoRig rig;
   rig.left = {{320, 180, 175.0, 175.4, 162.6, 90.2}, {-0.174, 0.0278, -3e-4, -2e-4, 1e-3}};
@@ -46,7 +46,7 @@ TEST_CASE("a point lies on the same row of both rectified eyes, f T / Z apart",
     const Eigen::Vector3d x_in_left(sideways(random) * Z, sideways(random) * Z, Z);
     const Eigen::Vector3d x_in_right = rig.right_from_left * x_in_left;
     const Eigen::Vector3d x_in_rectified = g.rectified_from_left * x_in_left;
-    // The right eye looks along the same axes from the baseline's other end.
+    // The rectified right eye has the same axes and is at the other end of the baseline.
     const Eigen::Vector3d seen_from_right =
         g.rectified_from_right * x_in_right - Eigen::Vector3d(g.stereo.baseline, 0, 0);
     const Eigen::Vector2d left = camera.project(x_in_rectified);
@@ -73,15 +73,16 @@ TEST_CASE("a rig that is rectified already is left alone", "[calibrate][rectific
   CHECK((g.rectified_from_left.linear() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <=
         test::tolerance(1e-12, "the identity, up to rounding"));
   CHECK(std::abs(g.stereo.baseline - 0.063) <= test::tolerance(1e-12, "rounding"));
-  // alpha = 0 may zoom by the half pixel between OpenCV's idea of a border and the last centre.
+  // alpha = 0 may zoom by the half pixel between OpenCV's border and the centre of the last pixel.
   CHECK(std::abs(g.stereo.camera.fx_px - 175) <= test::tolerance(1.2, "one pixel in the width"));
 }
 
-// The picture of a wall at infinity: brightness is a function of the direction in the rectified
-// frame, given as the full-size rectified pixel.
+// The picture of a wall at infinity: its brightness is a function of the direction in the rectified
+// frame, expressed as the pixel of the full-size rectified image.
 double brightness(double u, double v) { return 128 + 60 * std::sin(u / 6) + 60 * std::sin(v / 5); }
 
-// What the real lens sees of it: the ray of a raw pixel is found by Newton's method on project().
+// The same wall through the distorted lens: the ray of a raw pixel is found by Newton's method on
+// project().
 ColorImage raw_picture(const DistortedCamera& lens, const Rigid3& rectified_from_raw,
                        const PinholeCamera& rectified) {
   ColorImage image(lens.pinhole.width, lens.pinhole.height);
@@ -130,7 +131,7 @@ TEST_CASE("images are warped to where the geometry says, in colour and in luma",
         worst_luma = std::max(worst_luma, std::abs(luma(x, y) - brightness(x, y)));
       }
     }
-    // Slope up to 22 grey levels a pixel.
+    // The brightness changes by up to 22 grey levels per pixel.
     CHECK(worst <= test::tolerance(2.5,
                                    "tables of 1/32 px: 0.35; linear interpolation: 0.6; two "
                                    "roundings to bytes: 1; half a pixel off gives 11"));
@@ -172,7 +173,8 @@ TEST_CASE("a rig that cannot be rectified is a problem with a reason",
   CHECK_THROWS_AS(rectified_geometry(mirrored), ContractViolation);
   CHECK_THROWS_AS(Rectification(mirrored), ContractViolation);
 
-  // Below 0, 1 + 3 k1 r^2 turns negative inside the picture; above, nothing is left to zoom to.
+  // With k1 < 0, 1 + 3 k1 r^2 becomes negative inside the picture; with k1 > 0, no part without
+  // blank pixels is left.
   for (const double k1 : {-0.5, -1.0, -50.0, 5.0, 1000.0}) {
     INFO("k1 = " << k1);
     StereoRig folded = some_rig();

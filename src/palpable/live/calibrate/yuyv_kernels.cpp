@@ -1,11 +1,11 @@
-// Compiled once for each set of vector instructions. All numbers are integers, so that every version
-// gives the same result.
+// Compiled once for each set of vector instructions. All numbers are integers, so that every
+// version gives the same result.
 //
 // Eight pixels of a row, a step, lie on a straight line in the raw picture, nearly along its rows.
 // All pixels that they need are among 16 pixels of two or three rows, which are loaded as whole
 // vectors and selected by a shuffle. (Gather instructions take three times as long on processors
-// with a mitigation against leaks of gathered data.) Steps that need more are computed by the scalar
-// version.
+// with a mitigation against leaks of gathered data.) Steps that need more are computed by the
+// scalar version.
 
 #include "palpable/live/calibrate/yuyv_kernels.h"
 
@@ -71,7 +71,9 @@ int on_line(const std::int32_t* ends, int i) { return ends[0] + (((ends[1] - end
 int pair_on_line(const std::int32_t* ends, int i) {
   return ends[0] + (((ends[1] - ends[0]) * (4 * i + 1)) >> 4);
 }
-int pair_position(const std::int32_t* ends, int i) { return (pair_on_line(ends, i) - kOne / 2) >> 1; }
+int pair_position(const std::int32_t* ends, int i) {
+  return (pair_on_line(ends, i) - kOne / 2) >> 1;
+}
 
 // The pixel before a coordinate, and the share of the next one: 0 .. 1 << bits.
 struct Between {
@@ -393,7 +395,7 @@ const std::vector<YuyvKernels> kKernels = all_kernels();
 std::span<const YuyvKernels> yuyv_kernels() { return kKernels; }
 
 void WarpGrid::resize(int width_px, int height_px) {
-  PALPABLE_EXPECT(width_px >= 2 && height_px >= 2, "a picture has pixels to lie between");
+  PALPABLE_EXPECT(width_px >= 2 && height_px >= 2, "a picture has at least 2 x 2 pixels");
   width = width_px;
   height = height_px;
   columns = (width + kStep - 1) / kStep + 1;

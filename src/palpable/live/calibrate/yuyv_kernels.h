@@ -1,6 +1,6 @@
 /// @file
-/// Warps a camera's YUYV picture without converting it first: luma and colour of one eye. There is a
-/// scalar version and one for each set of vector instructions; all give the same bytes.
+/// Warps a camera's YUYV picture without converting it first: luma and colour of one eye. There is
+/// a scalar version and one for each set of vector instructions; all give the same bytes.
 ///
 ///   w, h  size of the eye's picture and of the warped one, px
 #pragma once
@@ -15,9 +15,9 @@
 
 namespace palpable {
 
-/// The positions of a warped picture's pixels in the raw one: stored for every eighth column of each
-/// row, linear between. (The second derivative of a lens's distortion is at most 0.002 px per px^2,
-/// so the error of the interpolation is at most 0.02 px.)
+/// The positions of a warped picture's pixels in the raw one: stored for every eighth column of
+/// each row, linear between. (The second derivative of a lens's distortion is at most 0.002 px per
+/// px^2, so the error of the interpolation is at most 0.02 px.)
 struct WarpGrid {
   static constexpr int kStep = 8;  ///< px
   static constexpr int kOne = 1 << 16;
@@ -36,7 +36,7 @@ struct WarpGrid {
 
   int width = 0;                ///< px, >= 2
   int height = 0;               ///< px, >= 2
-  int columns = 0;              ///< stored columns, so many that each pixel lies between two
+  int columns = 0;              ///< stored columns; each pixel lies between two
   std::vector<std::int32_t> x;  ///< (height x columns) px times kOne; may be outside the picture
   std::vector<std::int32_t> y;
   std::vector<Step> steps;  ///< (height x columns), the last of each row unused

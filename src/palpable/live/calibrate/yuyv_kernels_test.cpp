@@ -24,7 +24,7 @@ YuyvImage noise(int pairs, int height, unsigned seed) {
   return image;
 }
 
-// A picture that is turned, stretched and reaches beyond the raw one on all sides.
+// A grid that rotates and stretches, and extends beyond the raw picture on all sides.
 WarpGrid some_grid(int width, int height, const YuyvEye& eye) {
   WarpGrid grid;
   grid.resize(width, height);
@@ -82,7 +82,7 @@ TEST_CASE("where nothing is warped, luma is that of the pixels, up to the border
   }
 }
 
-// As bench/live and most cameras make it.
+// Converts colours to YUYV as bench/live and most cameras do.
 YuyvImage yuyv_of(const ColorImage& left, const ColorImage& right) {
   YuyvImage both(left.width(), left.height());
   const auto byte = [](double x) {

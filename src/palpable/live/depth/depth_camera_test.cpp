@@ -25,7 +25,7 @@ RectifiedStereo small_stereo(double doffs_px = 0) {
   return {{kWidth, kHeight, 175, 175, 159.5, 89.5}, 0.063, -doffs_px};
 }
 
-// Smooth random brightness over a plane's coordinates, in units in which a pixel is about 1: four
+// Smooth random brightness as a function of a plane's coordinates, in units of about a pixel: four
 // octaves of value noise, the finest 2 px wide, so that it can be matched and interpolated.
 class Texture {
  public:
@@ -57,7 +57,7 @@ class Texture {
   std::array<double, 128 * 128> lattice_{};
 };
 
-// A plane n . x = 1 / depth on the axis, seen by both eyes; its brightness is fixed to the plane.
+// A plane that both eyes see; its brightness is fixed to the plane.
 struct Plane {
   double depth;    // m, where the left eye's axis meets it
   double slope_x;  // dZ/dX
@@ -240,8 +240,8 @@ TEST_CASE("a disparity at infinity that is not zero is taken off", "[depth][Sec3
 }
 
 TEST_CASE("a raw rig gives the depth of its rectified frame", "[depth][Sec3.3]") {
-  // Without distortion or rotation, but with another focal length than the rectified picture's:
-  // the chain must use the rectified numbers throughout.
+  // The rig has no distortion or rotation, but its focal length differs from that of the rectified
+  // picture, which all computations must use.
   StereoRig rig;
   rig.left.pinhole = rig.right.pinhole = small_stereo().camera;
   rig.right_from_left.translation().x() = -0.063;
@@ -302,7 +302,7 @@ TEST_CASE("what the right eye cannot see has no depth", "[depth]") {
   int guessed = 0;
   for (int y = 0; y < seen.depth.height(); ++y) {
     for (int x = 0; x < 21; ++x) {
-      // A guess at the plane's own depth, which has its partner outside of the right image.
+      // A pixel of the plane whose partner is outside the right image.
       if (std::abs(seen.depth(x, y) - 0.25F) < 0.01F) ++guessed;
     }
   }
@@ -335,7 +335,7 @@ TEST_CASE("two eyes that see different things agree on little", "[depth]") {
   camera.see(frame, seen);
   const auto known =
       std::count_if(seen.depth.begin(), seen.depth.end(), [](float Z) { return !std::isnan(Z); });
-  // The left-right check and the speckle filter leave chance agreements only.
+  // Only chance agreements pass the left-right check and the speckle filter.
   CHECK(static_cast<double>(known) <= 0.3 * static_cast<double>(seen.depth.size()));
 }
 
@@ -344,7 +344,7 @@ TEST_CASE("depths are positive and no farther than asked, or unknown", "[depth][
   auto camera =
       value_or_throw(DepthCamera::make(format_of(stereo), {.nearest = 0.2, .farthest = 0.45}));
   SeenFrame seen;
-  // The plane crosses both ends of the range.
+  // The plane extends beyond both ends of the range.
   camera.see(frame_of({0.3, 0.9, 0.0}, stereo, 5), seen);
   int known = 0;
   for (const float Z : seen.depth) {
@@ -404,9 +404,10 @@ TEST_CASE("depth of a sensor beside the colour's comes out in the colour's view"
   camera.see(frame, seen);
   CHECK(seen.color == frame.left);
   CHECK(seen.camera == format.color_sensor->camera);
-  // What was 0.9 m from the depth camera is 1 m from the colour camera.
+  // A depth of 0.9 m from the depth camera is 1 m from the colour camera.
   CHECK(seen.depth(20, 10) == Approx(1.0).epsilon(1e-6));
-  // The unknown pixel: -0.5 / 110 x 0.9 m beside the axis, 25 mm to the left of it at 1 m, f = 100.
+  // The unknown pixel is -0.5 / 110 x 0.9 m from the axis, and 25 mm to the left of it at 1 m, with
+  // f = 100 px.
   CHECK(std::isnan(seen.depth(29, 19)));
   CHECK(seen.depth(32, 19) == Approx(1.0).epsilon(1e-6));
   CHECK(test::allocations_during([&] { camera.see(frame, seen); }) == 0);
@@ -437,7 +438,7 @@ TEST_CASE("a frame of another size has no depth, and the next one is as good as 
   for (const auto& [width, height] : {std::pair{0, 0}, std::pair{kWidth, kHeight - 1}}) {
     Frame bad = good;
     bad.right = ColorImage(width, height);
-    SeenFrame seen = first;  // nothing of it stays
+    SeenFrame seen = first;  // its content must be replaced
     camera.see(bad, seen);
     CHECK((seen.left.empty() && seen.left_half.empty() && seen.right.empty()));
     REQUIRE(seen.depth.width() == kWidth / 2);
@@ -507,7 +508,7 @@ TEST_CASE("a first frame whose rows are far off, or whose eyes are swapped, says
       camera.see(frame, seen);
       const auto first = seen.misfit;
       camera.see(frame, seen);
-      CHECK_FALSE(seen.misfit);  // it was said
+      CHECK_FALSE(seen.misfit);  // reported only in the first frame
       return first;
     };
     INFO((full ? "full" : "half") << " resolution");
@@ -557,7 +558,7 @@ TEST_CASE("a camera whose eyes are turned is right again within a second", "[dep
 
 TEST_CASE("rows that are too far off to be matched are found again, however far away all is",
           "[depth][rows]") {
-  // The wall stands at 55 m for this rig, which sees it 0.4 px from infinity, and beyond 20 m.
+  // The wall is at 55 m for this rig, 0.4 px from infinity and beyond its limit of 20 m.
   RectifiedStereo stereo = test::tilted_stereo();
   stereo.disparity_at_infinity_px = test::kTiltedDisparity - 0.4;
   const FrameFormat format = format_of(stereo);
@@ -583,7 +584,7 @@ TEST_CASE("rows that are too far off to be matched are found again, however far 
     CHECK(first < 0.5);
     CHECK(seen.density > 0.9);
     CHECK(seen.trouble == DepthTrouble::kNone);
-    // Beyond 20 m nothing has a depth, and that is told: but the rows are right.
+    // Beyond 20 m nothing has a depth, which is reported, but the rows are aligned.
     CHECK(beyond.density < 0.05);
     CHECK(beyond.trouble == DepthTrouble::kFewDepths);
   }

@@ -47,8 +47,8 @@ class DepthRegistration {
   int height_;
   int color_width_;
   int color_height_;
-  // Z M (x, y, 1) + q = w' (u, v, 1): pixel (x, y) at depth Z lies at (u, v) of the colour image, at
-  // depth w'.
+  // Z M (x, y, 1) + q = w' (u, v, 1): pixel (x, y) at depth Z lies at (u, v) of the colour image,
+  // at depth w'.
   Eigen::Matrix3f M_;
   Eigen::Vector3f q_;
   std::vector<Corner> above_;

@@ -13,7 +13,8 @@ namespace {
 
 using test::tolerance;
 
-// Two sensors as a Kinect's, of other sizes: 40 mm apart, turned, one lens longer.
+// Two sensors like those of a Kinect, with different sizes and focal lengths, 40 mm apart and
+// turned.
 const PinholeCamera kDepth{120, 90, 110, 112, 58, 46};
 ColorSensor beside() {
   ColorSensor color{{100, 80, 95, 93, 52, 37}, Rigid3::Identity()};
@@ -39,7 +40,8 @@ TEST_CASE("a plane's depth in the colour view is the plane's, without holes",
   const ColorSensor color = beside();
   const Rigid3 depth_from_color = color.color_from_depth.inverse();
   DepthRegistration registration(kDepth, color);
-  // Faced, then slanted so that the colour camera sees it larger (more pixels than were measured).
+  // A frontal plane, then a slanted one that appears larger to the colour camera, with more pixels
+  // than were measured.
   for (const Eigen::Vector3d& n :
        {Eigen::Vector3d(0, 0, 1.25), Eigen::Vector3d(-1.1, 0.4, 1.1), Eigen::Vector3d(0, 1.2, 1)}) {
     INFO("plane " << n.transpose());
@@ -82,7 +84,8 @@ TEST_CASE(
     "what stands before something hides it in the colour view; what the depth did not see "
     "is unknown",
     "[depth][registration]") {
-  // 50 mm to the right, one lens: what is 0.5 m away moves 10 px to the left, what is 2 m 2.5 px.
+  // The colour camera is 50 mm to the right with the same focal length: points at 0.5 m move by
+  // 10 px to the left, points at 2 m by 2.5 px.
   const PinholeCamera camera{100, 20, 100, 100, 49.5, 9.5};
   ColorSensor color{camera, Rigid3::Identity()};
   color.color_from_depth.translation() << -0.05, 0, 0;
@@ -117,7 +120,7 @@ TEST_CASE("unknown depths stay unknown and one by itself is left out", "[depth][
   depth(12, 12) = -1.0F;
   registration.to_color(depth, found);
   for (const float Z : found) CHECK(std::isnan(Z));
-  // Behind the colour camera: seen by nobody.
+  // Behind the colour camera: not visible.
   ColorSensor before{camera, Rigid3::Identity()};
   before.color_from_depth.translation() << 0, 0, -2;
   std::fill(depth.begin(), depth.end(), 1.5F);

@@ -16,11 +16,11 @@ struct DepthSettings {
   /// 720p pair (f = 700 px, T = 63 mm). If a thing is closer, matching does not leave a hole but
   /// gives a wrong, large depth. kCensus guards against that, kOpenCv does not.
   double nearest = 0.12;
-  /// Largest depth, m; depths beyond are unknown. Nothing: 20 m, or for a stereo rig the depth whose
-  /// disparity is 12 px of the full images, if that is larger. That gives 20 m for a rig of 63 mm at
-  /// 720p (where half a pixel is 25 % of the depth), and 32 m for a car's rig of 537 mm. Even a good
-  /// calibration has an error of 0.1 px, which at 12 px is 1 % of the depth, and 1 % of the path
-  /// length of a camera that is tracked by such depths.
+  /// Largest depth, m; depths beyond are unknown. Nothing: 20 m, or for a stereo rig the depth
+  /// whose disparity is 12 px of the full images, if that is larger. That gives 20 m for a rig of
+  /// 63 mm at 720p (where half a pixel is 25 % of the depth), and 32 m for a car's rig of 537 mm.
+  /// Even a good calibration has an error of 0.1 px, which at 12 px is 1 % of the depth, and 1 % of
+  /// the path length of a camera that is tracked by such depths.
   std::optional<double> farthest = std::nullopt;
   /// Match stereo at full resolution instead of half: for scenes, small images and benchmarks.
   /// Takes about 6 times as long.

@@ -7,7 +7,7 @@
 namespace palpable {
 
 void use_image_threads(int threads) {
-  PALPABLE_EXPECT(threads >= 1, "somebody has to do the work");
+  PALPABLE_EXPECT(threads >= 1, "there is at least one thread");
   cv::setNumThreads(threads);
 }
 

@@ -1,7 +1,7 @@
 /// @file
-/// Checks whether two images fit the calibration that rectified them. A calibration can be valid and
-/// still belong to another camera or to swapped images. Then hardly a pixel is matched, and without
-/// this check the user would not know the reason.
+/// Checks whether two images fit the calibration that rectified them. A calibration can be valid
+/// and still belong to another camera or to swapped images. Then hardly a pixel is matched, and
+/// without this check the user would not know the reason.
 #pragma once
 
 #include "palpable/common/geometry/image.h"

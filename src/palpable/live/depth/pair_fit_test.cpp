@@ -11,7 +11,7 @@ namespace {
 constexpr int kWidth = 200;
 constexpr int kHeight = 120;
 
-// A textured wall, `disparity` px nearer than infinity, whose right image lies `rows` lower.
+// A textured wall at a disparity of `disparity` px; the right image is lower by `rows` px.
 struct Pair {
   GrayImage left, right;
 };

@@ -16,7 +16,8 @@ namespace palpable {
 /// images', or the full one with settings.full_resolution or for images up to full_up_to_px.
 class StereoEyes {
  public:
-  /// Returns a problem if the numbers are not a valid rig or the images are too small to be matched.
+  /// Returns a problem if the numbers are not a valid rig or the images are too small to be
+  /// matched.
   [[nodiscard]] static Result<StereoEyes> make(const FrameFormat& format,
                                                const DepthSettings& settings);
 

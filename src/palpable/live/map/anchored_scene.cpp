@@ -22,8 +22,8 @@ AnchoredScene::AnchoredScene(const SurfaceMap& map, const AnchoredSceneSettings&
           std::clamp(std::lround(settings.step * static_cast<double>(per_m_)), 1L, 127L))),
       units_(map.units()),
       table_(map.capacity()) {
-  PALPABLE_EXPECT(settings.step > 0, "a surface that is measured again is not farther back");
-  PALPABLE_EXPECT(settings.updates_per_round >= 1, "in a round every block has its turn");
+  PALPABLE_EXPECT(settings.step > 0, "the step is positive");
+  PALPABLE_EXPECT(settings.updates_per_round >= 1, "a round has at least one update");
   for (int slot = 0; slot < map.capacity(); ++slot) {
     const auto from = map.block_in(slot);
     if (!from) continue;

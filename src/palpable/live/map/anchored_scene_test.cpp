@@ -20,11 +20,11 @@ using test::tolerance;
 const PinholeCamera kCamera{320, 180, 170, 170, 165.2, 88.1};
 const DepthNoise kNoise{0, 0, 0.012};
 
-// World: Y down. A desk 0.3 m below the first camera, a wall 1.5 m before it, one 1.2 m to its
-// right.
+// World frame: Y points down. A desk is 0.3 m below the first camera, a wall 1.5 m in front of it,
+// and another 1.2 m to its right.
 constexpr double kDesk = 0.3, kWall = 1.5, kRightWall = 1.2;
 
-// Upright on the desk, 12 cm high.
+// A box. cup_at() is one that stands on the desk, 12 cm high.
 struct Box {
   Vector3d low, high;
 };
@@ -32,7 +32,7 @@ Box cup_at(double x, double z) {
   return {{x - 0.04, kDesk - 0.12, z - 0.04}, {x + 0.04, kDesk, z + 0.04}};
 }
 
-// Whether the box is met by the ray origin + t direction before `t`, which then becomes smaller.
+// Reduces t to where the ray origin + t direction meets the box, if it does so before t.
 void meet(const Box& box, const Vector3d& origin, const Vector3d& direction, double& t) {
   double in = 0, out = t;
   for (int k = 0; k < 3; ++k) {
@@ -45,7 +45,7 @@ void meet(const Box& box, const Vector3d& origin, const Vector3d& direction, dou
   if (in < out) t = in;
 }
 
-// What a camera has seen of the room; the body is anchored when anchor() is called.
+// A room with a camera, its map and its free space; anchor() anchors the body.
 struct Room {
   explicit Room(unsigned seed, int frames_to_settle = 600)
       : random(test::random_case(seed)),
@@ -68,7 +68,7 @@ struct Room {
     }
     return depth;
   }
-  // Nothing is left out of the map: as when whatever came has settled.
+  // Shows frames without a mask: objects that arrived are fused as if they had settled.
   void show(int frames) {
     for (int i = 0; i < frames; ++i) {
       const PinholeCamera rays = kCamera.scaled_down(8);
@@ -79,7 +79,7 @@ struct Room {
     }
   }
   void anchor() { scene.emplace(map); }
-  // A loop was closed: all of the room lies elsewhere than was thought.
+  // Closes a loop: the whole room moves by `step` in the world frame.
   void close_loop(const Rigid3& step) {
     scene->follow(std::vector<Correction>{{0, step}});
     map.clear();
@@ -87,7 +87,7 @@ struct Room {
     moved = step * moved;
   }
 
-  // Of the points that a frame sees on what `on` tells, the share that was there.
+  // The share of the measured points p with on(p) for which was_there() is true.
   template <class On>
   double share_there(const On& on) {
     const DepthImage depth = depth_from(kCamera);
@@ -112,25 +112,25 @@ struct Room {
   FreeSpace space;
   std::optional<AnchoredScene> scene;
   Rigid3 world_from_camera = Rigid3::Identity();
-  Rigid3 moved = Rigid3::Identity();  // takes the room to where map and scene have it
+  Rigid3 moved = Rigid3::Identity();  // from the room's frame to that of map and scene
   std::vector<Box> boxes;
   int frame = 0;
 };
 
-// Of the cup 581 px are seen clear of the desk, 73 of them at its sides and its top: there a voxel
-// may hold what is seen beside it.
+// Pixels of the cup that are not close to the desk. 73 of these 581 are at its sides and its top,
+// where a voxel may contain the distance of something beside the cup.
 constexpr double kCupPoints = 581;
 const double kAllButOutline =
     1 - tolerance(24 / kCupPoints, "a third of the outline; 15 and 11 px as measured");
 
 constexpr double kPoints = 320 * 180;
-// Of all that is seen with the cup in the room: but for its outline, 21 x 31 px.
+// Share of all points with the cup in the room, except those at its outline, 21 x 31 px.
 const double kAllButRim = 1 - tolerance(2 * (21 + 31) / kPoints, "a pixel along the outline");
 const double kAllButPoints = 1 - tolerance(3 / kPoints, "0 to 2 single points with six seeds");
 
 bool anywhere(const Vector3d&) { return true; }
 
-// Clear of the desk by more than a measured point of the desk may be.
+// Whether a point is on the cup, and so far above the desk that it cannot be a point of the desk.
 bool on_cup(const Vector3d& p) {
   return p.y() < kDesk - 0.03 && p.y() > kDesk - 0.13 && p.z() < 0.9 && std::abs(p.x()) < 0.06;
 }
@@ -165,8 +165,8 @@ TEST_CASE("a cup that is put down later was not there, also when the map has tak
     room.boxes = {cup_at(0, 0.7)};
     CHECK(room.share_there(on_cup) == 0);
     CHECK(room.share_there(beside_cup) >= kAllButRim);
-    room.show(600);  // a cell here is asked about in some of the frames only
-    // It is in the map, and nothing is free where it stands.
+    room.show(600);  // only some of the frames have a ray that ends in a given cell
+    // The map contains the cup, and its space is no longer free.
     const Vector3d front(0, kDesk - 0.1, 0.66);
     REQUIRE(room.map.distance(front).has_value());
     REQUIRE(std::abs(*room.map.distance(front)) < 0.02);
@@ -226,14 +226,14 @@ TEST_CASE("what is remembered follows when a loop is closed, and what had come h
   const Rigid3 step = Eigen::Translation3d(0.113, -0.026, 0.055) *
                       Rigid3(Eigen::AngleAxisd(0.1, Vector3d(0.6, 0.8, 0)));
   room.close_loop(step);
-  // Before the camera has seen anything since, and when the map has all of it again.
+  // Without new frames after the loop, with some, and when the map contains everything again.
   for (const int frames : {0, 30, 300}) {
     INFO(frames << " frames");
     room.show(frames);
     CHECK(room.share_there(on_cup) == 0);
     CHECK(room.share_there(beside_cup) >= kAllButRim);
     CHECK(room.scene->blocks() <
-          2 * blocks);  // a surface lies in two where it lay in one; 1.6 as measured
+          2 * blocks);  // a surface in one block can move into two; 1.6 as measured
   }
   room.boxes.clear();
   room.show(300);
@@ -259,8 +259,8 @@ TEST_CASE("what is taken away after a loop was closed, and comes back, was not t
 
 TEST_CASE("each block follows the keyframe by which it was placed, and the older one counts",
           "[map][anchored]") {
-  // The left half of the picture shows a wall by the first keyframe, the right half one 0.2 m
-  // farther by the twelfth frame.
+  // The left half of the picture shows a wall that is placed by the first keyframe. The right half
+  // shows one 0.2 m farther, placed by the keyframe of frame 12.
   SurfaceMap map(kNoise);
   FreeSpace space(kNoise);
   AnchoredScene scene(map);
@@ -281,14 +281,13 @@ TEST_CASE("each block follows the keyframe by which it was placed, and the older
   scene.follow(std::vector<Correction>{{0, by(0, 0)}, {10, by(0.1, 0.1)}, {20, by(0, 0.3)}});
   CHECK((lies_at(-0.2, 0.805) && lies_at(0.3, 1.105)));
   CHECK_FALSE(lies_at(0.2, 1.005));
-  // One before the other, with 20 mm left.
+  // Now the second wall is moved in front of the first, to within 20 mm.
   scene.follow(std::vector<Correction>{{0, by(0, 0)}, {10, by(-0.5, -0.28)}});
   CHECK(lies_at(-0.2, 0.805));
   CHECK_FALSE(lies_at(-0.2, 0.825));
 }
 
-TEST_CASE("nothing is known of space that nobody has looked at: it is the room's",
-          "[map][anchored]") {
+TEST_CASE("space that was never in view belongs to the room", "[map][anchored]") {
   Room room(7);
   room.anchor();
   CHECK(room.scene->was_there({0, 0, 1}, 0.015, room.space));
@@ -296,8 +295,7 @@ TEST_CASE("nothing is known of space that nobody has looked at: it is the room's
   CHECK(room.scene->was_there(Vector3d::Constant(std::nan("")), 0.015, room.space));
 }
 
-TEST_CASE("asking takes no memory, and the answers one by one are the reader's",
-          "[map][anchored]") {
+TEST_CASE("queries do not allocate, and single queries agree with the reader", "[map][anchored]") {
   Room room(8);
   room.show(30);
   room.anchor();
@@ -318,7 +316,7 @@ TEST_CASE("asking takes no memory, and the answers one by one are the reader's",
                  : 0;
   }
   CHECK(there == again);
-  // 0.3 mm from point to point, to the desk at the last: those within 15 mm of it.
+  // The points are 0.3 mm apart and the last is on the desk: those within 15 mm of it were there.
   CHECK(std::abs(0.0003 * there - 0.015) <=
         tolerance(0.0053, "half a voxel of 10 mm, and a step of the points"));
 }

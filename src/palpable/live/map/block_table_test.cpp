@@ -9,7 +9,7 @@ namespace palpable {
 namespace {
 
 TEST_CASE("a table finds what was put in and not taken out", "[map][block_table]") {
-  // Full most of the time, so that keys stand in each other's way and what is removed leaves gaps.
+  // The table is full most of the time, so that keys collide and removals leave gaps.
   constexpr int kCapacity = 100;
   BlockTable table(kCapacity);
   std::unordered_map<std::uint64_t, int> expected;
@@ -44,27 +44,27 @@ TEST_CASE("a table finds what was put in and not taken out", "[map][block_table]
   CHECK(refused > 1000);
 }
 
-TEST_CASE("what is remembered of a block is asked for once", "[map][block_table]") {
+TEST_CASE("the address of a remembered block is looked up only once", "[map][block_table]") {
   RecentBlocks<const int> recent;
   const int block = 7;
-  int asked = 0;
+  int calls = 0;
   const auto find = [&] {
-    ++asked;
+    ++calls;
     return &block;
   };
   const std::uint64_t key = BlockTable::key_of(-3, 0, 12);
   CHECK(recent.of(key, find) == &block);
   CHECK(recent.of(key, find) == &block);
-  CHECK(asked == 1);
-  // What is not there is remembered as well.
+  CHECK(calls == 1);
+  // A null address is remembered, too.
   const std::uint64_t other = BlockTable::key_of(4, 5, 6);
   const auto none = [&]() -> const int* {
-    ++asked;
+    ++calls;
     return nullptr;
   };
   CHECK(recent.of(other, none) == nullptr);
   CHECK(recent.of(other, none) == nullptr);
-  CHECK(asked == 2);
+  CHECK(calls == 2);
 }
 
 }  // namespace

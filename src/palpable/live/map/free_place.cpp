@@ -10,10 +10,10 @@
 namespace palpable {
 namespace {
 
-constexpr double kGridCell = 0.01;  // m
-constexpr double kReach = 2;        // m from plane.middle to the sides of the grid
-constexpr double kMargin = 0.015;   // m around and above the body that must be free
-constexpr double kFlat = 0.01;      // m; points that are lower than this belong to the plane
+constexpr double kGridCell = 0.01;   // m
+constexpr double kReach = 2;         // m from plane.middle to the sides of the grid
+constexpr double kMargin = 0.015;    // m around and above the body that must be free
+constexpr double kFlat = 0.01;       // m; points that are lower than this belong to the plane
 constexpr double kSigmas = 3;        // sigma of the depth, added to kFlat
 constexpr double kSeenShare = 0.85;  // share of the plane below a body that must be measured
 constexpr int kSamplesInRow = 400;   // approximate samples in a row of the picture
@@ -118,7 +118,7 @@ std::optional<Eigen::Vector3d> free_place_on(const Plane& plane, const DepthImag
   PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
                   "the depth is the camera's");
   PALPABLE_EXPECT(body.radius >= 0 && body.radius <= kReach / 2 && body.height >= 0,
-                  "a body has a size, and stands on a desk");
+                  "a body's radius is 0 to 1 m and its height is not negative");
   const PlaneGrid grid(plane, depth, camera, noise, body.height);
   if (grid.is_free(grid.place_of(plane.middle), body.radius, kSeenShare)) return plane.middle;
   const Eigen::Vector2d middle(0.5 * (camera.width - 1), 0.5 * (camera.height - 1));

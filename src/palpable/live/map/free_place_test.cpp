@@ -21,7 +21,7 @@ struct Ball {
   double radius;
 };
 
-// Z of a ray at which it meets a ball; infinite where it does not.
+// Z at which a ray meets a ball; infinite if it does not.
 double depth_of(const Ball& ball, const Vector3d& ray) {
   const double a = ray.squaredNorm(), b = ray.dot(ball.middle);
   const double c = ball.middle.squaredNorm() - ball.radius * ball.radius;
@@ -82,7 +82,7 @@ TEST_CASE("a body stands in the middle of an empty desk, and beside what stands 
               kBody.radius + ball.radius -
                   test::tolerance(0.01, "m, a cell; its back is not seen"));
       }
-      CHECK((*place - plane.middle).norm() < 0.3);  // and no farther away than it has to be
+      CHECK((*place - plane.middle).norm() < 0.3);  // and not farther away than necessary
     }
   }
 }
@@ -90,12 +90,12 @@ TEST_CASE("a body stands in the middle of an empty desk, and beside what stands 
 TEST_CASE("what is too high for the body, lies below the desk or is out of sight is no place",
           "[map][free_place]") {
   const Plane plane = desk_plane({0.05, -0.7, -0.7});
-  // A lamp that hangs above the middle leaves its place free.
+  // A lamp that hangs above the body's height does not block the middle.
   const Ball lamp{plane.middle + 0.25 * plane.normal, 0.02};
   const auto below = free_place_on(plane, desk(plane, {lamp}, 1), kCamera, kNoise, kBody);
   REQUIRE(below);
   CHECK((*below - plane.middle).norm() < 0.1);
-  // A desk full of things has none, nor has one that is not seen.
+  // There is no position on a desk that is full of things, or on one that is not visible.
   std::vector<Ball> many;
   for (int j = -12; j <= 12; ++j) {
     for (int i = -12; i <= 12; ++i) many.push_back(on(plane, {0.1 * i, 0.1 * j, 0}, 0.03));

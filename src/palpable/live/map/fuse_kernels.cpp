@@ -27,8 +27,8 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// A distance d in units is rounded as int(d + kAboveAll + 1/2) - kAboveAll: truncation of a positive
-// number gives the same result on all processors.
+// A distance d in units is rounded as int(d + kAboveAll + 1/2) - kAboveAll: truncation of a
+// positive number gives the same result on all processors.
 constexpr float kAboveAll = 32768;  // more than any distance in units
 
 float plain_fuse(const FuseFrame& f, const float* first, Voxel* voxels) {

@@ -12,7 +12,7 @@ namespace {
 const PinholeCamera kCamera{320, 180, 170, 170, 165.2, 88.1};
 const DepthNoise kNoise{0, 0, 0.012};
 
-// A wall at 1 m, seen from `x` m aside; twice, so that each voxel weighs enough.
+// Fuses a wall at 1 m, seen from `x` m aside, twice, so that each voxel has enough weight.
 void fuse_wall(SurfaceMap& map, double x) {
   Rigid3 world_from_camera = Rigid3::Identity();
   world_from_camera.translation().x() = x;
@@ -39,7 +39,7 @@ TEST_CASE("a mesh comes when the copy is complete and the frames are over, whate
   const int copying = (map.blocks() + 99) / 100;
   REQUIRE(copying > 2);
   for (int round = 0; round < 2; ++round) {
-    // The last part is followed by a look that finds nothing left, unless the blocks end there.
+    // One more call finds that no blocks are left, unless the last copied part ends at the end.
     int calls = 0;
     const MapMesh* mesh = nullptr;
     while (mesh == nullptr) {
@@ -73,7 +73,7 @@ TEST_CASE("a map may change while it is copied; what is new comes with the next 
   MapMesher mesher({.blocks_per_frame = 60, .frames_to_mesh = 1});
   fuse_wall(map, 0);
   const auto right_edge = [](const MapMesh& mesh) { return mesh.vertices.row(0).maxCoeff(); };
-  CHECK(mesher.advance(map) == nullptr);  // a part of the copy is there
+  CHECK(mesher.advance(map) == nullptr);  // a part of the map is copied
   fuse_wall(map, 1);
   const MapMesh* mesh = nullptr;
   int meshes = 0;
@@ -95,7 +95,7 @@ TEST_CASE("while the thread meshes, the map goes on growing", "[map][map_mesher]
   for (int round = 0; round < 2; ++round) {
     INFO("round " << round);
     const auto before = sorted(mesh_of(map));
-    CHECK(mesher.advance(map) == nullptr);  // all is copied: the thread is at work
+    CHECK(mesher.advance(map) == nullptr);  // all is copied: the thread is working
     fuse_wall(map, 1 + round);
     CHECK(mesher.advance(map) == nullptr);
     const MapMesh* mesh = mesher.advance(map);

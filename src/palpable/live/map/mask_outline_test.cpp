@@ -24,7 +24,7 @@ struct Picture {
       for (int x = x0; x < x1; ++x) depth(x, y) = Z;
     }
   }
-  // What is nearer than 0.5 m moves.
+  // Tiles that are nearer than 0.5 m move.
   const MaskImage& draw() {
     for (int j = 0; j < moves.height(); ++j) {
       for (int i = 0; i < moves.width(); ++i) {
@@ -41,7 +41,7 @@ struct Picture {
   Image<std::uint8_t> moves;
 };
 
-// Pixels of the mask that are on but should not be, or the other way round.
+// Number of pixels of the mask that are wrong.
 template <typename Inside>
 int wrong(const MaskImage& mask, const Inside& inside) {
   int count = 0;
@@ -55,14 +55,14 @@ int wrong(const MaskImage& mask, const Inside& inside) {
 }
 
 TEST_CASE("the mask follows the edge of the depth to the pixel", "[map][mask_outline]") {
-  // Beginning and ending in the middle of tiles; the picture's last tiles are not whole.
+  // The object begins and ends in the middle of tiles; the picture's last tiles are incomplete.
   Picture picture(161, 91);
   picture.cover(33, 21, 95, 70, 0.4F);
   const MaskImage& mask = picture.draw();
   CHECK(wrong(mask, [](int x, int y) { return x >= 33 && x < 95 && y >= 21 && y < 70; }) == 0);
 }
 
-TEST_CASE("tiles beside what moves are told", "[map][mask_outline]") {
+TEST_CASE("tiles beside moving ones are marked", "[map][mask_outline]") {
   Picture picture;
   picture.cover(32, 20, 64, 40, 0.4F);
   picture.draw();
@@ -87,13 +87,13 @@ TEST_CASE("a hole that is too wide along its row is closed along its columns",
           "[map][mask_outline]") {
   Picture picture;
   picture.cover(40, 20, 120, 80, 0.4F);
-  // Two pixels high, so that the tiles around it are at the border of nothing but it.
+  // The hole is two pixels high, so that the tiles around it are border tiles only because of it.
   for (int x = 60; x < 100; ++x) picture.cover(x, 42, x + 1, 43, kNaN);
   const MaskImage& mask = picture.draw();
   CHECK(wrong(mask, [](int x, int y) { return x >= 40 && x < 120 && y >= 20 && y < 80; }) == 0);
 }
 
-TEST_CASE("of the last mask nothing is left", "[map][mask_outline]") {
+TEST_CASE("nothing is left of the previous mask", "[map][mask_outline]") {
   Picture picture;
   picture.cover(30, 20, 90, 60, 0.4F);
   picture.draw();

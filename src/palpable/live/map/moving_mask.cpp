@@ -199,8 +199,8 @@ void MovingMask::sample_other_places(const SeenFrame& seen, int i, int j) {
   }
 }
 
-// Sets smooth_ for each 2 x 2 tiles of rows j and j1: their mean depth, or 0 if the depths differ by
-// more than noise or one is unknown. Most of a picture is smooth, and there four tiles need only
+// Sets smooth_ for each 2 x 2 tiles of rows j and j1: their mean depth, or 0 if the depths differ
+// by more than noise or one is unknown. Most of a picture is smooth, and there four tiles need only
 // one look-up.
 void MovingMask::find_smooth_squares(int j, int j1) {
   const int width = tile_depth_.width(), last = static_cast<int>(lowest_.size()) - 1;
@@ -415,9 +415,9 @@ void MovingMask::relabel_with_depth(const StaticPicture& picture, int i, int j) 
   }
 }
 
-// Whether the depth of a tile that looks like the scene is known not to be the scene's. This needs a
-// look that is as old as the picture, because a later one may be that of a new object, and a camera
-// that has stood long enough for the map to contain the scene there.
+// Whether the depth of a tile that looks like the scene is known not to be the scene's. This needs
+// a look that is as old as the picture, because a later one may be that of a new object, and a
+// camera that has stood long enough for the map to contain the scene there.
 bool MovingMask::is_borrowed(const StaticPicture& picture, int i, int j) const {
   if (&picture != &picture_ || stood_ < kToKnow || !picture.looks_as_ever(i, j)) return false;
   return tile_label_(i, j) == kMoving || picture.is_plain(i, j);

@@ -64,7 +64,7 @@ TEST_CASE("a hand where the scene was seen free moves, to the pixel", "[map][mov
   scene.learn_desk(40);
   DepthImage depth = desk(scene.random);
   cover(depth, 101, 50, 183, 121, 0.4F);
-  // A hole inside, and a strip at its left of which nothing is known.
+  // A hole inside the hand, and a strip of unknown depth at its left.
   cover(depth, 130, 70, 140, 80, kNaN);
   cover(depth, 81, 50, 101, 121, kNaN);
   const MaskImage& mask = scene.show(depth);
@@ -72,7 +72,7 @@ TEST_CASE("a hand where the scene was seen free moves, to the pixel", "[map][mov
   for (int y = 0; y < kCamera.height; ++y) {
     for (int x = 0; x < kCamera.width; ++x) {
       const bool hand = x >= 101 && x < 183 && y >= 50 && y < 121;
-      // The mask may reach into the unknown by its margin, and not further.
+      // The mask may extend into unknown pixels by its margin only.
       const bool margin = x >= 101 - scene.mover.settings().grow_px && x < 101;
       if (!margin && hand != (mask(x, y) != 0)) ++wrong;
     }
@@ -92,7 +92,7 @@ TEST_CASE("a thing that is put on the desk moves although no cell there was free
   Scene scene(3);
   scene.learn_desk(40);
   DepthImage depth = desk(scene.random);
-  // 35 mm before the desk, which is 0.6 m away there: within the margin of the free space.
+  // 35 mm in front of the desk, which is 0.6 m away there: within the margin of the free space.
   const int y0 = 164, y1 = 176;
   for (int y = y0; y < y1; ++y) {
     for (int x = 100; x < 160; ++x) depth(x, y) -= 0.035F;
@@ -115,11 +115,11 @@ TEST_CASE("what is too close to have a depth moves", "[map][moving_mask]") {
   for (int y = 40; y < 140; ++y) {
     for (int x = 80; x < 200; ++x) scene.seen.too_close(x, y) = 255;
   }
-  // Its sides lie between tiles; a margin is taken of what has no depth alone.
+  // Its sides lie between tiles; the mask only grows into pixels without a depth.
   CHECK(set(scene.show(depth)) == 120 * 100);
 }
 
-// A picture of the desk, grey, and of a hand in it.
+// Paints a grey picture of the desk, with a hand in a rectangle.
 void paint(SeenFrame& seen, std::mt19937_64& random, int x0 = 0, int y0 = 0, int x1 = 0,
            int y1 = 0) {
   std::normal_distribution<double> normal(0, 0.7);
@@ -136,7 +136,7 @@ void paint(SeenFrame& seen, std::mt19937_64& random, int x0 = 0, int y0 = 0, int
   }
 }
 
-// The desk and its picture, for long enough that both are known.
+// Shows the desk and its picture for long enough that both are known.
 void learn_picture(Scene& scene) {
   for (int i = 0; i < 40; ++i) {
     paint(scene.seen, scene.random);
@@ -148,7 +148,7 @@ TEST_CASE("what has no depth and does not look as the scene did moves", "[map][m
   Scene scene(8);
   learn_picture(scene);
   DepthImage depth = desk(scene.random);
-  // A hand without depth, and a place without depth that looks as before.
+  // A hand without depth, and a rectangle without depth that looks as before.
   cover(depth, 100, 48, 180, 120, kNaN);
   cover(depth, 220, 48, 280, 120, kNaN);
   paint(scene.seen, scene.random, 100, 48, 180, 120);
@@ -179,16 +179,16 @@ TEST_CASE("a hand that a matcher made too wide is cut to its look", "[map][movin
   CHECK(wrong <= test::tolerance(1, "px at its left border, which is 72 px long") * 72);
 }
 
-// A wall, and below it white paper, on which nothing has a depth but what is put there by cover().
+// A wall, and below it white paper without depth, except where place() sets one.
 struct Paper : Scene {
   static constexpr int kEdge = 60;           // its first row
   static constexpr int kRows = 180 - kEdge;  // whole tiles
   explicit Paper(unsigned seed) : Scene(seed), depth(kCamera.width, kCamera.height, 1.5F) {
     place(0, kCamera.width, kNaN);
   }
-  // Depth of the paper's columns x0 .. x1.
+  // Sets the depth of the paper's columns x0 .. x1.
   void place(int x0, int x1, float Z) { cover(depth, x0, kEdge, x1, kCamera.height, Z); }
-  // A frame with a hand in columns x0 .. x1 of the picture; what has a depth is the caller's.
+  // Shows a frame with a hand in columns x0 .. x1 of the picture; place() determines the depth.
   void show_paper(int x0 = 0, int x1 = 0) {
     std::normal_distribution<double> normal(0, 0.7);
     seen.left.resize(kCamera.width, kCamera.height);
@@ -204,7 +204,7 @@ struct Paper : Scene {
     }
     show(depth);
   }
-  // How many pixels of columns x0 .. x1 are marked.
+  // The number of marked pixels in columns x0 .. x1.
   int borrowed(int x0, int x1) {
     int count = 0;
     for (int y = 0; y < kCamera.height; ++y)
@@ -214,7 +214,7 @@ struct Paper : Scene {
   DepthImage depth;
 };
 
-TEST_CASE("the depth that bare paper takes over from a hand beside it is none of its own",
+TEST_CASE("a depth that bare paper copies from a hand beside it is marked as borrowed",
           "[map][moving_mask]") {
   Paper paper(21);
   for (int i = 0; i < 70; ++i) paper.show_paper();
@@ -232,13 +232,12 @@ TEST_CASE("what stood before bare paper from the start keeps its depth, however 
   paper.place(100, 180, 0.4F);
   for (int i = 0; i < 120; ++i) {
     paper.show_paper();
-    // But for the outermost tiles, where voxels are seen beside it.
+    // Except in the outermost tiles, where voxels are visible beside it.
     CHECK(paper.borrowed(104, 176) == 0);
   }
 }
 
-TEST_CASE("a depth is not called another one's before the map could know it",
-          "[map][moving_mask]") {
+TEST_CASE("no depth is marked as borrowed before the map could contain it", "[map][moving_mask]") {
   Paper paper(23);
   for (int i = 0; i < 20; ++i) paper.show_paper();
   paper.place(100, 240, 0.4F);
@@ -250,7 +249,7 @@ TEST_CASE("a plain thing that was put down keeps its depth", "[map][moving_mask]
   Paper paper(24);
   for (int i = 0; i < 70; ++i) paper.show_paper();
   paper.place(180, 240, 0.4F);
-  // Longer than the picture takes to have learnt it.
+  // Longer than the picture needs to learn the thing.
   for (int i = 0; i < 700; ++i) {
     paper.show_paper(180, 240);
     CHECK(paper.borrowed(180, 240) == 0);
@@ -265,12 +264,12 @@ TEST_CASE("a camera that moves goes by depth alone", "[map][moving_mask]") {
   paint(scene.seen, scene.random, 100, 48, 180, 120);
   scene.seen.depth = depth;
   Rigid3 moved = Rigid3::Identity();
-  moved.translation().x() = 0.001;  // 0.6 px of what is 0.3 m away
+  moved.translation().x() = 0.001;  // shifts things at 0.3 m by 0.6 px
   CHECK(set(scene.mover.find(scene.seen, moved, &scene.map)) == 0);
 }
 
-// A wall 0.8 m away that is textured at all scales, seen from `shift` m to the right, with a hand
-// that has no depth before it.
+// Paints a wall at 0.8 m with texture at all scales, seen from `shift` m to the right, with a hand
+// in front of it that has no depth.
 void paint_wall(Scene& scene, double shift, bool with_hand) {
   std::normal_distribution<double> normal(0, 0.7);
   const double Z = 0.8;
@@ -292,7 +291,7 @@ void paint_wall(Scene& scene, double shift, bool with_hand) {
   }
 }
 
-// Passes the wall to and fro; frame `i` is seen from here.
+// The pose of frame `i` of a camera that moves to and fro along the wall.
 Rigid3 swaying_pose(int i) { return Rigid3(Eigen::Translation3d(0.02 * std::sin(0.2 * i), 0, 0)); }
 
 const MaskImage& show_wall(Scene& scene, bool with_hand) {
@@ -311,7 +310,7 @@ TEST_CASE("a camera that sways tells a hand without depth by its look", "[map][m
   CHECK(idle == 0);
   for (int i = 90; i < 99; ++i) {
     const MaskImage& mask = show_wall(scene, true);
-    if (i < 93) continue;  // without any depth it is noticed in one of four frames
+    if (i < 93) continue;  // without any depth it is noticed only in every fourth frame
     int hit = 0;
     for (int y = 48; y < 120; ++y) {
       for (int x = 100; x < 180; ++x) hit += mask(x, y) != 0 ? 1 : 0;
@@ -327,7 +326,7 @@ TEST_CASE("a camera that has swayed and rests for a frame sees the hand", "[map]
   for (int i = 0; i < 40; ++i) {
     paint(scene.seen, scene.random);
     scene.seen.depth = desk(scene.random);
-    pose.translation().x() = i % 2 == 0 ? 0.001 : 0.0;  // 0.6 px of what is 0.3 m away
+    pose.translation().x() = i % 2 == 0 ? 0.001 : 0.0;  // shifts things at 0.3 m by 0.6 px
     const MaskImage& mask = scene.mover.find(scene.seen, pose, &scene.map);
     scene.mover.learn(pose);
     if (i % 3 == 0) scene.map.fuse(scene.seen.depth, kCamera, pose, mask);
@@ -369,7 +368,7 @@ TEST_CASE("what stays where it was put is part of the scene after a while", "[ma
   CHECK(space.is_free(point));
   for (int i = 0; i < 29; ++i) space.add(rays, Rigid3::Identity(), near);
   CHECK(space.is_free(point));
-  // A quarter of the rays a frame: four times as long if only one of them ends in the cell.
+  // Each frame follows only some of the rays, so it takes longer if only one ends in the cell.
   for (int i = 0; i < 91; ++i) space.add(rays, Rigid3::Identity(), near);
   CHECK_FALSE(space.is_free(point));
 }
@@ -408,7 +407,8 @@ TEST_CASE("free space keeps to its cap and survives any pose", "[map][free_space
   CHECK_FALSE(space.is_free(lost.translation()));
 }
 
-// How often the mask of the frame in `scene.seen` takes memory; the rest of show().
+// The number of allocations while the mask of the frame in `scene.seen` is computed. Otherwise like
+// show().
 int memory_taken(Scene& scene, const Rigid3& pose, const MaskImage*& mask) {
   const int taken = test::allocations_during([&] {
     mask = &scene.mover.find(scene.seen, pose, &scene.map);
@@ -423,7 +423,7 @@ TEST_CASE("after the first frame the mask takes no memory, with or without a sur
   Scene scene(7);
   const MaskImage* mask = nullptr;
   for (int i = 0; i < 46; ++i) {
-    const bool with_hand = i >= 40;  // now with depth, now without
+    const bool with_hand = i >= 40;  // alternately with and without depth
     paint(scene.seen, scene.random, 100, 48, with_hand ? 180 : 100, 120);
     scene.seen.depth = desk(scene.random);
     if (with_hand) cover(scene.seen.depth, 100, 48, 180, 120, i % 2 == 0 ? kNaN : 0.4F);

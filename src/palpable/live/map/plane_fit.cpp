@@ -20,7 +20,8 @@ constexpr std::size_t kVoteEvery = 4;  // a quarter of the points votes: enough 
 constexpr double kInPlane = 3;         // sigma; largest residual of a point of the plane
 constexpr int kRounds = 8;             // rounds of least squares
 constexpr double kTukey = 4.685;       // sigma; 95 % efficiency for a normal distribution
-// m; lower limit of sigma. Even an exact depth has this error: it is assigned to the pixel's middle.
+// m; lower limit of sigma. Even an exact depth has this error: it is assigned to the pixel's
+// middle.
 constexpr double kLeastSigma = 0.001;
 
 struct Point {

@@ -78,7 +78,7 @@ TEST_CASE("the surface at a pixel is found, whatever way it faces, and none wher
             1 - test::tolerance(0.5 * std::pow(6 * sigma / 0.04 / 10, 2) + 1e-3,
                                 "a hundred points of that noise over 4 cm"));
     }
-    // At the box's rim its front counts or the desk behind, not what lies between them.
+    // At the box's rim the plane is its front or the desk behind, not a plane between them.
     if (const auto rim = fit_plane_at(depth, kCamera, kNoise, 130, 105)) {
       const bool front = rim->normal.dot(-Eigen::Vector3d::UnitZ()) > 0.95;
       CHECK((front || rim->normal.dot(normal) > 0.95));
@@ -139,7 +139,7 @@ TEST_CASE("a wall beside the camera is nothing to stand on, and neither is nothi
   CHECK_FALSE(fit_standing_plane(alone(turned, -0.7), kCamera, kNoise));
   const Eigen::Vector3d ceiling = Eigen::Vector3d(0, 0.8, -0.6);
   CHECK_FALSE(fit_standing_plane(alone(ceiling, -0.5), kCamera, kNoise));
-  // A wall that fills less than half of what is near stands behind a room's things.
+  // A wall that fills less than half of the near pixels is behind other things.
   DepthImage behind(kCamera.width, kCamera.height, 0.8F);
   for (int y = 0; y < kCamera.height; ++y) {
     for (int x = 0; x < 200; ++x)

@@ -7,8 +7,8 @@
 ///   key   the camera's pose when the canvas was begun
 ///   tile  a square of 4 x 4 pixels of the depth image
 ///
-/// The canvas is the depth image enlarged by a margin on all sides, for parts of the scene that come
-/// into view when the camera turns; depths are in m, in the key's frame.
+/// The canvas is the depth image enlarged by a margin on all sides, for parts of the scene that
+/// come into view when the camera turns; depths are in m, in the key's frame.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"

@@ -8,7 +8,7 @@
 namespace palpable {
 namespace {
 
-// Wider than high, and not a whole number of tiles from the middle.
+// Wider than high, with the principal point not at a tile's border.
 const PinholeCamera kCamera{160, 96, 100, 100, 81.3, 46.2};
 constexpr int kTiles = 40, kRows = 24;
 
@@ -19,7 +19,8 @@ Rigid3 at(double x, double y, double turn = 0) {
   return pose;
 }
 
-// A smooth picture of a wall, by the wall's coordinates in m: so that half a pixel is no step.
+// A picture of a wall as a smooth function of the wall's coordinates in m, so that a shift of half
+// a pixel makes little difference.
 double light_of(double X, double Y) { return 128 + 60 * std::sin(9 * X) + 50 * std::cos(11 * Y); }
 
 // A wall at `wall` m; in front of it, where the frame's X < -0.2 m of it, a board at 0.5 m.
@@ -87,7 +88,7 @@ TEST_CASE("a scene is drawn as it is seen from beside the key", "[map][scene_can
   for (const Rigid3& pose : {at(0.03, 0), at(-0.02, 0.04), at(0.01, 0.01, 0.05)}) {
     room.see(pose, false);
     room.canvas.draw(pose, room.view);
-    // What the key did not see lies within 4 + 5 px of the border.
+    // Parts that the key did not see are within 4 + 5 px of the border.
     CHECK(room.known() >= (kTiles - 4) * (kRows - 3));
     CHECK(room.worst() <= test::tolerance(9, "levels: 6.1 a pixel, and one of it at most"));
   }

@@ -27,9 +27,9 @@ struct TileColor {
 
 /// The static scene as it should look from the camera's present pose (scene_canvas.h).
 struct PictureView {
-  GrayImage luma;             ///< of the depth image's size
-  Image<TileColor> colors;    ///< per tile
-  Image<std::uint8_t> known;  ///< per tile: not 0 where luma and colour are known
+  GrayImage luma;                   ///< of the depth image's size
+  Image<TileColor> colors;          ///< per tile
+  Image<std::uint8_t> known;        ///< per tile: not 0 where luma and colour are known
   Image<std::uint8_t> needs_color;  ///< per tile: not 0 where the canvas needs the frame's colour
 };
 

@@ -22,7 +22,7 @@ struct Camera {
     for (auto& value : scene) value = any(random);
   }
 
-  // One frame. `thing` may change the light (r, g, b) that comes from a pixel.
+  // Takes one frame. `thing` may change the light (r, g, b) that comes from a pixel.
   template <class Thing>
   void see(const Thing& thing) {
     std::normal_distribution<double> normal(0, noise);
@@ -64,7 +64,8 @@ struct Watch {
       picture.learn(none, all);
     }
   }
-  // Tiles with this look, within the thing of the tests (columns 6 .. 11, rows 4 .. 7) or outside.
+  // The number of tiles with this look, inside the tests' thing (columns 6 .. 11, rows 4 .. 7) or
+  // outside.
   [[nodiscard]] int count(Look look, bool inside) const {
     int n = 0;
     for (int j = 0; j < kRows; ++j) {
@@ -203,7 +204,7 @@ TEST_CASE("a shadow is told from a thing in the dark, and does not stay in the p
     Camera camera = camera_in(room, seed++);
     Watch watch;
     watch.learn(camera, 40);
-    // The sun's share of red, green and blue.
+    // The shadow takes away the sun's shares of red, green and blue.
     const auto shade = [&](int x, int y, auto& light) {
       if (Watch::in_thing(x, y)) light = {0.58 * light[0], 0.6 * light[1], 0.63 * light[2]};
     };
@@ -278,13 +279,13 @@ TEST_CASE("what moves is not learnt, what stays is after a while", "[map][static
   show(59);
   CHECK(watch.count(Look::kChanged, true) == kInside);
   CHECK_FALSE(watch.picture.looks_as_ever(8, 5));
-  // Taken over, and the same for five times six frames.
+  // The thing is taken over, and looks the same for five times six frames.
   show(1 + 29 + 1);
   CHECK(watch.count(Look::kSame, true) >= kInside - 1);
-  // It may be a thing that was put there.
+  // The look may be that of a new object.
   CHECK_FALSE(watch.picture.looks_as_ever(8, 5));
   CHECK(watch.picture.looks_as_ever(2, 10));
-  // With the scene's depth and nothing that moves it takes frames_to_renew.
+  // With the scene's depth and without motion it takes frames_to_renew frames.
   for (int k = 0; k < settings.frames_to_renew; ++k) {
     camera.see();
     watch.compare(camera);
@@ -312,7 +313,7 @@ TEST_CASE("a moved camera, strange sizes and the first frames say nothing",
   CHECK(watch.count(Look::kNothing, false) == kOutside);
   watch.learn(camera, 20);
   CHECK(watch.count(Look::kSame, false) >= kOutside - 2);
-  CHECK_FALSE(watch.picture.looks_as_ever(2, 10));  // as since when, nobody knows
+  CHECK_FALSE(watch.picture.looks_as_ever(2, 10));  // the look was learnt after a motion
   CHECK_FALSE(watch.picture.compare(camera.luma, camera.color, 60, 40, watch.all));
   CHECK_FALSE(watch.picture.compare(camera.luma, {}, kWidth, kHeight, watch.all));
 }
@@ -331,7 +332,7 @@ TEST_CASE("after the first frame the picture takes no memory, nor when it is sur
       watch.picture.learn(watch.none, watch.all);
     });
     if (k > 0) CHECK(taken == 0);
-    // One that is sure says what has changed, and learns it after a while.
+    // A known tile is recognised as changed.
     if (changed) CHECK(watch.count(Look::kChanged, true) == kInside);
   }
 }

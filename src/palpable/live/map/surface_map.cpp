@@ -65,7 +65,7 @@ SurfaceMap::SurfaceMap(const DepthNoise& noise, const SurfaceMapSettings& settin
       settings.truncation_sigmas >= 0 && settings.largest_sigma > 0 && settings.best_sigma > 0,
       "a tolerance is not negative");
   PALPABLE_EXPECT(settings.most_weight >= 1 && settings.carve_weight > 0,
-                  "voxels remember a frame at least");
+                  "the largest weight is at least 1 and the carve weight is positive");
   // sigma_Z grows with Z. The map ends at the depth where it reaches largest_sigma, by bisection.
   double low = 0, high = settings.farthest;
   if (noise.sigma(high) > settings.largest_sigma) {
@@ -131,8 +131,9 @@ SurfaceMap::Block* SurfaceMap::insert(std::uint64_t key) {
 }
 
 int SurfaceMap::copy_blocks(int first, int count, SurfaceMap& to) const {
-  PALPABLE_EXPECT(first >= 0 && count >= 1, "a table is gone through from its beginning");
-  PALPABLE_EXPECT(to.settings_.voxel == settings_.voxel, "the copy's voxels are as large");
+  PALPABLE_EXPECT(first >= 0 && count >= 1,
+                  "the first slot is not negative and at least one block is copied");
+  PALPABLE_EXPECT(to.settings_.voxel == settings_.voxel, "the copy has voxels of the same size");
   const int slots = used_slots();
   int slot = first;
   for (; slot < slots && count > 0; ++slot) {
@@ -160,7 +161,8 @@ void SurfaceMap::clear() {
   }
 }
 
-// Whether a block may be visible: whether its bounding sphere touches the picture's viewing frustum.
+// Whether a block may be visible: whether its bounding sphere touches the picture's viewing
+// frustum.
 bool SurfaceMap::may_show(const PinholeCamera& camera, const Eigen::Vector3d& centre) const {
   const double radius = 0.5 * std::sqrt(3.0) * kSide * settings_.voxel;
   const double z = centre.z();

@@ -15,7 +15,7 @@ const float kNaN = std::nanf("");
 const PinholeCamera kCamera{160, 120, 140, 150, 80.3, 58.7};
 const DepthNoise kNoise{0.001, 0, 0};
 
-// Exact depth of what `distance(ray)` says: Z along the ray of a pixel, or NaN.
+// An exact depth image: distance(ray) is Z along the ray of a pixel, or NaN.
 DepthImage seen(const std::function<double(const Eigen::Vector3d&)>& Z_on_ray) {
   DepthImage depth(kCamera.width, kCamera.height);
   for (int y = 0; y < kCamera.height; ++y) {
@@ -82,7 +82,7 @@ TEST_CASE("an exact sphere comes back within a third of a voxel", "[map][surface
   for (int i = 0; i < 2; ++i) map.fuse(ball(centre, kRadius), kCamera, Rigid3::Identity());
   const SurfaceMesh mesh = map.mesh().surface;
   REQUIRE(mesh.vertex_count() > 500);
-  // The rim is left out: there the ray's distance is not the surface's.
+  // The rim is left out: there the distance along the ray differs from that to the surface.
   const double error = largest_error(mesh, [&](const Eigen::Vector3d& p) {
     const Eigen::Vector3d outwards = (p - centre).normalized();
     return outwards.dot(p.normalized()) > -0.6 ? 0 : (p - centre).norm() - kRadius;
@@ -91,7 +91,7 @@ TEST_CASE("an exact sphere comes back within a third of a voxel", "[map][surface
         test::tolerance(0.0033, "a third of a voxel of 10 mm; half a pixel at 0.6 m is 2 mm"));
 }
 
-// Voxels at a surface among those of a box, both ends in it.
+// The number of voxels at a surface in a box, both corners included.
 int voxels_near_zero(const SurfaceMap& map, const Eigen::Vector3d& low,
                      const Eigen::Vector3d& high) {
   int count = 0;
@@ -141,7 +141,7 @@ TEST_CASE("what comes into view of a block that has long been painted gets its c
   const DepthImage depth(kCamera.width, kCamera.height, 0.8F);
   const ColorImage color(kCamera.width, kCamera.height, Rgb{10, 200, 30});
   MaskImage moving(kCamera.width, kCamera.height, 0);
-  // Every other column of 10 px: each block shows some of itself.
+  // Every other column of 10 px, so that each block is partly visible.
   for (int y = 0; y < kCamera.height; ++y) {
     for (int x = 0; x < kCamera.width; ++x) moving(x, y) = x / 10 % 2 == 0 ? 255 : 0;
   }
@@ -181,7 +181,7 @@ TEST_CASE("garbage, NaN and no pose leave a map that can be read", "[map][surfac
       map.fuse(depth, kCamera, pose);
     }
     CHECK(map.blocks() <= 200);
-    CHECK(map.refused() > 0);  // the cap was met
+    CHECK(map.refused() > 0);  // the limit of blocks was reached
     const SurfaceMesh mesh = map.mesh().surface;
     CHECK(mesh.vertices.allFinite());
     CHECK((mesh.triangles.size() == 0 || mesh.triangles.maxCoeff() < mesh.vertex_count()));
@@ -241,7 +241,7 @@ TEST_CASE("every set of instructions fuses to the same bytes", "[map][fuse]") {
       REQUIRE(lowest == least);
     }
   }
-  // Both ends of what a voxel holds: noise and sigmas above ask for 0.067 m.
+  // Both limits of a voxel's distance: noise and sigmas above give 0.067 m.
   CHECK(heaviest == units.most_weight());
   CHECK(farthest == units.largest_distance());
 }

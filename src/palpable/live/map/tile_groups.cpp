@@ -22,8 +22,8 @@ constexpr std::uint8_t kOfThisFrame = 128;  // added to the ages that this frame
 enum State : std::uint8_t { kDone, kMayJoin, kWaits };
 
 // Labels from `waits` on become kWaits, others from `may_join` on kMayJoin, the rest kDone.
-// HWY_RESTRICT declares that the arrays do not overlap, which the compiler cannot infer for members.
-// It can then vectorise the loop.
+// HWY_RESTRICT declares that the arrays do not overlap, which the compiler cannot infer for
+// members. It can then vectorise the loop.
 void set_states(const std::uint8_t* label, std::uint8_t may_join, std::uint8_t waits,
                 std::uint8_t* HWY_RESTRICT state, std::size_t count) {
   static_assert(kDone == 0 && kMayJoin == 1 && kWaits == 2);

@@ -1,7 +1,7 @@
 /// @file
 /// Groups of neighbouring tiles that move. A single tile that seems to move is most often a
-/// mismatch of the stereo matcher, whereas a hand covers a group of tiles. Where a hand reaches into
-/// space that the camera has never seen, its tiles give no evidence of motion; they are found
+/// mismatch of the stereo matcher, whereas a hand covers a group of tiles. Where a hand reaches
+/// into space that the camera has never seen, its tiles give no evidence of motion; they are found
 /// because they are connected to tiles that do.
 ///
 ///   tile  a square of 4 x 4 pixels of the depth image (static_picture.h)

@@ -57,7 +57,7 @@ TEST_CASE("what nothing explains moves where it continues a group and is no deep
           "[map][tile_groups]") {
   Tiles tiles;
   tiles.set(5, 5, 10, 10, 0.4F, kMoving);
-  tiles.set(10, 5, 15, 10, 0.41F, kUnexplained);  // goes on
+  tiles.set(10, 5, 15, 10, 0.41F, kUnexplained);  // continues the group
   tiles.set(15, 5, 20, 10, 0.5F, kUnexplained);   // a jump
   tiles.set(5, 10, 10, 13, 0.418F, kUnexplained);
   tiles.set(5, 13, 10, 16, 0.438F, kUnexplained);  // no jump, but beyond 1.1 times the group's 0.4
@@ -94,7 +94,7 @@ TEST_CASE("what moved a moment ago goes on moving at its depth while it is not e
   CHECK(memory.label_of_unexplained(5, 5, 0.41F) == kCarried);
   CHECK(memory.label_of_unexplained(5, 5, 0.43F) == kUnexplained);  // 7 %: another thing
   CHECK(memory.label_of_unexplained(4, 5, 0.4F) == kUnexplained);
-  // Carried on from frame to frame it is forgotten: nobody has seen it move.
+  // Without evidence of motion it is carried only for some frames.
   int frames = 0;
   while (memory.label_of_unexplained(5, 5, 0.4F) == kCarried) {
     tiles.set(5, 5, 15, 15, 0.4F, kCarried);
@@ -102,14 +102,14 @@ TEST_CASE("what moved a moment ago goes on moving at its depth while it is not e
     REQUIRE(++frames <= settings.frames_to_carry);
   }
   CHECK(frames == settings.frames_to_carry);
-  // With a tenth of the group that is seen to move it is remembered for as long as that is.
+  // As long as a tenth of the group moves by evidence, the whole group is carried.
   for (int frame = 0; frame < 2 * settings.frames_to_carry; ++frame) {
     tiles.set(5, 5, 15, 15, 0.4F, kCarried);
     tiles.set(5, 5, 6, 15, 0.4F, kMoving);
     memory.find(tiles.depth, tiles.label);
   }
   CHECK(memory.label_of_unexplained(14, 14, 0.4F) == kCarried);
-  // And where nothing moves in a frame it is forgotten at once.
+  // A frame in which nothing moves ends it at once.
   tiles.set(0, 0, kWidth, kHeight, 0.4F, kStatic);
   memory.find(tiles.depth, tiles.label);
   CHECK(memory.label_of_unexplained(14, 14, 0.4F) == kUnexplained);

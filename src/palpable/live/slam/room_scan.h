@@ -62,8 +62,8 @@ using OpenSource = std::function<std::unique_ptr<FrameSource>()>;
 [[nodiscard]] RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
                                  const std::function<bool(const RoomScanStep&)>& go_on);
 
-/// The surface of the scene: the part on which several frames agree (SurfaceMap::mesh), or all of it
-/// if at most three frames were fused, for instance from a single pair of pictures.
+/// The surface of the scene: the part on which several frames agree (SurfaceMap::mesh), or all of
+/// it if at most three frames were fused, for instance from a single pair of pictures.
 [[nodiscard]] ColoredSurface surface_of(const RoomScan& scan);
 
 /// A summary for the user, in lines: numbers of frames, unreadable frames, loops.

@@ -16,7 +16,7 @@ namespace {
 
 using test::tolerance;
 
-// Frames made of code.
+// A source whose frames are computed by a function.
 class MadeSource final : public FrameSource {
  public:
   MadeSource(FrameFormat format, int count, std::function<Frame(int)> frame_at, bool live = false)
@@ -49,7 +49,7 @@ OpenSource wall_of(int frames) {
 
 bool always(const RoomScanStep&) { return true; }
 
-// m from where the camera was, in the world of the first frame.
+// Error of a position, m, in the world frame of the first frame.
 double off(const TrackedPose& frame, int n) {
   return (frame.world_from_camera.translation() - test::creeping_pose(n).translation()).norm();
 }
@@ -68,7 +68,7 @@ TEST_CASE("a recording in which a loop is closed is played once more along the c
         {},
         [&](const RoomScanStep& step) {
           steps_again += step.again ? 1 : 0;
-          return !step.again;  // what was begun again is not ended half way
+          return !step.again;  // false does not end the second pass
         });
     CHECK(scanned.loops >= 1);
     CHECK(scanned.again != live);
@@ -78,16 +78,16 @@ TEST_CASE("a recording in which a loop is closed is played once more along the c
     CHECK(scanned.keyframes.size() > 20);
     const ColoredSurface mesh = scanned.slam->map()->mesh();
     REQUIRE(mesh.surface.vertex_count() > 0);
-    // The wall behind the first camera, 2.2 m from it, was seen half way round.
+    // The wall behind the first camera, 2.2 m away, was in view half way round.
     const double back = mesh.surface.vertices.row(2).minCoeff();
-    if (live) {  // what it saw before the loop lay elsewhere and is gone
+    if (live) {  // the map from before the loop was cleared
       CHECK(off(scanned.frames[test::kCreepingCircle], test::kCreepingCircle) > 0.1);
       CHECK(back > -1);
       continue;
     }
     for (int n = test::kCreepingCircle; n < test::kCreepingFrames; ++n) {
       INFO("frame " << n);
-      // A frame is 29 mm from the next: none is taken for another.
+      // Successive frames are 29 mm apart, so an index error would be noticed.
       CHECK(off(scanned.frames[n], n) <
             tolerance(0.025, "12 px of 2.3 mm by the loop (20 mm as measured), nothing beyond"));
     }
@@ -95,7 +95,8 @@ TEST_CASE("a recording in which a loop is closed is played once more along the c
   }
 }
 
-TEST_CASE("a frame lies where its keyframe does in the end, or nowhere", "[slam][room_scan]") {
+TEST_CASE("a frame's corrected pose follows from its keyframe's final pose, or is unknown",
+          "[slam][room_scan]") {
   const auto moved = [](double x, double angle) {
     return Rigid3(Eigen::Translation3d(x, 0, 0) *
                   Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()));
@@ -116,7 +117,7 @@ TEST_CASE("a frame lies where its keyframe does in the end, or nowhere", "[slam]
   CHECK(way[0]->isApprox(moved(1, 0.5) * moved(0.25, 0.2)));
   CHECK(way[1]->isApprox(moved(2, -0.3) * moved(0.25, 0.2)));
   CHECK_FALSE(way[2]);  // it was lost
-  CHECK_FALSE(way[3]);  // its keyframe was forgotten
+  CHECK_FALSE(way[3]);  // its keyframe was removed
 }
 
 TEST_CASE("without a loop a recording is played once, as far as is asked for",
@@ -159,7 +160,7 @@ TEST_CASE("poses that are given are taken by the source's time, and nothing is f
   CHECK(scanned.keyframes.empty());
 }
 
-TEST_CASE("of one pair alone all that was seen is the surface, of many frames what they agree on",
+TEST_CASE("the surface of one pair has all voxels, that of many frames those on which they agree",
           "[slam][room_scan]") {
   for (const int frames : {1, 12}) {
     INFO(frames << " frames");
@@ -176,15 +177,15 @@ TEST_CASE("of one pair alone all that was seen is the surface, of many frames wh
     const Eigen::Index found = surface_of(scanned).surface.triangle_count();
     CHECK(found == (frames == 1 ? map.mesh(0) : map.mesh()).surface.triangle_count());
     CHECK(found > 1000);
-    // Of one frame as clean as these the two are the same; of a noisy pair tests/cli tells them
-    // apart.
+    // For a single noise-free frame the two meshes are the same; tests/cli compares them for a
+    // noisy pair.
     if (frames > 1) {
       CHECK(map.mesh().surface.triangle_count() < map.mesh(0).surface.triangle_count());
     }
   }
 }
 
-TEST_CASE("a scan is told in frames, troubles and loops", "[slam][room_scan]") {
+TEST_CASE("the summary of a scan lists frames, troubles and loops", "[slam][room_scan]") {
   RoomScanSettings settings;
   settings.slam.fuse_every = 0;
   settings.pose_at = [](double time) -> std::optional<Rigid3> {

@@ -17,13 +17,13 @@ constexpr double kUneven = 1e-4;
 // Largest factor by which the last motion is extrapolated after missing frames.
 constexpr double kLongestPrediction = 3;
 
-// px; error of the predicted pose, as a shift of the picture, above which the mask is computed again
-// with the pose that was found.
+// px; error of the predicted pose, as a shift of the picture, above which the mask is computed
+// again with the pose that was found.
 constexpr double kMostSurprise = 4;
 
-// Whether the frame has a pose with which the map may be updated. This includes a camera that stands
-// still before there is a keyframe, at the world's origin. Without that, the first landmarks in
-// front of a bare desk would be those on a hand.
+// Whether the frame has a pose with which the map may be updated. This includes a camera that
+// stands still before there is a keyframe, at the world's origin. Without that, the first landmarks
+// in front of a bare desk would be those on a hand.
 bool is_placed(const TrackedPose& camera) {
   return is_known(camera) || camera.state == TrackState::kStarting;
 }

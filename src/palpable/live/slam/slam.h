@@ -54,7 +54,8 @@ struct SlamFrame {
   const StaticPicture* picture = nullptr;   ///< that picture; null unless looked_at is kPicture
   bool fused = false;                       ///< its depth image was fused into the map
   /// Not empty: a loop was closed with this frame, and map and free space were cleared. The caller
-  /// can use these to correct the poses of its own objects in the world. Valid until the next frame.
+  /// can use these to correct the poses of its own objects in the world. Valid until the next
+  /// frame.
   std::span<const Correction> corrections;
 };
 

@@ -12,12 +12,13 @@ namespace {
 
 using test::frame_of_wall;
 
-// Before a camera that stands, a wall; sometimes something covers a share of the picture.
+// A camera that stands still in front of a wall; an object may cover a share of the picture.
 struct Room {
   explicit Room(const SlamSettings& settings = {})
       : camera(std::move(DepthCamera::make(test::wall_format()).value())), slam(camera, settings) {}
 
-  // What `covers` of the picture, from its left, shows is at `Z` m.
+  // Adds an object at a depth of `Z` m that covers the share `covers` of the picture, from its
+  // left.
   const SeenFrame& see(Frame frame, double covers = 0, float Z = 0.4F) {
     const auto columns = static_cast<int>(covers * frame.depth.width());
     for (int y = 0; y < frame.depth.height(); ++y) {
@@ -62,7 +63,7 @@ TEST_CASE("depths go into the map at the rate that is asked for, by the source's
     return room.slam.counts().fused;
   };
   CHECK(fused(0.1, 1) == 10);
-  CHECK(fused(0.1, 5) == 6);  // a camera of 6 frames a second gives all of them
+  CHECK(fused(0.1, 5) == 6);  // at 6 frames per second all of them are fused
   CHECK(fused(0, 1) == 30);
 }
 
@@ -77,7 +78,7 @@ TEST_CASE("what comes into the room moves and stays out of its map", "[slam]") {
     CHECK(found.camera.state == TrackState::kFixed);
     CHECK(found.camera.world_from_camera.matrix().isIdentity(0));
   }
-  // Half way to the left of the middle: in the thing, at its depth.
+  // A point of the object, half way to the left of the middle.
   CHECK_FALSE(room.slam.map()->distance({-0.06, 0, 0.4}).has_value());
   CHECK(room.slam.space()->is_free({-0.06, 0, 0.4}));
 }
@@ -90,7 +91,7 @@ TEST_CASE("depth that is none of the pixel's own stays out of the map", "[slam]"
     CHECK(share_of(*found.borrowed) == 0);
   }
   for (int n = 0; n < 30; ++n) {
-    // The matcher says something else than the wall, which looks as ever.
+    // The depth is wrong, but the picture still shows the wall.
     Frame frame = frame_of_wall(room.number++, 0);
     for (int y = 0; y < frame.depth.height(); ++y) std::fill_n(frame.depth.row(y), 80, 0.4F);
     room.camera.see(frame, room.seen);
@@ -101,7 +102,7 @@ TEST_CASE("depth that is none of the pixel's own stays out of the map", "[slam]"
   CHECK_FALSE(room.slam.map()->distance({-0.06, 0, 0.4}).has_value());
 }
 
-TEST_CASE("a mask of more than 70 % of the picture is believed of a camera that stands alone",
+TEST_CASE("a mask of more than 70 % of the picture is used only if the camera stands still",
           "[slam]") {
   for (const bool stands : {false, true}) {
     INFO("stands " << stands);
@@ -133,7 +134,7 @@ TEST_CASE("a wall stands still in a map of coarse voxels too, wherever it lies i
   }
 }
 
-TEST_CASE("poses that are given are taken, and a frame without one teaches nothing", "[slam]") {
+TEST_CASE("given poses are used, and a frame without a pose changes nothing", "[slam]") {
   Room room({.track = false, .fuse_every = 0});
   Rigid3 aside = Rigid3::Identity();
   aside.translation().x() = 1;
@@ -181,7 +182,7 @@ TEST_CASE("what a camera saw before it moved in the dark is forgotten when it ca
   for (int n = 0; n < 10; ++n) CHECK(room.show_dark().fused);
   const int blocks = room.slam.map()->blocks();
   CHECK(blocks > 0);
-  // Were it taken to stand, the wall would be seen where it was free, or behind itself.
+  // The camera moves. If it were assumed to stand still, the wall's depths would lie in free space.
   for (int n = 0; n < 10; ++n) {
     const SlamFrame& found = room.show_dark(0.1 + 0.01 * n);
     CHECK(found.camera.state == TrackState::kLost);
@@ -230,8 +231,8 @@ TEST_CASE("a lost camera learns nothing and finds what moves again in the second
 
 TEST_CASE("a camera that walks to a wall and leaves out frames sees nothing move", "[slam]") {
   Room room;
-  // Up to 0.5 m/s within a second. Where a frame follows two that were left out, one frame's motion
-  // once more is 33 mm too short, twice what a wall may be off.
+  // The camera accelerates to 0.5 m/s within a second. After two missing frames, a prediction by
+  // one frame's motion would be 33 mm too short, twice the tolerance of the mask.
   const auto z_at = [](int n) {
     const double t = n / 30.0;
     return t < 1 ? 0.25 * t * t : 0.5 * t - 0.25;
@@ -250,11 +251,11 @@ TEST_CASE("a camera that walks to a wall and leaves out frames sees nothing move
   CHECK(room.slam.counts().frames == 19);
 }
 
-TEST_CASE("after a motion that nobody could predict the mask is found from the pose that was found",
+TEST_CASE("after an unpredictable motion the mask is computed with the pose that was found",
           "[slam]") {
   Room room({.fuse_every = 0});
   for (int n = 0; n < 30; ++n) room.show();
-  // As seen from where the camera stood, the wall would be before itself by 80 mm.
+  // With the predicted pose, the wall would be 80 mm in front of its position in the map.
   const SlamFrame& found =
       room.slam.advance(room.see(frame_of_wall(room.number++, 0, 0.08)), room.times);
   REQUIRE(found.camera.state == TrackState::kTracking);
@@ -263,7 +264,7 @@ TEST_CASE("after a motion that nobody could predict the mask is found from the p
   CHECK(share_of(*found.moving) == 0);
 }
 
-TEST_CASE("when a loop is closed the map begins anew, and it says by what all has moved",
+TEST_CASE("when a loop is closed the map is cleared and the corrections are returned",
           "[slam][long]") {
   DepthCamera camera = std::move(DepthCamera::make(test::creeping_format()).value());
   SlamSettings settings;
@@ -280,13 +281,13 @@ TEST_CASE("when a loop is closed the map begins anew, and it says by what all ha
     const SlamFrame& found = slam.advance(seen, times);
     REQUIRE(is_known(found.camera));
     CHECK(found.corrections.empty() != found.camera.closed_loop);
-    if (began_anew) CHECK(found.fused);  // whenever the map that is gone was given something
+    if (began_anew) CHECK(found.fused);  // independent of when the cleared map was last fused
     began_anew = found.camera.closed_loop;
     if (!found.camera.closed_loop) continue;
     ++closed;
     CHECK(found.moving == nullptr);
     CHECK_FALSE(found.fused);
-    CHECK((blocks > 1000 && free > 200));  // half of what the way so far has given: 1812, 390
+    CHECK((blocks > 1000 && free > 200));  // about half of the measured 1812 and 390
     CHECK(slam.map()->blocks() == 0);
     CHECK(slam.space()->blocks() == 0);
   }

@@ -12,7 +12,7 @@ constexpr int kLargestSum = 3 * 24;  // sum of the costs of three paths if all b
 
 // A claim packs S and d of a left pixel that matches a right pixel into one number, so that the
 // better claim is the smaller number; if S is equal, the one with the larger d (the nearer object).
-constexpr std::uint32_t kNobody = 0xffffffffU;
+constexpr std::uint32_t kUnclaimed = 0xffffffffU;
 std::uint32_t claim(int cost, int d) {
   return static_cast<std::uint32_t>(cost) << 16U | (0xffffU - static_cast<std::uint32_t>(d));
 }
@@ -44,7 +44,7 @@ void check_winners(const Winners& winners, int first, int disparities, int left_
     const std::uint8_t* after = winners.after.row(y);
     std::int16_t* to = out.row(y);
     std::uint8_t* sure = confidence.row(y);
-    std::fill_n(owners.begin(), width, kNobody);
+    std::fill_n(owners.begin(), width, kUnclaimed);
     for (int x = 0; x < width; ++x) {
       const int partner = x - first - best[x];
       if (partner < 0 || partner >= width) continue;

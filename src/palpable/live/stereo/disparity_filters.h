@@ -21,9 +21,9 @@ inline constexpr std::uint8_t kLeastConfidence = 64;
 ///
 /// Left-right check: several left pixels can match the same right pixel x - d. The one with the
 /// smallest S owns it (if several have the same S, the nearest one). A winner that differs from the
-/// owner's disparity by more than `left_right_px` is hidden or wrong, and becomes unknown. So does a
-/// winner whose partner is outside the right picture, or which is at either end of the range, where
-/// the true minimum may lie beyond.
+/// owner's disparity by more than `left_right_px` is hidden or wrong, and becomes unknown. So does
+/// a winner whose partner is outside the right picture, or which is at either end of the range,
+/// where the true minimum may lie beyond.
 ///
 /// Fraction: the apex of two lines of equal and opposite slope through S(d - 1), S(d), S(d + 1),
 ///
@@ -41,8 +41,8 @@ void median_3x3(const Disparities& in, int y_begin, int y_end, Disparities& out)
 /// Limits of the patches that a SpeckleFilter removes as noise.
 struct SpeckleLimits {
   int size = 0;  ///< px; smaller patches are removed
-  /// px; smaller patches are removed if their mean confidence is below `doubtful_confidence`. Objects
-  /// outside the searched range appear as such patches.
+  /// px; smaller patches are removed if their mean confidence is below `doubtful_confidence`.
+  /// Objects outside the searched range appear as such patches.
   int doubtful_size = 0;
   int doubtful_confidence = 160;
 };

@@ -58,7 +58,7 @@ TEST_CASE("a slope that comes out some rows too late is put back", "[stereo]") {
   Disparities late(kWidth, kHeight), back(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      // On the right something nearer ends at row 30, and one pixel is not known.
+      // On the right there is a nearer object down to row 30, and one unknown pixel.
       late(x, y) = x < 30 ? px(20 + kSlope * (y - kRows)) : y < 30 ? px(40) : px(20);
     }
   }
@@ -158,7 +158,7 @@ TEST_CASE("the median of nine is the median, and unknown stays unknown", "[stere
 }
 
 TEST_CASE("smoothing is the mean of the neighbours on the same surface", "[stereo]") {
-  // Wider than a chunk of columns; values up to the largest there are.
+  // Wider than a chunk of columns, with values up to the largest possible.
   for (const int offset : {-20000, 0, kMostDisparities * kDisparitySteps - 600}) {
     Disparities in = some_disparities(150, 9, 2);
     for (std::int16_t& d : in) {
@@ -194,7 +194,7 @@ TEST_CASE("speckles are those of cv::filterSpeckles", "[stereo]") {
     INFO("seed " << seed);
     Disparities d = some_disparities(64, 33, seed);
     for (std::int16_t& v : d) {
-      if (v == kTooCloseDisparity) v = kUnknownDisparity;  // OpenCV has one mark
+      if (v == kTooCloseDisparity) v = kUnknownDisparity;  // OpenCV has only one mark
     }
     cv::Mat reference(33, 64, CV_16SC1);
     std::copy(d.begin(), d.end(), reference.begin<std::int16_t>());
@@ -212,7 +212,7 @@ TEST_CASE("a larger patch is noise only if the eyes hardly agree on it", "[stere
     for (int y = 5; y < 15; ++y) std::fill_n(d.row(y) + 10, 12, px(20));  // 120 px
     filter({50, 500, 160}, 64, GrayImage(60, 30, static_cast<std::uint8_t>(sure)), d);
     CHECK(is_measured(d(12, 7)) == (sure == 200));
-    // What is larger than the doubtful stays in any case.
+    // Patches larger than doubtful_size are kept in any case.
     Disparities wall(60, 30, px(20));
     filter({50, 500, 160}, 64, GrayImage(60, 30, static_cast<std::uint8_t>(sure)), wall);
     CHECK(is_measured(wall(0, 0)));
@@ -238,7 +238,7 @@ TEST_CASE("gaps are filled along a surface, and at an edge only if asked, with t
     CHECK(sure(3, 0) == kFilledConfidence);
     CHECK(sure(1, 0) == 200);
   }
-  // Beside what is too close nothing is guessed.
+  // Gaps beside pixels that are too close are not filled.
   Disparities d = row({10, hole, 10});
   d(2, 0) = kTooCloseDisparity;
   GrayImage sure(3, 1);

@@ -14,10 +14,10 @@
 namespace palpable {
 namespace {
 
-constexpr int kWindowReach = 5;  // px from the middle of a point's window to its sides
-constexpr int kSteps = 6;        // largest number of Gauss-Newton steps
-constexpr int kTries = 4;        // positions tried in a cell, across and down
-constexpr double kFarthest = 2.5;   // px; a point that moves farther is lost
+constexpr int kWindowReach = 5;      // px from the middle of a point's window to its sides
+constexpr int kSteps = 6;            // largest number of Gauss-Newton steps
+constexpr int kTries = 4;            // positions tried in a cell, across and down
+constexpr double kFarthest = 2.5;    // px; a point that moves farther is lost
 constexpr double kConverged = 0.03;  // px, length of the last step
 constexpr std::uint8_t kSure = 150;  // lowest confidence of a point
 // Lower limit of the smaller eigenvalue of the window's gradient matrix, (grey levels / px)^2 per

@@ -1,8 +1,8 @@
 /// @file
 /// Detects a misalignment of the rows of the two cameras. A row error of half a pixel halves the
 /// number of a desk's pixels that can be matched. So in every frame matched points are located to a
-/// fraction of a row in both images, and a small rotation of the right camera is fitted to their row
-/// differences.
+/// fraction of a row in both images, and a small rotation of the right camera is fitted to their
+/// row differences.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
@@ -36,8 +36,8 @@ struct EyeTilt {
 /// The row error in one frame, px of the full images.
 struct RowError {
   int points = 0;
-  /// Median of v_right - v_left: positive where the right image lies lower. NaN if there are too few
-  /// points.
+  /// Median of v_right - v_left: positive where the right image lies lower. NaN if there are too
+  /// few points.
   double median_px = 0;
   /// The correction. Fitted to the row errors e(u, v) = f (1 + y^2) pitch - f x roll, with
   /// x = (u - cx) / f and y = (v - cy) / f, which a camera has that is turned by the inverse of it.
@@ -58,8 +58,8 @@ class RowWatch {
   const RowError& measure(const GrayImage& left, const GrayImage& right,
                           const Disparities& disparity, const GrayImage& confidence, int factor);
 
-  /// The correction, if the median over the last kFrames frames exceeds a limit. The history is then
-  /// cleared, so the caller must apply the correction.
+  /// The correction, if the median over the last kFrames frames exceeds a limit. The history is
+  /// then cleared, so the caller must apply the correction.
   [[nodiscard]] std::optional<EyeTilt> correction_due();
 
   [[nodiscard]] const RowError& last() const { return error_; }

@@ -19,7 +19,7 @@ constexpr int kHeight = test::kTiltedHeight;
 
 const PinholeCamera kCamera = test::tilted_stereo().camera;
 
-// Of images at half the size.
+// The exact disparities, for images at half the size.
 Disparities true_disparity() {
   return {kWidth / 2, kHeight / 2,
           static_cast<std::int16_t>(kTiltedDisparity / 2 * kDisparitySteps)};
@@ -71,8 +71,8 @@ TEST_CASE("a correction is due when an error lasts, and not before", "[stereo][r
   CHECK(frames >= 3 * static_cast<int>(RowWatch::kFrames) / 4);
   CHECK(frames <= static_cast<int>(RowWatch::kFrames));
   CHECK(std::abs(due->pitch - degrees(0.08)) * 350 <= test::tolerance(0.03, "px"));
-  CHECK_FALSE(watch.correction_due().has_value());  // it begins anew
-  // What is not sure, or not known, gives no points.
+  CHECK_FALSE(watch.correction_due().has_value());  // the history was cleared
+  // Pixels with low confidence or unknown disparity give no points.
   RowWatch other(kCamera);
   CHECK(other.measure(pair.left, pair.right, d, GrayImage(kWidth / 2, kHeight / 2, 40), 2).points ==
         0);

@@ -5,7 +5,7 @@
 namespace palpable {
 
 StandingThreads::StandingThreads(int size) {
-  PALPABLE_EXPECT(size >= 1 && size <= 64, "a crew has 1 to 64 threads");
+  PALPABLE_EXPECT(size >= 1 && size <= 64, "there are 1 to 64 threads");
   for (int i = 1; i < size; ++i) threads_.emplace_back([this] { work_until_end(); });
 }
 

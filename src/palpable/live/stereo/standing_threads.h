@@ -20,8 +20,8 @@ class StandingThreads {
 
   [[nodiscard]] int size() const { return static_cast<int>(threads_.size()) + 1; }
 
-  /// Calls work(i) once for each i in [0, count), distributed over all threads, and returns when all
-  /// calls have returned. `work` must not throw.
+  /// Calls work(i) once for each i in [0, count), distributed over all threads, and returns when
+  /// all calls have returned. `work` must not throw.
   template <class Work>
   void run(int count, const Work& work) {
     run(count, &work, [](const void* w, int i) { (*static_cast<const Work*>(w))(i); });

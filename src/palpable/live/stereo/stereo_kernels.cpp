@@ -46,7 +46,8 @@ static_assert(HWY_ATTAINABLE_AVX3_DL != 0,
 
 constexpr std::size_t kBlock = 16;  // bytes
 constexpr std::size_t kWidestVector = 64;
-// L of a disparity outside the range: larger than every P2 + cost, and with P1 it still fits a byte.
+// L of a disparity outside the range: larger than every P2 + cost, and with P1 it still fits a
+// byte.
 constexpr std::uint8_t kNoNeighbour = 127;
 
 constexpr std::array<std::uint8_t, 64> byte_of_block() {
@@ -107,8 +108,8 @@ void match(const MatchJob& job, int first_strip, int count, std::uint8_t* worksp
 
 // --- census ------------------------------------------------------------------------------------
 
-// Computes one row of codes; rows[i] is row y - 2 + i, padded by 2 px on the left and by more on the
-// right.
+// Computes one row of codes; rows[i] is row y - 2 + i, padded by 2 px on the left and by more on
+// the right.
 HWY_ATTR void census_row(const std::uint8_t* const rows[5], int width, CensusCodes& codes, int y) {
   const hn::ScalableTag<std::uint8_t> d;
   const auto lanes = static_cast<int>(hn::Lanes(d));
@@ -184,7 +185,7 @@ struct Walk {
   V here;      // L at d
   V last;      // L at d + 1 for the last register
   V least;     // the smallest L
-  V limit;  // least + P2
+  V limit;     // least + P2
 
   HWY_INLINE Walk(Tag d, const std::uint8_t* path, int R, V the_least, V p2) {
     const auto none = hn::Set(d, kNoNeighbour);
@@ -400,8 +401,8 @@ class Gang {
     }
   }
 
-  // From left to right: computes costs, the path from above and, if the row is needed, the path from
-  // the left and the sum of both.
+  // From left to right: computes costs, the path from above and, if the row is needed, the path
+  // from the left and the sum of both.
   template <bool kWanted>
   HWY_INLINE void forwards() {
     const Tag d;

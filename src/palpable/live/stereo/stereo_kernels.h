@@ -30,9 +30,9 @@
 /// one vector and on several threads, and the result does not depend on the number of these.
 ///
 /// **Fraction of a pixel at full resolution**: at disparity d of an image of half the size, the
-/// difference of the full images in a window of 8 x 6 px around (2x, 2y) is r(u) = L(u) - R(u - 2d),
-/// where R is interpolated along the row. With g = dL/du the window matches best (Lucas and Kanade
-/// 1981; the images may differ by a constant) after a step of
+/// difference of the full images in a window of 8 x 6 px around (2x, 2y) is r(u) = L(u) - R(u -
+/// 2d), where R is interpolated along the row. With g = dL/du the window matches best (Lucas and
+/// Kanade 1981; the images may differ by a constant) after a step of
 ///
 ///     -cov(g, r) / (var(g) + kFlatness)       full pixels
 ///
@@ -152,10 +152,10 @@ struct RefineWindow {
   }
   [[nodiscard]] static constexpr int top_of(int y) { return 2 * y - 2; }
   bool inside = false;  ///< false: it extends beyond a picture
-  int left;          ///< first column of L
-  int right = 0;     ///< first column of R
-  int top;           ///< first row
-  int fraction = 0;  ///< weight of R(u + 1), 1/64
+  int left;             ///< first column of L
+  int right = 0;        ///< first column of R
+  int top;              ///< first row
+  int fraction = 0;     ///< weight of R(u + 1), 1/64
 };
 
 /// The workspace that census, match and refine need for matched images of this width.

@@ -64,8 +64,8 @@ void costs_of_row(const MatchJob& job, int y, Costs& raw, Costs& costs) {
   }
 }
 
-// One step of a path, between pixels whose grey levels differ by `difference`. If `previous` is null
-// the path starts here.
+// One step of a path, between pixels whose grey levels differ by `difference`. If `previous` is
+// null the path starts here.
 void step(const MatchJob& job, const int* cost, int difference, const int* previous, int* path) {
   const int D = job.disparities;
   if (previous == nullptr) {

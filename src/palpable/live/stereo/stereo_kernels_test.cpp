@@ -119,8 +119,8 @@ TEST_CASE("a picture that is shifted is found at its shift, at no cost", "[stere
   }
   const Found found = run(stereo_kernels().front(), pair, 4, 32, {3, 40, 6}, kStrips);
   for (int y = 2; y < 38; ++y) {
-    // Where a partner lies outside, the path from the left has a cost that it takes along for a
-    // while; at the right border windows are cut.
+    // Pixels whose partner lies outside have a cost that affects the path from the left for some
+    // more pixels; at the right border windows are cut off.
     for (int x = 2 * shift; x < width - 3; ++x) {
       REQUIRE(found.winners.best(x, y) + 4 == shift);
       REQUIRE(found.winners.cost(x, y) == 0);
@@ -130,8 +130,8 @@ TEST_CASE("a picture that is shifted is found at its shift, at no cost", "[stere
 
 TEST_CASE("where the picture has an edge disparities jump, where it has none they may ramp",
           "[stereo]") {
-  // A thing 9 px nearer than what is behind it, both with little texture: nine steps of P1 = 3 cost
-  // less than a jump at 40.
+  // An object 9 px nearer than its background, both with little texture: nine steps of P1 = 3 cost
+  // less than a jump with P2 = 40.
   const int width = 200;
   const int height = 64;
   const int edge = 120;
@@ -165,7 +165,7 @@ TEST_CASE("where the picture has an edge disparities jump, where it has none the
   const int falling = on_the_ramp(60, 6);
   const int constant = on_the_ramp(60, 40);
   INFO(falling << " pixels between the two with P2 that falls, " << constant << " with one P2");
-  // Not none: what the left eye alone sees has no true partner.
+  // Some remain, because pixels that only the left eye sees have no true partner.
   CHECK(4 * falling < 3 * constant);
   CHECK(on_the_ramp(0, 6) > falling);
 }

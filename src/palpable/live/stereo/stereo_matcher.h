@@ -31,8 +31,8 @@ struct StereoMatcherSettings {
   const StereoKernels* kernels = nullptr;  ///< null: the fastest for this processor
 };
 
-/// Settings for objects within reach, at half the resolution of a 720p pair: 192 disparities, with a
-/// guard.
+/// Settings for objects within reach, at half the resolution of a 720p pair: 192 disparities, with
+/// a guard.
 [[nodiscard]] StereoMatcherSettings near_matching();
 /// Settings for scenes and benchmarks, at full resolution: 128 disparities, gaps filled.
 [[nodiscard]] StereoMatcherSettings full_matching();
@@ -43,8 +43,8 @@ struct MatchedPair {
   GrayImage confidence;   ///< disparity_filters.h
 };
 
-/// Allocates memory in its constructor and at the first pair of a size, afterwards none. Disparities
-/// depend neither on the number of threads nor on the instruction set.
+/// Allocates memory in its constructor and at the first pair of a size, afterwards none.
+/// Disparities depend neither on the number of threads nor on the instruction set.
 class StereoMatcher {
  public:
   /// @throws ContractViolation unless 0 <= p1 <= p2_least <= p2 <= kLargestP2, 1 <= disparities and

@@ -13,8 +13,8 @@
 namespace palpable {
 namespace {
 
-// Brightness, smooth at the scale of a pixel along a row and of three across; `u` may be any
-// number.
+// Brightness that is smooth at the scale of one pixel along a row and of three rows across; `u` may
+// be any real number.
 class Rows {
  public:
   Rows(int height, unsigned seed) : lattice_(static_cast<std::size_t>(kPeriod * height)) {
@@ -45,8 +45,8 @@ struct Pair {
   GrayImage right;
 };
 
-// The left eye sees the texture at u, the right one the same at u - disparity(y); rows have their
-// disparity, so that it is known without rendering.
+// The left eye sees the texture at u, the right one the same at u - disparity(y). Each row has a
+// constant disparity, so that the truth is known without rendering.
 template <class Disparity>
 Pair seen_by_both(int width, int height, unsigned seed, const Disparity& disparity) {
   const Rows rows(height, seed);
@@ -127,7 +127,7 @@ TEST_CASE("refining at full resolution brings the disparity within a twentieth o
   CHECK(after > before);
 }
 
-// As skin or wood show it: most of the texture gone, and a sensor's noise.
+// Weak texture as on skin or wood, with a sensor's noise.
 void fade(GrayImage& image, unsigned seed) {
   auto random = test::random_case(seed);
   std::normal_distribution<double> noise(0, 1);
@@ -159,7 +159,7 @@ TEST_CASE("a desk that slopes away comes out where it is, not some rows later", 
 }
 
 TEST_CASE("what is nearer than the range is called too close or unknown, not far", "[stereo]") {
-  // Background at 8 px; the lower half at 80 px, beyond the 48 that are searched.
+  // The background is at 8 px; the lower half is at 80 px, beyond the 48 px that are searched.
   const auto disparity = [](int y) { return y < 48 ? 8.0 : 80.0; };
   const Pair pair = seen_by_both(256, 96, 3, disparity);
   StereoMatcherSettings settings = small_matching();

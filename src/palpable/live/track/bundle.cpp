@@ -223,7 +223,7 @@ BundleResult adjust_bundle(BundleProblem& problem, const BundleSettings& setting
   int previous = 0;
   for (const BundleSighting& s : problem.sightings) {
     PALPABLE_EXPECT(s.pose >= 0 && s.pose < P && s.point >= previous && s.point < L,
-                    "sightings name poses and points that are there, sorted by point");
+                    "sightings refer to existing poses and points, sorted by point");
     previous = s.point;
   }
   return Adjuster(problem, settings).run();

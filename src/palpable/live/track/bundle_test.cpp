@@ -20,7 +20,7 @@ double uniform(std::mt19937_64& random, double low, double high) {
 // A camera that walks by 0.3 m past a cloud of points, each seen by some of the poses.
 struct Walk {
   BundleProblem truth;
-  BundleProblem start;  // what is wrong by up to 5 mm and 0.3 degrees, 20 mm for the points
+  BundleProblem start;  // poses with errors up to 5 mm and 0.3 degrees, points with up to 20 mm
 };
 
 Walk some_walk(unsigned seed, double noise_px, double outliers) {
@@ -130,7 +130,7 @@ TEST_CASE("the depth of a point that is seen once without disparity stays as it 
   s.seen.uvd.z() = std::numeric_limits<double>::quiet_NaN();
   walk.start.sightings.push_back(s);
   adjust_bundle(walk.start);
-  // It follows its pose across the line of sight; along it nothing pulls.
+  // It follows its pose across the line of sight; along it nothing is measured.
   CHECK((walk.start.x_in_world.back() - x).norm() <=
         tolerance(0.02, "the pose was wrong by 5 mm and 5 mrad"));
 }

@@ -24,8 +24,8 @@ constexpr double kMotion = 24 / kPxPerMetre;  // m
 const Rigid3 kBefore = standing_at(0.02 - kMotion, 0, 0);
 const Rigid3 kNow = standing_at(0.02, 0, 0);
 
-// The picture of a shutter that is open for `share` of the frame time, and in its middle stands at
-// kNow: one moment for each pixel of motion.
+// A picture with a shutter that is open for `share` of the frame time; in the middle of that time
+// the camera is at kNow. It is the mean of one picture for each pixel of motion.
 struct SmearedView : WallView {
   explicit SmearedView(double share) : WallView(kNow, moments(share), false) {}
   static std::vector<Rigid3> moments(double share) {
@@ -45,7 +45,7 @@ const SmearedView& smeared_view(double share) {
   return views.try_emplace(share, share).first->second;
 }
 
-// Finds the pose in a smeared picture and measures.
+// Finds the pose in a smeared picture and measures the exposure.
 void measure(ExposureEstimate& exposure, double true_share, const LandmarkMap& map,
              int frame_count) {
   const SmearedView& view = smeared_view(true_share);
@@ -68,7 +68,7 @@ TEST_CASE("the share of the frame time that the shutter is open is measured from
     ExposureEstimate exposure;
     CHECK(exposure.share() == 0.0);
     measure(exposure, share, map, 1);
-    // All four are among the shares that are tried, so the right one is the same number.
+    // All four are among the shares that are tried, so the result is exact.
     CHECK(std::abs(exposure.share() - share) <=
           tolerance(share > 0 ? 0 : 0.12,
                     "sampling between pixels blurs a sharp picture as the smallest smear does"));

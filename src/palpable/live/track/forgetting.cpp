@@ -137,9 +137,10 @@ class Room {
   LandmarkMap& map_;
   int most_keyframes_;
   int most_landmarks_;
-  int old_;                   // number of keyframes before the newest
-  std::vector<char> stays_;   // (keyframes) 0: to be removed
-  std::vector<int> seen_in_;  // (landmarks) number of staying keyframes that see it; 0: to be removed
+  int old_;                  // number of keyframes before the newest
+  std::vector<char> stays_;  // (keyframes) 0: to be removed
+  std::vector<int>
+      seen_in_;  // (landmarks) number of staying keyframes that see it; 0: to be removed
   int keyframes_left_;
   int landmarks_left_ = 0;
 };
@@ -149,7 +150,7 @@ class Room {
 void make_room(const Rigid3& camera_from_world, const MapLimits& limits, int newest,
                LandmarkMap& map) {
   PALPABLE_EXPECT(newest >= 1 && limits.keyframes >= 2 * newest,
-                  "the limit of keyframes is twice what has to stay, at least");
+                  "the limit of keyframes is at least twice the number that is kept");
   Room room(limits, newest, map);
   room.give_up_useless_landmarks();
   room.give_up_shared_keyframes();

@@ -13,8 +13,8 @@ namespace {
 
 Rigid3 at(double x) { return Rigid3(Eigen::Translation3d(-x, 0, 0)); }  // camera_from_world
 
-// Keyframes along a line, 0.1 m apart; each has `own` landmarks of its own, first seen in it, and
-// those of its own that `following` later ones see too.
+// Keyframes along a line, 0.1 m apart. Each adds `own` new landmarks, which `following` later
+// keyframes see, too.
 struct Walk : LandmarkMap {
   Walk(int count, int own, int following) {
     for (int k = 0; k < count; ++k) {
@@ -49,7 +49,7 @@ struct Walk : LandmarkMap {
     return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(),
                                           [](const Landmark& l) { return l.alive; }));
   }
-  // Whatever is given up, what is left fits together.
+  // Checks that the indices that are left are consistent.
   void check() const {
     for (std::size_t i = 0; i < landmarks.size(); ++i) {
       const bool is_free =
@@ -76,9 +76,9 @@ TEST_CASE("a map with room for everything gives up only what is dead or of no us
   walk.landmarks[3].alive = false;
   walk.landmarks[4].inlier = 4;  // of 14: less than a third
   walk.landmarks[4].missed = 10;
-  walk.landmarks[6].inlier = 0;  // but it was looked for nine times only
+  walk.landmarks[6].inlier = 0;  // but it was searched only nine times
   walk.landmarks[6].missed = 9;
-  walk.landmarks[47].inlier = 0;  // and this one is still new
+  walk.landmarks[47].inlier = 0;  // seen by one of the newest keyframes
   walk.landmarks[47].missed = 20;
   make_room(at(0.9), {100, 1000}, 3, walk);
   CHECK(walk.free_slots == std::vector<int>{3, 4});
@@ -92,12 +92,13 @@ TEST_CASE(
     "what they alone have seen",
     "[track][forgetting]") {
   Walk walk(24, 10, 2);  // 240 landmarks
-  // Back at the sixth, 175 may be left: of the old ones the last go, each with what it saw first.
+  // The camera is back at the sixth keyframe, and 175 landmarks may be left. The last ones of the
+  // old keyframes are removed, each with its own landmarks.
   make_room(at(0.5), {100, 200}, 3, walk);
   CHECK(walk.alive() == 170);
   CHECK(walk.numbers() ==
         std::vector<int>{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 210, 220, 230});
-  // What the thirteenth saw first is gone; what was first seen before and after it is not.
+  // The landmarks of the thirteenth keyframe are removed, those before it and some later ones not.
   CHECK_FALSE(walk.landmarks[120].alive);
   CHECK(walk.landmarks[119].alive);
   CHECK(walk.landmarks[190].alive);
@@ -111,9 +112,9 @@ TEST_CASE("a keyframe that looks elsewhere is farther than one a step away",
   for (Keyframe& k : walk.keyframes) k.camera_from_world = at(0);
   walk.keyframes[2].camera_from_world = Rigid3(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()));
   walk.keyframes[5].camera_from_world = at(0.5);
-  walk.keyframes[5].median_depth = 2;  // 0.25 of it
+  walk.keyframes[5].median_depth = 2;  // m; the keyframe is 0.25 of this away
   make_room(at(0), {16, 15}, 4, walk);
-  // 14 are to be left: first the one that looks elsewhere, then the one that stands apart.
+  // 14 are left: first the one that looks elsewhere is removed, then the one that stands apart.
   std::vector<int> expected;
   for (int k = 0; k < 16; ++k) {
     if (k != 2 && k != 5) expected.push_back(10 * k);
@@ -127,7 +128,7 @@ TEST_CASE(
     "with the anchor's pose",
     "[track][forgetting]") {
   Walk walk(16, 4, 0);
-  // Keyframes 3 and 6 have seen nothing that four others have not.
+  // All landmarks of keyframes 3 and 6 are seen by four others.
   for (const int k : {3, 6}) {
     for (int i = 0; i < 4; ++i) {
       for (const int other : {8, 9, 10, 11}) walk.see(other, 4 * k + i);

@@ -20,8 +20,8 @@ using test::WallView;
 
 const PinholeCamera kHalf = kNoiseWallCamera.camera.scaled_down(2);
 
-// A walk along the wall by `count` keyframes, 20 mm apart, with exact sightings of a cloud of
-// points before it.
+// A walk along the wall with `count` keyframes, 20 mm apart, and exact sightings of a cloud of
+// points in front of it.
 struct Walk : LandmarkMap {
   explicit Walk(int count) {
     for (int k = 0; k < count; ++k) {
@@ -46,7 +46,7 @@ struct Walk : LandmarkMap {
       landmarks.push_back(landmark);
     }
   }
-  // The newest keyframe shows nothing of what the old ones show.
+  // The newest keyframe shares no landmark with the old ones.
   void forget_what_newest_saw() {
     keyframes.back().landmarks.clear();
     for (Landmark& landmark : landmarks) landmark.sightings.pop_back();
@@ -94,13 +94,13 @@ TEST_CASE("a keyframe's work is its features, the window and old keyframes, or a
   CHECK(work_of(settings, walk).candidates.empty());
 
   settings = test::noise_wall_settings();
-  CHECK_FALSE(work_of(settings, Walk(1)).window);  // there is nothing that it could agree with
+  CHECK_FALSE(work_of(settings, Walk(1)).window);  // a single keyframe needs no adjustment
   const Loop loop{0, 10 * (kWindow + 3), {Rigid3::Identity(), 30}};
   const KeyframeWork closing = work_of(settings, walk, loop);
   CHECK((closing.graph && closing.closing));
   CHECK_FALSE(closing.window);
   CHECK(closing.candidates.empty());
-  // A loop to a keyframe that was forgotten: the window as usual.
+  // A loop to a keyframe that was removed: the window is adjusted as usual.
   const KeyframeWork gone = work_of(settings, walk, Loop{5, 10 * (kWindow + 3), {}});
   CHECK_FALSE(gone.graph);
   CHECK(gone.window);
@@ -145,13 +145,13 @@ TEST_CASE("work that is abandoned leaves the worker free for the next", "[track]
   }
 }
 
-// What the camera sees from `pose`, as a keyframe keeps it.
+// The features of the view from `pose`.
 Features features_at(const Rigid3& pose) {
   const WallView view(pose, false);
   return find_features(view.pyramid.level(1), kHalf, view.depth);
 }
 
-TEST_CASE("of the old keyframes the one is recognised on which most features agree", "[track]") {
+TEST_CASE("the old keyframe on which most features agree is recognised", "[track]") {
   const Rigid3 now = standing_at(0.1, 0.02, 0.05);
   const WallView view(now, false);
   KeyframeWork work;
@@ -159,7 +159,7 @@ TEST_CASE("of the old keyframes the one is recognised on which most features agr
   work.image = view.pyramid.level(1);
   work.depth = view.depth;
   work.camera = kHalf;
-  // From the first place the camera sees nearly the same as now, from the second one half of it.
+  // The view from the first pose is nearly the present one, that from the second overlaps by half.
   const Features near = features_at(Rigid3::Identity());
   const Features far = features_at(standing_at(0.7, 0, 0));
   for (const bool near_first : {true, false}) {
@@ -174,11 +174,11 @@ TEST_CASE("of the old keyframes the one is recognised on which most features agr
                     "a feature may be off by 2.5 px, 23 mm at 1.2 m in the half picture; "
                     "twice that"));
   }
-  // The second place alone is recognised too: the first one won by its number of features.
+  // The second one alone is recognised, too: the first one had more agreeing features.
   work.candidates = {{3, far}};
   REQUIRE(done_by_worker(work, false).loop);
   CHECK(done_by_worker(work, false).loop->old_number == 3);
-  // What shares nothing with the picture, and what has no features.
+  // Features that share nothing with the picture, and a set without features.
   work.candidates = {{1, features_at(standing_at(9, 0, 0))}, {2, {}}};
   CHECK_FALSE(done_by_worker(work, false).loop);
 }

@@ -69,8 +69,8 @@ TEST_CASE("a landmark's surroundings are warped as the homography of its plane",
     };
     const Rigid3 anchor = some_pose(), now = some_pose();
     const Landmark landmark = on_plane(anchor, {uniform(3e-4), uniform(3e-4)});
-    // The plane n . X = 1 in the anchor's frame: 1/Z = n . (X/Z), so that n's first parts are f
-    // times the slope, and the third is what makes 1/Z right at the landmark.
+    // The plane is n . X = 1 in the anchor's frame. So 1/Z = n . (X/Z): the first two components of
+    // n are f times the slope, and the third follows from 1/Z at the landmark.
     const PinholeCamera& c = kCamera.camera;
     Eigen::Vector3d n(c.fx_px * landmark.slope.x(), c.fy_px * landmark.slope.y(), 0);
     n.z() = 1 / 1.1 - n.dot(c.unproject(landmark.uv.x(), landmark.uv.y(), 1));
@@ -104,8 +104,8 @@ TEST_CASE("two poses are as far apart as the picture's most moved part", "[track
   const Rigid3 aside(Eigen::Translation3d(-0.02, 0, 0));
   CHECK(std::abs(picture_shift_px(kCamera, 0.7, here, aside) - 350 * 0.02 / 0.7) <=
         tolerance(1e-9, "rounding of pixels"));
-  // Nearer by a tenth: what lies beside the principal point moves away from it by a ninth. Of the
-  // four points the first one, (128, 72), lies farthest from this principal point.
+  // When the camera is nearer by a tenth, points move away from the principal point by a ninth of
+  // their distance. The first of the four points, (128, 72), is farthest from it.
   const TrackCamera aslant{{640, 360, 350, 340, 400, 230}, 0.063};
   const Rigid3 nearer(Eigen::Translation3d(0, 0, -0.07));
   CHECK(std::abs(picture_shift_px(aslant, 0.7, here, nearer) -

@@ -46,8 +46,8 @@ TEST_CASE("a landmark is expected where the camera projects it, if it is in view
   CHECK(seen->uv == kNoiseWallCamera.camera.project(x));
   CHECK(seen->depth == x.z());
 
-  // The landmark lies in the middle, 240 px from the left: at 232 px to the left it is 8 px from
-  // the border, where no template fits.
+  // The landmark is in the middle, 240 px from the left. Shifted by 232 px to the left it is 8 px
+  // from the border, where a template does not fit.
   const double middle = map.landmarks[0].uv.x();
   CHECK(map.expected(frame, standing_at((middle - 9) / kPxPerMetre, 0, 0)));
   CHECK_FALSE(map.expected(frame, standing_at((middle - 7) / kPxPerMetre, 0, 0)));
@@ -86,7 +86,7 @@ TEST_CASE("a landmark is not expected behind a nearer surface or where something
   const OneLandmark map;
   TrackerFrame frame = test::first_wall_view().frame;
   const auto expected_behind = [&](double Z) {
-    // Of half the picture's size: depth and mask may be.
+    // Depth and mask of half the picture's size.
     const DepthImage depth(kNoiseWallCamera.camera.width / 2, kNoiseWallCamera.camera.height / 2,
                            static_cast<float>(Z));
     frame.depth = &depth;
@@ -115,7 +115,7 @@ TEST_CASE("of two landmarks in one cell the one that proved is looked for, the b
   const WallView& view = test::first_wall_view();
   TrackerSettings settings = kSettings;
   WallMap map(view, 12, 7);
-  // Beside each landmark of the first row, 1 px away, lies one that agreed more often.
+  // Each landmark of the first row has one beside it, 1 px away, that agreed more often.
   for (int i = 0; i < 12; ++i) {
     map.add(test::wall_landmark(view, map, map.landmarks[i].uv + Eigen::Vector2d(1, 0)),
             map.keyframes[0]);
@@ -149,7 +149,8 @@ TEST_CASE("of two landmarks in one cell the one that proved is looked for, the b
   CHECK(candidates.back().landmark == 84);
 }
 
-// The candidate of the middle landmark, seen from `pose` and looked for `off` px to the right.
+// The candidate of the middle landmark, seen from `pose`, with a prediction that is `off` px too
+// far to the right.
 Candidate candidate_of(const LandmarkSearch& search, const TrackerFrame& frame, const Rigid3& pose,
                        double off) {
   Candidate candidate = search.expected(frame, 0, pose).value();
@@ -172,7 +173,7 @@ TEST_CASE("a landmark is found from small images to large ones, to a tenth of a 
   REQUIRE(search.find(candidate, 3, 0, 0.7, uv, level));
   CHECK(level == 0);
   CHECK((uv - truth).norm() <= tolerance(0.1, "a tenth of a pixel is what patches are good for"));
-  // 16 px are 8 px of level 1, more than the 6 px by which a patch may wander.
+  // 16 px are 8 px of level 1, more than PatchSearch::farthest, 6 px.
   CHECK_FALSE(search.find(candidate, 1, 0, 0.7, uv, level));
   candidate.warp.setIdentity();
   CHECK_FALSE(search.find(candidate, 1, 0, 0.7, uv, level));
@@ -210,7 +211,7 @@ TEST_CASE("a disparity is measured in the right picture, or computed from the de
   CHECK(std::abs(*d - truth) <= tolerance(0.1, "a tenth of a pixel is what patches are good for"));
   CHECK_FALSE(search.disparity_at(view.frame, uv, truth + 8));  // found by 3 px at most
   CHECK(search.sigma_of_disparity(view.frame, truth) == LandmarkSearch::kSigmaStereo);
-  // What points infinitely far away show is not theirs: the same picture says 2 px less.
+  // The disparity at infinity is subtracted: the same picture gives 2 px less.
   settings.disparity_at_infinity_px = 2;
   d = search.disparity_at(view.frame, uv, truth - 1);
   REQUIRE(d);
@@ -221,7 +222,7 @@ TEST_CASE("a disparity is measured in the right picture, or computed from the de
   d = search.disparity_at(depth_only, uv, 99);
   REQUIRE(d);
   CHECK(std::abs(*d - truth) <= tolerance(2e-6, "a float's rounding of 1.2 m, in 13.65 px"));
-  // 2 sigmas of 0.25 px, which the settings' noise says; never less than 0.2 px.
+  // Twice the 0.25 px that follow from the settings' noise, and at least 0.2 px.
   CHECK(std::abs(search.sigma_of_disparity(depth_only, truth) - 0.5) <=
         tolerance(1e-12, "rounding"));
   settings.noise = {};

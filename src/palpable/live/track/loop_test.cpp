@@ -18,7 +18,7 @@ constexpr int kCount = 40;
 constexpr double kPi = 3.14159265358979323846;
 const TrackCamera kCamera{{640, 360, 350, 350, 319.5, 179.5}, 0.063};
 
-// Once around a table, 1 m from its middle, looking outwards.
+// The true pose of keyframe k: once around a circle of 1 m radius, looking outwards.
 Rigid3 truth(int k) {
   const Rigid3 world_from_camera =
       Rigid3(Eigen::AngleAxisd(2 * kPi * k / kCount, Eigen::Vector3d::UnitY())) *
@@ -26,8 +26,8 @@ Rigid3 truth(int k) {
   return world_from_camera.inverse(Eigen::Isometry);
 }
 
-// The same walk as a tracker has it that turns 1 % too little: 3.6 degrees at its end. Each
-// keyframe has 20 landmarks of its own, 0.5 m before it, that the next one sees too.
+// The same walk as measured by a tracker whose rotations are 1 % too small, which is 3.6 degrees at
+// the end. Each keyframe adds 20 landmarks, 0.5 m in front of it, which the next one sees, too.
 struct Circle : LandmarkMap {
   Circle() {
     Rigid3 pose = truth(0);
@@ -43,7 +43,7 @@ struct Circle : LandmarkMap {
       keyframe.number = 10 * k;
       keyframe.camera_from_world = pose;
       keyframe.median_depth = 0.5;
-      // What it looks like: all alike but for the first and the last, which see the same.
+      // All keyframes look alike, except the first and the last, which have the same view.
       keyframe.thumbnail = k == 0 || k == kCount - 1 ? Thumbnail{1, 0} : Thumbnail{0, 1};
       keyframes.push_back(keyframe);
       for (int i = 0; i < 20; ++i) {
@@ -63,7 +63,7 @@ struct Circle : LandmarkMap {
   }
 };
 
-// The last keyframe knows the first again: where they stand to each other, as it is.
+// The loop that recognises the first keyframe in the last one, with the true relative pose.
 Loop true_loop() {
   return {0, 10 * (kCount - 1), {truth(kCount - 1) * truth(0).inverse(Eigen::Isometry), 40}};
 }
@@ -79,10 +79,10 @@ TEST_CASE("the keyframe that looks alike and shares no landmark is the one to co
   Circle circle;
   CHECK(loop_candidates(circle, 1) == std::vector<int>{0});
   CHECK(loop_candidates(circle, 3).size() == 3);
-  // Five of its landmarks are seen: it is known already.
+  // If five of its landmarks are seen, no loop is needed.
   for (int i = 0; i < 5; ++i) circle.see(kCount - 1, i);
   CHECK(loop_candidates(circle, 1) != std::vector<int>{0});
-  // Keyframes of the window are no loop, whatever they look like.
+  // Keyframes of the window are never candidates.
   circle.keyframes.resize(kWindow);
   CHECK(loop_candidates(circle, 3).empty());
 }
@@ -95,10 +95,11 @@ TEST_CASE("a loop takes the drift out of a circle, and landmarks go with their k
   const std::vector<Keyframe> drifted = circle.keyframes;
   const std::vector<Landmark> points = circle.landmarks;
   PoseGraph graph = graph_of(kCamera, circle, true_loop()).value();
-  CHECK(graph.ties.size() == kCount);  // one to the next each, and the loop
+  CHECK(graph.ties.size() == kCount);  // one between neighbours, and the loop
   REQUIRE(adjust_pose_graph(graph).solved);
   put_back(graph, circle);
-  // 39 ties of 20 landmarks (and one) and a loop of 40: its share of the variances is 1 in 75.
+  // There are 39 ties of 21 landmarks each and a loop of 40, whose share of the variances is 1
+  // / 75.
   CHECK(end_error(circle) < before * tolerance(0.03, "twice the loop's share"));
   CHECK(circle.keyframes.front().camera_from_world.matrix() == truth(0).matrix());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -140,8 +141,8 @@ TEST_CASE("a landmark whose first keyframe is forgotten goes with the oldest tha
 }
 
 TEST_CASE(
-    "what the last keyframes saw first and the old one sees too is given up once they are known "
-    "to be at one place",
+    "landmarks of the last keyframes that the old keyframe also shows are removed when a loop is "
+    "closed",
     "[track][loop]") {
   Circle circle;
   const auto alive_of = [&](int k) {
@@ -153,7 +154,7 @@ TEST_CASE(
   REQUIRE(adjust_pose_graph(graph).solved);
   put_back(graph, circle);
   forget_doubles(kCamera, true_loop(), circle);
-  CHECK(alive_of(kCount - 1) == 0);  // 9 degrees beside the first, whose picture is 85 wide
+  CHECK(alive_of(kCount - 1) == 0);  // 9 degrees beside the first, whose picture spans 85 degrees
   CHECK(alive_of(0) == 20);
   CHECK(alive_of(1) == 20);
   CHECK(alive_of(kCount - kWindow) == 20);  // 63 degrees beside it
@@ -161,14 +162,14 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a loop that is farther off than drift can be is none, and neither is one of a keyframe "
-    "that is gone",
+    "a loop is rejected if it differs by more than plausible drift, or if one of its keyframes was "
+    "removed",
     "[track][loop]") {
   Circle circle;
   const auto at = pose_by(true_loop(), circle.keyframes);
   REQUIRE(at);
   CHECK(at->isApprox(truth(kCount - 1), 1e-12));
-  // 6 m around and once about itself: 0.9 m are a tenth (the depth is 0.5 m).
+  // The path is 6 m long with one full turn: 0.9 m is a tenth of both (the depth is 0.5 m).
   Loop far = true_loop();
   far.new_from_old.camera_from_old =
       Eigen::Translation3d(1.2, 0, 0) * far.new_from_old.camera_from_old;
@@ -178,7 +179,7 @@ TEST_CASE(
   CHECK_FALSE(pose_by(gone, circle.keyframes));
 }
 
-TEST_CASE("a loop is believed when two keyframes in turn say the same, and handed out once",
+TEST_CASE("a loop is confirmed when two successive keyframes agree on it, and returned once",
           "[track][loop]") {
   const Circle circle;
   const auto compare = [&](LoopConfirmation& confirmation, const std::optional<Loop>& loop) {
@@ -191,13 +192,13 @@ TEST_CASE("a loop is believed when two keyframes in turn say the same, and hande
   CHECK(confirmation.take_confirmed());
   CHECK_FALSE(confirmation.take_confirmed());
 
-  // A keyframe between them that recognises nothing.
+  // A keyframe without a loop between them resets the confirmation.
   compare(confirmation, true_loop());
   compare(confirmation, std::nullopt);
   compare(confirmation, true_loop());
   CHECK_FALSE(confirmation.take_confirmed());
 
-  // The two disagree: by 5 degrees, some 30 px.
+  // The two loops differ by 5 degrees, about 30 px.
   Loop other = true_loop();
   other.new_from_old.camera_from_old = Eigen::AngleAxisd(5 * kPi / 180, Eigen::Vector3d::UnitX()) *
                                        other.new_from_old.camera_from_old;

@@ -17,9 +17,9 @@ constexpr int kBlock = 5;  // px of the half image
 // of g grey levels per px that is 4 g^2 / 255^2; the value is for g = 1.
 constexpr float kLeastStrength = 6e-5F;
 constexpr int kCornerBorder = 6;  // px of the half image
-constexpr int kParts = 8;       // parts of the image across and down, to spread the corners
-constexpr int kLeastKnown = 6;  // depths that must be known among a pixel and its neighbours
-constexpr double kJump = 0.06;  // largest range of these depths, as a share of the least
+constexpr int kParts = 8;         // parts of the image across and down, to spread the corners
+constexpr int kLeastKnown = 6;    // depths that must be known among a pixel and its neighbours
+constexpr double kJump = 0.06;    // largest range of these depths, as a share of the least
 
 struct Strong {
   float strength = 0;

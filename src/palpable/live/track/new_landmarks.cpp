@@ -11,8 +11,8 @@ constexpr int kPatchBorder = 9;  // px from the border, so that a corner's patch
 // px; smallest disparity of a new landmark, below which its depth is too uncertain. It is larger
 // than LandmarkSearch::kLeastDisparity, because a known landmark already has a depth.
 constexpr double kLeastNewDisparity = 0.5;
-// px; largest difference between the disparity from the depth image and the patch's own. Where it is
-// larger, the corner lies on an edge between a near and a far surface.
+// px; largest difference between the disparity from the depth image and the patch's own. Where it
+// is larger, the corner lies on an edge between a near and a far surface.
 constexpr double kMostDisagreement = 1.5;
 
 // A corner that is this close to the predicted position of an old landmark and at the same depth is
@@ -73,8 +73,8 @@ void NewLandmarks::find_unseen(const LandmarkSearch& search, const TrackerFrame&
   }
 }
 
-// Whether a corner is an old landmark. The landmark is searched there once more. If it is found, the
-// sighting is added to the keyframe; if not, its look has changed and it is marked as dead.
+// Whether a corner is an old landmark. The landmark is searched there once more. If it is found,
+// the sighting is added to the keyframe; if not, its look has changed and it is marked as dead.
 bool NewLandmarks::is_old_landmark(const LandmarkSearch& search, const TrackerFrame& frame,
                                    const Eigen::Vector3d& uvd, int frame_count, LandmarkMap& map) {
   const TrackCamera& camera = search.settings.camera;

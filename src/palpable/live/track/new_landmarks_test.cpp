@@ -59,7 +59,7 @@ TEST_CASE("corners of the picture become landmarks that lie on the wall", "[trac
     CHECK(landmark.last_frame == kFrame);
     CHECK((landmark.sightings.size() == 1 && landmark.sightings[0].keyframe == 0));
     CHECK(landmark.sightings[0].seen.uvd.head<2>() == landmark.uv);
-    // The camera is turned by 0.02 rad about Y: 1/Z grows by sin(0.02) / (f Z) per px to one side.
+    // The camera is turned by 0.02 rad about Y, so 1/Z grows by sin(0.02) / (f Z) per px in x.
     const double expected = (1 / test::wall_at(kPose, landmark.uv.x() + 1, landmark.uv.y()).first) -
                             (1 / test::wall_at(kPose, landmark.uv.x(), landmark.uv.y()).first);
     CHECK(std::abs(landmark.slope.x() - expected) <=
@@ -84,7 +84,7 @@ TEST_CASE("no landmark is made where something moves or where the depth is not m
   for (int y = 0; y < view.depth.height(); ++y) {
     for (int x = 0; x < half; ++x) {
       moving(x, y) = 255;
-      // By 2 px of disparity: more than the 1.5 px that are allowed, and still found by 3 px.
+      // An error of 2 px of disparity: more than the 1.5 px allowed, less than the 3 px searched.
       const double d = kNoiseWallCamera.camera.fx_px * kNoiseWallCamera.baseline /
                        static_cast<double>(view.depth(x, y));
       nearer(x, y) = static_cast<float>(static_cast<double>(view.depth(x, y)) * d / (d + 2));
@@ -128,7 +128,7 @@ TEST_CASE("new landmarks are looked for where none carried the keyframe's pose",
       CHECK_FALSE(same_cell);
     });
   }
-  // 280 may be looked for or be new.
+  // At most 280 landmarks are searched or new.
   CHECK(map.landmarks.size() - old + static_cast<std::size_t>(seen.inliers()) <= 280);
 }
 
@@ -138,7 +138,7 @@ TEST_CASE("a corner at an old landmark's place is that landmark, not a new one",
   keep(settings, Rigid3::Identity(), test::first_wall_view(), test::first_wall_view().frame,
        PoseSearch(settings), map);
   const std::vector<Landmark> before = map.landmarks;
-  // No landmark has carried the second pose: all are unseen.
+  // No landmark is an inlier of the second pose: all are unseen.
   keep(settings, kPose, second_view(), second_view().frame, PoseSearch(settings), map);
   int again = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -154,7 +154,7 @@ TEST_CASE("a corner at an old landmark's place is that landmark, not a new one",
               .norm() <= tolerance(0.1, "a tenth of a pixel is what patches are good for"));
   }
   CHECK(again > 50);
-  // Nothing that is new lies within 2 px of an old landmark that lives.
+  // No new landmark is within 2 px of an old one that is alive.
   for (std::size_t i = before.size(); i < map.landmarks.size(); ++i) {
     for (std::size_t k = 0; k < before.size(); ++k) {
       if (!map.landmarks[k].alive) continue;
@@ -172,8 +172,8 @@ TEST_CASE("an old landmark that looks otherwise where a corner is now is given u
   const WallView& view = second_view();
   keep(settings, kPose, view, view.frame, PoseSearch(settings), map);
   const int old = static_cast<int>(map.landmarks.size());
-  // Their patches become negatives, which are found nowhere. The view is the same, so that the
-  // corners are where the old landmarks are.
+  // Their patches become negatives, which are not found anywhere. The view is the same, so that the
+  // corners are at the positions of the old landmarks.
   for (Landmark& landmark : map.landmarks) {
     for (PatchSource::Level& level : landmark.look.levels) {
       for (std::uint8_t& pixel : level.pixels) pixel = static_cast<std::uint8_t>(255 - pixel);
@@ -185,7 +185,8 @@ TEST_CASE("an old landmark that looks otherwise where a corner is now is given u
   CHECK(map.count_alive() == static_cast<int>(map.landmarks.size()) - old);
   CHECK(map.landmarks.size() == 2U * old);
 
-  // The camera came 40 px within half of the frame time: what is not found may be smeared away.
+  // The camera moved by 40 px with the shutter open for half of the frame time: landmarks may be
+  // missing because of the smear.
   PoseSearch blurred(settings);
   static_cast<void>(blurred.find({settings, view.pyramid, smeared}, view.frame,
                                  {.guess = kPose,

@@ -20,7 +20,7 @@ double texture(double u, double v) {
          25 * std::sin(0.05 * u + 0.41 * v + 2);
 }
 
-// The texture seen through the map `source_from_image`, an affine one.
+// The texture seen through the affine map `source_from_image`.
 GrayImage picture(int width, int height, const Eigen::Matrix2d& A, const Eigen::Vector2d& t,
                   double gain = 1, double noise = 0, unsigned seed = 0) {
   auto random = random_case(seed);

@@ -25,7 +25,7 @@ Twist some_twist(std::mt19937_64& random, double length, double angle) {
   return twist;
 }
 
-// Points in view of a camera at the world's origin, and how `camera_from_world` sees them.
+// Points in view of a camera at the world's origin, with their sightings from `camera_from_world`.
 std::vector<PosePoint> some_points(std::mt19937_64& random, int count, const Rigid3& pose,
                                    double noise_px) {
   std::normal_distribution<double> noise(0, 1);
@@ -108,7 +108,7 @@ TEST_CASE("a cluster that moves together does not draw the pose", "[track]") {
     auto random = random_case(seed);
     const Rigid3 pose = moved_by(some_twist(random, 0.01, 0.01), Rigid3::Identity());
     std::vector<PosePoint> points = some_points(random, 120, pose, 0.2);
-    // A third of the points is a hand that goes its own way by 30 mm.
+    // A third of the points are on a hand that moves by 30 mm.
     const Eigen::Vector3d way(0.03, -0.01, 0.005);
     for (std::size_t i = 0; i < 40; ++i) {
       points[i].seen.uvd = kCamera.see(pose * points[i].x_in_world + way);

@@ -3,8 +3,8 @@
 /// loop the first and the last pose are tied, and the drift between them is distributed among all
 /// poses between.
 ///
-/// A tie is a measured pose of camera a relative to camera b. Its residual is the difference between
-/// the tie and the relative pose that follows from the two poses,
+/// A tie is a measured pose of camera a relative to camera b. Its residual is the difference
+/// between the tie and the relative pose that follows from the two poses,
 ///
 ///     E = b_from_a (a_from_world) (b_from_world)^-1,   r = (translation of E, log of its rotation)
 ///

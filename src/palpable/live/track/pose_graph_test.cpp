@@ -59,7 +59,7 @@ TEST_CASE("poses that were moved find back to where all ties agree", "[track]") 
   constexpr int kCount = 30;
   PoseGraph graph;
   for (int k = 0; k < kCount; ++k) {
-    // Off by up to 0.4 rad and 0.3 m, more the later; the first is right.
+    // The errors grow up to 0.4 rad and 0.3 m with the index; the first pose is exact.
     const double off = 1.0 * k / kCount;
     graph.camera_from_world.push_back(
         pose_of(0.1 * off, 0.4 * off, -0.1 * off, 0.3 * off, 0, 0.2 * off) * circle(k, kCount));
@@ -80,8 +80,9 @@ TEST_CASE("poses that were moved find back to where all ties agree", "[track]") 
 }
 
 TEST_CASE("an error that a loop shows is shared by the ties as their variances", "[track]") {
-  // Along a line: ten ties say 0.1 m each, the loop says 1.1 m. The error of 0.1 m is shared in
-  // proportion to the variances: nine ties of 1 mm, one of 3 mm, the loop of 1 mm: 19 shares.
+  // Poses along a line: ten ties of 0.1 m each, and a loop of 1.1 m. The error of 0.1 m is
+  // distributed in proportion to the variances: nine ties have 1 mm, one 3 mm and the loop 1 mm, so
+  // there are 9 + 9 + 1 = 19 shares.
   PoseGraph graph;
   for (int k = 0; k <= 10; ++k) {
     graph.camera_from_world.emplace_back(Eigen::Translation3d(-0.1 * k, 0, 0));

@@ -21,7 +21,7 @@ using test::WallMap;
 using test::WallView;
 
 constexpr int kAcross = 12, kDown = 7, kCount = kAcross * kDown;  // landmarks
-constexpr int kLeast = 12;  // landmarks that must agree, as the tracker asks for
+constexpr int kLeast = 12;  // landmarks that must agree, as in the tracker
 
 const TrackerSettings kSettings = test::noise_wall_settings();
 
@@ -33,7 +33,7 @@ const WallView& second_view() {
   return view;
 }
 
-// A query whose guess is `off` m to the right of the pose, by a camera that did not move.
+// A query whose guess is `off` m to the right of the pose, for a camera that did not move.
 PoseQuery query_near(const Rigid3& pose, double off, bool coarse_first) {
   const Rigid3 guess = standing_at(off, 0, 0) * pose;
   return {.guess = guess, .previous = guess, .coarse_first = coarse_first, .least_inliers = kLeast};
@@ -110,8 +110,8 @@ TEST_CASE("there is no pose when fewer landmarks agree than are asked for", "[tr
   CHECK(nothing.pose_search.smear_px() == 0.0);
 }
 
-// Landmarks on something that has moved since: they are believed to lie `off` m from where they
-// are.
+// Gives every `every`-th landmark a position that is wrong by `off` m, as if it lay on something
+// that has moved.
 void move(std::vector<Landmark>& landmarks, int every, double off) {
   for (std::size_t i = 0; i < landmarks.size(); i += every) landmarks[i].x_in_world.x() += off;
 }
@@ -150,13 +150,14 @@ TEST_CASE("landmarks that moved together carry no pose and are given up, the oth
   CHECK(std::count_if(map.landmarks.begin(), map.landmarks.end(), [](const Landmark& landmark) {
           return landmark.last_frame == 105;
         }) == search.pose_search.inliers());
-  // 21 have moved, 10 of them had agreed 7 times; two may be missed and not found elsewhere.
+  // 21 have moved, and 10 of them had agreed 7 times; up to two may be missed instead of found
+  // elsewhere.
   CHECK(map.count_alive() <= kCount - 10 + 2);
 }
 
 TEST_CASE("landmarks that have proved outvote new ones that are more", "[track]") {
   WallMap map(test::first_wall_view(), kAcross, kDown);
-  // Four of seven rows have moved by 5 px, and the guess lies half way between the two groups.
+  // Four of seven rows have moved by 5 px, and the guess is half way between the two groups.
   for (int id = 0; id < kCount; ++id) {
     if (id / kAcross % 2 == 0) {
       map.landmarks[id].x_in_world.x() += 5 / kPxPerMetre;
@@ -173,17 +174,17 @@ TEST_CASE("landmarks that have proved outvote new ones that are more", "[track]"
 TEST_CASE("a landmark that is missed too often is given up, unless the picture is smeared",
           "[track]") {
   WallMap map(test::first_wall_view(), kAcross, kDown);
-  // Their patches show another place.
+  // Their patches are those of other landmarks.
   const int unseen[] = {20, 40, 60};
   for (const int id : unseen) map.landmarks[id].look = map.landmarks[id + 7].look;
   map.landmarks[20].missed = 30;
   map.landmarks[40].missed = 29;
   map.landmarks[60].missed = 100;
-  map.landmarks[60].inlier = 26;  // 4 times that are 104
+  map.landmarks[60].inlier = 26;  // the limit is 4 times that, 104
   Search search(map);
   PoseQuery query = query_near(kPose, 0, false);
-  // The previous pose was 20 px away and the shutter was open for a quarter of the frame time: that
-  // is a smear of 5 px at the wall's distance from the first view.
+  // The previous pose was 20 px away and the shutter was open for a quarter of the frame time,
+  // which gives a smear of 5 px at the wall's distance from the first view.
   query.previous = standing_at(20 / kPxPerMetre, 0, 0) * kPose;
   query.exposure = 0.25;
   query.coarse_first = false;

@@ -16,7 +16,7 @@ TEST_CASE("a camera has come to rest when its picture has not moved for 0.7 s, a
   RecentPoses poses;
   for (int n = 0; n < 40; ++n) {
     INFO("frame " << n);
-    // 0.05 px to and fro: noise.
+    // Noise of 0.05 px.
     const bool rests =
         poses.add_and_check_rest(kCamera, kDepth, n * kStep, at(n % 2 == 0 ? 0 : 0.05 / 350));
     if (n <= 13) CHECK_FALSE(rests);

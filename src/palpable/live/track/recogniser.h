@@ -1,7 +1,7 @@
 /// @file
 /// Finds the pose from which a picture was taken by comparing it with pictures of known pose. These
-/// are keyframes, and the comparison is made when the camera is lost or may have returned to a known
-/// part of the scene.
+/// are keyframes, and the comparison is made when the camera is lost or may have returned to a
+/// known part of the scene.
 ///
 /// ORB features (Rublee et al., ICCV 2011) are matched by Hamming distance and Lowe's ratio; RANSAC
 /// finds the pose from three of them at a time (Ke and Roumeliotis, CVPR 2017). Comparing two

@@ -18,7 +18,7 @@ const DepthNoise kNoise{0.001, 0, 0.002};
 
 GrayImage bare(std::uint8_t luma = 120) { return {kWidth, kHeight, luma}; }
 
-// `u` px to the right of the first one.
+// A view that is shifted by `u` px to the right of the first one.
 GrayImage picture(double u = 0) {
   GrayImage image(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {
@@ -29,7 +29,7 @@ GrayImage picture(double u = 0) {
   return image;
 }
 
-// A floor that rises in the picture, as an image of half size; `nearer` m nearer.
+// The depth image, of half the size, of a floor that is `nearer` m nearer.
 DepthImage floor_depth(float nearer = 0, unsigned seed = 0) {
   DepthImage depth(kWidth / 2, kHeight / 2);
   std::mt19937_64 random = test::random_case(seed);
@@ -54,7 +54,7 @@ TEST_CASE("before a bare wall the depths tell whether the camera stands", "[trac
   CHECK(watch.look(bare(), floor_depth(-0.05F, 9)) == Stillness::kMoved);
   CHECK(watch.look(bare(), floor_depth(0, 10)) == Stillness::kStill);  // it is back
 
-  // Something comes: 40 % of the view, then 60 %.
+  // Something covers 40 % of the view, then 60 %.
   for (const bool most : {false, true}) {
     DepthImage hand = floor_depth(0, 11);
     const int columns = hand.width() * (most ? 6 : 4) / 10;
@@ -68,10 +68,10 @@ TEST_CASE("what the picture says counts for more than the depths", "[track][star
   CHECK(watch.look(picture(), floor_depth()) == Stillness::kStill);
   CHECK(watch.look(picture(2), floor_depth()) == Stillness::kMoved);
   CHECK(watch.look(picture(), floor_depth(0.2F)) == Stillness::kStill);
-  CHECK(watch.look(bare(), floor_depth()) == Stillness::kStill);  // it says nothing
+  CHECK(watch.look(bare(), floor_depth()) == Stillness::kStill);  // no texture: by depth
 }
 
-TEST_CASE("nothing is told before something was seen, and the first that was counts",
+TEST_CASE("the result is unclear until a view can be compared, the first of which is the reference",
           "[track][start]") {
   StartWatch watch(kNoise);
   CHECK(watch.look(bare(0), unknown_depth()) == Stillness::kUnclear);

@@ -1,6 +1,6 @@
 /// @file
-/// Detects whether the camera stands still. Up to 48 patches of the picture in which it came to rest
-/// are searched at their old positions. This costs next to nothing and needs no map.
+/// Detects whether the camera stands still. Up to 48 patches of the picture in which it came to
+/// rest are searched at their old positions. This costs next to nothing and needs no map.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -16,8 +16,9 @@ namespace palpable {
 enum class Stillness {
   kStill,  ///< most patches that can be compared are at their old positions
   kMoved,  ///< the patches that can be compared have moved
-  /// Too few patches can be compared, and at 10 or more others the picture shows something different
-  /// at a similar depth or farther: the camera has moved farther than patches are followed.
+  /// Too few patches can be compared, and at 10 or more others the picture shows something
+  /// different at a similar depth or farther: the camera has moved farther than patches are
+  /// followed.
   kOtherView,
   kUnclear  ///< too few can be compared: it is dark, or something nearer hides them
 };

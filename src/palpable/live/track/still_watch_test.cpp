@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
 
-// A plain of waves, 9 to 23 px long, seen through x -> turn * (x - middle) + shift + middle.
+// A sum of waves, 9 to 23 px long, seen through x -> turn * (x - middle) + shift + middle.
 GrayImage picture(const Eigen::Vector2d& shift, const Eigen::Matrix2d& turn, double seed = 0) {
   GrayImage image(kWidth, kHeight);
   const Eigen::Vector2d middle(0.5 * (kWidth - 1), 0.5 * (kHeight - 1));
@@ -58,7 +58,7 @@ TEST_CASE("a camera stands while its picture has moved by less than 0.3 px, to w
 
 TEST_CASE("a camera that goes straight ahead or rolls does not stand", "[track][still]") {
   const StillWatch watch = watch_of(picture());
-  // Half of the picture lies more than 110 px from its middle: 0.55 px.
+  // Half of the picture is more than 110 px from its middle, and moves by more than 0.55 px.
   for (const double growth : {-0.005, 0.005}) {
     CHECK(look(watch, picture({0, 0}, (1 + growth) * Eigen::Matrix2d::Identity())) ==
           Stillness::kMoved);
@@ -68,7 +68,7 @@ TEST_CASE("a camera that goes straight ahead or rolls does not stand", "[track][
 }
 
 TEST_CASE("a bare picture is watched by the little that it shows", "[track][still]") {
-  // White, but for a place of 56 x 56 px where four of the 8 x 6 cells meet.
+  // White, except for a square of 56 x 56 px where four of the 8 x 6 cells meet.
   const auto bare = [](double dx, double dy) {
     const GrayImage all = picture(dx, dy);
     GrayImage image(kWidth, kHeight, 200);
@@ -80,7 +80,7 @@ TEST_CASE("a bare picture is watched by the little that it shows", "[track][stil
   CHECK(look(watch, bare(0.2, 0)) == Stillness::kStill);
   CHECK(look(watch, bare(0.4, 0)) == Stillness::kMoved);
   CHECK(look(watch, bare(0, 0.4)) == Stillness::kMoved);
-  // A hand over it: what is left says nothing.
+  // A hand covers it, and the rest cannot be compared.
   MaskImage mask(kWidth, kHeight);
   for (int y = 90; y < 150; ++y) std::fill_n(mask.row(y) + 90, 60, std::uint8_t{255});
   CHECK(look(watch, bare(0, 0), &mask) == Stillness::kUnclear);
@@ -105,7 +105,7 @@ TEST_CASE("what hides most patches says neither that it stands nor that it moves
           "[track][still]") {
   const GrayImage empty = picture(), hand = picture({0, 0}, Eigen::Matrix2d::Identity(), 2);
   const StillWatch watch = watch_of(empty);
-  // Of 8 x 6 patches so many columns are hidden, from the left.
+  // Hides `columns` of the 8 columns of patches, from the left.
   const auto hidden = [&](int columns, bool masked) {
     GrayImage image = empty;
     MaskImage mask(kWidth / 2, kHeight / 2);
@@ -117,13 +117,13 @@ TEST_CASE("what hides most patches says neither that it stands nor that it moves
   };
   CHECK(hidden(4, false) == Stillness::kStill);
   CHECK(hidden(4, true) == Stillness::kStill);
-  CHECK(hidden(7, true) == Stillness::kUnclear);  // 6 patches are left of the 10 that it takes
+  CHECK(hidden(7, true) == Stillness::kUnclear);  // 6 patches are left, 10 are needed
   CHECK(look(watch, GrayImage(kWidth, kHeight, 3)) == Stillness::kUnclear);
 }
 
 TEST_CASE("another view as far away is told from darkness and from what hides the view",
           "[track][still]") {
-  // Waves would be found again a wave farther.
+  // Waves could be matched one wavelength away, so the texture is noise.
   const auto noise = [](unsigned wall) {
     GrayImage image(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y) {

@@ -154,7 +154,7 @@ struct Tracker::Parts {
   NewLandmarks new_landmarks;
   int since_keyframe = 0;  // frames
   KeyframeWorker worker;
-  int work_due = 0;    // frame count at which its result is used
+  int work_due = 0;       // frame count at which its result is used
   int next_compared = 0;  // keyframe with which a lost camera is compared, in turn
   LoopConfirmation loops;
   std::vector<Correction> corrections;  // by the last closed loop
@@ -487,7 +487,7 @@ Tracker::Tracker(const TrackerSettings& settings) : parts_(std::make_unique<Part
                   "focal lengths and baseline are positive");
   PALPABLE_EXPECT(settings.limits.keyframes >= 2 * kWindow &&
                       settings.limits.landmarks >= 2 * (settings.most_landmarks + kNewLandmarks),
-                  "14 keyframes and the landmarks of two frames are remembered at least");
+                  "the limits allow at least 14 keyframes and the landmarks of two frames");
 }
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;

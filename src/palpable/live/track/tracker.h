@@ -86,7 +86,7 @@ struct TrackerSettings {
                        ///< baseline is kDepthCameraBaseline
   double disparity_at_infinity_px = 0;  ///< disparity of infinitely distant points in the pictures
   DepthNoise noise;                     ///< of the depth images
-  bool two_sensors = false;  ///< colour and depth come from two sensors, aligned to some pixels
+  bool two_sensors = false;      ///< colour and depth come from two sensors, aligned to some pixels
   bool adjust_on_thread = true;  ///< false: adjustments are made in track(), when they are due
   bool watch_stillness = true;   ///< false: every frame is tracked in full, even if the camera
                                  ///< stands still
@@ -127,8 +127,8 @@ class Tracker {
   /// All keyframes in the map, with their most recently adjusted poses.
   [[nodiscard]] std::vector<KeyframePose> keyframes() const;
   [[nodiscard]] TrackerCounts counts() const;
-  /// The corrections by the last closed loop of all keyframes that were then in the map; empty if no
-  /// loop was closed. Valid until the next call of track().
+  /// The corrections by the last closed loop of all keyframes that were then in the map; empty if
+  /// no loop was closed. Valid until the next call of track().
   [[nodiscard]] std::span<const Correction> corrections() const;
 
  private:

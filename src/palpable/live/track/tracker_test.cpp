@@ -30,7 +30,7 @@ struct Hand {
   double size = 0;      // px, half; 0: none
 };
 
-// Luma of one eye and its depth. Walls: Z = 1.5 m, and a desk Y = 0.35 m.
+// Luma of one eye and its depth. The surfaces are a wall at Z = 1.5 m and a desk at Y = 0.35 m.
 void look(const Rigid3& world_from_eye, const Hand& hand, double disparity, GrayImage& image,
           DepthImage& depth) {
   image.resize(kCamera.camera.width, kCamera.camera.height);
@@ -84,7 +84,7 @@ TrackerFrame frame_of(const Pair& pair, int number) {
   return frame;
 }
 
-// To the right, down and forward, turning; 0.2 m in 40 frames.
+// A walk to the right, down and forward with rotation; 0.2 m in 40 frames.
 Rigid3 walk_pose(int n) {
   const double a = n / 40.0;
   Twist twist;
@@ -111,7 +111,7 @@ TEST_CASE("a walk along textured walls is followed to a millimetre, with a hand 
     Tracker tracker(settings_of());
     for (int n = 0; n < 40; ++n) {
       Hand hand;
-      // From frame 8 on a hand of a sixth of the view crosses it.
+      // From frame 8 on a hand crosses the view, covering a sixth of it.
       if (with_hand && n >= 8) hand = {100.0 + 12 * n, 190 + 40 * std::sin(0.4 * n), 95};
       const Pair pair = pair_at(walk_pose(n), hand);
       const TrackedPose pose = tracker.track(frame_of(pair, n));
@@ -166,8 +166,9 @@ TEST_CASE("a hand that covers 40 % of the view does not drag the pose, masked or
 TEST_CASE("a fast walk of which two frames in four are missing is followed by its stamps",
           "[track]") {
   Tracker tracker(settings_of());
-  // Along the wall, within 12 frames up to 0.13 m a frame: 30 px. Where two frames are missing one
-  // frame's motion once more is 60 px too short, farther than anything is looked for.
+  // A walk along the wall that accelerates within 12 frames to 0.13 m per frame, which is 30 px.
+  // After two missing frames, a prediction by one frame's motion would be 60 px too short, more
+  // than the range of the search.
   const auto x_at = [](int n) { return 0.13 * (n < 12 ? n * n / 24.0 : n - 6.0); };
   int gap = 3;
   for (int n = 0; n < 40; n += gap = 4 - gap) {
@@ -205,7 +206,7 @@ TEST_CASE("a standing camera is fixed from the first frame on, whatever moves be
     CHECK(pose.world_from_camera.matrix().isIdentity(0));
   }
   CHECK(tracker.counts().keyframes == 1);
-  CHECK(tracker.counts().stood == 11);  // all but the first: nothing was looked for in them
+  CHECK(tracker.counts().stood == 11);  // all except the first needed only the patches
 }
 
 TEST_CASE("a frame takes no memory unless it is kept or an adjustment is taken over",
@@ -213,11 +214,11 @@ TEST_CASE("a frame takes no memory unless it is kept or an adjustment is taken o
   for (const bool walks : {false, true}) {
     INFO("walks " << walks);
     TrackerSettings settings = settings_of();
-    settings.adjust_on_thread = false;  // with a thread of its own it would be counted in between
+    settings.adjust_on_thread = false;  // the allocations of a thread would be counted, too
     Tracker tracker(settings);
     int last_kept = 0, counted = 0;
     for (int n = 0; n < 40; ++n) {
-      // To the picture's side and back: known ground, so that few frames are kept.
+      // To one side and back, within the mapped part, so that few frames are kept.
       const Pair pair = pair_at(walks ? walk_pose(8 - std::abs(n % 16 - 8)) : Rigid3::Identity(),
                                 {100.0 + 8 * n, 190, 60});
       const TrackerFrame frame = frame_of(pair, n);
@@ -264,7 +265,7 @@ TEST_CASE("a walk longer than what is remembered is followed to its end", "[trac
   settings.limits = {20, 600};
   settings.watch_stillness = false;
   Tracker tracker(settings);
-  // Along the wall, 5 m: half of that is out of view at its end.
+  // 5 m along the wall; at the end half of that is out of view.
   const auto along = [](int n) { return Rigid3(Eigen::Translation3d(0.05 * n, 0, 0)); };
   TrackedPose pose;
   for (int n = 0; n <= 100; ++n) {
@@ -279,7 +280,7 @@ TEST_CASE("a walk longer than what is remembered is followed to its end", "[trac
   CHECK(error_of(pose, along(100)) <= tolerance(0.02, "0.4 % of the way"));
 }
 
-TEST_CASE("corners that are found anew do not stand beside their older selves", "[track]") {
+TEST_CASE("corners that are found again do not become duplicate landmarks", "[track]") {
   TrackerSettings settings = settings_of();
   settings.watch_stillness = false;
   Tracker tracker(settings);
@@ -293,8 +294,7 @@ TEST_CASE("corners that are found anew do not stand beside their older selves", 
   CHECK(tracker.counts().landmarks > 280);  // more than the first view's
 }
 
-TEST_CASE("who walks around a room with depths that creep is back where he began",
-          "[track][long]") {
+TEST_CASE("a walk around a room with creeping depths ends where it began", "[track][long]") {
   for (const bool close : {false, true}) {
     INFO("loops are closed: " << close);
     TrackerSettings settings = settings_of();
@@ -312,7 +312,7 @@ TEST_CASE("who walks around a room with depths that creep is back where he began
       error = error_of(pose, test::creeping_pose(n));
       if (!pose.closed_loop) continue;
       ++closed;
-      // The newest keyframe is taken to where it is, the first one stays.
+      // The newest keyframe is moved to its true position, the first one does not move.
       const std::span<const Correction> corrections = tracker.corrections();
       CHECK(correction_at(corrections, 0).matrix().isIdentity(1e-9));
       CHECK(corrections.back().world_from_drifted.translation().norm() > 0.1);
@@ -420,7 +420,7 @@ Rigid3 past_the_wall(double x) { return Rigid3(Eigen::Translation3d(x, 0, 0)); }
 
 TEST_CASE("a camera that moves fast from the first frame on is followed and never said to stand",
           "[track]") {
-  // 0.3 m a frame, as the keyframes of a drone: 70 px, farther than anything is looked for.
+  // 0.3 m per frame, as between keyframes of a drone: 70 px, more than the range of the search.
   Tracker tracker(settings_of());
   for (int n = 0; n < 12; ++n) {
     INFO("frame " << n);
@@ -470,7 +470,7 @@ TEST_CASE("after a second without a pose a new world begins where the camera was
     pose = tracker.track(frame);
     lost += pose.state == TrackState::kLost ? 1 : 0;
   } while (!pose.new_world && lost < 10);
-  CHECK(lost == 3);  // 1.03 s after the last pose it is more than a second
+  CHECK(lost == 3);  // the fourth frame is 1.03 s after the last pose, more than a second
   CHECK(tracker.counts().new_worlds == 1);
   CHECK(pose.since_new_world == 0);
   CHECK(error_of(pose, last) <= tolerance(1e-4, "the last keyframe was adjusted meanwhile"));
@@ -506,7 +506,7 @@ TEST_CASE("known ground is looked for before a new world begins", "[track]") {
   CHECK(tracker.counts().new_worlds == 0);
 }
 
-TEST_CASE("a mask that leaves nothing to follow is not believed", "[track]") {
+TEST_CASE("a mask that leaves nothing to follow is ignored", "[track]") {
   Tracker tracker(settings_of());
   for (int n = 0; n < 12; ++n) {
     INFO("frame " << n);
@@ -521,7 +521,7 @@ TEST_CASE("a mask that leaves nothing to follow is not believed", "[track]") {
   }
 }
 
-TEST_CASE("images of a wrong size make a lost frame, and settings of nothing are refused",
+TEST_CASE("images of a wrong size make a lost frame, and settings without a baseline are refused",
           "[track]") {
   Tracker tracker(settings_of());
   Pair pair = pair_at(Rigid3::Identity());

@@ -11,7 +11,8 @@ constexpr std::size_t kHeld = 5;    // largest number of older keyframes that ar
 constexpr int kLeastShared = 5;     // landmarks that each of them must share with the window
 constexpr double kBadSquared = 16;  // (4 sigma)^2; sightings with a larger residual are dropped
 
-// Indices of the landmarks seen in keyframes `first` and later, without duplicates, in rising order.
+// Indices of the landmarks seen in keyframes `first` and later, without duplicates, in rising
+// order.
 std::vector<int> landmarks_since(int first, const LandmarkMap& map) {
   std::vector<int> ids;
   for (std::size_t k = first; k < map.keyframes.size(); ++k) {

@@ -23,7 +23,7 @@ Rigid3 truth(int k) {
          Eigen::Translation3d(-0.05 * k, 0, 0);
 }
 
-// A walk with exact sightings: poses and landmarks are where they were.
+// A walk with exact sightings, so that an adjustment changes nothing.
 struct Walk : LandmarkMap {
   Walk() {
     for (int k = 0; k < kCount; ++k) {
@@ -58,8 +58,8 @@ constexpr int kFirst = kCount - kWindow;  // 9
 TEST_CASE("the window is the last keyframes, tied to older ones that see the same", "[track]") {
   Walk walk;
   const AdjustmentWindow window = window_of(kCamera, walk);
-  // The window sees what keyframes 5 and later have brought. Keyframe 8 has seen most of that, 48
-  // landmarks; 5 has seen its own 12, and 4 none.
+  // The window sees the landmarks that keyframes 5 and later have added. Keyframe 8 has seen most
+  // of these, 48; keyframe 5 has seen its own 12, and keyframe 4 none.
   REQUIRE(window.keyframes.size() == 4U + kWindow);
   CHECK(std::vector<int>(window.keyframes.begin(), window.keyframes.begin() + 4) ==
         std::vector<int>{8, 7, 6, 5});
@@ -68,12 +68,12 @@ TEST_CASE("the window is the last keyframes, tied to older ones that see the sam
     if (i >= 4) CHECK(window.keyframes[i] == kFirst + static_cast<int>(i) - 4);
     CHECK(window.problem.camera_from_world[i].matrix() == truth(window.keyframes[i]).matrix());
   }
-  // Landmarks of keyframes 5 to 14: the newest's own were seen once.
+  // The landmarks of keyframes 5 to 14; those of the newest keyframe were seen only once.
   REQUIRE(window.landmarks.size() == 10U * kOwn);
   CHECK(window.landmarks.front() == 5 * kOwn);
   CHECK(window.landmarks.back() == 15 * kOwn - 1);
 
-  // A young map: its first keyframe is the world, and holds the window.
+  // In a young map the first keyframe defines the world frame and is held fixed.
   Walk young;
   young.keyframes.resize(3);
   for (Landmark& landmark : young.landmarks) {
@@ -104,7 +104,7 @@ TEST_CASE("an adjusted window has its keyframes and landmarks where they were", 
   for (int k = kFirst; k < kCount; ++k) {
     const Twist drift = (k - kFirst + 1) * (Twist() << 2e-3, -1e-3, 1e-3, 0, 1e-3, 0).finished();
     off.keyframes[k].camera_from_world = moved_by(drift, truth(k));
-    // What a keyframe brought was placed by its pose.
+    // Each keyframe's own landmarks were placed by its pose.
     for (int i = k * kOwn; i < (k + 1) * kOwn; ++i) {
       off.landmarks[i].x_in_world =
           off.keyframes[k].camera_from_world.inverse() * truth(k) * walk.landmarks[i].x_in_world;
@@ -119,7 +119,7 @@ TEST_CASE("an adjusted window has its keyframes and landmarks where they were", 
     CHECK((off.keyframes[k].camera_from_world.matrix() - truth(k).matrix()).norm() <=
           tolerance(1e-6, "sightings are exact; the last of ten steps is smaller than this"));
   }
-  // Those of the newest keyframe lie outside of the window: they moved with their anchor.
+  // Those of the newest keyframe are not in the window: they moved with their anchor.
   for (std::size_t i = 0; i < walk.landmarks.size(); ++i) {
     CHECK((off.landmarks[i].x_in_world - walk.landmarks[i].x_in_world).norm() <=
           tolerance(1e-5, "as the poses; ten times for points at 1 m with 22 px of disparity"));
@@ -129,8 +129,8 @@ TEST_CASE("an adjusted window has its keyframes and landmarks where they were", 
 TEST_CASE("a sighting that does not agree is dropped; a landmark that keeps too few is given up",
           "[track]") {
   Walk walk;
-  // Wrong by 10 px, 33 sigmas: one of five sightings, one of two, and the first of five, which is
-  // in the keyframe from whose picture the patch was cut.
+  // Errors of 10 px, 33 sigma, in one of five sightings, in one of two, and in the first of five,
+  // which is in the keyframe from whose picture the patch was cut.
   const auto spoil = [&](int id, int s) {
     walk.landmarks[id].sightings[s].seen.uvd.x() += 10;
     return std::pair{id, walk.landmarks[id].sightings[s].keyframe};
@@ -139,7 +139,7 @@ TEST_CASE("a sighting that does not agree is dropped; a landmark that keeps too 
   const std::vector<std::pair<int, int>> bad = {spoil(five, 2), spoil(anchored, 0), spoil(two, 1)};
   AdjustmentWindow window = window_of(kCamera, walk);
   adjust(window);
-  // Of two sightings either one may be wrong.
+  // If there are only two sightings, either one may be wrong.
   std::vector<std::pair<int, int>> found = window.bad;
   std::erase(found, std::pair{two, 14});
   CHECK(found == bad);
