@@ -194,7 +194,7 @@ def bar_deck(kind="C3D4"):
                         walk[2], walk[3] = walk[3], walk[2]
                     elements += 1
                     lines.append(", ".join(map(str, [elements, *(number[p] for p in walk)])))
-    lines += ["*NSET, NSET=BASE, GENERATE", "1, 9", "*NSET, NSET=TIP", "59", "*NSET, NSET=NOBODY", "",
+    lines += ["*NSET, NSET=BASE, GENERATE", "1, 9", "*NSET, NSET=TIP", "59", "*NSET, NSET=NOTHING", "",
               "*ELSET, ELSET=LOWER, GENERATE", f"1, {elements // 2}",
               "*ELSET, ELSET=MIDDLE, GENERATE", f"{elements // 3}, {elements * 2 // 3}",
               "*SURFACE, NAME=SIDE, TYPE=ELEMENT", "BAR, S1", "*STEP", "*STATIC", "*END STEP"]
@@ -596,7 +596,7 @@ def _(programs, folder):
             "only 1 of its nodes are fixed", "fix at least three")
     refuses('set = "BASE"', 'set = "BASSE"', "bar.toml:9: 'set' in [support]: the mesh has no set 'BASSE'",
             "did you mean 'BASE'?")
-    refuses('set = "BASE"', 'set = "NOBODY"', "bar.toml:9: 'set' in [support]", "'NOBODY' is empty")
+    refuses('set = "BASE"', 'set = "NOTHING"', "bar.toml:9: 'set' in [support]", "'NOTHING' is empty")
     refuses('set = "BASE"', 'box = {low = ["1 m", "1 m", "1 m"], high = ["2 m", "2 m", "2 m"]}',
             "bar.toml:9: 'box' in [support]: no node lies in the box", "the body reaches from")
     refuses('sets = "TIP"', 'sets = "BASE"', "bar.toml:11: 'sets' in [sites]: the site at", "[support] holds")

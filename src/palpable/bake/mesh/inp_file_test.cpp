@@ -49,7 +49,7 @@ LEFT, S1
 *SURFACE, NAME=SHELL, TYPE=ELEMENT
 LEFT, SPOS
 *SURFACE, NAME=GONE, TYPE=ELEMENT
-nobody, S1
+unknown, S1
 *NSET, NSET=OF LEFT, ELSET=left
 )";
 
@@ -79,7 +79,7 @@ TEST_CASE("a deck gives nodes, tetrahedra and sets, whatever the case of its wor
   // Surfaces of other elements are recorded with the reason, those of tetrahedra are read.
   CHECK(volume.sets.faces.size() == 1);
   CHECK_THAT(volume.sets.unusable.at("SHELL"), Contains("line 32") && Contains("SPOS"));
-  CHECK_THAT(volume.sets.unusable.at("GONE"), Contains("'nobody' is neither"));
+  CHECK_THAT(volume.sets.unusable.at("GONE"), Contains("'unknown' is neither"));
 }
 
 TEST_CASE("each face of a tetrahedron has Abaqus' number", "[mesh][inp]") {

@@ -96,7 +96,7 @@ TEST_CASE("with full-order solutions contact becomes that of the full-order body
   CHECK(apart(sheet.state.u, shape) < tolerance(4e-5, "m: twice the last step's"));
   REQUIRE(solver.request(sheet.state, sheet.load));
   CHECK(apart(sheet.state.u, sheet.exact()) <
-        tolerance(1e-5, "m: the state bears what the exact body bears"));
+        tolerance(1e-5, "m: the state carries the load of the full-order solution"));
 }
 
 TEST_CASE("a full-order solution is blended in frame by frame", "[contact]") {

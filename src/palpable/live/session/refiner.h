@@ -1,5 +1,5 @@
 /// @file
-/// Full-order solutions for the loads that a touched body bears, from a process that runs beside
+/// Full-order solutions for the loads on a touched body, from a process that runs beside
 /// the session: when they are requested, and when they are taken up (response/refinement.h
 /// describes what they then do).
 ///
