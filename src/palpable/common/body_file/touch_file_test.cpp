@@ -488,7 +488,7 @@ TEST_CASE("a shell that breaks a rule within a file is refused by name when it i
       {"touch: the shell is wrong in the weights", table("shell/first", 0, 43, 1)},
       {"touch/held_out: dataset 'values' is 1 x 4 where 2 x 4",
        table("held_out/values", 0.01, 1, 4)},
-      {"touch: the held-out touches are wrong in what presses", table("held_out/things", 6, 2, 1)},
+      {"touch: the held-out touches are wrong in an obstacle", table("held_out/things", 6, 2, 1)},
       {"touch: the held-out touches are wrong in a depth", table("held_out/values", 0.0, 2, 4)},
       {"touch: the held-out touches are wrong in a depth", table("held_out/values", NAN, 2, 4)},
       {"touch/held_out: dataset 'unscaled_error' is 1 x 1 where 2 x 1",

@@ -223,8 +223,8 @@ void ContactFrame::run_last_step(double shift, int most) {
       is_entered_ = true;
       return;
     }
-    // Slid feet change the solution little, so it goes on from its forces; a skin that entered an
-    // obstacle has moved too far, so it starts again from the state.
+    // Slid feet change the solution little, so the next round starts from its forces; a skin that
+    // entered an obstacle has moved too far, so it starts again from the state.
     goes_on = !entered;
   }
 }

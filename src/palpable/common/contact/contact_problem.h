@@ -34,15 +34,14 @@ namespace palpable {
 
 /// A contact point that may press an obstacle or another body.
 struct Contact {
-  int body = 0;                    ///< index in the solver
-  int point = 0;                   ///< contact point of that body
-  int by = -1;                     ///< index of the other body; -1: an obstacle
-  SkinPoint foot;                  ///< on the other body
-  std::size_t place = kNoPlace;    ///< number of the point's place on `body`
-  std::size_t on_foot = kNoPlace;  ///< number of the foot's place on `by`
-  float distance = 0;              ///< m, the gap now
-  Eigen::Vector3f normal =
-      Eigen::Vector3f::UnitZ();  ///< unit, out of the obstacle; frame of `body`
+  int body = 0;                                       ///< index in the solver
+  int point = 0;                                      ///< contact point of that body
+  int by = -1;                                        ///< index of the other body; -1: an obstacle
+  SkinPoint foot;                                     ///< on the other body
+  std::size_t place = kNoPlace;                       ///< number of the point's place on `body`
+  std::size_t on_foot = kNoPlace;                     ///< number of the foot's place on `by`
+  float distance = 0;                                 ///< m, the gap now
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the obstacle
   Eigen::Vector3f foot_normal = Eigen::Vector3f::UnitZ();  ///< the same in the frame of `by`
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();     ///< 1/m
   float softness = 0;                                      ///< SurfaceGap::softness

@@ -24,7 +24,7 @@ class PrescribedSkin final : public ContactBody {
   explicit PrescribedSkin(const SurfaceMesh& skin)
       : rest_(skin.vertices.cast<float>()), now_at_(rest_), surface_(skin) {}
 
-  /// Where it is from now on. @param vertices  (3 x V) m
+  /// Sets its present positions. @param vertices  (3 x V) m
   void move(const Eigen::Matrix3Xf& vertices) {
     const bool moves = vertices != rest_;
     if (moves || has_moved_) {
@@ -79,7 +79,7 @@ class PrescribedSkin final : public ContactBody {
 
  private:
   static Eigen::Vector3f no_point() {
-    PALPABLE_EXPECT(false, "a skin that does not give way has no contact points");
+    PALPABLE_EXPECT(false, "a prescribed skin has no contact points");
     return Eigen::Vector3f::Zero();
   }
   static constexpr ContactLimits kNoLimits{};

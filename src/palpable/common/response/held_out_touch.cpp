@@ -66,7 +66,7 @@ std::string trouble_of(const std::vector<HeldOutTouch>& touches) {
   if (static_cast<double>(touches.size()) > kMostTouches) return "their number";
   for (const HeldOutTouch& touch : touches) {
     const int thing = static_cast<int>(touch.thing);
-    if (thing < 0 || thing >= kPressingThings) return "what presses";
+    if (thing < 0 || thing >= kPressingThings) return "an obstacle";
     if (!(std::isfinite(touch.depth) && touch.depth > 0)) return "a depth";
     for (const auto& [name, difference] : kHeldOutDifferences) {
       if (!(std::isfinite(touch.*difference) && touch.*difference >= 0)) return "a difference";

@@ -35,8 +35,8 @@ TEST_CASE("an invalid held-out touch is named", "[response]") {
     return trouble_of(touches);
   };
   CHECK(spoilt([](auto& t) { t.thing = static_cast<PressingThing>(kPressingThings); }) ==
-        "what presses");
-  CHECK(spoilt([](auto& t) { t.thing = static_cast<PressingThing>(-1); }) == "what presses");
+        "an obstacle");
+  CHECK(spoilt([](auto& t) { t.thing = static_cast<PressingThing>(-1); }) == "an obstacle");
   CHECK(spoilt([](auto& t) { t.depth = 0; }) == "a depth");
   CHECK(spoilt([](auto& t) { t.unscaled_error = NAN; }) == "the error indicators of a touch");
   CHECK(spoilt([](auto& t) { t.unscaled_error = -0.1; }) == "the error indicators of a touch");

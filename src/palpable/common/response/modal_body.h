@@ -157,12 +157,13 @@ class ModalBody final : public ContactBody {
 
   ModalState* state_ = nullptr;
   Eigen::VectorXd q_;
-  Eigen::VectorXf narrow_q_;     // q_ in single precision
-  Eigen::Matrix3Xf u_, x_;       // (3 x V) m: displacement and position of the skin
-  Eigen::Matrix3Xf shell_u_;     // (3 x W) m
-  // Probes are some vertices all over the skin: modes are smooth, so they tell how far any moves.
-  Eigen::MatrixXf probe_modes_;  // (3 probes x n)
-  Probes probes_;                // m, their displacements now,
+  Eigen::VectorXf narrow_q_;  // q_ in single precision
+  Eigen::Matrix3Xf u_, x_;    // (3 x V) m: displacement and position of the skin
+  Eigen::Matrix3Xf shell_u_;  // (3 x W) m
+  // Probes are some vertices all over the skin: modes are smooth, so they show how far any vertex
+  // moves.
+  Eigen::MatrixXf probe_modes_;                            // (3 probes x n)
+  Probes probes_;                                          // m, their displacements now,
   Probes probes_begun_, probes_kept_, probes_linearised_;  // and at earlier moments
   bool is_skin_old_ = false, is_surface_old_ = false, is_box_old_ = true;
   Eigen::AlignedBox3f box_;

@@ -1,8 +1,8 @@
 /// @file
 /// The places of a body with tables that take part in a step: contact points, and feet of other
-/// bodies' contact points. Each is a weighted sum of vertices that the tables know.
+/// bodies' contact points. Each is a weighted sum of vertices of the tables.
 ///
-///   V  vertices that the tables know     P  places     S  vertices of the places, each once
+///   V  vertices of the tables     P  places     S  vertices of the places, each once
 #pragma once
 
 #include "palpable/common/response/touch_skin.h"

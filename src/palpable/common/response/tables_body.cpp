@@ -580,7 +580,7 @@ bool TablesBody::refine(TouchState& state, const RequestedLoad& load,
                         const Matrix3Xf& exact) const {
   PALPABLE_EXPECT(exact.cols() == work_->compliance.nodes() && load.tables.cols() == exact.cols() &&
                       load.linear.cols() == work_->rest.cols(),
-                  "an answer has as many nodes as the tables");
+                  "a solution has as many nodes as the tables");
   return state.refinement.take_up(load, exact);
 }
 

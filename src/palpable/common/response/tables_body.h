@@ -8,7 +8,7 @@
 /// refinement.h. The tangent is J = G + U H U^T, with U the modes of the regions and H the
 /// derivative of their amplitudes by the modal coordinates of the load.
 ///
-///   V  vertices that the tables know, of the skin or of a coarser one that carries it
+///   V  vertices of the tables, of the skin or of a coarser one that carries it
 ///   F  vertices of the body's skin, V where it is not carried
 ///   W  nodes of the shell     C  contact points     P  places that take part in a step
 #pragma once

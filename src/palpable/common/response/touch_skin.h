@@ -3,7 +3,7 @@
 /// tables know. These are the skin's own vertices, or those of a coarser skin that carries it
 /// (carried_skin.h).
 ///
-///   V  vertices that the tables know     F  vertices of the body's skin; V if it is not carried
+///   V  vertices of the tables     F  vertices of the body's skin; V if it is not carried
 ///   C  contact points, of the body's skin     W >= V  columns of displacements
 #pragma once
 
@@ -22,7 +22,7 @@
 
 namespace palpable {
 
-/// A vertex that the tables know, and the share of a force on the body's skin that acts on it.
+/// A vertex of the tables, and the share of a force on the body's skin that acts on it.
 struct ForceShare {
   int vertex = 0;
   float weight = 0;

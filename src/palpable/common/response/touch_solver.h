@@ -18,7 +18,7 @@
 ///
 /// TouchSolver is ContactSolver with one TablesBody, for programs without a session.
 ///
-///   V  vertices that the tables know, of the skin or of a coarser one that carries it
+///   V  vertices of the tables, of the skin or of a coarser one that carries it
 ///   F  vertices of the body's skin, V where it is not carried
 ///   W  nodes of the shell     C  contact points
 #pragma once

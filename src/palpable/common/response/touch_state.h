@@ -1,7 +1,7 @@
 /// @file
 /// The state of a body with tables between frames.
 ///
-///   W  nodes of the shell     V  the first of them: vertices that the tables know
+///   W  nodes of the shell     V  the first of them: vertices of the tables
 #pragma once
 
 #include "palpable/common/contact/point_forces.h"

@@ -39,7 +39,7 @@ struct SessionBody {
   Rigid3 world_from_body;    ///< as PlacedBody's
   std::string name;          ///< PlacedBody::shown_name()
   std::optional<Rgb> color;  ///< as PlacedBody's
-  BodyResponse response;     ///< what presses the body, its touches and its shape
+  BodyResponse response;     ///< the body's obstacles, touches and shape
 
   /// The body at rest, as it was baked.
   [[nodiscard]] const ReducedBody& model() const { return response.body(); }
