@@ -136,7 +136,9 @@ class SnapshotStore {
   [[nodiscard]] std::filesystem::path linear_file(int k) const;
   [[nodiscard]] bool has_linear(int k) const;
   void write_linear(int k, const Eigen::MatrixXf& responses) const;
-  /// (3V x kLinearRow, fewer in the last) m/N. @pre has_linear(k)
+  /// (3V x c) the linear responses of file k: displacement of all V vertices of the skin, m/N, a
+  /// column for each of the file's vertices; c is kLinearRow, or less in the last file.
+  /// @pre has_linear(k)
   [[nodiscard]] Eigen::MatrixXf linear(int k) const;
   void copy_linear_from(const SnapshotStore& other, int k) const;
 

@@ -46,9 +46,9 @@ void set_errors(const VectorXd& lost, const VectorXd& whole, MatrixXd course, Re
   result.snapshot_errors = result.course.bottomRows(1).transpose();
 }
 
-// Adds the weighted squared norm of each snapshot to `whole` and that of its residual to `lost`,
-// for some snapshots or some of their rows. @param table  (K x m) products of the functions of
-// parameters
+// Adds the squared norm of each snapshot, a column of A, to `whole`, and that of its residual
+// A - F table to `lost`, weighted by w. A holds some snapshots, or some rows of them.
+// @param table  (modes x snapshots) what multiplies each mode in each snapshot
 void measure(const MatrixXd& A, const MatrixXd& F, const MatrixXd& table, const VectorXd& w,
              Eigen::Ref<VectorXd> lost, Eigen::Ref<VectorXd> whole) {
   MatrixXd left = A;

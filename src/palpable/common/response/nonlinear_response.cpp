@@ -239,7 +239,8 @@ void NonlinearResponse::evaluate_cross_terms(std::span<const VertexForce> loads)
   for (const VertexForce& load : loads) {
     const int patch = patch_of_vertex_[load.vertex];
     if (patch < 0 || load.force.isZero(0)) continue;
-    add_rows(cross_.modes, 3 * index(load.vertex), {load.force.data(), 3}, coordinates_of(index(patch)));
+    add_rows(cross_.modes, 3 * index(load.vertex), {load.force.data(), 3},
+             coordinates_of(index(patch)));
   }
   const std::size_t count = chosen_.size() * x;
   if (cross_patches_ == chosen_.size()) {

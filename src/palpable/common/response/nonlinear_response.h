@@ -150,16 +150,16 @@ class NonlinearResponse {
   CrossTable cross_;
   std::vector<FormRows> cubic_, quartic_;  // by region
   FormRows cross_cubic_;
-  std::vector<int> chosen_;           // regions of the patches
-  std::vector<int> patch_of_vertex_;  // (V) -1: none
-  std::vector<int> queried_;          // vertices whose patch is set
-  std::vector<RegionResponse> responses_;  // by patch
-  std::vector<float> score_;                         // by region
-  std::size_t most_modes_ = 0;                       // r of the largest region
-  std::vector<float> coordinates_, far_targets_;     // (patches x r), (C x k)
-  std::vector<float> far_coordinates_, arriving_;    // (f), (k)
+  std::vector<int> chosen_;                            // regions of the patches
+  std::vector<int> patch_of_vertex_;                   // (V) -1: none
+  std::vector<int> queried_;                           // vertices whose patch is set
+  std::vector<RegionResponse> responses_;              // by patch
+  std::vector<float> score_;                           // by region
+  std::size_t most_modes_ = 0;                         // r of the largest region
+  std::vector<float> coordinates_, far_targets_;       // (patches x r), (C x k)
+  std::vector<float> far_coordinates_, arriving_;      // (f), (k)
   std::vector<char> queried_cluster_, every_cluster_;  // (C) 1: targets are computed there
-  std::vector<char> own_cluster_;                    // (regions x C) 1: its nodes are in the region
+  std::vector<char> own_cluster_;  // (regions x C) 1: its nodes are in the region
   std::vector<float> cross_coordinates_, pairs_, cross_q_;  // (patches + 1 x x), (p), (x)
   std::vector<float> cross_coordinates_before_;  // (patches x x) those of which cross_q_ is
   std::size_t cross_patches_ = 0;                // patches in them; 0: cross_q_ is not computed

@@ -27,7 +27,8 @@
 
 namespace palpable {
 
-/// A load whose full-order solution is requested, with the tables' solution of it.
+/// A load f_0 whose full-order solution is requested, with the displacement under it by the tables
+/// of touch (touch_tables.h) and by their linear part alone.
 struct RequestedLoad {
   std::vector<VertexForce> forces;  ///< each vertex once, rising
   Eigen::Matrix3Xf tables;          ///< (3 x W) m, u_tables(f_0)

@@ -28,7 +28,8 @@ struct TablesAt {
   std::span<const Place> places;      ///< (P)
   const ComplianceCache& compliance;  ///< with the places' vertices
   std::span<const float> field;       ///< (w) m, G f at the slots' vertices
-  /// Evaluated under the loads of the places. Null: the tangent is that of the linear tables.
+  /// The response beyond the linear one, evaluated under the present loads at the places. Null: the
+  /// tangent is G alone, which does not depend on the loads.
   NonlinearResponse* regions = nullptr;
 };
 

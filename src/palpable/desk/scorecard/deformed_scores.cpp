@@ -74,7 +74,7 @@ class SkinErrors {
         areas_(vertex_areas(truth.deformed->rest)),
         onto_true_skin_(*skins.rest(), truth.deformed->rest.vertices) {}
 
-  // @return false when the drawn skin of the frame is not known
+  // @return false when the result does not contain the skin that it drew in this frame
   bool add(const DeformedLine& line) {
     const std::optional<Found> found = found_in(line.frame);
     if (!found) return false;

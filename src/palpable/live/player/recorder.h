@@ -55,8 +55,8 @@ class Recorder {
   bool add_frame(const Frame& frame, std::optional<double> taken, bool waits);
   bool add_unreadable(int number, std::string_view why, bool waits);
   bool add_silence(SourceState state, std::string_view why, bool waits);
-  /// Called on the loop's thread: the part of the refiner's process in the frame whose
-  /// state is added next.
+  /// Records what the refiner, the process that computes full-order solutions, contributed to the
+  /// frame whose state is added next. Called on the loop's thread.
   /// @param asked  whether a solution was requested
   /// @param exact  the full-order solution that was adopted; null: none
   void add_refinement(bool asked, const Eigen::Matrix3Xf* exact);

@@ -100,7 +100,9 @@ class RealOutlines {
   [[nodiscard]] std::span<const float> depth() const { return fine_; }
 
  private:
-  // A colour as its brightness and two differences of channels as shares of the brightness.
+  // A colour as its brightness and two differences of its channels as ratios to the brightness:
+  // `warm` is red - blue, `pink` is red + blue - 2 green. Each is weighted so that equal distances
+  // matter equally.
   struct Color {
     float light, warm, pink;
   };

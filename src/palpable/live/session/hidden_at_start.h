@@ -25,10 +25,11 @@ class HiddenAtStart {
   /// Starts over: the next frame is the first one.
   void begin();
 
-  /// Updates the hidden vertices. A vertex is hidden if the depth at its pixel is more than 10 mm
-  /// and 4 sigma less than its own, and no longer hidden once a measured depth there is not (of the
-  /// desk behind, for instance, since the real picture does not contain the body). Pixels without
-  /// depth, and vertices outside the picture, change nothing.
+  /// Updates the hidden vertices. A vertex is hidden if the measured depth at its pixel is less
+  /// than its own by more than 10 mm and by more than 4 sigma. It becomes visible for good as soon
+  /// as a measured depth there is not less by that much: the camera then sees the desk behind the
+  /// body, which is virtual. Pixels without depth, and vertices outside the picture, change
+  /// nothing.
   /// @param vertices  (3 x V) m, body frame, at rest
   /// @return share of the vertices that were hidden in the first kFrames frames and ever since
   [[nodiscard]] double look(const DepthImage& depth, const PinholeCamera& camera,

@@ -39,8 +39,11 @@ struct RowError {
   /// Median of v_right - v_left: positive where the right image lies lower. NaN if there are too
   /// few points.
   double median_px = 0;
-  /// The correction. Fitted to the row errors e(u, v) = f (1 + y^2) pitch - f x roll, with
-  /// x = (u - cx) / f and y = (v - cy) / f, which a camera has that is turned by the inverse of it.
+  /// The rotation that corrects the rows. A camera that is turned by its inverse has the row errors
+  ///
+  ///     e(u, v) = f (1 + y^2) pitch - f x roll,    x = (u - cx) / f,  y = (v - cy) / f      px
+  ///
+  /// to which it is fitted.
   EyeTilt tilt;
 };
 

@@ -57,7 +57,8 @@ class FingerPress {
     return shown_.stated_error;
   }
 
-  /// Arrays of this object; as PressedBody::look().
+  /// What is drawn of the body. It points to arrays of this object, which the next press
+  /// overwrites.
   [[nodiscard]] BodyLook look() const;
   /// Appends a row of dots along the finger, towards its tip. @param radius  m
   void finger_dots(float radius, std::vector<Dot>& dots) const;
