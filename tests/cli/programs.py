@@ -1095,12 +1095,12 @@ def _(programs, folder):
     shutil.copy(programs.palpable, alone)
     (alone / "palpable-bake").write_text("#!/bin/sh\nexit 5\n")
     (alone / "palpable-bake").chmod(0o755)
-    for name, program, description, says in (("stiffer", None, other, "of another body"),
+    for name, program, description, says in (("stiffer", None, other, "for another body"),
                                              ("ends", alone / "palpable", describes, "exit code 5")):
         told, result = touches(name, "--refine", description, program=program)
         assert told == plain, name
         lines = [line for line in result.stderr.splitlines() if "--refine" in line]
-        assert len(lines) == 1 and says in lines[0] and "goes on without" in lines[0], result.stderr
+        assert len(lines) == 1 and says in lines[0] and "continues without" in lines[0], result.stderr
     for more, says in ((("--refine", folder / "none.toml"), "no file"), (("--refine", describes, "--scale", "2"), "--scale"),
                        (("--refine", describes, "--contact", "site"), "--contact site")):
         programs.refuses("live", body, "--source", folder / "clip/frames", "--out", folder / "x", *more, says=[says])
