@@ -29,10 +29,10 @@ struct BodiesResult {
   std::vector<double> milliseconds_alone;   ///< the same with only the body that the hand presses
   std::vector<double> milliseconds_three;   ///< the same with two more distant bodies
   int frames = 0;                           ///< frames with a truth
-  /// Of these, frames in which bodies touch each other while no hand touches one of the two: by the
-  /// tables, and in truth.
+  /// Of the frames with a truth, those in which two bodies touch each other and no hand touches one
+  /// of the two: according to the tables, and according to the full-order solution.
   int touching = 0, touching_true = 0;
-  int disagree = 0;      ///< of these, frames in which tables and truth disagree
+  int disagree = 0;      ///< frames in which these two disagree
   double imbalance = 0;  ///< N, largest
 };
 

@@ -61,11 +61,13 @@ struct ElementStudySettings {
   double young = 60e3;  ///< Pa; only scales loads and stresses
 };
 
-/// Errors of one state, relative to the reference.
+/// Relative errors of one state: the norm of the difference from the reference mesh's solution,
+/// divided by the norm of that solution.
 struct ElementErrors {
   double press = 0;         ///< signed; negative: too stiff
   double displacement = 0;  ///< L2 norm over the body
-  /// Von Mises stress in the elements, L2 norm over the body; NaN where the mesh is not nested.
+  /// Von Mises stress in the elements, L2 norm over the body; NaN where the
+  /// reference mesh is not a refinement of this one, so that elements cannot be compared.
   double element_von_mises = 0;
   /// Von Mises stress recovered at the nodes, L2 norm over the nodes that the meshes share. For the
   /// reference it is the mean over the elements at a node instead of a recovery in patches, which

@@ -392,7 +392,8 @@ class NearBench {
       result["error_by_depth"].push_back(
           {{"depth_m", kDepths[i]},
            {"median_error", median_or_null(score_.by_depth[i])},
-           // dZ / Z = Z / (f T) dd
+           // Depth error of a disparity error dd: dZ / Z = Z / (f T) dd, T the baseline; here for
+           // dd = 0.1 px.
            {"limit_tenth_px", 0.1 * kDepths[i] / (stereo.camera.fx_px * stereo.baseline)}});
     }
   }

@@ -79,15 +79,16 @@ struct CampaignReport {
   SolverSetup setup;      ///< of the last point that was solved
 };
 
-/// Solves the units that the store does not hold yet. A site's file is written as soon as it is
-/// solved, so an aborted run loses only the sites in progress. The bytes of the store depend on the
-/// plan alone.
+/// Solves the units (a site at a point of the parameters) that the snapshot store does not hold
+/// yet. A site's file is written as soon as it is solved, so an aborted run loses only the sites in
+/// progress. The bytes of the store depend on the plan alone.
 ///
 /// Memory: that of the solver (equilibrium.h); 24 N L + 1,500 N bytes for each site in progress, of
 /// which there are at most 20 per thread and about as many as fit into 2 GB (lockstep.h); and, for
-/// each site that is being written, another 60 N L bytes.
+/// each site that is being written, another 60 N L bytes. N: nodes, L: load levels.
 /// @param store  of unit_keys(plan)
-/// @throws Error if no site of a point reaches the press, one site cannot be pressed at all, the
+/// @throws Error if no site of a point reaches the press depth of its description, one site cannot
+/// be pressed at all, the
 ///         body has no equilibrium under the preload, or the store cannot be written
 [[nodiscard]] CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store,
                                           Crew& crew, const CampaignSettings& settings,

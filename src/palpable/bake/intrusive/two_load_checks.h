@@ -9,7 +9,8 @@
 
 namespace palpable {
 
-/// Solves `count` random pairs of loads: a press of 0.05 .. 1 times the full load at a random
+/// Solves `count` random pairs of loads with the full-order solver and with the reduced model, and
+/// compares them. A pair is a press of 0.05 .. 1 times the full load at a random
 /// position, and a reaction of 0 .. 1 times that press at a random reaction site. The reduced
 /// solution is that of the live half (LoadedBody), on the modes of all nodes.
 /// @pre made.body.several

@@ -99,7 +99,8 @@ std::vector<ChartLine> functions(const std::vector<ReportRow>& table, const std:
   return lines;
 }
 
-// The functions of place and level that go with the first modes, of displacement and stress.
+// Charts of a separated field, sum_i F_i(x) G_i(site) H_i(load): the factors G_i and H_i of its
+// first modes.
 std::vector<Chart> function_charts(const std::vector<ReportRow>& table, const std::string& field) {
   return {Chart{fmt::format("{}: functions of the contact point", field), "contact point",
                 "G_i(point)", false, functions(table, field, over_sites)},

@@ -57,7 +57,8 @@ struct Friction {
   double sticking = 0;     ///< m, e above
 };
 
-/// The pairs that are near enough to matter, and their sums.
+/// The pairs of a contact point and an obstacle that are near enough to touch within a step, with
+/// their multipliers, and the sums of their forces and stiffnesses.
 class ContactPairs {
  public:
   /// All arguments must outlive this object.

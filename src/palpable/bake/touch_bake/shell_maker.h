@@ -1,6 +1,7 @@
 /// @file
-/// Makes the shell of a body, from which the stress on its skin is computed
-/// (response/shell_table.h).
+/// Makes the shell of a body: the layer of solid elements at its skin, with which the live half
+/// computes the stress there (response/shell_table.h). It has nothing to do with thin-shell
+/// elements.
 #pragma once
 
 #include "palpable/bake/touch_bake/skin_response.h"

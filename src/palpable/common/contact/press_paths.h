@@ -16,7 +16,8 @@
 
 namespace palpable {
 
-/// The points that follow one site, and their deformed positions.
+/// The points of the skin that move when one site is pressed, and their positions at each level of
+/// that press.
 struct SitePath {
   /// (n_s) the vertices of the patch, and every point of the skin that moves at level 1 at least a
   /// given share of what the patch's most moved vertex moves, in rising order. Points that move

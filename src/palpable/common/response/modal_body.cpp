@@ -36,8 +36,9 @@ constexpr Index kLoads = 200, kLoadStates = 4;
 constexpr std::size_t kProbeVertices = 128;
 // Mean displacement of a disc of radius a pressed evenly by f: w = 0.54 f (1 - nu^2) / (E a).
 constexpr double kDisc = 0.54;
-// Factor of SurfaceGap::softness in the local compliance. softness is sigma / 10 mm, so a sigma of
-// 1 mm doubles the local compliance of the skin.
+// The local compliance of the skin grows by this factor times SurfaceGap::softness. The softness is
+// the uncertainty sigma of the obstacle's surface divided by 10 mm: where the surface is known to
+// within 1 mm, the compliance doubles, so that an uncertain obstacle presses less sharply.
 constexpr double kSofter = 10;
 // Where the Hessian is not positive definite, its diagonal is shifted: by this ratio at first, then
 // by four times as much up to kShifts - 1 times.

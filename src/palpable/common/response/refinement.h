@@ -67,8 +67,9 @@ struct Refinement {
 /// Sorts the forces by vertex and adds up those at the same one. @pre forces is not empty
 void add_up_by_vertex(std::vector<VertexForce>& forces);
 
-/// A load all over the skin that is so small that its response is linear. is_of_probed_body() tells
-/// by its full-order solution whether that was computed for the same body.
+/// make_probe() makes a test load: small forces all over the skin, whose response is linear. Its
+/// full-order solution is known from the body's tables; is_of_probed_body() compares it with the
+/// one that another process computed, so that corrections of a different body are refused.
 void make_probe(LinearField& field, int vertices, int nodes, RequestedLoad& probe);
 [[nodiscard]] bool is_of_probed_body(const RequestedLoad& probe, const Eigen::Matrix3Xf& exact);
 

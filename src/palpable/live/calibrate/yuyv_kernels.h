@@ -15,8 +15,9 @@
 
 namespace palpable {
 
-/// The positions of a warped picture's pixels in the raw one: stored for every eighth column of
-/// each row, linear between. (The second derivative of a lens's distortion is at most 0.002 px per
+/// A warped (rectified) picture takes each of its pixels from a position in the raw picture of the
+/// camera. These positions are stored for every eighth column of each row and interpolated linearly
+/// between. (The second derivative of a lens's distortion is at most 0.002 px per
 /// px^2, so the error of the interpolation is at most 0.02 px.)
 struct WarpGrid {
   static constexpr int kStep = 8;  ///< px

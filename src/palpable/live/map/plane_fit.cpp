@@ -123,7 +123,9 @@ bool improve(const std::vector<Point>& points, Plane& plane) {
   return true;
 }
 
-// Counts the points that lie in the plane, and finds its middle.
+// Sets plane.share to the share of the points that lie within kInPlane of the plane, and
+// plane.middle to that of them which is nearest to the picture's middle, moved onto the plane along
+// its ray.
 void measure_extent(const std::vector<Point>& points, Plane& plane) {
   std::size_t inside = 0;
   double nearest = std::numeric_limits<double>::infinity();

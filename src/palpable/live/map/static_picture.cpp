@@ -222,8 +222,9 @@ void StaticPicture::use_view(const PictureView& view) {
   }
 }
 
-// Sets each pixel of the picture to the value nearest to Y in the range of the 3 x 3 pixels of the
-// view, times the gain. The gain is 1 afterwards, because it is already applied.
+// Clamps each pixel's luma in the kept picture of the scene to the range that the 3 x 3 pixels
+// around it have in the view, after the view was multiplied by the gain. The gain is 1 afterwards,
+// because it has been applied.
 void StaticPicture::replace_by_nearest(const PictureView& view) {
   const int width = now_.width(), height = kTile * rows_;
   // Only three rows are kept at a time, which fit into the L1 cache.

@@ -68,7 +68,9 @@ struct PressingMaskSettings {
   ColorOutlineSettings outline{};
 };
 
-/// Finds the mask of each frame. Keeps its memory, and remembers where the last frame had groups.
+/// Finds the mask of each frame. Groups are connected tiles of moving pixels; where they were in
+/// the last frame decides which of this frame's groups are the same things. Memory is allocated
+/// once.
 class PressingMask {
  public:
   /// @throws ContractViolation for settings out of their range

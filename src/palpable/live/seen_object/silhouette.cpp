@@ -88,7 +88,8 @@ bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
   return true;  // a wide hole: nothing was measured beside the thing
 }
 
-// Finds the things of a row, and the outlines directly beside their pixels.
+// First step of a row: finds its run of pixels that show things, and sets the distance of pixels
+// beside which a thing ends (left, right, above or below). The sweeps propagate these distances.
 void Silhouette::begin_row(int y) {
   const int right = box_.x + box_.width;
   const float* depth = depth_->row(y);

@@ -66,7 +66,9 @@ class Silhouette {
   void find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
             const Image<float>* presence = nullptr);
 
-  /// Adds outlines along creases: a thing ends `hidden` px beyond each of these pixels.
+  /// Adds outlines along creases, the lines at which two things touch in the picture, such as a
+  /// fingertip before the palm. Each thing continues behind the other for CreasePixel::hidden px
+  /// beyond the crease, and ends there.
   /// @param creases  inside the box, none of them in its last row
   /// @param reach    px: distances are corrected up to this far from the creases
   void part(std::span<const CreasePixel> creases, int reach);

@@ -67,7 +67,9 @@ struct LandmarkSearch {
   bool find(const Candidate& candidate, int coarsest, int finest, double least_likeness,
             Eigen::Vector2d& uv, int& level) const;
 
-  /// The sighting of a candidate that was found at uv, at a level of the pyramid.
+  /// The measurement (a Sighting) of a candidate that was found in this frame.
+  /// @param uv     px of level 0, whatever the level
+  /// @param level  of the image pyramid: the finest one at which it was found
   [[nodiscard]] Sighting sighting_of(const TrackerFrame& frame, const Candidate& candidate,
                                      const Eigen::Vector2d& uv, int level) const;
 

@@ -51,7 +51,7 @@ struct LiveWishes {
   bool recording = false;   ///< begin a recording, or end the present one
   bool parameters = false;  ///< apply the values of LiveControls::parameters
 
-  /// Whether fulfilling them needs the next frame.
+  /// True if a request can only be fulfilled together with the next frame of the camera.
   [[nodiscard]] bool of_frame() const { return place || anew || parameters; }
 };
 
