@@ -188,9 +188,8 @@ struct Sample {
   std::vector<double> weights;  // m^3
 };
 
-// @param points  in the order of a space-filling curve through the body (order_along_curve()), so
-// that points beside each other
-//                in the list are neighbours in the body
+// @param points  in the order of a space-filling curve (order_along_curve()): points that are
+//                neighbours in the list are neighbours in the body
 Sample sampled(const std::vector<Point>& points, const MatrixXf& modes,
                const FormSampling& sampling) {
   std::vector<double> contribution(points.size());
