@@ -1,4 +1,5 @@
-// palpable compare bunny.snapshots bunny.palpable: shows methods and bodies in one chart.
+// palpable compare bunny.snapshots bunny.palpable: charts the errors of reduction methods and of
+// body files against their numbers of modes.
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"

@@ -253,7 +253,9 @@ MatrixXd inner_bases(const Samples& samples, Index fields, const MatrixXd& P, co
   return R;
 }
 
-// (3W x k) P and, below it, R, from the first `fields` of the samples.
+// The low-rank bases of compliance_table.h, from the first `fields` columns of the samples (one
+// displacement field each): P of the W vertices of the skin, (3W x k), and below it R of the nodes
+// inside.
 RoundedRows bases(const Samples& samples, Index fields, int rank, const Plan& plan) {
   RoundedRows all = rounded(skin_bases(samples, fields, rank, plan).cast<float>());
   const RoundedRows inner =

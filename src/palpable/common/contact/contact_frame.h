@@ -31,7 +31,9 @@ struct ContactReport {
   double left_to_move = 0;
 };
 
-/// Its memory is used again in each frame.
+/// Solves the contact of bodies that touch one another in one frame, by steps and iterations. The
+/// bodies of a session are `parts`; those that are solved together are the members of a group
+/// (ContactSolver finds the groups). Its memory is used again in each frame.
 class ContactFrame {
  public:
   /// @param parts  outlive this
@@ -40,7 +42,7 @@ class ContactFrame {
 
   /// @param members  indices of parts, in rising order; begin_frame() was called for their bodies
   /// @param pairs    of these members
-  /// @param largest_move  m, see ContactSolver
+  /// @param largest_move  m, step limit: no vertex moves farther in this frame
   ContactReport solve(std::span<const int> members, std::span<const SkinPair> pairs,
                       double largest_move);
 

@@ -13,8 +13,9 @@ using Eigen::AlignedBox3f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// Distance of the boxes of two skins beyond which they cannot touch in a frame: m for the search
-// band, plus the step limit, of which at most kFastest counts.
+// m. Two skins cannot touch in a frame if their boxes are farther apart than
+// kBesideBody + min(kFastest, step limit); kBesideBody covers the band in which contacts are
+// sought.
 constexpr float kBesideBody = 0.004f, kFastest = 0.05f;
 // m, smallest gap between bodies at rest. Without it rounding of positions in single precision
 // would cause tiny forces, and bodies at rest would be solved in every frame.

@@ -50,7 +50,9 @@ class CapsuleField {
   [[nodiscard]] Eigen::Matrix3d curvature(const Eigen::Vector3d& x) const;
 
  private:
-  /// A point in the half plane through the axis.
+  /// A point in the half plane through the axis, m: its distances along the axis and from it, and
+  /// its coordinate along the straight flank, which is inclined if the radii differ. The flank
+  /// reaches from along = 0 to along_end_.
   struct Profile {
     double axial, radial, along;
   };

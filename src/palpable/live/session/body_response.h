@@ -93,7 +93,8 @@ class BodyResponse {
   void join(const ContactSolver& together, int number);
   /// How the contact of the frame went; the default unless the body's own tables solved it.
   [[nodiscard]] ContactReport report() const;
-  /// Moves the obstacle that stands for a body that does not deform to the body's shown shape.
+  /// To the other bodies, a body that does not deform is an obstacle: moves it to the vertices at
+  /// which the body is drawn in this frame.
   void move_obstacle(const Eigen::Matrix3Xf& vertices);
 
   /// The tables of ModesLaw; null for another law.

@@ -154,9 +154,9 @@ const BodyResponse* Session::Parts::twin_of(const TouchableBody& body) const {
   return nullptr;
 }
 
-// Makes the solver of all bodies. The contact of several bodies is solved together if any of them
-// deforms; that of a single body in modes is solved by the same solver. A single body with tables
-// is solved by its law.
+// Makes the solver that several bodies share if any of them deforms; a single body whose response
+// is computed in modes uses it, too. A single body with precomputed tables of touch needs none:
+// TablesLaw (body_laws.h) solves its contact.
 void Session::Parts::solve_together() {
   const bool any_deforms = std::any_of(bodies.begin(), bodies.end(),
                                        [](const auto& body) { return body->response.deforms(); });
@@ -178,7 +178,8 @@ void Session::Parts::forget_room() {
   for (const auto& body : bodies) body->hidden.begin();
 }
 
-// Copies the camera's pose and what moves into the scene, and places the bodies by that pose.
+// Copies the camera's pose and the mask of moving pixels into the scene, and places the bodies by
+// that pose.
 void Session::Parts::place_camera(Scene& scene, const SlamFrame& found) {
   scene.camera = found.camera;
   looked_at = found.looked_at;

@@ -38,7 +38,7 @@ struct RawPicture {
 /// @return empty, or why the bytes are not a picture of this size, e.g. too few or a truncated JPEG
 [[nodiscard]] std::string to_color(const RawPicture& raw, ColorImage& image);
 
-/// Copies a YUYV picture without conversion. @return as to_color()
+/// Copies a YUYV picture without conversion. @return why that failed; empty: it succeeded
 [[nodiscard]] std::string to_yuyv(const RawPicture& raw, YuyvImage& image);
 
 /// Converts a depth picture with steps of `unit` m; 0 and 65535 become NaN. @return as to_color()

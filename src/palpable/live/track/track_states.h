@@ -62,8 +62,9 @@ enum class FrameEvidence {
   kNoPose          ///< no pose was found
 };
 
-/// The state after a frame. Defined for all pairs. In a state other than kFixed, kPoseAtRest is
-/// treated as kPoseFound, and kHidden as kNoPose.
+/// The state after a frame, defined for all pairs. Only in kFixed, where the camera rests and its
+/// pose is kept, does it matter that the camera is still at rest or its view hidden: in other
+/// states kPoseAtRest counts as kPoseFound, and kHidden as kNoPose.
 [[nodiscard]] TrackState next_state(TrackState before, FrameEvidence evidence);
 
 }  // namespace palpable

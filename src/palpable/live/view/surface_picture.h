@@ -49,8 +49,9 @@ class SurfacePicture {
   void handle(const WindowEvent& event);
 
   /// @param scene    the result of the last frame
-  /// @param session  the one that made the scene, with the balls near each body
-  /// @param scale    Pa, top of the bodies' colours
+  /// @param session  the one that made the scene. It holds the balls that stand for the seen
+  ///                 objects near each body
+  /// @param scale    Pa, the stress of the last colour
   /// @param inside   the camera's picture with the bodies, drawn as an inset
   /// @param picture  overwritten, as large as `inside`
   void draw(const Scene& scene, const Session& session, double scale, const ColorImage& inside,
