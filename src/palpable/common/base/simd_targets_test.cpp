@@ -2,6 +2,7 @@
 
 #include "tests/support/test.h"
 
+#include <fstream>
 #include <hwy/targets.h>
 #include <string>
 #include <vector>
@@ -27,7 +28,7 @@ TEST_CASE(
   std::vector<std::string> names;
   std::vector<std::int64_t> expected;
   for (const std::int64_t target : targets) {
-    if (target == HWY_SCALAR) continue;
+    if (target == HWY_SCALAR || !runs_here(target)) continue;
     names.emplace_back(hwy::TargetName(target));
     expected.push_back(target);
   }
@@ -35,6 +36,18 @@ TEST_CASE(
   CHECK(during == expected);
   CHECK(hwy::SupportedTargets() == chosen_before);
 }
+
+#if HWY_ARCH_X86
+TEST_CASE("AVX3_DL is used only where the processor has AVX-VNNI, which it is compiled with",
+          "[base][simd]") {
+  std::ifstream info("/proc/cpuinfo");
+  std::string flags;
+  while (std::getline(info, flags) && !flags.starts_with("flags")) {}
+  if (flags.empty()) return test::skip("/proc/cpuinfo has no flags");
+  CHECK(runs_here(HWY_AVX3_DL) == ((flags + " ").find(" avx_vnni ") != std::string::npos));
+  CHECK(runs_here(HWY_AVX3));
+}
+#endif
 
 }  // namespace
 }  // namespace palpable
