@@ -33,8 +33,7 @@ namespace palpable {
 ///
 /// @param option  name of the option that gave the text, for messages
 /// @throws Error naming the option or file: neither a file nor numbers, another count, a value that
-/// is
-///         not finite, a matrix that is no rotation (R R^T off by more than 1e-3), a body behind
+///         is not finite, a matrix that is no rotation (R R^T off by more than 1e-3), a body behind
 ///         the camera or more than 100 m away
 [[nodiscard]] Rigid3 read_pose(const std::string& text, const std::string& option = "pose");
 

@@ -10,6 +10,7 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <fmt/core.h>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
