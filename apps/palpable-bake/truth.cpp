@@ -8,7 +8,7 @@
 #include "palpable/bake/truth/true_skins.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/progress_text.h"
-#include "palpable/desk/clip_files/scene_description.h"
+#include "palpable/desk/clip_files/scene_files.h"
 
 #include <fmt/core.h>
 

@@ -6,7 +6,7 @@
 #include "apps/palpable/board_options.h"
 #include "apps/palpable/source_options.h"
 #include "palpable/common/response/touchable_body.h"
-#include "palpable/desk/clip_files/scene_description.h"
+#include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/live/player/live_run.h"
 
 #include <filesystem>

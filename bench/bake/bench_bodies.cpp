@@ -4,7 +4,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/body_file/touch_file.h"
-#include "palpable/desk/clip_files/scene_description.h"
+#include "palpable/desk/clip_files/scene_files.h"
 
 #include "bench/bake/bench.h"
 #include "bench/bake/bodies_study.h"

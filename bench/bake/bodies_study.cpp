@@ -9,7 +9,7 @@
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/common/response/modal_body.h"
 #include "palpable/common/response/touch_solver.h"
-#include "palpable/desk/clip_files/deformed_file.h"
+#include "palpable/desk/clip_files/frame_records.h"
 #include "palpable/desk/score/displacement_error.h"
 
 #include <fmt/format.h>

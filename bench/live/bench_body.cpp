@@ -9,7 +9,7 @@
 #include "palpable/common/contact/press_law.h"
 #include "palpable/common/reduced/mode_kernels.h"
 #include "palpable/common/reduced/pressed_surface.h"
-#include "palpable/desk/clip_files/place.h"
+#include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/desk/score/deepest_sample.h"
 #include "palpable/live/seen_object/object_surface.h"
 

@@ -9,7 +9,7 @@
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/response/skin_contact.h"
-#include "palpable/desk/clip_files/hand_file.h"
+#include "palpable/desk/clip_files/frame_records.h"
 #include "palpable/live/player/live_loop.h"
 #include "palpable/live/session/between_frames.h"
 

@@ -7,7 +7,7 @@
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/body_file/body_file.h"
-#include "palpable/desk/clip_files/published_poses.h"
+#include "palpable/desk/clip_files/camera_paths.h"
 #include "palpable/desk/clip_writer/desk_film.h"
 #include "palpable/desk/score/trajectory_score.h"
 #include "palpable/desk/score/warped_depth.h"

@@ -3,7 +3,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/body_file/body_file.h"
-#include "palpable/desk/clip_files/jpeg_file.h"
+#include "palpable/desk/clip_files/image_files.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "palpable/desk/clip_files/published_poses.h"
+#include "palpable/desk/clip_files/camera_paths.h"
 #include "palpable/desk/score/warped_depth.h"
 #include "palpable/live/depth/depth_camera.h"
 #include "palpable/live/sources/folder_source.h"

@@ -1,4 +1,4 @@
-#include "palpable/desk/clip_files/published_poses.h"
+#include "palpable/desk/clip_files/camera_paths.h"
 #include "palpable/live/depth/depth_camera.h"
 #include "palpable/live/slam/slam.h"
 #include "palpable/live/sources/folder_source.h"

@@ -1,9 +1,9 @@
 #include "palpable/bake/truth/clip_hands.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/desk/clip_files/hand_file.h"
-#include "palpable/desk/clip_files/place.h"
-#include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/desk/clip_files/camera_paths.h"
+#include "palpable/desk/clip_files/frame_records.h"
+#include "palpable/desk/clip_files/scene_files.h"
 
 #include <fmt/core.h>
 

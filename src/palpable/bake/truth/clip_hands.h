@@ -4,7 +4,7 @@
 
 #include "palpable/common/geometry/capsule.h"
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/desk/clip_files/contact_file.h"
+#include "palpable/desk/clip_files/frame_records.h"
 
 #include <filesystem>
 #include <string>

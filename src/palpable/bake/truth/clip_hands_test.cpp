@@ -2,8 +2,8 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/desk/clip_files/hand_file.h"
-#include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/desk/clip_files/camera_paths.h"
+#include "palpable/desk/clip_files/frame_records.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 

@@ -3,7 +3,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/geometry/mesh_file.h"
-#include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/desk/clip_files/camera_paths.h"
 
 #include <fmt/core.h>
 

@@ -6,7 +6,7 @@
 #include "palpable/bake/describe/body_description.h"
 #include "palpable/common/base/progress.h"
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/desk/clip_files/deformed_file.h"
+#include "palpable/desk/clip_files/frame_records.h"
 
 #include <filesystem>
 #include <string>

@@ -2,12 +2,14 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/write_all.h"
 
 #include <fmt/core.h>
 
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <span>
 #include <unistd.h>
 #include <utility>
 
@@ -16,19 +18,6 @@ namespace {
 
 [[noreturn]] void report_unwritable(const std::filesystem::path& path, int reason) {
   throw Error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(reason)));
-}
-
-// @return 0, or errno
-int write_all(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written > 0) {
-      bytes.remove_prefix(static_cast<std::size_t>(written));
-    } else if (written < 0 && errno != EINTR) {
-      return errno;
-    }
-  }
-  return 0;
 }
 
 }  // namespace
@@ -46,11 +35,11 @@ GrowingFile::~GrowingFile() {
 
 void GrowingFile::append(std::string_view piece) {
   PALPABLE_EXPECT(descriptor_ >= 0, "nothing is appended to a file that was closed");
-  const int reason = write_all(descriptor_, piece);
-  if (reason == 0) {
+  if (write_all(descriptor_, std::as_bytes(std::span(piece)))) {
     size_ += std::ssize(piece);
     return;
   }
+  const int reason = errno;
   // This fails for a device or a pipe, which has nothing that could be cut off.
   const bool cut =
       ::ftruncate(descriptor_, size_) == 0 && ::lseek(descriptor_, size_, SEEK_SET) == size_;

@@ -1,5 +1,7 @@
 #include "palpable/common/body_file/foreign_hdf5.h"
 
+#include "palpable/common/base/write_all.h"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -7,6 +9,7 @@
 #include <cstring>
 #include <exception>
 #include <fcntl.h>
+#include <span>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -43,18 +46,6 @@ class Descriptor {
  private:
   int number_;
 };
-
-bool send(int pipe, const void* data, std::size_t size) {
-  const char* at = static_cast<const char*>(data);
-  while (size > 0) {
-    const ssize_t sent = ::write(pipe, at, size);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent <= 0) return false;
-    at += sent;
-    size -= static_cast<std::size_t>(sent);
-  }
-  return true;
-}
 
 bool receive(int pipe, void* data, std::size_t size) {
   char* at = static_cast<char*>(data);
@@ -125,9 +116,9 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
   }
   header.ok = wrong.empty();
   header.count = header.ok ? values.size() : wrong.size();
-  const bool sent = send(pipe, &header, sizeof header) &&
-                    (header.ok ? send(pipe, values.data(), values.size() * sizeof(double))
-                               : send(pipe, wrong.data(), wrong.size()));
+  const bool sent = write_all(pipe, std::as_bytes(std::span(&header, 1))) &&
+                    write_all(pipe, header.ok ? std::as_bytes(std::span(values))
+                                              : std::as_bytes(std::span(wrong)));
   ::_exit(sent ? 0 : 1);
 }
 

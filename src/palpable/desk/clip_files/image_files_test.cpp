@@ -1,9 +1,8 @@
 // For each image format: the counts that are written, reading them back, and files that the reader
 // refuses.
+#include "palpable/desk/clip_files/image_files.h"
+
 #include "palpable/common/base/error.h"
-#include "palpable/desk/clip_files/depth_image_file.h"
-#include "palpable/desk/clip_files/jpeg_file.h"
-#include "palpable/desk/clip_files/mask_image_file.h"
 #include "palpable/live/sources/image_file.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/scratch_folder.h"
@@ -156,6 +155,24 @@ TEST_CASE("through_jpeg() gives the picture that a reader of the file gets", "[c
   CHECK(through_jpeg(picture) == read);
   CHECK_FALSE(read == picture);
   CHECK(std::abs(read(31, 8).r - picture(31, 8).r) < 12);
+}
+
+TEST_CASE("frames are counted by their names, and other names are refused", "[clip_files]") {
+  const ScratchFolder folder("clip_files");
+  CHECK(frame_name(7, ".png") == "000007.png");
+  CHECK(frames_in(folder / "nowhere") == 0);
+  CHECK(frames_in(folder.path()) == 0);
+  CHECK_NOTHROW(expect_frames_in(folder.path(), ".png"));
+  test::write_bytes(folder / "frame_3.png", "");
+  CHECK(frames_in(folder.path()) == 0);
+  CHECK_THROWS_WITH(expect_frames_in(folder.path(), ".png"),
+                    Catch::Contains("frame_3.png is no frame's name: they are 000000.png"));
+  test::write_bytes(folder / "000041.png", "");
+  CHECK(frames_in(folder.path()) == 42);
+  CHECK_NOTHROW(expect_frames_in(folder.path(), ".png"));
+  CHECK_THROWS_WITH(expect_frames_in(folder.path(), ".ply"), Catch::Contains("000000.ply"));
+  CHECK_THROWS_WITH(expect_frames_in(folder / "frame_3.png", ".png"),
+                    Catch::Contains("is no folder"));
 }
 
 }  // namespace

@@ -4,16 +4,18 @@
 #include "palpable/common/base/error.h"
 #include "palpable/desk/clip_files/text_file.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 
 namespace palpable {
 namespace {
 
 using nlohmann::json;
+using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
 constexpr int kMostFrames = 10'000'000;
 constexpr double kSkew = 1e-3;  // largest entry of R R^T - 1 of a pose
@@ -27,113 +29,13 @@ std::vector<double> first_numbers(const json& list, const std::string& what, std
   return numbers;
 }
 
-}  // namespace
-
-bool JsonObject::has(const char* key) const { return object_.contains(key); }
-
-int JsonObject::frame() const { return frame_number(object_.at("frame")); }
-
-int JsonObject::frame_after(int last) const {
-  const int number = frame();
-  if (number <= last) throw Error(fmt::format("frame {} comes after frame {}", number, last));
-  return number;
+std::string numbers_text(std::span<const double> numbers, int digits) {
+  std::vector<std::string> texts;
+  for (const double number : numbers) texts.push_back(fmt::format("{:.{}f}", number, digits));
+  return fmt::format("[{}]", fmt::join(texts, ","));
 }
 
-bool JsonObject::flag(const char* key) const { return object_.at(key).get<bool>(); }
-
-bool JsonObject::flag_or(const char* key, bool fallback) const {
-  return object_.value(key, fallback);
-}
-
-std::string JsonObject::text(const char* key) const { return object_.at(key).get<std::string>(); }
-
-int JsonObject::whole(const char* key) const {
-  const json& value = object_.at(key);
-  if (!value.is_number_integer()) throw Error(fmt::format("{} is no whole number", key));
-  return value.get<int>();
-}
-
-int JsonObject::whole_or(const char* key, int fallback) const {
-  return object_.value(key, fallback);
-}
-
-double JsonObject::number(const char* key) const { return object_.at(key).get<double>(); }
-
-std::optional<double> JsonObject::number_if_any(const char* key) const {
-  const auto found = object_.find(key);
-  if (found == object_.end() || !found->is_number()) return std::nullopt;
-  return found->get<double>();
-}
-
-std::vector<double> JsonObject::numbers(const char* key, std::size_t count) const {
-  return first_numbers(object_.at(key), key, count);
-}
-
-std::optional<std::vector<double>> JsonObject::numbers_if_any(const char* key,
-                                                              std::size_t count) const {
-  const auto found = object_.find(key);
-  if (found == object_.end() || !found->is_array() || found->size() < count) return std::nullopt;
-  std::vector<double> numbers;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!(*found)[i].is_number()) return std::nullopt;
-    numbers.push_back((*found)[i].get<double>());
-  }
-  return numbers;
-}
-
-std::vector<std::vector<double>> JsonObject::rows(const char* key, std::size_t count) const {
-  std::vector<std::vector<double>> rows;
-  for (const json& row : object_.at(key)) {
-    rows.push_back(first_numbers(row, fmt::format("an entry of {}", key), count));
-  }
-  return rows;
-}
-
-void JsonObject::for_each_in(const char* key,
-                             const std::function<void(const JsonObject&)>& read_entry) const {
-  const json& list = object_.at(key);
-  if (!list.is_array()) throw Error(fmt::format("{} is no list", key));
-  for (const json& entry : list) {
-    if (!entry.is_object()) throw Error(fmt::format("an entry of {} is no object", key));
-    read_entry(JsonObject(entry));
-  }
-}
-
-Rigid3 JsonObject::rigid(const char* key) const {
-  const std::vector<double> n = numbers(key, 16);
-  const Eigen::Matrix4d matrix =
-      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(n.data());
-  const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
-  const double skew = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  const bool last_row = matrix.row(3) == Eigen::RowVector4d(0, 0, 0, 1);
-  if (!(skew <= kSkew) || R.determinant() < 0 || !last_row || !matrix.allFinite()) {
-    throw Error(fmt::format("the 16 numbers of {} are no rigid motion, row by row", key));
-  }
-  Rigid3 pose = Rigid3::Identity();
-  pose.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
-  pose.translation() = matrix.topRightCorner<3, 1>();
-  return pose;
-}
-
-void for_each_object(const std::filesystem::path& path,
-                     const std::function<void(const JsonObject&)>& read_object) {
-  for_each_line(path, [&](const std::string& line) {
-    if (const auto unparsable = why_not_parsed(line, Notation::kJson)) {
-      throw Error(unparsable->what);
-    }
-    try {
-      const json object = json::parse(line);
-      read_object(JsonObject(object));
-    } catch (const json::parse_error& error) {
-      throw Error(fmt::format("no JSON at character {}", error.byte));
-    } catch (const json::exception& error) { throw Error(without_brackets(error.what())); }
-  });
-}
-
-bool is_of_another(const JsonObject& line, const std::string& body) {
-  return line.has("body") && line.text("body") != body;
-}
-
+// The number of a frame, from 0 to 10 million.
 int frame_number(const json& value) {
   // get<int>() would silently truncate a number that is not whole.
   if (!value.is_number_integer()) {
@@ -145,9 +47,175 @@ int frame_number(const json& value) {
   return static_cast<int>(frame);
 }
 
-std::string without_brackets(const std::string& message) {
-  const auto end = message.find("] ");
-  return end == std::string::npos ? message : message.substr(end + 2);
+void parse_and_read(const std::string& text, const std::function<void(JsonFields&)>& read,
+                    bool only_objects = false) {
+  try {
+    const json value = json::parse(text);
+    if (only_objects && !value.is_object()) throw Error("is no JSON object");
+    JsonFields fields(value);
+    read(fields);
+  } catch (const json::parse_error& error) {
+    throw Error(fmt::format("no JSON at character {}", error.byte));
+  } catch (const json::exception& error) {
+    // Without the exception's name in brackets in front, which means nothing to users.
+    const std::string message = error.what();
+    const auto end = message.find("] ");
+    throw Error(end == std::string::npos ? message : message.substr(end + 2));
+  }
+}
+
+}  // namespace
+
+bool JsonFields::has(const char* key) const { return read_->contains(key); }
+
+bool JsonFields::is_null(const char* key) const { return read_->at(key).is_null(); }
+
+std::vector<int> JsonFields::frames(const char* key) const {
+  if (!read_->at(key).is_array()) throw Error(fmt::format("{} is no list of frames", key));
+  std::vector<int> frames;
+  for (const json& frame : read_->at(key)) frames.push_back(frame_number(frame));
+  return frames;
+}
+
+void JsonFields::frame(int& value) {
+  if (!reads()) return whole("frame", value);
+  value = frame_number(read_->at("frame"));
+}
+
+void JsonFields::flag(const char* key, bool& value) {
+  if (!reads()) return add(key, value ? "true" : "false");
+  read_->at(key).get_to(value);
+}
+
+void JsonFields::flag_if_set(const char* key, bool& value) {
+  if (reads()) {
+    value = read_->value(key, false);
+  } else if (value) {
+    flag(key, value);
+  }
+}
+
+void JsonFields::text(const char* key, std::string& value) {
+  if (reads()) {
+    if (has(key)) read_->at(key).get_to(value);
+  } else if (!value.empty()) {
+    add(key, quoted_text(value));
+  }
+}
+
+void JsonFields::whole(const char* key, int& value) {
+  if (!reads()) return add(key, std::to_string(value));
+  value = read_->value(key, value);
+}
+
+void JsonFields::index(const char* key, int& value) {
+  if (reads() ? !has(key) : value < 0) return;
+  if (reads() && !read_->at(key).is_number_integer()) {
+    throw Error(fmt::format("{} is no whole number", key));
+  }
+  whole(key, value);
+}
+
+void JsonFields::number(const char* key, double& value, int digits) {
+  if (!reads()) return add(key, fmt::format("{:.{}f}", value, digits));
+  read_->at(key).get_to(value);
+}
+
+void JsonFields::number(const char* key, std::optional<double>& value, int digits,
+                        Invalid invalid) {
+  if (reads() ? !has(key) : !value) return;
+  if (!reads() || read_->at(key).is_number())
+    return number(key, value ? *value : value.emplace(), digits);
+  if (invalid == Invalid::kRefused) throw Error(fmt::format("{} is no number", key));
+  value.reset();
+}
+
+void JsonFields::number_or_null(const char* key, std::optional<double>& value, int digits) {
+  if (!reads() && !value) return add(key, "null");
+  number(key, value, digits, Invalid::kIgnored);
+}
+
+void JsonFields::number_up_to(double largest, const char* key, std::optional<double>& value,
+                              int digits) {
+  if (!reads()) return number(key, value, digits);
+  if (!has(key)) return;
+  number(key, value.emplace(), digits);
+  if (!(*value >= 0 && *value <= largest)) {
+    throw Error(fmt::format("{} is {}: it lies between 0 and {}", key, *value, largest));
+  }
+}
+
+void JsonFields::vector(const char* key, Eigen::Vector3d& value, int digits) {
+  if (!reads()) return add(key, numbers_text({value.data(), 3}, digits));
+  value = Eigen::Map<const Eigen::Vector3d>(first_numbers(read_->at(key), key, 3).data());
+}
+
+void JsonFields::vector(const char* key, std::optional<Eigen::Vector3d>& value, int digits,
+                        Invalid invalid) {
+  if (!reads() && value) return vector(key, *value, digits);
+  if (!reads() || !has(key)) return;
+  const json& list = read_->at(key);
+  const auto is_number = [](const json& entry) { return entry.is_number(); };
+  if (invalid == Invalid::kRefused || (list.is_array() && list.size() >= 3 &&
+                                       std::all_of(list.begin(), list.begin() + 3, is_number))) {
+    vector(key, value.emplace(), digits);
+  }
+}
+
+void JsonFields::rigid(const char* key, Rigid3& value) {
+  if (!reads()) return add(key, fmt::format("[{:.9g}]", fmt::join(row_major(value), ",")));
+  const RigidRows rows = rigid_of_rows(first_numbers(read_->at(key), key, 16));
+  if (!rows.is_rigid) {
+    throw Error(fmt::format("the 16 numbers of {} are no rigid motion, row by row", key));
+  }
+  value = rows.pose;
+}
+
+void JsonFields::rows_of_eight(const char* key, std::vector<std::vector<double>>& rows,
+                               int digits) {
+  std::vector<std::string> texts;
+  for (const std::vector<double>& row : rows) texts.push_back(numbers_text(row, digits));
+  if (!reads()) return add_list(key, texts);
+  for (const json& row : read_->at(key)) {
+    rows.push_back(first_numbers(row, fmt::format("an entry of {}", key), 8));
+  }
+}
+
+void JsonFields::for_each_in(const char* key,
+                             const std::function<void(JsonFields&)>& read_entry) const {
+  const json& list = read_->at(key);
+  if (!list.is_array()) throw Error(fmt::format("{} is no list", key));
+  for (const json& entry : list) {
+    if (!entry.is_object()) throw Error(fmt::format("an entry of {} is no object", key));
+    JsonFields fields(entry);
+    read_entry(fields);
+  }
+}
+
+void JsonFields::add(const char* key, const std::string& json) {
+  written_ += fmt::format("{}\"{}\":{}", written_.empty() ? "" : ",", key, json);
+}
+
+void JsonFields::add_list(const char* key, const std::vector<std::string>& entries) {
+  add(key, fmt::format("[{}]", fmt::join(entries, ",")));
+}
+
+void for_each_object(const std::filesystem::path& path,
+                     const std::function<void(JsonFields&)>& read_object) {
+  for_each_line(path, [&](const std::string& line) {
+    if (const auto unparsable = why_not_parsed(line, Notation::kJson)) {
+      throw Error(unparsable->what);
+    }
+    parse_and_read(line, read_object);
+  });
+}
+
+void read_object_file(const std::filesystem::path& path,
+                      const std::function<void(JsonFields&)>& read_object) {
+  const std::string text = value_or_throw(read_bounded_text(path, Notation::kJson));
+  try {
+    parse_and_read(text, read_object, true);
+  } catch (const Error& error) { throw Error(fmt::format("{}: {}", path.string(), error.what())); }
 }
 
 std::string quoted_text(const std::string& text) {
@@ -157,15 +225,22 @@ std::string quoted_text(const std::string& text) {
   return quoted;
 }
 
-std::string rows_text(const Rigid3& transform, int digits) {
-  std::string text = "[";
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      text += fmt::format("{}{:.{}g}", row + column > 0 ? "," : "", transform.matrix()(row, column),
-                          digits);
-    }
-  }
-  return text + "]";
+std::array<double, 16> row_major(const Rigid3& transform) {
+  std::array<double, 16> rows;
+  Eigen::Map<RowMajor4>{rows.data()} = transform.matrix();
+  return rows;
+}
+
+RigidRows rigid_of_rows(const std::vector<double>& numbers) {
+  const Eigen::Matrix4d matrix = Eigen::Map<const RowMajor4>(numbers.data());
+  const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
+  const double skew = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  const bool last_row = (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-9;
+  RigidRows rows{Rigid3::Identity(), skew, R.determinant(),
+                 skew <= kSkew && R.determinant() >= 0 && last_row && matrix.allFinite()};
+  rows.pose.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
+  rows.pose.translation() = matrix.topRightCorner<3, 1>();
+  return rows;
 }
 
 }  // namespace palpable

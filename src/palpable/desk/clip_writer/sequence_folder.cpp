@@ -5,17 +5,11 @@
 #include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/geometry/surface_distance.h"
-#include "palpable/desk/clip_files/contact_file.h"
-#include "palpable/desk/clip_files/deformed_file.h"
-#include "palpable/desk/clip_files/depth_image_file.h"
-#include "palpable/desk/clip_files/frame_names.h"
-#include "palpable/desk/clip_files/hand_file.h"
-#include "palpable/desk/clip_files/jpeg_file.h"
-#include "palpable/desk/clip_files/mask_image_file.h"
-#include "palpable/desk/clip_files/rig_file.h"
+#include "palpable/desk/clip_files/camera_paths.h"
+#include "palpable/desk/clip_files/frame_records.h"
+#include "palpable/desk/clip_files/image_files.h"
+#include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/desk/clip_files/text_file.h"
-#include "palpable/desk/clip_files/trajectory_file.h"
-#include "palpable/desk/clip_files/truth_camera_file.h"
 #include "palpable/desk/clip_writer/desk_film.h"
 #include "palpable/desk/script/beams.h"
 #include "palpable/desk/script/contact_truth.h"
@@ -110,31 +104,13 @@ ContactLine contact_of(int frame, const Movers& movers, const Rigid3& camera_fro
   return contact;
 }
 
-std::string matrix_text(const Rigid3& transform) {
-  std::string text = "[";
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column)
-      text +=
-          fmt::format("{}{:.12g}", row + column > 0 ? ", " : "", transform.matrix()(row, column));
-  return text + "]";
-}
-
-void write_place(const fs::path& folder, const char* what, const Rigid3& camera_from_body) {
-  TextFile scene(folder / "scene.toml");
-  scene.write(fmt::format(
-      "# Where the {} stands: camera_from_body, row by row, in the first frame's rectified left\n"
-      "# camera (m).\ncamera_from_body = {}\nfps = {}\n",
-      what, matrix_text(camera_from_body), kFramesPerSecond));
-  scene.close();
-}
-
 // Writes scene.toml, with the pose of the scene in the first frame, and script.toml.
 void write_texts(const fs::path& out, const Sequence& sequence, const Rigid3& desk_from_scene,
                  bool several) {
   const Rigid3 camera_from_scene = sequence.camera_from_desk(0.0) * desk_from_scene;
   // The truth gets a copy, so that it is complete without frames/.
   for (const char* folder : {"frames", "truth"}) {
-    write_place(out / folder, several ? "scene" : "body", camera_from_scene);
+    write_scene_file(out / folder, several ? "scene" : "body", camera_from_scene, kFramesPerSecond);
   }
 
   TextFile script(out / "truth" / "script.toml");
@@ -342,8 +318,8 @@ void write_sequence(std::span<const SequenceBody> wanted, const SequenceOrder& o
       make_folder(truth / body.part);
       write_ply(truth / body.part / kBodySkinFile, body.body.surface);
       if (several) {
-        write_place(truth / body.part, "body",
-                    sequence.camera_from_desk(0.0) * body.desk_from_body);
+        write_scene_file(truth / body.part, "body",
+                         sequence.camera_from_desk(0.0) * body.desk_from_body, kFramesPerSecond);
       }
     }
   };

@@ -2,8 +2,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/body_file/body_file.h"
-#include "palpable/desk/clip_files/contact_file.h"
-#include "palpable/desk/clip_files/deformed_file.h"
+#include "palpable/desk/clip_files/frame_records.h"
 #include "palpable/live/render/gl_context.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"

@@ -11,7 +11,7 @@ namespace palpable {
 /// How far an obstacle truly reaches into the undeformed body, in one frame.
 struct TrueReach {
   double depth = 0;       ///< m; 0 without a touch
-  double seen_share = 1;  ///< of the obstacle's touching surface (contact_file.h)
+  double seen_share = 1;  ///< of the obstacle's touching surface (clip_files/frame_records.h)
 };
 
 /// m; shallower touches may be below the noise of the camera.

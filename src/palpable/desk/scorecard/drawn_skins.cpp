@@ -1,7 +1,7 @@
 #include "palpable/desk/scorecard/drawn_skins.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/desk/clip_files/frame_names.h"
+#include "palpable/desk/clip_files/image_files.h"
 #include "palpable/desk/score/skin_fit.h"
 
 #include <fmt/core.h>

@@ -1,17 +1,11 @@
 #include "palpable/desk/scorecard/folders.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/desk/clip_files/contact_file.h"
-#include "palpable/desk/clip_files/frame_names.h"
-#include "palpable/desk/clip_files/hand_file.h"
+#include "palpable/desk/clip_files/camera_paths.h"
+#include "palpable/desk/clip_files/frame_records.h"
+#include "palpable/desk/clip_files/image_files.h"
 #include "palpable/desk/clip_files/live_file.h"
-#include "palpable/desk/clip_files/place.h"
-#include "palpable/desk/clip_files/pose_file.h"
-#include "palpable/desk/clip_files/rectification_file.h"
-#include "palpable/desk/clip_files/rig_file.h"
-#include "palpable/desk/clip_files/touches_file.h"
-#include "palpable/desk/clip_files/trajectory_file.h"
-#include "palpable/desk/clip_files/truth_camera_file.h"
+#include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/desk/score/touch_recall.h"
 
 #include <fmt/core.h>

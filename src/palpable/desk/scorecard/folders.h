@@ -7,7 +7,7 @@
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/common/geometry/stamped_pose.h"
 #include "palpable/common/geometry/surface_mesh.h"
-#include "palpable/desk/clip_files/deformed_file.h"
+#include "palpable/desk/clip_files/frame_records.h"
 #include "palpable/desk/score/row_error.h"
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct TrueContact {
 };
 
 /// truth/deformed: the full-order solutions of some frames. Their skins are read one by one
-/// (deformed_file.h).
+/// (frame_records.h).
 struct TrueSkins {
   SurfaceMesh rest;
   std::vector<DeformedLine> lines;  ///< at least one, sorted by frame

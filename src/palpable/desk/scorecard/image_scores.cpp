@@ -1,9 +1,7 @@
 #include "palpable/desk/scorecard/image_scores.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/desk/clip_files/depth_image_file.h"
-#include "palpable/desk/clip_files/frame_names.h"
-#include "palpable/desk/clip_files/mask_image_file.h"
+#include "palpable/desk/clip_files/image_files.h"
 #include "palpable/desk/score/mask_score.h"
 #include "palpable/desk/score/occlusion.h"
 

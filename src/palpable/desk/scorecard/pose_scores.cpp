@@ -2,8 +2,8 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
+#include "palpable/desk/clip_files/camera_paths.h"
 #include "palpable/desk/clip_files/live_file.h"
-#include "palpable/desk/clip_files/trajectory_file.h"
 #include "palpable/desk/score/trajectory_score.h"
 
 #include <fmt/core.h>

@@ -2,7 +2,7 @@
 /// Comparison of a camera's path with the path that a data set publishes.
 #pragma once
 
-#include "palpable/desk/clip_files/published_poses.h"
+#include "palpable/desk/clip_files/camera_paths.h"
 
 #include <filesystem>
 #include <optional>

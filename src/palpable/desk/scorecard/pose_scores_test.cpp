@@ -2,7 +2,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
-#include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/desk/clip_files/camera_paths.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 

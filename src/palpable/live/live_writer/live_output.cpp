@@ -2,16 +2,9 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/desk/clip_files/contact_file.h"
-#include "palpable/desk/clip_files/deformed_file.h"
-#include "palpable/desk/clip_files/depth_image_file.h"
-#include "palpable/desk/clip_files/frame_names.h"
-#include "palpable/desk/clip_files/mask_image_file.h"
-#include "palpable/desk/clip_files/pose_file.h"
-#include "palpable/desk/clip_files/rectification_file.h"
-#include "palpable/desk/clip_files/timing_file.h"
-#include "palpable/desk/clip_files/touches_file.h"
-#include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/desk/clip_files/camera_paths.h"
+#include "palpable/desk/clip_files/frame_records.h"
+#include "palpable/desk/clip_files/image_files.h"
 #include "palpable/live/render/picture_file.h"
 
 #include <fmt/core.h>

@@ -9,15 +9,15 @@
 /// (LiveOutputSettings::complete).
 ///
 ///   touch.mp4                 the pictures (video_file_writer.h)
-///   timing.csv                ms per stage per frame (timing_file.h)
-///   touches.jsonl             the touches of each body (touches_file.h)
-///   trajectory.txt            the camera's poses (trajectory_file.h)
-///   rectification.jsonl       stereo: each change of the row correction (rectification_file.h)
-///   pose.jsonl                the bodies' poses as drawn (pose_file.h)
-///   depth/%06d.png            the measured Z (depth_image_file.h)
-///   visible/%06d.png          255 where a body is visible (mask_image_file.h)
-///   body_depth/%06d.png       Z of the complete bodies at half size (depth_image_file.h)
-///   moving/%06d.png           255 where something moves, at the depth's size (mask_image_file.h)
+///   timing.csv                ms per stage per frame (frame_records.h)
+///   touches.jsonl             the touches of each body (frame_records.h)
+///   trajectory.txt            the camera's poses (camera_paths.h)
+///   rectification.jsonl       stereo: each change of the row correction (frame_records.h)
+///   pose.jsonl                the bodies' poses as drawn (frame_records.h)
+///   depth/%06d.png            the measured Z (image_files.h)
+///   visible/%06d.png          255 where a body is visible (image_files.h)
+///   body_depth/%06d.png       Z of the complete bodies at half size (image_files.h)
+///   moving/%06d.png           255 where something moves, at the depth's size (image_files.h)
 ///   meshes/%06d.ply rest.ply  the deformed skin with its stress, optional (mesh_file.h);
 ///                             of several bodies each in a folder meshes/NAME
 ///   pictures/%06d.png         the pictures of selected frames

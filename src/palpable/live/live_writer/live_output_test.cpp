@@ -1,21 +1,16 @@
 #include "palpable/live/live_writer/live_output.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/desk/clip_files/contact_file.h"
-#include "palpable/desk/clip_files/deformed_file.h"
-#include "palpable/desk/clip_files/depth_image_file.h"
-#include "palpable/desk/clip_files/mask_image_file.h"
-#include "palpable/desk/clip_files/pose_file.h"
-#include "palpable/desk/clip_files/rectification_file.h"
-#include "palpable/desk/clip_files/timing_file.h"
-#include "palpable/desk/clip_files/touches_file.h"
-#include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/desk/clip_files/camera_paths.h"
+#include "palpable/desk/clip_files/frame_records.h"
+#include "palpable/desk/clip_files/image_files.h"
 #include "palpable/live/render/picture_file.h"
 #include "tests/support/allocations.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <fmt/core.h>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 

@@ -3,7 +3,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/stage_clock.h"
 #include "palpable/common/geometry/median_pose.h"
-#include "palpable/desk/clip_files/place.h"
+#include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/live/map/plane_fit.h"
 #include "palpable/live/slam/slam.h"
 #include "palpable/live/sources/source_guard.h"

@@ -35,9 +35,9 @@ struct Spot {
 /// @param source  up to 30 frames of it are read
 /// @param name    of the source, for messages
 /// @return world_from_body; the world is the camera of the start frame
-/// @throws NoPlaceError (place.h) when no frame shows such a plane, when no position on it is free,
-/// or when the surface at the pixel is unknown; Error when no frame is usable, the pixel is outside
-/// the picture, or a stereo pair does not fit its calibration
+/// @throws NoPlaceError (scene_files.h) when no frame shows such a plane, when no position on it is
+/// free, or when the surface at the pixel is unknown; Error when no frame is usable, the pixel is
+/// outside the picture, or a stereo pair does not fit its calibration
 [[nodiscard]] Rigid3 pose_on_plane(FrameSource& source, const std::string& name,
                                    const DepthSettings& settings, const Spot& spot = {});
 

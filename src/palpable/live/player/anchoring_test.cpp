@@ -1,7 +1,7 @@
 #include "palpable/live/player/anchoring.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/desk/clip_files/place.h"
+#include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/live/player/live_run.h"
 #include "tests/support/board_picture.h"
 #include "tests/support/noise_room.h"

@@ -5,7 +5,7 @@
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/common/response/touchable_body.h"
-#include "palpable/desk/clip_files/scene_description.h"
+#include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/live/map/free_place.h"
 #include "palpable/live/session/session.h"
 

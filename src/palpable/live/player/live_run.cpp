@@ -1,7 +1,7 @@
 #include "palpable/live/player/live_run.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/desk/clip_files/place.h"
+#include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/live/depth/image_threads.h"
 #include "palpable/live/player/anchoring.h"
 #include "palpable/live/player/thread_shares.h"

@@ -1,6 +1,6 @@
 /// @file
 /// The content of an image folder: which files form a frame, their times, the meaning of their
-/// pixels, and the camera's poses if the data set has them.
+/// pixels, and the camera's poses if the data set has them. How to add a layout: layouts.h.
 #pragma once
 
 #include "palpable/common/base/error.h"

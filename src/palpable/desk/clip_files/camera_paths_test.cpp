@@ -1,8 +1,9 @@
-#include "palpable/desk/clip_files/published_poses.h"
+#include "palpable/desk/clip_files/camera_paths.h"
 
 #include "palpable/common/base/error.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
+#include "tests/support/text_in.h"
 
 #include <filesystem>
 #include <string>
@@ -12,8 +13,48 @@ namespace {
 
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
+using test::refusal_of;
+using test::says;
 using test::ScratchFolder;
+using test::TextIn;
 using test::write_bytes;
+
+/// A quarter turn about Z and a translation of (0.1, -0.2, 0.5) m.
+Rigid3 some_pose() {
+  Rigid3 pose = Rigid3::Identity();
+  pose.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  pose.translation() = Eigen::Vector3d(0.1, -0.2, 0.5);
+  return pose;
+}
+
+TEST_CASE("a pose in TUM's format is the line it always was, and comes back", "[clip_files]") {
+  const std::string line = trajectory_line({1.0 / 30, some_pose()});
+  CHECK(line ==
+        "0.033333 0.1000000 -0.2000000 0.5000000 0.000000000 0.000000000 0.707106781 "
+        "0.707106781\n");
+  const TextIn file(std::string(kTrajectoryRemark) + line + "1,2, 3\t4 0 0 0 1\r\n");
+  const std::vector<StampedPose> read = read_trajectory(file.path);
+  REQUIRE(read.size() == 2);
+  CHECK(read[0].time == 0.033333);
+  CHECK(read[0].world_from_camera.isApprox(some_pose(), 1e-8));
+  CHECK(read[1].world_from_camera.translation() == Eigen::Vector3d(2, 3, 4));
+}
+
+TEST_CASE("lines that are no poses are refused with file and line", "[clip_files][errors]") {
+  const auto read = [](const fs::path& path) { (void)read_trajectory(path); };
+  const std::string first = "0 0 0 0 0 0 0 1\n";
+  CHECK(refusal_of("", read).empty());
+  CHECK(says(refusal_of(first + "0.1 0 0 0 0 0 1\n", read), "file: line 2: 8 numbers are wanted"));
+  CHECK(says(refusal_of(first + "0.1 0 0 0 0 0 0 1 5\n", read), "line 2: 8 numbers"));
+  CHECK(says(refusal_of(first + "0.1 0 0 x 0 0 0 1\n", read), "line 2: 8 numbers"));
+  CHECK(says(refusal_of(first + "0.1 0 0 nan 0 0 0 1\n", read), "line 2: 8 numbers"));
+  CHECK(says(refusal_of(first + "0.1 [0 0 0] 0 0 0 1\n", read), "line 2: 8 numbers"));
+  CHECK(says(refusal_of(first + "0.1;0;0;0;0;0;0;1\n", read), "line 2: 8 numbers"));
+  CHECK(says(refusal_of("0 0 0 0 0 0 0 2\n", read), "line 1: the quaternion has length 2, not 1"));
+  CHECK(says(refusal_of("# a\n" + first + first, read),
+             "line 3: times must rise: 0 s comes after 0"));
+  CHECK_THROWS_WITH(read_trajectory("nowhere.txt"), "nowhere.txt: cannot be read");
+}
 
 // Checks the second of two poses, which is the same in every format: a quarter turn about Z at
 // (1, 2, 3).
