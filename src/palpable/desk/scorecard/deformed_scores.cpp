@@ -1,12 +1,7 @@
 #include "palpable/desk/scorecard/deformed_scores.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/desk/score/displacement_error.h"
-#include "palpable/desk/score/force_error.h"
-#include "palpable/desk/score/overpress.h"
-#include "palpable/desk/score/skin_projection.h"
-#include "palpable/desk/score/touched_places.h"
-#include "palpable/desk/score/von_mises_error.h"
+#include "palpable/desk/score/deformation_scores.h"
 #include "palpable/desk/scorecard/drawn_skins.h"
 
 #include <fmt/core.h>

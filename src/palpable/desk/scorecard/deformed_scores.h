@@ -3,7 +3,7 @@
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
-#include "palpable/desk/score/spread.h"
+#include "palpable/desk/score/statistics.h"
 #include "palpable/desk/scorecard/folders.h"
 
 #include <optional>

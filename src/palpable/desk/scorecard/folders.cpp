@@ -12,7 +12,7 @@
 #include "palpable/desk/clip_files/touches_file.h"
 #include "palpable/desk/clip_files/trajectory_file.h"
 #include "palpable/desk/clip_files/truth_camera_file.h"
-#include "palpable/desk/score/touch_recall.h"
+#include "palpable/desk/score/touch_scores.h"
 
 #include <fmt/core.h>
 

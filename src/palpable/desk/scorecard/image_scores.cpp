@@ -4,8 +4,7 @@
 #include "palpable/desk/clip_files/depth_image_file.h"
 #include "palpable/desk/clip_files/frame_names.h"
 #include "palpable/desk/clip_files/mask_image_file.h"
-#include "palpable/desk/score/mask_score.h"
-#include "palpable/desk/score/occlusion.h"
+#include "palpable/desk/score/picture_scores.h"
 
 #include <fmt/core.h>
 
@@ -37,23 +36,9 @@ void expect_size(const A& image, const fs::path& path, const B& truth, const fs:
                           image.height(), truth_path.string(), truth.width(), truth.height()));
 }
 
-MaskImage to_half(const MaskImage& mask, int width) {
-  if (mask.width() == width) return mask;
-  MaskImage half(mask.width() / 2, mask.height() / 2);
-  for (int y = 0; y < half.height(); ++y) {
-    for (int x = 0; x < half.width(); ++x) {
-      const int set = (mask(2 * x, 2 * y) != 0) + (mask(2 * x + 1, 2 * y) != 0) +
-                      (mask(2 * x, 2 * y + 1) != 0) + (mask(2 * x + 1, 2 * y + 1) != 0);
-      half(x, y) = set >= 2 ? 255 : 0;
-    }
-  }
-  return half;
-}
-
 MaskImage moving_in(const GrayImage& labels) {
   MaskImage moving(labels.width(), labels.height());
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    moving.data()[i] = labels.data()[i] & kMovingLabel;
+  for (std::size_t i = 0; i < labels.size(); ++i) moving.data()[i] = labels.data()[i] & kMovesLabel;
   return moving;
 }
 
@@ -176,11 +161,12 @@ class ImageScorer {
     const fs::path path = image_of(result_.folder, "moving", frame);
     const auto found = read_mask(path);
     if (!found) {
-      moving_ += missing_mask(labels, kMovingLabel);
+      moving_ += missing_mask(labels, kMovesLabel);
       return;
     }
     expect_size(*found, path, labels, image_of(truth_.folder, "labels", frame), true);
-    moving_ += compare_masks(labels, kMovingLabel, to_half(*found, labels.width()));
+    moving_ += compare_masks(labels, kMovesLabel,
+                             found->width() == labels.width() ? *found : half_of(*found));
   }
 
   void add_depth(int frame, const DepthCounts& true_depth, const GrayImage& labels) {

@@ -4,7 +4,7 @@
 #include "palpable/common/base/json.h"
 #include "palpable/desk/clip_files/live_file.h"
 #include "palpable/desk/clip_files/trajectory_file.h"
-#include "palpable/desk/score/trajectory_score.h"
+#include "palpable/desk/score/camera_scores.h"
 
 #include <fmt/core.h>
 

@@ -19,7 +19,7 @@ struct PoseScores {
   int matched = 0;     ///< found poses with a published one within kSameMoment; >= 2
   double seconds = 0;  ///< from the first matched pose to the last
   double path_m = 0;   ///< length of the published path through the matched poses
-  double ate_mm = 0;   ///< root mean square after the best rigid alignment (trajectory_score.h)
+  double ate_mm = 0;   ///< root mean square after the best rigid alignment (camera_scores.h)
   std::optional<double> rpe_mm;   ///< over 1 s
   std::optional<double> rpe_deg;  ///< over 1 s
   /// Error of the translation from the first to the last matched pose, in the frame of the first,

@@ -1,11 +1,8 @@
 #include "palpable/desk/scorecard/scorecard.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/desk/score/anchor_score.h"
-#include "palpable/desk/score/touch_false.h"
-#include "palpable/desk/score/touch_recall.h"
-#include "palpable/desk/score/touch_score.h"
-#include "palpable/desk/score/trajectory_score.h"
+#include "palpable/desk/score/camera_scores.h"
+#include "palpable/desk/score/touch_scores.h"
 
 #include <fmt/core.h>
 

@@ -1,9 +1,7 @@
 #include "palpable/desk/scorecard/surface_scores.h"
 
 #include "palpable/common/base/order_statistics.h"
-#include "palpable/desk/score/penetration.h"
-#include "palpable/desk/score/placement_error.h"
-#include "palpable/desk/score/pop.h"
+#include "palpable/desk/score/skin_scores.h"
 #include "palpable/desk/scorecard/drawn_skins.h"
 
 #include <optional>
