@@ -14,7 +14,7 @@
 #include "palpable/desk/clip_files/touches_file.h"
 #include "palpable/desk/clip_files/trajectory_file.h"
 #include "palpable/desk/clip_files/truth_camera_file.h"
-#include "palpable/desk/scorecard/scorecard.h"
+#include "palpable/desk/scorecard/figures.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/scratch_folder.h"
 

@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -42,6 +44,11 @@ MaskImage moving_in(const GrayImage& labels) {
   return moving;
 }
 
+std::optional<double> mean_of(const std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 class OcclusionSum {
  public:
   // @param moving  mask of the moving things in the real scene; empty: not known
@@ -50,13 +57,10 @@ class OcclusionSum {
     SightImage truth = true_sight(body, real);
     SightImage drawn = drawn_sight(visible, body);
     const MaskOverlap overlap = overlap_of(truth, drawn);
-    ++frames_;
-    sum_ += overlap.iou();
-    worst_ = std::min(worst_, overlap.iou());
+    ious_.push_back(overlap.iou());
     if (overlap.body > 0 &&
         static_cast<double>(overlap.hidden) >= kPartlyHidden * static_cast<double>(overlap.body)) {
-      ++hidden_frames_;
-      hidden_sum_ += overlap.iou();
+      hidden_ious_.push_back(overlap.iou());
     }
     const BorderError border = border_error(truth, drawn);
     border_.sum_px += border.sum_px;
@@ -78,19 +82,14 @@ class OcclusionSum {
   }
 
   // Adds a frame without a depth of the body: nothing was drawn, and the true mask is unknown.
-  void add_missing() {
-    ++frames_;
-    worst_ = 0;
-  }
+  void add_missing() { ious_.push_back(0); }
 
   void write(ImageScores& scores) const {
-    const auto mean = [](double sum, int n) {
-      return n == 0 ? std::nullopt : std::optional(sum / n);
-    };
-    scores.occlusion_frames = frames_;
-    scores.occlusion_iou = mean(sum_, frames_);
-    scores.occlusion_iou_where_hidden = mean(hidden_sum_, hidden_frames_);
-    if (frames_ > 0) scores.occlusion_iou_worst_frame = worst_;
+    scores.occlusion_frames = static_cast<int>(ious_.size());
+    scores.occlusion_iou = mean_of(ious_);
+    scores.occlusion_iou_where_hidden = mean_of(hidden_ious_);
+    if (!ious_.empty())
+      scores.occlusion_iou_worst_frame = *std::min_element(ious_.begin(), ious_.end());
     if (const auto border = border_.mean_px()) scores.edge_error_px = kPictureScale * *border;
     scores.crossing_frames = crossing_frames_;
     if (const auto border = crossing_.mean_px()) {
@@ -100,11 +99,7 @@ class OcclusionSum {
   }
 
  private:
-  int frames_ = 0;
-  double sum_ = 0;
-  double worst_ = 1;
-  int hidden_frames_ = 0;
-  double hidden_sum_ = 0;
+  std::vector<double> ious_, hidden_ious_;  ///< by frame; those in which part of the body is hidden
   BorderError border_;
   int crossing_frames_ = 0;
   BorderError crossing_;
@@ -165,8 +160,8 @@ class ImageScorer {
       return;
     }
     expect_size(*found, path, labels, image_of(truth_.folder, "labels", frame), true);
-    moving_ += compare_masks(labels, kMovesLabel,
-                             found->width() == labels.width() ? *found : half_of(*found));
+    const bool is_half = found->width() == labels.width();
+    moving_ += compare_masks(labels, kMovesLabel, is_half ? *found : half_of(*found));
   }
 
   void add_depth(int frame, const DepthCounts& true_depth, const GrayImage& labels) {

@@ -37,7 +37,4 @@ inline constexpr double kSameMoment = 0.02;
 [[nodiscard]] PoseScores score_poses(const PublishedPoses& published,
                                      const std::filesystem::path& result);
 
-[[nodiscard]] std::string json_of(const PoseScores& scores);
-[[nodiscard]] std::string text_of(const PoseScores& scores);
-
 }  // namespace palpable

@@ -174,62 +174,60 @@ Scorecard scores_of(const Responses& responses) {
 
 TEST_CASE("the truth itself as result has perfect scores", "[scorecard]") {
   const Scorecard scores = scores_of(perfect);
-  const PressScores& press = scores.press;
-  CHECK(press.touch_precision == 1.0);
-  CHECK(press.touch_recall == 1.0);
-  CHECK(press.touch_recall_3mm == 1.0);
-  CHECK(press.touch_false_5mm == 0.0);
-  const SurfaceScores& surface = scores.surface;
-  CHECK(surface.frames_too_deep == 1);
+  const BodyScores& body = scores.body;
+  CHECK(body.touch_precision == 1.0);
+  CHECK(body.touch_recall == 1.0);
+  CHECK(body.touch_recall_3mm == 1.0);
+  CHECK(body.touch_false_5mm == 0.0);
+  CHECK(body.frames_too_deep == 1);
   const double chord =
       tolerance(0.25, "mm; a chord of 5 mm (the dent is steep) in a ball of 15 mm");
-  CHECK(*surface.penetration_p99_mm <= chord);
-  CHECK(*surface.largest_pop_mm <= tolerance(1e-9, "rounding"));
-  CHECK(surface.pops_4mm == 0);
-  const DeformedScores& deformed = scores.deformed;
-  CHECK(deformed.deformed_frames == 2);
-  CHECK(deformed.deformed_frames_shallow == 1);
+  CHECK(*body.penetration_p99_mm <= chord);
+  CHECK(*body.largest_pop_mm <= tolerance(1e-9, "rounding"));
+  CHECK(body.pops_4mm == 0);
+  CHECK(body.deformed_frames == 2);
+  CHECK(body.deformed_frames_shallow == 1);
   const double rounding = tolerance(1e-9, "weights of a corner");
-  for (const auto& error : {deformed.displacement_error, deformed.displacement_error_mm,
-                            deformed.displacement_error_mm_shallow, deformed.von_mises_error}) {
+  for (const auto& error : {body.displacement_error, body.displacement_error_mm,
+                            body.displacement_error_mm_shallow, body.von_mises_error}) {
     REQUIRE(error.has_value());
     CHECK(error->p90 <= rounding);
   }
-  CHECK(deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
-  CHECK(deformed.overpress_mm->p99 <= rounding);
-  CHECK(deformed.deformed_frames_unseen == 1);
-  CHECK(deformed.displacement_error_mm_unseen->p90 <= rounding);
-  CHECK(surface.frames_unseen == 1);
-  CHECK(*surface.penetration_median_mm_unseen <= chord);
-  CHECK(surface.placement_error_mm->p90 == 0);
+  CHECK(body.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
+  CHECK(body.overpress_mm->p99 <= rounding);
+  CHECK(body.deformed_frames_unseen == 1);
+  CHECK(body.displacement_error_mm_unseen->p90 <= rounding);
+  CHECK(body.frames_unseen == 1);
+  CHECK(*body.penetration_median_mm_unseen <= chord);
+  CHECK(body.placement_error_mm->p90 == 0);
   CHECK(scores.frames_processed == 8);
 }
 
 TEST_CASE("a body that stays at rest misses the touch and is penetrated", "[scorecard]") {
   const Scorecard scores = scores_of([](const Moment&) { return Response{pressed(0)}; });
-  CHECK(scores.press.touch_recall_3mm == 0.0);
-  CHECK_FALSE(scores.press.touch_false_5mm.has_value());
-  CHECK(scores.deformed.displacement_error->median == Approx(1));
-  CHECK(scores.deformed.displacement_error_mm->median == Approx(7));  // median of 6 and 8 mm
-  CHECK(scores.deformed.displacement_error_mm_shallow->median == Approx(2));
-  CHECK(scores.deformed.von_mises_error->median == Approx(1));
-  CHECK(scores.deformed.force_error->median == Approx(1));
-  REQUIRE(scores.deformed.frames.size() == 2);
-  for (const DeformedFrame& frame : scores.deformed.frames) {
+  CHECK(scores.body.touch_recall_3mm == 0.0);
+  CHECK_FALSE(scores.body.touch_false_5mm.has_value());
+  CHECK(scores.body.displacement_error->median == Approx(1));
+  CHECK(scores.body.displacement_error_mm->median == Approx(7));  // median of 6 and 8 mm
+  CHECK(scores.body.displacement_error_mm_shallow->median == Approx(2));
+  CHECK(scores.body.von_mises_error->median == Approx(1));
+  CHECK(scores.body.force_error->median == Approx(1));
+  REQUIRE(scores.body.by_frame.size() == 2);
+  for (const DeformedFrame& frame : scores.body.by_frame) {
     CHECK(*frame.displacement_error == Approx(1));
     CHECK(*frame.von_mises_error == Approx(1));
     CHECK(*frame.force_error == Approx(1));
   }
-  CHECK(scores.deformed.frames[0].frame < scores.deformed.frames[1].frame);
-  CHECK(*scores.deformed.frames[0].displacement_error_mm +
-            *scores.deformed.frames[1].displacement_error_mm ==
+  CHECK(scores.body.by_frame[0].frame < scores.body.by_frame[1].frame);
+  CHECK(*scores.body.by_frame[0].displacement_error_mm +
+            *scores.body.by_frame[1].displacement_error_mm ==
         Approx(14));  // 6 and 8 mm
-  CHECK(scores.deformed.overpress_mm->p99 == 0);
+  CHECK(scores.body.overpress_mm->p99 == 0);
   // 2, 6 and 8 mm count; the 12 mm of a ball that passes through and the 6 mm that no camera sees
   // do not.
-  CHECK(*scores.surface.penetration_median_mm == Approx(6));
-  CHECK(*scores.surface.penetration_p99_mm == Approx(8 - 0.02 * 2));
-  CHECK(*scores.surface.penetration_median_mm_unseen == Approx(6));
+  CHECK(*scores.body.penetration_median_mm == Approx(6));
+  CHECK(*scores.body.penetration_p99_mm == Approx(8 - 0.02 * 2));
+  CHECK(*scores.body.penetration_median_mm_unseen == Approx(6));
 }
 
 TEST_CASE("a body that deforms twice as much as it should is overpressed, though not penetrated",
@@ -237,14 +235,14 @@ TEST_CASE("a body that deforms twice as much as it should is overpressed, though
   const Scorecard scores = scores_of([](const Moment& now) {
     return Response{pressed(now.depth, 2), now.depth > 0, 2 * now.depth * kForcePerMetre};
   });
-  CHECK(*scores.surface.penetration_p99_mm <=
+  CHECK(*scores.body.penetration_p99_mm <=
         tolerance(0.25, "mm; a chord of 5 mm (the dent is steep) in a ball of 15 mm"));
-  CHECK(scores.press.touch_recall_3mm == 1.0);
-  CHECK(scores.deformed.displacement_error->median == Approx(1));
-  CHECK(scores.deformed.von_mises_error->median == Approx(1));
-  CHECK(scores.deformed.force_error->median == Approx(1));
-  CHECK(scores.deformed.overpress_mm->p50 == Approx(6));  // median of 2, 6 and 8 mm
-  CHECK(scores.deformed.overpress_mm->p99 == Approx(8 - 0.02 * 2));
+  CHECK(scores.body.touch_recall_3mm == 1.0);
+  CHECK(scores.body.displacement_error->median == Approx(1));
+  CHECK(scores.body.von_mises_error->median == Approx(1));
+  CHECK(scores.body.force_error->median == Approx(1));
+  CHECK(scores.body.overpress_mm->p50 == Approx(6));  // median of 2, 6 and 8 mm
+  CHECK(scores.body.overpress_mm->p99 == Approx(8 - 0.02 * 2));
 }
 
 TEST_CASE("a touch felt with nothing near is false, one that no camera sees is not missed",
@@ -252,14 +250,14 @@ TEST_CASE("a touch felt with nothing near is false, one that no camera sees is n
   const Scorecard early = scores_of([](const Moment& now) {
     return Response{pressed(0), now.depth > -0.04, {0, 0, -1}};  // also at 7 mm distance
   });
-  CHECK(*early.press.touch_false_5mm == Approx(1.0 / 6));
+  CHECK(*early.body.touch_false_5mm == Approx(1.0 / 6));
   const Scorecard blind = scores_of([](const Moment& now) {
     Response response = perfect(now);
     if (now.seen_share < 0.5) response.felt = false;
     return response;
   });
-  CHECK(blind.press.touch_recall_3mm == 1.0);
-  CHECK(*blind.press.touch_recall == Approx(4.0 / 5));
+  CHECK(blind.body.touch_recall_3mm == 1.0);
+  CHECK(*blind.body.touch_recall == Approx(4.0 / 5));
   // Pressed far from the true place: the force may be right, the skin is not.
   const Scorecard beside = scores_of([](const Moment& now) {
     Response response = perfect(now);
@@ -267,9 +265,9 @@ TEST_CASE("a touch felt with nothing near is false, one that no camera sees is n
     if (now.depth > 0) response.skin.surface.vertices(2, 0) = -now.depth;
     return response;
   });
-  CHECK(beside.deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
-  CHECK(beside.deformed.displacement_error->median > 1);
-  CHECK(*beside.surface.penetration_median_mm == Approx(6));
+  CHECK(beside.body.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
+  CHECK(beside.body.displacement_error->median > 1);
+  CHECK(*beside.body.penetration_median_mm == Approx(6));
 }
 
 TEST_CASE("a touch that no camera sees is counted but not scored", "[scorecard]") {
@@ -277,7 +275,7 @@ TEST_CASE("a touch that no camera sees is counted but not scored", "[scorecard]"
     return now.seen_share < 0.5 ? Response{pressed(0.009)}
                                 : perfect(now);  // and without a felt touch
   });
-  const DeformedScores& deformed = scores.deformed;
+  const BodyScores& deformed = scores.body;
   const double rounding = tolerance(1e-9, "weights of a corner");
   CHECK(deformed.displacement_error->p90 <= rounding);
   CHECK(deformed.displacement_error_mm->p90 <= rounding);
@@ -317,7 +315,7 @@ TEST_CASE("overpress is also measured at the second of two touches", "[scorecard
              deformed_line({.frame = 3, .depth = 0.006, .force = {0, 0, -1}}));
   const auto overpress_of = [&](double times_right) {
     write_result(scratch / "result", [&](const Moment&) { return Response{both(times_right)}; });
-    return score_folders(truth, scratch / "result", nullptr, {}).deformed.overpress_mm->p99;
+    return score_folders(truth, scratch / "result", nullptr, {}).body.overpress_mm->p99;
   };
   CHECK(overpress_of(1) <= tolerance(1e-9, "weights of a corner"));
   CHECK(overpress_of(2) == Approx(4));
@@ -341,32 +339,32 @@ TEST_CASE("frames left out by a result count as the body at rest", "[scorecard]"
                                                kPoseText));
   const Scorecard left_out = scores();
   CHECK(left_out.frames_processed == 7);
-  CHECK(left_out.deformed.deformed_frames == 2);
-  CHECK(left_out.deformed.displacement_error->median == Approx(0.5));  // median of 0 and 1
-  CHECK(left_out.deformed.displacement_error_mm->median == Approx(4));
-  CHECK(left_out.deformed.von_mises_error->median == Approx(0.5));
-  CHECK(left_out.deformed.force_error->median == Approx(0.5));
-  CHECK(*left_out.press.touch_recall_3mm == Approx(2.0 / 3));  // the touches of 6, 8 and 12 mm
-  CHECK(*left_out.surface.penetration_p99_mm == Approx(8).margin(0.2));
+  CHECK(left_out.body.deformed_frames == 2);
+  CHECK(left_out.body.displacement_error->median == Approx(0.5));  // median of 0 and 1
+  CHECK(left_out.body.displacement_error_mm->median == Approx(4));
+  CHECK(left_out.body.von_mises_error->median == Approx(0.5));
+  CHECK(left_out.body.force_error->median == Approx(0.5));
+  CHECK(*left_out.body.touch_recall_3mm == Approx(2.0 / 3));  // the touches of 6, 8 and 12 mm
+  CHECK(*left_out.body.penetration_p99_mm == Approx(8).margin(0.2));
   const double rounding = tolerance(1e-12, "the same sums");
   const auto same = [&](double a, double b) { return std::abs(a - b) <= rounding; };
-  CHECK(same(left_out.deformed.displacement_error->p90, resting.deformed.displacement_error->p90));
-  CHECK(same(left_out.deformed.von_mises_error->p90, resting.deformed.von_mises_error->p90));
-  CHECK(same(left_out.deformed.force_error->p90, resting.deformed.force_error->p90));
-  CHECK(same(left_out.deformed.overpress_mm->p99, resting.deformed.overpress_mm->p99));
-  CHECK(same(*left_out.surface.penetration_p99_mm, *resting.surface.penetration_p99_mm));
-  CHECK(left_out.press.touch_recall_3mm == resting.press.touch_recall_3mm);
+  CHECK(same(left_out.body.displacement_error->p90, resting.body.displacement_error->p90));
+  CHECK(same(left_out.body.von_mises_error->p90, resting.body.von_mises_error->p90));
+  CHECK(same(left_out.body.force_error->p90, resting.body.force_error->p90));
+  CHECK(same(left_out.body.overpress_mm->p99, resting.body.overpress_mm->p99));
+  CHECK(same(*left_out.body.penetration_p99_mm, *resting.body.penetration_p99_mm));
+  CHECK(left_out.body.touch_recall_3mm == resting.body.touch_recall_3mm);
   // Without a drawn pose for the frame that was left out, the true pose is used.
   std::string poses;
   for (const int n : {0, 1, 2, 3, 5, 6, 7}) {
     poses += fmt::format("{{\"frame\":{},\"camera_from_body\":{}}}\n", n, kPoseText);
   }
   write_text(result / "pose.jsonl", poses);
-  CHECK(same(*scores().surface.penetration_p99_mm, *left_out.surface.penetration_p99_mm));
+  CHECK(same(*scores().body.penetration_p99_mm, *left_out.body.penetration_p99_mm));
   fs::remove(scratch / "truth/scene.toml");
-  CHECK_FALSE(scores().surface.penetration_p99_mm.has_value());
+  CHECK_FALSE(scores().body.penetration_p99_mm.has_value());
   // Pops need only the other frames.
-  CHECK(scores().surface.largest_pop_mm == left_out.surface.largest_pop_mm);
+  CHECK(scores().body.largest_pop_mm == left_out.body.largest_pop_mm);
 }
 
 TEST_CASE("a body with the right shape in a wrong pose has the error of that pose", "[scorecard]") {
@@ -378,19 +376,19 @@ TEST_CASE("a body with the right shape in a wrong pose has the error of that pos
   write_text(result / "live.json",
              "{\"camera_from_body\":[1,0,0,0.013, 0,1,0,-0.024, 0,0,1,0.4, 0,0,0,1]}");
   const auto scores = [&] { return score_folders(truth, result, nullptr, {}); };
-  CHECK(scores().surface.placement_error_mm->median == Approx(5));  // shifted by 3 and 4 mm
-  CHECK(scores().deformed.displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
+  CHECK(scores().body.placement_error_mm->median == Approx(5));  // shifted by 3 and 4 mm
+  CHECK(scores().body.displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
   // With an unknown pose in some frame there is no score: it might be the worst frame.
   write_text(result / "pose.jsonl",
              fmt::format("{{\"frame\":0,\"camera_from_body\":{}}}\n", kPoseText));
-  CHECK_FALSE(scores().surface.placement_error_mm.has_value());
+  CHECK_FALSE(scores().body.placement_error_mm.has_value());
   fs::remove(result / "pose.jsonl");
   // Older films have scene.toml only beside the pictures.
   fs::create_directories(scratch / "clip/frames");
   fs::rename(truth / "scene.toml", scratch / "clip/frames/scene.toml");
-  CHECK(scores().surface.placement_error_mm->p90 == Approx(5));
+  CHECK(scores().body.placement_error_mm->p90 == Approx(5));
   fs::remove(scratch / "clip/frames/scene.toml");
-  CHECK_FALSE(scores().surface.placement_error_mm.has_value());
+  CHECK_FALSE(scores().body.placement_error_mm.has_value());
 }
 
 TEST_CASE("a drawn skin that does not lie on the true one is refused", "[scorecard][errors]") {
@@ -406,7 +404,7 @@ TEST_CASE("a drawn skin that does not lie on the true one is refused", "[scoreca
     write_valued_ply(result / "meshes/rest.ply", rest, kVonMisesProperty);
   };
   draw_at_rest(1, 0.0009);  // 1 mm, 1 % of the height, is allowed
-  CHECK(scores().deformed.displacement_error.has_value());
+  CHECK(scores().body.displacement_error.has_value());
   for (const auto& [scale, lifted] : {std::pair(1.0, 0.0013), std::pair(1000.0, 0.0)}) {
     draw_at_rest(scale, lifted);
     CHECK_THROWS_WITH(scores(), Catch::Contains("meshes/rest.ply: at rest it lies ") &&
@@ -461,8 +459,8 @@ TEST_CASE("a skin with other triangles is compared by projection", "[scorecard]"
     write_ply(scratch / "result/meshes/rest.ply", coarse);
     return score_folders(scratch / "truth", scratch / "result", nullptr, {});
   }();
-  CHECK(scores.deformed.displacement_error->p90 == Approx(1));
-  CHECK(scores.surface.placement_error_mm->p90 == 0);
+  CHECK(scores.body.displacement_error->p90 == Approx(1));
+  CHECK(scores.body.placement_error_mm->p90 == 0);
 }
 
 TEST_CASE("a skin that jumps by more than 4 mm without a hand is a pop", "[scorecard]") {
@@ -474,22 +472,20 @@ TEST_CASE("a skin that jumps by more than 4 mm without a hand is a pop", "[score
       response.skin = pressed(0.006);  // the hand has moved away by 44 mm in one frame
     return response;
   });
-  CHECK(scores.surface.pops_4mm == 0);  // the hand's motion explains any jump of the skin
+  CHECK(scores.body.pops_4mm == 0);  // the hand's motion explains any jump of the skin
   const Scorecard twitching = scores_of([&](const Moment& now) {
     Response response = perfect(now);
     if (now.depth == 0.008) response.skin = pressed(0.001);
     return response;
   });
-  CHECK(twitching.surface.pops_4mm == 1);
+  CHECK(twitching.body.pops_4mm == 1);
 }
 
 TEST_CASE("a value that is unknown in one frame has no score", "[scorecard]") {
   const test::ScratchFolder scratch("contact_scores_unknown");
   const fs::path result = scratch / "result";
   write_truth(scratch / "truth");
-  const auto deformed = [&] {
-    return score_folders(scratch / "truth", result, nullptr, {}).deformed;
-  };
+  const auto deformed = [&] { return score_folders(scratch / "truth", result, nullptr, {}).body; };
   write_result(result, perfect);
   write_ply(result / "meshes/000003.ply", pressed(0.006).surface);  // without its stress
   CHECK_FALSE(deformed().von_mises_error.has_value());
@@ -523,7 +519,7 @@ TEST_CASE("frames marked as not scored are skipped", "[scorecard]") {
              deformed_line({.frame = 3, .depth = 0.006, .force = {0, 0, -1}, .scored = false}) +
                  deformed_line({.frame = 4, .depth = 0.008, .force = {0, 0, -1}}));
   const Scorecard scores = score_folders(scratch / "truth", scratch / "result", nullptr, {});
-  CHECK(scores.deformed.deformed_frames == 1);
+  CHECK(scores.body.deformed_frames == 1);
   write_text(scratch / "truth/deformed/deformed.jsonl",
              deformed_line({.frame = 99, .depth = 0.006, .force = {0, 0, -1}}));
   CHECK_THROWS_WITH(score_folders(scratch / "truth", scratch / "result", nullptr, {}),
@@ -563,18 +559,18 @@ TEST_CASE("with a reduced body, skin, stress and force follow from the touches",
       "{\"frame\":0,\"touching\":false}\n{\"frame\":1,\"touching\":true,\"depth_m\":0.005}\n");
   const auto scores = [&](const std::string& touches) {
     write_text(scratch / "result/touches.jsonl", touches);
-    return score_folders(truth, scratch / "result", &body, {}).deformed;
+    return score_folders(truth, scratch / "result", &body, {}).body;
   };
   // A line in the format before lists: force and stress follow from site and level.
-  const DeformedScores right = scores("{\"frame\":1,\"site\":1,\"level\":0.5}\n");
+  const BodyScores right = scores("{\"frame\":1,\"site\":1,\"level\":0.5}\n");
   CHECK(right.displacement_error->median <= tolerance(1e-5, "weights of a corner, in floats"));
   CHECK(right.von_mises_error->median <= tolerance(1e-5, "weights of a corner, in floats"));
   CHECK(right.force_error->median <= tolerance(1e-6, "nine decimals"));
-  const DeformedScores other = scores("{\"frame\":1,\"touches\":[{\"site\":0,\"level\":0.5}]}\n");
+  const BodyScores other = scores("{\"frame\":1,\"touches\":[{\"site\":0,\"level\":0.5}]}\n");
   CHECK(other.displacement_error->median > 0.5);
   CHECK(other.von_mises_error->median > 0.2);
   CHECK(other.force_error->median > 0.2);
-  const DeformedScores none = scores("");
+  const BodyScores none = scores("");
   CHECK(none.displacement_error->median == Approx(1));
   CHECK(none.von_mises_error->median == Approx(1));
   CHECK(none.force_error->median == Approx(1));
