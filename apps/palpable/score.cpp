@@ -7,8 +7,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/body_file/body_file.h"
-#include "palpable/desk/scorecard/pose_scores.h"
-#include "palpable/desk/scorecard/scorecard.h"
+#include "palpable/desk/scorecard/figures.h"
 
 #include <fmt/core.h>
 

@@ -10,7 +10,7 @@
 #include "palpable/common/response/modal_body.h"
 #include "palpable/common/response/touch_solver.h"
 #include "palpable/desk/clip_files/frame_records.h"
-#include "palpable/desk/score/displacement_error.h"
+#include "palpable/desk/score/deformation_scores.h"
 
 #include <fmt/format.h>
 

@@ -9,10 +9,9 @@
 #include "palpable/desk/clip_files/frame_records.h"
 #include "palpable/desk/clip_files/image_files.h"
 #include "palpable/desk/clip_files/scene_files.h"
-#include "palpable/desk/score/displacement_error.h"
-#include "palpable/desk/score/force_error.h"
+#include "palpable/desk/score/deformation_scores.h"
 #include "palpable/desk/score/touch_recall.h"
-#include "palpable/desk/score/von_mises_error.h"
+#include "palpable/desk/score/touch_scores.h"
 #include "palpable/live/seen_object/object_surface.h"
 
 #include <fmt/format.h>

@@ -10,7 +10,7 @@
 #include "palpable/common/reduced/mode_kernels.h"
 #include "palpable/common/reduced/pressed_surface.h"
 #include "palpable/desk/clip_files/scene_files.h"
-#include "palpable/desk/score/deepest_sample.h"
+#include "palpable/desk/score/skin_scores.h"
 #include "palpable/live/seen_object/object_surface.h"
 
 #include <fmt/core.h>

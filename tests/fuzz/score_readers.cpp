@@ -6,6 +6,7 @@
 #include "palpable/desk/clip_files/image_files.h"
 #include "palpable/desk/clip_files/live_file.h"
 #include "palpable/desk/clip_files/scene_files.h"
+#include "palpable/desk/scorecard/figures.h"
 #include "palpable/desk/scorecard/scorecard.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/scratch_folder.h"

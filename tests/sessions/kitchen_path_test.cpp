@@ -1,5 +1,5 @@
 #include "palpable/desk/clip_files/camera_paths.h"
-#include "palpable/desk/score/warped_depth.h"
+#include "palpable/desk/score/depth_scores.h"
 #include "palpable/live/depth/depth_camera.h"
 #include "palpable/live/sources/folder_source.h"
 #include "palpable/live/track/tracker.h"

@@ -4,7 +4,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/reduced/scaled_body.h"
-#include "palpable/desk/score/occlusion.h"
+#include "palpable/desk/score/picture_scores.h"
 #include "palpable/live/render/gl_context.h"
 #include "palpable/live/render/scene_renderer.h"
 #include "palpable/live/session/frame_loop.h"
@@ -272,7 +272,8 @@ TEST_CASE("a body behind the motorcycle's seat is hidden as the true depth impli
   MaskImage visible;
   DepthImage body_depth;
   renderer.draw(view, picture, &visible, &body_depth);
-  const MaskOverlap overlap = compare_visible(visible, body_depth, m->true_depth);
+  const SightImage truth = true_sight(body_depth, m->true_depth);
+  const MaskOverlap overlap = overlap_of(truth, drawn_sight(visible, body_depth));
   INFO(overlap.body << " px of body, " << overlap.hidden << " truly hidden");
   CHECK(overlap.body > 4000);
   CHECK(overlap.hidden * 10 > overlap.body);
@@ -282,7 +283,7 @@ TEST_CASE("a body behind the motorcycle's seat is hidden as the true depth impli
   MaskImage all(visible.width(), visible.height(), 0);
   for (std::size_t i = 0; i < all.size(); ++i)
     all.data()[i] = std::isnan(body_depth.data()[i]) ? 0 : 255;
-  CHECK(overlap.iou() > compare_visible(all, body_depth, m->true_depth).iou() + 0.05);
+  CHECK(overlap.iou() > overlap_of(truth, drawn_sight(all, body_depth)).iou() + 0.05);
 }
 
 }  // namespace

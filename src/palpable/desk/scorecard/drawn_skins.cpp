@@ -2,7 +2,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/desk/clip_files/image_files.h"
-#include "palpable/desk/score/skin_fit.h"
+#include "palpable/desk/score/skin_scores.h"
 
 #include <fmt/core.h>
 

@@ -24,7 +24,7 @@ enum class Stress { kNotWanted, kWanted };
 /// body, scale or frame.
 class DrawnSkins {
  public:
-  /// Largest offset between a skin at rest and the true one (skin_fit.h), ratio to the body's
+  /// Largest offset between a skin at rest and the true one (skin_offset()), ratio to the body's
   /// height. The Stanford bunny, 150 mm high and remeshed with edges of 4.27, 7.5, 10 and 15 mm
   /// (3,892 to 310 vertices), has offsets of 0.14 to 0.58 % from itself, 1.0 to 1.1 % when scaled
   /// by 1.03, and 1.1 % when shifted by 3 mm.

@@ -7,6 +7,7 @@
 #include "palpable/desk/clip_files/live_file.h"
 #include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/desk/score/touch_recall.h"
+#include "palpable/desk/score/touch_scores.h"
 
 #include <fmt/core.h>
 
@@ -74,12 +75,12 @@ std::optional<TrueBody> body_in(const TruthFolder& truth) {
   return TrueBody{truth.deformed->rest, truth.part / "deformed" / "rest.ply"};
 }
 
-std::map<int, std::vector<Capsule>> hands_in(const fs::path& path) {
-  std::map<int, std::vector<Capsule>> hands;
-  for (HandLine& line : read_hands(path)) {
-    if (!line.capsules.empty()) hands.emplace(line.frame, std::move(line.capsules));
-  }
-  return hands;
+// A value of each line by the line's frame.
+template <class Line, class Value>
+std::map<int, Value> by_frame(const std::vector<Line>& lines, Value Line::*value) {
+  std::map<int, Value> values;
+  for (const Line& line : lines) values.emplace(line.frame, line.*value);
+  return values;
 }
 
 std::vector<TrueRowOffset> rows_in(const fs::path& path) {
@@ -112,14 +113,6 @@ std::map<int, std::vector<FoundTouch>> touches_in(const fs::path& path, const st
     }
   }
   return touches;
-}
-
-std::map<int, Rigid3> poses_in(const fs::path& path, const std::string& body) {
-  std::map<int, Rigid3> poses;
-  for (const PoseLine& line : read_poses(path, body)) {
-    poses.emplace(line.frame, line.camera_from_body);
-  }
-  return poses;
 }
 
 std::vector<RowCorrection> corrections_in(const fs::path& path) {
@@ -203,7 +196,10 @@ TruthFolder read_truth_folder(const fs::path& folder, const std::string& body) {
   const auto there = [&](const char* name) { return fs::exists(path_of(name)); };
   const fs::path contacts = truth.part / "contact.jsonl";
   if (fs::exists(contacts)) truth.contacts = contacts_in(contacts);
-  if (there("hand.jsonl")) truth.hands = hands_in(path_of("hand.jsonl"));
+  if (there("hand.jsonl")) {
+    truth.hands = by_frame(read_hands(path_of("hand.jsonl")), &HandLine::capsules);
+    std::erase_if(truth.hands, [](const auto& hand) { return hand.second.empty(); });
+  }
   if (there("rig.jsonl")) truth.rows = rows_in(path_of("rig.jsonl"));
   if (there("trajectory.txt")) truth.trajectory = read_trajectory(path_of("trajectory.txt"));
   truth.frames = std::max(
@@ -244,7 +240,9 @@ ResultFolder read_result_folder(const fs::path& folder, int frames, const std::s
   const auto there = [&](const char* name) { return fs::exists(folder / name); };
   if (there("live.json")) read_live(folder / "live.json", result);
   if (there("touches.jsonl")) result.touches = touches_in(folder / "touches.jsonl", body);
-  if (there("pose.jsonl")) result.poses = poses_in(folder / "pose.jsonl", body);
+  if (there("pose.jsonl")) {
+    result.poses = by_frame(read_poses(folder / "pose.jsonl", body), &PoseLine::camera_from_body);
+  }
   if (there("trajectory.txt")) result.trajectory = read_trajectory(folder / "trajectory.txt");
   if (there("rectification.jsonl")) {
     result.corrections = corrections_in(folder / "rectification.jsonl");

@@ -8,7 +8,7 @@
 #include "palpable/common/geometry/stamped_pose.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/desk/clip_files/frame_records.h"
-#include "palpable/desk/score/row_error.h"
+#include "palpable/desk/score/camera_scores.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -63,7 +63,7 @@ struct TruthFolder {
   [[nodiscard]] std::optional<Rigid3> pose_at(int frame) const;
   /// The hand in the body frame; empty when there is no hand or the body's pose is not known.
   [[nodiscard]] std::vector<Capsule> hand_at_body(int frame) const;
-  /// Whether the cameras see at least half of the touching surface (touch_recall.h); true when this
+  /// Whether the cameras see at least half of the touching surface (kSeenFrom); true when this
   /// is not given. Touches that are not seen are counted but do not enter the scores.
   [[nodiscard]] bool is_seen(int frame) const;
 };

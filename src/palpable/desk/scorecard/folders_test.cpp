@@ -1,7 +1,7 @@
 #include "palpable/desk/scorecard/folders.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/desk/scorecard/scorecard.h"
+#include "palpable/desk/scorecard/figures.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -137,10 +137,10 @@ TEST_CASE("each of several bodies is read and scored by itself", "[scorecard][sc
   REQUIRE(scores.bodies.size() == 2);
   CHECK(scores.bodies[0].name == "lower");
   // The contact of the two bodies does not count as a falsely felt touch of the lower one.
-  CHECK(scores.bodies[0].press.touch_recall == std::nullopt);
-  CHECK(scores.bodies[0].press.frames_touching == 0);
-  CHECK(scores.bodies[1].press.touch_recall == 1.0);
-  CHECK_FALSE(scores.press.frames_touching.has_value());
+  CHECK(scores.bodies[0].touch_recall == std::nullopt);
+  CHECK(scores.bodies[0].frames_touching == 0);
+  CHECK(scores.bodies[1].touch_recall == 1.0);
+  CHECK_FALSE(scores.body.frames_touching.has_value());
   CHECK(json_of(scores).find("\"upper\"") != std::string::npos);
   CHECK(text_of(scores).find("upper\n") != std::string::npos);
 }
@@ -290,7 +290,7 @@ TEST_CASE("scores are listed with their units, depth by distance", "[scorecard]"
   scores.images.depth.near_frames = 0;
   scores.images.depth.at[2].median_error = 0.0123;
   scores.images.depth.at[2].within_1pct = 0.5;
-  scores.press.first_touch_delay_frames = -2;
+  scores.body.first_touch_delay_frames = -2;
   scores.jitter_mm = 1.25;
   scores.reduction_error = 0.00123;
   scores.reduction_error_worst = 0.5;

@@ -2,15 +2,16 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/desk/clip_files/image_files.h"
-#include "palpable/desk/score/mask_score.h"
-#include "palpable/desk/score/occlusion.h"
+#include "palpable/desk/score/picture_scores.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -35,24 +36,15 @@ void expect_size(const A& image, const fs::path& path, const B& truth, const fs:
                           image.height(), truth_path.string(), truth.width(), truth.height()));
 }
 
-MaskImage to_half(const MaskImage& mask, int width) {
-  if (mask.width() == width) return mask;
-  MaskImage half(mask.width() / 2, mask.height() / 2);
-  for (int y = 0; y < half.height(); ++y) {
-    for (int x = 0; x < half.width(); ++x) {
-      const int set = (mask(2 * x, 2 * y) != 0) + (mask(2 * x + 1, 2 * y) != 0) +
-                      (mask(2 * x, 2 * y + 1) != 0) + (mask(2 * x + 1, 2 * y + 1) != 0);
-      half(x, y) = set >= 2 ? 255 : 0;
-    }
-  }
-  return half;
-}
-
 MaskImage moving_in(const GrayImage& labels) {
   MaskImage moving(labels.width(), labels.height());
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    moving.data()[i] = labels.data()[i] & kMovingLabel;
+  for (std::size_t i = 0; i < labels.size(); ++i) moving.data()[i] = labels.data()[i] & kMovesLabel;
   return moving;
+}
+
+std::optional<double> mean_of(const std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 class OcclusionSum {
@@ -63,13 +55,10 @@ class OcclusionSum {
     SightImage truth = true_sight(body, real);
     SightImage drawn = drawn_sight(visible, body);
     const MaskOverlap overlap = overlap_of(truth, drawn);
-    ++frames_;
-    sum_ += overlap.iou();
-    worst_ = std::min(worst_, overlap.iou());
+    ious_.push_back(overlap.iou());
     if (overlap.body > 0 &&
         static_cast<double>(overlap.hidden) >= kPartlyHidden * static_cast<double>(overlap.body)) {
-      ++hidden_frames_;
-      hidden_sum_ += overlap.iou();
+      hidden_ious_.push_back(overlap.iou());
     }
     const BorderError border = border_error(truth, drawn);
     border_.sum_px += border.sum_px;
@@ -91,19 +80,14 @@ class OcclusionSum {
   }
 
   // Adds a frame without a depth of the body: nothing was drawn, and the true mask is unknown.
-  void add_missing() {
-    ++frames_;
-    worst_ = 0;
-  }
+  void add_missing() { ious_.push_back(0); }
 
   void write(ImageScores& scores) const {
-    const auto mean = [](double sum, int n) {
-      return n == 0 ? std::nullopt : std::optional(sum / n);
-    };
-    scores.occlusion_frames = frames_;
-    scores.occlusion_iou = mean(sum_, frames_);
-    scores.occlusion_iou_where_hidden = mean(hidden_sum_, hidden_frames_);
-    if (frames_ > 0) scores.occlusion_iou_worst_frame = worst_;
+    scores.occlusion_frames = static_cast<int>(ious_.size());
+    scores.occlusion_iou = mean_of(ious_);
+    scores.occlusion_iou_where_hidden = mean_of(hidden_ious_);
+    if (!ious_.empty())
+      scores.occlusion_iou_worst_frame = *std::min_element(ious_.begin(), ious_.end());
     if (const auto border = border_.mean_px()) scores.edge_error_px = kPictureScale * *border;
     scores.crossing_frames = crossing_frames_;
     if (const auto border = crossing_.mean_px()) {
@@ -113,11 +97,7 @@ class OcclusionSum {
   }
 
  private:
-  int frames_ = 0;
-  double sum_ = 0;
-  double worst_ = 1;
-  int hidden_frames_ = 0;
-  double hidden_sum_ = 0;
+  std::vector<double> ious_, hidden_ious_;  ///< by frame; those in which part of the body is hidden
   BorderError border_;
   int crossing_frames_ = 0;
   BorderError crossing_;
@@ -174,11 +154,12 @@ class ImageScorer {
     const fs::path path = image_of(result_.folder, "moving", frame);
     const auto found = read_mask(path);
     if (!found) {
-      moving_ += missing_mask(labels, kMovingLabel);
+      moving_ += missing_mask(labels, kMovesLabel);
       return;
     }
     expect_size(*found, path, labels, image_of(truth_.folder, "labels", frame), true);
-    moving_ += compare_masks(labels, kMovingLabel, to_half(*found, labels.width()));
+    const bool is_half = found->width() == labels.width();
+    moving_ += compare_masks(labels, kMovesLabel, is_half ? *found : half_of(*found));
   }
 
   void add_depth(int frame, const DepthCounts& true_depth, const GrayImage& labels) {

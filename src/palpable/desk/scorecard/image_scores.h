@@ -3,7 +3,7 @@
 #pragma once
 
 #include "palpable/common/base/progress.h"
-#include "palpable/desk/score/depth_score.h"
+#include "palpable/desk/score/depth_scores.h"
 #include "palpable/desk/scorecard/folders.h"
 
 #include <optional>

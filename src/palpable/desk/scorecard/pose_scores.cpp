@@ -4,7 +4,7 @@
 #include "palpable/common/base/json.h"
 #include "palpable/desk/clip_files/camera_paths.h"
 #include "palpable/desk/clip_files/live_file.h"
-#include "palpable/desk/score/trajectory_score.h"
+#include "palpable/desk/score/camera_scores.h"
 
 #include <fmt/core.h>
 
@@ -79,42 +79,6 @@ PoseScores score_poses(const PublishedPoses& published, const fs::path& result) 
     scores.end_error_percent = 100 * off.norm() / scores.path_m;
   }
   return scores;
-}
-
-std::string json_of(const PoseScores& scores) {
-  Json json;
-  json["format"] = scores.format;
-  json["poses_of"] = scores.of;
-  json["poses_published"] = scores.published;
-  json["poses_found"] = scores.found;
-  json["poses_matched"] = scores.matched;
-  json["seconds"] = scores.seconds;
-  json["path_m"] = scores.path_m;
-  json["ate_mm"] = scores.ate_mm;
-  json["rpe_mm"] = scores.rpe_mm;
-  json["rpe_deg"] = scores.rpe_deg;
-  json["end_error_percent"] = scores.end_error_percent;
-  return json.dump(2);
-}
-
-std::string text_of(const PoseScores& scores) {
-  std::string text;
-  const auto line = [&](const char* what, const std::optional<double>& score, const char* unit,
-                        int digits) {
-    text += score ? fmt::format("{:<44}{:.{}f}{}\n", what, *score, digits, unit)
-                  : fmt::format("{:<44}-\n", what);
-  };
-  text += fmt::format("{:<44}{} ({}, of the {})\n", "published poses", scores.published,
-                      scores.format, scores.of);
-  text += fmt::format("{:<44}{}\n", "found poses", scores.found);
-  text += fmt::format("{:<44}{}\n", "  at the moment of a published one", scores.matched);
-  line("time from the first of these to the last", scores.seconds, " s", 2);
-  line("path in that time", scores.path_m, " m", 2);
-  line("position, rms after alignment", scores.ate_mm, " mm", 1);
-  line("motion over 1 s, rms", scores.rpe_mm, " mm", 1);
-  line("rotation over 1 s, rms", scores.rpe_deg, " degrees", 3);
-  line("end of the path, of its length", scores.end_error_percent, " %", 2);
-  return text;
 }
 
 }  // namespace palpable

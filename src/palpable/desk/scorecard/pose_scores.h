@@ -19,7 +19,7 @@ struct PoseScores {
   int matched = 0;     ///< found poses with a published one within kSameMoment; >= 2
   double seconds = 0;  ///< from the first matched pose to the last
   double path_m = 0;   ///< length of the published path through the matched poses
-  double ate_mm = 0;   ///< root mean square after the best rigid alignment (trajectory_score.h)
+  double ate_mm = 0;   ///< root mean square after the best rigid alignment (camera_scores.h)
   std::optional<double> rpe_mm;   ///< over 1 s
   std::optional<double> rpe_deg;  ///< over 1 s
   /// Error of the translation from the first to the last matched pose, in the frame of the first,
@@ -36,8 +36,5 @@ inline constexpr double kSameMoment = 0.02;
 /// @throws Error when the result cannot be read, or when fewer than two poses match
 [[nodiscard]] PoseScores score_poses(const PublishedPoses& published,
                                      const std::filesystem::path& result);
-
-[[nodiscard]] std::string json_of(const PoseScores& scores);
-[[nodiscard]] std::string text_of(const PoseScores& scores);
 
 }  // namespace palpable

@@ -1,8 +1,7 @@
-#include "palpable/desk/scorecard/pose_scores.h"
-
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/desk/clip_files/camera_paths.h"
+#include "palpable/desk/scorecard/figures.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 

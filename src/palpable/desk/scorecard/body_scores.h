@@ -1,0 +1,67 @@
+/// @file
+/// The scores of one body: when and where touches were felt, how deep the hand reaches into the
+/// drawn surface, how that jumps and stands, and its deformation, stress and force against the
+/// full-order solutions in truth/deformed.
+#pragma once
+
+#include "palpable/common/reduced/reduced_body.h"
+#include "palpable/desk/score/statistics.h"
+#include "palpable/desk/scorecard/folders.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+/// The scores of one frame with a touch that is seen and at least 4 mm deep, named as in
+/// docs/benchmark.md. Values that the result does not give are nothing.
+struct DeformedFrame {
+  int frame = 0;
+  std::optional<double> displacement_error, displacement_error_mm, von_mises_error, force_error;
+};
+
+/// Scores named as in docs/benchmark.md; nothing when truth or result lacks the files for them.
+struct BodyScores {
+  std::string name;  ///< of one of several bodies; empty: there is only one
+
+  // When and where touches were felt; nothing when the truth has no contacts.
+  std::optional<int> frames_touching;
+  std::optional<double> touch_precision, touch_recall, touch_site;
+  std::optional<int> first_touch_delay_frames;
+  std::optional<double> touch_recall_3mm, touch_false_5mm;
+
+  // The drawn surface.
+  std::optional<int> frames_too_deep;
+  std::optional<int> frames_unseen;  ///< with a touch, not too deep, not seen by a camera
+  std::optional<double> penetration_median_mm, penetration_p99_mm, penetration_median_mm_unseen;
+  std::optional<double> largest_pop_mm;
+  std::optional<int> largest_pop_frame, pops_4mm;
+  std::optional<MedianAndP90> placement_error_mm;
+
+  // Against truth/deformed; nothing without it.
+  std::optional<int> deformed_frames;          ///< scored frames, seen and >= 4 mm deep
+  std::optional<int> deformed_frames_shallow;  ///< scored frames, seen and < 4 mm deep
+  std::optional<int> deformed_frames_unseen;   ///< touch not seen: only counted
+  std::optional<MedianAndP90> displacement_error, displacement_error_mm;
+  std::optional<MedianAndP90> displacement_error_mm_shallow, displacement_error_mm_unseen;
+  std::optional<MedianAndP90> von_mises_error, force_error;
+  std::optional<P50AndP99> overpress_mm;
+  std::vector<DeformedFrame> by_frame;  ///< those of deformed_frames
+};
+
+/// Scores a body. A result cannot gain by leaving out hard frames: a frame that was not processed
+/// counts as the body at rest without a touch, and if the result lacks a value in some frame, which
+/// might be the worst one, the score is nothing.
+///
+/// Penetration and pops are nothing when the skin (drawn_skins.h) or pose of some processed frame
+/// is not known, and the placement error when a pose of the truth or the result is not known. A
+/// frame that was not processed counts in the pose in which the result says it was drawn or else in
+/// its true pose; if neither is known, there is no penetration score, but pops are scored.
+/// @param body  reduced body of the run; may be null
+/// @throws Error as DrawnSkins does, naming a true skin that cannot be read, and when a touch is in
+///         a frame that the truth does not have
+[[nodiscard]] BodyScores score_body(const TruthFolder& truth, const ResultFolder& result,
+                                    const ReducedBody* body);
+
+}  // namespace palpable
