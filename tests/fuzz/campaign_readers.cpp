@@ -1,4 +1,4 @@
-#include "palpable/bake/campaign/calculix_dat.h"
+#include "palpable/bake/calculix/calculix_dat.h"
 #include "palpable/bake/campaign/import_snapshots.h"
 #include "palpable/bake/campaign/snapshot_store.h"
 #include "palpable/bake/describe/contact_sites.h"

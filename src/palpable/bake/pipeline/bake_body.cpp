@@ -2,12 +2,12 @@
 
 #include "palpable/bake/campaign/between_sites.h"
 #include "palpable/bake/campaign/store_rows.h"
-#include "palpable/bake/campaign/temporary_folder.h"
 #include "palpable/bake/pipeline/error_course.h"
 #include "palpable/bake/separate/reduction.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
+#include "palpable/common/base/temporary_folder.h"
 #include "palpable/common/geometry/tet_mesh.h"
 
 #include <fmt/format.h>
