@@ -108,7 +108,8 @@ void bake_without_campaign(const BakeOptions& options, const BodyDescription& de
   fmt::print("touch: {}\n", touch);
   const std::filesystem::path solid = solid_file_of(options.output);
   write_solid_file(solid, content_of(description, made.travelling.problem));
-  for (const auto& [key, value] : made.report.lines) fmt::print("{}: {}\n", key, value);
+  for (const auto& [key, value] : lines_of(made.report.provenance))
+    fmt::print("{}: {}\n", key, value);
   std::string times;
   for (const StageTime& stage : made.report.cpu.stages()) {
     times += fmt::format("{}{} {:.1f} s", times.empty() ? "" : ", ", stage.name, 1e-3 * stage.ms);
@@ -183,7 +184,7 @@ std::string add_touch(const BakeOptions& options, const BodyDescription& descrip
   const std::string why = bake_touch(
       description, filled.plan, filled.store, threads,
       [&](const TouchTables& tables) {
-        state_touch(tables, body);
+        body.provenance.touch = touch_line(tables);
         body.error = write_touchable_body(options.output, body, tables, options.file.storage());
         text = touch_text(tables);
       },

@@ -30,7 +30,7 @@ std::vector<std::string> write_store(const fs::path& folder) {
   content.keys = {1, 2, 3, 4};
   content.linear = {5, 6};
   content.linear_key = 9;
-  content.provenance = {{"source", "a test"}};
+  content.provenance.mesh_source = "a test";
   const SnapshotStore store = SnapshotStore::create(folder / "a.snapshots", content);
   SiteSnapshots snapshots;
   snapshots.full_load = 1.5;
