@@ -45,7 +45,7 @@ struct Provenance {
     bool operator==(const HeldOutValue&) const = default;
   };
   std::vector<HeldOutValue> held_out_values = {};
-  std::optional<double> scaled_by = {};  ///< the body is so many times as large as it was made
+  std::optional<double> scaled_by = {};  ///< its size as a multiple of that at which it was made
   /// (key, text) Lines of an older file that have no member here.
   std::vector<std::pair<std::string, std::string>> others = {};
 
