@@ -41,7 +41,7 @@ at every level of a path from rest. Differences are the largest over nodes (disp
 integration points (Cauchy stress), relative to the largest value of that level; the worst level is shown. Bars: 1e-6 and
 1e-5. What is left is the rounding of CalculiX' printed output, seven digits.
 
-Two things had to be known to get there (`src/palpable/bake/campaign/calculix.h`): ccx 2.20 takes any residual
+Two things had to be known to get there (`src/palpable/bake/calculix/calculix.h`): ccx 2.20 takes any residual
 below 1e-6 in the deck's own unit of force for zero, and a `D1` below 1e-10 in the deck's own unit for
 missing. Decks are written in units that keep clear of both.
 """),

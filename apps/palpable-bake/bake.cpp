@@ -6,19 +6,11 @@
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
 #include "palpable/bake/campaign/crew.h"
-#include "palpable/bake/campaign/fill_store.h"
 #include "palpable/bake/campaign/solid_file.h"
-#include "palpable/bake/campaign/store_rows.h"
-#include "palpable/bake/intrusive/intrusive_bake.h"
-#include "palpable/bake/pipeline/bake_body.h"
-#include "palpable/bake/pipeline/bake_modal.h"
-#include "palpable/bake/pipeline/bake_touch.h"
-#include "palpable/bake/pipeline/held_out_checks.h"
+#include "palpable/bake/pipeline/bake_to_file.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/text_numbers.h"
-#include "palpable/common/body_file/touch_file.h"
-#include "palpable/common/body_file/touch_text.h"
 
 #include <fmt/format.h>
 
@@ -26,6 +18,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -70,9 +63,8 @@ std::filesystem::path store_of(const BakeOptions& options) {
   return std::filesystem::path(options.output).replace_extension(".snapshots");
 }
 
-// Bakes a body by PGD, which needs no campaign.
-void bake_without_campaign(const BakeOptions& options, const BodyDescription& description,
-                           const std::string& command_line) {
+// Refuses options of a campaign where there is none.
+void refuse_campaign_options(const BakeOptions& options) {
   for (const auto& [option, given] : {std::pair{"--snapshots", !options.store.empty()},
                                       {"--shard", !options.shard.empty()},
                                       {"--held-out", options.held_out},
@@ -84,40 +76,29 @@ void bake_without_campaign(const BakeOptions& options, const BodyDescription& de
       throw Error(
           fmt::format("{} is for a campaign, which --method intrusive-pgd does without", option));
   }
-  if (!description.touch.by_default &&
-      description.touch.tables != BodyDescription::Touch::Tables::kNone) {
-    throw Error(
-        fmt::format("{}: [touch] has tables made after a campaign, which --method "
-                    "intrusive-pgd does without",
-                    options.description));
-  }
-  ProgressBar bar;
-  const IntrusiveBake made = bake_intrusive(
-      description,
-      {.version = std::string("palpable ") + PALPABLE_VERSION, .command_line = command_line},
-      bar.progress());
-  bar.finish();
-  std::string touch = touch_text(std::nullopt);
-  if (made.body.several && description.touch.by_default) {
-    const ModalTables tables = modal_tables(made);
-    write_touchable_body(options.output, made.body, tables, options.file.storage());
-    touch = touch_text(tables, made.body);
-  } else {
-    write_body_file(options.output, made.body, options.file.storage());
-  }
+}
+
+void print_intrusive(const IntrusiveReport& report, const std::string& touch,
+                     const std::string& output) {
   fmt::print("touch: {}\n", touch);
-  const std::filesystem::path solid = solid_file_of(options.output);
-  write_solid_file(solid, content_of(description, made.travelling.problem));
-  for (const auto& [key, value] : made.report.lines) fmt::print("{}: {}\n", key, value);
+  for (const auto& [key, text] : lines_of(report.provenance)) fmt::print("{}: {}\n", key, text);
   std::string times;
-  for (const StageTime& stage : made.report.cpu.stages()) {
+  for (const StageTime& stage : report.cpu.stages()) {
     times += fmt::format("{}{} {:.1f} s", times.empty() ? "" : ", ", stage.name, 1e-3 * stage.ms);
   }
-  const double references = made.report.cpu.ms("references");
+  const double references = report.cpu.ms("references");
   fmt::print("CPU: {}; without references {:.1f} s\n{} written: {:.1f} MB; its mesh and law: {}\n",
-             times, 1e-3 * (made.report.cpu.total_ms() - references), options.output,
-             1e-6 * static_cast<double>(std::filesystem::file_size(options.output)),
-             solid.string());
+             times, 1e-3 * (report.cpu.total_ms() - references), output,
+             1e-6 * static_cast<double>(std::filesystem::file_size(output)),
+             solid_file_of(output).string());
+}
+
+void print_shard(const FilledStore& filled) {
+  const std::string folder = filled.store.folder().string();
+  fmt::print(
+      "{}: {} sites solved here, {} were there; when all shards are done: "
+      "palpable merge {} and the like -o NAME.snapshots\n",
+      folder, filled.campaign.solved, filled.campaign.reused, folder);
 }
 
 void print_campaign(const FilledStore& filled) {
@@ -133,15 +114,15 @@ void print_campaign(const FilledStore& filled) {
              filled.campaign.linear_solved, content.linear_file_count());
 }
 
-void print_parameters(const StoreContent& content, const ReducedBody& body,
-                      const std::string& store, const std::string& output) {
-  if (content.parameters.empty()) return;
-  const std::string& first = content.parameters[0].name;
+void print_parameters(const SnapshotStore& store, const ReducedBody& body,
+                      const std::string& output) {
+  if (store.content().parameters.empty()) return;
+  const std::string& first = store.content().parameters[0].name;
   if (body.further.empty()) {
     fmt::print(
         "this body file holds one value of each parameter ({}); for another: palpable reduce "
         "{} --at {}=... -o FILE\n",
-        body.material, store, first);
+        body.material, store.folder().string(), first);
   } else {
     fmt::print("this body file holds all values of '{}': palpable view {} --set {}=...\n", first,
                output, first);
@@ -160,35 +141,17 @@ void shorten(const std::string& until, BodyDescription& description) {
   description.touch.held_out = 0;
 }
 
-// Reduces a complete campaign, measures the errors, and writes the body.
-BakedBody reduce_and_write(const BakeOptions& options, const ReduceSettings& reduction,
-                           const BodyDescription& description, const FillSettings& settings,
-                           const SnapshotStore& store, const Progress& progress) {
-  BakedBody baked = reduce_store(store, reduction, progress);
-  if (options.held_out) {
-    check_between_levels(description, settings, store, point_of(store.content(), reduction.at),
-                         baked, progress);
-    check_between_values(description, settings, store, baked, progress);
-  }
-  baked.body.error = write_body_file(options.output, baked.body, options.file.storage());
-  return baked;
-}
-
-// Makes the tables of the description and writes the body file again after each stage. Returns a
-// summary of the tables, or why there are none.
-std::string add_touch(const BakeOptions& options, const BodyDescription& description,
-                      const FilledStore& filled, int threads, ReducedBody& body,
-                      const Progress& progress) {
-  std::string text = touch_text(std::nullopt);
-  const std::string why = bake_touch(
-      description, filled.plan, filled.store, threads,
-      [&](const TouchTables& tables) {
-        state_touch(tables, body);
-        body.error = write_touchable_body(options.output, body, tables, options.file.storage());
-        text = touch_text(tables);
-      },
-      progress);
-  return why.empty() ? text : text + ": " + why;
+// What a campaign is made with. Reads and checks the options that only a campaign has.
+FillSettings campaign_settings(const BakeOptions& options,
+                               const std::vector<std::filesystem::path>& inputs) {
+  FillSettings settings{
+      .threads = options.threads,
+      .store = store_of(options),
+      .solver = options.solver == "calculix" ? FeSolver::kCalculix : FeSolver::kOwn};
+  guard_output_folder(settings.store, inputs);
+  refuse_among_snapshots(options.output, settings.store);
+  if (!options.shard.empty()) read_shard(options.shard, settings);
+  return settings;
 }
 
 void bake(const BakeOptions& options, const std::string& command_line, Crew& crew) {
@@ -200,50 +163,41 @@ void bake(const BakeOptions& options, const std::string& command_line, Crew& cre
   shorten(options.until, description);
   const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
   guard_output_file(options.output, inputs);
-  const bool has_campaign = options.method != "intrusive-pgd";
-  if (!has_campaign) guard_output_file(solid_file_of(options.output), inputs);
+  const bool with_campaign = options.method != "intrusive-pgd";
+  if (!with_campaign) guard_output_file(solid_file_of(options.output), inputs);
   if (crew.leads()) print_size(description);
-  if (!has_campaign) {
-    if (crew.leads()) bake_without_campaign(options, description, command_line);
-    return;
+  BakeToFileSettings settings{.output = options.output,
+                              .storage = options.file.storage(),
+                              .with_campaign = with_campaign,
+                              .reduction = {.volume = options.file.volume,
+                                            .version = std::string("palpable ") + PALPABLE_VERSION,
+                                            .command_line = command_line},
+                              .held_out = options.held_out};
+  if (with_campaign) {
+    settings.fill = campaign_settings(options, inputs);
+    settings.reduction.at = parse_values(options.at);
+  } else if (crew.leads()) {
+    refuse_campaign_options(options);
   }
-  FillSettings settings{
-      .threads = options.threads,
-      .store = store_of(options),
-      .solver = options.solver == "calculix" ? FeSolver::kCalculix : FeSolver::kOwn};
-  guard_output_folder(settings.store, inputs);
-  refuse_among_snapshots(options.output, settings.store);
-  if (!options.shard.empty()) read_shard(options.shard, settings);
-  const ReduceSettings reduction{.at = parse_values(options.at),
-                                 .volume = options.file.volume,
-                                 .version = std::string("palpable ") + PALPABLE_VERSION,
-                                 .command_line = command_line};
   ProgressBar bar;
-  const Progress progress = crew.leads() ? bar.progress() : Progress{};
-  const FilledStore filled = fill_store(description, settings, crew, progress);
-  if (!crew.leads()) return;
-  const std::string folder = filled.store.folder().string();
-  if (settings.shards > 1) {
-    bar.finish();
-    fmt::print(
-        "{}: {} sites solved here, {} were there; when all shards are done: "
-        "palpable merge {} and the like -o NAME.snapshots\n",
-        folder, filled.campaign.solved, filled.campaign.reused, folder);
-    return;
-  }
-  BakedBody baked =
-      reduce_and_write(options, reduction, description, settings, filled.store, progress);
-  const std::string touch =
-      add_touch(options, description, filled, crew.threads(options.threads), baked.body, progress);
+  const std::optional<BakedFile> baked =
+      bake_to_file(description, settings, crew, crew.leads() ? bar.progress() : Progress{});
+  if (!baked) return;
   bar.finish();
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-  print_body_report(baked, options.output, taken.count());
-  fmt::print("touch: {}\n", touch);
-  print_campaign(filled);
-  if (!options.until.empty()) {
-    fmt::print("stopped after the linear tables: the same command without --until goes on\n");
+  if (baked->body) {
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+    print_body_report(*baked->body, options.output, taken.count());
+    fmt::print("touch: {}\n", baked->touch);
+    print_campaign(*baked->campaign);
+    if (!options.until.empty()) {
+      fmt::print("stopped after the linear tables: the same command without --until goes on\n");
+    }
+    print_parameters(baked->campaign->store, baked->body->body, options.output);
+  } else if (baked->campaign) {
+    print_shard(*baked->campaign);
+  } else {
+    print_intrusive(*baked->intrusive, baked->touch, options.output);
   }
-  print_parameters(filled.store.content(), baked.body, folder, options.output);
 }
 
 }  // namespace

@@ -27,10 +27,10 @@ void import_modes(ImportModesOptions options, const std::string& command_line) {
   options.settings.source = options.input;
   options.settings.name = std::filesystem::path(options.output).stem().string();
   options.settings.provenance = {
-      {"modes", fmt::format("{} ({})", options.input, folder ? "NumPy" : "PXDMF")},
-      {"errors", "not known: the modes of another program"},
-      {"program", std::string("palpable ") + PALPABLE_VERSION},
-      {"command line", command_line}};
+      .modes = fmt::format("{} ({})", options.input, folder ? "NumPy" : "PXDMF"),
+      .errors = "not known: the modes of another program",
+      .program = std::string("palpable ") + PALPABLE_VERSION,
+      .command_line = command_line};
   const ReducedBody body = body_of_modes(modes, options.settings);
   write_body_file(options.output, body);
   fmt::print(

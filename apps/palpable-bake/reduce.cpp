@@ -76,7 +76,7 @@ void reduce(const ReduceOptions& options, const std::string& command_line) {
   bar.finish();
   const std::optional<TouchTables> touch = kept_touch_tables(store);
   if (touch) {
-    state_touch(*touch, baked.body);
+    baked.body.provenance.touch = touch_line(*touch);
     baked.body.error =
         write_touchable_body(options.output, baked.body, *touch, options.file.storage());
   } else {

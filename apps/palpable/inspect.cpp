@@ -31,7 +31,7 @@ void print_text(const ReducedBody& body, const std::string& touch,
   fmt::print(
       "errors are relative, L2; lengths, loads and stresses are in m, N and Pa in the file\n");
   fmt::print("\nwhere it comes from\n");
-  for (const auto& [key, value] : body.provenance) fmt::print("  {:<18}{}\n", key, value);
+  for (const auto& [key, value] : lines_of(body.provenance)) fmt::print("  {:<18}{}\n", key, value);
 }
 
 void inspect(const InspectOptions& options) {

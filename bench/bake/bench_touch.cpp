@@ -178,85 +178,114 @@ TouchTables tables_in(const std::filesystem::path& file, const SkinResponse& ski
   return tables;
 }
 
-void bench_touch(const BenchTouchOptions& options) {
-  ProgressBar bar;
-  const auto report = [&bar](const ProgressReport& now) { bar.show(now); };
-  const BodyDescription description = read_body_description(options.body);
-  const BodyProblem problem = pose_for_touch(description);
-  const FullBody body(problem.model, problem.mesh.boundary, problem.preload);
-  const SkinResponse& skin = body.skin;
+// Makes the tables of a body with held-out touches, and measures the time without these.
+std::pair<TouchTables, double> made_tables(const FullBody& body, const BenchTouchOptions& options,
+                                           const Progress& progress) {
   TouchBakeSettings settings;
   settings.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (options.linear) settings.regions.most = 0;
-  double bake_s = 0;  // without the held-out touches
-  const auto make_tables = [&] {
-    const auto begin = std::chrono::steady_clock::now();
-    TouchTables made = make_touch_tables(skin, settings, report);
-    bake_s = seconds_since(begin);
-    // The held-out touches calibrate the stated error; they have another seed than this benchmark.
-    made.held_out = make_held_out(body.solver, skin, body.presses.preloaded(), made,
-                                  {.threads = settings.threads}, report);
-    return made;
-  };
-  const TouchTables tables = options.baked.empty() ? make_tables() : tables_in(options.baked, skin);
-  TouchSolver touch(skin.skin(), skin.fixed(), tables);
+  const auto begin = std::chrono::steady_clock::now();
+  TouchTables made = make_touch_tables(body.skin, settings, progress);
+  const double seconds = seconds_since(begin);
+  // The held-out touches calibrate the stated error; they have another seed than this benchmark.
+  made.held_out = make_held_out(body.solver, body.skin, body.presses.preloaded(), made,
+                                {.threads = settings.threads}, progress);
+  return {std::move(made), seconds};
+}
 
-  std::optional<Pictures> pictures;
-  if (!options.pictures.empty()) pictures.emplace(options.pictures, skin.skin());
-  const std::uint64_t seed = options.seed > 0 ? options.seed : std::random_device()();
+// The touches of all scenes, and why full-order solutions stopped early.
+struct ComparedScenes {
   std::vector<TouchDifference> all;
   Json stopped = Json::array();
+};
+
+ComparedScenes compare_scenes(const FullBody& body, const TouchTables& tables, TouchSolver& touch,
+                              const BenchTouchOptions& options, std::uint64_t seed,
+                              ProgressBar& bar) {
+  std::optional<Pictures> pictures;
+  if (!options.pictures.empty()) pictures.emplace(options.pictures, body.skin.skin());
+  ComparedScenes scenes;
   for (int k = 0; k < kPressingThings; ++k) {
     const auto thing = static_cast<PressingThing>(k);
     int number = 0;
-    for (const TouchScene& scene : touch_scenes(skin, thing, options.each, seed)) {
+    for (const TouchScene& scene : touch_scenes(body.skin, thing, options.each, seed)) {
       bar.show({"full-order solutions, scene by scene",
                 static_cast<double>(k * options.each + number++),
                 static_cast<double>(kPressingThings * options.each), name_of(thing)});
       const std::string why = compare_touch(
-          body.solver, skin, body.presses.preloaded(), touch, tables.point_spacing, scene, kDepths,
+          body.solver, body.skin, body.presses.preloaded(), touch, tables.point_spacing, scene,
+          kDepths,
           [&](const TouchDifference& d) {
-            all.push_back(d);
+            scenes.all.push_back(d);
             if (pictures && d.refined == 0) pictures->write(scene, number, d);
           },
           options.refine);
-      if (!why.empty()) stopped.push_back(fmt::format("{}: {}", name_of(thing), why));
+      if (!why.empty()) scenes.stopped.push_back(fmt::format("{}: {}", name_of(thing), why));
     }
   }
+  return scenes;
+}
+
+// The differences and the stated errors, also after each refinement.
+Json errors_of(const std::vector<TouchDifference>& all, int refine) {
+  Json figures = differences_of(all, 0);
+  for (int k = 1; k <= refine; ++k) {
+    Json& refined = figures[fmt::format("refined_{}", k)];
+    refined = differences_of(all, k);
+    refined["stated_over_true_error"] = stated_errors_of(all, k);
+  }
+  figures["stated_over_true_error"] = stated_errors_of(all, 0);
+  return figures;
+}
+
+Json sizes_of(const TouchTables& tables) {
+  return {{"regions", tables.regions.size()},
+          {"table_mb", static_cast<double>(bytes_of(tables)) / 1e6},
+          {"table_mb_without_stress",
+           static_cast<double>(bytes_of(tables) - stress_bytes_of(tables)) / 1e6},
+          {"shell_nodes", tables.shell.nodes()},
+          {"shell_elements", tables.shell.element_count()}};
+}
+
+Json times_of(const std::vector<TouchDifference>& all) {
   std::vector<double> ms, stress_ms;
   for (const TouchDifference& d : all) {
     if (d.refined > 0) continue;
     ms.push_back(d.milliseconds);
     stress_ms.push_back(d.stress_milliseconds);
   }
-  Json figures = differences_of(all, 0);
-  for (int k = 1; k <= options.refine; ++k) {
-    Json& refined = figures[fmt::format("refined_{}", k)];
-    refined = differences_of(all, k);
-    refined["stated_over_true_error"] = stated_errors_of(all, k);
-  }
-  figures["stated_over_true_error"] = stated_errors_of(all, 0);
+  return {{"ms_median", percentile(ms, 0.5)},
+          {"ms_p99", percentile(ms, 0.99)},
+          {"stress_ms_median", percentile(stress_ms, 0.5)},
+          {"stress_ms_p99", percentile(stress_ms, 0.99)}};
+}
+
+void bench_touch(const BenchTouchOptions& options) {
+  ProgressBar bar;
+  const BodyDescription description = read_body_description(options.body);
+  const BodyProblem problem = pose_for_touch(description);
+  const FullBody body(problem.model, problem.mesh.boundary, problem.preload);
+  const SkinResponse& skin = body.skin;
+  const auto [tables, bake_s] = options.baked.empty()
+                                    ? made_tables(body, options, bar.progress())
+                                    : std::pair(tables_in(options.baked, skin), 0.0);
+  TouchSolver touch(skin.skin(), skin.fixed(), tables);
+  const std::uint64_t seed = options.seed > 0 ? options.seed : std::random_device()();
+  const ComparedScenes scenes = compare_scenes(body, tables, touch, options, seed, bar);
+  Json figures = errors_of(scenes.all, options.refine);
   figures["seed"] = seed;
   figures["vertices"] = skin.vertex_count();
   figures["nodes"] = problem.model.mesh.node_count();
-  figures["regions"] = tables.regions.size();
-  figures["table_mb"] = static_cast<double>(bytes_of(tables)) / 1e6;
-  figures["table_mb_without_stress"] =
-      static_cast<double>(bytes_of(tables) - stress_bytes_of(tables)) / 1e6;
-  figures["shell_nodes"] = tables.shell.nodes();
-  figures["shell_elements"] = tables.shell.element_count();
+  figures.update(sizes_of(tables));
   if (options.baked.empty()) figures["bake_s"] = bake_s;
   const std::vector<double> linear =
       compliance_errors(skin, Compliance(tables.compliance), kLinearLoads, seed);
   figures["compliance_error_median"] = percentile(linear, 0.5);
   figures["compliance_error_worst"] = percentile(linear, 1.0);
-  figures["truth_stopped"] = stopped;
-  figures["ms_median"] = percentile(ms, 0.5);
-  figures["ms_p99"] = percentile(ms, 0.99);
-  figures["stress_ms_median"] = percentile(stress_ms, 0.5);
-  figures["stress_ms_p99"] = percentile(stress_ms, 0.99);
+  figures["truth_stopped"] = scenes.stopped;
+  figures.update(times_of(scenes.all));
   figures["largest_slide_jump_mm"] = 1e3 * largest_slide_jump(skin, touch, seed);
-  if (options.json) figures["scenes"] = scenes_of(all);
+  if (options.json) figures["scenes"] = scenes_of(scenes.all);
   bar.finish();
   print_figures(figures, options.json);
 }

@@ -168,6 +168,77 @@ class Players {
   ContactReport report_;
 };
 
+// The body that the hand presses in most frames.
+std::size_t pressed_by_hand(const std::vector<Truth>& truths) {
+  const auto touching_frames = [](const Truth& truth) {
+    return std::ranges::count_if(truth.hands.contacts, &ContactLine::touching);
+  };
+  return static_cast<std::size_t>(std::ranges::max_element(truths, {}, touching_frames) -
+                                  truths.begin());
+}
+
+// The hand of a frame as each body sees it.
+struct SeenHands {
+  std::vector<std::unique_ptr<ObstacleGaps>> gaps;
+  std::vector<std::unique_ptr<ExactObstacles>> obstacles;
+  std::vector<const Obstacles*> seen;  // one for each body
+
+  SeenHands(const std::vector<Truth>& truths, std::size_t frame) {
+    for (const Truth& truth : truths) {
+      Obstacle hand;
+      hand.capsules = truth.hands.capsules[frame];
+      gaps.push_back(std::make_unique<ObstacleGaps>(std::move(hand)));
+      obstacles.push_back(std::make_unique<ExactObstacles>(*gaps.back()));
+      seen.push_back(obstacles.back().get());
+    }
+  }
+};
+
+// Compares displacement and stress of body k.
+void compare_fields(const StudiedBody& body, const Truth& truth, int frame, const Players& players,
+                    std::size_t k, BodiesResult& compared) {
+  const ValuedSurface true_skin =
+      value_or_throw(read_valued_ply(deformed_skin_file(truth.folder, frame), kVonMisesProperty));
+  const Matrix3Xd true_u = true_skin.surface.vertices - truth.rest;
+  const Matrix3Xd u = players.skin(k).cast<double>() - body.body.body.surface.vertices;
+  if (!(true_u.colwise().norm().maxCoeff() > 1e-4)) return;  // m, or nothing is relative
+  compared.displacement.push_back(displacement_error(true_u, u, truth.areas).relative);
+  const std::span<const float> found = players.von_mises(k);
+  const Eigen::VectorXd stress =
+      Eigen::Map<const Eigen::VectorXf>(found.data(), std::ssize(found)).cast<double>();
+  compared.stress.push_back((stress - true_skin.values).norm() / true_skin.values.norm());
+}
+
+// Compares the force of other bodies on body k.
+void compare_forces(const Vector3d& true_force, const Vector3d& force, BodiesResult& compared) {
+  const bool here = force.norm() > kTouches, truly = true_force.norm() > kTouches;
+  compared.touching += here;
+  compared.touching_true += truly;
+  compared.disagree += here != truly;
+  if (truly) compared.between_force.push_back((force - true_force).norm() / true_force.norm());
+}
+
+// Compares all bodies in a frame whose truth is known.
+void compare_frame(const std::vector<StudiedBody>& bodies, const std::vector<Truth>& truths,
+                   int frame, std::size_t pressed, const Players& players, BodiesResult& compared) {
+  if (!truths.front().lines.contains(frame)) return;
+  ++compared.frames;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const Truth& truth = truths[k];
+    const auto line = truth.lines.find(frame);
+    if (line == truth.lines.end()) continue;
+    compare_fields(bodies[k], truth, frame, players, k, compared);
+    // The truth has only the total force on each body. Without a touching hand it is the force
+    // of other bodies.
+    if (k == pressed || truth.hands.contacts[static_cast<std::size_t>(frame)].touching ||
+        players.is_touched_by_hand(k)) {
+      continue;
+    }
+    compare_forces(bodies[k].scene_from_body.linear() * line->second.force, players.by_others(k),
+                   compared);
+  }
+}
+
 }  // namespace
 
 BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::path& clip) {
@@ -183,18 +254,7 @@ BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::pa
     truths.push_back(truth_of(body, clip));
     all.push_back(&body);
   }
-  // The body that the hand presses.
-  const auto pressed = static_cast<std::size_t>(
-      std::max_element(truths.begin(), truths.end(),
-                       [](const Truth& a, const Truth& b) {
-                         const auto count = [](const Truth& t) {
-                           return std::count_if(
-                               t.hands.contacts.begin(), t.hands.contacts.end(),
-                               [](const ContactLine& line) { return line.touching; });
-                         };
-                         return count(a) < count(b);
-                       }) -
-      truths.begin());
+  const std::size_t pressed = pressed_by_hand(truths);
   Players players(all), alone({all[pressed]});
   // Two copies of it, placed a metre and more aside.
   std::vector<StudiedBody> aside(2, bodies[pressed]);
@@ -205,17 +265,8 @@ BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::pa
 
   BodiesResult compared;
   for (int frame = 0; frame < truths.front().hands.frame_count(); ++frame) {
-    const auto at = static_cast<std::size_t>(frame);
-    std::vector<std::unique_ptr<ObstacleGaps>> gaps;
-    std::vector<std::unique_ptr<ExactObstacles>> obstacles;
-    std::vector<const Obstacles*> seen;
-    for (const Truth& truth : truths) {
-      Obstacle hand;
-      hand.capsules = truth.hands.capsules[at];
-      gaps.push_back(std::make_unique<ObstacleGaps>(std::move(hand)));
-      obstacles.push_back(std::make_unique<ExactObstacles>(*gaps.back()));
-      seen.push_back(obstacles.back().get());
-    }
+    const SeenHands hands(truths, static_cast<std::size_t>(frame));
+    const std::vector<const Obstacles*>& seen = hands.seen;
     const double ms = players.advance(seen);
     const std::vector<const Obstacles*> of_three{seen[pressed], nullptr, nullptr};
     const double ms_alone = alone.advance({&seen[pressed], 1}), ms_three = three.advance(of_three);
@@ -225,45 +276,12 @@ BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::pa
       compared.milliseconds_three.push_back(ms_three);
     }
     compared.imbalance = std::max(compared.imbalance, players.report().imbalance);
-    const auto touching = [&](std::size_t k) { return players.by_others(k).norm() > kTouches; };
     for (std::size_t k = 0; k < bodies.size(); ++k) {
-      if (k != pressed && touching(k)) {
+      if (k != pressed && players.by_others(k).norm() > kTouches) {
         compared.between_penetration.push_back(players.report().mutual_penetration);
       }
     }
-    if (!truths.front().lines.contains(frame)) continue;
-    ++compared.frames;
-    for (std::size_t k = 0; k < bodies.size(); ++k) {
-      const Truth& truth = truths[k];
-      const auto line = truth.lines.find(frame);
-      if (line == truth.lines.end()) continue;
-      const ValuedSurface true_skin = value_or_throw(
-          read_valued_ply(deformed_skin_file(truth.folder, frame), kVonMisesProperty));
-      const Matrix3Xd true_u = true_skin.surface.vertices - truth.rest;
-      const Matrix3Xd u = players.skin(k).cast<double>() - bodies[k].body.body.surface.vertices;
-      const bool moved = true_u.colwise().norm().maxCoeff() > 1e-4;  // m, or nothing is relative
-      if (moved) {
-        compared.displacement.push_back(displacement_error(true_u, u, truth.areas).relative);
-        const std::span<const float> found = players.von_mises(k);
-        const Eigen::VectorXd stress =
-            Eigen::Map<const Eigen::VectorXf>(found.data(), std::ssize(found)).cast<double>();
-        compared.stress.push_back((stress - true_skin.values).norm() / true_skin.values.norm());
-      }
-      // The truth has only the total force on each body. Without a touching hand it is the force
-      // of other bodies.
-      if (k == pressed || truth.hands.contacts[at].touching || players.is_touched_by_hand(k)) {
-        continue;
-      }
-      const Vector3d true_force = bodies[k].scene_from_body.linear() * line->second.force;
-      const bool here = touching(k), truly = true_force.norm() > kTouches;
-      compared.touching += here;
-      compared.touching_true += truly;
-      compared.disagree += here != truly;
-      if (truly) {
-        compared.between_force.push_back((players.by_others(k) - true_force).norm() /
-                                         true_force.norm());
-      }
-    }
+    compare_frame(bodies, truths, frame, pressed, players, compared);
   }
   return compared;
 }

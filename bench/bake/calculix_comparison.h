@@ -2,7 +2,7 @@
 /// Comparison of our path with CalculiX's on the same mesh under the same loads, state by state.
 #pragma once
 
-#include "palpable/bake/campaign/calculix.h"
+#include "palpable/bake/calculix/calculix.h"
 #include "palpable/bake/solid/equilibrium.h"
 
 namespace palpable {

@@ -1,6 +1,6 @@
 #include "bench/bake/contact_comparison.h"
 
-#include "palpable/bake/campaign/calculix.h"
+#include "palpable/bake/calculix/calculix.h"
 #include "tests/support/test.h"
 
 namespace palpable {

@@ -1,4 +1,4 @@
-#include "palpable/bake/campaign/calculix_dat.h"
+#include "palpable/bake/calculix/calculix_dat.h"
 #include "palpable/bake/campaign/import_snapshots.h"
 #include "palpable/bake/campaign/snapshot_store.h"
 #include "palpable/bake/describe/contact_sites.h"
@@ -30,7 +30,7 @@ std::vector<std::string> write_store(const fs::path& folder) {
   content.keys = {1, 2, 3, 4};
   content.linear = {5, 6};
   content.linear_key = 9;
-  content.provenance = {{"source", "a test"}};
+  content.provenance.mesh_source = "a test";
   const SnapshotStore store = SnapshotStore::create(folder / "a.snapshots", content);
   SiteSnapshots snapshots;
   snapshots.full_load = 1.5;

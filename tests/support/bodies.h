@@ -80,7 +80,7 @@ inline ReducedBody pressed_ball(double radius = 0.05, double full_depth = 0.01,
                    .largest_von_mises = std::numbers::sqrt3 * 1e3,
                    .error = {},
                    .material = "closed form of a test",
-                   .provenance = {{"source", "tests/support/bodies.h"}, {"note", ""}}};
+                   .provenance = {.others = {{"source", "tests/support/bodies.h"}, {"note", ""}}}};
   tabulate_press(body);
   return body;
 }

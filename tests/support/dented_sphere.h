@@ -89,7 +89,7 @@ struct DentedSphere {
                        .largest_von_mises = 1e4,
                        .error = {},
                        .material = "closed form",
-                       .provenance = {{"made by", "tests/support/dented_sphere.h"}}};
+                       .provenance = {.others = {{"made by", "tests/support/dented_sphere.h"}}}};
     tabulate_press(result);
     return result;
   }

@@ -1,6 +1,6 @@
 #include "palpable/bake/campaign/calculix_sites.h"
 
-#include "palpable/bake/campaign/calculix.h"
+#include "palpable/bake/calculix/calculix.h"
 #include "palpable/bake/describe/body_problem.h"
 #include "palpable/bake/solid/lockstep.h"
 #include "palpable/common/base/error.h"

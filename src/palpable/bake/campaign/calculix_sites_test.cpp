@@ -1,10 +1,14 @@
 #include "palpable/bake/campaign/calculix_sites.h"
 
-#include "palpable/bake/campaign/calculix.h"
+#include "palpable/bake/calculix/calculix.h"
+#include "palpable/bake/mesh/inp_file.h"
 #include "palpable/common/base/error.h"
 #include "tests/support/rubber_block.h"
 #include "tests/support/solved_sites.h"
 #include "tests/support/test.h"
+
+#include <array>
+#include <string>
 
 namespace palpable {
 namespace {
@@ -72,6 +76,35 @@ TEST_CASE("what CalculiX cannot do is refused in its words or ours", "[campaign]
   CHECK_THROWS_WITH(CalculixSites(loaded, "ccx"), Contains("nothing else acts"));
   CHECK_THROWS_WITH(by_calculix(presses, block.sites, {.press = 0.001, .levels = 2}),
                     Contains("site 0: ") && Contains("neo-hookean"));
+}
+
+TEST_CASE("the decks that we write for CalculiX are read as the meshes that they are",
+          "[campaign][calculix][inp][quadratic]") {
+  const TetMesh four = box_tets({0, 0, 0}, {0.3, 0.1, 0.2}, 2, 1, 1);
+  for (const TetMesh& mesh : {four, with_edge_nodes(four)}) {
+    SolidModel model;
+    model.mesh = mesh;
+    model.material = material_from_young("neo-hooke-abaqus", 1e6, 0.3);
+    for (int n = 0; n < mesh.node_count(); ++n) {
+      if (mesh.nodes(0, n) == 0.0) model.fixed_nodes.push_back(n);
+    }
+    const Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Ones(3, mesh.node_count());
+    const std::string deck = calculix_deck(model, load, std::array{0.5, 1.0});
+    const double unit = calculix_units(model).length;
+    const TetMesh again = value_or_throw(parse_inp(deck, "a.inp")).mesh;
+    REQUIRE(again.tet_count() == mesh.tet_count());
+    REQUIRE(again.is_quadratic() == mesh.is_quadratic());
+    const auto same = [&](int a, int b) {
+      return (unit * again.nodes.col(a) - mesh.nodes.col(b)).norm() <=
+             tolerance(1e-12, "13 digits in the deck");
+    };
+    for (int e = 0; e < mesh.tet_count(); ++e) {
+      for (int k = 0; k < 4; ++k) CHECK(same(again.tets(k, e), mesh.tets(k, e)));
+      for (int k = 0; mesh.is_quadratic() && k < 6; ++k) {
+        CHECK(same(again.edge_nodes(k, e), mesh.edge_nodes(k, e)));
+      }
+    }
+  }
 }
 
 }  // namespace

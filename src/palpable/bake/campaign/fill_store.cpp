@@ -186,23 +186,20 @@ StoreContent content_of(const BodyDescription& description, const BodyProblem& p
                                                     static_cast<Index>(parameter.values.size()))});
   }
   content.reduction = description.reduction;
-  const auto add = [&](const char* key, std::string value) {
-    content.provenance.emplace_back(key, std::move(value));
-  };
-  add("description", description.source.filename().string());
-  add("mesh source", mesh.origin);
-  add("mesh",
-      fmt::format("{} nodes, {} {}-node tetrahedra, boundary {} vertices, {} triangles; "
-                  "dihedral angles {:.1f} to {:.1f} degrees, volume {:.4g} m^3",
-                  mesh.mesh.node_count(), mesh.mesh.tet_count(), mesh.mesh.is_quadratic() ? 10 : 4,
-                  mesh.boundary.surface.vertex_count(), mesh.boundary.surface.triangle_count(),
-                  mesh.quality.smallest_dihedral_degrees, mesh.quality.largest_dihedral_degrees,
-                  mesh.quality.volume));
-  add("material", content.material);
-  add("support", fmt::format("{} nodes are held in all directions, {} in some or moved",
-                             mesh.fixed_nodes.size(), mesh.supports.size()));
-  const std::string preload = preload_line(description);
-  if (!preload.empty()) add("preload", preload);
+  content.provenance = {
+      .description = description.source.filename().string(),
+      .mesh_source = mesh.origin,
+      .mesh = fmt::format("{} nodes, {} {}-node tetrahedra, boundary {} vertices, {} triangles; "
+                          "dihedral angles {:.1f} to {:.1f} degrees, volume {:.4g} m^3",
+                          mesh.mesh.node_count(), mesh.mesh.tet_count(),
+                          mesh.mesh.is_quadratic() ? 10 : 4, mesh.boundary.surface.vertex_count(),
+                          mesh.boundary.surface.triangle_count(),
+                          mesh.quality.smallest_dihedral_degrees,
+                          mesh.quality.largest_dihedral_degrees, mesh.quality.volume),
+      .material = content.material,
+      .support = fmt::format("{} nodes are held in all directions, {} in some or moved",
+                             mesh.fixed_nodes.size(), mesh.supports.size()),
+      .preload = preload_line(description)};
   return content;
 }
 
@@ -213,10 +210,8 @@ FilledStore fill_store(const BodyDescription& description, const FillSettings& s
   BodyProblem problem = mesh_and_pose(description, wall, progress);
   StoreContent content = content_of(description, problem);
   content.levels = VectorXd::LinSpaced(description.press.levels + 1, 0.0, 1.0);
-  content.provenance.emplace_back("loads",
-                                  loads_line(description, problem.mesh, content.sites.size()));
-  content.provenance.emplace_back("solver",
-                                  solver_line(settings.solver, problem.mesh.mesh.is_quadratic()));
+  content.provenance.loads = loads_line(description, problem.mesh, content.sites.size());
+  content.provenance.solver = solver_line(settings.solver, problem.mesh.mesh.is_quadratic());
   CampaignPlan plan = plan_of(description, std::move(problem), settings);
   content.keys = unit_keys(plan);
   if (settings.held_out_of != nullptr) hold_out(*settings.held_out_of, plan, content);

@@ -516,9 +516,8 @@ CollectedStore import_snapshots(const fs::path& folder, const ImportManifest& ma
   for (const std::size_t k : sorted) {
     content.fields.push_back({manifest.fields[k].name, static_cast<int>(first[k].rows())});
   }
-  content.provenance.emplace_back(
-      "snapshots", fmt::format("imported by {}, {} files", manifest.source.filename().string(),
-                               manifest.snapshots.size()));
+  content.provenance.snapshots = fmt::format(
+      "imported by {}, {} files", manifest.source.filename().string(), manifest.snapshots.size());
 
   const UnitReader units{content, manifest, reader, order, sorted, problem.mesh.boundary};
   const auto show = [&](std::size_t read) {  // each unit is read twice

@@ -58,7 +58,7 @@ struct StoreContent {
   std::vector<std::uint64_t> keys;  ///< (P S) see unit_keys()
   std::vector<int> linear;          ///< vertices of the skin whose linear response is stored
   std::uint64_t linear_key = 0;     ///< see linear_key()
-  std::vector<std::pair<std::string, std::string>> provenance;
+  Provenance provenance;
   /// Default settings of a reduction of this store.
   ReductionSettings reduction = {.tolerance = default_tolerance(ReductionMethod::kPerSite),
                                  .weight_snapshots = true};

@@ -1,6 +1,7 @@
 #include "palpable/bake/campaign/store_content_file.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/body_file/body_file_content.h"
 
 #include <fmt/format.h>
 
@@ -210,12 +211,7 @@ void write_content(hid_t file, const StoreContent& content) {
       hdf5::write_number(g, fmt::format("{}_components", k).c_str(), content.fields[k].components);
     }
   }
-  const Handle g = hdf5::make_group(file, "provenance");
-  hdf5::write_number(g, "count", static_cast<double>(content.provenance.size()));
-  for (std::size_t k = 0; k < content.provenance.size(); ++k) {
-    hdf5::write_text(g, fmt::format("{:03}_key", k).c_str(), content.provenance[k].first);
-    hdf5::write_text(g, fmt::format("{:03}_value", k).c_str(), content.provenance[k].second);
-  }
+  body_file::write_provenance(file, content.provenance);
 }
 
 StoreContent read_content(hid_t file) {
@@ -266,11 +262,7 @@ StoreContent read_content(hid_t file) {
            static_cast<int>(hdf5::read_number(g, fmt::format("{}_components", k).c_str()))});
     }
   }
-  const Handle g = hdf5::open_group(file, "provenance");
-  for (int k = 0; k < read_count(g); ++k) {
-    content.provenance.emplace_back(hdf5::read_text(g, fmt::format("{:03}_key", k).c_str()),
-                                    hdf5::read_text(g, fmt::format("{:03}_value", k).c_str()));
-  }
+  content.provenance = body_file::read_provenance(file);
   return content;
 }
 

@@ -341,10 +341,15 @@ Json costs_json(const ReducedBody& body, const BodyPageFacts& facts) {
   return rows;
 }
 
-Json provenance_json(const ReducedBody& body) {
-  Json rows = Json::array();
-  for (const auto& [key, value] : body.provenance) rows.push_back({key, value});
-  return rows;
+// The provenance, and those of its texts that stand beside the errors, too.
+void add_provenance(const Provenance& provenance, Json& data) {
+  data["provenance"] = Json::array();
+  for (const auto& [key, value] : lines_of(provenance)) data["provenance"].push_back({key, value});
+  Json held_out = Json::array(), between_sites = Json::array();
+  if (!provenance.held_out.empty()) held_out.push_back(provenance.held_out);
+  for (const auto& at : provenance.held_out_values) held_out.push_back(at.errors);
+  if (!provenance.between_sites.empty()) between_sites.push_back(provenance.between_sites);
+  data["notes"] = {{"held_out", held_out}, {"between_sites", between_sites}};
 }
 
 std::string lead_text(const ReducedBody& body) {
@@ -519,7 +524,7 @@ std::string body_page(const ReducedBody& body, const BodyPageFacts& facts,
   data["functions"] = {{"displacement", functions_json(body, body.displacement)},
                        {"stress", functions_json(body, body.stress)}};
   data["costs"] = costs_json(body, facts);
-  data["provenance"] = provenance_json(body);
+  add_provenance(body.provenance, data);
   return web_page(
       {.title = fmt::format("{}: what its reduction gives up", body.name),
        .content = "body.html",

@@ -46,8 +46,10 @@ ReducedBody ball(bool further) {
   for (Index i = 0; i < 12; ++i) {
     body.error.held_out->displacement.data()[i] = 1e-4f * static_cast<float>(i + 1);
   }
-  body.provenance = {{"reduction", "per-site (a POD of each site's levels)"},
-                     {"command line", "palpable bake <b>ball</b>.toml"}};
+  body.provenance = {.reduction = "per-site (a POD of each site's levels)",
+                     .command_line = "palpable bake <b>ball</b>.toml",
+                     .held_out = "between levels",
+                     .held_out_values = {{"softness", 1.5, "between values"}}};
   body.method = "per-site";
   return body;
 }
@@ -102,6 +104,9 @@ TEST_CASE("the page of a body says what the body says", "[exchange][pages]") {
   CHECK(data["between_sites"].is_null());
   CHECK(data["timing"]["all_us"] == 4.75);
   CHECK(data["provenance"][1][1] == "palpable bake <b>ball</b>.toml");
+  CHECK(data["provenance"][3] == json::array({"held out, softness = 1.5", "between values"}));
+  CHECK(data["notes"]["held_out"] == json::array({"between levels", "between values"}));
+  CHECK(data["notes"]["between_sites"] == json::array());
   CHECK_THAT(page, Contains("ball.csv") && Contains("palpable 0"));
   CHECK(data["touch"]["held_out"] == json::array());
   BodyPageFacts touched = kFacts;

@@ -32,7 +32,7 @@ struct ImportSettings {
   std::string site = "site";    ///< name of the parameter that is the position of the touch
   std::string level = "level";  ///< name of the one that is the load, from 0 or more upwards
   std::string source = {};      ///< file or folder of the modes: how messages begin
-  std::vector<std::pair<std::string, std::string>> provenance = {};
+  Provenance provenance = {};
 };
 
 /// Whether numbers can be modes, which are stored in single precision: finite, up to 1e30.

@@ -69,6 +69,64 @@ SeparatedField read_field(const fs::path& folder, const char* name,
   return {modes.cast<float>(), std::move(axes)};
 }
 
+// The vertices or the triangles, or the loads of the sites.
+Eigen::MatrixXd read_triples(const fs::path& path) {
+  Eigen::MatrixXd columns = read_columns(path);
+  if (columns.rows() != 3 || !columns.allFinite()) {
+    throw Error(fmt::format("{}: must hold three numbers for each entry", path.string()));
+  }
+  return columns;
+}
+
+SurfaceMesh read_surface(const fs::path& folder) {
+  const Eigen::MatrixXd vertices = read_triples(folder / "vertices.npy");
+  const Eigen::MatrixXd triangles = read_triples(folder / "triangles.npy");
+  if (!(triangles.minCoeff() >= 0) || !(triangles.maxCoeff() < double(vertices.cols()))) {
+    throw Error(
+        fmt::format("{}: names a vertex that is not there", (folder / "triangles.npy").string()));
+  }
+  return {vertices, triangles.cast<int>()};
+}
+
+// Increasing samples of a parameter.
+Eigen::VectorXd read_samples(const fs::path& file) {
+  const NpyArray array = read_npy(file);
+  const Eigen::VectorXd samples = Eigen::Map<const Eigen::VectorXd>(
+      array.values.data(), static_cast<Index>(array.values.size()));
+  for (Index k = 0; k < samples.size(); ++k) {
+    if (std::isfinite(samples[k]) && (k == 0 || samples[k - 1] < samples[k])) continue;
+    throw Error(fmt::format("{}: samples must increase", file.string()));
+  }
+  if (samples.size() == 0) throw Error(fmt::format("{}: has no samples", file.string()));
+  return samples;
+}
+
+// The parameters with their samples, without functions.
+std::vector<ParameterAxis> read_parameters(const fs::path& folder) {
+  const std::string file = (folder / "parameters.txt").string();
+  const Result<std::string> text = read_whole_file(file, kLongestNames);
+  if (!text) throw Error(fmt::format("{}: {}", file, text.problem().message));
+  std::istringstream names(text.value());
+  std::vector<ParameterAxis> axes;
+  for (std::string line; std::getline(names, line);) {
+    std::istringstream words(line);
+    ParameterAxis axis;
+    std::string kind;
+    if (!(words >> axis.name >> kind)) continue;
+    if (kind != "choice" && kind != "quantity") {
+      throw Error(fmt::format("{}: '{}' is neither 'choice' nor 'quantity'", file, kind));
+    }
+    axis.between = kind == "choice" ? Between::kNothing : Between::kSmooth;
+    axis.samples = read_samples(folder / fmt::format("samples_{}.npy", axes.size()));
+    axes.push_back(std::move(axis));
+  }
+  if (axes.empty() || axes.size() > SeparatedField::kMostAxes) {
+    throw Error(fmt::format("{}: must name 1 to {} parameters, each with 'choice' or 'quantity'",
+                            file, SeparatedField::kMostAxes));
+  }
+  return axes;
+}
+
 }  // namespace
 
 void write_numpy_modes(const fs::path& folder, const ForeignModes& modes) {
@@ -95,59 +153,14 @@ void write_numpy_modes(const fs::path& folder, const ForeignModes& modes) {
 }
 
 ForeignModes read_numpy_modes(const fs::path& folder) {
-  const auto wants = [&](const char* file, const Eigen::MatrixXd& columns) {
-    if (columns.rows() == 3 && columns.allFinite()) return;
-    throw Error(
-        fmt::format("{}: must hold three numbers for each entry", (folder / file).string()));
-  };
-  const Eigen::MatrixXd vertices = read_columns(folder / "vertices.npy");
-  wants("vertices.npy", vertices);
-  const Eigen::MatrixXd triangles = read_columns(folder / "triangles.npy");
-  wants("triangles.npy", triangles);
-  if (!(triangles.minCoeff() >= 0) || !(triangles.maxCoeff() < double(vertices.cols()))) {
-    throw Error(
-        fmt::format("{}: names a vertex that is not there", (folder / "triangles.npy").string()));
-  }
-  const Result<std::string> text = read_whole_file(folder / "parameters.txt", kLongestNames);
-  if (!text) {
-    throw Error(
-        fmt::format("{}: {}", (folder / "parameters.txt").string(), text.problem().message));
-  }
-  std::istringstream names(text.value());
-  std::vector<ParameterAxis> axes;
-  for (std::string line; std::getline(names, line);) {
-    std::istringstream words(line);
-    ParameterAxis axis;
-    std::string kind;
-    if (!(words >> axis.name >> kind)) continue;
-    if (kind != "choice" && kind != "quantity") {
-      throw Error(fmt::format("{}: '{}' is neither 'choice' nor 'quantity'",
-                              (folder / "parameters.txt").string(), kind));
-    }
-    axis.between = kind == "choice" ? Between::kNothing : Between::kSmooth;
-    const fs::path file = folder / fmt::format("samples_{}.npy", axes.size());
-    const NpyArray samples = read_npy(file);
-    axis.samples = Eigen::Map<const Eigen::VectorXd>(samples.values.data(),
-                                                     static_cast<Index>(samples.values.size()));
-    for (Index k = 0; k < axis.samples.size(); ++k) {
-      if (std::isfinite(axis.samples[k]) && (k == 0 || axis.samples[k - 1] < axis.samples[k]))
-        continue;
-      throw Error(fmt::format("{}: samples must increase", file.string()));
-    }
-    if (axis.samples.size() == 0) throw Error(fmt::format("{}: has no samples", file.string()));
-    axes.push_back(std::move(axis));
-  }
-  if (axes.empty() || axes.size() > SeparatedField::kMostAxes) {
-    throw Error(fmt::format("{}: must name 1 to {} parameters, each with 'choice' or 'quantity'",
-                            (folder / "parameters.txt").string(), SeparatedField::kMostAxes));
-  }
-  ForeignModes modes{{vertices, triangles.cast<int>()}, read_field(folder, "displacement", axes)};
+  SurfaceMesh surface = read_surface(folder);
+  const std::vector<ParameterAxis> axes = read_parameters(folder);
+  ForeignModes modes{std::move(surface), read_field(folder, "displacement", axes)};
   if (fs::exists(folder / "stress_modes.npy")) modes.stress = read_field(folder, "stress", axes);
   if (fs::exists(folder / "site_vertices.npy") && fs::exists(folder / "site_loads.npy")) {
     modes.site_vertices = vertex_numbers(read_npy(folder / "site_vertices.npy").values,
                                          (folder / "site_vertices.npy").string());
-    const Eigen::MatrixXd loads = read_columns(folder / "site_loads.npy");
-    wants("site_loads.npy", loads);
+    const Eigen::MatrixXd loads = read_triples(folder / "site_loads.npy");
     if (loads.cols() != std::ssize(modes.site_vertices)) {
       throw Error(fmt::format("{}: {} loads, where site_vertices.npy has {}",
                               (folder / "site_loads.npy").string(), loads.cols(),

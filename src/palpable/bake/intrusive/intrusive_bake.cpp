@@ -267,8 +267,7 @@ void state_error_of_several(IntrusiveBake& made, const IntrusiveSettings& settin
                         problem.what());
   }
   made.report.cpu.add("references", 1e3 * (process_cpu_seconds() - begin));
-  made.report.lines.emplace_back("several loads", line);
-  made.body.provenance.emplace_back("several loads", line);
+  made.report.provenance.several_loads = made.body.provenance.several_loads = line;
 }
 
 // Measures the CPU time of successive stages.
@@ -311,36 +310,35 @@ MatrixXd press_depths(const SeriesTable& table, double force) {
   return depth;
 }
 
-// How the body was made, and its errors: (key, value), for people to read.
-std::vector<std::pair<std::string, std::string>> report_lines(
-    const BodyDescription::Intrusive& wanted, const TravellingLoad& travelling,
-    const SeriesTable& table, const IntrusiveReport& made) {
+// How the body was made, and its errors.
+Provenance provenance_of(const BodyDescription::Intrusive& wanted, const TravellingLoad& travelling,
+                         const SeriesTable& table, const IntrusiveReport& made) {
   const Index S = travelling.load.cols();
   return {
-      {"loads",
-       fmt::format("{} positions of a travelling dead load of up to {:.4g} N ({} nearer than "
-                   "{:.3g} patch radii of {:.3g} m to what is held are left out)",
-                   S, wanted.force, travelling.left_out, wanted.clearance,
-                   travelling.patch_radius)},
-      {"series",
-       fmt::format("power series in the size of the load, {} orders at most, {:.1f} in the "
-                   "mean; forces balance the full load to {:.2g} of it at the worst "
-                   "position; Pade form and series differ by {:.2g} at most",
-                   table.most_orders, static_cast<double>(table.orders) / static_cast<double>(S),
-                   table.worst_residual.tail(1)[0], table.worst_pade_gap)},
-      {"reduction",
-       fmt::format("intrusive PGD over positions and load sizes, in own norms: {} modes "
-                   "by {} alternations, recompressed to {}",
-                   made.greedy_modes, made.alternations, made.modes)},
-      {"displacement",
-       fmt::format("{} modes in {} products, relative L2 error over the volume {:.3g} "
-                   "pooled, {:.3g} at the worst position and load in its own norm",
-                   made.modes, made.columns, made.displacement.global, made.displacement.worst)},
-      {"stress",
-       fmt::format("nodal Cauchy stress of the skin at thirds of the load: {} modes by "
-                   "randomised POD in {} products, relative L2 error {:.3g} pooled, {:.3g} "
-                   "at the worst position and load in its own norm",
-                   made.stress_modes, made.stress_columns, made.stress_pooled, made.stress_worst)}};
+      .loads = fmt::format(
+          "{} positions of a travelling dead load of up to {:.4g} N ({} nearer than "
+          "{:.3g} patch radii of {:.3g} m to what is held are left out)",
+          S, wanted.force, travelling.left_out, wanted.clearance, travelling.patch_radius),
+      .series =
+          fmt::format("power series in the size of the load, {} orders at most, {:.1f} in the "
+                      "mean; forces balance the full load to {:.2g} of it at the worst "
+                      "position; Pade form and series differ by {:.2g} at most",
+                      table.most_orders, static_cast<double>(table.orders) / static_cast<double>(S),
+                      table.worst_residual.tail(1)[0], table.worst_pade_gap),
+      .reduction =
+          fmt::format("intrusive PGD over positions and load sizes, in own norms: {} modes "
+                      "by {} alternations, recompressed to {}",
+                      made.greedy_modes, made.alternations, made.modes),
+      .displacement =
+          fmt::format("{} modes in {} products, relative L2 error over the volume {:.3g} "
+                      "pooled, {:.3g} at the worst position and load in its own norm",
+                      made.modes, made.columns, made.displacement.global, made.displacement.worst),
+      .stress = fmt::format(
+          "nodal Cauchy stress of the skin at thirds of the load: {} modes by "
+          "randomised POD in {} products, relative L2 error {:.3g} pooled, {:.3g} "
+          "at the worst position and load in its own norm",
+          made.stress_modes, made.stress_columns, made.stress_pooled, made.stress_worst),
+  };
 }
 
 }  // namespace
@@ -389,7 +387,7 @@ IntrusiveBake bake_intrusive(const BodyDescription& description, const Intrusive
     laps.end("several loads");
   }
 
-  made.lines = report_lines(wanted, travelling, table, made);
+  made.provenance = provenance_of(wanted, travelling, table, made);
   ReducedBody body{.name = description.name,
                    .surface = boundary.surface,
                    .fixed = fixed_vertices(problem.mesh),
@@ -401,20 +399,18 @@ IntrusiveBake bake_intrusive(const BodyDescription& description, const Intrusive
                    .error = {made.displacement.global, made.displacement.worst, made.stress_pooled,
                              made.stress_worst},
                    .material = material_line(description.material),
-                   .provenance = {{"body", description.source.string()},
-                                  {"mesh", problem.mesh.origin},
-                                  {"material", material_line(description.material)}},
+                   .provenance = made.provenance,
                    .method = "intrusive",
                    .several = std::move(several)};
-  body.provenance.insert(body.provenance.end(), made.lines.begin(), made.lines.end());
+  body.provenance.description = description.source.string();
+  body.provenance.mesh_source = problem.mesh.origin;
+  body.provenance.material = body.material;
+  body.provenance.program = settings.version;
+  body.provenance.command_line = settings.command_line;
   IntrusiveBake result{
       std::move(travelling), std::move(series), std::move(table),           std::move(pgd),
       std::move(body),       std::move(made),   std::move(modes_of_energy), {}};
   if (result.body.several) state_error_of_several(result, settings, progress);
-  if (!settings.version.empty()) result.body.provenance.emplace_back("program", settings.version);
-  if (!settings.command_line.empty()) {
-    result.body.provenance.emplace_back("command line", settings.command_line);
-  }
   return result;
 }
 

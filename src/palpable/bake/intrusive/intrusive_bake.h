@@ -42,9 +42,9 @@ struct IntrusiveReport {
   /// ms of one core: pose, series (stress of all states included), separate, several loads; and
   /// "references", which the bake itself does not need.
   StageTimes cpu;
-  /// (key, value) The report in words: loads, series, reduction, displacement, stress and, if there
-  /// are reactions, several loads. Part of the body's provenance, too.
-  std::vector<std::pair<std::string, std::string>> lines = {};
+  /// The report in words, a part of the body's provenance: loads, series, reduction, displacement,
+  /// stress and, if there are reactions, several loads.
+  Provenance provenance = {};
 };
 
 /// The body in the modes of its energy, under two loads, compared with a full-order solution.

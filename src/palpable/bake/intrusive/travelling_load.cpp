@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -38,6 +36,35 @@ Eigen::SparseMatrix<double> forces_of(const BodyProblem& problem, const std::vec
   return forces;
 }
 
+// Largest distance of a vertex of a site's patch from the site, m.
+double largest_patch_radius(const std::vector<Site>& sites, const SurfaceMesh& skin) {
+  double radius = 0;
+  for (const Site& site : sites) {
+    for (const int v : site.patch) {
+      radius = std::max(radius, (skin.vertices.col(v) - skin.vertices.col(site.vertex)).norm());
+    }
+  }
+  return radius;
+}
+
+// Leaves out the sites nearer than the clearance to what is held.
+void keep_clear(const BodyDescription::Intrusive& wanted, TravellingLoad& travelling) {
+  BodyProblem& problem = travelling.problem;
+  const SurfaceMesh& skin = problem.mesh.boundary.surface;
+  const double clearance = wanted.clearance * travelling.patch_radius;
+  travelling.left_out = static_cast<int>(std::erase_if(problem.sites, [&](const Site& site) {
+    return std::ranges::any_of(problem.mesh.fixed_nodes, [&](int n) {
+      return (problem.mesh.mesh.nodes.col(n) - skin.vertices.col(site.vertex)).norm() <= clearance;
+    });
+  }));
+  if (problem.sites.empty()) {
+    throw Error(fmt::format(
+        "{}: no position is left: all {} are nearer than {:.3g} m ({:.3g} patch radii) to what is "
+        "held; lower 'clearance'",
+        wanted.positions[0].place, travelling.left_out, clearance, wanted.clearance));
+  }
+}
+
 }  // namespace
 
 TravellingLoad travelling_load(const BodyDescription& description) {
@@ -65,38 +92,12 @@ TravellingLoad travelling_load(const BodyDescription& description) {
   }
 
   const SurfaceMesh& skin = problem.mesh.boundary.surface;
-  for (const Site& site : problem.sites) {
-    for (const int v : site.patch) {
-      travelling.patch_radius = std::max(
-          travelling.patch_radius, (skin.vertices.col(v) - skin.vertices.col(site.vertex)).norm());
-    }
-  }
-  const double clearance = wanted.clearance * travelling.patch_radius;
-  std::vector<Site> positions;
-  for (Site& site : problem.sites) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const int n : problem.mesh.fixed_nodes) {
-      nearest = std::min(nearest,
-                         (problem.mesh.mesh.nodes.col(n) - skin.vertices.col(site.vertex)).norm());
-    }
-    if (nearest <= clearance) {
-      ++travelling.left_out;
-      continue;
-    }
-    site.full_load = wanted.force;
-    positions.push_back(std::move(site));
-  }
-  if (positions.empty()) {
-    throw Error(fmt::format(
-        "{}: no position is left: all {} are nearer than {:.3g} m ({:.3g} patch radii) to what is "
-        "held; lower 'clearance'",
-        wanted.positions[0].place, travelling.left_out, clearance, wanted.clearance));
-  }
-  problem.sites = std::move(positions);
-
+  travelling.patch_radius = largest_patch_radius(problem.sites, skin);
+  keep_clear(wanted, travelling);
   const Eigen::VectorXd areas = vertex_areas(skin);
   travelling.area.resize(static_cast<Index>(problem.sites.size()));
   for (std::size_t s = 0; s < problem.sites.size(); ++s) {
+    problem.sites[s].full_load = wanted.force;
     travelling.area[static_cast<Index>(s)] = areas[problem.sites[s].vertex];
   }
   travelling.load = forces_of(problem, problem.sites, wanted.force);

@@ -48,19 +48,17 @@ void refuse_inverted(const TetMesh& mesh, const FileMesh& file) {
                   file.tets[first].number, volumes[static_cast<Eigen::Index>(first)])};
 }
 
-}  // namespace
+// The new number of each node of the file that an element uses.
+using NewNumbers = std::unordered_map<std::int64_t, int>;
 
-VolumeMesh number_anew(const FileMesh& file) {
-  if (file.tets.empty()) {
-    throw MeshDefect{0, "holds no tetrahedra; make some from a surface with 'palpable mesh'"};
-  }
+// The elements and the nodes that they use, in the order in which they first do.
+VolumeMesh numbered_elements(const FileMesh& file, NewNumbers& number_of) {
   VolumeMesh volume;
   TetMesh& mesh = volume.mesh;
   const int node_count = file.tets.front().node_count;
   const auto tet_count = static_cast<Eigen::Index>(file.tets.size());
   mesh.tets.resize(4, tet_count);
   mesh.edge_nodes.resize(6, node_count == 10 ? tet_count : 0);
-  std::unordered_map<std::int64_t, int> number_of;
   std::vector<Eigen::Vector3d> nodes;
   for (Eigen::Index e = 0; e < tet_count; ++e) {
     const FileMesh::Tet& tet = file.tets[e];
@@ -88,10 +86,19 @@ VolumeMesh number_anew(const FileMesh& file) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     mesh.nodes.col(static_cast<Eigen::Index>(i)) = nodes[i];
   }
-  refuse_inverted(mesh, file);
+  return volume;
+}
 
+void sort_without_doubles(std::vector<int>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+// The file's sets, without the nodes and faces that no element uses.
+MeshSets numbered_sets(const FileMesh& file, const NewNumbers& number_of) {
+  MeshSets sets;
   for (const auto& [name, set] : file.node_sets) {
-    std::vector<int>& numbers = volume.sets.nodes[name];
+    std::vector<int>& numbers = sets.nodes[name];
     for (const std::int64_t node : set.numbers) {
       if (!file.nodes.contains(node)) {
         throw MeshDefect{set.line,
@@ -100,16 +107,14 @@ VolumeMesh number_anew(const FileMesh& file) {
       const auto used = number_of.find(node);
       if (used != number_of.end()) numbers.push_back(used->second);
     }
-    std::sort(numbers.begin(), numbers.end());
-    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    sort_without_doubles(numbers);
   }
   for (auto [name, numbers] : file.tet_sets) {
-    std::sort(numbers.begin(), numbers.end());
-    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-    volume.sets.tets[name] = std::move(numbers);
+    sort_without_doubles(numbers);
+    sets.tets[name] = std::move(numbers);
   }
   for (const auto& [name, faces] : file.face_sets) {
-    std::vector<Eigen::Vector3i>& kept = volume.sets.faces[name];
+    std::vector<Eigen::Vector3i>& kept = sets.faces[name];
     for (const auto& face : faces) {
       Eigen::Vector3i corners;
       bool used = true;
@@ -121,7 +126,20 @@ VolumeMesh number_anew(const FileMesh& file) {
       if (used) kept.push_back(corners);
     }
   }
-  volume.sets.unusable = file.unusable;
+  sets.unusable = file.unusable;
+  return sets;
+}
+
+}  // namespace
+
+VolumeMesh number_anew(const FileMesh& file) {
+  if (file.tets.empty()) {
+    throw MeshDefect{0, "holds no tetrahedra; make some from a surface with 'palpable mesh'"};
+  }
+  NewNumbers number_of;
+  VolumeMesh volume = numbered_elements(file, number_of);
+  refuse_inverted(volume.mesh, file);
+  volume.sets = numbered_sets(file, number_of);
   return volume;
 }
 

@@ -2,12 +2,12 @@
 
 #include "palpable/bake/campaign/between_sites.h"
 #include "palpable/bake/campaign/store_rows.h"
-#include "palpable/bake/campaign/temporary_folder.h"
 #include "palpable/bake/pipeline/error_course.h"
 #include "palpable/bake/separate/reduction.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
+#include "palpable/common/base/temporary_folder.h"
 #include "palpable/common/geometry/tet_mesh.h"
 
 #include <fmt/format.h>
@@ -270,7 +270,7 @@ const char* method_line(ReductionMethod method) {
   return "";
 }
 
-// The line "reduction" of the provenance.
+// Provenance::reduction, but for the weights.
 std::string reduction_text(const ReductionSettings& wanted,
                            const std::optional<SparseCampaignSettings>& sparse,
                            const ReductionReport& displacement) {
@@ -384,7 +384,8 @@ ReducedFields reduce_fields(const SnapshotStore& store, const Boundary& boundary
   return {beside.get(), std::move(sigma), stressed != nullptr};
 }
 
-// The body without its presses and its provenance. Moves the fields, but not their reports.
+// The body without its presses, with the store's provenance. Moves the fields, but not their
+// reports.
 ReducedBody body_of(const StoreContent& content, const Boundary& boundary, ReducedFields& fields,
                     bool volume) {
   ReducedField& u = fields.displacement;
@@ -399,7 +400,7 @@ ReducedBody body_of(const StoreContent& content, const Boundary& boundary, Reduc
       .press_depth = MatrixXd(content.levels.size(), content.site_count()),
       .error = {u.report.pooled, u.report.worst, sigma.report.pooled, sigma.report.worst},
       .material = content.material,
-      .provenance = {}};
+      .provenance = content.provenance};
   body.error.displacement_course = std::move(u.course);
   body.error.stress_course = std::move(sigma.course);
   body.error.von_mises_course = std::move(sigma.von_mises_course);
@@ -434,34 +435,22 @@ double add_presses(const SnapshotStore& store, int point, const Boundary& bounda
   return farthest_rest;
 }
 
-// Adds the store's provenance, completed by the outcome of the campaign, and lines about the
-// reduction.
-void add_provenance(const StoreContent& content, const ReductionSettings& wanted,
-                    const std::optional<SparseCampaignSettings>& sparse, bool has_stress,
-                    double farthest_rest, BakedBody& baked) {
-  ReducedBody& body = baked.body;
+// Completes the store's provenance by the outcome of the campaign and by the reduction.
+void complete_provenance(const ReductionSettings& wanted,
+                         const std::optional<SparseCampaignSettings>& sparse, bool has_stress,
+                         double farthest_rest, BakedBody& baked) {
+  Provenance& provenance = baked.body.provenance;
   const BakeReport& made = baked.report;
-  const auto reached = std::count_if(made.outcomes.begin(), made.outcomes.end(),
-                                     [](const SiteOutcome& o) { return o.reached_press; });
-  for (auto [key, value] : content.provenance) {
-    if (key == "material") value = body.material;
-    if (key == "loads") value += fmt::format("; {} sites reach it", reached);
-    if (key == "preload") {
-      value += fmt::format(
-          ": nodes move by up to {:.4g} m. The surface is that of the body so loaded; displacement "
-          "and stress are what a press adds",
-          farthest_rest);
-    }
-    body.provenance.emplace_back(key, value);
-  }
-  body.provenance.emplace_back("reduction",
-                               fmt::format("{}, space weighted by nodal volume",
-                                           reduction_text(wanted, sparse, made.displacement)));
-  body.provenance.emplace_back("displacement",
-                               reduction_line("displacement", made.displacement, wanted));
-  body.provenance.emplace_back(
-      "stress", has_stress ? reduction_line("nodal Cauchy stress", made.stress, wanted)
-                           : "none: the snapshots have no stress, it is taken as zero");
+  provenance.material = baked.body.material;
+  provenance.sites_reached =
+      static_cast<int>(std::count_if(made.outcomes.begin(), made.outcomes.end(),
+                                     [](const SiteOutcome& o) { return o.reached_press; }));
+  if (!provenance.preload.empty()) provenance.preload_moves = farthest_rest;
+  provenance.reduction = fmt::format("{}, space weighted by nodal volume",
+                                     reduction_text(wanted, sparse, made.displacement));
+  provenance.displacement = reduction_line("displacement", made.displacement, wanted);
+  provenance.stress = has_stress ? reduction_line("nodal Cauchy stress", made.stress, wanted)
+                                 : "none: the snapshots have no stress, it is taken as zero";
 }
 
 // States the error of touches between sites, where the store has linear responses.
@@ -474,7 +463,7 @@ void state_between_sites(const SnapshotStore& store, BakedBody& baked) {
       "own linear responses of equal depth, on the skin: {:.2g} at the median, {:.2g} "
       "at nine tenths, {:.2g} at the worst",
       between->touches, between->median, between->nine_tenths, between->worst);
-  baked.body.provenance.emplace_back("between sites", baked.report.between_sites);
+  baked.body.provenance.between_sites = baked.report.between_sites;
 }
 
 }  // namespace
@@ -525,12 +514,10 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   for (std::size_t k = 0; k < values.size(); ++k) {
     body.material += fmt::format("; {} {:.6g}", content.parameters[k].name, values[k]);
   }
-  add_provenance(content, wanted, sparse, fields.has_stress, farthest_rest, baked);
+  complete_provenance(wanted, sparse, fields.has_stress, farthest_rest, baked);
   state_between_sites(store, baked);
-  if (!settings.version.empty()) body.provenance.emplace_back("program", settings.version);
-  if (!settings.command_line.empty()) {
-    body.provenance.emplace_back("command line", settings.command_line);
-  }
+  body.provenance.program = settings.version;
+  body.provenance.command_line = settings.command_line;
   timer.reset();
   made.wall = wall;
   return baked;

@@ -142,7 +142,7 @@ TEST_CASE("a baked body survives its file, with where it comes from", "[pipeline
   CHECK(error.von_mises_course->pooled.tail(1)[0] < 0.3 * error.von_mises_course->pooled[0]);
   CHECK_FALSE(error.held_out);
   std::string all;
-  for (const auto& [key, value] : again.provenance) all += key + ": " + value + "\n";
+  for (const auto& [key, value] : lines_of(again.provenance)) all += key + ": " + value + "\n";
   CHECK_THAT(all, Contains("program: test 1") && Contains("command line: palpable bake egg.toml") &&
                       Contains("egg.ply") && Contains("tetrahedra") && Contains("4 levels"));
 }
@@ -275,7 +275,7 @@ TEST_CASE("a body that sags under its weight lies so in its file, and presses st
   baked.body.displacement.evaluate(std::array{0.0, 0.0}, u);
   CHECK(*std::max_element(u.begin(), u.end()) == 0.0f);
   std::string all;
-  for (const auto& [key, value] : baked.body.provenance) all += key + ": " + value + "\n";
+  for (const auto& [key, value] : lines_of(baked.body.provenance)) all += key + ": " + value + "\n";
   CHECK_THAT(all, Contains("preload: weight at 3000 kg/m^3") && Contains("what a press adds"));
 }
 

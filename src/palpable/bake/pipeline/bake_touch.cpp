@@ -7,11 +7,9 @@
 #include "palpable/bake/touch_bake/touch_maker.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/body_file/touch_text.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -105,14 +103,6 @@ std::string bake_touch(const BodyDescription& description, const CampaignPlan& p
 
 std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store) {
   return TouchStore(store.touch_folder()).find_listed(campaign_key(store.content()));
-}
-
-void state_touch(const TouchTables& tables, ReducedBody& body) {
-  auto& lines = body.provenance;
-  std::erase_if(lines, [](const auto& line) { return line.first == "touch"; });
-  const auto program = std::find_if(lines.begin(), lines.end(),
-                                    [](const auto& line) { return line.first == "program"; });
-  lines.insert(program, {"touch", touch_line(tables)});
 }
 
 }  // namespace palpable

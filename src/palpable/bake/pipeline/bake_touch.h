@@ -36,7 +36,4 @@ std::string bake_touch(const BodyDescription& description, const CampaignPlan& p
 /// The complete tables of an earlier bake of the same campaign; nothing if there are none.
 [[nodiscard]] std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store);
 
-/// States in the body's provenance which tables are written with it.
-void state_touch(const TouchTables& tables, ReducedBody& body);
-
 }  // namespace palpable

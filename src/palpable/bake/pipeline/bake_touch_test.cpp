@@ -5,12 +5,12 @@
 #include "palpable/bake/describe/touch_mesh.h"
 #include "palpable/bake/pipeline/bake_body.h"
 #include "palpable/common/body_file/touch_file.h"
+#include "palpable/common/body_file/touch_text.h"
 #include "palpable/common/geometry/mean_edge.h"
 #include "tests/support/egg_body.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -55,7 +55,7 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
   }();
   const auto write = [&](const char* name) {
     return [&, name](const TouchTables& tables) {
-      state_touch(tables, body);
+      body.provenance.touch = touch_line(tables);
       write_touchable_body(folder / name, body, tables);
     };
   };
@@ -93,8 +93,7 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
   for (const HeldOutTouch& touch : read.touch->held_out) {
     CHECK((touch.displacement > 0 && touch.displacement < 0.5));
   }
-  CHECK(std::count_if(read.body.provenance.begin(), read.body.provenance.end(),
-                      [](const auto& line) { return line.first == "touch"; }) == 1);
+  CHECK(read.body.provenance.touch == touch_line(*read.touch));
 
   // Everything is there: nothing is made, and `reduce` finds it.
   bool made = false;
@@ -141,7 +140,7 @@ TEST_CASE("tables of a finer skin are made on a coarser mesh that carries it",
   const double edge = 1.7 * mean_edge_length(body.surface);
   egg.touch = {.tables = Tables::kLinear, .edge = edge, .held_out = 2};
   bake_touch(egg, filled.plan, filled.store, 2, [&](const TouchTables& tables) {
-    state_touch(tables, body);
+    body.provenance.touch = touch_line(tables);
     write_touchable_body(folder / "egg.palpable", body, tables);
   });
   const TouchableBody read = value_or_throw(read_touchable_body(folder / "egg.palpable"));

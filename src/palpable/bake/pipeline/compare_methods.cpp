@@ -161,8 +161,8 @@ void add_body(const std::filesystem::path& path, MethodPage& page) {
                     "with 'palpable reduce'",
                     path.string()));
   }
-  for (const auto& [key, value] : body.provenance) {
-    if (key == "command line") page.provenance.emplace_back(path.filename().string(), value);
+  if (const std::string& typed = body.provenance.command_line; !typed.empty()) {
+    page.provenance.emplace_back(path.filename().string(), typed);
   }
   const std::string name =
       fmt::format("{} ({})", path.filename().string(),

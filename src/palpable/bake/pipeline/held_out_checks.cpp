@@ -51,7 +51,7 @@ void check_between_levels(const BodyDescription& description, FillSettings setti
       held_out_errors(value_or_throw(settled(baked.body)), between.store, point);
   baked.report.held_out = fmt::format("against {} levels between, solved afresh, on the skin: {}",
                                       errors.displacement.size(), held_out_errors_text(errors));
-  baked.body.provenance.emplace_back("held out", baked.report.held_out);
+  baked.body.provenance.held_out = baked.report.held_out;
   baked.body.error.held_out = errors.record();
 }
 
@@ -73,7 +73,7 @@ void check_between_values(const BodyDescription& description, FillSettings setti
       const std::string line = fmt::format(
           "against {} presses at {} = {:g}, solved afresh, at equal depth, on the skin: {}",
           errors.displacement.size(), name, values[i], held_out_errors_text(errors));
-      baked.body.provenance.emplace_back(fmt::format("held out, {} = {:g}", name, values[i]), line);
+      baked.body.provenance.held_out_values.push_back({name, values[i], line});
       baked.report.held_out += "\n" + line;
     }
   }

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <string_view>
 
 namespace palpable {
 namespace {
@@ -23,19 +22,12 @@ Json read_json_file(const fs::path& file) {
   return value_or_throw(Json::parse(text.value()));
 }
 
-std::string fact_of(const ReducedBody& body, std::string_view wanted) {
-  for (const auto& [key, value] : body.provenance) {
-    if (key == wanted) return value;
-  }
-  return {};
-}
-
 std::string modes_of(const ReducedBody& body) {
-  return fact_of(body, "displacement") + "; " + fact_of(body, "stress");
+  return body.provenance.displacement + "; " + body.provenance.stress;
 }
 
 std::string mesh_of(const ReducedBody& body) {
-  const std::string mesh = fact_of(body, "mesh");
+  const std::string& mesh = body.provenance.mesh;
   if (mesh.find("nodes") == std::string::npos) {
     return fmt::format("{} nodes and {} triangles on the skin", body.surface.vertices.cols(),
                        body.surface.triangles.cols());

@@ -152,7 +152,7 @@ Json json_of(const ReducedBody& body) {
   result["stress_error_worst"] = body.error.stress_worst;
   result["largest_von_mises_pa"] = body.largest_von_mises;
   result["material"] = body.material;
-  for (const auto& [key, value] : body.provenance) result["provenance"][key] = value;
+  for (const auto& [key, value] : lines_of(body.provenance)) result["provenance"][key] = value;
   return result;
 }
 

@@ -370,13 +370,28 @@ HeldOutRecord read_held_out(hid_t file, const ReducedBody& body) {
 // Files that are older than the attribute "method" name the method in the first word of a line of
 // the provenance, or nowhere.
 std::string method_of_old_file(const ReducedBody& body) {
-  for (const auto& [key, value] : body.provenance) {
-    if (key == "reduction") return value.substr(0, value.find(' '));
-  }
-  return {};
+  const std::string& reduction = body.provenance.reduction;
+  return reduction.substr(0, reduction.find(' '));
 }
 
 }  // namespace
+
+Provenance read_provenance(hid_t file) {
+  const Handle g = open_group(file, "provenance");
+  if (has(g, "json")) {
+    Result<Provenance> provenance = provenance_of_json(read_text(g, "json"));
+    if (!provenance.ok()) throw hdf5::Trouble{provenance.problem().message};
+    return std::move(provenance).value();
+  }
+  const double count = read_number(g, "count");
+  require(count >= 0 && count < 1000, "the provenance is damaged");
+  std::vector<std::pair<std::string, std::string>> lines;
+  for (int i = 0; i < static_cast<int>(count); ++i) {
+    lines.emplace_back(read_text(g, fmt::format("{:03}_key", i).c_str()),
+                       read_text(g, fmt::format("{:03}_value", i).c_str()));
+  }
+  return provenance_of_lines(lines);
+}
 
 ReducedBody read_content(hid_t file) {
   // A body cannot exist without its fields, so they start as one zero mode and are replaced below.
@@ -394,8 +409,7 @@ ReducedBody read_content(hid_t file) {
                    .press_depth = {},
                    .largest_von_mises = read_number(file, "largest_von_mises"),
                    .error = {},
-                   .material = read_text(file, "material"),
-                   .provenance = {}};
+                   .material = read_text(file, "material")};
   require(std::isfinite(body.largest_von_mises) && body.largest_von_mises >= 0.0,
           "largest_von_mises is not a stress");
   read_surface(file, body);
@@ -420,13 +434,7 @@ ReducedBody read_content(hid_t file) {
     body.error.von_mises_course = read_course(g, "von_mises_course", body);
     if (has_link(g, "held_out")) body.error.held_out = read_held_out(g, body);
   }
-  const Handle g = open_group(file, "provenance");
-  const double count = read_number(g, "count");
-  require(count >= 0 && count < 1000, "the provenance is damaged");
-  for (int i = 0; i < static_cast<int>(count); ++i) {
-    body.provenance.emplace_back(read_text(g, fmt::format("{:03}_key", i).c_str()),
-                                 read_text(g, fmt::format("{:03}_value", i).c_str()));
-  }
+  body.provenance = read_provenance(file);
   body.method = has(file, "method") ? read_text(file, "method") : method_of_old_file(body);
   return body;
 }

@@ -59,6 +59,9 @@ ReducedBody full_ball() {
 ReducedBody reported_ball() {
   ReducedBody body = full_ball();
   body.method = "pgd";
+  body.provenance.loads = "6 sites";
+  body.provenance.sites_reached = 5;
+  body.provenance.held_out_values = {{"softness", 0.1, "wrong by a hair"}};
   ErrorCourse course{Eigen::Vector3i(1, 2, 5), Eigen::Vector3d(0.1, 0.02, 0.003),
                      Eigen::MatrixXf(6 * 4 * 9, 3)};
   for (Eigen::Index k = 0; k < course.snapshots.size(); ++k) {
@@ -116,7 +119,8 @@ ReducedBody written_and_read(const ReducedBody& body, ModeStorage storage = Mode
   return value_or_throw(read_body_file(folder / "ball.palpable"));
 }
 
-// Writes a body file without the attribute "method", as older programs did.
+// Writes a body file without the attribute "method" and with the provenance as lines, as older
+// programs did.
 void write_old_file(const fs::path& path, const ReducedBody& body) {
   constexpr std::string_view kKind = "palpable body file";
   write_body_file(path, body);
@@ -129,9 +133,15 @@ void write_old_file(const fs::path& path, const ReducedBody& body) {
         }
         hdf5::write_number(file, "largest_von_mises",
                            hdf5::read_number(image.file(), "largest_von_mises"));
-        for (const char* group :
-             {"surface", "sites", "displacement", "stress", "error", "provenance"}) {
+        for (const char* group : {"surface", "sites", "displacement", "stress", "error"}) {
           REQUIRE(H5Ocopy(image.file(), group, file, group, none, H5P_DEFAULT) >= 0);
+        }
+        const auto lines = lines_of(body.provenance);
+        const hdf5::Handle g = hdf5::make_group(file, "provenance");
+        hdf5::write_number(g, "count", static_cast<double>(lines.size()));
+        for (std::size_t k = 0; k < lines.size(); ++k) {
+          hdf5::write_text(g, fmt::format("{:03}_key", k).c_str(), lines[k].first);
+          hdf5::write_text(g, fmt::format("{:03}_value", k).c_str(), lines[k].second);
         }
       }));
 }
@@ -142,12 +152,25 @@ TEST_CASE("an older file names its method in its provenance, or nowhere", "[body
   body.method = "lost with the attribute";
   write_old_file(folder / "old.palpable", body);
   CHECK(value_or_throw(read_body_file(folder / "old.palpable")).method.empty());
-  body.provenance.emplace_back("reduction", "per-site (a POD of each site's levels)");
+  body.provenance.reduction = "per-site (a POD of each site's levels)";
   write_old_file(folder / "old.palpable", body);
   CHECK(value_or_throw(read_body_file(folder / "old.palpable")).method == "per-site");
   // If there is the attribute, the text in the provenance is not used.
   body.method = "hosvd";
   CHECK(written_and_read(body).method == "hosvd");
+}
+
+TEST_CASE("the provenance of an older file is shown as it stands", "[body_file][files]") {
+  const Folder folder;
+  ReducedBody body = small_ball();
+  body.provenance.loads = "6 sites";
+  body.provenance.sites_reached = 5;
+  body.provenance.held_out_values = {{"stiffness", 1.5, "wrong by a hair"}};
+  write_old_file(folder / "old.palpable", body);
+  const Provenance old = value_or_throw(read_body_file(folder / "old.palpable")).provenance;
+  CHECK(lines_of(old) == lines_of(body.provenance));
+  CHECK(old.loads == "6 sites; 5 sites reach it");
+  CHECK(old.held_out_values == body.provenance.held_out_values);
 }
 
 TEST_CASE("a body that was written is read back the same", "[body_file][files]") {
@@ -283,6 +306,7 @@ TEST_CASE("a file of layout 1 is read for ever", "[body_file][files]") {
                                              : tolerance(1e-9, "libm")));
     }
     CHECK(one.press_depth(3, 2) == Approx(here.press_depth(3, 2)));
+    CHECK(lines_of(body.provenance) == lines_of(small_ball().provenance));
     CHECK(body.error.between_sites == (full ? std::optional(0.26) : std::nullopt));
     CHECK_FALSE(body.several);  // such a file has responses to one load at a time only
   }

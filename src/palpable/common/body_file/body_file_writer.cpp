@@ -188,6 +188,12 @@ void write_several(hid_t file, const SeveralLoads& several) {
 
 }  // namespace
 
+void write_provenance(hid_t file, const Provenance& provenance) {
+  const Handle g = make_group(file, "provenance");
+  write_number(g, "count", 0);
+  write_text(g, "json", json_of(provenance).dump());
+}
+
 void write_content(hid_t file, const ReducedBody& body, ModeStorage storage) {
   require(body.fixed.size() == static_cast<std::size_t>(body.surface.vertex_count()),
           "'fixed' does not have one value per vertex");
@@ -236,16 +242,7 @@ void write_content(hid_t file, const ReducedBody& body, ModeStorage storage) {
     write_course(g, "von_mises_course", body.error.von_mises_course);
     if (body.error.held_out) write_held_out(g, *body.error.held_out);
   }
-  {
-    const Handle g = make_group(file, "provenance");
-    write_number(g, "count", static_cast<double>(body.provenance.size()));
-    int number = 0;
-    for (const auto& [key, value] : body.provenance) {
-      write_text(g, fmt::format("{:03}_key", number).c_str(), key);
-      write_text(g, fmt::format("{:03}_value", number).c_str(), value);
-      ++number;
-    }
-  }
+  write_provenance(file, body.provenance);
 }
 
 }  // namespace palpable::body_file

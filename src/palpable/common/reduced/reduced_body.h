@@ -9,6 +9,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/reduced/provenance.h"
 #include "palpable/common/reduced/quartic_energy.h"
 #include "palpable/common/reduced/separated_field.h"
 
@@ -132,9 +133,7 @@ struct ReducedBody {
   double largest_von_mises = 0;  ///< Pa, over all snapshots and vertices: top of the colour scale
   ReductionError error;
   std::string material;  ///< one line for users: law and constants with units
-  /// The provenance of every number: mesh source and sizes, material, method, program version,
-  /// command line, ... as (key, value) lines in the order in which they are shown.
-  std::vector<std::pair<std::string, std::string>> provenance;
+  Provenance provenance = {};
   /// The method that found the modes: "per-site", "pgd", ... (ReductionMethod), "intrusive"; empty
   /// if it is not known, e.g. for another program's modes.
   std::string method = {};

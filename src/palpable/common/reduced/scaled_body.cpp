@@ -2,8 +2,6 @@
 
 #include "palpable/common/base/contract.h"
 
-#include <fmt/core.h>
-
 #include <cmath>
 
 namespace palpable {
@@ -36,7 +34,7 @@ ReducedBody scaled(const ReducedBody& body, double factor) {
     several.modes *= static_cast<float>(factor);
     for (Site& site : several.reactions) site.full_load *= factor * factor;
   }
-  result.provenance.emplace_back("scaled by", fmt::format("{}", factor));
+  result.provenance.scaled_by = factor * body.provenance.scaled_by.value_or(1.0);
   return result;
 }
 

@@ -166,14 +166,14 @@ function overLevels(place, { values, levels, label }) {
   }
 }
 
-// The provenance lines whose keys begin so, as paragraphs.
-function said(beginning) {
-  return DATA.provenance.filter(([key]) => key.startsWith(beginning)).map(([, value]) => make("p", { class: "note" }, `${value[0].toUpperCase()}${value.slice(1)}.`));
+// Texts of the provenance as paragraphs.
+function paragraphs(texts) {
+  return texts.map((value) => make("p", { class: "note" }, `${value[0].toUpperCase()}${value.slice(1)}.`));
 }
-byId("held-out").after(...said("held out"));
+byId("held-out").after(...paragraphs(DATA.notes.held_out));
 byId("between-sites").append(...(DATA.between_sites == null
   ? [make("p", { class: "note" }, "Not computed: this file does not say how wrong that is.")]
-  : [make("p", {}, `Wrong by ${percent(DATA.between_sites)} at the median touch (relative L₂, on the skin).`), ...said("between sites")]));
+  : [make("p", {}, `Wrong by ${percent(DATA.between_sites)} at the median touch (relative L₂, on the skin).`), ...paragraphs(DATA.notes.between_sites)]));
 
 // ---- touched anywhere -------------------------------------------------------------------------
 {

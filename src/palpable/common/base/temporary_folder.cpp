@@ -1,4 +1,4 @@
-#include "palpable/bake/campaign/temporary_folder.h"
+#include "palpable/common/base/temporary_folder.h"
 
 #include "palpable/common/base/error.h"
 

@@ -1,4 +1,4 @@
-#include "palpable/bake/campaign/calculix_deck.h"
+#include "palpable/bake/calculix/calculix_deck.h"
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"

@@ -1,8 +1,8 @@
-#include "palpable/bake/campaign/calculix.h"
+#include "palpable/bake/calculix/calculix.h"
 
-#include "palpable/bake/campaign/temporary_folder.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/temporary_folder.h"
 
 #include <fmt/format.h>
 

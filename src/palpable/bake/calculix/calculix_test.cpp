@@ -1,6 +1,5 @@
-#include "palpable/bake/campaign/calculix.h"
+#include "palpable/bake/calculix/calculix.h"
 
-#include "palpable/bake/mesh/inp_file.h"
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
@@ -84,8 +83,7 @@ Result<std::vector<CalculixState>> parse(const std::string& text,
   return read_calculix_dat(in, layout, "body.dat");
 }
 
-TEST_CASE("the printed results of CalculiX are read in our order and units",
-          "[campaign][calculix][reader]") {
+TEST_CASE("the printed results of CalculiX are read in our order and units", "[calculix][reader]") {
   const auto result = parse(some_dat());
   REQUIRE(result.ok());
   const auto& states = result.value();
@@ -100,7 +98,7 @@ TEST_CASE("the printed results of CalculiX are read in our order and units",
 }
 
 TEST_CASE("fewer states than levels are accepted, as when CalculiX stops early",
-          "[campaign][calculix][reader]") {
+          "[calculix][reader]") {
   REQUIRE(parse(some_dat(1)).ok());
   CHECK(parse(some_dat(1)).value().size() == 1);
   REQUIRE(parse("\n").ok());
@@ -108,7 +106,7 @@ TEST_CASE("fewer states than levels are accepted, as when CalculiX stops early",
 }
 
 TEST_CASE("an exponent of three digits, which Fortran prints without its E, is read",
-          "[campaign][calculix][reader]") {
+          "[calculix][reader]") {
   const std::string with_e = fmt::format("{:13.6E}", 1e-12);
   const auto result = parse(replaced(some_dat(), with_e, " 2.500000-101"));
   REQUIRE(result.ok());
@@ -117,7 +115,7 @@ TEST_CASE("an exponent of three digits, which Fortran prints without its E, is r
 }
 
 TEST_CASE("what CalculiX cannot have printed is refused with the line",
-          "[campaign][calculix][reader][errors]") {
+          "[calculix][reader][errors]") {
   const std::string good = some_dat();
   const auto refusal = [](const std::string& text) {
     const auto result = parse(text);
@@ -146,7 +144,7 @@ TEST_CASE("what CalculiX cannot have printed is refused with the line",
 }
 
 TEST_CASE("a file that is cut off anywhere gives whole states or one clear line",
-          "[campaign][calculix][reader][errors]") {
+          "[calculix][reader][errors]") {
   const std::string good = some_dat();
   const std::size_t one = some_dat(1).size();
   int accepted = 0;
@@ -165,7 +163,7 @@ TEST_CASE("a file that is cut off anywhere gives whole states or one clear line"
 }
 
 TEST_CASE("no damage to a file of results makes the reader crash or return what is not finite",
-          "[campaign][calculix][reader][errors]") {
+          "[calculix][reader][errors]") {
   const std::string good = some_dat();
   for (unsigned seed = 0; seed < 2000; ++seed) {
     auto random = test::random_case(seed);
@@ -198,7 +196,7 @@ TEST_CASE("no damage to a file of results makes the reader crash or return what 
   }
 }
 
-TEST_CASE("CalculiX' message becomes one line", "[campaign][calculix]") {
+TEST_CASE("CalculiX' message becomes one line", "[calculix]") {
   CHECK(calculix_error(" STEP 1\n\n *ERROR in e_c3d: nonpositive jacobian\n        determinant in "
                        "element          12\n *ERROR in e_c3d: again\n") ==
         "in e_c3d: nonpositive jacobian determinant in element 12");
@@ -210,7 +208,7 @@ TEST_CASE("CalculiX' message becomes one line", "[campaign][calculix]") {
 }
 
 TEST_CASE("no field of a deck is longer than the twenty characters that CalculiX reads",
-          "[campaign][calculix][deck]") {
+          "[calculix][deck]") {
   SolidModel model = block();
   model.mesh.nodes *= std::numbers::pi * 1e-3;  // numbers with all digits
   const Matrix3Xd everywhere =
@@ -229,8 +227,7 @@ TEST_CASE("no field of a deck is longer than the twenty characters that CalculiX
   CHECK(fields > 500);
 }
 
-TEST_CASE("a node of a deck is the node of the model to thirteen digits",
-          "[campaign][calculix][deck]") {
+TEST_CASE("a node of a deck is the node of the model to thirteen digits", "[calculix][deck]") {
   SolidModel model = block();
   model.mesh.nodes *= -std::numbers::pi * 1e-3;
   model.mesh.tets.row(2).swap(model.mesh.tets.row(3));  // the mirror image is inside out again
@@ -254,7 +251,7 @@ TEST_CASE("a node of a deck is the node of the model to thirteen digits",
 }
 
 TEST_CASE("a body or load that CalculiX cannot be given is refused before it is started",
-          "[campaign][calculix][errors]") {
+          "[calculix][errors]") {
   const std::array full{1.0};
   const auto solve = [&](const SolidModel& model, const Matrix3Xd& load) {
     return solve_with_calculix(model, load, full, {.program = "/nowhere/ccx", .folder = {}});
@@ -282,7 +279,7 @@ std::filesystem::path stand_in(const test::ScratchFolder& folder, const std::str
 }
 
 TEST_CASE("whatever becomes of the CalculiX process, the error is one line that says what",
-          "[campaign][calculix][errors]") {
+          "[calculix][errors]") {
   const test::ScratchFolder folder("calculix_process");
   const SolidModel model = block();
   const Matrix3Xd load = push_on_top(model, {0, 0, -1});
@@ -302,8 +299,7 @@ TEST_CASE("whatever becomes of the CalculiX process, the error is one line that 
   CHECK_THAT(error("echo garbage > body.dat"), Contains("body.dat:1: 'garbage'"));
 }
 
-TEST_CASE("CalculiX gets one thread, whatever the caller's environment asks for",
-          "[campaign][calculix]") {
+TEST_CASE("CalculiX gets one thread, whatever the caller's environment asks for", "[calculix]") {
   const test::ScratchFolder folder("calculix_environment");
   ::setenv("OMP_NUM_THREADS", "7", 1);
   ::setenv("CCX_NPROC_STIFFNESS", "7", 1);
@@ -320,7 +316,7 @@ TEST_CASE("CalculiX gets one thread, whatever the caller's environment asks for"
 }
 
 TEST_CASE("a solve by CalculiX reports its way, prints every level and leaves nothing behind",
-          "[campaign][calculix]") {
+          "[calculix]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   const SolidModel model = block();
   const Matrix3Xd load = push_on_top(model, {0.6, 0.3, -1.5});
@@ -350,7 +346,7 @@ TEST_CASE("a solve by CalculiX reports its way, prints every level and leaves no
 }
 
 TEST_CASE("the residual that CalculiX leaves is as small as asked for, however soft the body",
-          "[campaign][calculix]") {
+          "[calculix]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   // Written in newtons, the soft block would not be solved at all (ccx takes any residual below
   // 1e-6 in the deck's unit for zero); written in pascals, the stiff one would get another bulk
@@ -375,7 +371,7 @@ TEST_CASE("the residual that CalculiX leaves is as small as asked for, however s
 }
 
 TEST_CASE("CalculiX stretches ten-node tetrahedra as the closed form says, at all four points",
-          "[campaign][calculix]") {
+          "[calculix]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   SolidModel model;
   model.mesh = with_edge_nodes(box_tets({0, 0, 0}, {1, 0.8, 0.6}, 1, 1, 1));
@@ -396,8 +392,7 @@ TEST_CASE("CalculiX stretches ten-node tetrahedra as the closed form says, at al
   CHECK((xx.array() - 1169.587).abs().maxCoeff() <= tolerance(2e-3, "seven printed digits"));
 }
 
-TEST_CASE("where CalculiX gives up, the states reached so far are returned",
-          "[campaign][calculix]") {
+TEST_CASE("where CalculiX gives up, the states reached so far are returned", "[calculix]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   // St. Venant-Kirchhoff collapses below 0.58 of its height.
   const SolidModel model = block(material_from_young("saint-venant-kirchhoff", 60e3, 0.3));
@@ -411,7 +406,7 @@ TEST_CASE("where CalculiX gives up, the states reached so far are returned",
                                   Contains("increment size smaller than minimum"));
 }
 
-TEST_CASE("an exception from the progress callback stops CalculiX", "[campaign][calculix]") {
+TEST_CASE("an exception from the progress callback stops CalculiX", "[calculix]") {
   const test::ScratchFolder folder("calculix_cancel");
   const SolidModel model = block();
   struct Cancelled {};
@@ -426,35 +421,6 @@ TEST_CASE("an exception from the progress callback stops CalculiX", "[campaign][
   const int pid = std::atoi(test::file_bytes(folder / "run/pid").c_str());
   REQUIRE(pid > 0);
   CHECK(::kill(pid, 0) == -1);  // gone
-}
-
-TEST_CASE("the decks that we write for CalculiX are read as the meshes that they are",
-          "[campaign][inp][quadratic]") {
-  const TetMesh four = box_tets({0, 0, 0}, {0.3, 0.1, 0.2}, 2, 1, 1);
-  for (const TetMesh& mesh : {four, with_edge_nodes(four)}) {
-    SolidModel model;
-    model.mesh = mesh;
-    model.material = material_from_young("neo-hooke-abaqus", 1e6, 0.3);
-    for (int n = 0; n < mesh.node_count(); ++n) {
-      if (mesh.nodes(0, n) == 0.0) model.fixed_nodes.push_back(n);
-    }
-    const Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Ones(3, mesh.node_count());
-    const std::string deck = calculix_deck(model, load, std::array{0.5, 1.0});
-    const double unit = calculix_units(model).length;
-    const TetMesh again = value_or_throw(parse_inp(deck, "a.inp")).mesh;
-    REQUIRE(again.tet_count() == mesh.tet_count());
-    REQUIRE(again.is_quadratic() == mesh.is_quadratic());
-    const auto same = [&](int a, int b) {
-      return (unit * again.nodes.col(a) - mesh.nodes.col(b)).norm() <=
-             tolerance(1e-12, "13 digits in the deck");
-    };
-    for (int e = 0; e < mesh.tet_count(); ++e) {
-      for (int k = 0; k < 4; ++k) CHECK(same(again.tets(k, e), mesh.tets(k, e)));
-      for (int k = 0; mesh.is_quadratic() && k < 6; ++k) {
-        CHECK(same(again.edge_nodes(k, e), mesh.edge_nodes(k, e)));
-      }
-    }
-  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "palpable/bake/campaign/calculix_dat.h"
+#include "palpable/bake/calculix/calculix_dat.h"
 
 #include "palpable/common/base/text_numbers.h"
 

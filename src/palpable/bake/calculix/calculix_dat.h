@@ -4,7 +4,7 @@
 ///   N  nodes     E  tetrahedra     Q  integration points of one: 1 (C3D4) or 4 (C3D10)
 #pragma once
 
-#include "palpable/bake/campaign/calculix_deck.h"
+#include "palpable/bake/calculix/calculix_deck.h"
 #include "palpable/bake/solid/stress.h"
 #include "palpable/common/base/error.h"
 

@@ -8,8 +8,8 @@
 /// calculix_deck.h writes the input deck; calculix_dat.h reads the states.
 #pragma once
 
-#include "palpable/bake/campaign/calculix_dat.h"
-#include "palpable/bake/campaign/calculix_deck.h"
+#include "palpable/bake/calculix/calculix_dat.h"
+#include "palpable/bake/calculix/calculix_deck.h"
 #include "palpable/bake/solid/solid_model.h"
 #include "palpable/common/base/progress.h"
 

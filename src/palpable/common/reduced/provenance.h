@@ -1,0 +1,70 @@
+/// @file
+/// Where the numbers of a body come from.
+#pragma once
+
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/json.h"
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+
+/// What a body was made of and how, and how far it is from what it was made of. The texts are for
+/// people. What is empty is not known, or does not apply to the body.
+struct Provenance {
+  std::string description = {};              ///< the file that describes the body
+  std::string mesh_source = {};              ///< the surface or mesh, and what was done to it
+  std::string mesh = {};                     ///< its size and quality
+  std::string material = {};                 ///< laws and constants
+  std::string support = {};                  ///< what is held
+  std::string preload = {};                  ///< weight, pressures, supports that move
+  std::optional<double> preload_moves = {};  ///< m: largest displacement of a node by the preload
+  std::string loads = {};                    ///< of the snapshots: where, how large
+  std::optional<int> sites_reached = {};     ///< sites that reach these loads
+  std::string snapshots = {};                ///< the files they were imported from
+  std::string solver = {};
+  std::string series = {};                     ///< of an intrusive bake: the power series
+  std::string reduction = {};                  ///< the method
+  std::string displacement = {}, stress = {};  ///< their modes and errors
+  std::string several_loads = {};              ///< the same, of several loads at once
+  std::string between_sites = {};              ///< error between sites
+  std::string modes = {};                      ///< another program's file
+  std::string errors = {};                     ///< of another program's modes
+  std::string touch = {};                      ///< the tables of touch
+  std::string program = {}, command_line = {};
+  std::string held_out = {};  ///< error at levels in between
+  /// Errors at values of a free parameter in between.
+  struct HeldOutValue {
+    std::string parameter;
+    double value = 0;
+    std::string errors;
+    bool operator==(const HeldOutValue&) const = default;
+  };
+  std::vector<HeldOutValue> held_out_values = {};
+  std::optional<double> scaled_by = {};  ///< its size as a multiple of that at which it was made
+  /// (key, text) Lines of an older file that have no member here.
+  std::vector<std::pair<std::string, std::string>> others = {};
+
+  bool operator==(const Provenance&) const = default;
+};
+
+/// (key, text) lines for people, in the order of the members, without the empty ones.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> lines_of(
+    const Provenance& provenance);
+
+/// An object with the members as keys, without the empty ones.
+[[nodiscard]] Json json_of(const Provenance& provenance);
+
+/// Reads what json_of() wrote, as a text. Keys that a later program may have added are skipped.
+/// The problem says that the provenance is damaged.
+[[nodiscard]] Result<Provenance> provenance_of_json(std::string_view text);
+
+/// Reads the lines of older files, which are those of lines_of().
+[[nodiscard]] Provenance provenance_of_lines(
+    const std::vector<std::pair<std::string, std::string>>& lines);
+
+}  // namespace palpable
