@@ -1,7 +1,7 @@
 #include "palpable/bake/describe/body_description.h"
 #include "palpable/bake/exchange/modes_files.h"
 #include "palpable/bake/mesh/field_files.h"
-#include "palpable/common/base/fnv1a.h"
+#include "palpable/common/base/checksum.h"
 #include "palpable/common/base/npy_file.h"
 #include "palpable/common/body_file/body_file.h"
 #include "palpable/common/body_file/hdf5_tools.h"

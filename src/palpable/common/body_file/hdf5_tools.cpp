@@ -1,6 +1,6 @@
 #include "palpable/common/body_file/hdf5_tools.h"
 
-#include "palpable/common/base/fnv1a.h"
+#include "palpable/common/base/checksum.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/whole_file.h"
 
@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <span>
 #include <unistd.h>
 
 namespace palpable::hdf5 {
@@ -287,12 +288,7 @@ void write_durably(const std::filesystem::path& output, std::string_view bytes,
     ::unlink(aside.c_str());
     throw Trouble{fmt::format("cannot be written: {}", std::strerror(problem))};
   };
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) give_up(written == 0 ? ENOSPC : errno);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
+  if (!write_all(file, std::as_bytes(std::span(bytes)))) give_up(errno);
   // EINVAL, ENOTSUP: the file system cannot sync, which is no error here.
   if (::fsync(file) != 0 && errno != EINVAL && errno != ENOTSUP) give_up(errno);
   ::close(file);

@@ -1,5 +1,6 @@
-#include "palpable/common/base/word_hash.h"
+#include "palpable/common/base/checksum.h"
 
+#include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
 #include <set>
@@ -8,6 +9,14 @@
 
 namespace palpable {
 namespace {
+
+// The values of the function's authors (Fowler, Noll, Vo), list of 64-bit FNV-1a test vectors.
+TEST_CASE("FNV-1a gives its authors' values, in one piece or in two", "[base]") {
+  CHECK(fnv1a("") == 0xcbf29ce484222325u);
+  CHECK(fnv1a("a") == 0xaf63dc4c8601ec8cu);
+  CHECK(fnv1a("foobar") == 0x85944171f73967e8u);
+  CHECK(fnv1a("bar", fnv1a("foo")) == fnv1a("foobar"));
+}
 
 std::uint64_t hash_of(const std::string& bytes) {
   WordHash hash;
@@ -52,5 +61,30 @@ TEST_CASE("pieces enter with their sizes", "[base][hash]") {
   CHECK(one.value() != other.value());
 }
 
+TEST_CASE("a file's checksum changes with any of its bytes and with its length", "[base][hash]") {
+  const test::ScratchFolder folder("file_checksum");
+  const auto of = [&](const std::string& bytes) {
+    test::write_bytes(folder / "a", bytes);
+    return file_checksum(folder / "a").value();
+  };
+  std::string bytes(3'000'001, 'x');  // several pieces and a rest
+  const std::uint64_t whole = of(bytes);
+  CHECK(of(bytes) == whole);
+  CHECK(of(bytes.substr(1)) != whole);
+  for (const std::size_t at : {std::size_t{0}, std::size_t{1} << 20, bytes.size() - 1}) {
+    std::string changed = bytes;
+    changed[at] = 'y';
+    CHECK(of(changed) != whole);
+  }
+  CHECK(of("") != whole);
+}
+
+TEST_CASE("a checksum of something that is not a file is refused", "[base][hash][errors]") {
+  const test::ScratchFolder folder("no_checksum");
+  CHECK(file_checksum(folder.path()).problem().message == "no such file");
+  CHECK(file_checksum(folder / "none").problem().message == "no such file");
+}
+
 }  // namespace
+
 }  // namespace palpable

@@ -1,4 +1,4 @@
-#include "palpable/common/base/progress_text.h"
+#include "palpable/common/base/progress.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "palpable/common/base/progress_text.h"
+#include "palpable/common/base/progress.h"
 
 #include "tests/support/test.h"
 
@@ -33,4 +33,5 @@ TEST_CASE("the part done by an earlier run does not affect the estimate of the t
 }
 
 }  // namespace
+
 }  // namespace palpable

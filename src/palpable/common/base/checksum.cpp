@@ -1,6 +1,4 @@
-#include "palpable/common/base/file_checksum.h"
-
-#include "palpable/common/base/word_hash.h"
+#include "palpable/common/base/checksum.h"
 
 #include <fstream>
 #include <string>
