@@ -8,7 +8,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/geometry/mesh_file.h"
-#include "palpable/common/geometry/stamped_pose.h"
+#include "palpable/common/geometry/rigid.h"
 #include "palpable/desk/clip_files/trajectory_file.h"
 #include "palpable/live/render/gl_context.h"
 #include "palpable/live/render/picture_file.h"

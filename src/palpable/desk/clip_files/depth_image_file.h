@@ -2,7 +2,6 @@
 /// Depth as 16-bit PNG files: depth/ of a truth and of a result, body_depth/ of a result.
 #pragma once
 
-#include "palpable/common/geometry/depth_counts.h"
 #include "palpable/common/geometry/image.h"
 
 #include <filesystem>

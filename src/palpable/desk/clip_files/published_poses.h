@@ -14,7 +14,7 @@
 /// A folder of a recording with poses that sources/folder_layouts.h recognises is read, too.
 #pragma once
 
-#include "palpable/common/geometry/stamped_pose.h"
+#include "palpable/common/geometry/rigid.h"
 
 #include <filesystem>
 #include <optional>

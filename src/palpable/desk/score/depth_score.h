@@ -1,11 +1,10 @@
 /// @file
 /// The error of measured depth, by distance and on near hands.
 ///
-/// Depths are compared as the 16-bit counts of their files (geometry/depth_counts.h), in one unit
+/// Depths are compared as the 16-bit counts of their files (geometry/image.h), in one unit
 /// for truth and result.
 #pragma once
 
-#include "palpable/common/geometry/depth_counts.h"
 #include "palpable/common/geometry/image.h"
 
 #include <array>

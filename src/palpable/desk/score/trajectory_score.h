@@ -5,7 +5,6 @@
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/common/geometry/stamped_pose.h"
 
 #include <optional>
 #include <span>

@@ -1,8 +1,9 @@
-#include "palpable/common/geometry/median_pose.h"
+#include "palpable/common/geometry/rigid.h"
 
 #include "palpable/common/base/contract.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -44,6 +45,19 @@ Rigid3 median_pose(std::span<const Rigid3> poses, double reach) {
   result.translation() = translation / static_cast<double>(near.size());
   result.linear() = Eigen::Quaterniond(rotation.normalized()).toRotationMatrix();
   return result;
+}
+
+std::optional<Rigid3> pose_nearest(const std::vector<StampedPose>& path, double time,
+                                   double within) {
+  if (path.empty()) return std::nullopt;
+  const auto after = std::lower_bound(path.begin(), path.end(), time,
+                                      [](const StampedPose& p, double t) { return p.time < t; });
+  const StampedPose* nearest = after == path.end() ? &path.back() : &*after;
+  if (after != path.begin() && time - (after - 1)->time < std::abs(nearest->time - time)) {
+    nearest = &*(after - 1);
+  }
+  if (std::abs(nearest->time - time) > within) return std::nullopt;
+  return nearest->world_from_camera;
 }
 
 }  // namespace palpable
