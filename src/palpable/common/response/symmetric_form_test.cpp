@@ -1,4 +1,4 @@
-#include "palpable/common/response/form_rows.h"
+#include "palpable/common/response/symmetric_form.h"
 
 #include "palpable/common/base/contract.h"
 #include "tests/support/allocations.h"
@@ -168,4 +168,5 @@ TEST_CASE("contractions allocate nothing", "[response][frame loop]") {
 }
 
 }  // namespace
+
 }  // namespace palpable
