@@ -4,7 +4,6 @@
 #include "palpable/bake/describe/places.h"
 #include "palpable/bake/describe/touches_between.h"
 #include "palpable/bake/solid/loads.h"
-#include "palpable/bake/solid/patch_load.h"
 #include "palpable/bake/solid/selection.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"

@@ -1,6 +1,5 @@
 #include "palpable/common/body_file/body_file.h"
 
-#include "palpable/common/body_file/body_file_content.h"
 #include "palpable/common/body_file/body_file_groups.h"
 #include "palpable/common/body_file/hdf5_tools.h"
 
