@@ -323,10 +323,4 @@ Matrix3Xd patch_traction(const Site& site, const Boundary& boundary, int node_co
   return traction;
 }
 
-Matrix3Xd unit_traction(const Site& site, const Boundary& boundary, const TetMesh& mesh) {
-  Eigen::Matrix3Xi triangles = boundary.surface.triangles;
-  for (int& n : triangles.reshaped()) n = boundary.node_of_vertex[n];
-  return traction_load(mesh, triangles, patch_traction(site, boundary, mesh.node_count()));
-}
-
 }  // namespace palpable

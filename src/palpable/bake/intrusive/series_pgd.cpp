@@ -218,25 +218,4 @@ std::vector<MatrixXd> coordinates_of(const LoadSeries& body, const SeriesTable& 
   return position_step(body, table, std::vector<char>(table.gram.size(), 1), F);
 }
 
-SeriesErrors series_errors(const SeriesPgd& pgd, const SeriesTable& table, int modes) {
-  SeriesErrors errors;
-  errors.worst_of_position = VectorXd::Zero(table.positions());
-  double sum = 0.0, whole = 0.0;
-  for (std::size_t s = 0; s < table.gram.size(); ++s) {
-    const MatrixXd left =
-        table.gram[s] - pgd.G[s].topRows(modes).transpose() * pgd.G[s].topRows(modes);
-    const double area = table.area[static_cast<Index>(s)];
-    for (const auto c : table.at_level[s].colwise()) {
-      const double square = std::max(0.0, c.dot(left * c)), norm = c.dot(table.gram[s] * c);
-      sum += area * square;
-      whole += area * norm;
-      double& worst = errors.worst_of_position[static_cast<Index>(s)];
-      worst = std::max(worst, std::sqrt(square / norm));
-    }
-  }
-  errors.global = std::sqrt(sum / whole);
-  errors.worst = errors.worst_of_position.maxCoeff();
-  return errors;
-}
-
 }  // namespace palpable

@@ -73,6 +73,5 @@ struct SeriesErrors {
   double worst = 0;   ///< of one position and load size, in its own norm
   Eigen::VectorXd worst_of_position = {};  ///< (S) the same for each
 };
-[[nodiscard]] SeriesErrors series_errors(const SeriesPgd& pgd, const SeriesTable& table, int modes);
 
 }  // namespace palpable

@@ -1,5 +1,5 @@
 /// @file
-/// Reads all bytes of a file, or so many bytes from a pipe.
+/// Reads all bytes of a file, or a given number of bytes from a pipe.
 #pragma once
 
 #include "palpable/common/base/error.h"

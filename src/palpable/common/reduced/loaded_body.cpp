@@ -1,6 +1,7 @@
 #include "palpable/common/reduced/loaded_body.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/surface_distance.h"
 #include "palpable/common/reduced/mode_kernels.h"
 
 #include <Eigen/Geometry>
@@ -48,26 +49,6 @@ double patch_radius(const ReducedBody& body, const Site& site) {
   return radius;
 }
 
-// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-Vector3d nearest_on_triangle(const Vector3d& p, const Vector3d& a, const Vector3d& b,
-                             const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double of_c = d1 * d4 - d3 * d2, of_b = d5 * d2 - d1 * d6, of_a = d3 * d6 - d5 * d4;
-  if (of_c <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-  if (of_b <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-  if (of_a <= 0 && d4 >= d3 && d5 >= d6) {
-    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  }
-  const double whole = of_a + of_b + of_c;
-  return a + of_b / whole * ab + of_c / whole * ac;
-}
-
 // Outward unit normal of triangle t.
 Vector3d normal_of(const SurfaceMesh& skin, Index t) {
   const Vector3d a = skin.vertices.col(skin.triangles(0, t));
@@ -87,7 +68,8 @@ OnSkin nearest_skin(const SurfaceMesh& skin, const Vector3d& X) {
   OnSkin nearest;
   for (Index t = 0; t < skin.triangles.cols(); ++t) {
     const auto corner = [&](int k) -> Vector3d { return skin.vertices.col(skin.triangles(k, t)); };
-    distance.push_back((nearest_on_triangle(X, corner(0), corner(1), corner(2)) - X).norm());
+    const Vector3d a = corner(0), b = corner(1), c = corner(2), w = nearest_weights(a, b, c, X);
+    distance.push_back((w[0] * a + w[1] * b + w[2] * c - X).norm());
     nearest.distance = std::min(nearest.distance, distance.back());
   }
   const double rounding = rounding_of(skin);
