@@ -1,5 +1,5 @@
 #include "palpable/bake/describe/body_description.h"
-#include "palpable/bake/exchange/modes_files.h"
+#include "palpable/bake/exchange/foreign_modes.h"
 #include "palpable/bake/mesh/field_files.h"
 #include "palpable/common/base/checksum.h"
 #include "palpable/common/base/npy_file.h"

@@ -124,4 +124,5 @@ TEST_CASE("a load beyond the range of the series is refused, with its place", "[
 }
 
 }  // namespace
+
 }  // namespace palpable

@@ -1,4 +1,4 @@
-#include "palpable/bake/exchange/modes_files.h"
+#include "palpable/bake/exchange/foreign_modes.h"
 
 #include "palpable/bake/exchange/press_series.h"
 #include "palpable/common/base/error.h"
@@ -322,4 +322,5 @@ TEST_CASE("presses are written as series for ParaView", "[exchange]") {
 }
 
 }  // namespace
+
 }  // namespace palpable
