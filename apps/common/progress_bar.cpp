@@ -1,6 +1,6 @@
 #include "apps/common/progress_bar.h"
 
-#include "palpable/common/base/progress_text.h"
+#include "palpable/common/base/progress.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/campaign/snapshot_store.h"
-#include "palpable/bake/exchange/modes_files.h"
+#include "palpable/bake/exchange/foreign_modes.h"
 #include "palpable/bake/exchange/press_series.h"
 #include "palpable/bake/pipeline/export_store.h"
 #include "palpable/common/base/error.h"

@@ -2,7 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/bake/exchange/modes_files.h"
+#include "palpable/bake/exchange/foreign_modes.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/body_file/body_file.h"
 

@@ -11,9 +11,9 @@
 #include "palpable/bake/mesh/tetrahedralise.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/geometry/mean_edge.h"
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/common/geometry/size_text.h"
+#include "palpable/common/geometry/surface_mesh.h"
 
 #include <fmt/core.h>
 

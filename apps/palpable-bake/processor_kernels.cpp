@@ -1,6 +1,6 @@
 #include "apps/palpable-bake/processor_kernels.h"
 
-#include "palpable/bake/separate/blas_kernels.h"
+#include "palpable/bake/separate/dense_algebra.h"
 
 #include <cstdlib>
 #include <unistd.h>

@@ -11,7 +11,7 @@
 #include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/base/progress_text.h"
+#include "palpable/common/base/progress.h"
 #include "palpable/common/base/this_machine.h"
 
 #include <fmt/format.h>

@@ -12,7 +12,7 @@
 #include "palpable/bake/solid/solve_tables.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/base/progress_text.h"
+#include "palpable/common/base/progress.h"
 
 #include <fmt/core.h>
 

@@ -7,7 +7,7 @@
 #include "palpable/bake/truth/scene_skins.h"
 #include "palpable/bake/truth/true_skins.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/base/progress_text.h"
+#include "palpable/common/base/progress.h"
 #include "palpable/desk/clip_files/scene_files.h"
 
 #include <fmt/core.h>

@@ -7,7 +7,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/body_file/body_file.h"
-#include "palpable/common/reduced/press_response.h"
+#include "palpable/common/reduced/loaded_body.h"
 
 #include <fmt/core.h>
 

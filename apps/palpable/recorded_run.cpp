@@ -1,7 +1,7 @@
 #include "apps/palpable/recorded_run.h"
 
+#include "palpable/common/base/checksum.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/base/file_checksum.h"
 #include "palpable/live/sources/frame_format_json.h"
 
 #include <fmt/core.h>

@@ -16,7 +16,7 @@ namespace palpable::app {
 struct RecordedRun {
   struct Body {
     DescribedBody body;
-    std::uint64_t checksum = 0;  ///< of the body file (base/file_checksum.h)
+    std::uint64_t checksum = 0;  ///< of the body file (base/checksum.h)
     Rigid3 world_from_body = Rigid3::Identity();
   };
   std::string version;          ///< of the program

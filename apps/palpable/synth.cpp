@@ -12,7 +12,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/nearest_word.h"
 #include "palpable/common/body_file/body_file.h"
-#include "palpable/common/reduced/scaled_body.h"
+#include "palpable/common/reduced/reduced_body.h"
 #include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/desk/clip_writer/desk_film.h"
 #include "palpable/desk/clip_writer/sequence_folder.h"

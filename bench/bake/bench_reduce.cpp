@@ -9,7 +9,7 @@
 #include "palpable/bake/pipeline/bake_body.h"
 #include "palpable/bake/pipeline/sparse_campaign.h"
 #include "palpable/bake/separate/method_comparison.h"
-#include "palpable/bake/separate/pod_coordinates.h"
+#include "palpable/bake/separate/pod.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/body_file/body_file.h"
 

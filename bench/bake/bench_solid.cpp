@@ -5,7 +5,7 @@
 #include "apps/common/progress_bar.h"
 #include "palpable/bake/describe/body_problem.h"
 #include "palpable/bake/describe/contact_sites.h"
-#include "palpable/bake/solid/patch_load.h"
+#include "palpable/bake/solid/loads.h"
 #include "palpable/common/base/cpu_time.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"

@@ -1,6 +1,6 @@
 #include "bench/bake/calculix_comparison.h"
 
-#include "palpable/bake/solid/patch_load.h"
+#include "palpable/bake/solid/loads.h"
 #include "palpable/bake/solid/stress.h"
 #include "palpable/common/base/contract.h"
 #include "tests/support/test.h"

@@ -6,7 +6,7 @@
 #include "palpable/bake/solid/contact.h"
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/bake/touch_bake/touch_scenes.h"
-#include "palpable/common/response/held_out_touch.h"
+#include "palpable/common/response/stated_error.h"
 
 #include <functional>
 #include <string>

@@ -1,6 +1,6 @@
 #include "tests/fuzz/checked_hdf5.h"
 
-#include "palpable/common/base/fnv1a.h"
+#include "palpable/common/base/checksum.h"
 #include "palpable/common/body_file/hdf5_tools.h"
 
 #include <fmt/format.h>

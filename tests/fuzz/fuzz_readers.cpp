@@ -6,8 +6,8 @@
 //                                                    gave a message without the file's name
 //   fuzz_readers surface.stl --first 17 --count 1    one damage again; the file is kept
 
+#include "palpable/common/base/checksum.h"
 #include "palpable/common/base/contract.h"
-#include "palpable/common/base/fnv1a.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/sanitizers.h"
 

@@ -3,7 +3,7 @@
 // touch is the number of true points inside a ball.
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/reduced/scaled_body.h"
+#include "palpable/common/reduced/reduced_body.h"
 #include "palpable/desk/score/picture_scores.h"
 #include "palpable/live/render/gl_context.h"
 #include "palpable/live/render/scene_renderer.h"

@@ -2,7 +2,7 @@
 /// The chunks of a recording (docs/recording_file.md), for tests that truncate and damage them.
 #pragma once
 
-#include "palpable/common/base/word_hash.h"
+#include "palpable/common/base/checksum.h"
 
 #include <cstdint>
 #include <cstring>

@@ -2,7 +2,7 @@
 /// A cantilever small enough for tests: 0.40 x 0.10 x 0.05 m, clamped at x = 0.
 #pragma once
 
-#include "palpable/bake/solid/patch_load.h"
+#include "palpable/bake/solid/loads.h"
 #include "palpable/bake/solid/solid_model.h"
 
 #include <Eigen/Core>

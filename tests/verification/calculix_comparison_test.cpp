@@ -5,7 +5,7 @@
 #include "palpable/bake/describe/contact_sites.h"
 #include "palpable/bake/mesh/tetrahedralise.h"
 #include "palpable/bake/solid/equilibrium.h"
-#include "palpable/bake/solid/patch_load.h"
+#include "palpable/bake/solid/loads.h"
 #include "tests/support/test.h"
 #include "tests/verification/record.h"
 #include "tests/verification/shapes.h"

@@ -1,7 +1,6 @@
 #include "palpable/bake/campaign/press_solver.h"
 
 #include "palpable/bake/solid/loads.h"
-#include "palpable/bake/solid/patch_load.h"
 #include "palpable/bake/solid/selection.h"
 #include "palpable/common/base/error.h"
 #include "tests/support/test.h"

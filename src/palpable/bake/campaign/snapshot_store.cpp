@@ -4,7 +4,7 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/markup_text.h"
-#include "palpable/common/base/part_files.h"
+#include "palpable/common/base/output_file.h"
 #include "palpable/common/body_file/hdf5_tools.h"
 
 #include <fmt/format.h>

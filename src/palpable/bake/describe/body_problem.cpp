@@ -4,7 +4,6 @@
 #include "palpable/bake/describe/places.h"
 #include "palpable/bake/describe/touches_between.h"
 #include "palpable/bake/solid/loads.h"
-#include "palpable/bake/solid/patch_load.h"
 #include "palpable/bake/solid/selection.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
@@ -322,12 +321,6 @@ Matrix3Xd patch_traction(const Site& site, const Boundary& boundary, int node_co
         static_cast<double>(site.weights[k]) / (sum * areas[v]) * site.direction.normalized();
   }
   return traction;
-}
-
-Matrix3Xd unit_traction(const Site& site, const Boundary& boundary, const TetMesh& mesh) {
-  Eigen::Matrix3Xi triangles = boundary.surface.triangles;
-  for (int& n : triangles.reshaped()) n = boundary.node_of_vertex[n];
-  return traction_load(mesh, triangles, patch_traction(site, boundary, mesh.node_count()));
 }
 
 }  // namespace palpable

@@ -75,10 +75,4 @@ void refuse_press_through(const BodyDescription& description, const BodyProblem&
 [[nodiscard]] Eigen::Matrix3Xd patch_traction(const Site& site, const Boundary& boundary,
                                               int node_count);
 
-/// (3 x N) the same traction field as unit_load(), linear in each triangle of the skin,
-/// consistently on a mesh that may have edge nodes; 1 N in total.
-/// @param boundary  boundary_of() the mesh from which the site is
-[[nodiscard]] Eigen::Matrix3Xd unit_traction(const Site& site, const Boundary& boundary,
-                                             const TetMesh& mesh);
-
 }  // namespace palpable

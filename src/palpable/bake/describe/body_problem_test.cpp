@@ -3,6 +3,7 @@
 #include "palpable/bake/describe/contact_sites.h"
 #include "palpable/bake/mesh/msh_file.h"
 #include "palpable/bake/solid/equilibrium.h"
+#include "palpable/bake/solid/loads.h"
 #include "palpable/common/base/error.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
@@ -34,6 +35,13 @@ struct Block {
     site = choose_sites(boundary.surface, fixed, {.count = 1, .lowest = 0.08}).front();
   }
 };
+
+// (3 x N) the same traction field as unit_load(), consistently on a mesh that may have edge nodes.
+Matrix3Xd unit_traction(const Site& site, const Boundary& boundary, const TetMesh& mesh) {
+  Eigen::Matrix3Xi triangles = boundary.surface.triangles;
+  for (int& n : triangles.reshaped()) n = boundary.node_of_vertex[n];
+  return traction_load(mesh, triangles, patch_traction(site, boundary, mesh.node_count()));
+}
 
 TEST_CASE("a traction on 4-node or 10-node elements carries the patch's newton along its direction",
           "[describe][problem]") {

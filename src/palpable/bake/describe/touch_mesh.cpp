@@ -1,7 +1,7 @@
 #include "palpable/bake/describe/touch_mesh.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/geometry/mean_edge.h"
+#include "palpable/common/geometry/surface_mesh.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 /// @file
 /// A coarser mesh for tables of touch, where the body's own mesh is too fine: the size of tables
 /// grows with the square of the number of vertices on the skin. The coarser mesh carries the body's
-/// skin (response/carried_skin.h).
+/// skin (response/touch_skin.h).
 #pragma once
 
 #include "palpable/bake/describe/body_description.h"

@@ -1,6 +1,6 @@
 #include "palpable/bake/describe/touch_mesh.h"
 
-#include "palpable/common/geometry/mean_edge.h"
+#include "palpable/common/geometry/surface_mesh.h"
 #include "tests/support/test.h"
 
 namespace palpable {

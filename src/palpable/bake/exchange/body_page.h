@@ -4,7 +4,7 @@
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
-#include "palpable/common/response/held_out_touch.h"
+#include "palpable/common/response/stated_error.h"
 
 #include <cstdint>
 #include <string>

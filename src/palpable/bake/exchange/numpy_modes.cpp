@@ -1,4 +1,4 @@
-#include "palpable/bake/exchange/modes_files.h"
+#include "palpable/bake/exchange/foreign_modes.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/npy_file.h"
 #include "palpable/common/base/output_file.h"

@@ -1,5 +1,5 @@
+#include "palpable/bake/exchange/foreign_modes.h"
 #include "palpable/bake/exchange/heavy_file.h"
-#include "palpable/bake/exchange/modes_files.h"
 #include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/markup_text.h"

@@ -7,7 +7,6 @@
 
 #include "palpable/bake/describe/body_description.h"
 #include "palpable/bake/intrusive/series_pgd.h"
-#include "palpable/bake/intrusive/series_table.h"
 #include "palpable/bake/intrusive/travelling_load.h"
 #include "palpable/bake/solid/load_series.h"
 #include "palpable/common/base/progress.h"

@@ -100,26 +100,9 @@ TEST_CASE("nonlinear: greedy modes are nearly those of the SVD, recompressed the
   }
 }
 
-TEST_CASE("the errors stated are those of the fields", "[intrusive]") {
+TEST_CASE("the modes are orthonormal in the body's mass", "[intrusive]") {
   const Beam& b = beam();
   const SeriesPgd pgd = series_pgd(b.body, b.table, {.modes = 8});
-  const SeriesErrors errors = series_errors(pgd, b.table, 6);
-  double sum = 0, whole = 0, worst = 0;
-  for (Index s = 0; s < b.load.cols(); ++s) {
-    const auto at = static_cast<std::size_t>(s);
-    const MatrixXd u = fields(b, s);
-    const MatrixXd left = u - pgd.F.leftCols(6) * (pgd.G[at].topRows(6) * b.table.at_level[at]);
-    for (Index j = 0; j < u.cols(); ++j) {
-      const double error = left.col(j).dot(b.body.mass().cwiseProduct(left.col(j)));
-      const double norm = u.col(j).dot(b.body.mass().cwiseProduct(u.col(j)));
-      sum += b.area[s] * error;
-      whole += b.area[s] * norm;
-      worst = std::max(worst, std::sqrt(error / norm));
-    }
-  }
-  CHECK(errors.global == Approx(std::sqrt(sum / whole)).epsilon(1e-3));
-  CHECK(errors.worst == Approx(worst).epsilon(1e-3));
-  CHECK(errors.worst > 2.0 * errors.global);  // the global norm hides the root
   const MatrixXd unit = pgd.F.transpose() * b.body.mass().asDiagonal() * pgd.F;
   CHECK((unit - MatrixXd::Identity(8, 8)).norm() <= tolerance(1e-10, "rounding"));
 }
@@ -141,4 +124,5 @@ TEST_CASE("a load beyond the range of the series is refused, with its place", "[
 }
 
 }  // namespace
+
 }  // namespace palpable

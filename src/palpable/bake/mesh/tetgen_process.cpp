@@ -2,7 +2,8 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/base/write_all.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/base/whole_file.h"
 
 #include <fmt/format.h>
 
@@ -69,18 +70,6 @@ void fill(tetgenio& in, const TetgenRequest& request) {
   }
 }
 
-bool read_all(int pipe, void* data, std::size_t bytes) {
-  char* at = static_cast<char*>(data);
-  while (bytes > 0) {
-    const ssize_t got = ::read(pipe, at, bytes);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
-    at += got;
-    bytes -= static_cast<std::size_t>(got);
-  }
-  return true;
-}
-
 // The child's work: writes counts, nodes and tetrahedra into the pipe. @returns the exit code
 int fill_and_send(const TetgenRequest& request, int pipe) {
   // Leaked on purpose: their destructors are what crashes.
@@ -133,12 +122,15 @@ std::variant<TetMesh, std::string> run_tetgen(const TetgenRequest& request) {
   ::close(ends[1]);
   TetMesh mesh;
   int counts[2] = {0, 0};
-  bool whole = read_all(ends[0], counts, sizeof counts);
+  bool whole = read_all(ends[0], std::as_writable_bytes(std::span(counts)));
   if (whole) {
     mesh.nodes.resize(3, counts[0]);
     mesh.tets.resize(4, counts[1]);
-    whole = read_all(ends[0], mesh.nodes.data(), mesh.nodes.size() * sizeof(double)) &&
-            read_all(ends[0], mesh.tets.data(), mesh.tets.size() * sizeof(int));
+    whole =
+        read_all(ends[0], std::as_writable_bytes(std::span(
+                              mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size())))) &&
+        read_all(ends[0], std::as_writable_bytes(std::span(
+                              mesh.tets.data(), static_cast<std::size_t>(mesh.tets.size()))));
   }
   ::close(ends[0]);
   int status = 0;

@@ -5,8 +5,8 @@
 #include "palpable/bake/mesh/tetgen_process.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/geometry/mean_edge.h"
 #include "palpable/common/geometry/shells.h"
+#include "palpable/common/geometry/surface_mesh.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 
 #include "palpable/bake/mesh/remesh.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/geometry/mean_edge.h"
 #include "palpable/common/geometry/mesh_file.h"
+#include "palpable/common/geometry/surface_mesh.h"
 #include "tests/support/meshes.h"
 #include "tests/support/test.h"
 

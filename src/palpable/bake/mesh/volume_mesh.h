@@ -44,7 +44,8 @@ struct VolumeMesh {
 /// Whether the file's name is that of a volume mesh: .msh, .inp, .vtu or .vtk, in small letters.
 [[nodiscard]] bool is_volume_file(const std::filesystem::path& path);
 
-/// Reads a volume mesh by the ending of its name: msh_file.h, inp_file.h, vtk_volume.h.
+/// Reads a volume mesh by the ending of its name: msh_file.h, inp_file.h, or
+/// VTK's .vtu and .vtk, of which the tetrahedra are read and fields are ignored.
 /// @pre is_volume_file(path)
 [[nodiscard]] Result<VolumeMesh> read_volume_file(const std::filesystem::path& path);
 

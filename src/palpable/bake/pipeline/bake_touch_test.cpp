@@ -6,7 +6,7 @@
 #include "palpable/bake/pipeline/bake_body.h"
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/body_file/touch_text.h"
-#include "palpable/common/geometry/mean_edge.h"
+#include "palpable/common/geometry/surface_mesh.h"
 #include "tests/support/egg_body.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"

@@ -3,7 +3,7 @@
 #include "palpable/bake/campaign/store_rows.h"
 #include "palpable/bake/separate/coordinate_reduction.h"
 #include "palpable/bake/separate/method_comparison.h"
-#include "palpable/bake/separate/pod_coordinates.h"
+#include "palpable/bake/separate/pod.h"
 #include "palpable/bake/separate/site_bases.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"

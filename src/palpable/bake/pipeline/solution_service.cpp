@@ -3,7 +3,7 @@
 #include "palpable/bake/describe/touch_mesh.h"
 #include "palpable/bake/touch_bake/full_solution.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/base/write_all.h"
+#include "palpable/common/base/output_file.h"
 #include "palpable/common/response/solution_messages.h"
 #include "palpable/common/response/touch_solver.h"
 

@@ -3,7 +3,7 @@
 #include "palpable/bake/campaign/store_rows.h"
 #include "palpable/bake/describe/body_mesh.h"
 #include "palpable/bake/separate/dense_algebra.h"
-#include "palpable/bake/separate/pod_coordinates.h"
+#include "palpable/bake/separate/pod.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"

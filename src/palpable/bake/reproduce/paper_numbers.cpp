@@ -2,7 +2,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
-#include "palpable/common/base/progress_text.h"
+#include "palpable/common/base/progress.h"
 #include "palpable/common/base/this_machine.h"
 #include "palpable/common/base/whole_file.h"
 #include "palpable/common/body_file/body_file.h"

@@ -3,7 +3,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/base/progress_text.h"
+#include "palpable/common/base/progress.h"
 #include "palpable/common/base/whole_file.h"
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 /// snapshot_tensor.h; r is the number of POD coordinates.
 #pragma once
 
-#include "palpable/bake/separate/pod_coordinates.h"
+#include "palpable/bake/separate/pod.h"
 #include "palpable/bake/separate/reduction.h"
 
 namespace palpable {

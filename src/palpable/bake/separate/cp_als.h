@@ -14,7 +14,7 @@ struct CpSettings {
 };
 
 /// Adds modes until the goal is met. Each new mode starts as the greedy one (greedy_pgd.h) and is
-/// followed by sweeps over all modes (improve_all_functions): up to max_sweeps of them when the
+/// followed by sweeps over all modes (GreedyPgd::improve()): up to max_sweeps of them when the
 /// error is within a factor of two of the goal or no further mode is allowed, otherwise one. For
 /// p >= 2 a best rank-m approximation need not exist: then modes grow against each other and sweeps
 /// stop helping ("swamps"), near an error of 1e-5 on a bunny.

@@ -45,4 +45,23 @@ struct SymmetricEigen {
 /// (rows x n) orthonormal columns that span those of A, rows >= n: the Q of A = Q R.
 [[nodiscard]] Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& A);
 
+/// The vector instructions of a processor that OpenBLAS's kernels need.
+struct VectorUnits {
+  bool avx2_and_fma = false;
+  bool avx512 = false;  ///< F, DQ, BW and VL
+};
+
+/// Chooses OpenBLAS's kernels for a processor. On a processor that is newer than the library,
+/// OpenBLAS falls back to its kernels of 2004, which run at a quarter of the speed (seen with
+/// Debian 12's 0.3.21 on Xeons from 2023).
+///
+/// The value to set OPENBLAS_CORETYPE to, or null if OpenBLAS's own choice is right or no better
+/// one is known.
+/// @param chosen  name of the kernels that OpenBLAS chose by itself
+[[nodiscard]] const char* better_blas_kernels(const char* chosen, const VectorUnits& units);
+
+/// The same for this processor and the linked OpenBLAS. OpenBLAS reads the variable before main(),
+/// so the program has to set it and start itself again.
+[[nodiscard]] const char* better_blas_kernels();
+
 }  // namespace palpable

@@ -6,6 +6,7 @@
 #include "tests/support/test.h"
 
 #include <limits>
+#include <string>
 
 namespace palpable {
 namespace {
@@ -65,5 +66,14 @@ TEST_CASE("the product of LAPACK's factors is the matrix that was factorised",
   CHECK_THROWS_AS(symmetric_eigen(bad), Error);
 }
 
+TEST_CASE("other kernels are asked for only where OpenBLAS took its oldest", "[separate][blas]") {
+  CHECK(better_blas_kernels("Zen", {true, true}) == nullptr);
+  CHECK(better_blas_kernels("Haswell", {true, true}) == nullptr);
+  CHECK(better_blas_kernels("Prescott", {false, false}) == nullptr);
+  CHECK(better_blas_kernels("Prescott", {true, false}) == std::string("Haswell"));
+  CHECK(better_blas_kernels("Prescott", {true, true}) == std::string("SkylakeX"));
+}
+
 }  // namespace
+
 }  // namespace palpable

@@ -1,19 +1,69 @@
 #include "palpable/bake/separate/greedy_pgd.h"
 
-#include "palpable/bake/separate/alternating_least_squares.h"
+#include "palpable/bake/separate/dense_algebra.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace palpable {
+namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+// The x that minimises |B - x A^T|, from B A and A^T A.
+MatrixXd least_squares(const MatrixXd& BA, MatrixXd AtA) {
+  AtA.diagonal().array() += 1e-13 * AtA.trace() / static_cast<double>(AtA.rows());
+  return AtA.ldlt().solve(BA.transpose()).transpose();
+}
+
+// Replaces each table of functions in turn by the least squares solution for it while all other
+// tables are kept; the parameters come first, space last:
+//
+//     G^j = argmin | A - F o G^1 o ... o G^p |     with the Gram matrix  F^T F * (G^l)^T G^l * ...
+//
+// (Kolda and Bader 2009, Sec. 3.4). A ridge of 1e-13, relative to the mean diagonal of the Gram
+// matrix, prevents nearly parallel modes from growing against each other.
+// @param left  (N x K) the residual, A minus the modes; updated when the round lowers its norm
+// @return whether the round lowered the residual; if not, `separated` and `left` are unchanged
+bool improve_all_functions(const SnapshotTensor& A, SeparatedTensor& separated, MatrixXd& left) {
+  MatrixXd F = separated.F;
+  std::vector<MatrixXd> G = separated.G;
+  const MatrixXd T = transposed_times(A.values, F);  // (K x m), the same for every parameter
+  for (std::size_t j = 0; j < G.size(); ++j) {
+    MatrixXd gram = F.transpose() * F;
+    for (std::size_t l = 0; l < G.size(); ++l) {
+      if (l != j) gram.array() *= (G[l].transpose() * G[l]).array();
+    }
+    const MatrixXd others = parameter_products(G, A.sizes, static_cast<Index>(j));
+    G[j] = least_squares(sums_over_others(T.cwiseProduct(others), A.sizes, j), gram);
+    for (Index i = 0; i < G[j].cols(); ++i) {
+      // The length can be dropped: the least squares solutions after this one, the last of them for
+      // F, determine their own scale.
+      const double length = G[j].col(i).norm();
+      if (length > 0.0) G[j].col(i) /= length;
+    }
+  }
+  const MatrixXd table = parameter_products(G, A.sizes);
+  F = least_squares(times(A.values, table), table.transpose() * table);
+  for (MatrixXd& functions : G) normalise(F, functions);
+  MatrixXd now_left = A.values;
+  subtract_product(F, parameter_products(G, A.sizes), now_left);
+  if (!(now_left.norm() < left.norm())) return false;
+  separated.F = std::move(F);
+  separated.G = std::move(G);
+  left = std::move(now_left);
+  return true;
+}
+
+}  // namespace
 
 GreedyPgd::GreedyPgd(const SnapshotTensor& snapshots, const GreedySettings& settings)
     : snapshots_(snapshots),

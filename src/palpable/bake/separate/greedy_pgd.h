@@ -9,7 +9,7 @@
 namespace palpable {
 
 struct GreedySettings {
-  /// After each new mode, runs a round of improve_all_functions(). At a tolerance of 1e-4 this
+  /// Runs GreedyPgd::improve() after each new mode. At a tolerance of 1e-4 this
   /// needs 1.1 times as many modes as a POD instead of 1.6 times. Updating the functions of the
   /// parameters alone does not lower the number.
   bool update_all = true;
@@ -26,7 +26,7 @@ struct GreedySettings {
 /// the modes are those of the singular value decomposition.
 ///
 /// Deterministic: no random numbers. A pass costs N K operations, so pass the coordinates of the
-/// snapshots in their POD basis (pod_coordinates.h): there N is a few hundred, and the modes are
+/// snapshots in their POD basis (pod.h): there N is a few hundred, and the modes are
 /// the same.
 /// @throws Error if the snapshots are all zero
 /// @throws ContractViolation for sizes that do not fit, or bounds below one
@@ -41,7 +41,8 @@ class GreedyPgd {
   GreedyPgd(const SnapshotTensor& snapshots, const GreedySettings& settings);
 
   void add_mode();
-  /// Runs a round of improve_all_functions(); returns whether it lowered the error.
+  /// One round of alternating least squares over all functions of all modes; CP-ALS runs several
+  /// for each number of modes. Returns whether it lowered the error.
   bool improve();
 
   /// Relative: the norm of the residual divided by that of the snapshots.

@@ -113,4 +113,5 @@ TEST_CASE("snapshots that greedy PGD cannot reduce are refused", "[separate][Sec
 }
 
 }  // namespace
+
 }  // namespace palpable

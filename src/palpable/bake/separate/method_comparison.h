@@ -46,7 +46,7 @@ struct MethodFigures {
 };
 
 /// Computes the figures from the Gram matrix alone, which determines all errors in POD coordinates
-/// (pod_coordinates.h).
+/// (pod.h).
 /// @param gram   (K x K) lower triangle, gram_of()
 /// @param sizes  (p) of the tensor, p >= 2
 /// @throws as reduce()

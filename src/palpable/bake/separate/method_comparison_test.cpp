@@ -1,6 +1,6 @@
 #include "palpable/bake/separate/method_comparison.h"
 
-#include "palpable/bake/separate/pod_coordinates.h"
+#include "palpable/bake/separate/pod.h"
 #include "tests/support/tensors.h"
 #include "tests/support/test.h"
 

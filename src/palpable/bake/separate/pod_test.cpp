@@ -123,4 +123,5 @@ TEST_CASE("what POD cannot reduce is refused", "[separate][pod]") {
 }
 
 }  // namespace
+
 }  // namespace palpable

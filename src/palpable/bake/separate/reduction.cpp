@@ -2,7 +2,7 @@
 
 #include "palpable/bake/separate/coordinate_reduction.h"
 #include "palpable/bake/separate/dense_algebra.h"
-#include "palpable/bake/separate/pod_coordinates.h"
+#include "palpable/bake/separate/pod.h"
 #include "palpable/bake/separate/site_bases.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"

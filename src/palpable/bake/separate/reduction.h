@@ -77,7 +77,7 @@ struct Reduction {
 /// kPerSite reads the table once, N K / n_1 values at a time. The other methods read it twice, one
 /// sample of the first parameter at a time, and keep about a third of it in memory (site_bases.h);
 /// tables above 2 GB they read in blocks of rows of about 200 MB instead. All methods work in POD
-/// coordinates (pod_coordinates.h), kPerSite in those of each site; 1 % of the tolerance is spent
+/// coordinates (pod.h), kPerSite in those of each site; 1 % of the tolerance is spent
 /// on that change of coordinates.
 ///
 /// Deterministic: no random numbers, one thread.

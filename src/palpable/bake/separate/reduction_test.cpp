@@ -1,7 +1,7 @@
 #include "palpable/bake/separate/reduction.h"
 
 #include "palpable/bake/separate/greedy_pgd.h"
-#include "palpable/bake/separate/pod_coordinates.h"
+#include "palpable/bake/separate/pod.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "tests/support/tensors.h"

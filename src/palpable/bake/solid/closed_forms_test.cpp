@@ -1,6 +1,6 @@
 // The solver against solutions that are known: the patch tests, uniaxial strain, beam theory.
 #include "palpable/bake/solid/equilibrium.h"
-#include "palpable/bake/solid/patch_load.h"
+#include "palpable/bake/solid/loads.h"
 #include "palpable/bake/solid/stress.h"
 #include "tests/support/test.h"
 

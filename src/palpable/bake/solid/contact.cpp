@@ -6,8 +6,8 @@
 #include "palpable/bake/solid/quasi_newton.h"
 #include "palpable/bake/solid/solver_core.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/geometry/mean_edge.h"
 #include "palpable/common/geometry/surface_distance.h"
+#include "palpable/common/geometry/surface_mesh.h"
 
 #include <fmt/core.h>
 

@@ -1,6 +1,6 @@
 #include "palpable/bake/solid/contact_points.h"
 
-#include "palpable/common/geometry/triangle_points.h"
+#include "palpable/common/geometry/skin_points.h"
 
 #include <algorithm>
 #include <map>

@@ -1,6 +1,6 @@
 #include "palpable/bake/solid/equilibrium.h"
 
-#include "palpable/bake/solid/patch_load.h"
+#include "palpable/bake/solid/loads.h"
 #include "palpable/bake/solid/tet_assembly.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"

@@ -1,7 +1,8 @@
 /// @file
 /// Consistent nodal forces of loads on the undeformed body: f_a = int N_a b dV + int N_a t dA.
 ///
-///   N  nodes     T  triangles of the skin (skin_triangles(), triangles_between())
+///   N  nodes     K  nodes of a patch     T  triangles of the skin (skin_triangles(),
+///   triangles_between())
 ///
 /// All are dead loads: densities, areas and normals are those of the undeformed body, and a force
 /// keeps its size and direction while the body moves (a gas pressure, by contrast, follows the
@@ -13,6 +14,7 @@
 #include <Eigen/Core>
 
 #include <functional>
+#include <span>
 
 namespace palpable {
 
@@ -47,5 +49,18 @@ using TractionField =
 /// @param traction  (3 x N') Pa at the corner nodes, N' <= N their number
 [[nodiscard]] Eigen::Matrix3Xd traction_load(const TetMesh& mesh, const Eigen::Matrix3Xi& triangles,
                                              const Eigen::Matrix3Xd& traction);
+
+/// (3 x N) the load of one touch, a force spread over a patch of nodes: forces of 1 N in total
+/// along `direction`, node k of the patch carrying its weight's share. With nodal areas as weights
+/// the total does not depend on the mesh.
+///
+/// Dead load: it keeps its direction while the body moves.
+/// @param nodes      (K) node indices
+/// @param weights    (K) >= 0, not all zero; their scale does not matter
+/// @param direction  not zero; its length does not matter
+/// @throws Error for an empty patch, a node out of range, weights or a direction that are all zero
+[[nodiscard]] Eigen::Matrix3Xd patch_force(int node_count, std::span<const int> nodes,
+                                           std::span<const double> weights,
+                                           const Eigen::Vector3d& direction);
 
 }  // namespace palpable

@@ -1,7 +1,6 @@
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/bake/solid/loads.h"
 #include "palpable/bake/solid/lockstep.h"
-#include "palpable/bake/solid/patch_load.h"
 #include "palpable/bake/solid/selection.h"
 #include "palpable/common/base/error.h"
 #include "tests/support/test.h"

@@ -78,27 +78,6 @@ StressField element_cauchy_stress(const SolidModel& model, const Eigen::Matrix3X
   return stress;
 }
 
-StressField averaged_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u) {
-  const TetMesh& mesh = model.mesh;
-  const StressField elements = element_cauchy_stress(model, u);
-  StressField nodal = StressField::Zero(6, mesh.node_count());
-  Eigen::VectorXd weight = Eigen::VectorXd::Zero(mesh.node_count());
-  for (int e = 0; e < mesh.tet_count(); ++e) {
-    const double V = shape_gradients(mesh, e).volume;
-    const auto add = [&](int n) {
-      nodal.col(n) += V * elements.col(e);
-      weight[n] += V;
-    };
-    for (const int n : mesh.tets.col(e)) add(n);
-    if (!mesh.is_quadratic()) continue;
-    for (const int n : mesh.edge_nodes.col(e)) add(n);
-  }
-  for (int n = 0; n < mesh.node_count(); ++n) {
-    if (weight[n] > 0.0) nodal.col(n) /= weight[n];
-  }
-  return nodal;
-}
-
 StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u,
                                 const StressRecovery& recovery) {
   return recovery.apply(point_cauchy_stress(model, u));

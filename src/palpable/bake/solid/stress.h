@@ -32,13 +32,6 @@ using StressField = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 /// The same for a single state.
 [[nodiscard]] StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u);
 
-/// (6 x N) mean over the elements around each node, weighted with their undeformed volumes. Many
-/// programs do this; it is here for comparisons. At the boundary it is first order in the element
-/// size, because all elements lie to one side of the node.
-/// @throws Error if an element is inverted (J <= 0) under u
-[[nodiscard]] StressField averaged_cauchy_stress(const SolidModel& model,
-                                                 const Eigen::Matrix3Xd& u);
-
 /// (n) von Mises stress, sqrt(3/2 s : s) with s the deviator, Pa.
 [[nodiscard]] Eigen::VectorXd von_mises(const StressField& stress);
 

@@ -2,6 +2,7 @@
 
 #include "palpable/bake/solid/stress.h"
 #include "palpable/common/geometry/quadrature.h"
+#include "palpable/common/geometry/shape_gradients.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Dense>
@@ -63,6 +64,30 @@ TEST_CASE("a body of one element has the element's stress at its nodes", "[solid
   points << 1, 2, 3, 4, 5, 6;
   const StressField nodal = recovery.apply(points);
   for (const int n : one.tets.col(0)) CHECK(nodal.col(n) == points.col(0));
+}
+
+// (6 x N) mean over the elements around each node, weighted with their undeformed volumes, as many
+// programs compute it. At the boundary it is first order in the element size, because all elements
+// lie to one side of the node.
+StressField averaged_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u) {
+  const TetMesh& mesh = model.mesh;
+  const StressField elements = element_cauchy_stress(model, u);
+  StressField nodal = StressField::Zero(6, mesh.node_count());
+  Eigen::VectorXd weight = Eigen::VectorXd::Zero(mesh.node_count());
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    const double V = shape_gradients(mesh, e).volume;
+    const auto add = [&](int n) {
+      nodal.col(n) += V * elements.col(e);
+      weight[n] += V;
+    };
+    for (const int n : mesh.tets.col(e)) add(n);
+    if (!mesh.is_quadratic()) continue;
+    for (const int n : mesh.edge_nodes.col(e)) add(n);
+  }
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    if (weight[n] > 0.0) nodal.col(n) /= weight[n];
+  }
+  return nodal;
 }
 
 struct Errors {

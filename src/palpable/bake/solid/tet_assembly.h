@@ -29,7 +29,7 @@ struct BodyState {
   int most_compressed = -1;          ///< the element it belongs to
 };
 
-/// A state of the body in the layout of the passes (node_rows.h), and room for their results. Each
+/// A state of the body in the layout of the passes (NodeRow), and room for their results. Each
 /// thread needs its own; its memory is used again.
 struct PassFields {
   /// (N) in the order of the assembly, not of the mesh; du is 0 between passes where held.

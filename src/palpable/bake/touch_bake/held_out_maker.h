@@ -1,6 +1,6 @@
 /// @file
 /// Makes the held-out touches that measure the error of a body's tables
-/// (response/held_out_touch.h): fingers, palms and rims at random positions on the skin, solved by
+/// (response/stated_error.h): fingers, palms and rims at random positions on the skin, solved by
 /// full finite elements.
 #pragma once
 
@@ -8,7 +8,7 @@
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/bake/touch_bake/touch_store.h"
 #include "palpable/common/base/progress.h"
-#include "palpable/common/response/held_out_touch.h"
+#include "palpable/common/response/stated_error.h"
 #include "palpable/common/response/touch_tables.h"
 
 #include <cstdint>

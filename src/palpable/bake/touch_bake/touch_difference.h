@@ -7,7 +7,7 @@
 #include "palpable/bake/touch_bake/skin_response.h"
 #include "palpable/bake/touch_bake/touch_scenes.h"
 #include "palpable/common/contact/obstacles.h"
-#include "palpable/common/response/held_out_touch.h"
+#include "palpable/common/response/stated_error.h"
 #include "palpable/common/response/touch_solver.h"
 
 #include <Eigen/Core>

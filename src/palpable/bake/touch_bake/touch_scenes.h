@@ -5,7 +5,7 @@
 
 #include "palpable/bake/solid/obstacle.h"
 #include "palpable/bake/touch_bake/skin_response.h"
-#include "palpable/common/response/held_out_touch.h"
+#include "palpable/common/response/stated_error.h"
 
 #include <Eigen/Core>
 

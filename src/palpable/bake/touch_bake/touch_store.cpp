@@ -3,7 +3,6 @@
 #include "palpable/bake/touch_bake/touch_maker.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/base/part_files.h"
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/body_file/touch_groups.h"
 #include "palpable/common/geometry/digest.h"

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "palpable/bake/touch_bake/skin_response.h"
-#include "palpable/common/response/held_out_touch.h"
+#include "palpable/common/response/stated_error.h"
 #include "palpable/common/response/touch_tables.h"
 
 #include <cstdint>

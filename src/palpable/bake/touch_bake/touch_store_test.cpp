@@ -2,7 +2,7 @@
 
 #include "palpable/bake/touch_bake/touch_maker.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/base/part_files.h"
+#include "palpable/common/base/output_file.h"
 #include "palpable/common/geometry/tet_mesh.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/some_touch_tables.h"

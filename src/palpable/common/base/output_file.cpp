@@ -1,29 +1,40 @@
 #include "palpable/common/base/output_file.h"
 
+#include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/base/growing_file.h"
+#include "palpable/common/base/text_numbers.h"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <fcntl.h>
+#include <limits>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
+#include <utility>
 
 namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr mode_t kAllMayReadAndWrite = 0666;  // minus the user's umask
+
 // Links that are followed before they are taken for a circle, as in Linux.
 constexpr int kMostLinks = 40;
 
-constexpr mode_t kAllMayReadAndWrite = 0666;  // minus the user's umask
-
 [[noreturn]] void refuse_unwritable(const fs::path& file, int reason) {
   throw Error(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(reason)));
+}
+
+std::string suffix_of_this_machine() {
+  char host[256] = {};
+  ::gethostname(host, sizeof host - 1);
+  return fmt::format(".part-{}-", host);
 }
 
 void append_all(GrowingFile& file, std::initializer_list<std::string_view> pieces) {
@@ -55,6 +66,58 @@ void expect_folder_above(const fs::path& output, const fs::path& at) {
 }
 
 }  // namespace
+
+bool write_all(int descriptor, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count == 0) errno = ENOSPC;
+    if (count <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
+GrowingFile::GrowingFile(const fs::path& path, fs::path called) : called_(std::move(called)) {
+  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAllMayReadAndWrite);
+  if (descriptor_ < 0) refuse_unwritable(called_, errno);
+}
+
+GrowingFile::~GrowingFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void GrowingFile::append(std::string_view piece) {
+  PALPABLE_EXPECT(descriptor_ >= 0, "nothing is appended to a file that was closed");
+  if (write_all(descriptor_, std::as_bytes(std::span(piece)))) {
+    size_ += std::ssize(piece);
+    return;
+  }
+  const int reason = errno;
+  // This fails for a device or a pipe, which has nothing that could be cut off.
+  const bool cut =
+      ::ftruncate(descriptor_, size_) == 0 && ::lseek(descriptor_, size_, SEEK_SET) == size_;
+  static_cast<void>(cut);
+  refuse_unwritable(called_, reason);
+}
+
+void GrowingFile::close() {
+  if (descriptor_ < 0) return;
+  // Some file systems (NFS, quotas) report a lack of space only now.
+  if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR)
+    refuse_unwritable(called_, errno);
+}
+
+std::string own_part_suffix() { return suffix_of_this_machine() + std::to_string(::getpid()); }
+
+bool is_part_of_running_process(std::string_view name) {
+  const std::string suffix = suffix_of_this_machine();
+  const std::size_t at = name.find(suffix);
+  if (at == std::string_view::npos) return false;
+  const auto process = to_whole_number(name.substr(at + suffix.size())).value_or(0);
+  if (process <= 0 || process > std::numeric_limits<pid_t>::max()) return false;
+  return ::kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM;
+}
 
 void expect_writable(const fs::path& file) {
   const fs::path at = behind_links(file);

@@ -2,12 +2,53 @@
 /// Writes files, and checks that files can be written later.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace palpable {
+
+/// A file that grows piece by piece, and whose write errors, such as a full disk, are reported at
+/// once. A stream of the standard library reports them only when its buffer is full or when it is
+/// closed, and never if its destructor closes it. Each piece is written as a whole or not at all:
+/// on a full disk the file ends with the piece before, so that it can be read.
+class GrowingFile {
+ public:
+  /// Opens the file and empties it. @throws Error "FILE: cannot be written: REASON", as all members
+  explicit GrowingFile(const std::filesystem::path& path) : GrowingFile(path, path) {}
+  /// @param called  the file's name in messages: that to which it will be renamed later
+  GrowingFile(const std::filesystem::path& path, std::filesystem::path called);
+  GrowingFile(const GrowingFile&) = delete;
+  GrowingFile& operator=(const GrowingFile&) = delete;
+  ~GrowingFile();
+
+  /// After this call the operating system has the piece, so that it survives even if the program is
+  /// killed.
+  void append(std::string_view piece);
+  void close();
+
+ private:
+  std::filesystem::path called_;
+  int descriptor_ = -1;  // -1: closed
+  std::int64_t size_ = 0;
+};
+
+/// ".part-HOST-PID", with which the names of this process's unfinished files end: a file has such a
+/// name until it is complete. Several processes on several machines may write the same file, each
+/// under its own name.
+[[nodiscard]] std::string own_part_suffix();
+
+/// Whether the process that writes a file of this name still runs on this machine.
+[[nodiscard]] bool is_part_of_running_process(std::string_view name);
+
+/// Writes all bytes to a file descriptor; continues after a signal or a full pipe has cut a write
+/// short. False if the other end is closed or at any other error, which is then in errno.
+[[nodiscard]] bool write_all(int descriptor, std::span<const std::byte> bytes);
 
 /// Checks that write_whole_file() could replace a file, before work of minutes or hours that would
 /// be lost otherwise. Changes nothing.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <fstream>
 #include <new>
 #include <stdexcept>
@@ -41,6 +42,16 @@ Result<std::string> read_whole_file(const std::filesystem::path& path, std::uint
   in.read(bytes.data(), static_cast<std::streamsize>(size));
   if (!in) return Problem{"cannot be read"};
   return bytes;
+}
+
+bool read_all(int descriptor, std::span<std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+  return true;
 }
 
 }  // namespace palpable

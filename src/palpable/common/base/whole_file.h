@@ -1,12 +1,14 @@
 /// @file
-/// Reads all bytes of a file.
+/// Reads all bytes of a file, or a given number of bytes from a pipe.
 #pragma once
 
 #include "palpable/common/base/error.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <span>
 #include <string>
 
 namespace palpable {
@@ -21,5 +23,9 @@ namespace palpable {
 [[nodiscard]] Result<std::string> read_whole_file(
     const std::filesystem::path& path,
     std::uintmax_t most = std::numeric_limits<std::uintmax_t>::max());
+
+/// Reads from a file descriptor until `bytes` is full; continues after a signal or an empty pipe
+/// has cut a read short. False at the end of the data or at an error.
+[[nodiscard]] bool read_all(int descriptor, std::span<std::byte> bytes);
 
 }  // namespace palpable

@@ -1,11 +1,11 @@
 #include "palpable/common/body_file/body_file.h"
 
-#include "palpable/common/body_file/body_file_content.h"
 #include "palpable/common/body_file/body_file_groups.h"
 #include "palpable/common/body_file/hdf5_tools.h"
 
 #include <fmt/format.h>
 
+#include <mutex>
 #include <new>
 #include <string>
 #include <string_view>
@@ -41,6 +41,7 @@ Result<ReducedBody> read_body_file(const std::filesystem::path& path, const Read
   if (!std::filesystem::is_regular_file(path, code)) {
     return Problem{fmt::format("{}: not a file", path.string())};
   }
+  const std::lock_guard turn(hdf5::turn());
   const hdf5::Quiet quiet;
   try {
     return from_bytes(hdf5::all_bytes(path), further);
@@ -72,6 +73,7 @@ ReductionError write_body_file(const std::filesystem::path& path, const ReducedB
     tabulate_press(tabulated);
     return write_body_file(path, tabulated, storage, further);
   }
+  const std::lock_guard turn(hdf5::turn());
   const hdf5::Quiet quiet;
   try {
     const std::string bytes = hdf5::image_of(kKind, kBodyFileVersion, [&](hid_t file) {

@@ -1,6 +1,7 @@
 /// @file
 /// Reads and writes body files, which the bake half writes and the live half reads: a ReducedBody
-/// in HDF5. Layout: docs/body_file.md.
+/// in HDF5. Layout: docs/body_file.md. Several threads may read and write body files at the same
+/// time: HDF5 itself, which is not thread-safe, is used by one at a time.
 #pragma once
 
 #include "palpable/common/base/error.h"

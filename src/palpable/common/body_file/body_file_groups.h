@@ -1,14 +1,14 @@
 /// @file
-/// Further groups of a body file, which modules above this one write and read: data of a body
-/// beyond ReducedBody. The file's checksum covers them, and a reader that does not know a group
-/// skips it.
+/// The parts of body_file.h: writes a body into an open HDF5 file and reads it from one, and
+/// further groups, which hold data of a body beyond ReducedBody. The file's checksum covers them,
+/// and a reader that does not know a group skips it. Layout: docs/body_file.md.
 #pragma once
 
 #include "palpable/common/body_file/body_file.h"
+#include "palpable/common/body_file/hdf5_tools.h"
 
 #include <filesystem>
 #include <functional>
-#include <hdf5.h>
 
 namespace palpable {
 
@@ -28,3 +28,17 @@ ReductionError write_body_file(const std::filesystem::path& path, const ReducedB
                                                  const ReadGroups& further);
 
 }  // namespace palpable
+
+namespace palpable::body_file {
+
+/// The values of the attribute `between` of an axis.
+inline constexpr const char* kNothing = "nothing";
+inline constexpr const char* kSpline = "cubic spline, not-a-knot";
+
+/// @throws hdf5::Trouble if the sizes of the body's tables do not agree
+void write_content(hid_t file, const ReducedBody& body, ModeStorage storage);
+
+/// @throws hdf5::Trouble if anything is missing, of a wrong size, or not a number
+[[nodiscard]] ReducedBody read_content(hid_t file);
+
+}  // namespace palpable::body_file

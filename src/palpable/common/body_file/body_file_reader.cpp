@@ -1,4 +1,4 @@
-#include "palpable/common/body_file/body_file_content.h"
+#include "palpable/common/body_file/body_file_groups.h"
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>

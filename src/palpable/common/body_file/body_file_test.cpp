@@ -13,6 +13,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <thread>
 #include <unistd.h>
 
 namespace palpable {
@@ -525,6 +526,29 @@ TEST_CASE("a file of another layout is refused by its version", "[body_file][err
   write_bytes(folder / "old.palpable", "palpable body file, layout 0\nbytes 5\n");
   CHECK_THAT(read_body_file(folder / "old.palpable").problem().message,
              Catch::Contains("layout version '0'") && Catch::Contains("bake the body again"));
+}
+
+TEST_CASE("several threads read and write body files at the same time", "[body_file]") {
+  const Folder folder;
+  const ReducedBody ball = small_ball();
+  write_body_file(folder / "read.palpable", ball);
+  const std::string bytes = bytes_of(folder / "read.palpable");
+  constexpr int kThreads = 4;
+  std::array<int, kThreads> right{};
+  std::vector<std::thread> threads;
+  for (int k = 0; k < kThreads; ++k) {
+    threads.emplace_back([&, k] {
+      const fs::path own = folder / fmt::format("own-{}.palpable", k).c_str();
+      for (int turn = 0; turn < 20; ++turn) {
+        const Result<ReducedBody> body = read_body_file(folder / "read.palpable");
+        if (!body) return;
+        write_body_file(own, ball);
+        if (bytes_of(own) == bytes) ++right[k];
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const int count : right) CHECK(count == 20);
 }
 
 }  // namespace

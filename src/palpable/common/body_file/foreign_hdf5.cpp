@@ -1,6 +1,7 @@
 #include "palpable/common/body_file/foreign_hdf5.h"
 
-#include "palpable/common/base/write_all.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/base/whole_file.h"
 
 #include <algorithm>
 #include <array>
@@ -46,18 +47,6 @@ class Descriptor {
  private:
   int number_;
 };
-
-bool receive(int pipe, void* data, std::size_t size) {
-  char* at = static_cast<char*>(data);
-  while (size > 0) {
-    const ssize_t got = ::read(pipe, at, size);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
-    at += got;
-    size -= static_cast<std::size_t>(got);
-  }
-  return true;
-}
 
 std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& header) {
   const Handle type(H5Dget_type(set), H5Tclose, fmt::format("dataset '{}' has no type", dataset));
@@ -152,12 +141,12 @@ ForeignNumbers read_foreign(const std::filesystem::path& path, const std::string
   into.close();
   const std::string died = fmt::format("damaged: HDF5 does not survive reading '{}'", dataset);
   Header header;
-  require(receive(from.number(), &header, sizeof header), died);
+  require(read_all(from.number(), std::as_writable_bytes(std::span(&header, 1))), died);
   // A process that has read a damaged file may send anything, so its header is checked.
   if (!header.ok) {
     require(header.count <= kLongestText, died);
     std::string wrong(header.count, '\0');
-    require(receive(from.number(), wrong.data(), wrong.size()), died);
+    require(read_all(from.number(), std::as_writable_bytes(std::span(wrong))), died);
     if (header.missing) throw MissingDataset{wrong};
     throw Trouble{wrong};
   }
@@ -166,7 +155,7 @@ ForeignNumbers read_foreign(const std::filesystem::path& path, const std::string
           died);
   ForeignNumbers numbers{{header.size.begin(), header.size.begin() + header.dimensions},
                          std::vector<double>(header.count)};
-  require(receive(from.number(), numbers.values.data(), header.count * sizeof(double)), died);
+  require(read_all(from.number(), std::as_writable_bytes(std::span(numbers.values))), died);
   return numbers;
 }
 

@@ -1,9 +1,8 @@
 #include "palpable/common/body_file/hdf5_tools.h"
 
-#include "palpable/common/base/fnv1a.h"
+#include "palpable/common/base/checksum.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/whole_file.h"
-#include "palpable/common/base/write_all.h"
 
 #include <algorithm>
 #include <cerrno>

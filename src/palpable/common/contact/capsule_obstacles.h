@@ -3,7 +3,6 @@
 #pragma once
 
 #include "palpable/common/contact/obstacles.h"
-#include "palpable/common/contact/surface_gap.h"
 #include "palpable/common/geometry/capsule.h"
 
 #include <Eigen/Core>

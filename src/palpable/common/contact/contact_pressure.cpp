@@ -1,7 +1,7 @@
 #include "palpable/common/contact/contact_pressure.h"
 
 #include "palpable/common/base/contract.h"
-#include "palpable/common/geometry/mean_edge.h"
+#include "palpable/common/geometry/surface_mesh.h"
 
 #include <Eigen/Geometry>
 

@@ -15,7 +15,6 @@
 #include "palpable/common/contact/contact_problem.h"
 #include "palpable/common/contact/near_points.h"
 #include "palpable/common/contact/obstacles.h"
-#include "palpable/common/contact/surface_gap.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

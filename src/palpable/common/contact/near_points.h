@@ -14,7 +14,6 @@
 #include "palpable/common/contact/contact_body.h"
 #include "palpable/common/contact/obstacles.h"
 #include "palpable/common/contact/skin_clusters.h"
-#include "palpable/common/contact/surface_gap.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

@@ -9,13 +9,55 @@
 /// in tests by functions.
 #pragma once
 
-#include "palpable/common/contact/surface_gap.h"
-
 #include <Eigen/Core>
 
+#include <cmath>
+#include <limits>
 #include <span>
 
 namespace palpable {
+
+/// Where a point of an obstacle's surface comes from.
+enum class Known {
+  kMeasured,  ///< seen in this frame, or exact
+  kAssumed,   ///< the far side of what is seen, which the camera cannot see
+  kUnknown    ///< seen in an earlier frame, hidden or without depth in this one
+};
+
+/// The signed distance of a position from the nearest obstacle, to second order.
+struct SurfaceGap {
+  /// m, negative inside the obstacle; infinite where no obstacle is within kGapReach
+  float distance = std::numeric_limits<float>::infinity();
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the obstacle
+  /// Second derivative of the distance, 1/m: a ball of radius r has (1 - n n^T) / r.
+  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();
+  /// Additional compliance of the contact as a ratio to the body's own at the point, in addition to
+  /// TouchSettings::softness: an obstacle whose position is uncertain presses softly.
+  float softness = 0;
+  Known known = Known::kMeasured;
+  float unseen_for = 0;  ///< s since the obstacle was measured; 0: it is now
+
+  /// Whether there is an obstacle, and all numbers are finite.
+  [[nodiscard]] bool is_known() const {
+    return std::isfinite(distance) && normal.allFinite() && curvature.allFinite();
+  }
+};
+
+/// The gap at a position near the one for which it was queried, to second order.
+struct GapBeside {
+  float farther = 0;       ///< m, the change of the distance
+  Eigen::Vector3f normal;  ///< unit
+};
+/// @param way  m, from the position at which normal and curvature (SurfaceGap) were queried
+[[nodiscard]] inline GapBeside gap_beside(const Eigen::Vector3f& normal,
+                                          const Eigen::Matrix3f& curvature,
+                                          const Eigen::Vector3f& way) {
+  const Eigen::Vector3f turn = curvature * way;
+  return {normal.dot(way) + 0.5f * way.dot(turn), (normal + turn).normalized()};
+}
+
+/// m: Obstacles return gaps up to this distance at most.
+inline constexpr float kGapReach = 0.012f;
 
 /// Queries allocate nothing once as many positions were queried before. Not to be used by two
 /// threads at a time.

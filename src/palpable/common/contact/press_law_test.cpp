@@ -418,4 +418,5 @@ TEST_CASE("a body as large as a house has no more points than memory holds", "[c
 }
 
 }  // namespace
+
 }  // namespace palpable

@@ -7,9 +7,7 @@
 /// seen_object/object_surface.h implements it from a depth image. Body frame, metres.
 #pragma once
 
-#include "palpable/common/contact/object_ball.h"
 #include "palpable/common/contact/obstacles.h"
-#include "palpable/common/contact/surface_gap.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -18,6 +16,17 @@
 #include <span>
 
 namespace palpable {
+
+/// A ball of the union that stands for seen obstacles, with the position at which its obstacle was
+/// seen. Body frame.
+struct ObjectBall {
+  Eigen::Vector3f point;   ///< m, on the seen front
+  Eigen::Vector3f normal;  ///< unit, outwards: to the camera's side
+  Eigen::Vector3f centre;  ///< m
+  float radius = 0.008f;   ///< m
+  float sigma = 0;         ///< m, standard deviation of the measured surface
+  float unseen_for = 0;    ///< s since it was measured; 0: in this frame
+};
 
 /// The surface nearest to a query point.
 struct NearestOnObject {

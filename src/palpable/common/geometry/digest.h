@@ -3,7 +3,7 @@
 /// again only if it is the same.
 #pragma once
 
-#include "palpable/common/base/fnv1a.h"
+#include "palpable/common/base/checksum.h"
 
 #include <Eigen/Core>
 

@@ -7,7 +7,6 @@
 #include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/common/geometry/yuyv.h"
 
 #include <optional>
 

@@ -88,4 +88,26 @@ inline constexpr std::uint8_t kShowsPresser = 255;  ///< a thing that may press,
   return shows == kShowsRoom || shows == kShowsRoomByColor;
 }
 
+/// Two neighbouring pixels in the format in which many cameras send them, YUYV in memory: luma for
+/// each pixel, colour for each two. BT.601: luma 16 .. 235; U, V about 128.
+struct Yuyv {
+  std::uint8_t y0 = 16;
+  std::uint8_t u = 128;
+  std::uint8_t y1 = 16;
+  std::uint8_t v = 128;
+  friend bool operator==(const Yuyv&, const Yuyv&) = default;
+};
+static_assert(sizeof(Yuyv) == 4, "as it lies in a camera's memory");
+
+using YuyvImage = Image<Yuyv>;  ///< half as wide as the picture
+
+/// Depth in the integer units of its file: Z = count * unit; the unit, in metres, goes with the
+/// folder (docs/benchmark.md).
+using DepthCounts = Image<std::uint16_t>;
+
+inline constexpr std::uint16_t kNoDepth = 0;
+/// In measured images: the pixel shows something that is too near to be measured. In images of a
+/// truth this is an ordinary count.
+inline constexpr std::uint16_t kTooClose = 65535;
+
 }  // namespace palpable

@@ -1,5 +1,6 @@
 /// @file
-/// The contact points of a body's skin.
+/// Points distributed over a surface, and the contact points of a body's skin, which are made from
+/// them.
 ///
 ///   V  vertices of the skin     T  triangles     C  contact points
 ///
@@ -20,6 +21,27 @@
 #include <vector>
 
 namespace palpable {
+
+/// A point of a surface: a mean of a triangle's corners, whose weights do not change as they move.
+struct TrianglePoint {
+  int triangle = 0;                                   ///< one of those that share the point
+  Eigen::Vector3d weights = Eigen::Vector3d::Zero();  ///< of its corners, >= 0, sum 1
+  double area = 0;                                    ///< m^2, the point's share of the surface
+};
+
+/// Points distributed over a triangle surface: on a grid in every triangle; points on edges and at
+/// corners are shared by the triangles that meet there.
+struct TrianglePoints {
+  std::vector<TrianglePoint> points;  ///< (C)
+  /// The points of triangle t, with those on its edges and corners, are
+  /// of_triangle[first[t]] .. of_triangle[first[t + 1] - 1].
+  std::vector<int> first;
+  std::vector<int> of_triangle;
+};
+
+/// Points at every corner, along every edge and inside every triangle.
+/// @param spacing  m, > 0: largest distance between neighbouring points along an edge
+[[nodiscard]] TrianglePoints triangle_points(const SurfaceMesh& surface, double spacing);
 
 /// A point of the skin: a mean of a triangle's corners, whose weights do not change as they move.
 struct SkinPoint {

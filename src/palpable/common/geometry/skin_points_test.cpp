@@ -65,4 +65,5 @@ TEST_CASE("a coarse spacing leaves the vertices, and what is fixed is left out",
 }
 
 }  // namespace
+
 }  // namespace palpable

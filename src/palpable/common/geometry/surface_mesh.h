@@ -80,4 +80,7 @@ void vertex_normals(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& tr
 [[nodiscard]] SurfaceMesh sphere_surface(const Eigen::Vector3d& centre, double radius,
                                          int subdivisions);
 
+/// Mean length of the edges, m. @throws ContractViolation for a surface without triangles
+[[nodiscard]] double mean_edge_length(const SurfaceMesh& surface);
+
 }  // namespace palpable

@@ -1,5 +1,7 @@
 /// @file
-/// Finds which vector instructions the processor has, and runs loops with them.
+/// Finds which vector instructions the processor has, and runs loops with them: loops over packs of
+/// eight numbers, such as the laws of the materials, in the compilers' own vector types. Loops
+/// whose width is the processor's are written with Highway instead (base/simd_targets.h).
 #pragma once
 
 namespace palpable {

@@ -1,12 +1,14 @@
 #include "palpable/common/reduced/loaded_body.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/surface_distance.h"
 #include "palpable/common/reduced/mode_kernels.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -48,26 +50,6 @@ double patch_radius(const ReducedBody& body, const Site& site) {
   return radius;
 }
 
-// Nearest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-Vector3d nearest_on_triangle(const Vector3d& p, const Vector3d& a, const Vector3d& b,
-                             const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double of_c = d1 * d4 - d3 * d2, of_b = d5 * d2 - d1 * d6, of_a = d3 * d6 - d5 * d4;
-  if (of_c <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-  if (of_b <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-  if (of_a <= 0 && d4 >= d3 && d5 >= d6) {
-    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  }
-  const double whole = of_a + of_b + of_c;
-  return a + of_b / whole * ab + of_c / whole * ac;
-}
-
 // Outward unit normal of triangle t.
 Vector3d normal_of(const SurfaceMesh& skin, Index t) {
   const Vector3d a = skin.vertices.col(skin.triangles(0, t));
@@ -87,7 +69,8 @@ OnSkin nearest_skin(const SurfaceMesh& skin, const Vector3d& X) {
   OnSkin nearest;
   for (Index t = 0; t < skin.triangles.cols(); ++t) {
     const auto corner = [&](int k) -> Vector3d { return skin.vertices.col(skin.triangles(k, t)); };
-    distance.push_back((nearest_on_triangle(X, corner(0), corner(1), corner(2)) - X).norm());
+    const Vector3d a = corner(0), b = corner(1), c = corner(2), w = nearest_weights(a, b, c, X);
+    distance.push_back((w[0] * a + w[1] * b + w[2] * c - X).norm());
     nearest.distance = std::min(nearest.distance, distance.back());
   }
   const double rounding = rounding_of(skin);
@@ -276,6 +259,42 @@ std::string refusal_text(const ReducedBody& body, const LoadedBody::Answer& answ
                          answer.residual);
   }
   return "";
+}
+
+namespace {
+
+PressResponse under_one(const ReducedBody& body, const PlacedLoad& load) {
+  const std::array<double, 2> mu{static_cast<double>(load.place), load.level};
+  PressResponse response{{press_depth_of_level(body, load.place, load.level)},
+                         std::vector<float>(body.displacement.value_count()),
+                         {},
+                         body.error.displacement_worst};
+  std::vector<float> stress(2 * response.displacement.size()), of_mises(stress.size() / 6);
+  body.displacement.evaluate(mu, response.displacement);
+  body.stress.evaluate(mu, stress);
+  von_mises(stress, of_mises);
+  response.largest_von_mises = *std::max_element(of_mises.begin(), of_mises.end());
+  return response;
+}
+
+PressResponse under_several(const ReducedBody& body, std::span<const PlacedLoad> loads) {
+  LoadedBody loaded = value_or_throw(LoadedBody::make(body));
+  const LoadedBody::Answer found = loaded.solve(loads);
+  if (!found.ok()) throw Error(refusal_text(body, found, loads));
+  PressResponse response;
+  response.displacement.resize(body.displacement.value_count());
+  loaded.displacement(response.displacement);
+  for (const PlacedLoad& load : loads) response.depth.push_back(loaded.press_depth(load.place));
+  response.error = body.several->error_worst;
+  return response;
+}
+
+}  // namespace
+
+PressResponse find_press_response(const ReducedBody& body, std::span<const PlacedLoad> loads) {
+  PALPABLE_EXPECT(!loads.empty(), "there is at least one load");
+  const bool at_one_site = loads.size() == 1 && loads[0].place < std::ssize(body.sites);
+  return at_one_site ? under_one(body, loads[0]) : under_several(body, loads);
 }
 
 }  // namespace palpable

@@ -1,6 +1,6 @@
 #include "palpable/common/reduced/provenance.h"
 
-#include "palpable/common/reduced/scaled_body.h"
+#include "palpable/common/reduced/reduced_body.h"
 #include "tests/support/bodies.h"
 #include "tests/support/test.h"
 

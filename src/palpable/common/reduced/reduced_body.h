@@ -176,4 +176,11 @@ void tabulate_press(ReducedBody& body);
 /// @param result  (V) Pa, overwritten
 void von_mises(std::span<const float> stress, std::span<float> result);
 
+/// The body in another size. Multiplies every length by `factor`: skin, displacement and press
+/// depth. Without body forces the same material deforms to a similar shape with the same stress if
+/// the loads are multiplied by factor^2, so forces (and energies, by factor^3) are the only other
+/// quantities that change. Adds a line to the provenance.
+/// @throws ContractViolation unless 0 < factor < infinity
+[[nodiscard]] ReducedBody scaled(const ReducedBody& body, double factor);
+
 }  // namespace palpable

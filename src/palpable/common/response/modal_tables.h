@@ -30,7 +30,7 @@ struct ModalTables {
 /// Why the tables cannot belong to a body; empty if they can.
 [[nodiscard]] std::string trouble_of(const ModalTables& tables, const ReducedBody& body);
 
-/// The tables of the body with every length multiplied by `s`, as scaled_body.h does.
+/// The tables of the body with every length multiplied by `s`, as scaled(ReducedBody) does.
 [[nodiscard]] ModalTables scaled(const ModalTables& tables, double s);
 
 }  // namespace palpable

@@ -19,8 +19,8 @@
 #pragma once
 
 #include "palpable/common/response/compliance.h"
-#include "palpable/common/response/form_rows.h"
 #include "palpable/common/response/region.h"
+#include "palpable/common/response/symmetric_form.h"
 
 #include <Eigen/Core>
 

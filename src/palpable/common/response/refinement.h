@@ -17,7 +17,6 @@
 #pragma once
 
 #include "palpable/common/response/compliance.h"
-#include "palpable/common/response/linear_field.h"
 
 #include <Eigen/Core>
 

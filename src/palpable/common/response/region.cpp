@@ -2,7 +2,7 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/row_kernels.h"
-#include "palpable/common/response/form_rows.h"
+#include "palpable/common/response/symmetric_form.h"
 
 #include <algorithm>
 #include <cmath>

@@ -54,7 +54,7 @@ struct RegionTable {
 
 class FormRows;
 
-/// A region's energy, laid out for evaluation (form_rows.h).
+/// A region's energy, laid out for evaluation (FormRows).
 struct RegionForms {
   const FormRows& cubic;
   const FormRows& quartic;

@@ -1,6 +1,6 @@
 #include "palpable/common/response/region.h"
 
-#include "palpable/common/response/form_rows.h"
+#include "palpable/common/response/symmetric_form.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Core>

@@ -5,7 +5,6 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/response/float_lanes.h"
-#include "palpable/common/response/float_rows.h"
 
 #include <algorithm>
 #include <cmath>

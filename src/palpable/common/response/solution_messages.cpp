@@ -1,7 +1,7 @@
 #include "palpable/common/response/solution_messages.h"
 
+#include "palpable/common/base/checksum.h"
 #include "palpable/common/base/contract.h"
-#include "palpable/common/base/fnv1a.h"
 
 #include <algorithm>
 #include <array>

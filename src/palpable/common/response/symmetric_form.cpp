@@ -1,9 +1,12 @@
 #include "palpable/common/response/symmetric_form.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/base/row_kernels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -70,6 +73,113 @@ SymmetricForm leading(const SymmetricForm& form, int variables) {
     }
   }
   return result;
+}
+
+namespace {
+
+std::size_t pair_count(int n) {
+  return static_cast<std::size_t>(n) * static_cast<std::size_t>(n + 1) / 2;
+}
+
+// Index of the pair (i, j), i <= j.
+std::size_t pair_at(int n, int i, int j) {
+  return pair_count(n) - pair_count(n - i) + static_cast<std::size_t>(j - i);
+}
+
+RowsOfFloats cubic_rows(const SymmetricForm& form) {
+  const int n = form.variables;
+  RowsOfFloats rows(n, static_cast<Eigen::Index>(pair_count(n)));
+  const std::int16_t* value = form.values.data();
+  const float* scale = form.scale.data();
+  const auto put = [&](int one, int j, int k, float a) {
+    rows(one, static_cast<Eigen::Index>(pair_at(n, j, k))) = a;
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int j = i; j < n; ++j, ++scale) {
+      for (int k = j; k < n; ++k) {
+        const float a = *scale * static_cast<float>(*value++);
+        put(i, j, k, a);
+        put(j, i, k, a);
+        put(k, i, j, a);
+      }
+    }
+  }
+  return rows;
+}
+
+RowsOfFloats quartic_rows(const SymmetricForm& form) {
+  const int n = form.variables;
+  const auto p = static_cast<Eigen::Index>(pair_count(n));
+  RowsOfFloats rows(p, p);
+  const std::int16_t* value = form.values.data();
+  const float* scale = form.scale.data();
+  const auto put = [&](int i, int j, int k, int l, float e) {
+    const auto ij = static_cast<Eigen::Index>(pair_at(n, i, j));
+    const auto kl = static_cast<Eigen::Index>(pair_at(n, k, l));
+    rows(ij, kl) = e;
+    rows(kl, ij) = e;
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int j = i; j < n; ++j) {
+      for (int k = j; k < n; ++k, ++scale) {
+        for (int l = k; l < n; ++l) {
+          const float e = *scale * static_cast<float>(*value++);
+          put(i, j, k, l, e);
+          put(i, k, j, l, e);
+          put(i, l, j, k, e);
+        }
+      }
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::size_t pair_width(int variables) { return padded(pair_count(variables)); }
+
+FormRows::FormRows(const SymmetricForm& form)
+    : variables_(form.variables),
+      rows_(rounded(form.degree == 3 ? cubic_rows(form) : quartic_rows(form))) {}
+
+void FormRows::add_cubic(std::span<const float> a, float factor, std::span<float> pairs) const {
+  PALPABLE_EXPECT(a.size() == rows_.scale.size() && pairs.size() == rows_.width,
+                  "coordinates of the form's variables, and room for all pairs");
+  std::array<float, 8> factors;
+  for (std::size_t first = 0; first < a.size(); first += factors.size()) {
+    const std::size_t count = std::min(factors.size(), a.size() - first);
+    for (std::size_t i = 0; i < count; ++i) factors[i] = factor * a[first + i];
+    add_rows(rows_, first, {factors.data(), count}, pairs);
+  }
+}
+
+void FormRows::contract(std::span<const float> P, std::span<float> result) const {
+  PALPABLE_EXPECT(P.size() == rows_.width && result.size() >= rows_.scale.size(),
+                  "a matrix of the form's variables, and room for the result");
+  const std::size_t count = rows_.scale.size();
+  best_row_kernels().dots(rows_.row(0), count, P, result.data());
+  for (std::size_t i = 0; i < count; ++i) result[i] *= rows_.scale[i];
+}
+
+void add_pairs(std::span<const float> a, float factor, std::span<float> P) {
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const float one = factor * a[i], twice = 2 * one;
+    P[at++] += one * a[i];
+    for (std::size_t j = i + 1; j < a.size(); ++j) P[at++] += twice * a[j];
+  }
+}
+
+void add_to_matrix(std::span<const float> pairs, int n, std::size_t stride,
+                   std::span<float> matrix) {
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+    matrix[i * stride + i] += pairs[at++];
+    for (std::size_t j = i + 1; j < static_cast<std::size_t>(n); ++j, ++at) {
+      matrix[i * stride + j] += pairs[at];
+      matrix[j * stride + i] += pairs[at];
+    }
+  }
 }
 
 }  // namespace palpable

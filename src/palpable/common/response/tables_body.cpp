@@ -2,11 +2,9 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/row_kernels.h"
-#include "palpable/common/response/compliance_cache.h"
-#include "palpable/common/response/linear_field.h"
+#include "palpable/common/response/compliance.h"
 #include "palpable/common/response/nonlinear_response.h"
 #include "palpable/common/response/shell_stress.h"
-#include "palpable/common/response/step_places.h"
 #include "palpable/common/response/tables_tangent.h"
 #include "palpable/common/response/touch_skin.h"
 

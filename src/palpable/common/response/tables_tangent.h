@@ -1,27 +1,66 @@
 /// @file
-/// The tangent of a body with tables among unit forces at its places: the derivative of the
-/// displacement along one force by the magnitude of another.
+/// The places of a body with tables that take part in a step, and the tangent of the body among
+/// unit forces at its places: the derivative of the displacement along one force by the magnitude
+/// of another.
 ///
 ///     J = G + sum over patches  U H U^T
 ///
 /// with G from compliance.h, U the modes of a patch's region, and H the derivative of their
 /// amplitudes by the modal coordinates of the load (nonlinear_response.h).
 ///
-///   P  places     r  modes of a region     w  3 x slots of the compliance cache
+///   V  vertices of the tables     P  places     S  vertices of the places, each once
+///   r  modes of a region     w  3 x slots of the compliance cache
 #pragma once
 
 #include "palpable/common/contact/contact_body.h"
-#include "palpable/common/response/compliance_cache.h"
+#include "palpable/common/response/compliance.h"
 #include "palpable/common/response/nonlinear_response.h"
-#include "palpable/common/response/step_places.h"
+#include "palpable/common/response/touch_skin.h"
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 namespace palpable {
+
+/// A place that takes part in a step: a contact point, or the foot of another body's contact point.
+/// Its displacement is a weighted sum of the displacements of vertices of the tables.
+struct Place {
+  ForceShares shares;                                 ///< vertices (V) and their weights
+  Eigen::Vector3f at_rest = Eigen::Vector3f::Zero();  ///< m, with its lift over a coarser skin
+  std::array<int, 9> local{};                         ///< (S) index of each share's vertex
+  std::array<int, 9> slots{};                         ///< ComplianceCache::slot_of() of each
+  bool is_foot = false;                               ///< it is another body's point's foot
+};
+
+/// Position of a place, m. @param u  (3 x S) m, displacements of the step's vertices
+[[nodiscard]] Eigen::Vector3f position_of(const Place& place, const Eigen::Matrix3Xf& u);
+
+/// Allocates in make_room().
+class StepPlaces {
+ public:
+  /// @param vertices  V
+  explicit StepPlaces(std::size_t vertices) : local_of_vertex_(vertices, -1) {}
+
+  /// @param most_vertices  of all places  @param most_own  of the places that are not feet
+  void make_room(std::size_t most_places, std::size_t most_vertices, std::size_t most_own);
+  void clear();
+  /// False: there is no room for it or its vertices, and it is not added.
+  bool add(Place place);
+
+  [[nodiscard]] const std::vector<Place>& places() const { return places_; }    ///< (P)
+  [[nodiscard]] const std::vector<int>& vertices() const { return vertices_; }  ///< (S) of V
+
+ private:
+  std::size_t most_places_ = 0, most_vertices_ = 0, most_own_ = 0;
+  std::size_t own_ = 0;  // vertices that were added by places that are not feet
+  std::vector<Place> places_;
+  std::vector<int> vertices_;
+  std::vector<int> local_of_vertex_;  // (V) in vertices_; -1: not among them
+};
 
 /// The state at which a tangent is taken.
 struct TablesAt {

@@ -142,4 +142,5 @@ TEST_CASE("contact points on held triangles of the coarser skin are left out",
 }
 
 }  // namespace
+
 }  // namespace palpable

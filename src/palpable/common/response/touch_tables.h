@@ -7,19 +7,26 @@
 #pragma once
 
 #include "palpable/common/geometry/surface_mesh.h"
-#include "palpable/common/response/coarse_skin.h"
 #include "palpable/common/response/compliance.h"
-#include "palpable/common/response/held_out_touch.h"
 #include "palpable/common/response/nonlinear_response.h"
 #include "palpable/common/response/region.h"
 #include "palpable/common/response/shell_table.h"
+#include "palpable/common/response/stated_error.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace palpable {
+
+/// The coarser skin for which the tables of touch of a body with a fine skin are made. The fine
+/// skin moves with it (touch_skin.h).
+struct CoarseSkin {
+  SurfaceMesh surface;              ///< m, body frame, in the state without contact
+  std::vector<std::uint8_t> fixed;  ///< (V) 1 where the support holds the vertex
+};
 
 struct TouchTables {
   std::optional<CoarseSkin> coarse;  ///< the skin of the V vertices; none: the body's own skin

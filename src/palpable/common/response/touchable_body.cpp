@@ -1,6 +1,6 @@
 #include "palpable/common/response/touchable_body.h"
 
-#include "palpable/common/reduced/scaled_body.h"
+#include "palpable/common/reduced/reduced_body.h"
 
 #include <cmath>
 

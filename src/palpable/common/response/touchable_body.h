@@ -24,9 +24,9 @@ struct TouchableBody {
   std::optional<ModalTables> modal;  ///< used if `touch` is empty
 };
 
-/// The body with every length multiplied by `factor`, as scaled_body.h does: the same material
-/// takes similar shapes under similar loads, so that stiffness grows by the factor, and the energy
-/// by its third power.
+/// The body with every length multiplied by `factor`, as scaled(ReducedBody) does: the same
+/// material takes similar shapes under similar loads, so that stiffness grows by the factor, and
+/// the energy by its third power.
 /// @throws ContractViolation unless 0 < factor < infinity
 [[nodiscard]] TouchableBody scaled(const TouchableBody& body, double factor);
 

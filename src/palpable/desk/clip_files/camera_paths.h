@@ -10,7 +10,7 @@
 /// own tools read them.
 #pragma once
 
-#include "palpable/common/geometry/stamped_pose.h"
+#include "palpable/common/geometry/rigid.h"
 
 #include <filesystem>
 #include <optional>

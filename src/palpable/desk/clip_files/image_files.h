@@ -9,7 +9,6 @@
 ///     labels/                      of a truth: 8-bit PNG
 #pragma once
 
-#include "palpable/common/geometry/depth_counts.h"
 #include "palpable/common/geometry/image.h"
 
 #include <filesystem>

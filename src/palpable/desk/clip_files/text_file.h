@@ -2,7 +2,7 @@
 /// Writing and reading of text files line by line, as all text formats of this module need it.
 #pragma once
 
-#include "palpable/common/base/growing_file.h"
+#include "palpable/common/base/output_file.h"
 
 #include <filesystem>
 #include <functional>

@@ -1,7 +1,7 @@
 #include "palpable/desk/clip_writer/kept_clip.h"
 
+#include "palpable/common/base/checksum.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/base/file_checksum.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/desk/clip_writer/sequence_folder.h"
 

@@ -7,7 +7,6 @@
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/common/geometry/stamped_pose.h"
 
 #include <cstdint>
 #include <optional>

@@ -3,11 +3,10 @@
 /// a path agree with one another, which shows whether the poses are accurate enough for a map.
 ///
 /// The depths of DepthScorer are compared as the 16-bit counts of their files
-/// (geometry/depth_counts.h), in one unit for truth and result.
+/// (geometry/image.h), in one unit for truth and result.
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
-#include "palpable/common/geometry/depth_counts.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"
 

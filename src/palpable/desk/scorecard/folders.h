@@ -5,7 +5,6 @@
 
 #include "palpable/common/geometry/capsule.h"
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/common/geometry/stamped_pose.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/desk/clip_files/frame_records.h"
 #include "palpable/desk/score/camera_scores.h"

@@ -1,7 +1,7 @@
 #include "palpable/desk/script/plan_sequence.h"
 
+#include "palpable/common/base/checksum.h"
 #include "palpable/common/base/contract.h"
-#include "palpable/common/base/fnv1a.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/desk/script/contact_truth.h"
 #include "palpable/desk/script/seen_share.h"

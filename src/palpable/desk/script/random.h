@@ -3,7 +3,7 @@
 /// distributions of <random> differ between standard libraries.)
 #pragma once
 
-#include "palpable/common/base/fnv1a.h"
+#include "palpable/common/base/checksum.h"
 
 #include <cstdint>
 #include <string_view>

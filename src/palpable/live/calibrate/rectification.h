@@ -7,7 +7,6 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/image.h"
-#include "palpable/common/geometry/yuyv.h"
 
 #include <memory>
 

@@ -6,7 +6,6 @@
 #pragma once
 
 #include "palpable/common/geometry/image.h"
-#include "palpable/common/geometry/yuyv.h"
 
 #include <cstddef>
 #include <cstdint>

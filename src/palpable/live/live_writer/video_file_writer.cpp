@@ -2,7 +2,7 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
-#include "palpable/common/base/growing_file.h"
+#include "palpable/common/base/output_file.h"
 #include "palpable/live/live_writer/ffmpeg_handles.h"
 #include "palpable/live/live_writer/ordinary_mp4.h"
 

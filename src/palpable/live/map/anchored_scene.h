@@ -23,7 +23,7 @@
 /// record of which space was seen free is lost, except near surfaces.
 #pragma once
 
-#include "palpable/common/geometry/correction.h"
+#include "palpable/common/geometry/rigid.h"
 #include "palpable/live/map/block_table.h"
 #include "palpable/live/map/free_space.h"
 #include "palpable/live/map/slab_store.h"

@@ -2,7 +2,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/stage_clock.h"
-#include "palpable/common/geometry/median_pose.h"
+#include "palpable/common/geometry/rigid.h"
 #include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/live/map/plane_fit.h"
 #include "palpable/live/slam/slam.h"

@@ -2,7 +2,7 @@
 /// The results of a run as one number: equal numbers mean bit-identical results.
 #pragma once
 
-#include "palpable/common/base/word_hash.h"
+#include "palpable/common/base/checksum.h"
 #include "palpable/live/session/scene.h"
 #include "palpable/live/sources/recording_file.h"
 

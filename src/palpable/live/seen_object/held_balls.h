@@ -11,7 +11,7 @@
 /// while held balls fade: they shrink to nothing.
 #pragma once
 
-#include "palpable/common/contact/object_ball.h"
+#include "palpable/common/contact/pressing_surface.h"
 #include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"

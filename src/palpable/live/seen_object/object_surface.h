@@ -20,7 +20,6 @@
 /// `palpable bench surface` compares it with the true shapes of synthetic things.
 #pragma once
 
-#include "palpable/common/contact/object_ball.h"
 #include "palpable/common/contact/pressing_surface.h"
 #include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/image.h"

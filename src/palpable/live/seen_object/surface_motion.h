@@ -24,7 +24,7 @@
 /// Body frame, m, s.
 #pragma once
 
-#include "palpable/common/contact/object_ball.h"
+#include "palpable/common/contact/pressing_surface.h"
 #include "palpable/live/seen_object/ball_tree.h"
 
 #include <Eigen/Core>

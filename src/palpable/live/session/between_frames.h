@@ -13,7 +13,7 @@
 #pragma once
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/contact/object_ball.h"
+#include "palpable/common/contact/pressing_surface.h"
 #include "palpable/common/contact/touch.h"
 #include "palpable/common/response/skin_contact.h"
 #include "palpable/common/response/touch_state.h"

@@ -14,7 +14,6 @@
 #pragma once
 
 #include "palpable/common/base/stage_clock.h"
-#include "palpable/common/geometry/correction.h"
 #include "palpable/common/geometry/frame.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"

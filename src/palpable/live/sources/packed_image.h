@@ -5,7 +5,6 @@
 #pragma once
 
 #include "palpable/common/geometry/image.h"
-#include "palpable/common/geometry/yuyv.h"
 
 #include <cstdint>
 #include <memory>

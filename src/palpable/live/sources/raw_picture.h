@@ -3,7 +3,6 @@
 #pragma once
 
 #include "palpable/common/geometry/image.h"
-#include "palpable/common/geometry/yuyv.h"
 
 #include <cstddef>
 #include <cstdint>

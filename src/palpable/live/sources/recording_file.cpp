@@ -1,6 +1,6 @@
 #include "palpable/live/sources/recording_file.h"
 
-#include "palpable/common/base/word_hash.h"
+#include "palpable/common/base/checksum.h"
 #include "palpable/live/sources/frame_format_json.h"
 #include "palpable/live/sources/little_endian.h"
 #include "palpable/live/sources/raw_picture.h"

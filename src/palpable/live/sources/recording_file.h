@@ -4,13 +4,13 @@
 ///
 ///     magic, version | about | frame frame state frame state silence frame ... | end
 ///
-/// It grows by chunks, each with its length and a checksum (word_hash.h): a file that is truncated
+/// It grows by chunks, each with its length and a checksum (checksum.h): a file that is truncated
 /// anywhere can be read up to its last complete chunk.
 #pragma once
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/base/growing_file.h"
 #include "palpable/common/base/json.h"
+#include "palpable/common/base/output_file.h"
 #include "palpable/common/geometry/frame.h"
 #include "palpable/live/sources/frame_source.h"
 #include "palpable/live/sources/packed_image.h"

@@ -10,7 +10,7 @@
 /// World frame: the tracker's. "Drifted" denotes poses before a loop was closed.
 #pragma once
 
-#include "palpable/common/geometry/correction.h"
+#include "palpable/common/geometry/rigid.h"
 #include "palpable/live/track/landmark_map.h"
 #include "palpable/live/track/pose_graph.h"
 #include "palpable/live/track/recogniser.h"

@@ -19,7 +19,6 @@
 /// fixed number of frames after its work began.
 #pragma once
 
-#include "palpable/common/geometry/correction.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/live/depth/depth_noise.h"

@@ -8,7 +8,7 @@
 ///     grey                          not seen at present, but held for a moment (held_balls.h)
 #pragma once
 
-#include "palpable/common/contact/object_ball.h"
+#include "palpable/common/contact/pressing_surface.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/live/render/map_renderer.h"
 #include "palpable/live/render/orbit_camera.h"
