@@ -46,7 +46,11 @@ void LiveControls::handle(const WindowEvent& event) {
     view = static_cast<LiveView>(event.key - '1');
     return;
   }
-  switch (event.key) {
+  handle_key(event.key);
+}
+
+void LiveControls::handle_key(int key) {
+  switch (key) {
     case 'F':
       next_field();
       break;
@@ -96,7 +100,7 @@ void LiveControls::handle(const WindowEvent& event) {
       break;
     case 'Q':
     case WindowEvent::kEscape:
-      ended = !placing || event.key == 'Q';
+      ended = !placing || key == 'Q';
       placing = false;
       break;
     default:

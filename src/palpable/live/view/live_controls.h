@@ -97,6 +97,7 @@ class LiveControls {
   std::vector<LiveParameter> parameters = {};
 
  private:
+  void handle_key(int key);
   // Whether pixels of the picture are pixels of the camera.
   [[nodiscard]] bool shows_camera() const;
 

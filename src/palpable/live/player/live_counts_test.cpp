@@ -1,4 +1,4 @@
-#include "palpable/live/player/live_text.h"
+#include "palpable/live/player/live_counts.h"
 
 #include "palpable/live/session/frame_loop.h"
 #include "tests/support/dented_sphere.h"
