@@ -3,13 +3,14 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/ctrl_c.h"
-#include "apps/palpable/source_options.h"
+#include "apps/palpable/shared_options.h"
+#include "apps/palpable/terminal.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/common/geometry/stamped_pose.h"
 #include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/live/play/run_options.h"
 #include "palpable/live/render/gl_context.h"
 #include "palpable/live/render/picture_file.h"
 #include "palpable/live/slam/room_scan.h"
@@ -83,7 +84,7 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   settings.slam.fuse_every = options.fuse_every;
   settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
   settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
-  set_depth(options.input, settings.depth);
+  set_depth(depth_size(options.input), options.input.farthest, settings.depth);
   if (options.input.farthest > 0) {
     SurfaceMapSettings& surface = settings.slam.surface;
     // The standard deviation of depth grows with the square of the distance. The limit grows only

@@ -1,10 +1,20 @@
 /// @file
-/// The default body, and the bodies that are installed with the program.
+/// What is installed with this program: bodies, among them the default one, and the project's other
+/// programs.
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 namespace palpable::app {
+
+inline constexpr const char* kBakeProgram = "palpable-bake";    ///< the offline half
+inline constexpr const char* kBenchProgram = "palpable-bench";  ///< benchmarks of the live half
+inline constexpr const char* kBakeBenchProgram =
+    "palpable-bake-bench";  ///< benchmarks of the offline half
+
+/// The path of a program. @throws Error when this program's own folder is unknown
+[[nodiscard]] std::filesystem::path sibling_program(std::string_view name);
 
 /// The folder with the bodies of an installed copy: ../share/palpable/bodies relative to the
 /// program's folder.

@@ -1,4 +1,4 @@
-#include "apps/palpable/default_body.h"
+#include "apps/palpable/installed.h"
 
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"

@@ -1,12 +1,17 @@
-#include "apps/palpable/source_options.h"
+#include "apps/palpable/shared_options.h"
 
 #include "apps/common/command_line.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/text_numbers.h"
+#include "palpable/live/play/run_options.h"
 #include "palpable/live/sources/folder_layouts.h"
+#include "palpable/live/view/show_names.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 namespace palpable::app {
 namespace {
@@ -90,6 +95,63 @@ std::vector<std::filesystem::path> inputs_of(const SourceOptions& options) {
     inputs.push_back(is_pattern(input) ? std::filesystem::absolute(input).parent_path() : input);
   }
   return inputs;
+}
+
+void add_board_options(Command command, BoardOptions& options) {
+  command.add_option("--board", options.corners, "Inner corners of the chessboard")
+      .type_name("COLUMNSxROWS")
+      .show_default();
+  command.add_option("--square", options.square_mm, "Side of one of its squares, mm")
+      .in_range(0.1, 10000.0)
+      .show_default();
+}
+
+BoardPattern pattern_of(const BoardOptions& options) {
+  const auto sides = parse_extent(options.corners).value_or(std::array{0, 0});
+  if (*std::min_element(sides.begin(), sides.end()) < 3 ||
+      *std::max_element(sides.begin(), sides.end()) > 100) {
+    throw Error(
+        fmt::format("--board {}: should be like 9x6, the board's inner corners", options.corners));
+  }
+  BoardPattern pattern;
+  pattern.columns = sides[0];
+  pattern.rows = sides[1];
+  pattern.square = 1e-3 * options.square_mm;
+  return pattern;
+}
+
+void add_paint_option(Command command, std::string& paint) {
+  std::vector<std::string> names;
+  for (const NamedPaint& known : kPaints) names.emplace_back(known.name);
+  command
+      .add_option("--paint", paint,
+                  "What is painted on bodies: stress (von Mises), pressure (above 0 where it is "
+                  "compressed), sxx ... szx: a component of the Cauchy stress along the body's own "
+                  "axes, z up (above 0 where it is pulled), contact (how hard things press the "
+                  "skin), displacement, or none: the material alone")
+      .one_of(names)
+      .show_default();
+}
+
+std::vector<PlacedLoad> parse_loads(const ReducedBody& body,
+                                    const std::vector<std::string>& texts) {
+  std::vector<PlacedLoad> loads;
+  for (const std::string& text : texts) {
+    const std::size_t equals = std::min(text.find('='), text.size());
+    const auto place = to_numbers(std::string_view(text).substr(0, equals));
+    const auto force = to_numbers(std::string_view(text).substr(equals + (equals < text.size())));
+    if (!place || place->size() != 3 || !force || force->size() != 1) {
+      throw Error(
+          fmt::format("--load {}: wants X,Y,Z=F in m and N, finite numbers such as "
+                      "0,0.02,0.05=1.5",
+                      text));
+    }
+    const Eigen::Vector3d X((*place)[0], (*place)[1], (*place)[2]);
+    const Result<PlacedLoad> load = load_at(body, X, force->front());
+    if (!load.ok()) throw Error(fmt::format("--load {}: {}", text, load.problem().message));
+    loads.push_back(load.value());
+  }
+  return loads;
 }
 
 }  // namespace palpable::app

@@ -1,14 +1,14 @@
 /// @file
-/// Options that name a source of images, shared by several commands, and the request for it.
+/// Options that several commands share: the source of images (live, scan, calibrate), the
+/// chessboard (live, calibrate), what is painted (live, replay, view), loads (view, press).
 #pragma once
 
+#include "palpable/common/reduced/loaded_body.h"
+#include "palpable/live/calibrate/board_calibration.h"
 #include "palpable/live/sources/camera_source.h"
-#include "palpable/live/sources/frame_source.h"
 
-#include <array>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace palpable::app {
@@ -33,22 +33,8 @@ enum class SourceKind {
   kRawStereo,  ///< for calibration: without --depth and --calibration
 };
 
-/// The words of --depth that select the resolution of stereo matching; the first is the default.
-inline constexpr std::array<std::string_view, 3> kDepthSizes = {"half", "full", "auto"};
-
 /// The word of kDepthSizes in --depth; empty if it is none of them.
 [[nodiscard]] std::string depth_size(const SourceOptions& options);
-
-/// Applies --depth and --farthest.
-/// @param depth  settings with defaults. A template, because programs include no header of depth
-template <class DepthSettings>
-void set_depth(const SourceOptions& options, DepthSettings& depth) {
-  constexpr int kSmall = 640;  // px; "auto" matches pictures up to this width at full resolution
-  const std::string size = depth_size(options);
-  depth.full_resolution = size == "full";
-  depth.full_up_to_px = size == "auto" ? kSmall : 0;
-  if (options.farthest > 0) depth.farthest = options.farthest;
-}
 
 /// Adds all options except --source, which commands explain in their own words.
 void add_source_options(Command command, SourceOptions& options,
@@ -60,5 +46,26 @@ void add_source_options(Command command, SourceOptions& options,
 /// The files and folders that the options name, which outputs must not replace. For images by
 /// name, their folder.
 [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const SourceOptions& options);
+
+/// Options that describe a chessboard.
+struct BoardOptions {
+  std::string corners = "9x6";
+  double square_mm = 25;
+};
+
+/// Adds --board and --square.
+void add_board_options(Command command, BoardOptions& options);
+
+/// @throws Error when --board is invalid
+[[nodiscard]] BoardPattern pattern_of(const BoardOptions& options);
+
+/// Adds --paint. @param paint receives one of kPaints' names (view/show_names.h); its present value
+/// is the default
+void add_paint_option(Command command, std::string& paint);
+
+/// Parses texts "X,Y,Z=F": m in the body's frame, N. @throws Error for another form,
+/// and as load_at()
+[[nodiscard]] std::vector<PlacedLoad> parse_loads(const ReducedBody& body,
+                                                  const std::vector<std::string>& texts);
 
 }  // namespace palpable::app

@@ -1,5 +1,5 @@
-#include "apps/palpable/camera_use.h"
-
+#include "apps/palpable/commands.h"
+#include "palpable/live/sources/camera_list.h"
 #include "tests/support/test.h"
 
 #include <string>

@@ -7,10 +7,8 @@
 /// the same results.
 #pragma once
 
-#include "apps/palpable/live_events.h"
-#include "apps/palpable/live_play.h"
-#include "apps/palpable/live_setup.h"
 #include "palpable/live/events/event_lines.h"
+#include "palpable/live/play/live_play.h"
 #include "palpable/live/player/live_loop.h"
 #include "palpable/live/player/recorder.h"
 #include "palpable/live/view/scene_painter.h"
@@ -20,23 +18,25 @@
 #include <string>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 
 /// One recording of a run: its file and its content.
-class Recording {
+class RunRecording {
  public:
   /// Begins the file and wraps the run's source, so that its frames are recorded.
   /// @throws Error when the file cannot be written
-  Recording(const std::filesystem::path& file, const LiveOptions& options, LiveSetUp& setup);
-  Recording(const Recording&) = delete;
-  Recording& operator=(const Recording&) = delete;
+  RunRecording(const std::filesystem::path& file, LiveSetUp& setup);
+  RunRecording(const RunRecording&) = delete;
+  RunRecording& operator=(const RunRecording&) = delete;
 
   /// Adds the results of a frame. @return the reason when the recording has ended early, once
   [[nodiscard]] std::optional<std::string> add(const Scene& scene);
   /// Completes the file. @return the states for live.json
   LiveSummary::States finish();
-  /// Prints a summary; to be called after finish().
-  void report() const;
+  /// After finish(): the reason when the recording has ended early, unless add() has returned it.
+  [[nodiscard]] const std::string& trouble() const { return trouble_; }
+  /// A summary in readable lines; to be called after finish().
+  [[nodiscard]] std::string text() const;
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] bool is_finished() const { return finished_; }
 
@@ -50,28 +50,27 @@ class Recording {
   bool finished_ = false;
 };
 
-class LiveChanges {
+class LiveChanges : public StateWatch {
  public:
-  /// @param setup  must outlive this
-  LiveChanges(const LiveOptions& options, LiveSetUp& setup);
+  /// @param setup, user  must outlive this
+  LiveChanges(LiveSetUp& setup, const PlayUser& user);
 
-  /// Begins a recording before the run begins.
+  /// Begins a recording, before the run begins.
   void begin_recording(const std::filesystem::path& file);
-  /// Callbacks for LivePlay::play() that add states to the recording and end it.
-  [[nodiscard]] StateWatch watch();
-  /// Prints a summary of a recording that lasted to the run's end.
-  void report() const;
-
-  /// Whether such runs can be changed: those with a refiner or with ticks between frames cannot,
-  /// because both are bound to one session.
-  [[nodiscard]] static bool possible(const LiveOptions& options, const PlayOptions& play);
+  /// Adds a state to the recording, if there is one.
+  std::optional<std::string> add(const Scene& scene) override;
+  std::optional<LiveSummary::States> end() override;
+  /// A summary of a recording that lasted to the run's end; else empty.
+  [[nodiscard]] std::string text() const { return ended_with_run_ ? recording_->text() : ""; }
 
   /// Applies the changes that need a frame; called after the frame was processed. The scene then
   /// has the results of the new session.
   /// @param painter  has the user's wishes and gets a note of the outcome
-  void apply(ScenePainter& painter, Scene& scene, LiveEvents& events);
+  /// @return whether a new session has begun
+  bool apply(ScenePainter& painter, Scene& scene);
   /// Begins or ends a recording if the user wishes it; called between two frames.
-  void record(ScenePainter& painter, LiveLoop& loop, LiveEvents& events);
+  /// @return whether a new session has begun
+  bool record(ScenePainter& painter, LiveLoop& loop);
 
  private:
   // The new state of the bodies, before the session is changed.
@@ -84,7 +83,6 @@ class LiveChanges {
                              const Scene& scene) const;
   void plan_place(const LiveControls& controls, const Scene* held, const Scene& scene,
                   Plan& plan) const;
-  void plan_values(const LiveControls& controls, Plan& plan) const;
   void plan_bodies(Plan& plan) const;
   void begin_session(std::vector<PlacedBody> bodies);
   void begin_recorded_session(const std::filesystem::path& file, LiveRun& run);
@@ -95,13 +93,14 @@ class LiveChanges {
   }
   // @return a line for the panel
   std::string end_recording();
+  LiveSummary::States finish_recording();
 
-  LiveOptions options_;
   LiveSetUp& setup_;
+  const PlayUser& user_;
   std::vector<std::vector<std::string>> set_at_first_;  // NAME=VALUE for each body
-  std::optional<Recording> recording_;
+  std::optional<RunRecording> recording_;
   std::vector<Rigid3> camera_from_body_;  // of the last processed frame
   bool ended_with_run_ = false;           // the recording lasted to the run's end
 };
 
-}  // namespace palpable::app
+}  // namespace palpable

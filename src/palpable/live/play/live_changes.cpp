@@ -1,6 +1,5 @@
-#include "apps/palpable/live_changes.h"
+#include "palpable/live/play/live_changes.h"
 
-#include "apps/palpable/recorded_run.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/live/player/anchoring.h"
@@ -12,11 +11,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <ctime>
 #include <utility>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,19 +28,27 @@ fs::path usual_recording(const fs::path& body) {
   return file;
 }
 
-}  // namespace
-
-Recording::Recording(const fs::path& file, const LiveOptions& options, LiveSetUp& setup)
-    : file_(file),
-      lines_(event_bodies(setup.run.loop.session)),
-      recorder_(file_, setup.run.source->format(), json_of_run(recorded_run(options, setup))),
-      refiner_(setup.run.loop.session.refiner()) {
-  setup.run.source = recorded(std::move(setup.run.source), recorder_);
-  fmt::print("recording {}: it holds pictures of your room\n", file_.string());
-  std::fflush(stdout);
+// The values of the panel's parameters for each body, NAME=VALUE.
+std::vector<std::vector<std::string>> set_of(const LiveControls& controls, std::size_t bodies) {
+  std::vector<std::vector<std::string>> set(bodies);
+  for (const LiveParameter& parameter : controls.parameters) {
+    set[static_cast<std::size_t>(parameter.body)].push_back(
+        fmt::format("{}={}", parameter.name, parameter.value));
+  }
+  return set;
 }
 
-std::optional<std::string> Recording::add(const Scene& scene) {
+}  // namespace
+
+RunRecording::RunRecording(const fs::path& file, LiveSetUp& setup)
+    : file_(file),
+      lines_(event_bodies(setup.run.loop.session)),
+      recorder_(file_, setup.run.source->format(), json_of_run(setup)),
+      refiner_(setup.run.loop.session.refiner()) {
+  setup.run.source = recorded(std::move(setup.run.source), recorder_);
+}
+
+std::optional<std::string> RunRecording::add(const Scene& scene) {
   const bool refines =
       refiner_ != nullptr && (refiner_->asked() || refiner_->taken_up() != nullptr);
   if (refines) recorder_.add_refinement(refiner_->asked(), refiner_->taken_up());
@@ -50,60 +56,57 @@ std::optional<std::string> Recording::add(const Scene& scene) {
   return recorder_.take_trouble();
 }
 
-LiveSummary::States Recording::finish() {
+LiveSummary::States RunRecording::finish() {
   counts_ = recorder_.finish();
   finished_ = true;
   trouble_ = recorder_.take_trouble().value_or("");
   return {counts_.states.text(), counts_.states.count()};
 }
 
-void Recording::report() const {
-  if (!trouble_.empty()) fmt::print(stderr, "{}\n", trouble_);
+std::string RunRecording::text() const {
+  std::string text;
   if (counts_.left_out > 0) {
-    fmt::print("{} frames were left out of recording and run: the disk was behind\n",
-               counts_.left_out);
+    text = fmt::format("{} frames were left out of recording and run: the disk was behind\n",
+                       counts_.left_out);
   }
-  fmt::print("{}: {} frames, {:.1f} MB, pictures of your room; palpable replay plays it\n",
-             file_.string(), counts_.frames, 1e-6 * static_cast<double>(counts_.bytes));
-  std::fflush(stdout);
+  return text +
+         fmt::format("{}: {} frames, {:.1f} MB, pictures of your room; palpable replay plays it\n",
+                     file_.string(), counts_.frames, 1e-6 * static_cast<double>(counts_.bytes));
 }
 
-LiveChanges::LiveChanges(const LiveOptions& options, LiveSetUp& setup)
-    : options_(options), setup_(setup) {
+LiveChanges::LiveChanges(LiveSetUp& setup, const PlayUser& user) : setup_(setup), user_(user) {
   for (const DescribedBody& body : setup.bodies) set_at_first_.push_back(body.set);
 }
 
-bool LiveChanges::possible(const LiveOptions& options, const PlayOptions& play) {
-  return play.window && options.refine.empty() && play.contact_rate == 0;
-}
-
 void LiveChanges::begin_recording(const fs::path& file) {
-  recording_.emplace(file, options_, setup_);
+  recording_.emplace(file, setup_);
+  user_.print(fmt::format("recording {}: it holds pictures of your room\n", file.string()));
 }
 
-StateWatch LiveChanges::watch() {
-  return {[this](const Scene& scene) -> std::optional<std::string> {
-            camera_from_body_.resize(scene.bodies.size());
-            for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-              camera_from_body_[k] = scene.bodies[k].camera_from_body;
-            }
-            return records() ? recording_->add(scene) : std::nullopt;
-          },
-          [this]() -> std::optional<LiveSummary::States> {
-            if (!records()) return std::nullopt;
-            ended_with_run_ = true;
-            return recording_->finish();
-          }};
+std::optional<std::string> LiveChanges::add(const Scene& scene) {
+  camera_from_body_.resize(scene.bodies.size());
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    camera_from_body_[k] = scene.bodies[k].camera_from_body;
+  }
+  return records() ? recording_->add(scene) : std::nullopt;
 }
 
-void LiveChanges::report() const {
-  if (ended_with_run_) recording_->report();
+std::optional<LiveSummary::States> LiveChanges::end() {
+  if (!records()) return std::nullopt;
+  ended_with_run_ = true;
+  return finish_recording();
+}
+
+LiveSummary::States LiveChanges::finish_recording() {
+  LiveSummary::States states = recording_->finish();
+  if (!recording_->trouble().empty()) user_.say(recording_->trouble());
+  return states;
 }
 
 // The source remains wrapped and passes frames on until the next recording.
 std::string LiveChanges::end_recording() {
-  recording_->finish();
-  recording_->report();
+  finish_recording();
+  user_.print(recording_->text());
   return fmt::format("{} is written", recording_name());
 }
 
@@ -126,22 +129,13 @@ void LiveChanges::plan_place(const LiveControls& controls, const Scene* held, co
   for (Rigid3& pose : plan.world_from_body) pose = moved * pose;
 }
 
-void LiveChanges::plan_values(const LiveControls& controls, Plan& plan) const {
-  for (std::vector<std::string>& set : plan.set) set.clear();
-  for (const LiveParameter& parameter : controls.parameters) {
-    plan.set[static_cast<std::size_t>(parameter.body)].push_back(
-        fmt::format("{}={}", parameter.name, parameter.value));
-  }
-}
-
 // Bodies with other values are read again: a body in memory is already evaluated at its values.
 void LiveChanges::plan_bodies(Plan& plan) const {
   for (std::size_t k = 0; k < plan.set.size(); ++k) {
     DescribedBody body = setup_.bodies[k];
     if (plan.set[k] == body.set) continue;
     body.set = plan.set[k];
-    plan.read[k] = read_live_body(body, options_.contact);
-    if (body.scale != 1) plan.read[k] = scaled(*plan.read[k], body.scale);
+    plan.read[k] = read_live_body(body, setup_.options.contact);
   }
 }
 
@@ -156,7 +150,7 @@ LiveChanges::Plan LiveChanges::plan_of(const LiveControls& controls, const Scene
   }
   plan.read.resize(setup_.bodies.size());
   if (!controls.wishes.anew) {
-    if (controls.wishes.parameters) plan_values(controls, plan);
+    if (controls.wishes.parameters) plan.set = set_of(controls, plan.set.size());
     if (controls.wishes.place) plan_place(controls, held, scene, plan);
   }
   plan_bodies(plan);
@@ -180,11 +174,12 @@ void LiveChanges::begin_session(std::vector<PlacedBody> bodies) {
   loop.session.keep(extras);
 }
 
-void LiveChanges::apply(ScenePainter& painter, Scene& scene, LiveEvents& events) {
+bool LiveChanges::apply(ScenePainter& painter, Scene& scene) {
   LiveControls& controls = painter.controls();
-  if (!controls.wishes.of_frame()) return;
+  if (!controls.wishes.of_frame()) return false;
   Session& session = setup_.run.loop.session;
   std::string note;
+  bool begun = false;
   try {
     Plan plan = plan_of(controls, painter.held(), scene);
     if (records()) note = end_recording();
@@ -204,7 +199,7 @@ void LiveChanges::apply(ScenePainter& painter, Scene& scene, LiveEvents& events)
     begin_session(std::move(bodies));
     session.respond(scene);
     painter.begin_anew();
-    events.begin_anew(session);
+    begun = true;
   } catch (const Error& error) {
     note = error.what();
     controls.placing = controls.wishes.place.has_value();
@@ -212,21 +207,22 @@ void LiveChanges::apply(ScenePainter& painter, Scene& scene, LiveEvents& events)
   }
   controls.wishes = {.recording = controls.wishes.recording};  // for record()
   painter.panel().note = std::move(note);
+  return begun;
 }
 
-void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& events) {
+bool LiveChanges::record(ScenePainter& painter, LiveLoop& loop) {
   LiveWishes& wishes = painter.controls().wishes;
   LivePanel& panel = painter.panel();
   if (records()) panel.recording = recording_name();  // begun by --record
-  if (!wishes.recording) return;
+  if (!wishes.recording) return false;
   wishes.recording = false;
   if (records()) {
     panel.recording.clear();
     panel.note = end_recording();
     painter.refresh_panel();
-    return;
+    return false;
   }
-  if (camera_from_body_.empty()) return;  // no frame was processed yet: try again later
+  if (camera_from_body_.empty()) return false;  // no frame was processed yet: try again later
   try {
     const fs::path file = usual_recording(setup_.bodies.front().file);
     loop.begin_anew([&](LiveRun& run) { begin_recorded_session(file, run); });
@@ -235,7 +231,7 @@ void LiveChanges::record(ScenePainter& painter, LiveLoop& loop, LiveEvents& even
   if (records()) panel.recording = recording_name();
   painter.begin_anew();
   painter.refresh_panel();
-  events.begin_anew(setup_.run.loop.session);
+  return true;
 }
 
 // Starts with a new camera without a learnt row correction, as a replay does.
@@ -251,7 +247,7 @@ void LiveChanges::begin_recorded_session(const fs::path& file, LiveRun& run) {
     run.source = unrecorded(std::move(run.source));
     recording_.reset();
   }
-  recording_.emplace(file, options_, setup_);
+  begin_recording(file);
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

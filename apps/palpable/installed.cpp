@@ -1,4 +1,4 @@
-#include "apps/palpable/default_body.h"
+#include "apps/palpable/installed.h"
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/this_machine.h"
@@ -11,6 +11,8 @@
 namespace palpable::app {
 
 namespace fs = std::filesystem;
+
+fs::path sibling_program(std::string_view name) { return folder_of_program() / name; }
 
 fs::path shipped_bodies() {
   return folder_of_program().parent_path() / "share" / "palpable" / "bodies";
