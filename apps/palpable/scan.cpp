@@ -19,7 +19,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -85,17 +84,7 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
   settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
   set_depth(depth_size(options.input), options.input.farthest, settings.depth);
-  if (options.input.farthest > 0) {
-    SurfaceMapSettings& surface = settings.slam.surface;
-    // The standard deviation of depth grows with the square of the distance. The limit grows only
-    // linearly, because otherwise the surface would be blurred over metres.
-    const double farther = std::max(options.input.farthest / surface.farthest, 1.0);
-    surface.best_sigma *= farther * farther;
-    surface.largest_sigma *= farther;
-    surface.farthest = options.input.farthest;
-    // Tracking also uses points beyond the surface's range.
-    if (options.input.farthest < kUsualFarthest) settings.depth.farthest = std::nullopt;
-  }
+  if (options.input.farthest > 0) set_farthest(options.input.farthest, settings);
   settings.most_frames = options.frames;
   if (!given.empty())
     settings.pose_at = [&](double time) {

@@ -148,24 +148,6 @@ void warn_of_size(const LiveRun& run, const PlayUser& user) {
   }
 }
 
-// The skins at rest, if meshes of every frame are to be written; else empty.
-std::vector<SurfaceMesh> meshes_of(const PlayOptions& options, const Session& session) {
-  std::vector<SurfaceMesh> skins;
-  for (int k = 0; options.meshes && k < session.body_count(); ++k) {
-    skins.push_back(session.body(k).model().surface);
-  }
-  return skins;
-}
-
-// The bodies' names if there are several; empty for one.
-std::vector<std::string> names_of_several(const Session& session) {
-  std::vector<std::string> names;
-  for (int k = 0; session.body_count() > 1 && k < session.body_count(); ++k) {
-    names.push_back(session.body(k).name);
-  }
-  return names;
-}
-
 // Computes touches between frames; null if that is not wanted.
 std::unique_ptr<ContactTicks> ticks_of(const PlayOptions& options, const LiveRun& run,
                                        LiveEvents& events) {
@@ -359,8 +341,10 @@ LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& ru
   settings.masks = !options.no_masks;
   settings.figures = options.pictures;
   read_frame_pictures(options.frame_pictures, settings);
-  settings.bodies = names_of_several(session);
-  settings.meshes_of = meshes_of(options, session);
+  for (int k = 0; k < session.body_count(); ++k) {
+    if (session.body_count() > 1) settings.bodies.push_back(session.body(k).name);
+    if (options.meshes) settings.meshes_of.push_back(session.body(k).model().surface);
+  }
   if (options.pictures) settings.touch_frames = truly_touching_frames(run.images);
   return settings;
 }
