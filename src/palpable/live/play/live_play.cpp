@@ -212,7 +212,8 @@ class PlayLoop {
         hold(0);
       }
     }
-    Played played{loop_.counts(), stats_.all(moment()), std::move(output_), user_ended(), {}};
+    RunFigures figures = stats_.all(moment());
+    Played played{loop_.counts(), std::move(figures), std::move(output_), user_ended(), {}};
     if (ticks_) played.ticks = ticks_->finish();
     return played;
   }
