@@ -35,7 +35,7 @@ struct ChangedRun {
     const DescribedBody body{.file = file};
     std::vector<PlacedBody> bodies;
     bodies.push_back({read_live_body(body, options.contact), pose});
-    auto camera = std::make_unique<test::MisbehavingCamera>(std::vector<Act>(40, Act::kGood));
+    auto camera = std::make_unique<test::MisbehavingCamera>(std::vector<Act>(400, Act::kGood));
     setup.emplace(LiveSetUp{
         .run = run_of(std::move(bodies), std::move(camera), session_settings(options), "a camera"),
         .bodies = {body},

@@ -103,7 +103,7 @@ TEST_CASE("a recorded run is replayed to the same states", "[play][recording]") 
   const fs::path file = folder / "touch.palprec";
   std::string live_states;
   {
-    LiveSetUp setup = set_up_sphere(folder / "sphere.palpable", std::vector<Act>(30, Act::kGood));
+    LiveSetUp setup = set_up_sphere(folder / "sphere.palpable", std::vector<Act>(300, Act::kGood));
     Listener listener;
     LivePlay play({}, {}, listener.user(), file);
     const PlayResult result = play.play(setup, 12);
