@@ -69,7 +69,7 @@ TEST_CASE("clients of a run get its bodies, its frames and the ticks between the
   SocketClient early(path);
   Scene scene;
   scene.bodies.resize(1);
-  events.send(scene);  // the run has not begun: nobody is accepted yet
+  events.send(scene);  // the run has not begun: no client is accepted yet
   CHECK(early.lines().empty());
 
   events.begin(loop.session);
