@@ -249,21 +249,6 @@ int CommandLine::run(int argc, const char* const* argv) {
   return 1;
 }
 
-std::map<std::string, double> parse_settings(const std::vector<std::string>& texts,
-                                             std::string_view option, std::string_view what) {
-  std::map<std::string, double> values;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    const std::optional<double> value =
-        equals == std::string::npos ? std::nullopt : to_number(text.substr(equals + 1));
-    if (!value || equals == 0) {
-      throw Error(fmt::format("{} {}: must be a parameter and {}", option, text, what));
-    }
-    values[text.substr(0, equals)] = *value;
-  }
-  return values;
-}
-
 std::optional<std::array<int, 2>> parse_extent(std::string_view text) {
   const std::size_t times = text.find('x');
   if (times == std::string_view::npos) return std::nullopt;

@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -129,13 +128,6 @@ struct BenchCall {
 
 /// Prints "palpable: <message>" on stderr, line breaks replaced by "; ".
 void print_error(std::string_view message);
-
-/// Parses texts of the form "ears=0.5" with a finite number. @throws Error for another form; its
-/// message asks for a parameter and `what`
-/// @param option  the option before the texts, for the message
-[[nodiscard]] std::map<std::string, double> parse_settings(
-    const std::vector<std::string>& texts, std::string_view option = "--set",
-    std::string_view what = "its value, such as stiffness=2");
 
 /// Parses "1280x720": two whole numbers from 1 to kLongestSide; empty for any other text.
 inline constexpr int kLongestSide = 1'000'000;

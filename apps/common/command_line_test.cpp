@@ -1,6 +1,7 @@
 #include "apps/common/command_line.h"
 
 #include "palpable/common/base/nearest_word.h"
+#include "palpable/common/base/text_numbers.h"
 #include "tests/support/test.h"
 
 #include <array>

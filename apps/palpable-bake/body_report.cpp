@@ -5,6 +5,7 @@
 #include "palpable/bake/describe/body_size.h"
 #include "palpable/bake/pipeline/baked_text.h"
 #include "palpable/common/base/progress.h"
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/common/base/this_machine.h"
 #include "palpable/common/geometry/size_text.h"
 

@@ -9,6 +9,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/npy_file.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/body_file.h"
 
 #include <fmt/format.h>

@@ -3,9 +3,8 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable/board_options.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/source_options.h"
+#include "apps/palpable/shared_options.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/output_file.h"

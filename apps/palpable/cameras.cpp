@@ -1,7 +1,6 @@
 // palpable cameras: the connected cameras, their capabilities, and the commands that use them.
 
 #include "apps/common/command_line.h"
-#include "apps/palpable/camera_use.h"
 #include "apps/palpable/commands.h"
 #include "palpable/live/sources/camera_list.h"
 #include "palpable/live/sources/camera_source.h"
@@ -9,6 +8,7 @@
 #include <fmt/core.h>
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace palpable::app {
@@ -30,6 +30,30 @@ void print_cameras(bool json) {
 }
 
 }  // namespace
+
+std::string use_of(const ListedCamera& camera) {
+  const std::string& path = camera.info.path;
+  switch (camera.kind) {
+    case CameraKind::kUnreadable:
+      break;
+    case CameraKind::kSideBySide:
+      return fmt::format(
+          "  calibration: {}\n  use: palpable live BODY --source {}\n",
+          camera.calibration.empty()
+              ? fmt::format("none known; palpable calibrate --source {} makes one", path)
+              : camera.calibration.string(),
+          path);
+    case CameraKind::kDepth:
+      return fmt::format(
+          "  use: palpable live BODY --source DEVICE --depth {}, where DEVICE has the same view\n",
+          path);
+    case CameraKind::kOneEye:
+      return fmt::format(
+          "  use: palpable live BODY --source {} --right DEVICE, where DEVICE is the right eye\n",
+          path);
+  }
+  return {};
+}
 
 void add_cameras(Command app) {
   auto json = std::make_shared<bool>(false);

@@ -4,6 +4,12 @@
 /// stderr and exits with code 1.
 #pragma once
 
+#include <string>
+
+namespace palpable {
+struct ListedCamera;
+}
+
 namespace palpable::app {
 
 class Command;
@@ -18,5 +24,9 @@ void add_synth(Command app);
 void add_score(Command app);
 void add_cameras(Command app);
 void add_calibrate(Command app);
+
+/// The commands with which a connected camera is used in this program, as lines to follow
+/// text_of(camera); empty if it cannot be used.
+[[nodiscard]] std::string use_of(const ListedCamera& camera);
 
 }  // namespace palpable::app

@@ -2,7 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/default_body.h"
+#include "apps/palpable/installed.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/body_file/body_facts.h"
 #include "palpable/common/body_file/touch_file.h"

@@ -1,60 +1,37 @@
 // palpable live: presses bodies by what a camera sees.
 
 #include "apps/common/command_line.h"
+#include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/default_body.h"
-#include "apps/palpable/live_changes.h"
-#include "apps/palpable/live_play.h"
+#include "apps/palpable/installed.h"
+#include "apps/palpable/live_options.h"
 #include "apps/palpable/live_setup.h"
-#include "palpable/common/base/error.h"
-#include "palpable/common/base/output_file.h"
-#include "palpable/live/sources/recording_file.h"
+#include "apps/palpable/terminal.h"
 
 #include <fmt/core.h>
 
 #include <filesystem>
 #include <memory>
-#include <string>
-#include <vector>
 
 namespace palpable::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Options {
   LiveOptions live;
   PlayOptions play;
-  fs::path record;  // empty: no recording
+  std::filesystem::path record;  // empty: no recording
 };
-
-// Fails before bodies are read if the recording cannot be written.
-void check_recording(const Options& options) {
-  if (options.record.empty()) return;
-  const std::string file = options.record.string();
-  if (!is_recording_name(options.record)) {
-    throw Error(fmt::format("--record {}: should end in {}", file, kRecordingEnding));
-  }
-  guard_output_file(options.record, inputs_of(options.live));
-  std::error_code ignored;
-  if (fs::exists(options.record, ignored) && !options.play.overwrite) {
-    throw Error(fmt::format("--record {}: is there already; --overwrite replaces it", file));
-  }
-}
 
 void live(const Options& options) {
   LiveOptions wanted = options.live;
-  check_recording(options);
-  LivePlay play(options.play, inputs_of(wanted), options.record);
+  ProgressBar bar;
+  LivePlay play(options.play, inputs_of(wanted), user_at(bar), options.record);
   if (!options.play.out.empty()) wanted.clip = options.play.out / "clip";
   share_drawing_threads(wanted.threads);
   LiveSetUp setup = set_up_live(wanted);
-  play.check(setup);  // before an earlier recording is replaced
-  LiveChanges changes(wanted, setup);
-  if (!options.record.empty()) changes.begin_recording(options.record);
-  const bool may_change = LiveChanges::possible(wanted, options.play);
-  play.play(setup, wanted.frames, wanted.scene, changes.watch(), may_change ? &changes : nullptr);
-  changes.report();
+  const PlayResult result = play.play(setup, wanted.frames);
+  bar.finish();
+  fmt::print("{}", result.text);
 }
 
 }  // namespace

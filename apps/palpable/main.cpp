@@ -4,7 +4,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/sibling_program.h"
+#include "apps/palpable/installed.h"
 #include "palpable/common/base/error.h"
 
 #include <fmt/core.h>

@@ -2,8 +2,8 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/default_body.h"
-#include "apps/palpable/named_loads.h"
+#include "apps/palpable/installed.h"
+#include "apps/palpable/shared_options.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/body_file/body_file.h"

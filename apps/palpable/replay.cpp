@@ -1,22 +1,20 @@
 // palpable replay: processes a recording again and checks that the results are the same.
 
 #include "apps/common/command_line.h"
+#include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/live_play.h"
-#include "apps/palpable/recorded_run.h"
+#include "apps/palpable/live_options.h"
+#include "apps/palpable/live_setup.h"
+#include "apps/palpable/terminal.h"
 #include "palpable/common/base/error.h"
-#include "palpable/live/player/live_run.h"
 #include "palpable/live/player/state_hash.h"
-#include "palpable/live/sources/paced_source.h"
 #include "palpable/live/sources/recording_file.h"
 
 #include <fmt/core.h>
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -42,41 +40,6 @@ RecordedRun run_of_recording(const ReplayOptions& options, const RecordingConten
   }
 }
 
-// Repeats the recorded behaviour of the live run's refiner, without starting a process.
-Refiner recorded_refiner(const fs::path& file) {
-  // Shared, because std::function must be copyable; there is no other owner.
-  const auto recorded =
-      std::make_shared<RecordedRefinements>(value_or_throw(RecordedRefinements::open(file)));
-  return Refiner::repeating([recorded](int n, RefinerStep& step) {
-    RecordedRefinement refinement;
-    recorded->read(n, refinement);
-    step.asked = refinement.asked;
-    step.exact.swap(refinement.exact);
-  });
-}
-
-LiveSetUp set_up_replay(const ReplayOptions& options, const RecordedRun& run) {
-  std::vector<PlacedBody> standing;
-  std::vector<DescribedBody> bodies;
-  for (const RecordedRun::Body& recorded : run.bodies) {
-    TouchableBody body = read_live_body(recorded.body, run.options.contact);
-    if (recorded.body.scale != 1) body = scaled(body, recorded.body.scale);
-    standing.push_back(
-        {std::move(body), recorded.world_from_body, recorded.body.name, recorded.body.color});
-    bodies.push_back(recorded.body);
-  }
-  std::unique_ptr<FrameSource> source = value_or_throw(open_recording(options.file));
-  if (options.paced) source = paced(std::move(source), system_clock(), Late::kKept);
-  SessionSettings settings = session_settings(run.options);
-  share_threads(options.threads, settings);
-  LiveSetUp setup{palpable::run_of(std::move(standing), std::move(source), settings, options.file),
-                  std::move(bodies)};
-  if (!run.options.refine.empty()) {
-    setup.run.loop.session.refine_with(recorded_refiner(options.file));
-  }
-  return setup;
-}
-
 // Prints the comparison. @throws Error at a difference
 void report(const ReplayOptions& options, const RecordingContents& contents,
             const StateComparison& comparison, const RecordedRun& run, bool user_ended) {
@@ -100,30 +63,21 @@ void report(const ReplayOptions& options, const RecordingContents& contents,
 }
 
 void replay(const ReplayOptions& options) {
-  RecordingContents contents = value_or_throw(read_recording(options.file));
+  const RecordingContents contents = value_or_throw(read_recording(options.file));
   const RecordedRun run = run_of_recording(options, contents);
   share_drawing_threads(options.threads);
   std::vector<fs::path> inputs{options.file};
   for (const RecordedRun::Body& body : run.bodies) inputs.push_back(body.body.file);
   PlayOptions how = options.play;
   how.paced = options.paced;
-  LivePlay play(how, inputs);
-  LiveSetUp setup = set_up_replay(options, run);
+  ProgressBar bar;
+  LivePlay play(how, inputs, user_at(bar));
+  LiveSetUp setup = set_up_replay(run, options.file, options.threads, options.paced);
   StateComparison comparison(contents.states);
-  RunHash hash;
-  const StateWatch watch{[&](const Scene& scene) -> std::optional<std::string> {
-                           const std::uint64_t state = state_hash(scene);
-                           hash.add(state);
-                           comparison.add(scene.number, state);
-                           return std::nullopt;
-                         },
-                         [&]() -> std::optional<LiveSummary::States> {
-                           return LiveSummary::States{hash.text(), hash.count()};
-                         }};
-  // Frames after the last processed one are in the recording, too, but are not replayed.
-  const int frames = contents.states.empty() ? -1 : comparison.expected();
-  const bool user_ended = play.play(setup, frames, run.scene, watch);
-  report(options, contents, comparison, run, user_ended);
+  const PlayResult result = play.replay(setup, comparison);
+  bar.finish();
+  fmt::print("{}", result.text);
+  report(options, contents, comparison, run, result.user_ended);
 }
 
 }  // namespace

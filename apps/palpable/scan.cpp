@@ -3,14 +3,14 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/ctrl_c.h"
-#include "apps/palpable/source_options.h"
+#include "apps/palpable/shared_options.h"
+#include "apps/palpable/terminal.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/desk/clip_files/camera_paths.h"
-#include "palpable/desk/clip_files/trajectory_file.h"
+#include "palpable/live/play/run_options.h"
 #include "palpable/live/render/gl_context.h"
 #include "palpable/live/render/picture_file.h"
 #include "palpable/live/slam/room_scan.h"
@@ -19,7 +19,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -84,18 +83,8 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   settings.slam.fuse_every = options.fuse_every;
   settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
   settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
-  set_depth(options.input, settings.depth);
-  if (options.input.farthest > 0) {
-    SurfaceMapSettings& surface = settings.slam.surface;
-    // The standard deviation of depth grows with the square of the distance. The limit grows only
-    // linearly, because otherwise the surface would be blurred over metres.
-    const double farther = std::max(options.input.farthest / surface.farthest, 1.0);
-    surface.best_sigma *= farther * farther;
-    surface.largest_sigma *= farther;
-    surface.farthest = options.input.farthest;
-    // Tracking also uses points beyond the surface's range.
-    if (options.input.farthest < kUsualFarthest) settings.depth.farthest = std::nullopt;
-  }
+  set_depth(depth_size(options.input), options.input.farthest, settings.depth);
+  if (options.input.farthest > 0) set_farthest(options.input.farthest, settings);
   settings.most_frames = options.frames;
   if (!given.empty())
     settings.pose_at = [&](double time) {

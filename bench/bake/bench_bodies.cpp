@@ -3,6 +3,7 @@
 #include "apps/common/command_line.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/desk/clip_files/scene_files.h"
 

@@ -10,7 +10,6 @@
 #include "palpable/desk/clip_files/image_files.h"
 #include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/desk/score/deformation_scores.h"
-#include "palpable/desk/score/touch_recall.h"
 #include "palpable/desk/score/touch_scores.h"
 #include "palpable/live/seen_object/object_surface.h"
 

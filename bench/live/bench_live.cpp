@@ -270,7 +270,7 @@ LiveFigures run_case(const LiveCase& one, const LiveBenchOptions& options, const
                      Films& films, ProgressBar& bar) {
   LiveOptions live;
   live.body = body;
-  live.contact = one.contact;
+  live.run.contact = one.contact;
   const fs::path frames = films.folder_of(one, body);
   live.input.source = frames.string();
   return play_case(one, live, films.film_of(one, frames), options, bar);
@@ -281,7 +281,7 @@ LiveFigures run_source(const LiveBenchOptions& options, ProgressBar& bar) {
   LiveOptions live;
   live.body = options.body;
   live.scene = options.scene;
-  live.contact = options.contact;
+  live.run.contact = options.contact;
   live.input.source = options.source.string();
   const MemoryFilm film = read_film(options.source, {.frames = options.film});
   return play_case(kSourceCase, live, film, options, bar);

@@ -160,6 +160,25 @@ struct Follower {
   Errors carried, holding;
 };
 
+void print_ticks(const Json& result, double rate) {
+  fmt::print("{} ticks at {} Hz, {:.2f} ms of CPU each (p99 {:.2f})\n",
+             result["ticks_compared"].get<std::size_t>(), rate, result["tick_ms_p50"].get<double>(),
+             result["tick_ms_p99"].get<double>());
+  fmt::print("error relative to the response to the true hand at that moment, %, median (p90):\n");
+  fmt::print("{:<44} {:>16} {:>16}\n", "", "displacement", "force");
+  for (const auto& [name, what] : std::map<std::string, std::string>{
+           {"camera_carried", "seen by the camera, carried on"},
+           {"camera_held", "seen by the camera, held till the next frame"},
+           {"hand_carried", "the true hand of each frame, carried on"},
+           {"hand_held", "the true hand of each frame, held"}}) {
+    const Json& of = result[name];
+    fmt::print("{:<44} {:>8.1f} ({:>5.1f}) {:>8.1f} ({:>5.1f})\n", what,
+               100 * of["displacement_median"].get<double>(),
+               100 * of["displacement_p90"].get<double>(), 100 * of["force_median"].get<double>(),
+               100 * of["force_p90"].get<double>());
+  }
+}
+
 void bench_ticks(TicksBenchOptions options) {
   options.live.input.source = (options.clip / "frames").string();
   const std::vector<HandLine> hands = read_hands(options.clip / "truth/hand.jsonl");
@@ -215,21 +234,7 @@ void bench_ticks(TicksBenchOptions options) {
     fmt::print("{}\n", result.dump(2));
     return;
   }
-  fmt::print("{} ticks at {} Hz, {:.2f} ms of CPU each (p99 {:.2f})\n", ms.size(), options.rate,
-             percentile(ms, 0.5), percentile(ms, 0.99));
-  fmt::print("error relative to the response to the true hand at that moment, %, median (p90):\n");
-  fmt::print("{:<44} {:>16} {:>16}\n", "", "displacement", "force");
-  for (const auto& [name, what] : std::map<std::string, std::string>{
-           {"camera_carried", "seen by the camera, carried on"},
-           {"camera_held", "seen by the camera, held till the next frame"},
-           {"hand_carried", "the true hand of each frame, carried on"},
-           {"hand_held", "the true hand of each frame, held"}}) {
-    const Json& of = result[name];
-    fmt::print("{:<44} {:>8.1f} ({:>5.1f}) {:>8.1f} ({:>5.1f})\n", what,
-               100 * of["displacement_median"].get<double>(),
-               100 * of["displacement_p90"].get<double>(), 100 * of["force_median"].get<double>(),
-               100 * of["force_p90"].get<double>());
-  }
+  print_ticks(result, options.rate);
 }
 
 }  // namespace

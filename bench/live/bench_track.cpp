@@ -2,7 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable/default_body.h"
+#include "apps/palpable/installed.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"

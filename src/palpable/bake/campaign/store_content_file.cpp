@@ -1,7 +1,7 @@
 #include "palpable/bake/campaign/store_content_file.h"
 
 #include "palpable/common/base/error.h"
-#include "palpable/common/body_file/body_file_content.h"
+#include "palpable/common/body_file/body_file_groups.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,9 @@
 #include "palpable/common/base/text_numbers.h"
 
+#include "palpable/common/base/error.h"
+
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -49,6 +53,21 @@ std::optional<std::vector<double>> to_numbers(std::string_view text) {
     at = end;
   }
   return numbers;
+}
+
+std::map<std::string, double> parse_settings(const std::vector<std::string>& texts,
+                                             std::string_view option, std::string_view what) {
+  std::map<std::string, double> values;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    const std::optional<double> value =
+        equals == std::string::npos ? std::nullopt : to_number(text.substr(equals + 1));
+    if (!value || equals == 0) {
+      throw Error(fmt::format("{} {}: must be a parameter and {}", option, text, what));
+    }
+    values[text.substr(0, equals)] = *value;
+  }
+  return values;
 }
 
 bool is_image_side(double pixels) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,13 @@ namespace palpable {
 /// All numbers of a text, separated by white space, commas, semicolons or square brackets. Nothing
 /// when the text holds anything else.
 [[nodiscard]] std::optional<std::vector<double>> to_numbers(std::string_view text);
+
+/// Parses texts of the form "ears=0.5" with a finite number. @throws Error for another form; its
+/// message asks for a parameter and `what`
+/// @param option  the option before the texts, for the message
+[[nodiscard]] std::map<std::string, double> parse_settings(
+    const std::vector<std::string>& texts, std::string_view option = "--set",
+    std::string_view what = "its value, such as stiffness=2");
 
 /// Whether a number is a whole count of pixels that an image may have in a row or column.
 [[nodiscard]] bool is_image_side(double pixels);

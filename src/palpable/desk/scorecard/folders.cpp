@@ -6,7 +6,6 @@
 #include "palpable/desk/clip_files/image_files.h"
 #include "palpable/desk/clip_files/live_file.h"
 #include "palpable/desk/clip_files/scene_files.h"
-#include "palpable/desk/score/touch_recall.h"
 #include "palpable/desk/score/touch_scores.h"
 
 #include <fmt/core.h>

@@ -241,15 +241,23 @@ std::unique_ptr<DrawnFrame> LiveOutput::blank() {
 void LiveOutput::write(std::unique_ptr<DrawnFrame> frame) {
   constexpr std::chrono::seconds kNow(0);
   std::optional<std::unique_ptr<Written>> written = free_lines_.pop_within(kNow);
-  if (!frame->in_files) ++left_out_;
+  if (!frame->in_files || !written) ++left_out_;
+  const bool circulates = frame->in_files;
   if (written) {
     copy_lines(frame->scene, (*written)->lines);
-    if (frame->in_files) (*written)->drawn = std::move(frame);
+    if (circulates) (*written)->drawn = std::move(frame);
     if (!ready_.push(std::move(*written))) finish();
   } else {
     ++lines_left_out_;
   }
-  if (frame) spare_ = std::move(frame);
+  if (!frame) return;
+  // The thread returns a frame before its lines, so that one of the four may have come here while
+  // all lines are in use.
+  if (circulates) {
+    free_.push(std::move(frame));
+  } else {
+    spare_ = std::move(frame);
+  }
 }
 
 void LiveOutput::finish() {

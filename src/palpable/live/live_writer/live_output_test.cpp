@@ -399,6 +399,39 @@ std::size_t files_in(const fs::path& folder) {
       std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
+TEST_CASE("no frame of the pool is lost where lines are left out", "[live_writer]") {
+  const test::ScratchFolder folder("live_output_pool");
+  const fs::path out = folder / "out";
+  StuckDisk disk(out);
+  LiveOutput output({.folder = out, .complete = false});
+  int number = 0;
+  const auto write = [&](std::unique_ptr<DrawnFrame> drawn) {
+    fill(*drawn, number++);
+    output.write(std::move(drawn));
+  };
+  // The fourth frame is still being drawn when all lines are in use.
+  for (int k = 0; k < 3; ++k) write(output.blank());
+  std::unique_ptr<DrawnFrame> drawn = output.blank();
+  REQUIRE(drawn->in_files);
+  while (output.lines_left_out() == 0) write(output.blank());
+  write(std::move(drawn));
+  CHECK(output.lines_left_out() == 2);
+  CHECK(output.left_out() == number - 3);
+  disk.go_on();
+  while (read_timing(out / "timing.csv").ms.size() < LiveOutput::kLines) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  std::array<std::unique_ptr<DrawnFrame>, 4> frames;
+  for (auto& frame : frames) {
+    frame = output.blank();
+    CHECK(frame->in_files);
+  }
+  for (auto& frame : frames) write(std::move(frame));
+  output.finish();
+  CHECK(output.lines_left_out() == 2);
+  CHECK(files_in(out / "depth") == 7);
+}
+
 TEST_CASE("a slow disk holds nothing up: texts have every frame, what is large has gaps",
           "[live_writer]") {
   const test::ScratchFolder folder("live_output_gaps");

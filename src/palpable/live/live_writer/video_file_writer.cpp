@@ -3,22 +3,49 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/live/live_writer/ffmpeg_handles.h"
-#include "palpable/live/live_writer/ordinary_mp4.h"
 
 #include <fmt/core.h>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/opt.h>
+#include <libswscale/swscale.h>
+}
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <string>
+#include <system_error>
 #include <utility>
 
 namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Owning handles of FFmpeg's objects.
+struct FreeFfmpeg {
+  void operator()(AVCodecContext* encoder) const { avcodec_free_context(&encoder); }
+  void operator()(AVFormatContext* container) const { avformat_free_context(container); }
+  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+  void operator()(SwsContext* converter) const { sws_freeContext(converter); }
+  void operator()(AVIOContext* stream) const {
+    av_freep(&stream->buffer);
+    avio_context_free(&stream);
+  }
+};
+
+using Encoder = std::unique_ptr<AVCodecContext, FreeFfmpeg>;
+using Container = std::unique_ptr<AVFormatContext, FreeFfmpeg>;
+using VideoFrame = std::unique_ptr<AVFrame, FreeFfmpeg>;
+using Packet = std::unique_ptr<AVPacket, FreeFfmpeg>;
+using Converter = std::unique_ptr<SwsContext, FreeFfmpeg>;
+using ByteStream = std::unique_ptr<AVIOContext, FreeFfmpeg>;
 
 constexpr int kBuffer = 1 << 16;  // bytes
 constexpr int kFineRate = 1000;   // a fractional rate is rounded to thousandths
@@ -76,6 +103,76 @@ Encoder open_encoder(AVCodecID codec, int width, int height, AVRational rate) {
   encoder->max_b_frames = 0;  // no reordering: a truncated film lacks no picture before its end
   if (avcodec_open2(encoder.get(), found, nullptr) < 0) return nullptr;
   return encoder;
+}
+
+// With the prefix FFmpeg does not read a name that contains a colon as a protocol.
+std::string url_of(const fs::path& path) { return "file:" + path.string(); }
+
+struct CloseInput {
+  void operator()(AVFormatContext* input) const { avformat_close_input(&input); }
+};
+using Input = std::unique_ptr<AVFormatContext, CloseInput>;
+
+Input open_film(const fs::path& path) {
+  AVFormatContext* input = nullptr;
+  if (avformat_open_input(&input, url_of(path).c_str(), nullptr, nullptr) < 0) return nullptr;
+  return Input(input);
+}
+
+// An MP4 with one stream of the same format, or null.
+Container container_like(const AVStream& stream) {
+  AVFormatContext* made = nullptr;
+  if (avformat_alloc_output_context2(&made, nullptr, "mp4", nullptr) < 0) return nullptr;
+  Container container(made);
+  AVStream* copy = avformat_new_stream(made, nullptr);
+  if (copy == nullptr || avcodec_parameters_copy(copy->codecpar, stream.codecpar) < 0)
+    return nullptr;
+  copy->codecpar->codec_tag = 0;  // let the muxer choose its own tag for this codec
+  copy->time_base = stream.time_base;
+  copy->avg_frame_rate = stream.avg_frame_rate;
+  return container;
+}
+
+// Copies all packets; the first picture is shown at time 0. False when one could not be written.
+bool copy_packets(AVFormatContext& from, AVFormatContext& to) {
+  const Packet packet(av_packet_alloc());
+  if (!packet) return false;
+  int read = 0;
+  while ((read = av_read_frame(&from, packet.get())) >= 0) {
+    av_packet_rescale_ts(packet.get(), from.streams[0]->time_base, to.streams[0]->time_base);
+    packet->pos = -1;
+    if (av_write_frame(&to, packet.get()) < 0) return false;
+    av_packet_unref(packet.get());
+  }
+  return read == AVERROR_EOF;
+}
+
+bool copy_film(const fs::path& from, const fs::path& to) {
+  const Input input = open_film(from);
+  if (!input || input->nb_streams != 1) return false;
+  const Container output = container_like(*input->streams[0]);
+  if (!output || avio_open(&output->pb, url_of(to).c_str(), AVIO_FLAG_WRITE) < 0) return false;
+  const bool copied = avformat_write_header(output.get(), nullptr) >= 0 &&
+                      copy_packets(*input, *output) && av_write_trailer(output.get()) >= 0;
+  avio_flush(output->pb);
+  const bool taken = output->pb->error >= 0;
+  return avio_closep(&output->pb) >= 0 && copied && taken;
+}
+
+// Replaces a finished fragmented MP4 by an ordinary MP4 of the same packets. The new file is
+// written beside it with the suffix ".part" and renamed when it is complete, so that the disk must
+// have room for both. Returns false where that fails, e.g. for lack of room; the film is then
+// unchanged.
+bool make_ordinary_mp4(const fs::path& film) {
+  fs::path part = film;
+  part += ".part";
+  std::error_code error;
+  if (copy_film(film, part)) {
+    fs::rename(part, film, error);
+    if (!error) return true;
+  }
+  fs::remove(part, error);
+  return false;
 }
 
 }  // namespace

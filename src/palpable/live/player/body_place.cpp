@@ -1,6 +1,7 @@
 #include "palpable/live/player/body_place.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/size_text.h"
 #include "palpable/common/geometry/surface_distance.h"
 
 #include <fmt/core.h>
@@ -121,6 +122,21 @@ std::optional<std::string> overlap_of(const std::vector<PlacedBody>& bodies) {
     }
   }
   return std::nullopt;
+}
+
+std::optional<std::string> larger_than_view(const SurfaceMesh& body, const Rigid3& camera_from_body,
+                                            const PinholeCamera& camera) {
+  const double depth = camera_from_body.translation().z();  // of the centre of its base
+  if (!(depth > 0.0)) return std::nullopt;
+  const Eigen::Vector3d size =
+      body.vertices.rowwise().maxCoeff() - body.vertices.rowwise().minCoeff();
+  const Eigen::Vector2d seen(depth * camera.width / camera.fx_px,
+                             depth * camera.height / camera.fy_px);
+  if (size.maxCoeff() <= seen.maxCoeff()) return std::nullopt;
+  return fmt::format(
+      "the body is {}, larger than what the camera sees where it stands ({} at {:.3g} m): was its "
+      "unit forgotten when it was baked?",
+      size_text(size), size_text(seen), depth);
 }
 
 }  // namespace palpable

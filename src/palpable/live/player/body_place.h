@@ -2,8 +2,10 @@
 /// The poses of a run's bodies, and checks of them.
 #pragma once
 
+#include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"
+#include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/common/response/touchable_body.h"
 #include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/live/map/free_place.h"
@@ -44,5 +46,13 @@ struct LiveBody {
 
 /// A message if two bodies at rest penetrate each other by more than 0.2 mm; else empty.
 [[nodiscard]] std::optional<std::string> overlap_of(const std::vector<PlacedBody>& bodies);
+
+/// A message with both sizes if the body is larger than the field of view at the body's distance.
+/// Empty if it is not, or if the body stands behind the camera.
+/// @param body              at rest, body frame; not empty
+/// @param camera_from_body  pose of the body in the first frame
+[[nodiscard]] std::optional<std::string> larger_than_view(const SurfaceMesh& body,
+                                                          const Rigid3& camera_from_body,
+                                                          const PinholeCamera& camera);
 
 }  // namespace palpable

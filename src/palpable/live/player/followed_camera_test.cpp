@@ -99,10 +99,11 @@ void follow_through_troubles(test::Shows shows) {
   }
   CHECK(n == expected.size());
   CHECK(loop.session.slam().map()->distance(on_wall) == expected_distance);
-  CHECK(vision.troubles().unreadable == 5 * 3 + SourceGuard::kClockRestart - 1);
-  CHECK(vision.troubles().dropped == 3);
-  CHECK(vision.troubles().stalls == 1);
-  CHECK(vision.troubles().losses == 1);
+  const SourceTroubles troubles = vision.take_reports().troubles;
+  CHECK(troubles.unreadable == 5 * 3 + SourceGuard::kClockRestart - 1);
+  CHECK(troubles.dropped == 3);
+  CHECK(troubles.stalls == 1);
+  CHECK(troubles.losses == 1);
 }
 
 TEST_CASE("through all that a depth camera does wrong it is followed, and the map stays",

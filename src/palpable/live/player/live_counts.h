@@ -1,8 +1,9 @@
 /// @file
-/// Counts of the events of a live run.
+/// Counts of the events of a live run, and its summary in readable lines.
 #pragma once
 
 #include "palpable/live/session/scene.h"
+#include "palpable/live/session/session.h"
 #include "palpable/live/sources/source_guard.h"
 
 #include <optional>
@@ -44,5 +45,10 @@ struct LiveCounts {
   int last_site_ = -1;  // of the previous touch; -1: there was none
   int last_body_ = 0;   // body of the previous touch
 };
+
+/// A summary of a run: number of frames, rate, problems and touches.
+/// @param session  that processed the frames
+/// @param wall     s, wall-clock time of the run
+[[nodiscard]] std::string text_of(const LiveCounts& counts, const Session& session, double wall);
 
 }  // namespace palpable

@@ -72,14 +72,10 @@ bool LiveLoop::ended() {
 }
 
 const LiveCounts& LiveLoop::counts() {
-  for (std::string& line : vision_->take_reports()) {
-    if (report_) report_(line);
-    counts_.reports.push_back(std::move(line));
-  }
-  counts_.troubles = sum_of(troubles_before_, vision_->troubles());
-  if (std::string last = vision_->last_trouble(); !last.empty()) {
-    counts_.last_trouble = std::move(last);
-  }
+  SourceReports reports = vision_->take_reports();
+  for (std::string& line : reports.lines) report(std::move(line));
+  counts_.troubles = sum_of(troubles_before_, reports.troubles);
+  if (!reports.last_trouble.empty()) counts_.last_trouble = std::move(reports.last_trouble);
   return counts_;
 }
 
@@ -92,18 +88,17 @@ Scene* LiveLoop::process(std::unique_ptr<FrameInFlight> flight) {
     throw Error(fmt::format("{}: {}", run_.images.string(), scene.seen.misfit->message()));
   }
   run_.loop.session.respond(scene);
-  report_refiner();
+  if (Refiner* refiner = run_.loop.session.refiner()) {
+    // The reason why refinement has ended, if it has.
+    if (std::optional<std::string> trouble = refiner->take_trouble()) report(std::move(*trouble));
+  }
   counts_.add(scene);
   return &scene;
 }
 
-// Reports the reason why refinement has ended, if it has.
-void LiveLoop::report_refiner() {
-  Refiner* refiner = run_.loop.session.refiner();
-  std::optional<std::string> trouble = refiner != nullptr ? refiner->take_trouble() : std::nullopt;
-  if (!trouble) return;
-  if (report_) report_(*trouble);
-  counts_.reports.push_back(std::move(*trouble));
+void LiveLoop::report(std::string line) {
+  if (report_) report_(line);
+  counts_.reports.push_back(std::move(line));
 }
 
 void LiveLoop::recycle() {

@@ -57,7 +57,7 @@ class LiveLoop {
  private:
   void begin_seeing();
   Scene* process(std::unique_ptr<FrameInFlight> flight);
-  void report_refiner();
+  void report(std::string line);
   void recycle();
 
   LiveRun& run_;

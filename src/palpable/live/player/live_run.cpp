@@ -70,10 +70,6 @@ LiveRun open_live(TouchableBody body, const LiveSettings& settings) {
   return open_live(std::move(bodies), settings);
 }
 
-LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings) {
-  return open_live(std::move(bodies), settings, nullptr);
-}
-
 LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings,
                   std::unique_ptr<FrameSource> source) {
   const fs::path images = settings.images.device;

@@ -32,77 +32,77 @@ void Recorder::finish_thread() {
   thread_.join();
 }
 
-// A free item; null if there is none, in which case the source drops its frame.
-std::unique_ptr<Recorder::Item> Recorder::room(bool waits) {
+// Passes an item of the source to the thread, or returns false if there is no room for it, in which
+// case the source drops its frame.
+// @param fill  sets the item's content; the item reuses its memory
+template <class Fill>
+bool Recorder::add_of_source(bool waits, const Fill& fill) {
+  if (is_over()) return true;
   std::optional<std::unique_ptr<Item>> item =
       waits ? free_.pop() : free_.pop_within(std::chrono::duration<double>(0));
-  return item ? std::move(*item) : nullptr;
+  if (!item) return is_over();
+  fill(**item);
+  ready_.push(std::move(*item));
+  return true;
+}
+
+// The same for an item of the loop, which waits for room.
+template <class Fill>
+void Recorder::add_of_loop(const Fill& fill) {
+  if (is_over()) return;
+  std::optional<std::unique_ptr<Item>> item = free_states_.pop();
+  if (!item) return;
+  fill(**item);
+  ready_.push(std::move(*item));
 }
 
 bool Recorder::add_frame(const Frame& frame, std::optional<double> taken, bool waits) {
-  if (is_over()) return true;
-  std::unique_ptr<Item> item = room(waits);
-  if (!item) {
-    if (is_over()) return true;
-    ++left_out_;
-    return false;
-  }
-  item->kind = Item::Kind::kFrame;
-  item->frame = frame;  // reuses memory from the second time on
-  item->taken = taken;
-  ready_.push(std::move(item));
-  return true;
+  const bool added = add_of_source(waits, [&](Item& item) {
+    item.kind = Item::Kind::kFrame;
+    item.frame = frame;
+    item.taken = taken;
+  });
+  left_out_ += !added;
+  return added;
 }
 
 bool Recorder::add_unreadable(int number, std::string_view why, bool waits) {
-  if (is_over()) return true;
-  std::unique_ptr<Item> item = room(waits);
-  if (!item) {
-    if (is_over()) return true;
-    ++left_out_;
-    return false;
-  }
-  item->kind = Item::Kind::kUnreadable;
-  item->frame.number = number;
-  item->why = why;
-  ready_.push(std::move(item));
-  return true;
+  const bool added = add_of_source(waits, [&](Item& item) {
+    item.kind = Item::Kind::kUnreadable;
+    item.frame.number = number;
+    item.why = why;
+  });
+  left_out_ += !added;
+  return added;
 }
 
 bool Recorder::add_silence(SourceState state, std::string_view why, bool waits) {
-  if (is_over()) return true;
-  std::unique_ptr<Item> item = room(waits);
-  if (!item) return is_over();
-  item->kind = Item::Kind::kSilence;
-  item->silence = state;
-  item->why = why;
-  ready_.push(std::move(item));
-  return true;
+  return add_of_source(waits, [&](Item& item) {
+    item.kind = Item::Kind::kSilence;
+    item.silence = state;
+    item.why = why;
+  });
 }
 
 void Recorder::add_refinement(bool asked, const Eigen::Matrix3Xf* exact) {
-  if (is_over()) return;
-  std::optional<std::unique_ptr<Item>> item = free_states_.pop();
-  if (!item) return;
-  (*item)->kind = Item::Kind::kRefinement;
-  (*item)->refinement.asked = asked;
-  if (exact != nullptr) {
-    (*item)->refinement.exact = *exact;
-  } else {
-    (*item)->refinement.exact.resize(3, 0);
-  }
-  ready_.push(std::move(*item));
+  add_of_loop([&](Item& item) {
+    item.kind = Item::Kind::kRefinement;
+    item.refinement.asked = asked;
+    if (exact != nullptr) {
+      item.refinement.exact = *exact;
+    } else {
+      item.refinement.exact.resize(3, 0);
+    }
+  });
 }
 
 void Recorder::add_state(int number, std::uint64_t hash, std::string_view line) {
-  if (is_over()) return;
-  std::optional<std::unique_ptr<Item>> item = free_states_.pop();
-  if (!item) return;
-  (*item)->kind = Item::Kind::kState;
-  (*item)->state.number = number;
-  (*item)->state.hash = hash;
-  (*item)->state.line = line;
-  ready_.push(std::move(*item));
+  add_of_loop([&](Item& item) {
+    item.kind = Item::Kind::kState;
+    item.state.number = number;
+    item.state.hash = hash;
+    item.state.line = line;
+  });
 }
 
 void Recorder::run_thread() {

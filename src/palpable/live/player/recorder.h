@@ -7,7 +7,6 @@
 /// Where frames come at their own pace, a frame that the disk is too slow for is not passed to the
 /// loop either; a source that waits for its reader waits for the disk. So the loop processes
 /// exactly the recorded frames, and a replay processes the same ones.
-/// recorded, and a replay answers the same frames.
 #pragma once
 
 #include "palpable/common/base/json.h"
@@ -84,7 +83,10 @@ class Recorder {
   using Items = BoundedQueue<std::unique_ptr<Item>>;
 
   [[nodiscard]] bool is_over() const { return ended_early_ || finished_; }
-  [[nodiscard]] std::unique_ptr<Item> room(bool waits);
+  template <class Fill>
+  bool add_of_source(bool waits, const Fill& fill);
+  template <class Fill>
+  void add_of_loop(const Fill& fill);
   void run_thread();
   void finish_thread();
   void write(const Item& item);

@@ -84,25 +84,15 @@ std::unique_ptr<FrameInFlight> VisionThread::next_within(double seconds) {
 void VisionThread::copy_reports(SourceGuard& guard) {
   std::vector<std::string> reports = guard.take_reports();
   const std::lock_guard lock(reports_mutex_);
-  troubles_ = guard.troubles();
-  last_trouble_ = guard.last_trouble();
-  reports_.insert(reports_.end(), std::make_move_iterator(reports.begin()),
-                  std::make_move_iterator(reports.end()));
+  reports_.troubles = guard.troubles();
+  reports_.last_trouble = guard.last_trouble();
+  reports_.lines.insert(reports_.lines.end(), std::make_move_iterator(reports.begin()),
+                        std::make_move_iterator(reports.end()));
 }
 
-std::vector<std::string> VisionThread::take_reports() {
+SourceReports VisionThread::take_reports() {
   const std::lock_guard lock(reports_mutex_);
-  return std::exchange(reports_, {});
-}
-
-SourceTroubles VisionThread::troubles() {
-  const std::lock_guard lock(reports_mutex_);
-  return troubles_;
-}
-
-std::string VisionThread::last_trouble() {
-  const std::lock_guard lock(reports_mutex_);
-  return last_trouble_;
+  return {std::exchange(reports_.lines, {}), reports_.troubles, reports_.last_trouble};
 }
 
 void VisionThread::recycle(std::unique_ptr<FrameInFlight> frame) { free_.push(std::move(frame)); }

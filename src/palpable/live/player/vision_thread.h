@@ -35,6 +35,13 @@ struct FrameInFlight {
   double taken = 0;
 };
 
+/// Problems of a run's source.
+struct SourceReports {
+  std::vector<std::string> lines;  ///< messages, one line each
+  SourceTroubles troubles;         ///< counted from the beginning
+  std::string last_trouble;        ///< the reason why the last unusable frame was skipped
+};
+
 /// One thread evaluates the frames in their order, so that the results are bit-identical to those
 /// of a loop on a single thread.
 class VisionThread {
@@ -56,12 +63,8 @@ class VisionThread {
   /// Returns a frame's memory for reuse.
   void recycle(std::unique_ptr<FrameInFlight> frame);
 
-  /// Messages about problems of the source since the last call, one line each.
-  [[nodiscard]] std::vector<std::string> take_reports();
-  /// The same problems, counted from the beginning.
-  [[nodiscard]] SourceTroubles troubles();
-  /// The reason why the last unusable frame was skipped.
-  [[nodiscard]] std::string last_trouble();
+  /// The problems of the source. The next call returns only later lines.
+  [[nodiscard]] SourceReports take_reports();
 
  private:
   void run(FrameSource& source, DepthCamera& camera, int frames);
@@ -71,10 +74,8 @@ class VisionThread {
   BoundedQueue<std::unique_ptr<FrameInFlight>> ready_;
   BoundedQueue<std::unique_ptr<FrameInFlight>> free_;
   std::exception_ptr trouble_;  // read only after ready_ is closed
-  std::mutex reports_mutex_;    // guards the members below
-  SourceTroubles troubles_;
-  std::string last_trouble_;
-  std::vector<std::string> reports_;
+  std::mutex reports_mutex_;    // guards reports_
+  SourceReports reports_;
   std::thread thread_;
 };
 

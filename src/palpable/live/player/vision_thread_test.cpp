@@ -152,7 +152,7 @@ TEST_CASE("a camera that does everything wrong never stops the loop, and the las
   std::vector<std::string> reports;
   while (!vision.ended()) {
     std::unique_ptr<FrameInFlight> flight = vision.next_within(0.001);
-    for (std::string& line : vision.take_reports()) reports.push_back(std::move(line));
+    for (std::string& line : vision.take_reports().lines) reports.push_back(std::move(line));
     if (!flight) continue;  // the previous picture stays on the screen
     REQUIRE(n < expected.size());
     loop.session.respond(flight->scene);
@@ -166,7 +166,7 @@ TEST_CASE("a camera that does everything wrong never stops the loop, and the las
     ++n;
   }
   CHECK(n == expected.size());
-  const SourceTroubles troubles = vision.troubles();
+  const SourceTroubles troubles = vision.take_reports().troubles;
   CHECK(troubles.unreadable == 6 * 3 + SourceGuard::kClockRestart - 1);
   CHECK(troubles.dropped == 3);
   CHECK(troubles.stalls == 1);

@@ -75,6 +75,18 @@ std::vector<std::optional<Rigid3>> corrected_path(std::span<const TrackedPose> f
   return poses;
 }
 
+void set_farthest(double farthest, RoomScanSettings& settings) {
+  SurfaceMapSettings& surface = settings.slam.surface;
+  // The standard deviation of depth grows with the square of the distance. The limit grows only
+  // linearly, because otherwise the surface would be blurred over metres.
+  const double farther = std::max(farthest / surface.farthest, 1.0);
+  surface.best_sigma *= farther * farther;
+  surface.largest_sigma *= farther;
+  surface.farthest = farthest;
+  // Tracking also uses points beyond the surface's range.
+  settings.depth.farthest = farthest < kUsualFarthest ? std::nullopt : std::optional(farthest);
+}
+
 RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
                    const std::function<bool(const RoomScanStep&)>& go_on) {
   SlamSettings slam = settings.slam;

@@ -29,6 +29,10 @@ struct RoomScanSettings {
   std::function<std::optional<Rigid3>(double time)> pose_at{};
 };
 
+/// Sets the range of the surface and the accuracy that its depths must have, and that of the depth
+/// camera, which is not smaller than usual. @param farthest  m, > 0
+void set_farthest(double farthest, RoomScanSettings& settings);
+
 /// The progress of a scan.
 struct RoomScanStep {
   int read = 0;                      ///< frames of this pass so far

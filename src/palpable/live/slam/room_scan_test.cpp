@@ -185,6 +185,25 @@ TEST_CASE("the surface of one pair has all voxels, that of many frames those on 
   }
 }
 
+TEST_CASE("a farther scan takes less accurate depths, and tracking keeps its range",
+          "[slam][room_scan]") {
+  const RoomScanSettings usual;
+  RoomScanSettings far = usual;
+  set_farthest(2 * usual.slam.surface.farthest, far);
+  CHECK(far.slam.surface.farthest == 2 * usual.slam.surface.farthest);
+  CHECK(far.slam.surface.best_sigma == 4 * usual.slam.surface.best_sigma);
+  CHECK(far.slam.surface.largest_sigma == 2 * usual.slam.surface.largest_sigma);
+  CHECK_FALSE(far.depth.farthest);
+  RoomScanSettings near = usual;
+  set_farthest(0.5, near);
+  CHECK(near.slam.surface.farthest == 0.5);
+  CHECK(near.slam.surface.best_sigma == usual.slam.surface.best_sigma);
+  CHECK_FALSE(near.depth.farthest);
+  RoomScanSettings street = usual;
+  set_farthest(40, street);
+  CHECK(street.depth.farthest == 40);
+}
+
 TEST_CASE("the summary of a scan lists frames, troubles and loops", "[slam][room_scan]") {
   RoomScanSettings settings;
   settings.slam.fuse_every = 0;

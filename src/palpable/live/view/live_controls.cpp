@@ -5,22 +5,23 @@
 namespace palpable {
 namespace {
 
-constexpr std::array<KeyMeaning, 16> kKeys{{{"1 .. 5", "which view"},
-                                            {"F", "what is painted"},
-                                            {"O", "occlusion"},
-                                            {"C", "contact points"},
-                                            {"N", "arrows of forces"},
-                                            {"L", "legend"},
-                                            {"B", "which body"},
-                                            {"A", "place it by a click"},
-                                            {"E", "begin anew"},
-                                            {"V", "record, stop"},
-                                            {"Space", "pause, go on"},
-                                            {"S", "one frame on"},
-                                            {"P", "keep the picture"},
-                                            {"R", "view as at the start"},
-                                            {"T", "this panel"},
-                                            {"Esc, Q", "end"}}};
+constexpr std::array<LiveKey, 16> kKeys{
+    {{"1 .. 5", "which view", 0, nullptr},
+     {"F", "what is painted", 'F', [](auto& c) { c.next_field(); }},
+     {"O", "occlusion", 'O', [](auto& c) { c.next_occlusion(); }},
+     {"C", "contact points", 'C', [](auto& c) { c.show.contacts ^= true; }},
+     {"N", "arrows of forces", 'N', [](auto& c) { c.show.forces ^= true; }},
+     {"L", "legend", 'L', [](auto& c) { c.show.legend ^= true; }},
+     {"B", "which body", 'B', [](auto& c) { c.next_body(); }},
+     {"A", "place it by a click", 'A', [](auto& c) { c.begin_placing(); }},
+     {"E", "begin anew", 'E', [](auto& c) { c.begin_anew(); }},
+     {"V", "record, stop", 'V', [](auto& c) { c.wishes.recording = c.run_may_change; }},
+     {"Space", "pause, go on", ' ', [](auto& c) { c.paused ^= true; }},
+     {"S", "one frame on", 'S', [](auto& c) { c.step(); }},
+     {"P", "keep the picture", 'P', [](auto& c) { c.picture_wanted = true; }},
+     {"R", "view as at the start", 'R', [](auto& c) { c.reset(); }},
+     {"T", "this panel", 'T', [](auto& c) { c.panel_shown ^= true; }},
+     {"Esc, Q", "end", 0, nullptr}}};
 
 }  // namespace
 
@@ -33,7 +34,7 @@ LiveControls::LiveControls(LiveView the_view, const SceneShow& the_show, int bod
   PALPABLE_EXPECT(bodies > 0, "there is a body");
 }
 
-std::span<const KeyMeaning> LiveControls::keys() { return kKeys; }
+std::span<const LiveKey> LiveControls::keys() { return kKeys; }
 
 void LiveControls::handle(const WindowEvent& event) {
   if (placing && event.kind == WindowEvent::Kind::kPress && event.button == 0 && shows_camera()) {
@@ -46,61 +47,16 @@ void LiveControls::handle(const WindowEvent& event) {
     view = static_cast<LiveView>(event.key - '1');
     return;
   }
-  switch (event.key) {
-    case 'F':
-      next_field();
-      break;
-    case 'O':
-      next_occlusion();
-      break;
-    case 'C':
-      show.contacts = !show.contacts;
-      break;
-    case 'N':
-      show.forces = !show.forces;
-      break;
-    case 'L':
-      show.legend = !show.legend;
-      break;
-    case 'B':
-      next_body();
-      break;
-    case ' ':
-      paused = !paused;
-      break;
-    case 'S':
-      step();
-      break;
-    case 'P':
-      picture_wanted = true;
-      break;
-    case 'R':
-      reset();
-      break;
-    case 'T':
-      panel_shown = !panel_shown;
-      break;
-    case 'H':
-      // The help is on the panel, so the panel is shown as well.
-      help_shown = !help_shown || !panel_shown;
-      panel_shown |= help_shown;
-      break;
-    case 'A':
-      begin_placing();
-      break;
-    case 'E':
-      begin_anew();
-      break;
-    case 'V':
-      wishes.recording = run_may_change;
-      break;
-    case 'Q':
-    case WindowEvent::kEscape:
-      ended = !placing || event.key == 'Q';
-      placing = false;
-      break;
-    default:
-      break;
+  if (event.key == 'H') {
+    // The help is on the panel, so the panel is shown as well.
+    help_shown = !help_shown || !panel_shown;
+    panel_shown |= help_shown;
+  } else if (event.key == 'Q' || event.key == WindowEvent::kEscape) {
+    ended = !placing || event.key == 'Q';
+    placing = false;
+  }
+  for (const LiveKey& key : kKeys) {
+    if (key.press != nullptr && key.code == event.key) key.press(*this);
   }
 }
 

@@ -27,10 +27,14 @@ enum class LiveView {
   kMap       ///< the room from outside (map_picture.h)
 };
 
-/// A key and its effect, in a word or two.
-struct KeyMeaning {
+class LiveControls;
+
+/// A key and its effect.
+struct LiveKey {
   const char* key;
-  const char* meaning;
+  const char* meaning;           ///< in a word or two
+  int code;                      ///< as WindowEvent::key; 0: the row stands for several keys
+  void (*press)(LiveControls&);  ///< null likewise
 };
 
 /// A parameter of a body that the user may set during the run (ReducedBody::further).
@@ -78,7 +82,7 @@ class LiveControls {
 
   [[nodiscard]] int body_count() const { return bodies_; }
   /// The list of keys, for the help.
-  [[nodiscard]] static std::span<const KeyMeaning> keys();
+  [[nodiscard]] static std::span<const LiveKey> keys();
 
   LiveView view;
   SceneShow show;

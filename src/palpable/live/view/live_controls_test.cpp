@@ -141,7 +141,7 @@ TEST_CASE("H shows the keys where they can be read, and each key once", "[view][
   CHECK(controls.picture_wanted);
   CHECK(controls.ended);
   std::set<std::string> keys;
-  for (const KeyMeaning& key : LiveControls::keys()) CHECK(keys.insert(key.key).second);
+  for (const LiveKey& key : LiveControls::keys()) CHECK(keys.insert(key.key).second);
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ void LivePanel::lay_out(LiveControls& controls) {
   ImGui::End();
   if (!controls.help_shown) return;
   begin_panel("keys", {panel_width(), 0});
-  for (const KeyMeaning& key : LiveControls::keys()) {
+  for (const LiveKey& key : LiveControls::keys()) {
     ImGui::TextUnformatted(key.key);
     ImGui::SameLine(4 * ImGui::GetFontSize());
     ImGui::TextUnformatted(key.meaning);

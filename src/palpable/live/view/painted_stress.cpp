@@ -1,8 +1,11 @@
 #include "palpable/live/view/painted_stress.h"
 
 #include "palpable/common/base/contract.h"
-#include "palpable/live/view/show_names.h"
+#include "palpable/common/base/error.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <cstddef>
 
 namespace palpable {
@@ -24,6 +27,27 @@ bool knows_stress(const Session& session, int number) {
 
 bool knows_contact(const Session& session, int number) {
   return session.body(number).response.contact() == ContactKind::kAnywhere;
+}
+
+const NamedPaint& paint_named(const std::string& name) {
+  const auto found = std::find_if(kPaints.begin(), kPaints.end(),
+                                  [&](const NamedPaint& paint) { return paint.name == name; });
+  PALPABLE_EXPECT(found != kPaints.end(), "the option takes known names alone");
+  return *found;
+}
+
+void expect_paintable(const std::string& paint, bool knows_stress, bool knows_contact,
+                      const std::filesystem::path& body) {
+  const SceneExtras needed = extras_for(paint_named(paint).field);
+  if (needed.contact_pressure && !knows_contact) {
+    throw Error(
+        fmt::format("--paint {}: {} is pressed at its sites here, of which the force alone is "
+                    "known; it is known where a body with tables of touch is pressed anywhere",
+                    paint, body.string()));
+  }
+  if (knows_stress || !needed.components) return;
+  throw Error(fmt::format("--paint {}: {} holds no stress; displacement or none can be painted",
+                          paint, body.string()));
 }
 
 void painted_stress(SceneShow::Field field, SceneShow::Component component,

@@ -8,7 +8,9 @@
 #include "palpable/common/reduced/reduced_body.h"
 #include "palpable/live/session/session.h"
 #include "palpable/live/view/scene_show.h"
+#include "palpable/live/view/show_names.h"
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,6 +38,15 @@ inline constexpr const char* kNoContactKnown = "no contact known";
 [[nodiscard]] bool knows_stress(const Session& session, int number);
 /// Whether a session's body has a contact pressure at each vertex, which takes tables of touch.
 [[nodiscard]] bool knows_contact(const Session& session, int number);
+
+/// The value of the option --paint with this name. @pre `name` is one of kPaints
+[[nodiscard]] const NamedPaint& paint_named(const std::string& name);
+/// @param paint          one of kPaints' names
+/// @param knows_stress   whether the body in this file has stress
+/// @param knows_contact  whether it has contact pressure, i.e. is not pressed at sites
+/// @throws Error when the body does not have the quantity to be painted
+void expect_paintable(const std::string& paint, bool knows_stress, bool knows_contact,
+                      const std::filesystem::path& body);
 
 /// Computes the pressure p = -(xx + yy + zz) / 3, or one component.
 /// @param field   one that needs_components()

@@ -1,0 +1,36 @@
+#include "apps/palpable/commands.h"
+#include "palpable/live/sources/camera_list.h"
+#include "tests/support/test.h"
+
+#include <string>
+
+namespace palpable::app {
+namespace {
+
+ListedCamera camera_of(CameraKind kind) {
+  ListedCamera camera;
+  camera.info.path = "/dev/video2";
+  camera.kind = kind;
+  return camera;
+}
+
+TEST_CASE("what is said of a camera's use can be typed", "[apps][camera]") {
+  ListedCamera both = camera_of(CameraKind::kSideBySide);
+  CHECK(use_of(both) ==
+        "  calibration: none known; palpable calibrate --source /dev/video2 makes one\n"
+        "  use: palpable live BODY --source /dev/video2\n");
+  both.calibration = "zed-m.yml";
+  CHECK(use_of(both) ==
+        "  calibration: zed-m.yml\n"
+        "  use: palpable live BODY --source /dev/video2\n");
+  CHECK(use_of(camera_of(CameraKind::kOneEye)) ==
+        "  use: palpable live BODY --source /dev/video2 --right DEVICE, where DEVICE is the right "
+        "eye\n");
+  CHECK(use_of(camera_of(CameraKind::kDepth)) ==
+        "  use: palpable live BODY --source DEVICE --depth /dev/video2, where DEVICE has the same "
+        "view\n");
+  CHECK(use_of(camera_of(CameraKind::kUnreadable)).empty());
+}
+
+}  // namespace
+}  // namespace palpable::app

@@ -1,0 +1,71 @@
+/// @file
+/// Options that several commands share: the source of images (live, scan, calibrate), the
+/// chessboard (live, calibrate), what is painted (live, replay, view), loads (view, press).
+#pragma once
+
+#include "palpable/common/reduced/loaded_body.h"
+#include "palpable/live/calibrate/board_calibration.h"
+#include "palpable/live/sources/camera_source.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+
+class Command;
+
+struct SourceOptions {
+  std::string source;  ///< folder, images by name, video file or /dev/video*
+  std::string right;
+  std::string depth;    ///< a depth camera or its images; or one of kDepthSizes
+  double farthest = 0;  ///< m; 0: the command's default
+  std::filesystem::path calibration;
+  std::string size;  ///< "2560x720"; empty: automatic choice
+  double frames_per_second = 0;
+  double exposure_ms = 0;  ///< 0: automatic
+  double gain = -1;        ///< negative: automatic
+  bool lock_exposure = false;
+};
+
+enum class SourceKind {
+  kAny,
+  kRawStereo,  ///< for calibration: without --depth and --calibration
+};
+
+/// The word of kDepthSizes in --depth; empty if it is none of them.
+[[nodiscard]] std::string depth_size(const SourceOptions& options);
+
+/// Adds all options except --source, which commands explain in their own words.
+void add_source_options(Command command, SourceOptions& options,
+                        SourceKind kind = SourceKind::kAny);
+
+/// The request for open_source(). @throws Error when --size is invalid
+[[nodiscard]] CameraRequest request_of(const SourceOptions& options);
+
+/// The files and folders that the options name, which outputs must not replace. For images by
+/// name, their folder.
+[[nodiscard]] std::vector<std::filesystem::path> inputs_of(const SourceOptions& options);
+
+/// Options that describe a chessboard.
+struct BoardOptions {
+  std::string corners = "9x6";
+  double square_mm = 25;
+};
+
+/// Adds --board and --square.
+void add_board_options(Command command, BoardOptions& options);
+
+/// @throws Error when --board is invalid
+[[nodiscard]] BoardPattern pattern_of(const BoardOptions& options);
+
+/// Adds --paint. @param paint receives one of kPaints' names (view/show_names.h); its present value
+/// is the default
+void add_paint_option(Command command, std::string& paint);
+
+/// Parses texts "X,Y,Z=F": m in the body's frame, N. @throws Error for another form,
+/// and as load_at()
+[[nodiscard]] std::vector<PlacedLoad> parse_loads(const ReducedBody& body,
+                                                  const std::vector<std::string>& texts);
+
+}  // namespace palpable::app

@@ -1,0 +1,494 @@
+#include "palpable/live/play/live_play.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/common/base/error.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/base/text_numbers.h"
+#include "palpable/common/base/this_machine.h"
+#include "palpable/desk/clip_files/image_files.h"
+#include "palpable/desk/clip_files/scene_files.h"
+#include "palpable/live/live_writer/live_output.h"
+#include "palpable/live/live_writer/live_summary.h"
+#include "palpable/live/play/live_changes.h"
+#include "palpable/live/player/body_place.h"
+#include "palpable/live/player/contact_ticks.h"
+#include "palpable/live/player/live_loop.h"
+#include "palpable/live/player/run_stats.h"
+#include "palpable/live/sources/recording_file.h"
+#include "palpable/live/sources/wall_clock.h"
+#include "palpable/live/view/figure_scores.h"
+#include "palpable/live/view/painted_stress.h"
+#include "palpable/live/view/scene_painter.h"
+#include "palpable/live/view/scene_picture.h"
+#include "palpable/live/view/show_names.h"
+#include "palpable/live/view/tiles.h"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPauseWait = 0.05;  // s, wait for window events while a recording is paused
+
+// Whether pictures are needed.
+[[nodiscard]] bool has_pictures(const PlayOptions& options) {
+  return options.window || !options.out.empty();
+}
+
+// Fails before bodies are read if the recording cannot be written.
+fs::path checked_recording(const fs::path& record, const std::vector<fs::path>& inputs,
+                           bool overwrite) {
+  if (record.empty()) return record;
+  const std::string file = record.string();
+  if (!is_recording_name(record)) {
+    throw Error(fmt::format("--record {}: should end in {}", file, kRecordingEnding));
+  }
+  guard_output_file(record, inputs);
+  std::error_code ignored;
+  if (fs::exists(record, ignored) && !overwrite) {
+    throw Error(fmt::format("--record {}: is there already; --overwrite replaces it", file));
+  }
+  return record;
+}
+
+// Returns the options if they do not contradict each other. @param other_output whether --overwrite
+// also applies to another file
+const PlayOptions& checked(const PlayOptions& options, bool other_output) {
+  if (options.pictures && options.view != "camera") {
+    throw Error("--pictures are what the camera sees: leave out --view " + options.view);
+  }
+  if (!options.views.empty()) {
+    if (options.window) throw Error("--views: the --window shows one view, and switches it");
+    if (options.pictures) throw Error("--views: --pictures are of the camera's view alone");
+  }
+  if (options.paused && !options.window) throw Error("--paused: a --window is paused");
+  if (!options.out.empty()) return options;
+  // Options about written files are an error without --out.
+  for (const auto& [wanted, name] :
+       {std::pair{options.pictures, "--pictures"}, std::pair{options.meshes, "--meshes"},
+        std::pair{!options.frame_pictures.empty(), "--frame-pictures"},
+        std::pair{options.no_masks, "--no-masks"}, std::pair{options.no_depth, "--no-depth"},
+        std::pair{options.overwrite && !other_output, "--overwrite"},
+        std::pair{!options.views.empty(), "--views"},
+        std::pair{options.every_frame, "--every-frame"}}) {
+    if (wanted) throw Error(fmt::format("{}: without --out nothing is written", name));
+  }
+  return options;
+}
+
+ProgressReport progress_of(const Scene& scene, int done, int total) {
+  return {"live", static_cast<double>(done), static_cast<double>(total), caption_of(scene.touches)};
+}
+
+// The value of an enumeration with this name. @pre the option takes `names` alone
+template <class Value, std::size_t N>
+Value value_named(const std::string& name, const std::array<const char*, N>& names) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  PALPABLE_EXPECT(found != names.end(), "the option takes known names alone");
+  return static_cast<Value>(found - names.begin());
+}
+
+std::vector<Tile> tiles_of(const PlayOptions& options) {
+  std::vector<Tile> tiles;
+  for (const std::string& name : options.views)
+    tiles.push_back(value_named<Tile>(name, kTileNames));
+  return tiles;
+}
+
+// The true depths that a synthetic clip has beside its pictures. @param images its folder frames/
+// @throws Error if there are none
+std::function<std::optional<DepthImage>(int)> true_depths(const fs::path& images) {
+  const fs::path truth = (fs::absolute(images) / ".." / "truth").lexically_normal();
+  std::error_code ignored;
+  if (!fs::is_directory(images, ignored) || !fs::is_directory(truth / "depth", ignored)) {
+    throw Error(
+        fmt::format("--views truth: {} has no truth/depth beside it; films of palpable "
+                    "synth have",
+                    images.string()));
+  }
+  return [truth, unit = read_truth_camera(truth / "camera.toml").depth_unit](int frame) {
+    const auto counts = read_depth_counts(truth / "depth" / frame_name(frame, ".png"));
+    return counts ? std::optional(depth_of(*counts, unit)) : std::nullopt;
+  };
+}
+
+SceneShow show_of(const PlayOptions& options) {
+  SceneShow show;
+  const NamedPaint& paint = paint_named(options.paint);
+  show.field = paint.field;
+  show.component = paint.component;
+  show.blended = !options.opaque;
+  show.occlusion = value_named<SceneShow::Occlusion>(options.occlusion, kOcclusionNames);
+  show.contacts = show.forces = options.forces;
+  return show;
+}
+
+// Warns of a body that is far too large for the view: nothing would touch it.
+void warn_of_size(const LiveRun& run, const PlayUser& user) {
+  const Session& session = run.loop.session;
+  for (int k = 0; k < session.body_count(); ++k) {
+    const auto warning = larger_than_view(
+        session.body(k).model().surface, session.body(k).world_from_body, run.loop.camera.camera());
+    if (warning) user.say(fmt::format("warning: {}", *warning));
+  }
+}
+
+// Computes touches between frames; null if that is not wanted.
+std::unique_ptr<ContactTicks> ticks_of(const PlayOptions& options, const LiveRun& run,
+                                       LiveEvents& events) {
+  if (options.contact_rate == 0) return nullptr;
+  return std::make_unique<ContactTicks>(
+      run.loop.session,
+      ContactTicks::Settings{.rate = options.contact_rate,
+                             .when_due = run.source->is_live() || options.paced},
+      [&events](const ContactTick& tick) {
+        events.send(tick.frame, tick.number, tick.time, *tick.touches);
+      });
+}
+
+// What a frame loop works with; must outlive it.
+struct LoopParts {
+  const PlayOptions& options;
+  const PlayUser& user;
+  LiveRun& run;
+  ScenePainter* painter;  // null: nothing is drawn
+  LiveEvents& events;
+  StateWatch& watch;
+  LiveChanges* changes;  // null: the run cannot be changed
+  // Makes the output, or null; called after the first frame was processed, so that a run that
+  // cannot begin replaces no files.
+  std::function<std::unique_ptr<LiveOutput>()> begin_output;
+};
+
+struct Played {
+  LiveCounts counts;
+  RunFigures figures;
+  std::unique_ptr<LiveOutput> output;  // null: no output, or no frame came
+  bool user_ended = false;
+  std::optional<ContactTickFigures> ticks;
+};
+
+// The frame loop of a run.
+class PlayLoop {
+ public:
+  PlayLoop(const LoopParts& parts, int frames)
+      : with_(parts),
+        loop_(parts.run, frames, parts.user.say),
+        ticks_(ticks_of(parts.options, parts.run, parts.events)) {}
+
+  // Plays until the source or the user ends the run. To be called once.
+  Played play() {
+    while ((!loop_.ended() || waits()) && !user_ended()) {
+      if (with_.changes != nullptr && with_.changes->record(*with_.painter, loop_)) {
+        with_.events.begin(session_);
+      }
+      if (waits()) {
+        hold(kPauseWait);
+        continue;
+      }
+      with_.run.loop.session.keep(with_.painter != nullptr ? with_.painter->wants()
+                                                           : SceneExtras{});
+      Scene* scene = loop_.next_within(FrameSource::kLongestWait);
+      report_stats();
+      if (scene != nullptr) {
+        answer(*scene);
+        draw_and_write(*scene);
+      } else {
+        hold(0);
+      }
+    }
+    RunFigures figures = stats_.all(moment());
+    Played played{loop_.counts(), std::move(figures), std::move(output_), user_ended(), {}};
+    if (ticks_) played.ticks = ticks_->finish();
+    return played;
+  }
+
+ private:
+  [[nodiscard]] bool user_ended() const {
+    return with_.user.asked_to_end() || (with_.painter != nullptr && with_.painter->ended());
+  }
+
+  // A recording stops while it is paused; frames of a camera are still processed, but not shown.
+  [[nodiscard]] bool waits() const {
+    return !is_live_ && with_.painter != nullptr && with_.painter->holds();
+  }
+
+  // Without a new frame, picture and body stay unchanged.
+  void hold(double wait) {
+    if (with_.painter != nullptr) with_.painter->handle_events(wait);
+    with_.events.serve();
+  }
+
+  RunMoment moment() {
+    return {.now = system_clock().now(),
+            .cpu = process_cpu_seconds(),
+            .dropped = loop_.counts().troubles.dropped,
+            .left_out = output_ ? output_->left_out() : 0};
+  }
+
+  void report_stats() {
+    // Without pictures and without a known number of frames, statistics are the only sign of
+    // progress.
+    const bool wanted = with_.options.stats || (with_.painter == nullptr && loop_.total() <= 0);
+    if (wanted && stats_.is_second_over(system_clock().now())) {
+      with_.user.say(text_of(stats_.end_stretch(moment())));
+    }
+  }
+
+  // Changes what the user wishes, and passes the frame's results on.
+  void answer(Scene& scene) {
+    if (with_.changes != nullptr && with_.changes->apply(*with_.painter, scene)) {
+      with_.events.begin(session_);
+    }
+    if (ticks_) ticks_->end_frame();
+    with_.events.send(scene);
+    if (ticks_) ticks_->begin_frame(session_, scene);
+    if (const auto line = with_.watch.add(scene)) with_.user.say(*line);
+  }
+
+  void draw_and_write(Scene& scene) {
+    if (!output_) output_ = with_.begin_output();
+    std::unique_ptr<DrawnFrame> drawn = output_ ? output_->blank() : std::move(kept_);
+    std::swap(drawn->scene, scene);
+    if (with_.painter != nullptr) {
+      with_.painter->draw(*drawn, session_);
+      with_.painter->show(drawn->picture);
+    }
+    stats_.add(drawn->scene.times, 1e3 * (system_clock().now() - loop_.taken()));
+    if (with_.options.pictures && drawn->in_files) {
+      drawn->scores = figure_scores(drawn->scene, session_, drawn->visible, drawn->body_depth);
+    }
+    const int done = static_cast<int>(loop_.counts().processed.size());
+    const int total = user_ended() ? done : loop_.total();
+    if (total > 0) report(with_.user.progress, progress_of(drawn->scene, done, total));
+    if (output_) {
+      output_->write(std::move(drawn));
+    } else {
+      kept_ = std::move(drawn);
+    }
+  }
+
+  LoopParts with_;
+  const Session& session_ = with_.run.loop.session;
+  bool is_live_ = with_.run.source->is_live();
+  RunStats stats_{{.now = system_clock().now(), .cpu = process_cpu_seconds()}};
+  LiveLoop loop_;
+  std::unique_ptr<ContactTicks> ticks_;  // null: none between frames
+  std::unique_ptr<LiveOutput> output_;
+  std::unique_ptr<DrawnFrame> kept_ = std::make_unique<DrawnFrame>();  // reused without output
+};
+
+LiveSummary summary(const PlayOptions& options, const LiveSetUp& setup, const Played& played,
+                    double wall) {
+  LiveSummary result = summary_of(setup.run, played.counts, played.figures, *played.output);
+  result.view =
+      options.views.empty() ? options.view : fmt::format("{}", fmt::join(options.views, ","));
+  result.scene = setup.scene.string();
+  for (std::size_t k = 0; k < result.bodies.size(); ++k) {
+    result.bodies[k].file = setup.bodies[k].file.string();
+    result.bodies[k].scale = setup.bodies[k].scale;
+  }
+  result.wall = wall;
+  return result;
+}
+
+// Locks the output folder against other runs; empty if nothing is written.
+std::optional<FolderLock> lock_of(const fs::path& out) {
+  if (out.empty()) return std::nullopt;
+  return std::optional<FolderLock>(std::in_place, out);
+}
+
+// --frame-pictures: the frames whose pictures are written.
+void read_frame_pictures(const std::vector<std::string>& words, LiveOutputSettings& settings) {
+  constexpr long long kMostFrames = 100'000'000;
+  for (const std::string& word : words) {
+    if (word == "all") {
+      settings.all_pictures = true;
+      continue;
+    }
+    const auto number = to_whole_number(word);
+    if (!number || *number < 0 || *number > kMostFrames) {
+      throw Error(fmt::format(
+          "--frame-pictures {}: must be numbers of frames, the first one is 0, or the word all",
+          word));
+    }
+    settings.kept_pictures.push_back(static_cast<int>(*number));
+  }
+  std::sort(settings.kept_pictures.begin(), settings.kept_pictures.end());
+}
+
+LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& run) {
+  const Session& session = run.loop.session;
+  LiveOutputSettings settings;
+  settings.folder = options.out;
+  settings.starts_at = run.source->format().starts_at;
+  settings.complete = options.every_frame || !run.source->is_live();
+  settings.depth = !options.no_depth;
+  settings.masks = !options.no_masks;
+  settings.figures = options.pictures;
+  read_frame_pictures(options.frame_pictures, settings);
+  for (int k = 0; k < session.body_count(); ++k) {
+    if (session.body_count() > 1) settings.bodies.push_back(session.body(k).name);
+    if (options.meshes) settings.meshes_of.push_back(session.body(k).model().surface);
+  }
+  if (options.pictures) settings.touch_frames = truly_touching_frames(run.images);
+  return settings;
+}
+
+std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveSetUp& setup,
+                                         const PlayUser& user, bool run_may_change) {
+  if (!has_pictures(options)) return nullptr;
+  const bool masks = !options.out.empty() && (!options.no_masks || options.pictures);
+  const std::vector<Tile> tiles = tiles_of(options);
+  const bool truth = std::find(tiles.begin(), tiles.end(), Tile::kTruth) != tiles.end();
+  return std::make_unique<ScenePainter>(
+      ScenePainterSettings{
+          .window = options.window,
+          .view = value_named<LiveView>(options.view, kViewNames),
+          .show = show_of(options),
+          .paused = options.paused,
+          .masks = masks,
+          .run_may_change = run_may_change,
+          .tiles = tiles,
+          .true_depth = truth ? true_depths(setup.run.images) : nullptr,
+          .keep_picture =
+              [&user, body = setup.bodies.front().file](const ColorImage& picture) {
+                return user.keep_picture(body, picture);
+              }},
+      setup.run.loop);
+}
+
+// The files that a run has left.
+std::string text_of(const LiveOutput& output, const fs::path& out) {
+  std::string text;
+  if (output.left_out() > 0) {
+    text = fmt::format(
+        "{} of these frames are in the texts only, {} not even there: the disk was behind; "
+        "--every-frame waits for it\n",
+        output.left_out(), output.lines_left_out());
+  }
+  text += fmt::format("{}\n", (out / "touch.mp4").string());
+  for (const std::string& name : output.figures()) {
+    text += fmt::format("{}\n", (out / name).string());
+  }
+  return text;
+}
+
+// Compares the states of a replay with those of the live run.
+class ReplayWatch final : public StateWatch {
+ public:
+  explicit ReplayWatch(StateComparison& comparison) : comparison_(comparison) {}
+  std::optional<std::string> add(const Scene& scene) override {
+    const std::uint64_t state = state_hash(scene);
+    hash_.add(state);
+    comparison_.add(scene.number, state);
+    return std::nullopt;
+  }
+  std::optional<LiveSummary::States> end() override {
+    return LiveSummary::States{hash_.text(), hash_.count()};
+  }
+
+ private:
+  StateComparison& comparison_;
+  RunHash hash_;
+};
+
+}  // namespace
+
+LivePlay::LivePlay(const PlayOptions& options, const std::vector<fs::path>& inputs, PlayUser user,
+                   const fs::path& record)
+    : record_(checked_recording(record, inputs, options.overwrite)),
+      options_(checked(options, !record.empty())),
+      user_(std::move(user)),
+      lock_(lock_of(options_.out)),
+      earlier_(lock_ ? earlier_run(options_.out, options_.overwrite, inputs)
+                     : std::vector<fs::path>()),
+      events_(options_.events) {}
+
+void LivePlay::check(const LiveSetUp& setup) const {
+  const Session& session = setup.run.loop.session;
+  for (int k = 0; k < session.body_count(); ++k) {
+    expect_paintable(options_.paint, knows_stress(session, k), knows_contact(session, k),
+                     setup.bodies[static_cast<std::size_t>(k)].file);
+  }
+  if (options_.contact_rate == 0) return;
+  if (const auto trouble = BetweenFrames::trouble_of(session)) {
+    throw Error("--contact-rate: " + trouble->message);
+  }
+}
+
+PlayResult LivePlay::play(LiveSetUp& setup, int frames) {
+  check(setup);  // before an earlier recording is replaced
+  LiveChanges changes(setup, user_);
+  if (!record_.empty()) changes.begin_recording(record_);
+  const bool may_change =
+      options_.window && setup.options.refine.empty() && options_.contact_rate == 0;
+  PlayResult result = run(setup, frames, changes, may_change ? &changes : nullptr);
+  result.text += changes.text();
+  return result;
+}
+
+PlayResult LivePlay::replay(LiveSetUp& setup, StateComparison& comparison) {
+  check(setup);
+  ReplayWatch watch(comparison);
+  return run(setup, comparison.expected() > 0 ? comparison.expected() : -1, watch, nullptr);
+}
+
+PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveChanges* changes) {
+  LiveRun& run = setup.run;
+  warn_of_size(run, user_);
+  const LiveOutputSettings written = output_settings(options_, run);
+  const std::unique_ptr<ScenePainter> painter =
+      painter_of(options_, setup, user_, changes != nullptr);
+
+  const auto begin = std::chrono::steady_clock::now();
+  user_.begin();
+  events_.begin(run.loop.session);
+  if (!events_.name().empty()) user_.print(fmt::format("events: {}\n", events_.name()));
+  const auto begin_output = [&]() -> std::unique_ptr<LiveOutput> {
+    if (!lock_) return nullptr;
+    remove_earlier_run(earlier_);
+    return std::make_unique<LiveOutput>(written);
+  };
+  const Played played =
+      PlayLoop({options_, user_, run, painter.get(), events_, watch, changes, begin_output}, frames)
+          .play();
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  const LiveCounts& counts = played.counts;
+  if (counts.processed.empty()) {
+    throw Error(fmt::format("{}: no frame could be read ({} unreadable; {})", run.images.string(),
+                            counts.troubles.unreadable, counts.last_trouble));
+  }
+  const std::optional<LiveSummary::States> states = watch.end();
+  if (played.output) {
+    played.output->finish();
+    LiveSummary all = summary(options_, setup, played, wall.count());
+    all.states = states;
+    write_live_summary(options_.out / "live.json", all);
+  }
+  if (painter) painter->throw_gl_errors();
+
+  std::string text = text_of(counts, run.loop.session, wall.count());
+  if (states) text += fmt::format("states: {} of {} frames\n", states->hash, states->frames);
+  text += events_.text();
+  if (played.ticks) text += text_of(*played.ticks) + "\n";
+  if (options_.stats) text += text_of(played.figures) + "\n";
+  if (played.output) text += text_of(*played.output, options_.out);
+  return {std::move(text), played.user_ended};
+}
+
+}  // namespace palpable
