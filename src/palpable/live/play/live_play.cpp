@@ -1,6 +1,7 @@
 #include "palpable/live/play/live_play.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/base/cpu_time.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/text_numbers.h"
