@@ -1,7 +1,7 @@
 #include "palpable/live/play/live_set_up.h"
 
-#include "palpable/common/base/error.h"
 #include "palpable/common/base/checksum.h"
+#include "palpable/common/base/error.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/body_file.h"
 #include "palpable/common/body_file/touch_file.h"

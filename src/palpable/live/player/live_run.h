@@ -54,8 +54,8 @@ struct LiveRun {
 /// Determines the poses, opens the images, and makes the loop. Sets OpenCV's number of threads for
 /// the whole process. For anchors kPlane and kBoard the images are opened, played for one second,
 /// closed and opened again.
-/// @throws NoPlaceError (scene_files.h) when the pose of a body cannot be determined; Error for other
-/// failures, e.g. bodies that penetrate each other
+/// @throws NoPlaceError (scene_files.h) when the pose of a body cannot be determined; Error for
+/// other failures, e.g. bodies that penetrate each other
 /// @param source  already open; settings.images gives its name and the folder in which scene.toml
 /// is searched. Null: settings.images is opened
 [[nodiscard]] LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings,
