@@ -57,8 +57,7 @@ DepthScorer::DepthScorer(double unit) : unit_(unit), distance_of_count_(65536, -
   for (Distance& distance : distances_) distance.errors.assign(kErrorSteps + 1, 0);
 }
 
-void DepthScorer::add(const DepthCounts& truth, const LabelImage& labels,
-                      const DepthCounts& found) {
+void DepthScorer::add(const DepthCounts& truth, const MaskImage& labels, const DepthCounts& found) {
   const auto fits = [&](const auto& image) {
     return image.width() == truth.width() && image.height() == truth.height();
   };
@@ -68,7 +67,7 @@ void DepthScorer::add(const DepthCounts& truth, const LabelImage& labels,
   if (!labels.empty()) add_hand(truth, labels, found);
 }
 
-void DepthScorer::add_distances(const DepthCounts& truth, const LabelImage& labels,
+void DepthScorer::add_distances(const DepthCounts& truth, const MaskImage& labels,
                                 const DepthCounts& found) {
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const std::uint16_t t = truth.data()[i];
@@ -79,7 +78,7 @@ void DepthScorer::add_distances(const DepthCounts& truth, const LabelImage& labe
       called_far_ += measured(f) && f > kFarShare * t;
     }
     const int k = distance_of_count_[t];
-    if (k < 0 || (!labels.empty() && (labels.data()[i] & kBothEyesLabel) == 0)) continue;
+    if (k < 0 || (!labels.empty() && (labels.data()[i] & kBothSeeLabel) == 0)) continue;
     Distance& distance = distances_[k];
     ++distance.pixels;
     if (!measured(f)) continue;
@@ -90,16 +89,16 @@ void DepthScorer::add_distances(const DepthCounts& truth, const LabelImage& labe
   }
 }
 
-void DepthScorer::add_hand(const DepthCounts& truth, const LabelImage& labels,
+void DepthScorer::add_hand(const DepthCounts& truth, const MaskImage& labels,
                            const DepthCounts& found) {
   hand_.clear();
   std::int64_t seen = 0;
   std::int64_t right = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const std::uint16_t t = truth.data()[i];
-    if ((labels.data()[i] & kMovingLabel) == 0 || t == kNoDepth) continue;
+    if ((labels.data()[i] & kMovesLabel) == 0 || t == kNoDepth) continue;
     hand_.push_back(t);
-    if ((labels.data()[i] & kBothEyesLabel) == 0) continue;
+    if ((labels.data()[i] & kBothSeeLabel) == 0) continue;
     ++seen;
     right += within(t, found.data()[i]);
   }

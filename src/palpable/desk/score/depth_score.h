@@ -16,12 +16,6 @@
 
 namespace palpable {
 
-using LabelImage = Image<std::uint8_t>;
-
-/// Bits of a truth's label.
-inline constexpr std::uint8_t kMovingLabel = 1;    ///< hand, sleeve, pencil, cup
-inline constexpr std::uint8_t kBothEyesLabel = 2;  ///< the right eye sees the same point
-
 /// The distances at which depth is scored, m. A pixel belongs to a distance if its true depth
 /// differs from it by at most 15 %, and otherwise to none.
 inline constexpr std::array kDepthDistances{0.2, 0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0};
@@ -63,7 +57,7 @@ class DepthScorer {
   /// @param labels  bits as above. Empty for a truth without labels: then both eyes see every pixel
   ///                and nothing moves
   /// @throws ContractViolation for unequal sizes
-  void add(const DepthCounts& truth, const LabelImage& labels, const DepthCounts& found);
+  void add(const DepthCounts& truth, const MaskImage& labels, const DepthCounts& found);
 
   [[nodiscard]] DepthScore score() const;
 
@@ -75,8 +69,8 @@ class DepthScorer {
     std::vector<std::int64_t> errors;  ///< histogram of relative errors, steps of 1e-5
   };
 
-  void add_distances(const DepthCounts& truth, const LabelImage& labels, const DepthCounts& found);
-  void add_hand(const DepthCounts& truth, const LabelImage& labels, const DepthCounts& found);
+  void add_distances(const DepthCounts& truth, const MaskImage& labels, const DepthCounts& found);
+  void add_hand(const DepthCounts& truth, const MaskImage& labels, const DepthCounts& found);
 
   double unit_;
   std::vector<std::int8_t> distance_of_count_;  ///< (65536) index in kDepthDistances, -1: none

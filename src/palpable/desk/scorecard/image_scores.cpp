@@ -52,8 +52,7 @@ MaskImage to_half(const MaskImage& mask, int width) {
 
 MaskImage moving_in(const GrayImage& labels) {
   MaskImage moving(labels.width(), labels.height());
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    moving.data()[i] = labels.data()[i] & kMovingLabel;
+  for (std::size_t i = 0; i < labels.size(); ++i) moving.data()[i] = labels.data()[i] & kMovesLabel;
   return moving;
 }
 
@@ -176,11 +175,11 @@ class ImageScorer {
     const fs::path path = image_of(result_.folder, "moving", frame);
     const auto found = read_mask(path);
     if (!found) {
-      moving_ += missing_mask(labels, kMovingLabel);
+      moving_ += missing_mask(labels, kMovesLabel);
       return;
     }
     expect_size(*found, path, labels, image_of(truth_.folder, "labels", frame), true);
-    moving_ += compare_masks(labels, kMovingLabel, to_half(*found, labels.width()));
+    moving_ += compare_masks(labels, kMovesLabel, to_half(*found, labels.width()));
   }
 
   void add_depth(int frame, const DepthCounts& true_depth, const GrayImage& labels) {
