@@ -6,9 +6,9 @@
 #include "apps/palpable/kept_picture.h"
 #include "apps/palpable/live_changes.h"
 #include "apps/palpable/paint_option.h"
+#include "palpable/common/base/cpu_time.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/text_numbers.h"
-#include "palpable/common/base/this_machine.h"
 #include "palpable/desk/clip_files/depth_image_file.h"
 #include "palpable/desk/clip_files/frame_names.h"
 #include "palpable/desk/clip_files/truth_camera_file.h"
@@ -162,7 +162,7 @@ struct Played {
 
 RunMoment moment_of(const LiveCounts& counts, const LiveOutput* output) {
   return {.now = system_clock().now(),
-          .cpu = process_cpu(),
+          .cpu = process_cpu_seconds(),
           .dropped = counts.troubles.dropped,
           .left_out = output != nullptr ? output->left_out() : 0};
 }

@@ -5,6 +5,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/live_setup.h"
 #include "palpable/common/base/allocation_count.h"
+#include "palpable/common/base/cpu_time.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
@@ -120,7 +121,9 @@ void time_copies(const MemoryFilm& film, std::vector<double>& ms) {
 }
 
 RunMoment moment_of(const LiveCounts& counts) {
-  return {.now = system_clock().now(), .cpu = process_cpu(), .dropped = counts.troubles.dropped};
+  return {.now = system_clock().now(),
+          .cpu = process_cpu_seconds(),
+          .dropped = counts.troubles.dropped};
 }
 
 // The default files of `palpable live --out`.

@@ -3,6 +3,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/live_setup.h"
+#include "palpable/common/base/cpu_time.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
@@ -66,9 +67,9 @@ RenderFigures draw_all(std::vector<DrawnFrame>& scenes, const FrameLoop& loop, i
   std::vector<double> ms;
   for (int pass = 0; pass < kWarmUpDraws + repeats; ++pass) {
     for (DrawnFrame& drawn : scenes) {
-      const double before = process_cpu();
+      const double before = process_cpu_seconds();
       painter.draw(drawn, loop.session);
-      if (pass >= kWarmUpDraws) ms.push_back(1e3 * (process_cpu() - before));
+      if (pass >= kWarmUpDraws) ms.push_back(1e3 * (process_cpu_seconds() - before));
     }
   }
   painter.throw_gl_errors();

@@ -13,7 +13,8 @@ namespace palpable {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// CPU seconds of the whole process, all its threads, since it began.
+/// CPU seconds of the whole process since it began: of all its threads, including the time in the
+/// system, without that of child processes.
 [[nodiscard]] inline double process_cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);

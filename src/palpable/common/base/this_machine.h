@@ -1,5 +1,5 @@
 /// @file
-/// Facts about the process and its machine (memory, processor time, processor, date), which reports
+/// Facts about the process and its machine (memory, processor, date), which reports
 /// state beside their measurements.
 #pragma once
 
@@ -10,10 +10,6 @@ namespace palpable {
 
 /// The largest memory that this process has held so far, bytes.
 [[nodiscard]] double peak_memory();
-
-/// Processor time of this process, s: of all threads, including the time in the system, without
-/// that of child processes.
-[[nodiscard]] double process_cpu();
 
 /// The processor's name in /proc/cpuinfo with the number of cores: "..., 2 cores".
 [[nodiscard]] std::string processor_name();

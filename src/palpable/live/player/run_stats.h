@@ -36,7 +36,7 @@ class DurationBins {
 /// Clocks and counters at one moment.
 struct RunMoment {
   double now = 0;    ///< s, wall clock
-  double cpu = 0;    ///< s, CPU time of all threads of this process (process_cpu())
+  double cpu = 0;    ///< s, CPU time of all threads of this process (process_cpu_seconds())
   int dropped = 0;   ///< frames that the source dropped before the loop, so far
   int left_out = 0;  ///< frames that are in the text files only, so far
 };
