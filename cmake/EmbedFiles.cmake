@@ -4,6 +4,8 @@
 #       std::span<const ShaderFile> palpable::render_shader_files();   (declare it where you use it)
 #   palpable_embed_pages(bake/exchange FILE...)   of src/palpable/bake/exchange/pages, and the given files, as
 #       std::span<const PageFile> palpable::exchange_page_files();
+#   palpable_embed(reproduce text PageFile HEADER FILE...)   the given files, as the type of that header, as
+#       std::span<const PageFile> palpable::reproduce_text_files();
 #
 # Run as a script (-P) it writes the one .cpp; a file that changes is embedded again by the build.
 if(CMAKE_SCRIPT_MODE_FILE)

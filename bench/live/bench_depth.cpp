@@ -271,11 +271,11 @@ class OutlineTimes {
     constexpr int kSide = 144, kHoles = 6;  // px at half resolution
     constexpr float kBodyZ = 0.4f;          // m, a plate between hand and desk
     const int cx = seen.depth.width() / 2, cy = seen.depth.height() / 2;
-    const PixelRange inner{cx - kSide / 2, cy - kSide / 2, cx + kSide / 2, cy + kSide / 2};
-    const PixelRange box{std::max(inner.x0 - kLongestHalfSeen - 1, 0),
-                         std::max(inner.y0 - RealOutlines::kMargin, 0),
-                         std::min(inner.x1 + kLongestHalfSeen + 1, seen.depth.width()),
-                         std::min(inner.y1 + RealOutlines::kMargin, seen.depth.height())};
+    const PixelBox inner{cx - kSide / 2, cy - kSide / 2, kSide, kSide};
+    const PixelBox box = PixelBox::between(
+        std::max(inner.x - kLongestHalfSeen - 1, 0), std::max(inner.y - RealOutlines::kMargin, 0),
+        std::min(inner.right() + kLongestHalfSeen + 1, seen.depth.width()),
+        std::min(inner.bottom() + RealOutlines::kMargin, seen.depth.height()));
     body_.assign(4 * kSide * kSide, kBodyZ);
     Times least;
     for (int i = 0; i < 5; ++i) {

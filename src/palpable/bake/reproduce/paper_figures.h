@@ -1,6 +1,6 @@
 /// @file
 /// The paper's figures, assembled from the results of a plan's commands: pictures, tables and the
-/// texts beside them.
+/// texts beside them. paper.toml lists them.
 #pragma once
 
 #include "palpable/bake/reproduce/paper_plan.h"
@@ -18,9 +18,9 @@ struct FigurePicture {
 
 struct PaperFigure {
   std::string number;  ///< of the paper: "2c", "9"
-  std::string title;
-  std::string paper;    ///< what the paper shows and says
-  std::string differs;  ///< what differs here, and why
+  std::string title = {};
+  std::string paper = {};    ///< what the paper shows and says
+  std::string differs = {};  ///< what differs here, and why
   std::vector<FigurePicture> pictures = {};
   std::vector<std::filesystem::path> tables = {};  ///< CSV, relative to the page's folder
   std::vector<std::filesystem::path> films = {};   ///< MP4

@@ -31,21 +31,13 @@ PixelBox box_in_image(const Eigen::AlignedBox3d& space, const Rigid3& camera_fro
   const int left = pixel(seen.min().x(), camera.width), top = pixel(seen.min().y(), camera.height);
   const int right = pixel(seen.max().x() + 1, camera.width);
   const int bottom = pixel(seen.max().y() + 1, camera.height);
-  return {left, top, right - left, bottom - top};
-}
-
-PixelBox united(const PixelBox& a, const PixelBox& b) {
-  if (a.width <= 0 || a.height <= 0) return b;
-  if (b.width <= 0 || b.height <= 0) return a;
-  const int left = std::min(a.x, b.x), top = std::min(a.y, b.y);
-  return {left, top, std::max(a.x + a.width, b.x + b.width) - left,
-          std::max(a.y + a.height, b.y + b.height) - top};
+  return PixelBox::between(left, top, right, bottom);
 }
 
 PixelBox grown(const PixelBox& box, int margin, const PinholeCamera& camera) {
   const int left = std::max(box.x - margin, 0), top = std::max(box.y - margin, 0);
-  const int right = std::min(box.x + box.width + margin, camera.width);
-  const int bottom = std::min(box.y + box.height + margin, camera.height);
+  const int right = std::min(box.right() + margin, camera.width);
+  const int bottom = std::min(box.bottom() + margin, camera.height);
   return {left, top, std::max(right - left, 0), std::max(bottom - top, 0)};
 }
 

@@ -55,8 +55,8 @@ bool same(std::span<const HandCapsule> a, std::span<const HandCapsule> b) {
 }
 
 /// The rectangle of the ideal picture that movers can change, with or without their shadow.
-Box touched_by(std::span<const HandCapsule> capsules, const Eye& eye, const Rigid3& eye_from_desk,
-               bool shadow) {
+PixelBox touched_by(std::span<const HandCapsule> capsules, const Eye& eye,
+                    const Rigid3& eye_from_desk, bool shadow) {
   SeenBox box(eye.ideal);
   for (const HandCapsule& capsule : capsules) {
     const auto& [a, b, ra, rb] = capsule.shape;
@@ -75,14 +75,14 @@ Box touched_by(std::span<const HandCapsule> capsules, const Eye& eye, const Rigi
 }
 
 /// Copies a rectangle of a picture to the same position of another with equal format and size.
-void copy(const GlTexture& from, GLuint to, GLenum kind, int layer, const Box& box) {
+void copy(const GlTexture& from, GLuint to, GLenum kind, int layer, const PixelBox& box) {
   glCopyImageSubData(from.get(), GL_TEXTURE_2D, 0, box.x, box.y, 0, to, kind, 0, box.x, box.y,
                      layer, box.width, box.height, 1);
 }
-void copy(const GlTexture& from, const GlTexture& to, const Box& box) {
+void copy(const GlTexture& from, const GlTexture& to, const PixelBox& box) {
   copy(from, to.get(), GL_TEXTURE_2D, 0, box);
 }
-void copy(const GlTexture& from, const GlTextureArray& to, int layer, const Box& box) {
+void copy(const GlTexture& from, const GlTextureArray& to, int layer, const PixelBox& box) {
   copy(from, to.get(), GL_TEXTURE_2D_ARRAY, layer, box);
 }
 
@@ -178,13 +178,13 @@ LightBox DeskPainter::movers_in(const ShadowMap& map) const {
 
 /// Computes from a shadow map the share of the sun's light that reaches the desk's top; outside of
 /// `box` the share is 1.
-void DeskPainter::light_desk(const ShadowMap& map, const Box& box) const {
+void DeskPainter::light_desk(const ShadowMap& map, const PixelBox& box) const {
   map.top_target.bind();
   constexpr std::array<float, 4> kAll = {1, 1, 1, 1};
   glClearBufferfv(GL_COLOR, 0, kAll.data());
   // Beyond its border a texture repeats its outermost texels, so these stay fully lit.
   const int inner = map.depth.width() - 2;
-  const Box within = box.cut({1, 1, inner, inner});
+  const PixelBox within = box.cut({1, 1, inner, inner});
   if (within.empty()) return;
   glDisable(GL_DEPTH_TEST);
   cut_to(within);
@@ -330,7 +330,7 @@ bool DeskPainter::has_still(Eye& eye, const Rigid3& eye_from_desk) {
   return true;
 }
 
-void DeskPainter::paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted,
+void DeskPainter::paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const PixelBox& wanted,
                               const GlTexture& seen, float along) {
   if (!has_still(eye, eye_from_desk)) {
     begin_painting(eye, eye_from_desk, along);
@@ -344,7 +344,7 @@ void DeskPainter::paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& 
     return;
   }
   copy(eye.still_color, eye.ideal_color, wanted);
-  const Box box = touched(eye, eye_from_desk).cut(wanted);
+  const PixelBox box = touched(eye, eye_from_desk).cut(wanted);
   if (box.empty()) return;
   begin_painting(eye, eye_from_desk, along);
   copy(eye.still_depth, eye.ideal_depth, box);
@@ -356,20 +356,20 @@ void DeskPainter::paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& 
 }
 
 /// The rectangle that the movers can change while the shutter is open.
-Box DeskPainter::touched(const Eye& eye, const Rigid3& eye_from_desk, bool shadow) const {
-  return around(touched_by(first_, eye, eye_from_desk, shadow),
+PixelBox DeskPainter::touched(const Eye& eye, const Rigid3& eye_from_desk, bool shadow) const {
+  return united(touched_by(first_, eye, eye_from_desk, shadow),
                 touched_by(last_, eye, eye_from_desk, shadow));
 }
 
-std::vector<Box> DeskPainter::parts_touched(const Eye& eye, std::span<const Rigid3> poses,
-                                            bool cup) const {
+std::vector<PixelBox> DeskPainter::parts_touched(const Eye& eye, std::span<const Rigid3> poses,
+                                                 bool cup) const {
   if (cup) {
-    Box all;
-    for (const Rigid3& pose : poses) all = around(all, touched(eye, pose, false));
+    PixelBox all;
+    for (const Rigid3& pose : poses) all = united(all, touched(eye, pose, false));
     return {all};
   }
   constexpr int kParts = 4;  // parts of a capsule, each with its own rectangle
-  std::vector<Box> parts;
+  std::vector<PixelBox> parts;
   for (std::size_t i = 0; i < first_.size(); ++i)
     for (int part = 0; part < kParts; ++part) {
       SeenBox box(eye.ideal);
@@ -389,7 +389,7 @@ void DeskPainter::paint_reference(Eye& eye, int index, const Rigid3& eye_from_de
   const GlFramebuffer& target = eye.stills.targets[index];
   if (alone && has_still(eye, eye_from_desk)) {
     copy(eye.still_color, eye.stills.pictures, index, all_of(eye.ideal));
-    const Box box = touched(eye, eye_from_desk);
+    const PixelBox box = touched(eye, eye_from_desk);
     if (box.empty()) return;
     begin_painting(eye, eye_from_desk, 0.0F);
     target.bind();
@@ -410,7 +410,7 @@ void DeskPainter::paint_layer(const Eye& eye, int index, const Rigid3& eye_from_
   eye.layers.targets[index].bind();
   constexpr std::array<float, 4> kNothing{};
   glClearBufferfv(GL_COLOR, 0, kNothing.data());
-  const Box box = touched(eye, eye_from_desk, false);
+  const PixelBox box = touched(eye, eye_from_desk, false);
   if (box.empty()) return;
   copy(eye.still_depth, eye.ideal_depth, box);
   begin_painting(eye, eye_from_desk, along);

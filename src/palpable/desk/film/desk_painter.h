@@ -43,8 +43,8 @@ class DeskPainter {
   /// Paints the ideal picture of one instant within `wanted` and leaves the rest unchanged.
   /// @param seen  initial depth buffer: seen_depth or seen_depth_turned of the eye. Not used if
   ///              there is a still picture
-  void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted, const GlTexture& seen,
-                   float along);
+  void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const PixelBox& wanted,
+                   const GlTexture& seen, float along);
   /// Paints the still things, with the shadow of the movers, into picture `index` of eye.stills.
   /// @param alone  whether the exposure has no other reference
   void paint_reference(Eye& eye, int index, const Rigid3& eye_from_desk, bool alone);
@@ -56,8 +56,8 @@ class DeskPainter {
   /// shutter is open and the eye passes through the poses.
   /// @param cup  whether there is a cup. Its capsules differ from the drawn surface, so all movers
   ///             together then get one rectangle
-  [[nodiscard]] std::vector<Box> parts_touched(const Eye& eye, std::span<const Rigid3> poses,
-                                               bool cup) const;
+  [[nodiscard]] std::vector<PixelBox> parts_touched(const Eye& eye, std::span<const Rigid3> poses,
+                                                    bool cup) const;
 
   /// Writes Z, m, and whether the surface moves into each pixel of the target.
   void measure(const GlFramebuffer& target, const Rigid3& camera_from_desk,
@@ -68,10 +68,11 @@ class DeskPainter {
   void draw_movers() const;
   [[nodiscard]] bool any_in_shade(std::span<const HandCapsule> capsules) const;
   [[nodiscard]] LightBox movers_in(const ShadowMap& map) const;
-  void light_desk(const ShadowMap& map, const Box& box) const;
+  void light_desk(const ShadowMap& map, const PixelBox& box) const;
   template <class Draw>
   void cast_shadows(const ShadowMap& map, float along, const Draw& draw) const;
-  [[nodiscard]] Box touched(const Eye& eye, const Rigid3& eye_from_desk, bool shadow = true) const;
+  [[nodiscard]] PixelBox touched(const Eye& eye, const Rigid3& eye_from_desk,
+                                 bool shadow = true) const;
 
   void look_from(const Paint& paint, const Eye& eye, const Rigid3& eye_from_desk,
                  float along) const;
@@ -103,12 +104,12 @@ class DeskPainter {
 };
 
 /// The rectangle of all pixels.
-[[nodiscard]] inline Box all_of(const PinholeCamera& camera) {
+[[nodiscard]] inline PixelBox all_of(const PinholeCamera& camera) {
   return {0, 0, camera.width, camera.height};
 }
 
 /// Restricts drawing to the rectangle until GL_SCISSOR_TEST is disabled.
-inline void cut_to(const Box& box) {
+inline void cut_to(const PixelBox& box) {
   glEnable(GL_SCISSOR_TEST);
   glScissor(box.x, box.y, box.width, box.height);
 }

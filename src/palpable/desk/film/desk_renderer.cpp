@@ -64,7 +64,7 @@ struct View {
 };
 
 /// The part of the ideal picture that a band of raw rows needs.
-Box needed_by(const Band& band, const Eye& eye) {
+PixelBox needed_by(const Band& band, const Eye& eye) {
   float top = 1e9F, bottom = -1e9F;
   for (int row = band.first_row; row <= band.last_row; ++row) {
     top = std::min(top, eye.rows[row][0]);
@@ -148,7 +148,7 @@ struct DeskRenderer::State {
     program.set("noise_key", view.noise_key);
   }
   /// Runs the program in use over a rectangle of the raw picture.
-  void draw_raw(const Eye& eye, const Box& box) const {
+  void draw_raw(const Eye& eye, const PixelBox& box) const {
     if (box.empty()) return;
     eye.raw_target.bind();
     glDisable(GL_DEPTH_TEST);
@@ -264,7 +264,7 @@ struct DeskRenderer::State {
 
   /// Computes the mean of the pictures of paint_exposure() in rectangles of the raw picture.
   void sense_mean(const View& view, const DeskMoment& frame, const Exposure& exposure,
-                  const Looks& looks, std::span<const Box> boxes, bool with_layers) const {
+                  const Looks& looks, std::span<const PixelBox> boxes, bool with_layers) const {
     if (boxes.empty()) return;
     const Eye& eye = view.eye;
     const GlProgram& program = sense.exposed[with_layers ? 1 : 0][exposure.turns ? 1 : 0];
@@ -286,7 +286,7 @@ struct DeskRenderer::State {
       if (with_layers)
         program.set("still_from_layer", std::span<const Eigen::Matrix3f>(looks.still_from_layer));
     }
-    for (const Box& box : boxes) draw_raw(eye, box);
+    for (const PixelBox& box : boxes) draw_raw(eye, box);
   }
 
   /// Draws a frame with motion blur.
@@ -300,7 +300,7 @@ struct DeskRenderer::State {
       layer_poses.push_back(view.pose_at(frame, exposure.middle(layer, all_layers)));
     const Tiles tiles = view.eye.raw_tiles(
         painter.parts_touched(view.eye, layer_poses, first.desk_from_cup.has_value()));
-    const std::vector<Box> with_movers = tiles.boxes(true);
+    const std::vector<PixelBox> with_movers = tiles.boxes(true);
     const Looks looks = paint_exposure(view, frame, exposure, !with_movers.empty());
     sense_mean(view, frame, exposure, looks, with_movers, true);
     sense_mean(view, frame, exposure, looks, tiles.boxes(false), false);

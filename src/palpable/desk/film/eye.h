@@ -6,7 +6,7 @@
 #include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/desk/film/lens.h"
-#include "palpable/desk/film/pixel_box.h"
+#include "palpable/desk/film/tiles.h"
 #include "palpable/live/render/gl_objects.h"
 
 #include <Eigen/Core>
@@ -121,17 +121,17 @@ struct Eye {
   }
 
   /// The part of the ideal picture that is seen while the eye does not turn.
-  [[nodiscard]] Box without_margin() const {
+  [[nodiscard]] PixelBox without_margin() const {
     return {kIdealMargin, kIdealMargin, ideal.width - 2 * kIdealMargin,
             ideal.height - 2 * kIdealMargin};
   }
 
   /// Marks the tiles of the raw picture whose light comes from one of the rectangles of the ideal
   /// one.
-  [[nodiscard]] Tiles raw_tiles(std::span<const Box> in_ideal) const {
+  [[nodiscard]] Tiles raw_tiles(std::span<const PixelBox> in_ideal) const {
     constexpr float kFilter = 1;  // px, reach of a filtered texture look-up
     Tiles found(camera.pinhole.width, camera.pinhole.height, kTile);
-    for (const Box& box : in_ideal) {
+    for (const PixelBox& box : in_ideal) {
       if (box.empty()) continue;
       const Eigen::Vector2f low(static_cast<float>(box.x), static_cast<float>(box.y));
       const Eigen::Vector2f high =

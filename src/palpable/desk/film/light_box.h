@@ -4,8 +4,8 @@
 #pragma once
 
 #include "palpable/common/geometry/capsule.h"
+#include "palpable/common/geometry/pixel_box.h"
 #include "palpable/desk/film/painted_mesh.h"
-#include "palpable/desk/film/pixel_box.h"
 
 #include <Eigen/Core>
 
@@ -34,7 +34,7 @@ class LightBox {
            (other.low_.array() < high_.array() + kSpread).all();
   }
   /// The rectangle in texels of a map of this size, including the soft edges.
-  [[nodiscard]] Box texels(int size) const {
+  [[nodiscard]] PixelBox texels(int size) const {
     const auto clamped = [size](double value) {
       return static_cast<int>(std::clamp(value * size, 0.0, static_cast<double>(size)));
     };

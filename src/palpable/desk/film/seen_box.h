@@ -3,7 +3,7 @@
 #pragma once
 
 #include "palpable/common/geometry/camera.h"
-#include "palpable/desk/film/pixel_box.h"
+#include "palpable/common/geometry/pixel_box.h"
 
 #include <Eigen/Core>
 
@@ -33,7 +33,7 @@ class SeenBox {
       if (along > 0.0 && along < 1.0) include(a + along * ab, ra + along * (rb - ra));
     }
   }
-  [[nodiscard]] Box pixels() const {
+  [[nodiscard]] PixelBox pixels() const {
     const auto clamped = [](double value, int limit) {
       return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(limit)));
     };

@@ -1,6 +1,7 @@
 #include "palpable/desk/film/seen_box.h"
 
 #include "palpable/common/geometry/capsule.h"
+#include "palpable/desk/film/tiles.h"
 #include "palpable/desk/script/random.h"
 #include "tests/support/test.h"
 
@@ -13,7 +14,7 @@ using namespace palpable;
 namespace {
 const PinholeCamera kView{160, 90, 70, 75, 81.3, 43.9};
 
-bool holds(const Box& box, int x, int y) {
+bool holds(const PixelBox& box, int x, int y) {
   return x >= box.x && x < box.x + box.width && y >= box.y && y < box.y + box.height;
 }
 
@@ -38,7 +39,7 @@ TEST_CASE("the visible part of a capsule lies in its box, also if the near plane
     Capsule capsule{point(), point(), random.between(0.005, 0.06), random.between(0.005, 0.06)};
     SeenBox box(kView);
     box.include(capsule.a, capsule.ra, capsule.b, capsule.rb);
-    const Box pixels = box.pixels();
+    const PixelBox pixels = box.pixels();
     const bool is_cut =
         std::min(capsule.a.z() - capsule.ra, capsule.b.z() - capsule.rb) < SeenBox::kNearest;
     bool any = false, outside = false;
@@ -61,7 +62,7 @@ TEST_CASE("the visible part of a capsule lies in its box, also if the near plane
 TEST_CASE("the box of an arm that comes from behind the eye ends where the arm does", "[film]") {
   SeenBox box(kView);
   box.include({0.05, 0.02, 0.25}, 0.02, {0.3, 0.1, -0.2}, 0.05);
-  const Box pixels = box.pixels();
+  const PixelBox pixels = box.pixels();
   const double left = kView.project({0.05, 0.02, 0.25}).x() - kView.fx_px * 0.02 / 0.25;
   CHECK(pixels.x < left);
   CHECK(pixels.x > left - 6.0);  // rounding, and the bounding square of a circle
@@ -78,7 +79,7 @@ TEST_CASE("the box of what is behind the eye or beside the picture is empty", "[
 }
 
 TEST_CASE("marked tiles and the others make the whole picture, each pixel once", "[film]") {
-  const Box all{0, 0, 23, 17};
+  const PixelBox all{0, 0, 23, 17};
   for (const unsigned pattern : {0U, 0xffffffffU, 0x0f3c5a91U, 0x00066600U}) {
     Tiles tiles(all.width, all.height, 5);
     REQUIRE(tiles.marked.size() == 20);
@@ -88,7 +89,7 @@ TEST_CASE("marked tiles and the others make the whole picture, each pixel once",
         const bool marked = tiles.marked[y / 5 * 5 + x / 5];
         for (const bool which : {false, true}) {
           int covered = 0;
-          for (const Box& box : tiles.boxes(which)) covered += holds(box, x, y) ? 1 : 0;
+          for (const PixelBox& box : tiles.boxes(which)) covered += holds(box, x, y) ? 1 : 0;
           CHECK(covered == (which == marked ? 1 : 0));
         }
       }

@@ -58,7 +58,7 @@ DepthScorer::DepthScorer(double unit) : unit_(unit), distance_of_count_(65536, -
   for (auto& histogram : errors_) histogram.assign(kErrorSteps + 1, 0);
 }
 
-void DepthScorer::add(const DepthCounts& truth, const GrayImage& labels, const DepthCounts& found) {
+void DepthScorer::add(const DepthCounts& truth, const MaskImage& labels, const DepthCounts& found) {
   const auto fits = [&](const auto& image) {
     return image.width() == truth.width() && image.height() == truth.height();
   };
@@ -68,7 +68,7 @@ void DepthScorer::add(const DepthCounts& truth, const GrayImage& labels, const D
   if (!labels.empty()) add_hand(truth, labels, found);
 }
 
-void DepthScorer::add_distances(const DepthCounts& truth, const GrayImage& labels,
+void DepthScorer::add_distances(const DepthCounts& truth, const MaskImage& labels,
                                 const DepthCounts& found) {
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const std::uint16_t t = truth.data()[i];
@@ -90,7 +90,7 @@ void DepthScorer::add_distances(const DepthCounts& truth, const GrayImage& label
   }
 }
 
-void DepthScorer::add_hand(const DepthCounts& truth, const GrayImage& labels,
+void DepthScorer::add_hand(const DepthCounts& truth, const MaskImage& labels,
                            const DepthCounts& found) {
   hand_.clear();
   std::int64_t seen = 0;

@@ -61,13 +61,13 @@ class DepthScorer {
   /// without labels: then both eyes see every pixel
   ///                and nothing moves
   /// @throws ContractViolation for unequal sizes
-  void add(const DepthCounts& truth, const GrayImage& labels, const DepthCounts& found);
+  void add(const DepthCounts& truth, const MaskImage& labels, const DepthCounts& found);
 
   [[nodiscard]] DepthScore score() const;
 
  private:
-  void add_distances(const DepthCounts& truth, const GrayImage& labels, const DepthCounts& found);
-  void add_hand(const DepthCounts& truth, const GrayImage& labels, const DepthCounts& found);
+  void add_distances(const DepthCounts& truth, const MaskImage& labels, const DepthCounts& found);
+  void add_hand(const DepthCounts& truth, const MaskImage& labels, const DepthCounts& found);
 
   double unit_;
   std::vector<std::int8_t> distance_of_count_;  ///< (65536) index in kDepthDistances, -1: none

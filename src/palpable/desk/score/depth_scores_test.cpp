@@ -12,7 +12,7 @@ namespace {
 using test::tolerance;
 
 constexpr double kMillimetre = 1e-3;  // m per count, so that counts are mm
-constexpr GrayImage kNone{};
+constexpr MaskImage kNone{};
 
 // 7 x 1 pixels.
 DepthCounts row(std::array<std::uint16_t, 7> counts) {
@@ -20,8 +20,8 @@ DepthCounts row(std::array<std::uint16_t, 7> counts) {
   std::copy(counts.begin(), counts.end(), image.begin());
   return image;
 }
-GrayImage labels_of(std::array<std::uint8_t, 7> labels) {
-  GrayImage image(7, 1);
+MaskImage labels_of(std::array<std::uint8_t, 7> labels) {
+  MaskImage image(7, 1);
   std::copy(labels.begin(), labels.end(), image.begin());
   return image;
 }
@@ -100,7 +100,7 @@ TEST_CASE("a hand that covers less than 5 % of the image is no near hand", "[sco
   const auto with_hand = [](int pixels) {
     DepthScorer scorer(kMillimetre);
     const DepthCounts depth(20, 5, 300);
-    GrayImage labels(20, 5, kBothSeeLabel);
+    MaskImage labels(20, 5, kBothSeeLabel);
     for (int i = 0; i < pixels; ++i) labels.data()[i] |= kMovesLabel;
     scorer.add(depth, labels, depth);
     return scorer.score();
@@ -143,7 +143,7 @@ TEST_CASE("counts are converted by the unit", "[score]") {
 TEST_CASE("depths of other sizes are refused", "[score][errors]") {
   DepthScorer scorer(kMillimetre);
   CHECK_THROWS_AS(scorer.add(DepthCounts(7, 1), kNone, DepthCounts(1, 7)), ContractViolation);
-  CHECK_THROWS_AS(scorer.add(DepthCounts(7, 1), GrayImage(6, 1), DepthCounts(7, 1)),
+  CHECK_THROWS_AS(scorer.add(DepthCounts(7, 1), MaskImage(6, 1), DepthCounts(7, 1)),
                   ContractViolation);
   CHECK_THROWS_AS(DepthScorer(0), ContractViolation);
 }

@@ -4,6 +4,7 @@
 #include "palpable/desk/script/camera_motions.h"
 #include "palpable/desk/script/contact_truth.h"
 #include "palpable/desk/script/hand_path.h"
+#include "palpable/desk/script/hand_script.h"
 #include "palpable/desk/script/random.h"
 
 #include <Eigen/Geometry>
@@ -175,7 +176,7 @@ Sequence plan_beams(std::span<const PlacedDeskBody> bodies, int frames, std::uin
   HandPath path;
   path.tool = index_finger();
   path.tremor_seed = seed;
-  Sequence sequence;
+  Sequence sequence = tripod_sequence("beams", frames, seed);
   for (double start = kFramesWithoutHand; start < frames;) {
     bool done = false;
     for (int tries = 0; tries < 12 && !done; ++tries) {
@@ -202,21 +203,12 @@ Sequence plan_beams(std::span<const PlacedDeskBody> bodies, int frames, std::uin
     }
     start = path.keys.back().frame + 10;
   }
-  sequence.name = "beams";
-  sequence.seed = seed;
-  sequence.frames = frames;
   sequence.look.seed = seed;
   sequence.look.skin_texture = 0.80;
   sequence.look.skin_gloss = 0.22;
   sequence.faults = sensor_faults(seed);
-  sequence.camera_from_desk = on_tripod();
-  sequence.rig = [](int) { return RigState{}; };
   sequence.desk_from_body = stack.desk_from_scene * bodies.front().scene_from_body;
-  sequence.movers = [path](double frame) {
-    Movers movers;
-    if (frame >= kFramesWithoutHand) movers.capsules = path.capsules(frame);
-    return movers;
-  };
+  sequence.movers = hand_alone(path);
   return sequence;
 }
 

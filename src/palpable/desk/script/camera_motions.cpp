@@ -128,6 +128,17 @@ CameraPath on_tripod() {
   return [pose = first_camera_from_desk()](double) { return pose; };
 }
 
+Sequence tripod_sequence(std::string_view name, int frames, std::uint64_t seed) {
+  Sequence sequence;
+  sequence.name = name;
+  sequence.seed = seed;
+  sequence.frames = frames;
+  sequence.camera_from_desk = on_tripod();
+  sequence.rig = [](int) { return RigState{}; };
+  sequence.movers = [](double) { return Movers{}; };
+  return sequence;
+}
+
 CameraPath held(CameraPath path, int frames, std::uint64_t seed) {
   const Unrest unrest({{0.31, 1.0}, {0.83, 0.45}, {2.1, 0.15}, {6.7, 0.06}}, seed, "held");
   Random random(seed, "how calm");

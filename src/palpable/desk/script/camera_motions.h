@@ -5,9 +5,11 @@
 #pragma once
 
 #include "palpable/common/geometry/rigid.h"
+#include "palpable/desk/script/sequence.h"
 
 #include <cstdint>
 #include <functional>
+#include <string_view>
 
 namespace palpable {
 
@@ -24,6 +26,9 @@ using CameraPath = std::function<Rigid3(double)>;  ///< camera_from_desk at a ti
 
 /// A camera on a stand.
 [[nodiscard]] CameraPath on_tripod();
+
+/// A sequence that a camera on a stand films, with a rig without faults; nothing moves yet.
+[[nodiscard]] Sequence tripod_sequence(std::string_view name, int frames, std::uint64_t seed);
 
 /// Adds the unrest of a hand-held camera to a path: a slow sway and, a tenth as large, a fast
 /// tremor. The largest shift is 2.4 to 3.8 mm (depending on the seed), the largest rotation 0.3

@@ -165,12 +165,7 @@ std::string trouble_on(const CupWay& way, const Eigen::Matrix3Xd& body) {
 Sequence sequence_of(const CupWay& way, const Push& push, const CupChoice& choice,
                      const DeskBody& body, const Rigid3& desk_from_body, int frames,
                      std::uint64_t seed) {
-  Sequence sequence;
-  sequence.name = "cup";
-  sequence.seed = seed;
-  sequence.frames = frames;
-  sequence.camera_from_desk = on_tripod();
-  sequence.rig = [](int) { return RigState{}; };
+  Sequence sequence = tripod_sequence("cup", frames, seed);
   sequence.desk_from_body = desk_from_body;
   sequence.movers = [way](double frame) { return way.movers(frame); };
   PlannedTouch touch;

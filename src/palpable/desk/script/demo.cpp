@@ -200,8 +200,7 @@ class DemoScript {
   }
 
   void write() {
-    const Quaterniond left_away(frame_of({-0.93, -0.20, -0.25}, {-0.15, -0.30, 0.94}));
-    const Quaterniond in_front(frame_of({-0.95, 0.16, -0.12}, {-0.10, -0.55, 0.83}));
+    const Quaterniond left_away = resting_turn(), in_front = turn_before_camera();
     const Quaterniond behind(frame_of({-0.98, -0.10, -0.05}, {-0.05, -0.20, 0.97}));
     const Vector3d eye = first_eye();
     const Vector3d front = eye + 0.285 * (Vector3d(0.0, 0.0, 0.075) - eye).normalized();
@@ -256,13 +255,8 @@ std::string trouble_in(const DemoScript& script, const std::vector<PlannedPress>
 }  // namespace
 
 Sequence plan_demo(const DeskBody& body, int frames, std::uint64_t seed) {
-  Sequence sequence;
-  sequence.name = "demo";
-  sequence.seed = seed;
-  sequence.frames = frames;
+  Sequence sequence = tripod_sequence("demo", frames, seed);
   sequence.look.room = false;
-  sequence.camera_from_desk = on_tripod();
-  sequence.rig = [](int) { return RigState{}; };
   const std::array<double, kPresses> depths = demo_depths(seed);
   const double stretch = (frames - kFramesWithoutHand) / kScriptLength;
   const double squeeze_first = kFramesWithoutHand + kSqueezeBegins * stretch;
@@ -282,9 +276,7 @@ Sequence plan_demo(const DeskBody& body, int frames, std::uint64_t seed) {
     why = trouble_in(script, presses, search, static_cast<int>(squeeze_first));
     sequence.touches = script.touches();
     sequence.spans = script.spans();
-    sequence.movers = [path = script.path()](double frame) {
-      return frame < kFramesWithoutHand ? Movers{} : Movers{path.capsules(frame), std::nullopt};
-    };
+    sequence.movers = hand_alone(script.path());
     return why.empty();
   };
   // Adds a squeeze by a second hand after the first one has left the picture.

@@ -32,35 +32,24 @@ void disturb(std::string_view name, Sequence& sequence) {
   sequence.name = name;
   if (name == "dark") {
     sequence.faults.noise_grey_levels = 2.0;
-    sequence.rig = [](int) {
-      RigState state;
-      state.light = 1.0 / 30.0;
-      return state;
-    };
+    sequence.rig = [](int) { return RigState{.light = 1.0 / 30.0}; };
   } else if (name == "textureless") {
     sequence.look.bare = true;
   } else if (name == "exposure") {
     sequence.rig = [](int frame) {
       constexpr std::array<double, 6> kLight = {1.0, 0.5, 1.4, 0.7, 1.5, 0.45};
-      RigState state;
-      state.light = kLight[static_cast<std::size_t>(seconds(frame) / 3.0) % kLight.size()];
-      return state;
+      return RigState{.light =
+                          kLight[static_cast<std::size_t>(seconds(frame) / 3.0) % kLight.size()]};
     };
   } else if (name == "rolling") {
     sequence.camera_from_desk =
         held(swaying(sequence.seed), std::max(sequence.frames, 30), sequence.seed);
-    sequence.rig = [](int) {
-      RigState state;
-      state.readout = 0.016;
-      return state;
-    };
+    sequence.rig = [](int) { return RigState{.readout = 0.016}; };
   } else {
     sequence.rig = [](int frame) {
-      RigState state;
-      state.row_offset_px = drifted_px(frame);
       // 0.1 px is more than the ramp moves in one frame.
-      state.row_step = frame > 0 && drifted_px(frame) - drifted_px(frame - 1) > 0.1;
-      return state;
+      const bool step = frame > 0 && drifted_px(frame) - drifted_px(frame - 1) > 0.1;
+      return RigState{.row_offset_px = drifted_px(frame), .row_step = step};
     };
   }
 }

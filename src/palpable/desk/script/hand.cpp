@@ -189,6 +189,13 @@ std::vector<HandCapsule> hand_capsules(const HandPose& pose) {
   return hand;
 }
 
+HandCapsule transformed(HandCapsule capsule, const Rigid3& target_from_source) {
+  capsule.shape.a = target_from_source * capsule.shape.a;
+  capsule.shape.b = target_from_source * capsule.shape.b;
+  capsule.back = target_from_source.linear() * capsule.back;
+  return capsule;
+}
+
 std::vector<Capsule> shapes_of(std::span<const HandCapsule> hand) {
   std::vector<Capsule> shapes;
   shapes.reserve(hand.size());

@@ -85,6 +85,9 @@ inline constexpr int kThumbTip = 14;  ///< the same for the thumb
 /// The capsules of a hand in the desk frame; always kHandCapsuleCount, in the same order.
 [[nodiscard]] std::vector<HandCapsule> hand_capsules(const HandPose& pose);
 
+/// The capsule in another frame.
+[[nodiscard]] HandCapsule transformed(HandCapsule capsule, const Rigid3& target_from_source);
+
 /// The capsules without their paint data.
 [[nodiscard]] std::vector<Capsule> shapes_of(std::span<const HandCapsule> hand);
 

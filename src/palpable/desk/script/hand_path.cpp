@@ -71,12 +71,8 @@ HandPose pose_at_tip(const HandTool& tool, const Vector3d& tip, const Quaternion
 
 std::vector<HandCapsule> capsules_of(const HandTool& tool, const HandPose& pose) {
   std::vector<HandCapsule> capsules = hand_capsules(pose);
-  for (HandCapsule held : tool.held) {
-    held.shape.a = pose.desk_from_wrist * held.shape.a;
-    held.shape.b = pose.desk_from_wrist * held.shape.b;
-    held.back = pose.desk_from_wrist.linear() * held.back;
-    capsules.push_back(held);
-  }
+  for (const HandCapsule& held : tool.held)
+    capsules.push_back(transformed(held, pose.desk_from_wrist));
   return capsules;
 }
 

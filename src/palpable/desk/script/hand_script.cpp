@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace palpable {
 
@@ -27,12 +28,23 @@ Vector3d tip_for_knuckles(const HandTool& tool, const Vector3d& knuckles, const 
   return knuckles + turn * (tip_in_wrist(tool, tool.passing) - Vector3d(0.08, 0.0, 0.0));
 }
 
+Quaterniond resting_turn() {
+  return Quaterniond(frame_of({-0.93, -0.20, -0.25}, {-0.15, -0.30, 0.94}));
+}
+
+Quaterniond turn_before_camera() {
+  return Quaterniond(frame_of({-0.95, 0.16, -0.12}, {-0.10, -0.55, 0.83}));
+}
+
+std::function<Movers(double)> hand_alone(HandPath path) {
+  return [path = std::move(path)](double frame) {
+    return frame < kFramesWithoutHand ? Movers{} : Movers{path.capsules(frame), std::nullopt};
+  };
+}
+
 HandScript::HandScript(const PressSearch& search, const SurfacePoints& surface,
                        const PressStyle& style, std::uint64_t seed)
-    : search_(search),
-      surface_(surface),
-      style_(style),
-      rest_turn_(frame_of({-0.93, -0.20, -0.25}, {-0.15, -0.30, 0.94})) {
+    : search_(search), surface_(surface), style_(style), rest_turn_(resting_turn()) {
   path_.tool = style.tool;
   path_.arm = style.arm;
   path_.tremor_seed = seed;
@@ -66,7 +78,7 @@ bool HandScript::slide(const PressPosture& from, const PressTarget& to, double d
 }
 
 void HandScript::pass_the_lens(double frames) {
-  const Quaterniond turn(frame_of({-0.95, 0.16, -0.12}, {-0.10, -0.55, 0.83}));
+  const Quaterniond turn = turn_before_camera();
   const Rigid3 desk_from_camera = first_camera_from_desk().inverse();
   const auto at = [&](double x, double y, double z) -> Vector3d {
     return desk_from_camera * Vector3d(x, y, z);
@@ -82,7 +94,7 @@ void HandScript::pass_the_lens(double frames) {
 }
 
 void HandScript::work_in_front(double frames) {
-  const Quaterniond turn(frame_of({-0.95, 0.16, -0.12}, {-0.10, -0.55, 0.83}));
+  const Quaterniond turn = turn_before_camera();
   const Quaterniond other(frame_of({-0.86, 0.30, 0.35}, {-0.30, -0.75, 0.60}));
   const Rigid3 desk_from_camera = first_camera_from_desk().inverse();
   const auto at = [&](double x, double y, double z, const Quaterniond& how) {

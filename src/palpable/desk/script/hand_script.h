@@ -10,6 +10,7 @@
 #include "palpable/desk/script/sequence.h"
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,13 @@ namespace palpable {
 [[nodiscard]] Eigen::Vector3d tip_for_knuckles(const HandTool& tool,
                                                const Eigen::Vector3d& knuckles,
                                                const Eigen::Quaterniond& turn);
+
+/// Rotations of a hand, desk from wrist: at rest beside the body, and before the camera.
+[[nodiscard]] Eigen::Quaterniond resting_turn();
+[[nodiscard]] Eigen::Quaterniond turn_before_camera();
+
+/// What moves where one hand follows a path, from kFramesWithoutHand on.
+[[nodiscard]] std::function<Movers(double)> hand_alone(HandPath path);
 
 /// Builds the path of a hand and the list of its touches, action by action.
 class HandScript {

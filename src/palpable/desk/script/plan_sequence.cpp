@@ -51,13 +51,10 @@ constexpr std::array kKinds = {
 /// working hand.
 Sequence plan_motion(std::string_view name, std::string_view motion, bool with_hand, int frames,
                      std::uint64_t seed) {
-  Sequence sequence;
-  sequence.name = name;
-  sequence.seed = seed;
-  sequence.frames = frames;
+  Sequence sequence = tripod_sequence(name, frames, seed);
   Random random(seed, "yaw");
   sequence.desk_from_body = turned_body(random.between(0.0, 2.0 * std::numbers::pi));
-  CameraPath path = on_tripod();
+  CameraPath path = sequence.camera_from_desk;
   if (motion == "walk") path = walk();
   if (motion == "blur") path = fast_turns(seed);
   // The working hand follows the camera's path without its tremor.
@@ -65,15 +62,10 @@ Sequence plan_motion(std::string_view name, std::string_view motion, bool with_h
   if (motion == "shake") path = shaken(seed);
   sequence.camera_from_desk =
       motion == "still-tripod" ? path : held(path, std::max(frames, 30), seed);
-  sequence.movers = [](double) { return Movers{}; };
   if (with_hand) sequence.movers = working_hand(smooth, frames, seed);
   // s; a rotation of 100 degrees/s then gives a motion blur of 15 px.
   const double exposure = motion == "blur" ? 0.012 : 0.0;
-  sequence.rig = [exposure](int) {
-    RigState state;
-    state.exposure = exposure;
-    return state;
-  };
+  sequence.rig = [exposure](int) { return RigState{.exposure = exposure}; };
   return sequence;
 }
 

@@ -197,12 +197,7 @@ struct Attempt {
 
 Attempt attempt_presses(std::string_view name, const PressStyle& style, const DeskBody& body,
                         const SurfacePoints& surface, double yaw, int frames, std::uint64_t seed) {
-  Sequence sequence;
-  sequence.name = name;
-  sequence.seed = seed;
-  sequence.frames = frames;
-  sequence.camera_from_desk = on_tripod();
-  sequence.rig = [](int) { return RigState{}; };
+  Sequence sequence = tripod_sequence(name, frames, seed);
   sequence.desk_from_body = turned_body(yaw);
   sequence.look.left_free = style.two_hands;
 

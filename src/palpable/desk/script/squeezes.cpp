@@ -114,9 +114,12 @@ double open_for(const HandTool& tool, double gap) {
 /// Searches postures for squeezing one body on the desk.
 class SqueezeSearch {
  public:
-  SqueezeSearch(SurfacePoints surface, const SurfaceDistance& body, const Rigid3& desk_from_body,
-                const RectifiedStereo& eyes)
-      : surface_(std::move(surface)), body_(body), desk_from_body_(desk_from_body), eyes_(eyes) {}
+  /// @param surface  of the body, body frame
+  SqueezeSearch(const SurfacePoints& surface, const SurfaceDistance& body,
+                const Rigid3& desk_from_body)
+      : surface_(transformed(surface, desk_from_body)),
+        body_(body),
+        desk_from_body_(desk_from_body) {}
 
   [[nodiscard]] const SurfacePoints& surface() const { return surface_; }
   [[nodiscard]] const HandTool& tool() const { return tool_; }
@@ -216,7 +219,7 @@ class SqueezeSearch {
   SurfacePoints surface_;  // desk frame
   const SurfaceDistance& body_;
   Rigid3 desk_from_body_;
-  RectifiedStereo eyes_;
+  RectifiedStereo eyes_{zed_mini_rig().left.pinhole, 0.063};
   HandTool tool_ = pinching_hand();
   ArmSide arm_;
 };
@@ -228,9 +231,7 @@ class SqueezeScript {
   /// @param pace   ratio by which all motions are slowed down
   SqueezeScript(const SqueezeSearch& search, std::uint64_t seed, double first = kFramesWithoutHand,
                 double pace = 1)
-      : search_(search),
-        pace_(pace),
-        rest_turn_(frame_of({-0.93, -0.20, -0.25}, {-0.15, -0.30, 0.94})) {
+      : search_(search), pace_(pace), rest_turn_(resting_turn()) {
     path_.tool = search.tool();
     path_.arm = search.arm();
     path_.tremor_seed = seed;
@@ -320,16 +321,9 @@ std::array<PlannedTouch, 2> touches_of(const SqueezeHold& hold, double depth, Fr
 std::optional<Sequence> attempt_squeezes(const DeskBody& body, const SurfaceDistance& distance,
                                          const SurfacePoints& surface, double yaw, int frames,
                                          std::uint64_t seed) {
-  Sequence sequence;
-  sequence.name = "squeeze";
-  sequence.seed = seed;
-  sequence.frames = frames;
-  sequence.camera_from_desk = on_tripod();
-  sequence.rig = [](int) { return RigState{}; };
+  Sequence sequence = tripod_sequence("squeeze", frames, seed);
   sequence.desk_from_body = turned_body(yaw);
-  const PinholeCamera camera = zed_mini_rig().left.pinhole;
-  const SqueezeSearch search(transformed(surface, sequence.desk_from_body), distance,
-                             sequence.desk_from_body, RectifiedStereo{camera, 0.063});
+  const SqueezeSearch search(surface, distance, sequence.desk_from_body);
   SqueezeScript script(search, seed);
   Random random(seed, "squeeze");
 
@@ -366,11 +360,7 @@ std::optional<Sequence> attempt_squeezes(const DeskBody& body, const SurfaceDist
     const TwoSides sides = done[i % done.size()].hold.sides;
     if (!add(sides, done[i % done.size()].depth)) script.wait(20);
   }
-  sequence.movers = [path = script.path()](double frame) {
-    Movers movers;
-    if (frame >= kFramesWithoutHand) movers.capsules = path.capsules(frame);
-    return movers;
-  };
+  sequence.movers = hand_alone(script.path());
   std::erase_if(sequence.touches, [&](const PlannedTouch& t) { return t.frames.first >= frames; });
   return sequence;
 }
@@ -382,9 +372,8 @@ std::optional<OneSqueeze> plan_one_squeeze(const DeskBody& body, const Rigid3& d
   constexpr int kTried = 60;
   constexpr double kDepth = 0.5 * (kLeastDepth + kMostDepth);
   const SurfaceDistance distance(body.surface);
-  const SqueezeSearch search(
-      transformed(sample_surface(body.surface, kSqueezeSpacing), desk_from_body), distance,
-      desk_from_body, RectifiedStereo{zed_mini_rig().left.pinhole, 0.063});
+  const SqueezeSearch search(sample_surface(body.surface, kSqueezeSpacing), distance,
+                             desk_from_body);
   SqueezeScript script(search, seed, first, pace);
   const double in = 14 * pace, stay = 14 * pace;
   int tried = 0;

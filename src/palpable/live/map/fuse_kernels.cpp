@@ -85,32 +85,23 @@ float fuse(const FuseFrame& f, const float* first, Voxel* voxels) {
   return plain_fuse(f, first, voxels);
 }
 #else
-HWY_ATTR float fuse(const FuseFrame& f, const float* first, Voxel* voxels) {
-  const hn::ScalableTag<float> d;
-  const hn::RebindToSigned<decltype(d)> di;
-  const hn::RebindToUnsigned<decltype(d)> du;
-  const std::size_t lanes = hn::Lanes(d);
-  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
+using Floats = hn::ScalableTag<float>;
+using Depths = std::array<float, kVoxelsOfBlock>;
+
+// First pass: the depth at the pixel of each voxel, NaN outside the picture. In a loop of its own
+// many gathers are in flight at once.
+HWY_ATTR inline void gather_depths(const FuseFrame& f, const float* first, Depths& behind) {
+  const Floats d;
+  const hn::RebindToSigned<Floats> di;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F), nothing = hn::NaN(d);
   const auto x0 = hn::Set(d, first[0]), y0 = hn::Set(d, first[1]), z0 = hn::Set(d, first[2]);
   const auto fx = hn::Set(d, f.fx_px), fy = hn::Set(d, f.fy_px);
   const auto cx = hn::Set(d, f.cx_px + 0.5F), cy = hn::Set(d, f.cy_px + 0.5F);
   const auto width = hn::Set(d, static_cast<float>(f.width));
   const auto height = hn::Set(d, static_cast<float>(f.height));
-  const auto nearest = hn::Set(d, f.nearest), farthest = hn::Set(d, f.farthest);
-  const auto n0 = hn::Set(d, f.noise[0]), n1 = hn::Set(d, f.noise[1]), n2 = hn::Set(d, f.noise[2]);
-  const auto truncation = hn::Set(d, f.truncation), sigmas = hn::Set(d, f.truncation_sigmas);
-  const auto best = hn::Set(d, f.best_sigma), most = hn::Set(d, f.units.most_weight());
-  const auto largest = hn::Set(d, f.units.largest_distance()), carve = hn::Set(d, f.carve_weight);
-  const auto d_unit = hn::Set(d, f.units.distance), w_unit = hn::Set(d, f.units.weight);
-  const auto per_d = hn::Set(d, 1 / f.units.distance), per_w = hn::Set(d, 1 / f.units.weight);
-  const auto half = hn::Set(d, 0.5F), above_all = hn::Set(d, kAboveAll + 0.5F);
-  const auto whole = hn::Set(di, static_cast<int>(kAboveAll)), low_half = hn::Set(di, 0xFFFF);
-  const auto row = hn::Set(di, f.width), none = hn::Set(di, std::numeric_limits<int>::max());
-  // First pass: the depth at the pixel of each voxel, NaN outside the picture. In a loop of their
-  // own many gathers are in flight at once.
-  alignas(64) std::array<float, kVoxelsOfBlock> behind;
-  const auto nothing = hn::NaN(d);
-  for (std::size_t i = 0; i < kVoxelsOfBlock; i += lanes) {
+  const auto nearest = hn::Set(d, f.nearest);
+  const auto row = hn::Set(di, f.width);
+  for (std::size_t i = 0; i < kVoxelsOfBlock; i += hn::Lanes(d)) {
     const auto x = hn::Add(x0, hn::LoadU(d, f.offset_x + i));
     const auto y = hn::Add(y0, hn::LoadU(d, f.offset_y + i));
     const auto z = hn::Add(z0, hn::LoadU(d, f.offset_z + i));
@@ -126,6 +117,26 @@ HWY_ATTR float fuse(const FuseFrame& f, const float* first, Voxel* voxels) {
     const auto Z = hn::GatherIndex(d, f.depth, hn::Add(hn::Mul(line, row), column));
     hn::StoreU(hn::IfThenElse(inside, Z, nothing), d, &behind[i]);
   }
+}
+
+HWY_ATTR float fuse(const FuseFrame& f, const float* first, Voxel* voxels) {
+  const Floats d;
+  const hn::RebindToSigned<Floats> di;
+  const hn::RebindToUnsigned<Floats> du;
+  const std::size_t lanes = hn::Lanes(d);
+  const auto one = hn::Set(d, 1.0F);
+  const auto z0 = hn::Set(d, first[2]), farthest = hn::Set(d, f.farthest);
+  const auto n0 = hn::Set(d, f.noise[0]), n1 = hn::Set(d, f.noise[1]), n2 = hn::Set(d, f.noise[2]);
+  const auto truncation = hn::Set(d, f.truncation), sigmas = hn::Set(d, f.truncation_sigmas);
+  const auto best = hn::Set(d, f.best_sigma), most = hn::Set(d, f.units.most_weight());
+  const auto largest = hn::Set(d, f.units.largest_distance()), carve = hn::Set(d, f.carve_weight);
+  const auto d_unit = hn::Set(d, f.units.distance), w_unit = hn::Set(d, f.units.weight);
+  const auto per_d = hn::Set(d, 1 / f.units.distance), per_w = hn::Set(d, 1 / f.units.weight);
+  const auto half = hn::Set(d, 0.5F), above_all = hn::Set(d, kAboveAll + 0.5F);
+  const auto whole = hn::Set(di, static_cast<int>(kAboveAll)), low_half = hn::Set(di, 0xFFFF);
+  const auto none = hn::Set(di, std::numeric_limits<int>::max());
+  alignas(64) Depths behind;
+  gather_depths(f, first, behind);
   auto lowest = none;
   for (std::size_t i = 0; i < kVoxelsOfBlock; i += lanes) {
     const auto z = hn::Add(z0, hn::LoadU(d, f.offset_z + i));

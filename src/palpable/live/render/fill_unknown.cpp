@@ -5,17 +5,18 @@
 
 namespace palpable {
 
-void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const PixelRange& box,
+void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const PixelBox& box,
                   int radius, std::vector<signed char>& nearest_in_row,
                   std::vector<float>& filled) {
-  PALPABLE_EXPECT(0 <= box.x0 && box.x1 <= depth.width() && 0 <= box.y0 && box.y1 <= depth.height(),
-                  "the box lies within the image");
+  PALPABLE_EXPECT(
+      0 <= box.x && box.right() <= depth.width() && 0 <= box.y && box.bottom() <= depth.height(),
+      "the box lies within the image");
   PALPABLE_EXPECT(borrowed == nullptr ||
                       (borrowed->width() == depth.width() && borrowed->height() == depth.height()),
                   "the mask of borrowed depths has the depth's size");
   PALPABLE_EXPECT(0 <= radius && radius < 64, "the radius fits a signed char");
-  const int width = std::max(box.width(), 0);
-  const int height = std::max(box.height(), 0);
+  const int width = std::max(box.width, 0);
+  const int height = std::max(box.height, 0);
   const auto at = [width](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
            static_cast<std::size_t>(x);
@@ -26,9 +27,8 @@ void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const Pixe
 
   // Along rows: the offset to the nearest known pixel; of two equally near, the farther depth.
   for (int y = 0; y < height; ++y) {
-    const float* in = depth.row(box.y0 + y) + box.x0;
-    const std::uint8_t* not_own =
-        borrowed != nullptr ? borrowed->row(box.y0 + y) + box.x0 : nullptr;
+    const float* in = depth.row(box.y + y) + box.x;
+    const std::uint8_t* not_own = borrowed != nullptr ? borrowed->row(box.y + y) + box.x : nullptr;
     float* out = filled.data() + at(0, y);
     signed char* offset = nearest_in_row.data() + at(0, y);
     int last_known = -1000;

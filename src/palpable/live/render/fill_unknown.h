@@ -5,21 +5,11 @@
 #pragma once
 
 #include "palpable/common/geometry/image.h"
+#include "palpable/common/geometry/pixel_box.h"
 
 #include <vector>
 
 namespace palpable {
-
-/// A rectangle of pixels: x0 <= x < x1, y0 <= y < y1.
-struct PixelRange {
-  int x0 = 0;
-  int y0 = 0;
-  int x1 = 0;
-  int y1 = 0;
-  [[nodiscard]] int width() const { return x1 - x0; }
-  [[nodiscard]] int height() const { return y1 - y0; }
-  [[nodiscard]] bool empty() const { return x1 <= x0 || y1 <= y0; }
-};
 
 /// The longest run of pixels that counts as seen by one eye only. Beside a thing at 0.2 m before a
 /// desk at 0.5 m, a stereo pair of 63 mm and 350 px has a run of 66 px; beside a hand at the body
@@ -47,7 +37,7 @@ inline constexpr signed char kHalfSeen = 126;
 /// @param filled          (box.height x box.width) row-major, overwritten
 /// @param borrowed  of the image's size, or null: not 0 where the depth was taken over from another
 ///                  pixel; such depths count as unknown
-void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const PixelRange& box,
+void fill_unknown(const DepthImage& depth, const MaskImage* borrowed, const PixelBox& box,
                   int radius, std::vector<signed char>& nearest_in_row, std::vector<float>& filled);
 
 }  // namespace palpable

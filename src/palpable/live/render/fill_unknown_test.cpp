@@ -16,19 +16,19 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 bool is_known(float z) { return z > 0.0f && std::isfinite(z); }
 
 /// The second rule of fill_unknown()'s comment, by a search of all pixels.
-float slow_fill(const DepthImage& depth, const PixelRange& box, int radius, int x, int y) {
+float slow_fill(const DepthImage& depth, const PixelBox& box, int radius, int x, int y) {
   if (is_known(depth(x, y))) return depth(x, y);
   int left = x, right = x;
-  while (left >= box.x0 && !is_known(depth(left, y))) --left;
-  while (right < box.x1 && !is_known(depth(right, y))) ++right;
-  if (left >= box.x0 && right < box.x1 && right - left - 1 <= kLongestHalfSeen &&
+  while (left >= box.x && !is_known(depth(left, y))) --left;
+  while (right < box.right() && !is_known(depth(right, y))) ++right;
+  if (left >= box.x && right < box.right() && right - left - 1 <= kLongestHalfSeen &&
       depth(left, y) > 1.1f * depth(right, y)) {
     return depth(left, y);
   }
   int best = radius * radius + 1;
   float value = 0;
-  for (int v = box.y0; v < box.y1; ++v) {
-    for (int u = box.x0; u < box.x1; ++u) {
+  for (int v = box.y; v < box.bottom(); ++v) {
+    for (int u = box.x; u < box.right(); ++u) {
       const float z = depth(u, v);
       if (!(z > 0.0f) || !std::isfinite(z)) continue;
       if (std::abs(u - x) > radius || std::abs(v - y) > radius) continue;
@@ -54,15 +54,15 @@ TEST_CASE("a hole takes its nearest known neighbour within the radius", "[render
     for (float& z : depth) {
       if (known(random)) z = depth_of(random);
     }
-    const PixelRange box{3, 2, 21, 17};
+    const PixelBox box = PixelBox::between(3, 2, 21, 17);
     std::vector<signed char> nearest;
     std::vector<float> filled;
     fill_unknown(depth, nullptr, box, 3, nearest, filled);
     REQUIRE(filled.size() == 18u * 15u);
-    for (int y = box.y0; y < box.y1; ++y) {
-      for (int x = box.x0; x < box.x1; ++x) {
+    for (int y = box.y; y < box.bottom(); ++y) {
+      for (int x = box.x; x < box.right(); ++x) {
         INFO("pixel " << x << " " << y);
-        CHECK(filled[(y - box.y0) * box.width() + x - box.x0] == slow_fill(depth, box, 3, x, y));
+        CHECK(filled[(y - box.y) * box.width + x - box.x] == slow_fill(depth, box, 3, x, y));
       }
     }
   }

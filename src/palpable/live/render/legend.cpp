@@ -112,24 +112,82 @@ Rgb color_at_height(float height, const Legend& legend) {
 
 // Lengths of a legend in px, and the number of its ticks.
 struct LegendLayout {
-  explicit LegendLayout(const ColorImage& picture, float s)
-      : small(picture.height() < kSmallPicture), pad((small ? 4.0f : 12.0f) * s) {
-    const auto rows = static_cast<float>(picture.height());
-    bar_width = (small ? 8.0f : 16.0f) * s;
-    bar_height = std::round((small ? 0.30f : 0.36f) * rows);
-    edge = (small ? 5.0f : 16.0f) * s;
-    corner = (small ? 4.0f : 8.0f) * s;
-    above_bar = (small ? 6.0f : 10.0f) * s;
-    below_bar = (small ? 5.0f : 4.0f) * s;
-    ticks = small ? 2 : 5;
-  }
+  explicit LegendLayout(const ColorImage& picture, float the_scale)
+      : small(picture.height() < kSmallPicture),
+        s(the_scale),
+        pad((small ? 4.0f : 12.0f) * s),
+        bar_width((small ? 8.0f : 16.0f) * s),
+        bar_height(std::round((small ? 0.30f : 0.36f) * static_cast<float>(picture.height()))),
+        edge((small ? 5.0f : 16.0f) * s),
+        corner((small ? 4.0f : 8.0f) * s),
+        above_bar((small ? 6.0f : 10.0f) * s),
+        below_bar((small ? 5.0f : 4.0f) * s),
+        ticks(small ? 2 : 5) {}
   bool small;
+  float s;                                         // scale of the text
+  float letters = 15.0f * s, numbers = 13.0f * s;  // sizes of the text
   float pad;
-  float bar_width = 0, bar_height = 0;
-  float edge = 0;  // from the picture's right edge
-  float corner = 0, above_bar = 0, below_bar = 0;
-  int ticks = 0;
+  float bar_width, bar_height;
+  float edge;  // from the picture's right edge
+  float corner, above_bar, below_bar;
+  int ticks;
+  float bar_x = 0, bar_y = 0;  // of the bar's upper left corner in the picture
 };
+
+float inner_width(const Legend& legend, const LegendLayout& layout, const Ticks& ticks,
+                  bool writes_present) {
+  const float numbers = layout.numbers;
+  std::array<char, 32> text;
+  float number_width = 0;
+  for (int i = ticks.first; i <= ticks.last; ++i) {
+    const std::string_view number = print_tick(i * ticks.step, ticks.step, text);
+    number_width = std::max(number_width, measure_text(number, numbers).width);
+  }
+  const float title = layout.small ? 0.0f : measure_text(legend.title, layout.letters).width;
+  const float inner = std::max({title, measure_text(legend.unit, numbers).width,
+                                layout.bar_width + 10.0f * layout.s + number_width});
+  if (!writes_present) return inner;
+  // As wide as its widest possible numbers, so that the panel does not move while they change.
+  const float error = legend.error_of.empty() ? 0.0f
+                                              : measure_text(legend.error_of, numbers).width +
+                                                    measure_text(" > 100 %", numbers).width;
+  return std::max({inner, measure_text("max 000.0", numbers).width, error});
+}
+
+float y_on_bar(double value, const Legend& legend, const LegendLayout& layout) {
+  return layout.bar_y + layout.bar_height * (1.0f - height_of(value, legend));
+}
+
+// The bar with its ticks and their numbers.
+void draw_bar(ColorImage& picture, const Legend& legend, const LegendLayout& layout,
+              const Ticks& ticks) {
+  const float s = layout.s, right = layout.bar_x + layout.bar_width;
+  for (int row = 0; row < static_cast<int>(layout.bar_height); ++row) {
+    const float share = 1.0f - (static_cast<float>(row) + 0.5f) / layout.bar_height;
+    fill_panel(picture, layout.bar_x, layout.bar_y + static_cast<float>(row), layout.bar_width,
+               1.0f, 0.0f, color_at_height(share, legend));
+  }
+  std::array<char, 32> text;
+  for (int i = ticks.first; i <= ticks.last; ++i) {
+    const float at = y_on_bar(i * ticks.step, legend, layout);
+    fill_panel(picture, right, std::round(at - 0.5f), 5.0f * s, std::max(1.0f, std::round(s)), 0.0f,
+               kInk);
+    const std::string_view number = print_tick(i * ticks.step, ticks.step, text);
+    const TextSize extent = measure_text(number, layout.numbers);
+    draw_text(picture, right + 9.0f * s, at - 0.5f * extent.height(), number, layout.numbers, kInk);
+  }
+}
+
+// The marks of the present values on the bar.
+void draw_marks(ColorImage& picture, const Legend& legend, const LegendLayout& layout) {
+  const float s = layout.s;
+  const auto mark = [&](double value) {
+    fill_panel(picture, layout.bar_x - 4.0f * s, std::round(y_on_bar(value, legend, layout) - s),
+               layout.bar_width + 8.0f * s, std::max(2.0f, std::round(2.0f * s)), 0.0f, kInk);
+  };
+  mark(legend.present);
+  if (legend.two_sided) mark(legend.present_least);
+}
 
 // Breaks a text into lines of at most `room` px and calls draw(line) for each. A line is broken at
 // three spaces if there are any, else at the last space that fits; a single word is never broken.
@@ -172,74 +230,34 @@ std::vector<double> round_ticks(double top, int wanted) {
 void draw_legend(ColorImage& picture, const Legend& legend) {
   PALPABLE_EXPECT(legend.top > 0.0 && std::isfinite(legend.top), "the scale has a length");
   const float s = legend.scale;
-  const float size = 15.0f * s, small = 13.0f * s;
-  const LegendLayout layout(picture, s);
-  const float pad = layout.pad, bar_width = layout.bar_width, bar_height = layout.bar_height;
+  LegendLayout layout(picture, s);
+  const float pad = layout.pad, numbers = layout.numbers;
   const Ticks ticks(legend, layout.ticks);
-  const double step = ticks.step;
-  std::array<char, 32> text;
-
   const PresentText present(legend);
   const bool writes_present = present.shown && !layout.small;
-  const TextSize title = layout.small ? TextSize{} : measure_text(legend.title, size);
-  const TextSize unit = measure_text(legend.unit, small);
-  float number_width = 0;
-  for (int i = ticks.first; i <= ticks.last; ++i) {
-    number_width =
-        std::max(number_width, measure_text(print_tick(i * step, step, text), small).width);
-  }
-  const float line_height = measure_text("0", small).height();
-  float inner = std::max({title.width, unit.width, bar_width + 10.0f * s + number_width});
-  // As wide as its widest possible numbers, so that the panel does not move while they change.
-  if (writes_present) {
-    inner = std::max(inner, measure_text("max 000.0", small).width);
-    if (!legend.error_of.empty()) {
-      const float error = measure_text(" > 100 %", small).width;
-      inner = std::max(inner, measure_text(legend.error_of, small).width + error);
-    }
-  }
-  const float width = inner + 2.0f * pad;
+  const TextSize title = layout.small ? TextSize{} : measure_text(legend.title, layout.letters);
+  const TextSize unit = measure_text(legend.unit, numbers);
+  const float line_height = measure_text("0", numbers).height();
+  const float width = inner_width(legend, layout, ticks, writes_present) + 2.0f * pad;
   // Room for all lines, so that the panel does not move when the error appears or disappears.
   const float lines = legend.two_sided ? 3.0f : 2.0f;
   const float below = writes_present ? 8.0f * s + lines * line_height : 0.0f;
-  const float height = 2.0f * pad + title.height() + unit.height() + layout.above_bar + bar_height +
-                       layout.below_bar + below;
+  const float height = 2.0f * pad + title.height() + unit.height() + layout.above_bar +
+                       layout.bar_height + layout.below_bar + below;
   const float x = static_cast<float>(picture.width()) - width - layout.edge;
   const float y = 0.5f * (static_cast<float>(picture.height()) - height);
   fill_panel(picture, x, y, width, height, layout.corner, kPanel, kPanelOpacity);
-  if (!layout.small) draw_text(picture, x + pad, y + pad, legend.title, size, kInk);
-  draw_text(picture, x + pad, y + pad + title.height(), legend.unit, small, kQuietInk);
+  if (!layout.small) draw_text(picture, x + pad, y + pad, legend.title, layout.letters, kInk);
+  draw_text(picture, x + pad, y + pad + title.height(), legend.unit, numbers, kQuietInk);
 
-  const float bar_x = std::round(x + pad);
-  const float bar_y = std::round(y + pad + title.height() + unit.height() + layout.above_bar);
-  for (int row = 0; row < static_cast<int>(bar_height); ++row) {
-    const float share = 1.0f - (static_cast<float>(row) + 0.5f) / bar_height;
-    fill_panel(picture, bar_x, bar_y + static_cast<float>(row), bar_width, 1.0f, 0.0f,
-               color_at_height(share, legend));
-  }
-  const auto y_of = [&](double value) {
-    return bar_y + bar_height * (1.0f - height_of(value, legend));
-  };
-  for (int i = ticks.first; i <= ticks.last; ++i) {
-    const float at = y_of(i * step);
-    fill_panel(picture, bar_x + bar_width, std::round(at - 0.5f), 5.0f * s,
-               std::max(1.0f, std::round(s)), 0.0f, kInk);
-    const std::string_view number = print_tick(i * step, step, text);
-    const TextSize extent = measure_text(number, small);
-    draw_text(picture, bar_x + bar_width + 9.0f * s, at - 0.5f * extent.height(), number, small,
-              kInk);
-  }
-  if (!present.shown) return;
-  const auto mark = [&](double value) {
-    fill_panel(picture, bar_x - 4.0f * s, std::round(y_of(value) - s), bar_width + 8.0f * s,
-               std::max(2.0f, std::round(2.0f * s)), 0.0f, kInk);
-  };
-  mark(legend.present);
-  if (legend.two_sided) mark(legend.present_least);
+  layout.bar_x = std::round(x + pad);
+  layout.bar_y = std::round(y + pad + title.height() + unit.height() + layout.above_bar);
+  draw_bar(picture, legend, layout, ticks);
+  if (present.shown) draw_marks(picture, legend, layout);
   if (!writes_present) return;
-  float text_y = bar_y + bar_height + 12.0f * s;
+  float text_y = layout.bar_y + layout.bar_height + 12.0f * s;
   const auto write = [&](const ShortText& line, Rgb ink) {
-    draw_text(picture, x + pad, text_y, line.view(), small, ink);
+    draw_text(picture, x + pad, text_y, line.view(), numbers, ink);
     text_y += line_height;
   };
   write(present.largest, kInk);

@@ -50,33 +50,35 @@ float total(const OutlineLanes& lanes) {
 }  // namespace
 
 void RealOutlines::find(const OutlineView& view) {
-  const PixelRange &box = view.box, &inner = view.inner;
-  PALPABLE_EXPECT(box.x0 >= 0 && box.y0 >= 0 && 2 * box.x1 <= view.picture.width() &&
-                      2 * box.y1 <= view.picture.height(),
+  const PixelBox &box = view.box, &inner = view.inner;
+  PALPABLE_EXPECT(box.x >= 0 && box.y >= 0 && 2 * box.right() <= view.picture.width() &&
+                      2 * box.bottom() <= view.picture.height(),
                   "the picture is twice as large as the depth image");
-  PALPABLE_EXPECT(box.x0 <= inner.x0 && inner.x0 <= inner.x1 && inner.x1 <= box.x1 &&
-                      box.y0 <= inner.y0 && inner.y0 <= inner.y1 && inner.y1 <= box.y1,
+  PALPABLE_EXPECT(box.x <= inner.x && inner.x <= inner.right() && inner.right() <= box.right() &&
+                      box.y <= inner.y && inner.y <= inner.bottom() &&
+                      inner.bottom() <= box.bottom(),
                   "the inner box lies within the other");
-  w_ = box.width();
-  h_ = box.height();
+  w_ = box.width;
+  h_ = box.height;
   const std::size_t count = at(0, h_);
   PALPABLE_EXPECT(view.depth.size() >= count && view.guessed.size() >= count,
                   "depth and guesses fill a box");
-  PALPABLE_EXPECT(view.body.size() >= 4 * static_cast<std::size_t>(inner.width()) *
-                                          static_cast<std::size_t>(inner.height()),
+  PALPABLE_EXPECT(view.body.size() >= 4 * static_cast<std::size_t>(inner.width) *
+                                          static_cast<std::size_t>(inner.height),
                   "the body's depth fills the inner box at the picture's resolution");
   for (const MaskImage* mask : {view.moving, view.too_close}) {
-    PALPABLE_EXPECT(
-        mask == nullptr || mask->empty() || (mask->width() >= box.x1 && mask->height() >= box.y1),
-        "masks have the size of the depth image");
+    PALPABLE_EXPECT(mask == nullptr || mask->empty() ||
+                        (mask->width() >= box.right() && mask->height() >= box.bottom()),
+                    "masks have the size of the depth image");
   }
   assign_with_room(z_, count, 0.0f);
   assign_with_room(verdicts_, count, Verdict{});
   assign_with_room(growing_, count, 0);
   z_.assign(view.depth.begin(), view.depth.begin() + static_cast<std::ptrdiff_t>(count));
-  const PixelRange own{inner.x0 - box.x0, inner.y0 - box.y0, inner.x1 - box.x0, inner.y1 - box.y0};
-  const PixelRange voting{std::max(own.x0 - kBodyReach, 0), std::max(own.y0 - kBodyReach, 0),
-                          std::min(own.x1 + kBodyReach, w_), std::min(own.y1 + kBodyReach, h_)};
+  const PixelBox own{inner.x - box.x, inner.y - box.y, inner.width, inner.height};
+  const PixelBox voting = PixelBox::between(
+      std::max(own.x - kBodyReach, 0), std::max(own.y - kBodyReach, 0),
+      std::min(own.right() + kBodyReach, w_), std::min(own.bottom() + kBodyReach, h_));
   average_colors(view);
   read_masks(view);
   find_body(view, own, voting);
@@ -95,8 +97,8 @@ RealOutlines::Color RealOutlines::color_of(float red, float green, float blue) {
 void RealOutlines::average_colors(const OutlineView& view) {
   assign_with_room(color_, at(0, h_), Color{});
   for (int y = 0; y < h_; ++y) {
-    const Rgb* upper = view.picture.row(2 * (view.box.y0 + y)) + 2 * view.box.x0;
-    const Rgb* lower = view.picture.row(2 * (view.box.y0 + y) + 1) + 2 * view.box.x0;
+    const Rgb* upper = view.picture.row(2 * (view.box.y + y)) + 2 * view.box.x;
+    const Rgb* lower = view.picture.row(2 * (view.box.y + y) + 1) + 2 * view.box.x;
     Color* to = color_.data() + at(0, y);
     for (int x = 0; x < w_; ++x) {
       const Rgb &a = upper[2 * x], &b = upper[2 * x + 1], &c = lower[2 * x], &d = lower[2 * x + 1];
@@ -112,7 +114,7 @@ void RealOutlines::read_masks(const OutlineView& view) {
     assign_with_room(to, at(0, h_), std::uint8_t{0});
     if (mask == nullptr || mask->empty()) return false;
     for (int y = 0; y < h_; ++y) {
-      const std::uint8_t* from = mask->row(view.box.y0 + y) + view.box.x0;
+      const std::uint8_t* from = mask->row(view.box.y + y) + view.box.x;
       for (int x = 0; x < w_; ++x) to[at(x, y)] = from[x] != 0 ? 1 : 0;
     }
     return true;
@@ -125,19 +127,15 @@ void RealOutlines::read_masks(const OutlineView& view) {
   }
 }
 
-void RealOutlines::find_body(const OutlineView& view, const PixelRange& own,
-                             const PixelRange& voting) {
-  const int w = voting.width(), h = voting.height();
-  const auto index = [w](int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
-  };
-  assign_with_room(limit_, index(0, h), 0.0f);
-  const auto stride = 2 * static_cast<std::size_t>(own.width());
-  for (int y = 0; y < own.height(); ++y) {
+void RealOutlines::find_body(const OutlineView& view, const PixelBox& own, const PixelBox& voting) {
+  const int w = voting.width, h = voting.height;
+  assign_with_room(limit_, index(voting, 0, h), 0.0f);
+  const auto stride = 2 * static_cast<std::size_t>(own.width);
+  for (int y = 0; y < own.height; ++y) {
     const float* upper = view.body.data() + 2 * static_cast<std::size_t>(y) * stride;
     const float* lower = upper + stride;
-    float* const to = limit_.data() + index(own.x0 - voting.x0, own.y0 - voting.y0 + y);
-    for (int x = 0; x < own.width(); ++x) {
+    float* const to = limit_.data() + index(voting, own.x - voting.x, own.y - voting.y + y);
+    for (int x = 0; x < own.width; ++x) {
       const float z = std::max(std::max(upper[2 * x], upper[2 * x + 1]),
                                std::max(lower[2 * x], lower[2 * x + 1]));
       to[x] = z > 0.0f ? std::max(z - 1.5f * glsl::occlusion_bias(z), 1e-3f) : 0.0f;
@@ -171,7 +169,7 @@ void RealOutlines::find_body(const OutlineView& view, const PixelRange& own,
       }
     }
   };
-  spread(h, w, 1, [&](int y) { return index(0, y); });
+  spread(h, w, 1, [&](int y) { return index(voting, 0, y); });
   spread(w, h, static_cast<std::size_t>(w), [](int x) { return static_cast<std::size_t>(x); });
 }
 
@@ -298,39 +296,18 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y, float limit, signed 
   return verdict;
 }
 
-void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
-  const int w = own.width(), h = own.height();
-  cut_.begin(w, h);
-  const auto place = [w](int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
-  };
-  // Whether pixel (x, y) of the own box is classified by the cut; if not, whether a sure real
-  // surface there is before the body.
-  enum class Role : std::uint8_t { kNone, kVoter, kBefore, kBehind };
-  const auto role = [&](int x, int y) {
-    const float limit = limit_[place(x, y)];
-    const std::size_t i = at(own.x0 + x, own.y0 + y);
-    if (!(limit > 0.0f)) return Role::kNone;
-    if (doubt_[i] != 0) return Role::kVoter;
-    return z_[i] < limit ? Role::kBefore : Role::kBehind;
-  };
-  const auto units = [](float nats) { return static_cast<int>(std::lround(kUnits * nats)); };
-  const auto link = [&](std::size_t i, std::size_t j) {
-    const Color &a = color_[i], &b = color_[j];
-    const float light = a.light - b.light, warm = a.warm - b.warm, pink = a.pink - b.pink;
-    const float away = light * light + warm * warm + pink * pink;
-    const float share = std::max(1.0f - away / (kLinkReach * kLinkReach), 0.0f);
-    return units(kLeastLink + (kLink - kLeastLink) * share * share);
-  };
+// Finds the pixels that the cut classifies, and their biases.
+void RealOutlines::find_voters(const OutlineView& view, const PixelBox& voting) {
+  const int w = voting.width, h = voting.height;
   const auto find_bias = [&](int x, int y) {
-    const auto k = place(x, y);
-    verdicts_[k] =
-        of_window(own.x0 + x, own.y0 + y, limit_[k], view.guessed[at(own.x0 + x, own.y0 + y)]);
+    const std::size_t k = index(voting, x, y);
+    verdicts_[k] = of_window(voting.x + x, voting.y + y, limit_[k],
+                             view.guessed[at(voting.x + x, voting.y + y)]);
   };
   growing_.clear();
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
-      if (role(x, y) != Role::kVoter) continue;
+      if (role(voting, x, y) != Role::kVoter) continue;
       find_bias(x, y);
       growing_.push_back(y * w + x);
     }
@@ -342,8 +319,8 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
     const bool before = verdicts_[static_cast<std::size_t>(growing_[next])].bias > 0;
     const auto visit = [&](int u, int v) {
       if (u < 0 || v < 0 || u >= w || v >= h) return;
-      if (role(u, v) != (before ? Role::kBehind : Role::kBefore)) return;
-      doubt_[at(own.x0 + u, own.y0 + v)] = kDoubted;
+      if (role(voting, u, v) != (before ? Role::kBehind : Role::kBefore)) return;
+      doubt_[at(voting.x + u, voting.y + v)] = kDoubted;
       find_bias(u, v);
       const int k = v * w + u;
       if ((verdicts_[static_cast<std::size_t>(k)].bias > 0) == before) growing_.push_back(k);
@@ -353,14 +330,26 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
     visit(x, y - 1);
     visit(x, y + 1);
   }
-  for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) {
-      const Role here = role(x, y);
+}
+
+// Gives the cut the pixels' biases and the links between neighbours.
+void RealOutlines::link_pixels(const PixelBox& voting) {
+  const auto units = [](float nats) { return static_cast<int>(std::lround(kUnits * nats)); };
+  const auto link = [&](std::size_t i, std::size_t j) {
+    const Color &a = color_[i], &b = color_[j];
+    const float light = a.light - b.light, warm = a.warm - b.warm, pink = a.pink - b.pink;
+    const float away = light * light + warm * warm + pink * pink;
+    const float share = std::max(1.0f - away / (kLinkReach * kLinkReach), 0.0f);
+    return units(kLeastLink + (kLink - kLeastLink) * share * share);
+  };
+  for (int y = 0; y < voting.height; ++y) {
+    for (int x = 0; x < voting.width; ++x) {
+      const Role here = role(voting, x, y);
       if (here == Role::kNone) continue;
-      const std::size_t i = at(own.x0 + x, own.y0 + y);
-      if (here == Role::kVoter) { cut_.add_bias(x, y, units(verdicts_[place(x, y)].bias)); }
+      const std::size_t i = at(voting.x + x, voting.y + y);
+      if (here == Role::kVoter) { cut_.add_bias(x, y, units(verdicts_[index(voting, x, y)].bias)); }
       const auto join = [&](int u, int v, std::size_t j, const auto& link_both) {
-        const Role there = role(u, v);
+        const Role there = role(voting, u, v);
         if (there == Role::kNone) return;
         const bool both = here == Role::kVoter && there == Role::kVoter;
         if (both) {
@@ -371,19 +360,27 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
           cut_.add_bias(u, v, here == Role::kBefore ? link(i, j) : -link(i, j));
         }
       };
-      if (x + 1 < w) join(x + 1, y, i + 1, [&](int cost) { cut_.link_right(x, y, cost); });
-      if (y + 1 < h) {
+      if (x + 1 < voting.width) {
+        join(x + 1, y, i + 1, [&](int cost) { cut_.link_right(x, y, cost); });
+      }
+      if (y + 1 < voting.height) {
         join(x, y + 1, i + static_cast<std::size_t>(w_),
              [&](int cost) { cut_.link_down(x, y, cost); });
       }
     }
   }
+}
+
+void RealOutlines::decide(const OutlineView& view, const PixelBox& voting) {
+  cut_.begin(voting.width, voting.height);
+  find_voters(view, voting);
+  link_pixels(voting);
   cut_.solve();
-  for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) {
-      if (role(x, y) != Role::kVoter) continue;
-      const auto k = place(x, y);
-      float& z = z_[at(own.x0 + x, own.y0 + y)];
+  for (int y = 0; y < voting.height; ++y) {
+    for (int x = 0; x < voting.width; ++x) {
+      if (role(voting, x, y) != Role::kVoter) continue;
+      const std::size_t k = index(voting, x, y);
+      float& z = z_[at(voting.x + x, voting.y + y)];
       const bool before = cut_.side(x, y);
       if (before == (z > 0.0f && z < limit_[k])) continue;
       const Verdict& verdict = verdicts_[k];
@@ -392,15 +389,15 @@ void RealOutlines::decide(const OutlineView& view, const PixelRange& own) {
   }
 }
 
-void RealOutlines::write_fine(const OutlineView& view, const PixelRange& inner) {
+void RealOutlines::write_fine(const OutlineView& view, const PixelBox& inner) {
   constexpr int kReach = 2;  // px of the depth image: the window of a side's mean colour
-  const std::size_t stride = 2 * static_cast<std::size_t>(inner.width());
-  assign_with_room(fine_, stride * 2 * static_cast<std::size_t>(inner.height()), 0.0f);
-  for (int y = inner.y0; y < inner.y1; ++y) {
-    for (int x = inner.x0; x < inner.x1; ++x) {
+  const std::size_t stride = 2 * static_cast<std::size_t>(inner.width);
+  assign_with_room(fine_, stride * 2 * static_cast<std::size_t>(inner.height), 0.0f);
+  for (int y = inner.y; y < inner.bottom(); ++y) {
+    for (int x = inner.x; x < inner.right(); ++x) {
       const float z = z_[at(x, y)];
       float* upper =
-          fine_.data() + static_cast<std::size_t>(2 * (y - inner.y0)) * stride + 2 * (x - inner.x0);
+          fine_.data() + static_cast<std::size_t>(2 * (y - inner.y)) * stride + 2 * (x - inner.x);
       float* lower = upper + stride;
       upper[0] = upper[1] = lower[0] = lower[1] = z;
       if (x < kReach || y < kReach || x + kReach >= w_ || y + kReach >= h_ || !(z > 0.0f)) continue;
@@ -433,7 +430,7 @@ void RealOutlines::write_fine(const OutlineView& view, const PixelRange& inner) 
         return light * light + warm * warm + pink * pink;
       };
       for (int k = 0; k < 4; ++k) {
-        const Rgb& p = view.picture(2 * (view.box.x0 + x) + k % 2, 2 * (view.box.y0 + y) + k / 2);
+        const Rgb& p = view.picture(2 * (view.box.x + x) + k % 2, 2 * (view.box.y + y) + k / 2);
         const Color c = color_of(p.r, p.g, p.b);
         float* row = k < 2 ? upper : lower;
         row[k % 2] = away(c, 0) <= away(c, 1) ? low : high;

@@ -25,11 +25,11 @@ namespace palpable {
 /// Input of RealOutlines::find(). Read during find() only.
 struct OutlineView {
   const ColorImage& picture;     ///< twice as wide and high as the depth image, or one pixel more
-  PixelRange box;                ///< the part of the depth image that `depth` holds, in its pixels
+  PixelBox box;                  ///< the part of the depth image that `depth` holds, in its pixels
   std::span<const float> depth;  ///< (h x w) row-major, m, as fill_unknown() leaves it
   /// (h x w) nearest_in_row of fill_unknown(): not 0 where `depth` is a neighbour's.
   std::span<const signed char> guessed;
-  PixelRange inner;             ///< the part that may show the body, within `box`
+  PixelBox inner;               ///< the part that may show the body, within `box`
   std::span<const float> body;  ///< (2 inner.h x 2 inner.w) Z of the body, m; 0 beside it
   /// Of the depth image's size, or null: 255 where something moves (Scene::moving) ...
   const MaskImage* moving = nullptr;
@@ -96,7 +96,7 @@ class RealOutlines {
   void find(const OutlineView& view);
 
   /// (2 inner.h x 2 inner.w) of the last find(), m; 0 unknown. Row y, column x is the picture's
-  /// pixel (2 inner.x0 + x, 2 inner.y0 + y).
+  /// pixel (2 inner.x + x, 2 inner.y + y).
   [[nodiscard]] std::span<const float> depth() const { return fine_; }
 
  private:
@@ -122,15 +122,32 @@ class RealOutlines {
   [[nodiscard]] std::size_t at(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(w_) + static_cast<std::size_t>(x);
   }
+  [[nodiscard]] static std::size_t index(const PixelBox& box, int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(box.width) +
+           static_cast<std::size_t>(x);
+  }
   [[nodiscard]] static Color color_of(float red, float green, float blue);
   void average_colors(const OutlineView& view);
   void read_masks(const OutlineView& view);
-  void find_body(const OutlineView& view, const PixelRange& own, const PixelRange& voting);
+  void find_body(const OutlineView& view, const PixelBox& own, const PixelBox& voting);
   void find_doubts(const OutlineView& view);
   void build_lattice();
   [[nodiscard]] Verdict of_window(int x, int y, float limit, signed char guess) const;
-  void decide(const OutlineView& view, const PixelRange& own);
-  void write_fine(const OutlineView& view, const PixelRange& inner);
+  // The cut's steps, on the pixels of the box `voting`, from whose corner x and y count.
+  void decide(const OutlineView& view, const PixelBox& voting);
+  void find_voters(const OutlineView& view, const PixelBox& voting);
+  void link_pixels(const PixelBox& voting);
+  // Whether the cut classifies a pixel; if not, whether a sure real surface there is before the
+  // body.
+  enum class Role : std::uint8_t { kNone, kVoter, kBefore, kBehind };
+  [[nodiscard]] Role role(const PixelBox& voting, int x, int y) const {
+    const float limit = limit_[index(voting, x, y)];
+    const std::size_t i = at(voting.x + x, voting.y + y);
+    if (!(limit > 0.0f)) return Role::kNone;
+    if (doubt_[i] != 0) return Role::kVoter;
+    return z_[i] < limit ? Role::kBefore : Role::kBehind;
+  }
+  void write_fine(const OutlineView& view, const PixelBox& inner);
 
   int w_ = 0;
   int h_ = 0;

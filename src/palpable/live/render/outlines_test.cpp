@@ -26,8 +26,8 @@ struct Case {
   MaskImage truth{2 * kWidth, 2 * kHeight, 0};  // 255 on the near thing
   std::vector<float> depth = std::vector<float>(kWidth * kHeight, kDesk);
   std::vector<signed char> guessed = std::vector<signed char>(kWidth * kHeight, 0);
-  PixelRange box{0, 0, kWidth, kHeight};
-  PixelRange inner{30, 30, kWidth - 31, kHeight - 32};
+  PixelBox box{0, 0, kWidth, kHeight};
+  PixelBox inner = PixelBox::between(30, 30, kWidth - 31, kHeight - 32);
   std::vector<float> body = std::vector<float>(4 * (kWidth - 61) * (kHeight - 62), kBody);
   MaskImage moving, too_close;  // empty: not known
 
@@ -63,20 +63,20 @@ struct Case {
   // The number of picture pixels of the inner box on the wrong side.
   [[nodiscard]] int wrong(std::span<const float> fine) const {
     int count = 0;
-    const int stride = 2 * inner.width();
-    for (int y = 0; y < 2 * inner.height(); ++y) {
+    const int stride = 2 * inner.width;
+    for (int y = 0; y < 2 * inner.height; ++y) {
       for (int x = 0; x < stride; ++x) {
         const float z = fine[y * stride + x];
         const bool near = z > 0 && z < kBody;
-        count += near != (truth(2 * inner.x0 + x, 2 * inner.y0 + y) != 0) ? 1 : 0;
+        count += near != (truth(2 * inner.x + x, 2 * inner.y + y) != 0) ? 1 : 0;
       }
     }
     return count;
   }
   [[nodiscard]] int wrong_without() const {
     std::vector<float> fine;
-    for (int y = 2 * inner.y0; y < 2 * inner.y1; ++y) {
-      for (int x = 2 * inner.x0; x < 2 * inner.x1; ++x) {
+    for (int y = 2 * inner.y; y < 2 * inner.bottom(); ++y) {
+      for (int x = 2 * inner.x; x < 2 * inner.right(); ++x) {
         fine.push_back(depth[y / 2 * kWidth + x / 2]);
       }
     }
@@ -139,10 +139,10 @@ TEST_CASE("a gap between two fingers opens where its depth was not known", "[ren
 // The share of the near thing's picture pixels within c.inner that are found before the body.
 double near_share(const Case& c, const std::vector<float>& fine) {
   double near = 0, all = 0;
-  const int stride = 2 * c.inner.width();
-  for (int y = 0; y < 2 * c.inner.height(); ++y) {
+  const int stride = 2 * c.inner.width;
+  for (int y = 0; y < 2 * c.inner.height; ++y) {
     for (int x = 0; x < stride; ++x) {
-      if (c.truth(2 * c.inner.x0 + x, 2 * c.inner.y0 + y) == 0) continue;
+      if (c.truth(2 * c.inner.x + x, 2 * c.inner.y + y) == 0) continue;
       ++all;
       near += fine[y * stride + x] > 0 && fine[y * stride + x] < kBody ? 1 : 0;
     }
@@ -200,11 +200,11 @@ TEST_CASE("a hole in a thing that moves behind the body hides nothing", "[render
     }
   }
   const std::vector<float> fine = found(c);
-  const int stride = 2 * c.inner.width();
-  for (int y = 0; y < 2 * c.inner.height(); ++y) {
+  const int stride = 2 * c.inner.width;
+  for (int y = 0; y < 2 * c.inner.height; ++y) {
     for (int x = 0; x < stride; ++x) {
       const float z = fine[y * stride + x];
-      if (c.inner.x0 + x / 2 >= 68) REQUIRE_FALSE((z > 0 && z < kBody));
+      if (c.inner.x + x / 2 >= 68) REQUIRE_FALSE((z > 0 && z < kBody));
     }
   }
 }
@@ -225,10 +225,10 @@ TEST_CASE("pixels of the other side's colour make no specks", "[render][outlines
     }
   }
   const std::vector<float> fine = found(c);
-  const int stride = 2 * c.inner.width();
-  for (int y = 0; y < 2 * c.inner.height(); ++y) {
+  const int stride = 2 * c.inner.width;
+  for (int y = 0; y < 2 * c.inner.height; ++y) {
     for (int x = 0; x < stride; ++x) {
-      const int u = 2 * c.inner.x0 + x;
+      const int u = 2 * c.inner.x + x;
       if (std::abs(u - 140) <= 6) continue;  // a speck at the outline itself may join it
       INFO(u << " " << y);
       REQUIRE((fine[y * stride + x] < kBody) == (u > 140));
@@ -264,10 +264,10 @@ TEST_CASE("where there are no jumps the depth is kept to the bit, whatever the c
   c.at(60, 50) = 0;  // an unknown depth stays unknown
   c.guessed[50 * kWidth + 60] = 127;
   const std::vector<float> fine = found(c);
-  const int stride = 2 * c.inner.width();
-  for (int y = 0; y < 2 * c.inner.height(); ++y) {
+  const int stride = 2 * c.inner.width;
+  for (int y = 0; y < 2 * c.inner.height; ++y) {
     for (int x = 0; x < stride; ++x) {
-      const int u = c.inner.x0 + x / 2, v = c.inner.y0 + y / 2;
+      const int u = c.inner.x + x / 2, v = c.inner.y + y / 2;
       if (std::abs(u - 60) <= 1 && std::abs(v - 50) <= 1) continue;  // within its median
       REQUIRE(fine[y * stride + x] == c.at(u, v));
     }
@@ -279,10 +279,10 @@ TEST_CASE("far from every jump the depth is unchanged", "[render][outlines][law]
       7, [](int x, int) { return x > 150; }, 2);
   for (Rgb& pixel : c.picture) pixel = kWood;  // no differences in colour
   const std::vector<float> fine = found(c);
-  const int stride = 2 * c.inner.width();
-  for (int y = 0; y < 2 * c.inner.height(); ++y) {
+  const int stride = 2 * c.inner.width;
+  for (int y = 0; y < 2 * c.inner.height; ++y) {
     for (int x = 0; x < stride; ++x) {
-      const int u = c.inner.x0 + x / 2, v = c.inner.y0 + y / 2;
+      const int u = c.inner.x + x / 2, v = c.inner.y + y / 2;
       if (u >= 72 && u <= 80) continue;
       REQUIRE(fine[y * stride + x] == c.at(u, v));
     }
@@ -294,7 +294,7 @@ TEST_CASE("outlines take no memory once the sizes are known, and refuse sizes th
   const Case c(
       9, [](int x, int y) { return x + y > 260; }, 4);
   RealOutlines outlines;
-  const auto find = [&](const PixelRange& box, const PixelRange& inner) {
+  const auto find = [&](const PixelBox& box, const PixelBox& inner) {
     OutlineView view = view_of(c);
     view.box = box;
     view.inner = inner;
@@ -302,13 +302,13 @@ TEST_CASE("outlines take no memory once the sizes are known, and refuse sizes th
   };
   find(c.box, c.inner);
   CHECK(test::allocations_during([&] { find(c.box, c.inner); }) == 0);
-  CHECK(outlines.depth().size() ==
-        static_cast<std::size_t>(4 * c.inner.width() * c.inner.height()));
-  find(c.box, {40, 40, 40, 40});
+  CHECK(outlines.depth().size() == static_cast<std::size_t>(4 * c.inner.width * c.inner.height));
+  find(c.box, {40, 40, 0, 0});
   CHECK(outlines.depth().empty());
   CHECK_THROWS_AS(find({0, 0, kWidth + 1, kHeight}, c.inner), ContractViolation);
   CHECK_THROWS_AS(find(c.box, {-1, 0, 5, 5}), ContractViolation);
-  CHECK_THROWS_AS(find(c.box, {20, 20, kWidth - 20, kHeight - 20}), ContractViolation);  // body
+  CHECK_THROWS_AS(find(c.box, PixelBox::between(20, 20, kWidth - 20, kHeight - 20)),
+                  ContractViolation);  // body
   OutlineView view = view_of(c);
   view.depth = view.depth.first(50);
   CHECK_THROWS_AS(outlines.find(view), ContractViolation);

@@ -1,6 +1,7 @@
 #include "palpable/live/render/panel.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/pixel_box.h"
 #include "palpable/live/render/font_table.h"
 #include "palpable/live/render/gl_objects.h"
 #include "palpable/live/render/shader_files.h"
@@ -82,11 +83,6 @@ std::size_t byte_size(const ImVector<ImDrawIdx>& v) {
   return static_cast<std::size_t>(v.Size) * sizeof(ImDrawIdx);
 }
 
-// px of a framebuffer, from its lower left.
-struct PixelBox {
-  int left, bottom, right, top;
-};
-
 // The rectangle of the window that a draw list may change, px from the upper left.
 ImVec4 covered_by(const ImDrawList& list) {
   ImVec4 all{1e9f, 1e9f, -1e9f, -1e9f};
@@ -156,7 +152,8 @@ struct Panel::State {
   // than drawing.
   GlTexture drawn;
   GlFramebuffer framebuffer;
-  std::vector<PixelBox> covered;  // the parts of `drawn` that hold panels
+  std::vector<PixelBox>
+      covered;  // the parts of `drawn` that hold panels; y counts up, as in OpenGL
   GlBuffer vertices, indices;
   GlVertexArray inputs;
   // The content laid out last, and that in the buffers.
@@ -265,8 +262,8 @@ void Panel::draw(int width, int height) {
   }
   // Panels are opaque, so they can be copied without blending.
   for (const PixelBox& at : s.covered) {
-    glBlitNamedFramebuffer(s.framebuffer.get(), 0, at.left, at.bottom, at.right, at.top, at.left,
-                           at.bottom, at.right, at.top, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitNamedFramebuffer(s.framebuffer.get(), 0, at.x, at.y, at.right(), at.bottom(), at.x, at.y,
+                           at.right(), at.bottom(), GL_COLOR_BUFFER_BIT, GL_NEAREST);
   }
 }
 
@@ -286,15 +283,16 @@ void Panel::State::draw_anew(int width, int height) {
   std::size_t first_index = 0;
   int first_vertex = 0;
   const auto box_of = [&](const ImVec4& at) {
-    return PixelBox{static_cast<int>(at.x * to_px), height - static_cast<int>(at.w * to_px),
-                    static_cast<int>(at.z * to_px), height - static_cast<int>(at.y * to_px)};
+    return PixelBox::between(
+        static_cast<int>(at.x * to_px), height - static_cast<int>(at.w * to_px),
+        static_cast<int>(at.z * to_px), height - static_cast<int>(at.y * to_px));
   };
   for (const ImDrawList* list :
        std::span(data->CmdLists, static_cast<std::size_t>(data->CmdListsCount))) {
     for (const ImDrawCmd& command : list->CmdBuffer) {
       const PixelBox clip = box_of(command.ClipRect);
-      if (clip.right <= clip.left || clip.top <= clip.bottom) continue;
-      glScissor(clip.left, clip.bottom, clip.right - clip.left, clip.top - clip.bottom);
+      if (clip.empty()) continue;
+      glScissor(clip.x, clip.y, clip.width, clip.height);
       glDrawElementsBaseVertex(
           GL_TRIANGLES, static_cast<GLsizei>(command.ElemCount), GL_UNSIGNED_SHORT,
           reinterpret_cast<const void*>((first_index + command.IdxOffset) * sizeof(ImDrawIdx)),

@@ -30,11 +30,11 @@ constexpr std::array<float, 12> kSteps = [] {
 
 }  // namespace
 
-void ShadeOnReal::clear(const PixelRange& box) {
+void ShadeOnReal::clear(const PixelBox& box) {
   box_ = box;
-  shaded_ = {box.x1, box.y1, box.x0, box.y0};
-  width_ = (box.width() + 1) / 2;
-  height_ = (box.height() + 1) / 2;
+  shaded_ = {};
+  width_ = (box.width + 1) / 2;
+  height_ = (box.height + 1) / 2;
   left_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 1.0f);
 }
 
@@ -50,9 +50,9 @@ void ShadeOnReal::add(const GroundShadow& shadow, const Rigid3& camera_from_body
   const Eigen::Array2f corner = patch.head<2>();
   const Eigen::Array2f cells = N / (patch.tail<2>() - patch.head<2>()).array();
   for (int j = 0; j < height_; ++j) {
-    const double v = box_.y0 + 2 * j + 1;  // px from the picture's edge
+    const double v = box_.y + 2 * j + 1;  // px from the picture's edge
     for (int i = 0; i < width_; ++i) {
-      const double u = box_.x0 + 2 * i + 1;
+      const double u = box_.x + 2 * i + 1;
       // The pixel's ray in the body frame, per m of Z in the camera.
       const Eigen::Vector3f along = body_from_camera.linear().col(2) +
                                     static_cast<float>(u - 0.5 - camera.cx_px) * right +
@@ -87,10 +87,7 @@ void ShadeOnReal::add(const GroundShadow& shadow, const Rigid3& camera_from_body
         below -= glsl::smoothstep(tolerance, 2.0f * tolerance, -at.z());
       }
       // The texture is interpolated, so the shade extends by one texel on each side.
-      shaded_.x0 = std::min(shaded_.x0, std::max(box_.x0 + 2 * i - 2, box_.x0));
-      shaded_.x1 = std::max(shaded_.x1, std::min(box_.x0 + 2 * i + 4, box_.x1));
-      shaded_.y0 = std::min(shaded_.y0, std::max(box_.y0 + 2 * j - 2, box_.y0));
-      shaded_.y1 = std::max(shaded_.y1, std::min(box_.y0 + 2 * j + 4, box_.y1));
+      shaded_ = united(shaded_, box_.cut({box_.x + 2 * i - 2, box_.y + 2 * j - 2, 6, 6}));
       left_[static_cast<std::size_t>(j) * static_cast<std::size_t>(width_) +
             static_cast<std::size_t>(i)] *= 1.0f - static_cast<float>(strength) * below * dark;
     }
@@ -99,15 +96,15 @@ void ShadeOnReal::add(const GroundShadow& shadow, const Rigid3& camera_from_body
 
 void ShadeOnBody::see(const RealSurface& real) {
   real_ = real;
-  blocks_x_ = (real.box.width() + kBlock - 1) / kBlock;
-  blocks_y_ = (real.box.height() + kBlock - 1) / kBlock;
+  blocks_x_ = (real.box.width + kBlock - 1) / kBlock;
+  blocks_y_ = (real.box.height + kBlock - 1) / kBlock;
   nearest_.assign(static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y_),
                   std::numeric_limits<float>::infinity());
-  const auto w = static_cast<std::size_t>(real.box.width());
-  for (int y = 0; y < real.box.height(); ++y) {
+  const auto w = static_cast<std::size_t>(real.box.width);
+  for (int y = 0; y < real.box.height; ++y) {
     const float* row = real.depth.data() + static_cast<std::size_t>(y) * w;
     float* blocks = nearest_.data() + static_cast<std::ptrdiff_t>(y / kBlock) * blocks_x_;
-    for (int x = 0; x < real.box.width(); ++x) {
+    for (int x = 0; x < real.box.width; ++x) {
       if (row[x] > 0.0f) blocks[x / kBlock] = std::min(blocks[x / kBlock], row[x]);
     }
   }
@@ -142,7 +139,7 @@ void ShadeOnBody::find(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xf&
   const auto fx = static_cast<float>(c.fx_px), fy = static_cast<float>(c.fy_px);
   const auto cx = static_cast<float>(c.cx_px), cy = static_cast<float>(c.cy_px);
   const Eigen::Vector2f scale = real_.texels_per_pixel.cast<float>();
-  const Eigen::Vector2f corner = Eigen::Vector2i(real_.box.x0, real_.box.y0).cast<float>();
+  const Eigen::Vector2f corner = Eigen::Vector2i(real_.box.x, real_.box.y).cast<float>();
   const auto texel_of = [&](const Eigen::Vector3f& p) {
     return Eigen::Vector2f(Eigen::Vector2f((fx * p.x() / p.z() + cx + 0.5f) * scale.x(),
                                            (fy * p.y() / p.z() + cy + 0.5f) * scale.y()) -
@@ -161,9 +158,9 @@ void ShadeOnBody::find(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xf&
       const Eigen::Vector2f texel = texel_of(p);
       const int u = static_cast<int>(std::floor(texel.x()));
       const int v = static_cast<int>(std::floor(texel.y()));
-      if (u < 0 || v < 0 || u >= real_.box.width() || v >= real_.box.height()) break;
+      if (u < 0 || v < 0 || u >= real_.box.width || v >= real_.box.height) break;
       const float real =
-          real_.depth[static_cast<std::size_t>(v) * static_cast<std::size_t>(real_.box.width()) +
+          real_.depth[static_cast<std::size_t>(v) * static_cast<std::size_t>(real_.box.width) +
                       static_cast<std::size_t>(u)];
       if (!(real > 0.0f)) continue;
       const float behind = p.z() - real;

@@ -23,16 +23,16 @@ namespace palpable {
 /// The real depth around bodies. Views.
 struct RealSurface {
   std::span<const float> depth;  ///< (box.height x box.width) row-major, Z in m; 0 unknown
-  PixelRange box;                ///< texels; empty: nothing is known
+  PixelBox box;                  ///< texels; empty: nothing is known
   Eigen::Vector2d texels_per_pixel = Eigen::Vector2d::Zero();
   PinholeCamera camera;  ///< of the picture
 
   /// Z at a position in the picture, px from its top left corner; 0 unknown.
   [[nodiscard]] float at(double x_px, double y_px) const {
-    const int x = static_cast<int>(x_px * texels_per_pixel.x()) - box.x0;
-    const int y = static_cast<int>(y_px * texels_per_pixel.y()) - box.y0;
-    if (x < 0 || y < 0 || x >= box.width() || y >= box.height()) return 0;
-    return depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(box.width()) +
+    const int x = static_cast<int>(x_px * texels_per_pixel.x()) - box.x;
+    const int y = static_cast<int>(y_px * texels_per_pixel.y()) - box.y;
+    if (x < 0 || y < 0 || x >= box.width || y >= box.height) return 0;
+    return depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(box.width) +
                  static_cast<std::size_t>(x)];
   }
 };
@@ -41,7 +41,7 @@ struct RealSurface {
 class ShadeOnReal {
  public:
   /// Begins a picture, without any shade. @param box  of the picture, px
-  void clear(const PixelRange& box);
+  void clear(const PixelBox& box);
 
   /// Adds the shade of a body on real surfaces: on those within 8 mm (plus the noise) of its plane
   /// Z = 0, on pixels without depth, which are taken to lie in that plane, and on things that stand
@@ -51,14 +51,14 @@ class ShadeOnReal {
            const RealSurface& real);
 
   /// The part of the picture (px) that has any shade.
-  [[nodiscard]] const PixelRange& shaded() const { return shaded_; }
+  [[nodiscard]] const PixelBox& shaded() const { return shaded_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   /// (height x width) row-major: the share of the light that is left.
   [[nodiscard]] const std::vector<float>& left() const { return left_; }
 
  private:
-  PixelRange box_, shaded_;
+  PixelBox box_, shaded_;
   int width_ = 0, height_ = 0;
   std::vector<float> left_;
 };

@@ -25,8 +25,8 @@ constexpr int kHoleRadius = 6;       // texels of the depth image; radius for fi
 constexpr int kOutlineRadius = 2;    // px by which the soft outline may extend beyond the body
 constexpr Rgb kPlainGrey{118, 118, 118};
 
-Eigen::Vector4f floats_of(const PixelRange& box) {
-  return Eigen::Vector4i(box.x0, box.y0, box.x1, box.y1).cast<float>();
+Eigen::Vector4f floats_of(const PixelBox& box) {
+  return Eigen::Vector4i(box.x, box.y, box.right(), box.bottom()).cast<float>();
 }
 
 /// OpenGL buffers of one body.
@@ -93,14 +93,15 @@ struct Bounds {
     y1 = std::max(y1, v + r);
   }
 
-  [[nodiscard]] PixelRange within(int width, int height, int margin) const {
+  [[nodiscard]] PixelBox within(int width, int height, int margin) const {
     if (everything) return {0, 0, width, height};
     const auto edge = [](float value, int limit) {
       return static_cast<int>(std::clamp(value, 0.0f, static_cast<float>(limit)));
     };
     const auto m = static_cast<float>(margin);
-    return {edge(std::floor(x0 - m), width), edge(std::floor(y0 - m), height),
-            edge(std::ceil(x1 + m + 1), width), edge(std::ceil(y1 + m + 1), height)};
+    return PixelBox::between(edge(std::floor(x0 - m), width), edge(std::floor(y0 - m), height),
+                             edge(std::ceil(x1 + m + 1), width),
+                             edge(std::ceil(y1 + m + 1), height));
   }
 };
 
@@ -188,8 +189,8 @@ struct SceneRenderer::State {
   GlTexture real_depth{GL_R32F, 1, 1};
   GlTexture nothing_real{GL_R32F, 1, 1};
   GlTexture fine_depth{GL_R32F, 1, 1};  // of the picture's size
-  PixelRange real_box;                  // texels of real_depth that are valid for this picture
-  PixelRange fine_box;                  // px where fine_depth is valid; empty: nowhere
+  PixelBox real_box;                    // texels of real_depth that are valid for this picture
+  PixelBox fine_box;                    // px where fine_depth is valid; empty: nowhere
   RealOutlines outlines;
   ShadeOnReal shade_on_real;
   ShadeOnBody shade_on_body;
@@ -201,21 +202,21 @@ struct SceneRenderer::State {
   std::vector<std::uint8_t> rgba, mask_rows;
 
   struct Boxes {
-    PixelRange bodies;
-    PixelRange all;  // of bodies and their shadows
+    PixelBox bodies;
+    PixelBox all;  // of bodies and their shadows
   };
   Boxes boxes_of(const SceneView& view) const;
   Eigen::Vector2f upload_real_depth(const SceneView& view, const Boxes& boxes);
-  void upload_outlines(const SceneView& view, const PixelRange& bodies);
+  void upload_outlines(const SceneView& view, const PixelBox& bodies);
   void mark_too_close(const MaskImage& moving);
-  void read_body_depth(const PixelRange& bodies, const PixelRange& inner);
+  void read_body_depth(const PixelBox& bodies, const PixelBox& inner);
   void stream(const BodyLook& look, const SceneLight& light, BodyBuffers& to);
-  void draw_shadows(const SceneView& view, const PixelRange& box, const RealSurface& real);
+  void draw_shadows(const SceneView& view, const PixelBox& box, const RealSurface& real);
   void shade_bodies(const SceneView& view, const RealSurface& real);
   void draw_bodies(const SceneView& view);
   void compose_picture(const SceneView& view, const Boxes& boxes,
                        const Eigen::Vector2f& depth_per_picture);
-  void read_back(const PixelRange& box, ColorImage& picture, MaskImage* visible, DepthImage* depth);
+  void read_back(const PixelBox& box, ColorImage& picture, MaskImage* visible, DepthImage* depth);
 };
 
 SceneRenderer::SceneRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -288,26 +289,27 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
   for (std::size_t i = 0; i < view.bodies.size(); ++i)
     s.stream(view.bodies[i], view.light, s.buffers[i]);
   const State::Boxes boxes = s.boxes_of(view);
-  const PixelRange& box = boxes.all;
+  const PixelBox& box = boxes.all;
   if (!box.empty()) {
     if (!s.targets || s.targets->picture.width() != width ||
         s.targets->picture.height() != height) {
       s.targets = std::make_unique<Targets>(width, height);
     }
     glEnable(GL_SCISSOR_TEST);
-    glScissor(box.x0, box.y0, box.width(), box.height());
+    glScissor(box.x, box.y, box.width, box.height);
     const Eigen::Vector2f depth_per_picture = s.upload_real_depth(view, boxes);
     const RealSurface real{s.filled, s.real_box, depth_per_picture.cast<double>(), view.camera};
     s.shade_bodies(view, real);
     // The shaders read bodies up to one pixel beyond the box, which must be cleared as well.
-    const int x0 = std::max(box.x0 - 1, 0), y0 = std::max(box.y0 - 1, 0);
-    glScissor(x0, y0, std::min(box.x1 + 1, width) - x0, std::min(box.y1 + 1, height) - y0);
+    const int x0 = std::max(box.x - 1, 0), y0 = std::max(box.y - 1, 0);
+    glScissor(x0, y0, std::min(box.right() + 1, width) - x0,
+              std::min(box.bottom() + 1, height) - y0);
     s.draw_bodies(view);
-    glScissor(box.x0, box.y0, box.width(), box.height());
+    glScissor(box.x, box.y, box.width, box.height);
     if (wants_outlines(view)) s.upload_outlines(view, boxes.bodies);
     // At this point the picture is the background, or plain grey.
-    s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,
-                              picture.row(box.y0) + box.x0, width);
+    s.targets->picture.upload(box.x, box.y, box.width, box.height, GL_RGB, GL_UNSIGNED_BYTE,
+                              picture.row(box.y) + box.x, width);
     if (view.moving != nullptr) s.mark_too_close(*view.moving);
     s.draw_shadows(view, box, real);
     s.compose_picture(view, boxes, depth_per_picture);
@@ -337,7 +339,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
 
 SceneRenderer::State::Boxes SceneRenderer::State::boxes_of(const SceneView& view) const {
   Bounds bounds;
-  const auto box = [&]() -> PixelRange {
+  const auto box = [&]() -> PixelBox {
     if (!bounds.everything && bounds.x0 > bounds.x1) return {};
     return bounds.within(view.camera.width, view.camera.height, kOutlineRadius);
   };
@@ -380,11 +382,12 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
   const int margin = wants_outlines(view) ? RealOutlines::kMargin : kHoleRadius + 2;
   // Wide enough for both ends of every strip that one eye alone sees.
   const int row_margin = kLongestHalfSeen + 1;
-  const PixelRange& box = boxes.all;
-  const PixelRange texels{std::max(static_cast<int>(box.x0 * sx) - row_margin, 0),
-                          std::max(static_cast<int>(box.y0 * sy) - margin, 0),
-                          std::min(static_cast<int>(box.x1 * sx) + row_margin, depth.width()),
-                          std::min(static_cast<int>(box.y1 * sy) + margin, depth.height())};
+  const PixelBox& box = boxes.all;
+  const PixelBox texels =
+      PixelBox::between(std::max(static_cast<int>(box.x * sx) - row_margin, 0),
+                        std::max(static_cast<int>(box.y * sy) - margin, 0),
+                        std::min(static_cast<int>(box.right() * sx) + row_margin, depth.width()),
+                        std::min(static_cast<int>(box.bottom() * sy) + margin, depth.height()));
   fill_unknown(depth, view.hard_occlusion ? nullptr : view.borrowed, texels,
                view.hard_occlusion ? 0 : kHoleRadius, nearest_in_row, filled);
   if (view.hard_occlusion) {  // not even the strips that one eye alone sees
@@ -392,17 +395,18 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
       if (nearest_in_row[i] != 0) filled[i] = 0.0f;
     }
   }
-  real_depth.upload(texels.x0, texels.y0, texels.width(), texels.height(), GL_RED, GL_FLOAT,
+  real_depth.upload(texels.x, texels.y, texels.width, texels.height, GL_RED, GL_FLOAT,
                     filled.data());
   real_box = texels;
   return Eigen::Vector2d(sx, sy).cast<float>();
 }
 
 // Finds outlines and uploads their depth. @pre the bodies are drawn
-void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRange& bodies) {
-  const PixelRange& texels = real_box;
-  const PixelRange inner{bodies.x0 / 2, bodies.y0 / 2, std::min((bodies.x1 + 1) / 2, texels.x1),
-                         std::min((bodies.y1 + 1) / 2, texels.y1)};
+void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelBox& bodies) {
+  const PixelBox& texels = real_box;
+  const PixelBox inner = PixelBox::between(bodies.x / 2, bodies.y / 2,
+                                           std::min((bodies.right() + 1) / 2, texels.right()),
+                                           std::min((bodies.bottom() + 1) / 2, texels.bottom()));
   if (inner.empty()) return;
   read_body_depth(bodies, inner);
   outlines.find({.picture = *view.background,
@@ -416,19 +420,19 @@ void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRan
   if (fine_depth.width() != view.camera.width || fine_depth.height() != view.camera.height) {
     fine_depth = GlTexture(GL_R32F, view.camera.width, view.camera.height);
   }
-  fine_box = {2 * inner.x0, 2 * inner.y0, 2 * inner.x1, 2 * inner.y1};
-  fine_depth.upload(fine_box.x0, fine_box.y0, fine_box.width(), fine_box.height(), GL_RED, GL_FLOAT,
+  fine_box = {2 * inner.x, 2 * inner.y, 2 * inner.width, 2 * inner.height};
+  fine_depth.upload(fine_box.x, fine_box.y, fine_box.width, fine_box.height, GL_RED, GL_FLOAT,
                     outlines.depth().data());
 }
 
 // Gives moving pixels without depth the depth kTooClose. Otherwise they would count as parts of the
 // body's plane and be shaded.
 void SceneRenderer::State::mark_too_close(const MaskImage& moving) {
-  if (moving.width() < real_box.x1 || moving.height() < real_box.y1) return;
+  if (moving.width() < real_box.right() || moving.height() < real_box.bottom()) return;
   float* z = filled.data();
-  for (int y = real_box.y0; y < real_box.y1; ++y) {
-    const std::uint8_t* moves = moving.row(y) + real_box.x0;
-    for (int x = 0; x < real_box.width(); ++x, ++z) {
+  for (int y = real_box.y; y < real_box.bottom(); ++y) {
+    const std::uint8_t* moves = moving.row(y) + real_box.x;
+    for (int x = 0; x < real_box.width; ++x, ++z) {
       if (moves[x] != 0 && !(*z > 0.0f)) *z = RealOutlines::kTooClose;
     }
   }
@@ -436,17 +440,17 @@ void SceneRenderer::State::mark_too_close(const MaskImage& moving) {
 
 // Reads the bodies' depth within the texels `inner`, at the picture's resolution, into body_z; 0
 // outside of `bodies`.
-void SceneRenderer::State::read_body_depth(const PixelRange& bodies, const PixelRange& inner) {
-  const int width = 2 * inner.width(), height = 2 * inner.height();
+void SceneRenderer::State::read_body_depth(const PixelBox& bodies, const PixelBox& inner) {
+  const int width = 2 * inner.width, height = 2 * inner.height;
   assign_with_room(body_z, static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
                    0.0f);
-  targets->body.read(1, 2 * inner.x0, 2 * inner.y0, width, height, GL_RED, GL_FLOAT, body_z.data());
+  targets->body.read(1, 2 * inner.x, 2 * inner.y, width, height, GL_RED, GL_FLOAT, body_z.data());
   for (int y = 0; y < height; ++y) {
     float* row = body_z.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-    const bool beside = 2 * inner.y0 + y < bodies.y0 || 2 * inner.y0 + y >= bodies.y1;
+    const bool beside = 2 * inner.y + y < bodies.y || 2 * inner.y + y >= bodies.bottom();
     if (beside) std::fill_n(row, width, 0.0f);
-    std::fill_n(row, std::max(bodies.x0 - 2 * inner.x0, 0), 0.0f);
-    const int end = std::min(bodies.x1 - 2 * inner.x0, width);
+    std::fill_n(row, std::max(bodies.x - 2 * inner.x, 0), 0.0f);
+    const int end = std::min(bodies.right() - 2 * inner.x, width);
     std::fill_n(row + end, width - end, 0.0f);
   }
 }
@@ -542,7 +546,7 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
   glDisable(GL_DEPTH_TEST);
 }
 
-void SceneRenderer::State::draw_shadows(const SceneView& view, const PixelRange& box,
+void SceneRenderer::State::draw_shadows(const SceneView& view, const PixelBox& box,
                                         const RealSurface& real) {
   targets->ground.bind();
   shade_on_real.clear(box);
@@ -551,7 +555,7 @@ void SceneRenderer::State::draw_shadows(const SceneView& view, const PixelRange&
     if (look.shadow <= 0.0f || look.vertices->cols() == 0) continue;
     shade_on_real.add(buffers[i].shadow, look.camera_from_body, look.shadow, real);
   }
-  const PixelRange& shaded = shade_on_real.shaded();
+  const PixelBox& shaded = shade_on_real.shaded();
   if (shaded.empty()) return;
   if (light_left.width() < shade_on_real.width() || light_left.height() < shade_on_real.height()) {
     light_left =
@@ -561,14 +565,14 @@ void SceneRenderer::State::draw_shadows(const SceneView& view, const PixelRange&
                     shade_on_real.left().data());
   glEnable(GL_BLEND);
   glBlendFunc(GL_ZERO, GL_SRC_COLOR);
-  shadow_program.set("corner", Eigen::Vector2i(box.x0, box.y0).cast<float>().eval());
+  shadow_program.set("corner", Eigen::Vector2i(box.x, box.y).cast<float>().eval());
   shadow_program.set(
       "used", Eigen::Vector2i(shade_on_real.width(), shade_on_real.height()).cast<float>().eval());
   shadow_program.use();
   light_left.bind(0);
-  glScissor(shaded.x0, shaded.y0, shaded.width(), shaded.height());
+  glScissor(shaded.x, shaded.y, shaded.width, shaded.height);
   triangle.draw();
-  glScissor(box.x0, box.y0, box.width(), box.height());
+  glScissor(box.x, box.y, box.width, box.height);
   glDisable(GL_BLEND);
 }
 
@@ -578,14 +582,14 @@ void SceneRenderer::State::compose_picture(const SceneView& view, const Boxes& b
   targets->composed.bind();
   constexpr std::array<float, 4> kNone{};
   glClearNamedFramebufferfv(targets->composed.get(), GL_COLOR, 1, kNone.data());
-  const PixelRange& bodies = boxes.bodies;
+  const PixelBox& bodies = boxes.bodies;
   if (bodies.empty()) return;
-  const bool all_fine = fine_box.x0 <= bodies.x0 && fine_box.y0 <= bodies.y0 &&
-                        fine_box.x1 >= bodies.x1 && fine_box.y1 >= bodies.y1;
+  const bool all_fine = fine_box.x <= bodies.x && fine_box.y <= bodies.y &&
+                        fine_box.right() >= bodies.right() && fine_box.bottom() >= bodies.bottom();
   const GlProgram& program = view.hard_occlusion ? compose_hard_program
                              : all_fine          ? compose_fine_program
                                                  : compose_program;
-  glScissor(bodies.x0, bodies.y0, bodies.width(), bodies.height());
+  glScissor(bodies.x, bodies.y, bodies.width, bodies.height);
   glEnablei(GL_BLEND, 0);  // attachment 0 only; the mask is not blended
   glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
   targets->body_color.bind(0);
@@ -605,33 +609,32 @@ void SceneRenderer::State::compose_picture(const SceneView& view, const Boxes& b
   glDisablei(GL_BLEND, 0);
 }
 
-void SceneRenderer::State::read_back(const PixelRange& box, ColorImage& picture, MaskImage* visible,
+void SceneRenderer::State::read_back(const PixelBox& box, ColorImage& picture, MaskImage* visible,
                                      DepthImage* depth) {
-  const auto w = static_cast<std::size_t>(box.width());
-  const auto count = w * static_cast<std::size_t>(box.height());
+  const auto w = static_cast<std::size_t>(box.width);
+  const auto count = w * static_cast<std::size_t>(box.height);
   rgba.resize(std::max(rgba.size(), 4 * count));
-  targets->composed.read(0, box.x0, box.y0, box.width(), box.height(), GL_RGBA, GL_UNSIGNED_BYTE,
+  targets->composed.read(0, box.x, box.y, box.width, box.height, GL_RGBA, GL_UNSIGNED_BYTE,
                          rgba.data());
   if (visible != nullptr) {
     mask_rows.resize(std::max(mask_rows.size(), count));
-    targets->composed.read(1, box.x0, box.y0, box.width(), box.height(), GL_RED, GL_UNSIGNED_BYTE,
+    targets->composed.read(1, box.x, box.y, box.width, box.height, GL_RED, GL_UNSIGNED_BYTE,
                            mask_rows.data());
   }
   if (depth != nullptr) {
     z_rows.resize(std::max(z_rows.size(), count));
-    targets->body.read(1, box.x0, box.y0, box.width(), box.height(), GL_RED, GL_FLOAT,
-                       z_rows.data());
+    targets->body.read(1, box.x, box.y, box.width, box.height, GL_RED, GL_FLOAT, z_rows.data());
   }
-  for (int y = 0; y < box.height(); ++y) {
+  for (int y = 0; y < box.height; ++y) {
     const std::size_t first = w * static_cast<std::size_t>(y);
     const std::uint8_t* from = rgba.data() + 4 * first;
-    Rgb* to = picture.row(box.y0 + y) + box.x0;
+    Rgb* to = picture.row(box.y + y) + box.x;
     for (std::size_t x = 0; x < w; ++x) to[x] = {from[4 * x], from[4 * x + 1], from[4 * x + 2]};
     if (visible != nullptr) {
-      std::memcpy(visible->row(box.y0 + y) + box.x0, mask_rows.data() + first, w);
+      std::memcpy(visible->row(box.y + y) + box.x, mask_rows.data() + first, w);
     }
     if (depth != nullptr) {
-      float* z = depth->row(box.y0 + y) + box.x0;
+      float* z = depth->row(box.y + y) + box.x;
       for (std::size_t x = 0; x < w; ++x) {
         if (z_rows[first + x] > 0.0f) z[x] = z_rows[first + x];
       }

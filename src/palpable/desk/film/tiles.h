@@ -1,33 +1,13 @@
 /// @file
-/// Rectangles and tiles of pixels.
+/// Tiles of a picture.
 #pragma once
+
+#include "palpable/common/geometry/pixel_box.h"
 
 #include <algorithm>
 #include <vector>
 
 namespace palpable {
-
-/// A rectangle of pixels.
-struct Box {
-  int x = 0, y = 0, width = 0, height = 0;
-  /// The intersection, which may be empty().
-  [[nodiscard]] Box cut(const Box& other) const {
-    const int x0 = std::max(x, other.x);
-    const int y0 = std::max(y, other.y);
-    return {x0, y0, std::max(0, std::min(x + width, other.x + other.width) - x0),
-            std::max(0, std::min(y + height, other.y + other.height) - y0)};
-  }
-  [[nodiscard]] bool empty() const { return width <= 0 || height <= 0; }
-};
-
-/// The smallest rectangle that contains both.
-[[nodiscard]] inline Box around(const Box& a, const Box& b) {
-  if (a.empty()) return b;
-  if (b.empty()) return a;
-  const int x0 = std::min(a.x, b.x), y0 = std::min(a.y, b.y);
-  return {x0, y0, std::max(a.x + a.width, b.x + b.width) - x0,
-          std::max(a.y + a.height, b.y + b.height) - y0};
-}
 
 /// A picture divided into square tiles (cut off at its right and lower border), some of them
 /// marked.
@@ -45,8 +25,8 @@ struct Tiles {
 
   /// Rectangles that do not overlap and together cover exactly the marked tiles, or exactly the
   /// others.
-  [[nodiscard]] std::vector<Box> boxes(bool of_marked) const {
-    std::vector<Box> found;
+  [[nodiscard]] std::vector<PixelBox> boxes(bool of_marked) const {
+    std::vector<PixelBox> found;
     const int count = static_cast<int>(marked.size());
     for (int t = 0; t < count;) {
       const int row = t / across(), first = t;
@@ -55,10 +35,10 @@ struct Tiles {
         ++t;
         continue;
       }
-      const Box run =
-          Box{(first - row * across()) * size, row * size, (t - first) * size, size}.cut(
+      const PixelBox run =
+          PixelBox{(first - row * across()) * size, row * size, (t - first) * size, size}.cut(
               {0, 0, width, height});
-      const auto above = std::find_if(found.begin(), found.end(), [&](const Box& b) {
+      const auto above = std::find_if(found.begin(), found.end(), [&](const PixelBox& b) {
         return b.x == run.x && b.width == run.width && b.y + b.height == run.y;
       });
       if (above == found.end())
