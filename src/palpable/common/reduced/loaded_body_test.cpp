@@ -177,8 +177,6 @@ TEST_CASE("a point off the skin or off the loaded faces, and a force out of rang
   CHECK_FALSE(load_at(wide, slope + 0.05 * side, 1).ok());
 }
 
-constexpr int kBall = 6;  // number of the ball's sites, and so the number of its reaction
-
 TEST_CASE("one press is answered with its depth, its displacement and its stress",
           "[reduced][press_response]") {
   const ReducedBody body = test::pressed_ball(0.05, 0.01);
