@@ -20,7 +20,7 @@ constexpr float kMiddle = 1.5F;  // px from a tile's first pixel to its middle
 constexpr int kTurns = 4;        // frames in which each tile is visited once
 // m; tiles that land nearer or farther than this are not drawn, nor are those of infinite depth.
 constexpr float kNearestDepth = 0.05F, kFarthestDepth = 1e3F;
-constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnknownDepth = std::numeric_limits<float>::quiet_NaN();
 
 // px; larger than any picture. It is added before a coordinate is truncated to an integer and
 // subtracted afterwards, so that truncation acts on a positive number and equals floor(), which
@@ -99,7 +99,7 @@ void SceneCanvas::resize(const PinholeCamera& camera) {
   const int wide = tiles + 2 * settings_.margin, high = rows + 2 * settings_.margin;
   luma_ = GrayImage(kTile * wide, kTile * high);
   colors_ = Image<TileColor>(wide, high);
-  depth_ = DepthImage(wide, high, kNoDepth);
+  depth_ = DepthImage(wide, high, kUnknownDepth);
   sources_ = Image<Source>(tiles, rows);
   nearest_ = DepthImage(tiles, rows);
   const std::vector<std::int32_t> row(wide);
@@ -125,7 +125,7 @@ void SceneCanvas::follow(const PinholeCamera& depth_camera, const Rigid3& world_
   }
   world_from_key_ = world_from_camera;
   stayed_ = 1;
-  std::fill(depth_.begin(), depth_.end(), kNoDepth);
+  std::fill(depth_.begin(), depth_.end(), kUnknownDepth);
 }
 
 // Whether all of the 4 x 4 pixels from (x, y) of the canvas on are known.

@@ -13,7 +13,7 @@ namespace palpable {
 namespace {
 
 constexpr Rgb kUnknown{70, 70, 74};
-constexpr Rgb kTooClose{220, 30, 30};
+constexpr Rgb kTooCloseColor{220, 30, 30};
 
 // A table of color_of_share(), since it is needed for every pixel.
 const std::array<Rgb, 256>& colors() {
@@ -50,7 +50,7 @@ void draw_depth(const Scene& scene, ColorImage& picture) {
       const int u = std::min(x / factor, seen.depth.width() - 1);
       const float Z = seen.depth(u, v);
       const bool too_close = !seen.too_close.empty() && seen.too_close(u, v) != 0;
-      row[x] = Z > 0 ? color_of_depth(Z) : too_close ? kTooClose : kUnknown;
+      row[x] = Z > 0 ? color_of_depth(Z) : too_close ? kTooCloseColor : kUnknown;
     }
   }
   write("depth: dark 2 m, bright 0.15 m   grey not known   red too close to be measured", picture);
