@@ -15,8 +15,8 @@ namespace palpable {
 struct PaperEntry {
   TomlSection section;
   std::string example;  ///< e.g. "bunny"
-  std::vector<std::pair<std::string, std::string>>
-      values;  ///< {...} of texts, and what replaces it
+  /// What {...} of texts are replaced by.
+  std::vector<std::pair<std::string, std::string>> values;
 
   /// A text with its {...} replaced; of a table of texts, the one of the example.
   /// @throws Error when it is missing
