@@ -15,8 +15,8 @@ namespace palpable {
 struct PaperEntry {
   TomlSection section;
   std::string example;  ///< e.g. "bunny"
-  std::vector<std::pair<std::string, std::string>>
-      values;  ///< {...} of texts, and what replaces it
+  /// What {...} of texts are replaced by.
+  std::vector<std::pair<std::string, std::string>> values;
 
   /// A text with its {...} replaced; of a table of texts, the one of the example.
   /// @throws Error when it is missing
@@ -29,7 +29,8 @@ struct PaperEntry {
   [[nodiscard]] std::string filled(std::string text) const;
 };
 
-/// The entries of a list ("step", "figure") whose `of` names the example, in the file's order.
+/// The entries of a list ("step", "number", "figure") whose `of` names the example, in the file's
+/// order.
 [[nodiscard]] std::vector<PaperEntry> paper_entries(
     const char* list, const std::string& example,
     const std::vector<std::pair<std::string, std::string>>& values);

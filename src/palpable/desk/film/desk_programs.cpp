@@ -12,7 +12,7 @@ std::span<const ShaderFile> film_shader_files();
 
 namespace {
 
-// What desk.vert and desk.frag are compiled with for one kind of surface. The detail are nails and
+// What desk.vert and desk.frag are compiled with for one kind of surface. `detail`: nails and
 // creases of a hand.
 struct Surface {
   bool top = false, far = false, moves = false, detail = false, dark = false;
@@ -35,13 +35,15 @@ constexpr std::array<Surface, 10> kSurfaces{{
 
 std::string defines_of(const Surface& s) {
   std::string text;
-  for (const auto& [on, name] : {std::pair{s.top, "DESK_TOP"},
-                                 {s.far, "FAR"},
-                                 {s.moves, "MOVES"},
-                                 {s.detail, "DETAIL"},
-                                 {s.dark, "DARK"},
-                                 {s.still_shadows, "STILL_SHADOWS"},
-                                 {s.moving_shadows, "MOVING_SHADOWS"}}) {
+  const std::array<std::pair<bool, const char*>, 7> features{
+      {{s.top, "DESK_TOP"},
+       {s.far, "FAR"},
+       {s.moves, "MOVES"},
+       {s.detail, "DETAIL"},
+       {s.dark, "DARK"},
+       {s.still_shadows, "STILL_SHADOWS"},
+       {s.moving_shadows, "MOVING_SHADOWS"}}};
+  for (const auto& [on, name] : features) {
     if (on) text += std::string("#define ") + name + "\n";
   }
   return text;

@@ -152,8 +152,8 @@ struct Panel::State {
   // than drawing.
   GlTexture drawn;
   GlFramebuffer framebuffer;
-  std::vector<PixelBox>
-      covered;  // the parts of `drawn` that hold panels; y counts up, as in OpenGL
+  // The parts of `drawn` that hold panels; y counts up from the lower border, as in OpenGL.
+  std::vector<PixelBox> covered;
   GlBuffer vertices, indices;
   GlVertexArray inputs;
   // The content laid out last, and that in the buffers.
