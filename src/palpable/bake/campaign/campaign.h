@@ -83,13 +83,13 @@ struct CampaignReport {
 /// yet. A site's file is written as soon as it is solved, so an aborted run loses only the sites in
 /// progress. The bytes of the store depend on the plan alone.
 ///
-/// Memory: that of the solver (equilibrium.h); 24 N L + 1,500 N bytes for each site in progress, of
-/// which there are at most 20 per thread and about as many as fit into 2 GB (lockstep.h); and, for
-/// each site that is being written, another 60 N L bytes. N: nodes, L: load levels.
+/// Memory: that of the solver; for each site in progress that of a call of the solver
+/// (equilibrium.h) and 24 N L bytes, with at most 20 such sites per thread and about as many as fit
+/// into 2 GB (lockstep.h); and, for each site that is being written, another 60 N L bytes. N:
+/// nodes, L: load levels.
 /// @param store  of unit_keys(plan)
 /// @throws Error if no site of a point reaches the press depth of its description, one site cannot
-/// be pressed at all, the
-///         body has no equilibrium under the preload, or the store cannot be written
+/// be pressed at all, the body has no equilibrium under the preload, or the store cannot be written
 [[nodiscard]] CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store,
                                           Crew& crew, const CampaignSettings& settings,
                                           const Progress& progress = {});

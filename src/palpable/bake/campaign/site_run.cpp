@@ -73,10 +73,9 @@ PressPath path_through(const PressSolver& presses, const Matrix3Xd& unit, double
 // is full while the other lanes do the rest of their work. Fewer where they would take more than
 // kMemory together.
 int lanes_for(const SiteSolver& solver, int levels, int threads) {
-  constexpr double kMemory = 2e9;        // bytes
-  constexpr double kLearntBytes = 1000;  // per node: what a lane's solver learns, and its vectors
+  constexpr double kMemory = 2e9;  // bytes
   const double a_lane =
-      solver.presses().solver().model().mesh.node_count() * (24.0 * levels + kLearntBytes);
+      solver.presses().solver().model().mesh.node_count() * (24.0 * levels + kBytesPerNodeOfCall);
   return std::clamp(static_cast<int>(kMemory / a_lane), threads, 20 * threads);
 }
 
