@@ -162,7 +162,7 @@ struct Follower {
 
 void print_ticks(const Json& result, double rate) {
   fmt::print("{} ticks at {} Hz, {:.2f} ms of CPU each (p99 {:.2f})\n",
-             result["ticks_compared"].get<std::size_t>(), rate, result["tick_ms_p50"].get<double>(),
+             result["ticks_compared"].get<int>(), rate, result["tick_ms_p50"].get<double>(),
              result["tick_ms_p99"].get<double>());
   fmt::print("error relative to the response to the true hand at that moment, %, median (p90):\n");
   fmt::print("{:<44} {:>16} {:>16}\n", "", "displacement", "force");
