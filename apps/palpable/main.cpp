@@ -43,9 +43,9 @@ constexpr std::array kBakeCommands{
 };
 
 // The names of `palpable bench` that belong to the offline half.
-constexpr std::array<std::string_view, 11> kBakeBenches{
-    "bake",     "beam",     "bodies", "campaign", "clip", "elements",
-    "friction", "obstacle", "reduce", "solid",    "touch"};
+constexpr std::array<std::string_view, 10> kBakeBenches{
+    "beam",     "bodies",   "campaign", "clip",  "elements",
+    "friction", "obstacle", "reduce",   "solid", "touch"};
 
 /// Replaces this process by another program of the project with the same arguments. Returns
 /// only on failure.

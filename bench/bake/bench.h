@@ -16,7 +16,6 @@ class Command;
 /// Prints the results with the machine and the date, as one JSON object or as one line for each.
 void print_figures(Json figures, bool json);
 
-void add_bench_bake(Command bench);
 void add_bench_beam(Command bench);
 void add_bench_bodies(Command bench);
 void add_bench_campaign(Command bench);

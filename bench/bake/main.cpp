@@ -15,7 +15,6 @@ int run_benches(int argc, char** argv) {
                     call.name, std::string("palpable-bake-bench ") + PALPABLE_VERSION);
   bench.require_subcommand();
   bench.footer("Example: palpable bench bake --json");
-  add_bench_bake(bench);
   add_bench_beam(bench);
   add_bench_bodies(bench);
   add_bench_campaign(bench);

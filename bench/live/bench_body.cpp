@@ -1,4 +1,4 @@
-// palpable bench evaluate, palpable bench contact: cost of one body without a camera.
+// palpable bench evaluate: cost of evaluating one body.
 
 #include "apps/common/command_line.h"
 #include "palpable/common/base/error.h"
@@ -6,12 +6,8 @@
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/base/stage_clock.h"
 #include "palpable/common/body_file/body_file.h"
-#include "palpable/common/contact/press_law.h"
 #include "palpable/common/reduced/mode_kernels.h"
 #include "palpable/common/reduced/pressed_surface.h"
-#include "palpable/desk/clip_files/scene_files.h"
-#include "palpable/desk/score/skin_scores.h"
-#include "palpable/live/seen_object/object_surface.h"
 
 #include <fmt/core.h>
 
@@ -42,11 +38,6 @@ void add_to(Series& series, std::string_view name, double ms) {
     }
   }
   series.emplace_back(std::string(name), std::vector<double>{ms});
-}
-
-void add(Series& series, const StageTimes& times) {
-  for (const StageTime& stage : times.stages()) add_to(series, stage.name, stage.ms);
-  add_to(series, "total", times.total_ms());
 }
 
 double median_of(const Series& series, std::string_view name) {
@@ -160,96 +151,28 @@ void bench_evaluate(const BodyOptions& options) {
   print(result, series, options.json);
 }
 
-// The depth image of a finger on the body's first site in front of a plane at Z = `wall`.
-DepthImage depth_of_finger(const Capsule& finger, const PinholeCamera& camera, double wall) {
-  DepthImage depth(camera.width, camera.height, static_cast<float>(wall));
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector3d ray = camera.unproject(u, v, 1.0);
-      double z = 0.05;
-      for (int i = 0; i < 100 && z < wall; ++i) {
-        const double d = distance_to(finger, z * ray);
-        if (d < 1e-5) {
-          depth(u, v) = static_cast<float>(z);
-          break;
-        }
-        z += d / ray.norm();
-      }
-    }
-  }
-  return depth;
-}
-
-void bench_contact(const BodyOptions& options) {
-  const ReducedBody body = value_or_throw(read_pressable_body(options.body));
-  const Eigen::AlignedBox3d region(body.surface.vertices.rowwise().minCoeff(),
-                                   body.surface.vertices.rowwise().maxCoeff());
-  const double distance = std::max(0.4, 3 * region.sizes().maxCoeff());
-  const Rigid3 camera_from_body = upright_pose(0, region.sizes().z() / 2, distance, 0, 30, 0);
-  const PinholeCamera camera{640, 360, 350, 350, 319.5, 179.5};
-  PressLaw law(body);
-  ObjectSurface surface;
-  PressState state;
-  Series series;
-  constexpr int kPoses = 8;
-  std::vector<DepthImage> frames;
-  const Site& site = body.sites.front();
-  for (int i = 0; i < kPoses; ++i) {
-    // Along the load's direction, from just outside to 7 mm inside.
-    const Eigen::Vector3d x = body.surface.vertices.col(site.vertex);
-    const Eigen::Vector3d tip = x - (0.008 - 0.001 * i) * site.direction;
-    const Capsule finger{camera_from_body * tip, camera_from_body * (tip - 0.1 * site.direction),
-                         0.008, 0.009};
-    frames.push_back(depth_of_finger(finger, camera, distance + 0.1));
-  }
-  int touched = 0;
-  for (int i = 0; i < options.repeats; ++i) {
-    StageTimes times;
-    {
-      const StageTimer timer(times, "surface");
-      surface.build(frames[i % kPoses], {}, camera, camera_from_body.inverse(), region, i / 30.0);
-    }
-    {
-      const StageTimer timer(times, "touch");
-      state = law.advance(state, surface, i / 30.0);
-    }
-    touched += state.touch.has_value();
-    add(series, times);
-  }
-  Json result = about("contact", body);
-  result["balls"] = surface.balls().size();
-  result["frames_touching"] = touched;
-  print(result, series, options.json);
-}
-
 }  // namespace
 
 void add_bench_body(Command bench) {
-  const auto add_body_bench = [&](const char* name, const char* what,
-                                  void (*run)(const BodyOptions&)) {
-    auto options = std::make_shared<BodyOptions>();
-    Command command = bench.add_subcommand(name, what);
-    command.add_option(
-        "body", options->body,
-        "Body file. Default: build/bodies/bunny.palpable, else out/demo/bunny.palpable");
-    command.add_option("--repeats", options->repeats, "Frames")
-        .in_range(1, 10'000'000)
-        .show_default();
-    command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
-    command.footer(fmt::format("Example: palpable bench {} bunny.palpable", name));
-    command.callback([options, run] {
-      std::error_code ignored;
-      for (const char* usual : {"build/bodies/bunny.palpable", "out/demo/bunny.palpable"}) {
-        if (options->body.empty() && std::filesystem::exists(usual, ignored)) options->body = usual;
-      }
-      if (options->body.empty()) throw Error("name a body file; ./demo makes one");
-      run(*options);
-    });
-  };
-  add_body_bench("evaluate", "Evaluation of the reduced body, and what copying as many bytes takes",
-                 bench_evaluate);
-  add_body_bench("contact", "Contact: a finger on the body's first site, seen with 640 x 360 px",
-                 bench_contact);
+  auto options = std::make_shared<BodyOptions>();
+  Command command = bench.add_subcommand(
+      "evaluate", "Evaluation of the reduced body, and what copying as many bytes takes");
+  command.add_option(
+      "body", options->body,
+      "Body file. Default: build/bodies/bunny.palpable, else out/demo/bunny.palpable");
+  command.add_option("--repeats", options->repeats, "Frames")
+      .in_range(1, 10'000'000)
+      .show_default();
+  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.footer("Example: palpable bench evaluate bunny.palpable");
+  command.callback([options] {
+    std::error_code ignored;
+    for (const char* usual : {"build/bodies/bunny.palpable", "out/demo/bunny.palpable"}) {
+      if (options->body.empty() && std::filesystem::exists(usual, ignored)) options->body = usual;
+    }
+    if (options->body.empty()) throw Error("name a body file; ./demo makes one");
+    bench_evaluate(*options);
+  });
 }
 
 }  // namespace palpable::app
