@@ -9,7 +9,7 @@
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/live/sources/calibrate_source.h"
-#include "palpable/live/sources/calibration_text.h"
+#include "palpable/live/sources/board_report.h"
 
 #include <fmt/core.h>
 

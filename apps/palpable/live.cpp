@@ -5,7 +5,7 @@
 #include "apps/palpable/commands.h"
 #include "apps/palpable/installed.h"
 #include "apps/palpable/live_options.h"
-#include "apps/palpable/live_setup.h"
+#include "apps/palpable/live_settings.h"
 #include "apps/palpable/terminal.h"
 
 #include <fmt/core.h>

@@ -4,7 +4,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_options.h"
-#include "apps/palpable/live_setup.h"
+#include "apps/palpable/live_settings.h"
 #include "apps/palpable/terminal.h"
 #include "palpable/common/base/error.h"
 #include "palpable/live/player/state_hash.h"

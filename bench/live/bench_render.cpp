@@ -2,7 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable/live_setup.h"
+#include "apps/palpable/live_settings.h"
 #include "palpable/common/base/cpu_time.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"

@@ -9,6 +9,14 @@
 ///
 /// for J > 0. T is double (this header turns them into functions of a matrix F) or a pack of eight
 /// doubles (element_kernels.cpp). A law is registered by listing it in Material (material.h).
+///
+/// A law knows the present F alone. A law with a memory (damage, viscosity, plasticity) needs more:
+/// internal variables at each integration point, which no interface has. In the bake they would
+/// belong beside ElementBlock (solid/element_kernels.h), be kept when a step of solid/walk.h is
+/// accepted, and end the assumption of that file and of the load paths that a state depends on its
+/// load alone; the tables of touch would need them as a parameter, and the live half a state in
+/// TouchState (response/touch_state.h). The live half uses laws for stress only: stiffness is baked
+/// into the tables.
 #pragma once
 
 #include "palpable/common/base/contract.h"

@@ -1,6 +1,16 @@
 /// @file
 /// The list of all figures of `palpable score`: the name of each in JSON, and its line for people.
-/// Whoever adds a score adds it to the list in figures.cpp.
+///
+/// To add a score:
+///
+///   1. Compute it from arrays in the file of its subject in score/ (touch_scores.h,
+///      skin_scores.h, ...), with a case in the test beside it.
+///   2. Give it a member, filled from the folders of truth and result, in this module:
+///   body_scores.h
+///      for what a body does, image_scores.h for pictures, pose_scores.h for the camera,
+///      scorecard.h for the rest. A file that was not read before gets its reader in clip_files.
+///   3. List its name in JSON and its line in figures.cpp.
+///   4. Explain it in docs/benchmark.md; tests/cli/programs.py scores whole runs.
 #pragma once
 
 #include "palpable/desk/scorecard/pose_scores.h"

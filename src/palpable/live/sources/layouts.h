@@ -12,6 +12,10 @@
 ///      layout_seven_scenes.cpp is a short example, layout_euroc.cpp has everything.
 ///   2. Declare the function here, and put it into kLayouts in folder_layouts.cpp: the first layout
 ///      that recognises a folder reads it.
+///      A calibration in a format of its own is read there, too; one that users also name with
+///      --calibration belongs in source_calibration.h. Published poses that `palpable score
+///      --poses` shall read belong in desk/clip_files/camera_paths.h. CMake finds the file by
+///      itself.
 ///   3. List it in the comment of recognise_folder(), in known_layouts(), and in
 ///      docs/recordings.md; test it in folder_layouts_test.cpp.
 #pragma once

@@ -1,4 +1,4 @@
-#include "apps/palpable/live_setup.h"
+#include "apps/palpable/live_settings.h"
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/installed.h"

@@ -1,4 +1,4 @@
-#include "palpable/live/sources/calibration_text.h"
+#include "palpable/live/sources/board_report.h"
 
 #include <fmt/core.h>
 
