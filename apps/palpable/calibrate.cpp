@@ -8,8 +8,8 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/live/sources/calibrate_source.h"
 #include "palpable/live/sources/board_report.h"
+#include "palpable/live/sources/calibrate_source.h"
 
 #include <fmt/core.h>
 

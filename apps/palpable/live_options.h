@@ -2,8 +2,8 @@
 /// The options of `live`. A new one is declared in live_options.cpp, and its value is a member of
 ///
 ///   RunOptions     (live/play/run_options.h)  if results depend on it: recordings keep it
-///   PlayOptions    (live/play/live_play.h)    of what is shown, sent and written; `replay` has it,
-///   too SourceOptions  (shared_options.h)         of the source of images; other commands share it
+///   PlayOptions    (live/play/live_play.h)    of what is shown, sent, written; also of `replay`
+///   SourceOptions  (shared_options.h)         of the source of images; other commands share it
 ///   LiveOptions    (below)                    else: where bodies stand, threads, number of frames
 ///
 /// live_settings.cpp turns them into the settings of the library. tests/cli/programs.py runs them.
