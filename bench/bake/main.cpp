@@ -14,7 +14,7 @@ int run_benches(int argc, char** argv) {
   CommandLine bench("Time the parts of a bake, and compare them with what is known without it.",
                     call.name, std::string("palpable-bake-bench ") + PALPABLE_VERSION);
   bench.require_subcommand();
-  bench.footer("Example: palpable bench bake --json");
+  bench.footer("Example: palpable bench campaign --json");
   add_bench_beam(bench);
   add_bench_bodies(bench);
   add_bench_campaign(bench);

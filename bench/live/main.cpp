@@ -20,7 +20,6 @@ int run_benches(int argc, char** argv) {
   bench.require_subcommand();
   bench.footer(
       "Also, in the program palpable-bake-bench, which palpable starts:\n"
-      "  bench bake      the parts of a bake\n"
       "  bench beam      the beam by intrusive PGD\n"
       "  bench bodies    bodies that press each other, against full finite elements\n"
       "  bench campaign  all sites and levels of a body, into an empty folder\n"
