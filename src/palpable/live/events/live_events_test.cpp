@@ -54,8 +54,8 @@ class SocketClient {
 FrameLoop loop_with_sphere_at(double x) {
   Rigid3 pose = Rigid3::Identity();
   pose.translation() = Eigen::Vector3d(x, 0, 0.4);
-  return value_or_throw(
-      FrameLoop::make(test::DentedSphere{}.body(), pose, test::wall_format(), {.map = false}));
+  return value_or_throw(FrameLoop::make(test::DentedSphere{}.body(), pose, test::wall_format(),
+                                        {.press_static = true, .map = false}));
 }
 
 double first_x(const json& hello) { return hello["bodies"][0]["world_from_body"][3].get<double>(); }
