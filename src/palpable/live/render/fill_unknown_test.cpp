@@ -116,10 +116,10 @@ TEST_CASE("a depth that is none of the pixel's own counts as unknown", "[render]
   borrowed(3, 1) = borrowed(4, 1) = 255;
   std::vector<signed char> nearest;
   std::vector<float> filled;
-  fill_unknown(depth, &borrowed, {1, 1, 6, 2}, 0, nearest, filled);
+  fill_unknown(depth, &borrowed, {1, 1, 5, 1}, 0, nearest, filled);
   CHECK(filled == std::vector<float>{1, 1, 0, 0, 1});
   CHECK(nearest[2] != 0);
-  fill_unknown(depth, nullptr, {1, 1, 6, 2}, 0, nearest, filled);
+  fill_unknown(depth, nullptr, {1, 1, 5, 1}, 0, nearest, filled);
   CHECK(filled == std::vector<float>{1, 1, 0.5f, 0.5f, 1});
 }
 
@@ -129,6 +129,6 @@ TEST_CASE("filling again allocates nothing", "[render]") {
   std::vector<float> filled;
   fill_unknown(depth, nullptr, {0, 0, 40, 30}, 4, nearest, filled);
   CHECK(test::allocations_during([&] {
-          fill_unknown(depth, nullptr, {1, 1, 39, 29}, 4, nearest, filled);
+          fill_unknown(depth, nullptr, {1, 1, 38, 28}, 4, nearest, filled);
         }) == 0);
 }
