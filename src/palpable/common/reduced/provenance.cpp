@@ -70,7 +70,8 @@ std::optional<Provenance::HeldOutValue> held_out_value(std::string_view key,
       std::string(key.substr(kHeldOutAt.size(), is - kHeldOutAt.size())), *value, errors};
 }
 
-// A line of an older file that is not the text of a member as it stands.
+// Stores a line of an older file whose key is not that of a text in kTexts: an old name of such a
+// text, a value that has to be parsed, or a line that has no member.
 void add_line(const std::string& key, const std::string& text, Provenance& result) {
   if (key == "body") {  // an intrusive bake's
     result.description = text;
@@ -83,7 +84,7 @@ void add_line(const std::string& key, const std::string& text, Provenance& resul
   }
 }
 
-// A member that is not one text.
+// Sets a member that is not a text: numbers, held_out_values, others.
 void set_member(std::string_view key, const Json& value, Provenance& result) {
   if (key == "preload_moves") result.preload_moves = value.get<double>();
   if (key == "scaled_by") result.scaled_by = value.get<double>();

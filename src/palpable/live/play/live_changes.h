@@ -33,7 +33,8 @@ class RunRecording {
   [[nodiscard]] std::optional<std::string> add(const Scene& scene);
   /// Completes the file. @return the states for live.json
   LiveSummary::States finish();
-  /// After finish(): the reason when the recording has ended early, unless add() has returned it.
+  /// Why the recording ended early; empty if it did not, or if add() has returned the reason. To be
+  /// called after finish().
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
   /// A summary in readable lines; to be called after finish().
   [[nodiscard]] std::string text() const;

@@ -206,7 +206,7 @@ class PlayLoop {
       Scene* scene = loop_.next_within(FrameSource::kLongestWait);
       report_stats();
       if (scene != nullptr) {
-        answer(*scene);
+        publish(*scene);
         draw_and_write(*scene);
       } else {
         hold(0);
@@ -250,8 +250,9 @@ class PlayLoop {
     }
   }
 
-  // Changes what the user wishes, and passes the frame's results on.
-  void answer(Scene& scene) {
+  // Applies the user's changes, then hands the frame's results to the events, to the ticks between
+  // frames and to the recording.
+  void publish(Scene& scene) {
     if (with_.changes != nullptr && with_.changes->apply(*with_.painter, scene)) {
       with_.events.begin(session_);
     }
