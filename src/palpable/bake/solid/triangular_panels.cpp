@@ -282,7 +282,7 @@ void TriangularPanels<Stored>::set(int k, const Number* values) {
   const int stride = padded(rows);
   for (int j = 0; j < columns; ++j) {
     const Number* const from = values + static_cast<std::ptrdiff_t>(j) * rows;
-    Stored* const to = values_[start_[at]].of + static_cast<std::ptrdiff_t>(j) * stride;
+    Stored* const to = panel(k) + static_cast<std::ptrdiff_t>(j) * stride;
     for (int i = j + 1; i < rows; ++i) round_to(static_cast<float>(from[i]), to[i]);
     inverse_diagonal_[first + j] = static_cast<float>(1.0 / from[j]);
   }

@@ -68,6 +68,7 @@ class TriangularPanels {
   // Columns are padded so that each begins with a Sixteen.
   static constexpr int padded(int rows) { return (rows + kWidth - 1) / kWidth * kWidth; }
   [[nodiscard]] const Stored* panel(int k) const { return values_[start_[k]].of; }
+  [[nodiscard]] Stored* panel(int k) { return values_[start_[k]].of; }
 
   Supernodes supernodes_;
   std::vector<std::size_t> start_;  // (S) of each panel in values_
