@@ -1,15 +1,20 @@
 #include "apps/common/command_line.h"
 
 #include "apps/common/help_format.h"
+#include "apps/common/printing.h"
+#include "palpable/common/base/cpu_time.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/nearest_word.h"
+#include "palpable/common/base/quantity.h"
 #include "palpable/common/base/standard_streams.h"
 #include "palpable/common/base/text_numbers.h"
+#include "palpable/common/base/this_machine.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -17,6 +22,8 @@
 
 namespace palpable::app {
 namespace {
+
+constexpr const char* kHelpAll = "--help-all";
 
 // The innermost subcommand that the user named.
 const CLI::App* innermost(const CLI::App& app) {
@@ -44,12 +51,25 @@ std::string full_name(const CLI::App& app) {
   return parent == nullptr ? app.get_name() : full_name(*parent) + " " + app.get_name();
 }
 
+// The option of an older version, if it was one of the innermost command.
+const OldSpelling* old_spelling(const CLI::App& command, std::string_view option) {
+  for (const OldSpelling& old : old_spellings()) {
+    const bool of_command = old.command.empty() || old.command == command.get_name();
+    if (of_command && old.option == option) return &old;
+  }
+  return nullptr;
+}
+
 std::string unexpected_argument(const CLI::App& app) {
   const CLI::App* inner = innermost(app);
   const std::vector<std::string> rest = app.remaining(true);
   const std::string word =
       rest.empty() ? std::string() : rest.front().substr(0, rest.front().find('='));
   const bool is_option = !word.empty() && word.front() == '-';
+  if (const OldSpelling* old = is_option ? old_spelling(*inner, word) : nullptr) {
+    return fmt::format("'{}' was its name in 0.1: write {}, see {} --help", word, old->now,
+                       full_name(*inner));
+  }
   const bool wants_command = !is_option && !subcommand_names(*inner).empty();
   const std::string guess =
       nearest_word(word, is_option ? option_names(*inner) : subcommand_names(*inner));
@@ -75,6 +95,17 @@ std::string why_not_positive(const std::string& text) {
 std::string why_no_number(const std::string& text) {
   if (to_number(text)) return {};
   return fmt::format("{} is no number that is finite", text);
+}
+
+std::string why_no_length(const std::string& text, LengthRange range) {
+  const std::optional<double> metres = to_quantity(text, Quantity::kLength);
+  if (!metres) {
+    return to_number(text) ? fmt::format("{0} has no unit: write {0}mm or {0}m", text)
+                           : fmt::format("'{}' is no length, such as 7mm", text);
+  }
+  if (*metres >= range.least && *metres <= range.most) return {};
+  return fmt::format("{} is not between {} and {}", text, length_text(range.least),
+                     length_text(range.most));
 }
 
 // Flushes stdout; prints an error if that fails. @return the exit code
@@ -115,6 +146,8 @@ Option Option::type_name(const std::string& name) { return Option(option_->type_
 
 Option Option::show_default() { return Option(option_->capture_default_str()); }
 
+Option Option::default_is(const std::string& words) { return Option(option_->default_str(words)); }
+
 Option Option::in_range(int least, int most) {
   return Option(option_->check(CLI::Range(least, most)));
 }
@@ -150,20 +183,34 @@ Option Option::excludes(const Option& other) { return Option(option_->excludes(o
 Option Option::excludes(const std::string& name) { return Option(option_->excludes(name)); }
 
 Command Command::add_subcommand(const std::string& name, const std::string& what) {
-  return Command(app_->add_subcommand(name, what)->group("Commands"));
+  return Command(app_->add_subcommand(name, what)->group(group_.empty() ? "Commands" : group_));
 }
 
 void Command::require_subcommand() { app_->require_subcommand(1); }
 
+void Command::begin_group(const std::string& heading) { group_ = heading; }
+
+void Command::begin_expert_group(const std::string& heading) {
+  group_ = kExpertMark + heading;
+  if (app_->get_option_no_throw(kHelpAll) == nullptr) {
+    app_->add_flag(kHelpAll, "Print this help with the options of experts, and exit");
+  }
+}
+
+Option Command::placed(CLI::Option* option) {
+  if (!group_.empty()) option->group(group_);
+  return Option(option);
+}
+
 template <OptionValue T>
 Option Command::add_option(const std::string& names, T& value, const std::string& what) {
   CLI::Option* option = app_->add_option(names, value, what);
-  if constexpr (std::same_as<T, std::filesystem::path>) option->type_name("PATH");
+  if constexpr (std::same_as<T, std::filesystem::path>) option->type_name("FILE");
   if constexpr (std::same_as<T, double> || std::same_as<T, std::optional<double>> ||
                 std::same_as<T, std::vector<double>>) {
     option->check([](const std::string& text) { return why_no_number(text); }, "");
   }
-  return Option(option);
+  return placed(option);
 }
 
 template Option Command::add_option(const std::string&, std::string&, const std::string&);
@@ -181,7 +228,7 @@ template Option Command::add_option(const std::string&, std::vector<std::string>
 Option Command::add_option(const std::string& name,
                            std::function<std::string(const std::vector<std::string>&)> read,
                            const std::string& what) {
-  return Option(app_->add_option_function<std::vector<std::string>>(
+  return placed(app_->add_option_function<std::vector<std::string>>(
       name,
       [name, read = std::move(read)](const std::vector<std::string>& words) {
         if (const std::string why = read(words); !why.empty()) {
@@ -192,7 +239,42 @@ Option Command::add_option(const std::string& name,
 }
 
 Option Command::add_flag(const std::string& names, bool& value, const std::string& what) {
-  return Option(app_->add_flag(names, value, what));
+  return placed(app_->add_flag(names, value, what));
+}
+
+Option Command::add_length(const std::string& names, std::optional<double>& metres,
+                           const std::string& what, LengthRange range) {
+  CLI::Option* option = app_->add_option_function<std::string>(
+      names, [&metres](const std::string& text) { metres = to_quantity(text, Quantity::kLength); },
+      what);
+  option->type_name("LENGTH")->check(
+      [range](const std::string& text) { return why_no_length(text, range); }, "");
+  if (metres && *metres > 0) option->default_str(length_text(*metres));
+  return placed(option);
+}
+
+Option Command::add_length(const std::string& names, double& metres, const std::string& what,
+                           LengthRange range) {
+  CLI::Option* option = app_->add_option_function<std::string>(
+      names,
+      [&metres](const std::string& text) {
+        metres = to_quantity(text, Quantity::kLength).value_or(metres);
+      },
+      what);
+  option->type_name("LENGTH")->check(
+      [range](const std::string& text) { return why_no_length(text, range); }, "");
+  if (metres > 0) option->default_str(length_text(metres));
+  return placed(option);
+}
+
+Option Command::add_json(bool& json) {
+  return placed(app_->add_flag_callback(
+      "--json",
+      [&json] {
+        json = true;
+        reserve_stdout_for_json();
+      },
+      "Print the result as one JSON object on stdout"));
 }
 
 void Command::footer(const std::string& text) { app_->footer(text); }
@@ -205,6 +287,13 @@ CommandLine::CommandLine(const std::string& what, const std::string& name,
   app().formatter(help_format());
   app().set_version_flag("--version", version, "Print the version and exit");
   app().set_help_flag("-h,--help", "Print this help and exit");
+  app().fallthrough();  // commands take the options of the program, too
+  app().add_flag_callback(
+      "-q,--quiet", [] { set_verbosity(Verbosity::kQuiet); },
+      "Print results, errors and warnings only: no progress, no notes");
+  app().add_flag_callback(
+      "-v,--verbose", [] { set_verbosity(Verbosity::kVerbose); },
+      "Also print time and memory at the end, and what video libraries report");
 }
 
 CommandLine::CommandLine(std::unique_ptr<CLI::App> app)
@@ -215,6 +304,22 @@ CommandLine::~CommandLine() = default;
 int CommandLine::run(int argc, const char* const* argv) {
   prepare_standard_streams();
   CLI::App& app = this->app();
+  std::vector<const char*> words(argv, argv + argc);
+  if (argc > 1 && std::string_view(argv[1]) == "help") {  // help live = live --help
+    words.erase(words.begin() + 1);
+    if (words.size() == 2 && std::string_view(words[1]) == "--reference") {
+      std::fputs(reference_json().c_str(), stdout);
+      return success_if_printed();
+    }
+    words.push_back("--help");
+  }
+  for (const char*& word : words) {
+    if (std::string_view(word) != kHelpAll) continue;
+    for (CLI::App* sub : app.get_subcommands({})) sub->formatter(help_format(true));
+    word = "--help";
+  }
+  argc = static_cast<int>(words.size());
+  argv = words.data();
   // An unknown word is reported first; CLI11 would report that a command is missing.
   if (argc > 1 && argv[1][0] != '-') {
     const std::vector<std::string> commands = subcommand_names(app);
@@ -227,7 +332,13 @@ int CommandLine::run(int argc, const char* const* argv) {
     }
   }
   try {
+    const auto begin = std::chrono::steady_clock::now();
     app.parse(argc, argv);
+    if (verbosity() == Verbosity::kVerbose) {
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+      print_note("{:.2f} s, {:.2f} s of processor time, at most {:.0f} MB of memory", taken.count(),
+                 process_cpu_seconds(), peak_memory() / 1e6);
+    }
     return success_if_printed();
   } catch (const CLI::Success& success) {  // --help, --version: printed by CLI11 on stdout
     app.exit(success);
@@ -249,6 +360,50 @@ int CommandLine::run(int argc, const char* const* argv) {
   return 1;
 }
 
+std::string CommandLine::reference_json() const {
+  Json all = {{"name", app().get_name()},
+              {"what", app().get_description()},
+              {"footer", app().get_footer()},
+              {"commands", Json::array()}};
+  Json commands = Json::array();
+  for (const CLI::App* sub : app().get_subcommands({})) {
+    Json command = {{"name", sub->get_name()},
+                    {"what", sub->get_description()},
+                    {"footer", sub->get_footer()},
+                    {"options", Json::array()}};
+    Json options = Json::array();
+    for (const CLI::Option* option : sub->get_options()) {
+      const OptionWords words = words_of(*option);
+      const std::string group = option->get_group();
+      const bool expert = group.starts_with(kExpertMark);
+      std::vector<std::string> names;
+      for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+      if (names.empty()) names.push_back(option->get_name());
+      options.push_back({{"names", names},
+                         {"value", words.value},
+                         {"several", words.several},
+                         {"positional", option->get_positional()},
+                         {"limits", words.limits},
+                         {"choices", words.choices},
+                         {"default", words.usual},
+                         {"what", option->get_description()},
+                         {"heading", expert ? group.substr(1) : group},
+                         {"expert", expert}});
+    }
+    command["options"] = std::move(options);
+    commands.push_back(std::move(command));
+  }
+  all["commands"] = std::move(commands);
+  return all.dump(1) + "\n";
+}
+
+std::string length_text(double metres) {
+  if (metres >= 1) return fmt::format("{}m", metres);
+  // 7 mm is 0.007 m, which is not 7e-3 to the last bit: rounded to what a person would write.
+  return fmt::format("{:.6g}mm", metres * 1e3);
+}
+
 std::optional<std::array<int, 2>> parse_extent(std::string_view text) {
   const std::size_t times = text.find('x');
   if (times == std::string_view::npos) return std::nullopt;
@@ -262,12 +417,19 @@ std::optional<std::array<int, 2>> parse_extent(std::string_view text) {
   return sides;
 }
 
+Option add_threads(Command command, int& threads, const std::string& what) {
+  return command.add_option("--threads", threads, what + "; 0: one for each core")
+      .in_range(0, 4096)
+      .show_default();
+}
+
 void add_set_option(Command command, std::vector<std::string>& texts) {
   command
       .add_option("--set", texts,
                   "Value of a further parameter, where the body has one (palpable inspect names "
-                  "them). Default: the body's own")
-      .type_name("NAME=VALUE");
+                  "them)")
+      .type_name("NAME=VALUE")
+      .default_is("the body's own");
 }
 
 }  // namespace palpable::app

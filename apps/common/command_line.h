@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,6 +44,9 @@ class Option {
   Option type_name(const std::string& name);
   /// Shows the variable's present value as the default in --help.
   Option show_default();
+  /// What --help says after "default:" where the default is no value of the option: "the folder's
+  /// scene.toml". Without it and without show_default(), --help says "default: none".
+  Option default_is(const std::string& words);
   /// Allowed range; both ends are included.
   Option in_range(int least, int most);
   Option in_range(double least, double most);
@@ -62,6 +66,12 @@ class Option {
   CLI::Option* option_;
 };
 
+/// The lengths that an option allows, m. The default allows those above 0.
+struct LengthRange {
+  double least = 1e-6;
+  double most = 1e6;
+};
+
 /// A command, or the program itself, to which options and subcommands are added. A
 /// handle, like Option.
 class Command {
@@ -69,6 +79,10 @@ class Command {
   explicit Command(CLI::App* app) : app_(app) {}
 
   Command add_subcommand(const std::string& name, const std::string& what);
+  /// Options and subcommands that are added from now on are listed under this heading.
+  void begin_group(const std::string& heading);
+  /// The same; only --help-all lists them.
+  void begin_expert_group(const std::string& heading);
   /// A call without a subcommand is an error.
   void require_subcommand();
 
@@ -83,6 +97,16 @@ class Command {
                     std::function<std::string(const std::vector<std::string>&)> read,
                     const std::string& what);
   Option add_flag(const std::string& names, bool& value, const std::string& what);
+  /// An option whose value is a length with a unit, such as 7mm; a number without unit is an error.
+  /// @param metres  filled when the command line is parsed. Its present value is shown as the
+  ///                default, unless it is empty or not above 0
+  /// @param range   m; both ends are included
+  Option add_length(const std::string& names, std::optional<double>& metres,
+                    const std::string& what, LengthRange range = {});
+  Option add_length(const std::string& names, double& metres, const std::string& what,
+                    LengthRange range = {});
+  /// --json: one JSON object on stdout.
+  Option add_json(bool& json);
 
   /// The text at the end of --help.
   void footer(const std::string& text);
@@ -93,7 +117,10 @@ class Command {
   [[nodiscard]] CLI::App& app() const { return *app_; }
 
  private:
+  Option placed(CLI::Option* option);
+
   CLI::App* app_;
+  std::string group_ = {};  // heading of the options that follow; empty: "Options"
 };
 
 /// A whole program: the top command with --help and --version.
@@ -110,6 +137,15 @@ class CommandLine : public Command {
   ///
   /// @return the program's exit code: 0, or 1 after any error (CLI11's own codes are not used)
   int run(int argc, const char* const* argv);
+
+  /// All commands and options as declared, from which tools/command_reference.py makes
+  /// docs/commands.md, the man pages and the completion of shells:
+  ///
+  ///     {"name", "what", "footer", "commands": [
+  ///       {"name", "what", "usage", "footer", "options": [
+  ///         {"names": [], "value", "several", "positional", "required", "default", "choices": [],
+  ///          "what", "heading", "expert"}]}]}
+  [[nodiscard]] std::string reference_json() const;
 
  private:
   explicit CommandLine(std::unique_ptr<CLI::App> app);
@@ -129,9 +165,26 @@ struct BenchCall {
 /// Prints "palpable: <message>" on stderr, line breaks replaced by "; ".
 void print_error(std::string_view message);
 
+/// An option as older versions spelled it.
+struct OldSpelling {
+  std::string_view command;  ///< "live"; empty: of every command
+  std::string_view option;   ///< "--output"
+  std::string_view now;      ///< what to write instead: "--out"
+};
+
+/// The spellings of 0.1 that a later version refuses. An option that is unknown and stands here is
+/// refused with its new name.
+[[nodiscard]] std::span<const OldSpelling> old_spellings();
+
+/// "7mm", "1.2m": the shortest text that reads back as this length.
+[[nodiscard]] std::string length_text(double metres);
+
 /// Parses "1280x720": two whole numbers from 1 to kLongestSide; empty for any other text.
 inline constexpr int kLongestSide = 1'000'000;
 [[nodiscard]] std::optional<std::array<int, 2>> parse_extent(std::string_view text);
+
+/// Adds --threads N; 0, the default, is one for each core.
+Option add_threads(Command command, int& threads, const std::string& what);
 
 /// Adds --set NAME=VALUE, which may be given once for each parameter beyond site and level.
 void add_set_option(Command command, std::vector<std::string>& texts);

@@ -1,10 +1,13 @@
 #include "apps/common/command_line.h"
 
+#include "palpable/common/base/json.h"
 #include "palpable/common/base/nearest_word.h"
 #include "palpable/common/base/text_numbers.h"
 #include "tests/support/test.h"
 
 #include <array>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -95,11 +98,91 @@ TEST_CASE("help is at most 100 columns wide and says in words what an option may
   const auto says = [&](const std::string& text) { return help.find(text) != std::string::npos; };
   CHECK(says("Usage: prog halve [OPTIONS] body\n"));
   CHECK(says("\n  body                        Body file\n"));
-  CHECK(says("[0 to 1; not with --some]\n"));
-  CHECK(says("\n  --how up|down               Rounds [default up; not with --some]\n"));
-  CHECK(says("\n  --some N ...                Numbers [0 or more; not with --how, --share]\n"));
-  CHECK(says("\n  -o,--out PATH               Where to [required]\n"));
+  CHECK(says("[0 to 1; default: none; not with --some]\n"));
+  CHECK(says("\n  --how up|down               Rounds [default: up; not with --some]\n"));
+  CHECK(says("\n  --some N ...                Numbers [0 or more; default: none; not with"));
+  CHECK(says("\n  -o,--out FILE               Where to [required]\n"));
   CHECK(says("yyy \\\n           zzz"));
+}
+
+TEST_CASE("lengths have a unit", "[apps][errors]") {
+  CommandLine app("A program", "prog", "prog 1");
+  Command command = app.add_subcommand("cut", "Cut");
+  std::optional<double> edge;
+  double width = 0.012;
+  command.add_length("--edge", edge, "Edge", {1e-3, 1.0});
+  command.add_length("--width", width, "Width");
+  command.callback([] {});
+  const auto code = [&](std::vector<const char*> words) {
+    words.insert(words.begin(), {"prog", "cut"});
+    return app.run(static_cast<int>(words.size()), words.data());
+  };
+  CHECK(code({"--edge", "7mm", "--width", "1.5 cm"}) == 0);
+  CHECK(edge == 7 * 1e-3);
+  CHECK(width == 1.5 * 1e-2);
+  for (const char* text : {"7", "0.007", "7kPa", "0.5mm", "2m", "nan", "nanmm", "-7mm"}) {
+    CAPTURE(text);
+    CHECK(code({"--edge", text}) == 1);
+  }
+  CHECK(printed(app, {"cut", "--help"}).find("Width [default: 12mm]") != std::string::npos);
+  CHECK(length_text(0.3) == "300mm");
+  CHECK(length_text(1.2) == "1.2m");
+}
+
+TEST_CASE("options of experts are listed by --help-all, and help COMMAND is COMMAND --help",
+          "[apps][help]") {
+  CommandLine app("A program", "prog", "prog 1");
+  Command command = app.add_subcommand("cut", "Cut");
+  int number = 1;
+  command.begin_group("Input");
+  command.add_option("--number", number, "How many").show_default();
+  command.begin_expert_group("Algorithm 1");
+  command.add_option("--other", number, "How many others").default_is("as many");
+  command.callback([] {});
+  const std::string usual = printed(app, {"cut", "--help"});
+  CHECK(usual.find("\nInput:\n  --number N ") != std::string::npos);
+  CHECK(usual.find("--help-all") != std::string::npos);
+  CHECK(usual.find("--other") == std::string::npos);
+  CHECK(printed(app, {"help", "cut"}) == usual);
+  const Json reference = Json::parse(app.reference_json()).value();
+  const std::string all = printed(app, {"cut", "--help-all"});
+  CHECK(all.find("\nAlgorithm 1:\n  --other N ") != std::string::npos);
+  CHECK(all.find("[default: as many]") != std::string::npos);
+
+  const Json& cut = reference["commands"][0];
+  CHECK(cut["name"].get<std::string>() == "cut");
+  bool found = false;
+  for (const Json& option : cut["options"]) {
+    if (option["names"][0].get<std::string>() != "--other") continue;
+    found = true;
+    CHECK(option["expert"].get<bool>());
+    CHECK(option["heading"].get<std::string>() == "Algorithm 1");
+    CHECK(option["default"].get<std::string>() == "as many");
+  }
+  CHECK(found);
+}
+
+TEST_CASE("a spelling of 0.1 is refused with the present one", "[apps][errors]") {
+  for (const OldSpelling& old : old_spellings()) {
+    CAPTURE(old.option, old.command);
+    CHECK(old.option.starts_with("-"));
+    CHECK_FALSE(old.now.empty());
+  }
+  CommandLine app("A program", "prog", "prog 1");
+  Command command = app.add_subcommand("calibrate", "Calibrate");
+  std::string file;
+  command.add_option("-o,--out", file, "Where to");
+  std::FILE* const usual = stderr;
+  char* text = nullptr;
+  std::size_t size = 0;
+  stderr = ::open_memstream(&text, &size);
+  const std::array words{"prog", "calibrate", "--output", "x"};
+  CHECK(app.run(4, words.data()) == 1);
+  std::fclose(stderr);
+  stderr = usual;
+  CHECK(std::string(text, size) ==
+        "palpable: '--output' was its name in 0.1: write --out, see prog calibrate --help\n");
+  std::free(text);
 }
 
 // Runs a program with one option of each numeric type; the values go to `read`.

@@ -18,44 +18,6 @@ namespace {
 constexpr std::size_t kTextColumn = 30;
 constexpr std::size_t kHelpWidth = 100;  // columns
 
-// A readable form of CLI11's type name ("TEXT:{a,b}", "FLOAT:FLOAT in [0 - 1]").
-struct TypeWords {
-  std::string type;                // name of the value
-  std::vector<std::string> rules;  // restrictions of the value
-};
-
-TypeWords type_words(const std::string& cli_name) {
-  TypeWords words;
-  std::vector<std::string> parts = CLI::detail::split(cli_name, ':');
-  words.type = parts.front();
-  for (auto part = parts.begin() + 1; part != parts.end(); ++part) {
-    const std::size_t range = part->find(" in [");
-    if (range != std::string::npos && part->ends_with("]")) {
-      std::string ends = part->substr(range + 5, part->size() - range - 6);
-      const std::size_t middle = ends.find(" - ");
-      if (middle != std::string::npos) ends.replace(middle, 3, " to ");
-      words.rules.push_back(ends);
-    } else if (part->starts_with("{") && part->ends_with("}")) {
-      std::string choices = part->substr(1, part->size() - 2);
-      std::replace(choices.begin(), choices.end(), ',', '|');
-      if (words.type == "TEXT") {
-        words.type = choices;
-      } else {
-        words.rules.push_back(choices);
-      }
-    } else if (*part == "POSITIVE") {
-      words.rules.emplace_back("above 0");
-    } else if (*part == "NONNEGATIVE") {
-      words.rules.emplace_back("0 or more");
-    } else if (!part->empty() && *part != "FILE" && *part != "DIR" && *part != "PATH(existing)") {
-      words.rules.push_back(*part);
-    }
-  }
-  if (words.type == "INT" || words.type == "UINT") words.type = "N";
-  if (words.type == "FLOAT") words.type = "NUMBER";
-  return words;
-}
-
 // A row with `name` in the left column and the wrapped text in the right one.
 std::string row(const std::string& name, const std::string& text) {
   std::string line = "  " + name;
@@ -67,7 +29,7 @@ std::string row(const std::string& name, const std::string& text) {
 
 class HelpFormat : public CLI::Formatter {
  public:
-  HelpFormat() {
+  explicit HelpFormat(bool all) : all_(all) {
     label("Positionals", "Arguments");
     label("SUBCOMMAND", "COMMAND");
   }
@@ -84,35 +46,88 @@ class HelpFormat : public CLI::Formatter {
     return row(sub->get_display_name(true), sub->get_description());
   }
   std::string make_footer(const CLI::App* app) const override {
-    return wrapped_lines(app->get_footer(), kHelpWidth);
+    std::string text = app->get_footer();
+    if (app->get_parent() != nullptr) {
+      text = "Also: -q prints no progress, -v time and memory at the end.\n" + text;
+    }
+    return wrapped_lines(text, kHelpWidth);
+  }
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    if (group.front() != kExpertMark) {
+      return CLI::Formatter::make_group(group, is_positional, options);
+    }
+    return all_ ? CLI::Formatter::make_group(group.substr(1), is_positional, options) : "";
   }
   std::string make_option(const CLI::Option* option, bool is_positional) const override {
     std::string name = make_option_name(option, is_positional);
-    std::vector<std::string> rules;
-    if (option->get_type_size() != 0) {  // not a flag
-      TypeWords type = type_words(option->get_type_name());
-      // Omits a type that says nothing new: "body Body file" needs no PATH, "surface" no SURFACE.
-      const bool says_more =
-          type.type != "TEXT" && type.type != "PATH" && CLI::detail::to_lower(type.type) != name;
-      if (!is_positional || says_more) name += " " + type.type;
-      if (option->get_expected_max() >= CLI::detail::expected_max_vector_size) name += " ...";
-      rules = std::move(type.rules);
-      if (const std::string usual = option->get_default_str(); !usual.empty()) {
-        rules.push_back("default " + usual);
-      }
+    OptionWords words = words_of(*option);
+    if (!words.value.empty()) {
+      // Omits a type that says nothing new: "body Body file" needs no FILE, "surface" no SURFACE.
+      const bool says_more = words.value != "TEXT" && words.value != "FILE" &&
+                             CLI::detail::to_lower(words.value) != name;
+      if (!is_positional || says_more) name += " " + words.value;
+      if (words.several) name += " ...";
     }
-    if (option->get_required() && !is_positional) rules.emplace_back("required");
+    std::vector<std::string> notes = std::move(words.limits);
+    if (words.usual == "required") {
+      if (!is_positional) notes.push_back(words.usual);
+    } else if (!words.usual.empty() && !(is_positional && words.usual == "none")) {
+      notes.push_back("default: " + words.usual);
+    }
     std::set<std::string> others;  // sorted by name; CLI11 has them sorted by address
     for (const CLI::Option* other : option->get_excludes()) others.insert(other->get_name());
-    if (!others.empty()) rules.push_back(fmt::format("not with {}", fmt::join(others, ", ")));
+    if (!others.empty()) notes.push_back(fmt::format("not with {}", fmt::join(others, ", ")));
     std::string text = option->get_description();
-    if (!rules.empty()) text += fmt::format(" [{}]", fmt::join(rules, "; "));
+    if (!notes.empty()) text += fmt::format(" [{}]", fmt::join(notes, "; "));
     return row(name, text);
   }
+
+ private:
+  bool all_;
 };
 
 }  // namespace
 
-std::shared_ptr<CLI::FormatterBase> help_format() { return std::make_shared<HelpFormat>(); }
+OptionWords words_of(const CLI::Option& option) {
+  OptionWords words;
+  if (option.get_type_size() == 0) return words;  // a flag
+  // CLI11's type names: "TEXT:{a,b}", "FLOAT:FLOAT in [0 - 1]".
+  const std::vector<std::string> parts = CLI::detail::split(option.get_type_name(), ':');
+  words.value = parts.front();
+  for (auto part = parts.begin() + 1; part != parts.end(); ++part) {
+    const std::size_t range = part->find(" in [");
+    if (range != std::string::npos && part->ends_with("]")) {
+      std::string ends = part->substr(range + 5, part->size() - range - 6);
+      const std::size_t middle = ends.find(" - ");
+      if (middle != std::string::npos) ends.replace(middle, 3, " to ");
+      words.limits.push_back(ends);
+    } else if (part->starts_with("{") && part->ends_with("}")) {
+      words.choices = CLI::detail::split(part->substr(1, part->size() - 2), ',');
+      const std::string choices = fmt::format("{}", fmt::join(words.choices, "|"));
+      if (words.value == "TEXT") {
+        words.value = choices;
+      } else {
+        words.limits.push_back(choices);
+      }
+    } else if (*part == "POSITIVE") {
+      words.limits.emplace_back("above 0");
+    } else if (*part == "NONNEGATIVE") {
+      words.limits.emplace_back("0 or more");
+    } else if (!part->empty() && *part != "FILE" && *part != "DIR" && *part != "PATH(existing)") {
+      words.limits.push_back(*part);
+    }
+  }
+  if (words.value == "INT" || words.value == "UINT") words.value = "N";
+  if (words.value == "FLOAT") words.value = "NUMBER";
+  words.several = option.get_expected_max() >= CLI::detail::expected_max_vector_size;
+  const std::string usual = option.get_default_str();
+  words.usual = option.get_required() ? "required" : usual.empty() ? "none" : usual;
+  return words;
+}
+
+std::shared_ptr<CLI::FormatterBase> help_format(bool all) {
+  return std::make_shared<HelpFormat>(all);
+}
 
 }  // namespace palpable::app

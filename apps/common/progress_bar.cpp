@@ -1,5 +1,6 @@
 #include "apps/common/progress_bar.h"
 
+#include "apps/common/printing.h"
 #include "palpable/common/base/progress.h"
 
 #include <fmt/format.h>
@@ -20,8 +21,9 @@ double seconds(std::chrono::steady_clock::duration d) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(std::FILE* stream)
-    : ProgressBar(stream, ::isatty(::fileno(stream)) != 0) {}
+ProgressBar::ProgressBar(std::FILE* stream) : ProgressBar(stream, ::isatty(::fileno(stream)) != 0) {
+  quiet_ = verbosity() == Verbosity::kQuiet;
+}
 
 ProgressBar::ProgressBar(std::FILE* stream, bool terminal) : stream_(stream), terminal_(terminal) {}
 
@@ -44,6 +46,7 @@ void ProgressBar::say(std::string_view line) {
 
 // Not fmt::print(), which throws: the work must not be lost because a terminal was closed.
 void ProgressBar::print(const std::string& text) {
+  if (quiet_) return;
   std::fputs(text.c_str(), stream_);
   std::fflush(stream_);
 }

@@ -21,6 +21,7 @@ namespace palpable::app {
 /// Failures to print, e.g. on a closed terminal, are ignored.
 class ProgressBar {
  public:
+  /// Prints nothing if the user wants quiet (printing.h).
   /// @param stream    output; stderr except in tests
   /// @param terminal  true: redraw one line; false: print few lines
   explicit ProgressBar(std::FILE* stream = stderr);
@@ -47,6 +48,7 @@ class ProgressBar {
 
   std::FILE* stream_;
   bool terminal_;
+  bool quiet_ = false;       // -q: nothing is printed
   std::string task_;         // the present task; empty before the first
   std::string last_line_;    // the task's last line, printed at its end
   bool shown_last_ = false;  // last_line_ is on the screen

@@ -1,6 +1,7 @@
 // palpable bake BODY.toml -o bunny.palpable
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
@@ -27,19 +28,22 @@
 namespace palpable::app {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 struct BakeOptions {
   std::string description;
   std::string output;
   std::string store;
   std::string shard;
   std::string solver = "own";
-  std::string method;
-  std::vector<std::string> at;
+  bool intrusive = false;
+  std::vector<std::string> set;
   int threads = 0;
   bool held_out = false;
   bool no_touch = false;
   std::string until;
   FileOptions file;
+  bool json = false;
 };
 
 // Parses "2/4", the second of four shards.
@@ -68,26 +72,25 @@ void refuse_campaign_options(const BakeOptions& options) {
   for (const auto& [option, given] : {std::pair{"--snapshots", !options.store.empty()},
                                       {"--shard", !options.shard.empty()},
                                       {"--held-out", options.held_out},
-                                      {"--at", !options.at.empty()},
+                                      {"--set", !options.set.empty()},
                                       {"--volume", options.file.volume},
                                       {"--until", !options.until.empty()},
                                       {"--solver", options.solver != "own"}}) {
     if (given)
-      throw Error(
-          fmt::format("{} is for a campaign, which --method intrusive-pgd does without", option));
+      throw Error(fmt::format("{} is for a campaign, which --intrusive does without", option));
   }
 }
 
 void print_intrusive(const IntrusiveReport& report, const std::string& touch,
                      const std::string& output) {
-  fmt::print("touch: {}\n", touch);
+  print_text("touch: {}\n", touch);
   for (const auto& [key, text] : lines_of(report.provenance)) fmt::print("{}: {}\n", key, text);
   std::string times;
   for (const StageTime& stage : report.cpu.stages()) {
     times += fmt::format("{}{} {:.1f} s", times.empty() ? "" : ", ", stage.name, 1e-3 * stage.ms);
   }
   const double references = report.cpu.ms("references");
-  fmt::print("CPU: {}; without references {:.1f} s\n{} written: {:.1f} MB; its mesh and law: {}\n",
+  print_text("CPU: {}; without references {:.1f} s\n{} written: {:.1f} MB; its mesh and law: {}\n",
              times, 1e-3 * (report.cpu.total_ms() - references), output,
              1e-6 * static_cast<double>(std::filesystem::file_size(output)),
              solid_file_of(output).string());
@@ -95,7 +98,7 @@ void print_intrusive(const IntrusiveReport& report, const std::string& touch,
 
 void print_shard(const FilledStore& filled) {
   const std::string folder = filled.store.folder().string();
-  fmt::print(
+  print_text(
       "{}: {} sites solved here, {} were there; when all shards are done: "
       "palpable merge {} and the like -o NAME.snapshots\n",
       folder, filled.campaign.solved, filled.campaign.reused, folder);
@@ -104,13 +107,13 @@ void print_shard(const FilledStore& filled) {
 void print_campaign(const FilledStore& filled) {
   const std::string folder = filled.store.folder().string();
   const StoreContent& content = filled.store.content();
-  fmt::print(
+  print_text(
       "snapshots: {}, {} sites solved, {} were there; look at them with ParaView: "
       "{}/campaign.xdmf\n",
       folder, filled.campaign.solved, filled.campaign.reused, folder);
   if (const auto& aside = filled.set_aside) { fmt::print("{}\n", set_aside_text(folder, *aside)); }
   if (content.linear.empty()) return;
-  fmt::print("linear responses of {} vertices: {} of {} files made now\n", content.linear.size(),
+  print_text("linear responses of {} vertices: {} of {} files made now\n", content.linear.size(),
              filled.campaign.linear_solved, content.linear_file_count());
 }
 
@@ -119,12 +122,12 @@ void print_parameters(const SnapshotStore& store, const ReducedBody& body,
   if (store.content().parameters.empty()) return;
   const std::string& first = store.content().parameters[0].name;
   if (body.further.empty()) {
-    fmt::print(
+    print_text(
         "this body file holds one value of each parameter ({}); for another: palpable reduce "
-        "{} --at {}=... -o FILE\n",
+        "{} --set {}=... -o FILE\n",
         body.material, store.folder().string(), first);
   } else {
-    fmt::print("this body file holds all values of '{}': palpable view {} --set {}=...\n", first,
+    print_text("this body file holds all values of '{}': palpable view {} --set {}=...\n", first,
                output, first);
   }
 }
@@ -154,8 +157,25 @@ FillSettings campaign_settings(const BakeOptions& options,
   return settings;
 }
 
+Json json_of(const BakedFile& baked, const BakeOptions& options, Clock::time_point begin) {
+  const std::chrono::duration<double> taken = Clock::now() - begin;
+  Json result;
+  if (baked.body) {
+    result = body_report(*baked.body, options.output, taken.count());
+  } else {
+    result = {{"file", options.output}, {"seconds", taken.count()}};
+  }
+  if (baked.campaign) {
+    result["snapshots"] = baked.campaign->store.folder().string();
+    result["sites_solved"] = baked.campaign->campaign.solved;
+    result["sites_reused"] = baked.campaign->campaign.reused;
+  }
+  if (!baked.touch.empty()) result["touch"] = baked.touch;
+  return result;
+}
+
 void bake(const BakeOptions& options, const std::string& command_line, Crew& crew) {
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Clock::now();
   BodyDescription description = read_description(options.description);
   if (options.no_touch) {
     description.touch = {.tables = BodyDescription::Touch::Tables::kNone, .by_default = false};
@@ -163,7 +183,7 @@ void bake(const BakeOptions& options, const std::string& command_line, Crew& cre
   shorten(options.until, description);
   const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
   guard_output_file(options.output, inputs);
-  const bool with_campaign = options.method != "intrusive-pgd";
+  const bool with_campaign = !options.intrusive;
   if (!with_campaign) guard_output_file(solid_file_of(options.output), inputs);
   if (crew.leads()) print_size(description);
   BakeToFileSettings settings{.output = options.output,
@@ -175,7 +195,7 @@ void bake(const BakeOptions& options, const std::string& command_line, Crew& cre
                               .held_out = options.held_out};
   if (with_campaign) {
     settings.fill = campaign_settings(options, inputs);
-    settings.reduction.at = parse_values(options.at);
+    settings.reduction.at = parse_settings(options.set);
   } else if (crew.leads()) {
     refuse_campaign_options(options);
   }
@@ -184,13 +204,15 @@ void bake(const BakeOptions& options, const std::string& command_line, Crew& cre
       bake_to_file(description, settings, crew, crew.leads() ? bar.progress() : Progress{});
   if (!baked) return;
   bar.finish();
-  if (baked->body) {
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  if (options.json) {
+    print_json(json_of(*baked, options, begin));
+  } else if (baked->body) {
+    const std::chrono::duration<double> taken = Clock::now() - begin;
     print_body_report(*baked->body, options.output, taken.count());
-    fmt::print("touch: {}\n", baked->touch);
+    print_text("touch: {}\n", baked->touch);
     print_campaign(*baked->campaign);
     if (!options.until.empty()) {
-      fmt::print("stopped after the linear tables: the same command without --until goes on\n");
+      print_text("stopped after the linear tables: the same command without --until goes on\n");
     }
     print_parameters(baked->campaign->store, baked->body->body, options.output);
   } else if (baked->campaign) {
@@ -206,29 +228,22 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
   const auto options = std::make_shared<BakeOptions>();
   Command command =
       app.add_subcommand("bake", "Mesh, solve and reduce: a body file from a description");
-  command.add_option("body", options->description, "What to bake (docs/body.md)")
-      .required()
-      .type_name("BODY.toml");
-  command.add_option("-o,--out", options->output, "Body file to write")
-      .required()
-      .type_name("FILE");
+  add_description(command, options->description);
+  command.add_option("-o,--out", options->output, "Body file to write").required();
   command
       .add_option("--snapshots", options->store,
-                  "Folder for the snapshots; those that are there and valid are not solved again. "
-                  "Default: NAME.snapshots beside the body file")
-      .type_name("FOLDER");
-  command
-      .add_option("--method", options->method,
-                  "No campaign: the load of [intrusive] travels over a face and the "
-                  "PGD solves for all its positions and sizes (docs/reduction.md)")
-      .one_of({"intrusive-pgd"});
-  command.add_option("--threads", options->threads, "Sites solved side by side; 0: one per core")
-      .in_range(0, 4096)
-      .show_default();
+                  "Folder for the snapshots; those that are there and valid are not solved again")
+      .type_name("DIR")
+      .default_is("NAME.snapshots beside the body file");
+  command.add_flag("--intrusive", options->intrusive,
+                   "No campaign: the load of [intrusive] travels over a face, and the PGD solves "
+                   "for all its positions and sizes (docs/reduction.md)");
+  add_threads(command, options->threads, "Sites solved side by side");
   command
       .add_option("--shard", options->shard,
                   "Solve only this part of the sites and stop there (docs/scaling.md)")
-      .type_name("I/N");
+      .type_name("I/N")
+      .default_is("all");
   command.add_flag("--held-out", options->held_out,
                    "Also solve the levels in between (and the values of a free parameter in "
                    "between), and say how far the body is from them; takes as long as the campaign "
@@ -240,17 +255,15 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
   command
       .add_option("--until", options->until,
                   "linear: stop as soon as the body can be touched anywhere with small loads; the "
-                  "same command without it goes on from there. Default: the whole body")
-      .one_of({"linear"});
+                  "same command without it goes on from there")
+      .one_of({"linear"})
+      .default_is("the whole body");
   command.add_option("--solver", options->solver, "own: this project's; calculix: runs ccx")
       .one_of({"own", "calculix"})
       .show_default();
-  command
-      .add_option("--at", options->at,
-                  "The one value of a further parameter that the body file holds. Default: the "
-                  "parameter stays free")
-      .type_name("NAME=VALUE");
+  add_value_option(command, options->set);
   add_file_options(command, options->file);
+  command.add_json(options->json);
   command.footer(
       "A bake that was stopped goes on where it was when the same command is run again.\n"
       "On several cores or machines: mpirun -n 4 palpable bake ...\n"

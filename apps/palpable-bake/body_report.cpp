@@ -1,17 +1,18 @@
 #include "apps/palpable-bake/body_report.h"
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "palpable/bake/describe/body_mesh.h"
 #include "palpable/bake/describe/body_size.h"
 #include "palpable/bake/pipeline/baked_text.h"
 #include "palpable/common/base/progress.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/base/this_machine.h"
+#include "palpable/common/body_file/body_facts.h"
 #include "palpable/common/geometry/size_text.h"
 
 #include <fmt/core.h>
 
-#include <cstdio>
 #include <system_error>
 
 namespace palpable::app {
@@ -26,8 +27,7 @@ void add_file_options(Command command, FileOptions& options) {
 
 void print_size(const BodyDescription& description) {
   const Eigen::Vector3d size = size_of_body(description);
-  fmt::print("{}: {}\n", description.name, size_text(size));
-  std::fflush(stdout);  // before the progress bar
+  print_note("{}: {}", description.name, size_text(size));
   if (const auto warning = size_warning(description.shape, size)) {
     fmt::print(stderr, "warning: {}\n", *warning);
   }
@@ -37,16 +37,29 @@ void print_size(const BodyDescription& description) {
 }
 
 void print_body_report(const BakedBody& baked, const std::string& output, double seconds) {
-  fmt::print("{}", text_of(baked));
+  print_text("{}", text_of(baked));
   std::error_code code;
-  fmt::print(
+  print_text(
       "{}: {:.1f} MB in {}, with at most {:.0f} MB of memory; look at it with: palpable view {}\n",
       output, static_cast<double>(std::filesystem::file_size(output, code)) / 1e6,
       duration_text(seconds), peak_memory() / 1e6, output);
 }
 
-std::map<std::string, double> parse_values(const std::vector<std::string>& texts) {
-  return parse_settings(texts, "--at", "one of its values, such as ears=0.5");
+Json body_report(const BakedBody& baked, const std::string& output, double seconds) {
+  Json result = json_of(baked.body);
+  std::error_code code;
+  result["file"] = output;
+  result["file_bytes"] = std::filesystem::file_size(output, code);
+  result["seconds"] = seconds;
+  result["peak_memory_bytes"] = peak_memory();
+  return result;
+}
+
+void add_value_option(Command command, std::vector<std::string>& texts) {
+  command
+      .add_option("--set", texts, "The one value of a further parameter that the body file holds")
+      .type_name("NAME=VALUE")
+      .default_is("the parameter stays free");
 }
 
 }  // namespace palpable::app

@@ -4,10 +4,10 @@
 
 #include "palpable/bake/describe/body_description.h"
 #include "palpable/bake/pipeline/bake_body.h"
+#include "palpable/common/base/json.h"
 #include "palpable/common/body_file/body_file.h"
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -35,7 +35,10 @@ void print_size(const BodyDescription& description);
 /// @param seconds  since the command began
 void print_body_report(const BakedBody& baked, const std::string& output, double seconds);
 
-/// Parses texts "ears=0.5" of --at. @throws Error for another form
-[[nodiscard]] std::map<std::string, double> parse_values(const std::vector<std::string>& texts);
+/// The same as JSON: what `palpable inspect --json` prints of the file, and the cost.
+[[nodiscard]] Json body_report(const BakedBody& baked, const std::string& output, double seconds);
+
+/// Adds --set NAME=VALUE for the one value of a parameter that a body file shall hold.
+void add_value_option(Command command, std::vector<std::string>& texts);
 
 }  // namespace palpable::app

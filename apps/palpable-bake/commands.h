@@ -14,6 +14,7 @@ namespace palpable::app {
 
 class Command;
 
+void add_about(Command app);
 void add_mesh(Command app);
 /// @param command_line  as typed, for the provenance
 /// @param crew          must outlive the app

@@ -2,6 +2,7 @@
 // body files against their numbers of modes.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
@@ -24,15 +25,16 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CompareOptions {
-  std::vector<std::string> inputs, at;
+  std::vector<std::string> inputs, set;
   std::string output = "compare.html";
   CompareSettings settings;
+  bool json = false;
 };
 
 // Adds the bodies first, in the chart's order.
 void add_inputs(const CompareOptions& options, MethodPage& page) {
   CompareSettings settings = options.settings;
-  settings.at = parse_values(options.at);
+  settings.at = parse_settings(options.set);
   std::vector<SnapshotStore> stores;
   std::vector<fs::path> bodies;
   for (const std::string& input : options.inputs) {
@@ -57,6 +59,21 @@ void add_inputs(const CompareOptions& options, MethodPage& page) {
                                    settings.tolerance));
 }
 
+Json json_of_lines(const std::vector<MethodLine>& lines) {
+  Json list = Json::array();
+  for (const MethodLine& line : lines) {
+    list.push_back({{"method", line.name},
+                    {"is_body_file", line.is_body},
+                    {"modes", line.modes},
+                    {"bytes", line.bytes},
+                    {"pooled_error", line.pooled},
+                    {"median_error", line.median},
+                    {"worst_error", line.worst},
+                    {"seconds", line.seconds}});
+  }
+  return list;
+}
+
 void compare(const CompareOptions& options, const std::string& command_line) {
   const fs::path table = table_beside(options.output);
   const std::vector<fs::path> inputs(options.inputs.begin(), options.inputs.end());
@@ -74,8 +91,15 @@ void compare(const CompareOptions& options, const std::string& command_line) {
                             PALPABLE_VERSION, date_today(), table.filename().string());
   write_whole_file(options.output, method_page(page));
   write_whole_file(table, method_table(page));
-  fmt::print("{}", method_text(page));
-  fmt::print("{}: opens in any browser, loads nothing; the same numbers: {}\n", options.output,
+  if (options.json) {
+    print_json({{"page", options.output},
+                {"table", table.string()},
+                {"displacement", json_of_lines(page.displacement)},
+                {"stress", json_of_lines(page.stress)}});
+    return;
+  }
+  print_text("{}", method_text(page));
+  print_text("{}: opens in any browser, loads nothing; the same numbers: {}\n", options.output,
              table.string());
 }
 
@@ -90,35 +114,36 @@ void add_compare(Command app, const std::string& command_line) {
       .add_option("inputs", options->inputs,
                   "Folders of snapshots: every method is tried on them; body files: as they are")
       .required()
-      .type_name("STORE|BODY");
+      .type_name("DIR|FILE");
   command
       .add_option("-o,--out", options->output,
                   "Page to write, NAME.html; the numbers go to NAME.csv")
-      .type_name("FILE")
       .show_default();
   command
-      .add_option(
-          "--method", options->settings.methods,
-          "Only these methods. Default: all. Not sparse-pgd, which learns from a part of the "
-          "snapshots: bring its body file")
+      .add_option("--method", options->settings.methods,
+                  "Only these methods. Not sparse-pgd, which learns from a part of the snapshots: "
+                  "bring its "
+                  "body file")
       .one_of(method_names())
-      .type_name("METHOD");
+      .type_name("METHOD")
+      .default_is("all");
   command
-      .add_option("-e,--error", options->settings.tolerance,
+      .add_option("--tolerance", options->settings.tolerance,
                   "Relative error at which each method stops, all snapshots together (per-site: "
                   "those of each site)")
       .in_range(1e-6, 0.999)
       .show_default();
   command
-      .add_option("-n,--modes", options->settings.max_modes,
+      .add_option("--max-modes", options->settings.max_modes,
                   "Number of modes at which each method stops at the latest")
       .in_range(1, 100000)
       .show_default();
   command
-      .add_option(
-          "--at", options->at,
-          "The value of a further parameter whose snapshots are compared. Default: the middle one")
-      .type_name("NAME=VALUE");
+      .add_option("--set", options->set,
+                  "The value of a further parameter whose snapshots are compared")
+      .type_name("NAME=VALUE")
+      .default_is("the middle one");
+  command.add_json(options->json);
   command.footer("Example: palpable compare bunny.snapshots bunny.palpable -o compare.html");
   command.callback([options, command_line] { compare(*options, command_line); });
 }

@@ -1,5 +1,6 @@
 #include "apps/palpable-bake/description_argument.h"
 
+#include "apps/common/command_line.h"
 #include "palpable/bake/describe/first_description.h"
 #include "palpable/common/base/error.h"
 
@@ -18,6 +19,12 @@ BodyDescription read_description(const std::string& file) {
       fmt::format("{}: is a shape, and this wants a description of a body that has it: save the "
                   "lines above as {}, look through them, and name that file (docs/body.md)",
                   file, toml.string()));
+}
+
+void add_description(Command command, std::string& file) {
+  command.add_option("description,--description", file, "Description of the body (docs/body.md)")
+      .required()
+      .type_name("FILE.toml");
 }
 
 }  // namespace palpable::app

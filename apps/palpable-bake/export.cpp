@@ -1,6 +1,7 @@
 // palpable export bunny.palpable --to pxdmf -o bunny.pxdmf
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/campaign/snapshot_store.h"
 #include "palpable/bake/exchange/foreign_modes.h"
@@ -75,7 +76,7 @@ void export_as_asked(const ExportOptions& options) {
     guard_output_file(options.output + ".h5", {options.input});
   }
   fs::is_directory(options.input) ? export_snapshots(options) : export_body(options);
-  fmt::print("{}\n", options.output);
+  print_text("{}\n", options.output);
 }
 
 }  // namespace
@@ -86,7 +87,7 @@ void add_export(Command app) {
       app.add_subcommand("export", "Write a body or its snapshots for other programs");
   command.add_option("input", options->input, "A body file, or a folder of snapshots")
       .required()
-      .type_name("BODY|STORE");
+      .type_name("FILE|DIR");
   command
       .add_option(
           "--to", options->to,
@@ -95,8 +96,12 @@ void add_export(Command app) {
           "other PGD programs read them")
       .required()
       .one_of({"vtu", "xdmf", "numpy", "pxdmf"});
-  command.add_option("-o,--out", options->output, "File or folder to write").required();
-  command.add_option("--site", options->site, "vtu, xdmf: this site only").not_negative();
+  command.add_option("-o,--out", options->output, "File or folder to write")
+      .required()
+      .type_name("FILE|DIR");
+  command.add_option("--site", options->site, "vtu, xdmf: this site only")
+      .not_negative()
+      .default_is("all");
   add_set_option(command, options->set);
   command.footer(
       "docs/exchange.md describes the files.\n"

@@ -1,9 +1,11 @@
 // palpable import-modes theirs.pxdmf -o theirs.palpable
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/exchange/foreign_modes.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/body_file/body_facts.h"
 #include "palpable/common/body_file/body_file.h"
 
 #include <fmt/format.h>
@@ -17,6 +19,7 @@ namespace {
 
 struct ImportModesOptions {
   std::string input, output;
+  bool json = false;
   ImportSettings settings;
 };
 
@@ -33,7 +36,11 @@ void import_modes(ImportModesOptions options, const std::string& command_line) {
       .command_line = command_line};
   const ReducedBody body = body_of_modes(modes, options.settings);
   write_body_file(options.output, body);
-  fmt::print(
+  if (options.json) {
+    print_json(json_of(body));
+    return;
+  }
+  print_text(
       "{}: {} sites, {} levels, {} modes of displacement, {} of stress; press it with: "
       "palpable view {}\n",
       options.output, body.sites.size(), body.levels().size() - 1, body.displacement.mode_count(),
@@ -49,18 +56,18 @@ void add_import_modes(Command app, const std::string& command_line) {
   command.add_option("input", options->input, "A .pxdmf file, or a folder of NumPy arrays")
       .required()
       .existing_path()
-      .type_name("FILE|FOLDER");
-  command.add_option("-o,--out", options->output, "Body file to write")
-      .required()
-      .type_name("FILE");
+      .type_name("FILE|DIR");
+  command.add_option("-o,--out", options->output, "Body file to write").required();
   command
-      .add_option("--site", options->settings.site, "The parameter that is the place of the touch")
+      .add_option("--site-parameter", options->settings.site,
+                  "The parameter that is the place of the touch")
       .show_default();
-  command.add_option("--level", options->settings.level, "The parameter that is the load")
+  command.add_option("--level-parameter", options->settings.level, "The parameter that is the load")
       .show_default();
+  command.add_json(options->json);
   command.footer(
       "docs/exchange.md says what is read, and how what a file does not say is found.\n"
-      "Example: palpable import-modes theirs.pxdmf --level force -o theirs.palpable");
+      "Example: palpable import-modes theirs.pxdmf --level-parameter force -o theirs.palpable");
   command.callback([options, command_line] { import_modes(*options, command_line); });
 }
 

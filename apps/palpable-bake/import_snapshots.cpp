@@ -3,6 +3,7 @@
 #include "palpable/bake/campaign/import_snapshots.h"
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/common/base/output_file.h"
@@ -19,6 +20,7 @@ struct ImportSnapshotsOptions {
   std::string folder;
   std::string manifest;
   std::string output;
+  bool json = false;
 };
 
 void take_over_snapshots(const ImportSnapshotsOptions& options) {
@@ -28,12 +30,21 @@ void take_over_snapshots(const ImportSnapshotsOptions& options) {
   const auto [store, aside] =
       import_snapshots(options.folder, manifest, options.output, bar.progress());
   bar.finish();
+  if (options.json) {
+    Json names = Json::array();
+    for (const StoredField& field : store.content().fields) names.push_back(field.name);
+    print_json({{"folder", options.output},
+                {"sites", store.content().unit_count()},
+                {"levels", store.content().level_count()},
+                {"fields", std::move(names)}});
+    return;
+  }
   std::string fields;
   for (const StoredField& field : store.content().fields) fields += " " + field.name;
-  fmt::print("{}: {} sites x {} levels,{}; make a body of them with: palpable reduce {} -o FILE\n",
+  print_text("{}: {} sites x {} levels,{}; make a body of them with: palpable reduce {} -o FILE\n",
              options.output, store.content().unit_count(), store.content().level_count(), fields,
              options.output);
-  if (aside) fmt::print("{}\n", set_aside_text(options.output, *aside));
+  if (aside) print_text("{}\n", set_aside_text(options.output, *aside));
 }
 
 }  // namespace
@@ -45,7 +56,7 @@ void add_import_snapshots(Command app) {
   command.add_option("folder", options->folder, "Folder with the files of the other solver")
       .required()
       .existing_folder()
-      .type_name("FOLDER");
+      .type_name("DIR");
   command
       .add_option("--manifest", options->manifest,
                   "Text that says which file is which snapshot (docs/snapshots.md)")
@@ -53,7 +64,8 @@ void add_import_snapshots(Command app) {
       .type_name("FILE.toml");
   command.add_option("-o,--out", options->output, "Folder of snapshots to write")
       .required()
-      .type_name("FOLDER");
+      .type_name("DIR");
+  command.add_json(options->json);
   command.footer("Example: palpable import-snapshots runs --manifest runs.toml -o bunny.snapshots");
   command.callback([options] { take_over_snapshots(*options); });
 }

@@ -49,6 +49,7 @@ int run(int argc, char** argv) {
   add_export(app);
   add_import_modes(app, command_line);
   add_reproduce(app);
+  add_about(app);
   const int code = app.run(argc, argv);
   if (ranks) ranks->end(code != 0);
   return code;

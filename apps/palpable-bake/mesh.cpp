@@ -1,6 +1,7 @@
 // palpable mesh SURFACE -o body.msh
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/describe/body_mesh.h"
@@ -31,14 +32,14 @@ struct MeshCommandOptions {
   std::optional<double> edge, height;
   std::string up = "z", unit;
   int order = 1;
+  bool json = false;
 };
 
 // Printed before meshing: a wrong unit costs minutes and gigabytes.
 void print_mesh_size(const MeshCommandOptions& options, const SurfaceMesh& surface, double unit) {
   const Eigen::Vector3d size =
       surface.vertices.rowwise().maxCoeff() - surface.vertices.rowwise().minCoeff();
-  fmt::print("{}: {}\n", options.surface, size_text(size));
-  std::fflush(stdout);  // before the progress bar
+  print_note("{}: {}", options.surface, size_text(size));
   const auto given = options.height ? std::nullopt : std::optional(unit);
   require_possible_size(size, given, "--unit {}", options.surface);
   if (const auto warning = size_warning(size, given, "--unit {}")) {
@@ -83,7 +84,19 @@ void mesh(const MeshCommandOptions& options) {
   report(progress, {"meshing", 1.0, 1.0, "written"});
   bar.finish();
   const TetQuality quality = quality_of(volume);
-  fmt::print(
+  if (options.json) {
+    print_json({{"file", options.output},
+                {"nodes", volume.node_count()},
+                {"tetrahedra", volume.tet_count()},
+                {"boundary_vertices", surface.vertex_count()},
+                {"boundary_triangles", surface.triangle_count()},
+                {"volume_m3", quality.volume},
+                {"smallest_dihedral_deg", quality.smallest_dihedral_degrees},
+                {"largest_dihedral_deg", quality.largest_dihedral_degrees},
+                {"mean_edge_m", mean_edge_length(surface)}});
+    return;
+  }
+  print_text(
       "{}: {} nodes, {} tetrahedra, boundary {} vertices and {} triangles,\n"
       "volume {:.4g} m^3, dihedral angles {:.1f} to {:.1f} degrees, mean edge {:.3g} m\n",
       options.output, volume.node_count(), volume.tet_count(), surface.vertex_count(),
@@ -96,25 +109,22 @@ void mesh(const MeshCommandOptions& options) {
 void add_mesh(Command app) {
   const auto options = std::make_shared<MeshCommandOptions>();
   Command command = app.add_subcommand("mesh", "Fill a watertight surface with tetrahedra");
-  command.add_option("surface", options->surface, "Surface: .stl .ply .obj .3ds .off")
-      .required()
-      .type_name("SURFACE");
+  command.add_option("surface", options->surface, "Surface: .stl .ply .obj .3ds .off").required();
   command.add_option("-o,--out", options->output, "Gmsh file (.msh, ASCII) to write")
       .required()
       .type_name("FILE");
   command
-      .add_option("--edge", options->edge,
-                  "Remesh the surface to this edge length first, in metres (after --height)")
-      .in_range(1e-6, 1e3)
-      .type_name("METRES");
+      .add_length("--edge", options->edge,
+                  "Remesh the surface to this edge length first (after --height)", {1e-6, 1e3})
+      .default_is("as it is");
   command
-      .add_option("--height", options->height,
-                  "Scale to this height in metres and stand it on Z = 0")
-      .in_range(1e-6, 1e3)
-      .type_name("METRES");
-  command.add_option("--unit", options->unit, "What lengths in the file are: m, cm or mm; else m")
-      .one_of({"m", "cm", "mm"});
-  command.add_option("--up", options->up, "Axis of the file that points up: x, y or z")
+      .add_length("--height", options->height,
+                  "Scale the surface to this height and stand it on Z = 0", {1e-6, 1e3})
+      .default_is("as it is");
+  command.add_option("--unit", options->unit, "The unit of lengths in the surface's file")
+      .one_of({"m", "cm", "mm"})
+      .default_is("m");
+  command.add_option("--up", options->up, "Axis of the file that points up")
       .one_of({"x", "y", "z"})
       .show_default();
   command
@@ -122,7 +132,8 @@ void add_mesh(Command app) {
                   "1: tetrahedra of 4 nodes; 2: of 10, with one in the middle of each edge")
       .in_range(1, 2)
       .show_default();
-  command.footer("Example: palpable mesh bunny.off -o bunny.msh --up y --height 0.15 --edge 0.007");
+  command.add_json(options->json);
+  command.footer("Example: palpable mesh bunny.off -o bunny.msh --up y --height 150mm --edge 7mm");
   command.callback([options] { mesh(*options); });
 }
 

@@ -1,6 +1,7 @@
 // palpable reduce bunny.snapshots -o bunny.palpable
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
@@ -33,7 +34,8 @@ struct ReduceOptions {
   int max_modes = 0;
   std::optional<double> part;
   std::uint64_t seed = 0;  // 0: not given
-  std::vector<std::string> at;
+  std::vector<std::string> set;
+  bool json = false;
   FileOptions file;
 };
 
@@ -47,8 +49,8 @@ void set_method(const ReduceOptions& options, ReduceSettings& settings) {
   if (sparse && (options.tolerance > 0.0 || !options.norm.empty())) {
     throw Error(
         fmt::format("{}: --method {} stops where further modes no longer help, and at "
-                    "--modes at the latest",
-                    options.norm.empty() ? "--error" : "--norm", kSparsePgdName));
+                    "--max-modes at the latest",
+                    options.norm.empty() ? "--tolerance" : "--norm", kSparsePgdName));
   }
   if (sparse) {
     settings.sparse.emplace();
@@ -62,7 +64,7 @@ void set_method(const ReduceOptions& options, ReduceSettings& settings) {
 void reduce(const ReduceOptions& options, const std::string& command_line) {
   guard_output_file(options.output, {options.store});
   const auto begin = std::chrono::steady_clock::now();
-  ReduceSettings settings{.at = parse_values(options.at),
+  ReduceSettings settings{.at = parse_settings(options.set),
                           .volume = options.file.volume,
                           .version = std::string("palpable ") + PALPABLE_VERSION,
                           .command_line = command_line};
@@ -83,8 +85,12 @@ void reduce(const ReduceOptions& options, const std::string& command_line) {
     baked.body.error = write_body_file(options.output, baked.body, options.file.storage());
   }
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  if (options.json) {
+    print_json(body_report(baked, options.output, taken.count()));
+    return;
+  }
   print_body_report(baked, options.output, taken.count());
-  if (touch) fmt::print("touch: {}\n", touch_text(touch));
+  if (touch) print_text("touch: {}\n", touch_text(touch));
 }
 
 }  // namespace
@@ -98,47 +104,46 @@ void add_reduce(Command app, const std::string& command_line) {
       .add_option("snapshots", options->store,
                   "Folder that palpable bake, merge or import-snapshots has written")
       .required()
-      .type_name("FOLDER");
-  command.add_option("-o,--out", options->output, "Body file to write")
-      .required()
-      .type_name("FILE");
+      .type_name("DIR");
+  command.add_option("-o,--out", options->output, "Body file to write").required();
   command
       .add_option(
           "--method", options->method,
           "How (docs/reduction.md); pgd is the paper's, sparse-pgd learns from a part of the "
-          "snapshots. Default: as the body's description says")
-      .one_of(methods);
+          "snapshots")
+      .one_of(methods)
+      .default_is("as the description says");
   command
-      .add_option("-e,--error,--tolerance", options->tolerance,
+      .add_option("--tolerance", options->tolerance,
                   "Relative error for displacement and stress each: over all snapshots, or with "
-                  "per-site over those of each site. Default: as the description says; with a "
-                  "--method other than its own 1e-3 (per-site: 1e-4)")
-      .in_range(1e-6, 0.999);
-  command
-      .add_option("-n,--modes,--max-modes", options->max_modes,
-                  "Stop at this many modes at the latest. Default: likewise; sparse-pgd: 40")
-      .in_range(1, 100000);
+                  "per-site over those of each site")
+      .in_range(1e-6, 0.999)
+      .default_is(
+          "as the description says; with a --method other than its own 1e-3 (per-site: 1e-4)");
+  command.add_option("--max-modes", options->max_modes, "Stop at this many modes at the latest")
+      .in_range(1, 100000)
+      .default_is("as the description says; sparse-pgd: 40");
   command
       .add_option(
           "--norm", options->norm,
           "own: each snapshot counts by its own norm, so that small presses are as accurate "
-          "as large ones; pooled: by its size. Default: own with per-site, else pooled")
-      .one_of({"own", "pooled"});
+          "as large ones; pooled: by its size")
+      .one_of({"own", "pooled"})
+      .default_is("own with per-site, else pooled");
   command
       .add_option("--part", options->part,
                   "sparse-pgd: the part of the snapshots that is learnt from, drawn at random; the "
-                  "file states the errors of the others too. Default: 0.3")
-      .in_range(1e-6, 0.999999);
-  command.add_option("--seed", options->seed, "sparse-pgd: decides which those are. Default: 1")
-      .in_range(std::uint64_t{1}, std::uint64_t{std::numeric_limits<std::int64_t>::max()});
-  command
-      .add_option("--at", options->at,
-                  "The one value of a further parameter that the body file holds. Default: the "
-                  "parameter stays free")
-      .type_name("NAME=VALUE");
+                  "file states the errors of the others too")
+      .in_range(1e-6, 0.999999)
+      .default_is("0.3");
+  command.add_option("--seed", options->seed, "sparse-pgd: decides which those are")
+      .in_range(std::uint64_t{1}, std::uint64_t{std::numeric_limits<std::int64_t>::max()})
+      .default_is("1");
+  add_value_option(command, options->set);
   add_file_options(command, options->file);
+  command.add_json(options->json);
   command.footer(
-      "Example: palpable reduce bunny.snapshots --method pgd --error 1e-3 -o bunny.palpable");
+      "Example: palpable reduce bunny.snapshots --method pgd --tolerance 1e-3 -o bunny.palpable");
   command.callback([options, command_line] { reduce(*options, command_line); });
 }
 

@@ -38,9 +38,7 @@ void add_refine(Command app) {
   const auto description = std::make_shared<std::string>();
   Command command = app.add_subcommand(
       "refine", "Full-order solutions of loads, for 'palpable live --refine', which starts it");
-  command.add_option("body", *description, "The body that is touched (docs/body.md)")
-      .required()
-      .type_name("BODY.toml");
+  add_description(command, *description);
   command.footer(
       "Loads come on standard input, solutions go to standard output, in binary\n"
       "(src/palpable/common/response/solution_messages.h).\n"

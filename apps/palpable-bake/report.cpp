@@ -1,6 +1,7 @@
 // palpable report bunny.palpable: a page and a table of a body's errors, cost and content.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/exchange/body_page.h"
 #include "palpable/bake/exchange/web_page.h"
@@ -8,6 +9,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/this_machine.h"
+#include "palpable/common/body_file/body_facts.h"
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/body_file/touch_text.h"
 
@@ -24,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct ReportOptions {
   std::string body, output;
+  bool json = false;
 };
 
 void report(const ReportOptions& options) {
@@ -47,10 +50,20 @@ void report(const ReportOptions& options) {
   facts.repeats = times.repeats;
   write_whole_file(page, body_page(body, facts, table.filename().string()));
   write_whole_file(table, body_table(body, facts));
-  fmt::print("{}: {:.1f} MB, opens in any browser, loads nothing; the same numbers: {}\n",
+  if (options.json) {
+    Json result = json_of(body);
+    result["page"] = page.string();
+    result["table"] = table.string();
+    result["displacement_us"] = times.displacement_us;
+    result["stress_us"] = times.stress_us;
+    result["all_us"] = times.all_us;
+    print_json(result);
+    return;
+  }
+  print_text("{}: {:.1f} MB, opens in any browser, loads nothing; the same numbers: {}\n",
              page.string(), static_cast<double>(fs::file_size(page)) / 1e6, table.string());
   if (!body.error.displacement_course) {
-    fmt::print(
+    print_text(
         "the body file does not say how errors fall with the number of modes; palpable reduce, "
         "run again on its snapshots, does\n");
   }
@@ -63,12 +76,12 @@ void add_report(Command app) {
   Command command = app.add_subcommand(
       "report",
       "Write errors, costs and modes of a body file as one HTML page, and a CSV file beside it");
-  command.add_option("body", options->body, "Body file").required().type_name("BODY.palpable");
+  command.add_option("body,--body", options->body, "Body file").required();
   command
       .add_option("-o,--out", options->output,
-                  "Page to write, NAME.html; the numbers go to NAME.csv. Default: the body's name, "
-                  "in this folder")
-      .type_name("FILE");
+                  "Page to write, NAME.html; the numbers go to NAME.csv")
+      .default_is("the body's name, in this folder");
+  command.add_json(options->json);
   command.footer(
       "The evaluation times in it are measured while the page is written.\n"
       "Example: palpable report bunny.palpable -o bunny.html");

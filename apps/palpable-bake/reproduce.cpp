@@ -1,6 +1,7 @@
 // palpable reproduce all -o DIR: the paper's three examples, figure by figure, as one page.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/reproduce/chart.h"
 #include "palpable/bake/reproduce/paper_figures.h"
@@ -107,10 +108,10 @@ void reproduce(const ReproduceOptions& options) {
   const Json result = result_of(options.what, figures, numbers, times);
   write_whole_file(out / "reproduce.json", result.dump(2) + "\n");
   if (options.json) {
-    fmt::print("{}\n", result.dump(2));
+    print_json(result);
     return;
   }
-  fmt::print("{} figures, baked in {}, filmed, played and drawn in {}: {}\n", figures.size(),
+  print_text("{} figures, baked in {}, filmed, played and drawn in {}: {}\n", figures.size(),
              duration_text(times.bakes), duration_text(times.others), page.string());
 }
 
@@ -131,8 +132,7 @@ void add_reproduce(Command app) {
   command.add_flag("--touch", options->touch,
                    "Bake the tables of touch, too, and show bodies that are touched anywhere; "
                    "some 40 minutes more");
-  command.add_flag("--json", options->json,
-                   "One JSON object on stdout: figures, bake_s, page_s, and the numbers as rows");
+  command.add_json(options->json);
   command.footer(
       "All three take a quarter of an hour on two idle cores from nothing, and 3 GB of disk. What "
       "is done stays done: a call that was stopped goes on where it was.\n"

@@ -1,6 +1,7 @@
 // palpable solve BODY.toml --site 5 --level 0.7 -o x.vtu
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
@@ -32,6 +33,7 @@ struct SolveOptions {
   double level = 1.0;
   int order = 0;  // 0: as in the description
   ObstacleOptions obstacle;
+  bool json = false;
 };
 
 // The description's load levels below `level`, and `level`.
@@ -60,16 +62,16 @@ BodyProblem posed(const SolveOptions& options, BodyDescription& description) {
 
 void print_problem(const BodyDescription& description, const BodyProblem& problem,
                    const PressSolver& presses, int number) {
-  fmt::print("{}", problem_text(description, problem));
+  print_text("{}", problem_text(description, problem));
   if (presses.is_preloaded()) {
-    fmt::print(
+    print_text(
         "gravity, pressures and moved supports come first: nodes move by up to {:.4g} mm, presses "
         "are counted from there\n",
         1e3 * presses.rest().colwise().norm().maxCoeff());
   }
   const Site& site = problem.sites[number];
   const Eigen::Vector3d at = problem.mesh.boundary.surface.vertices.col(site.vertex);
-  fmt::print("site {} at ({:.1f}, {:.1f}, {:.1f}) mm, pressed along ({:.3f}, {:.3f}, {:.3f})\n",
+  print_text("site {} at ({:.1f}, {:.1f}, {:.1f}) mm, pressed along ({:.3f}, {:.3f}, {:.3f})\n",
              number, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], site.direction[0], site.direction[1],
              site.direction[2]);
 }
@@ -78,7 +80,7 @@ void print_problem(const BodyDescription& description, const BodyProblem& proble
 double find_full_load(const SolveOptions& options, const BodyProblem& problem,
                       const PressSolver& presses, const Eigen::Matrix3Xd& unit) {
   if (problem.force > 0.0) {
-    fmt::print("level 1 is {:.4g} N\n\n", problem.force);
+    print_text("level 1 is {:.4g} N\n\n", problem.force);
     return problem.force;
   }
   const LoadSearch search = presses.find_load(unit, problem.press);
@@ -86,7 +88,7 @@ double find_full_load(const SolveOptions& options, const BodyProblem& problem,
     throw Error(fmt::format("{}: {}, cannot be pressed: {}", options.description,
                             site_text(problem, options.site), search.why_stopped));
   }
-  fmt::print("level 1 is {:.4g} N, which press it in by {:.3f} mm{}{}\n\n", search.load,
+  print_text("level 1 is {:.4g} N, which press it in by {:.3f} mm{}{}\n\n", search.load,
              1e3 * search.press, search.reached ? "" : ": ", search.why_stopped);
   return search.load;
 }
@@ -94,12 +96,12 @@ double find_full_load(const SolveOptions& options, const BodyProblem& problem,
 // Prints the equilibrium path. @throws Error when not even the first level was reached
 void print_path(const SolveOptions& options, const BodyProblem& problem, const PathResult& path,
                 const Eigen::Matrix3Xd& unit, const PressSolver& presses) {
-  fmt::print("{}\n", path_table(path, unit, presses.rest()));
+  print_text("{}\n", path_table(path, unit, presses.rest()));
   if (path.steps.empty()) {
     throw Error(fmt::format("{}: {}: {}", options.description, site_text(problem, options.site),
                             path.why_stopped));
   }
-  if (!path.complete) fmt::print("{}\n", path.why_stopped);
+  if (!path.complete) print_text("{}\n", path.why_stopped);
 }
 
 // The body under the loads that act before it is pressed.
@@ -130,10 +132,10 @@ void solve(const SolveOptions& options) {
   const EquilibriumSolver solver(problem.model);
   const PressSolver presses = preloaded(options, solver, problem);
   if (options.obstacle.obstacles.empty() && !options.obstacle.pose_file.empty()) {
-    throw Error("--pose: says where an --obstacle goes; there is none");
+    throw Error("--poses: says where an --obstacle goes; there is none");
   }
   if (!options.obstacle.obstacles.empty()) {
-    solve_obstacle(options.obstacle, options.output, problem, presses);
+    solve_obstacle(options.obstacle, options.output, problem, presses, options.json);
     return;
   }
   refuse_press_through(description, problem);
@@ -151,7 +153,19 @@ void solve(const SolveOptions& options) {
   const double mises =
       write_state_file(options.output, solver.model(), last.displacement, {"load", load});
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-  fmt::print(
+  if (options.json) {
+    print_json({{"file", options.output},
+                {"nodes", problem.model.mesh.node_count()},
+                {"site", options.site},
+                {"level", last.level},
+                {"load_n", last.level * full_load},
+                {"complete", path.complete},
+                {"largest_displacement_m", last.displacement.colwise().norm().maxCoeff()},
+                {"largest_von_mises_pa", mises},
+                {"seconds", taken.count()}});
+    return;
+  }
+  print_text(
       "{}: level {:.4g}, displacement up to {:.3f} mm, von Mises stress up to {:.4g} kPa; {}\n",
       options.output, last.level, 1e3 * last.displacement.colwise().norm().maxCoeff(), 1e-3 * mises,
       duration_text(taken.count()));
@@ -163,12 +177,8 @@ void add_solve(Command app) {
   const auto options = std::make_shared<SolveOptions>();
   Command command =
       app.add_subcommand("solve", "Press a body at one site and write it for ParaView");
-  command.add_option("body", options->description, "What to press (docs/body.md)")
-      .required()
-      .type_name("BODY.toml");
-  command.add_option("-o,--out", options->output, "VTK grid to write")
-      .required()
-      .type_name("FILE.vtu");
+  add_description(command, options->description);
+  command.add_option("-o,--out", options->output, "VTK grid to write, NAME.vtu").required();
   command.add_option("--site", options->site, "Which of the description's sites, from 0")
       .not_negative()
       .show_default();
@@ -180,28 +190,23 @@ void add_solve(Command app) {
       .show_default();
   command
       .add_option("--order", options->order,
-                  "1: 4-node tetrahedra; 2: 10-node ones, far more accurate (default: what 'order' "
-                  "in the description says)")
-      .in_range(1, 2);
+                  "1: 4-node tetrahedra; 2: 10-node ones, far more accurate")
+      .in_range(1, 2)
+      .default_is("as the description says");
   command.add_option("--obstacle", options->obstacle.obstacles,
                      "Instead of a site: a rigid thing that presses the body on its way from 'at' "
                      "to 'to', \"sphere 8mm at 0,0,0.16 to 0,0,0.14\", \"capsule R,R at X,Y,Z and "
                      "X,Y,Z to X,Y,Z\", \"plane NORMAL at X,Y,Z to X,Y,Z\" (m, body frame), or a "
                      "closed surface's file; may be given several times");
-  command
-      .add_option("--pose", options->obstacle.pose_file,
-                  "Where surfaces among the obstacles go: lines \"time tx ty tz qx qy qz qw\", "
-                  "body_from_surface")
-      .type_name("FILE");
+  command.add_option("--poses", options->obstacle.pose_file,
+                     "Where surfaces among the obstacles go: lines \"time tx ty tz qx qy qz qw\", "
+                     "body_from_surface");
   command.add_option("--steps", options->obstacle.steps, "Steps in which obstacles go their way")
       .in_range(1, 10000)
       .show_default();
-  command
-      .add_option("--spacing", options->obstacle.spacing_mm,
-                  "Between contact points, mm (0: a third of the skin's edges, at most half the "
-                  "smallest radius)")
-      .in_range(0.0, 1e3)
-      .show_default();
+  command.add_length("--spacing", options->obstacle.spacing, "Distance between contact points")
+      .default_is("a third of the skin's edges, at most half the smallest radius");
+  command.add_json(options->json);
   command.footer(
       "Example: palpable solve bodies/bunny-demo.toml --obstacle \"sphere 8mm at "
       "0.02,0,0.105 to 0.02,0,0.085\" -o x.vtu\n"

@@ -15,12 +15,13 @@ struct ObstacleOptions {
   std::vector<std::string> obstacles;
   std::string pose_file;
   int steps = 10;
-  double spacing_mm = 0;  // 0: default of ContactSettings
+  double spacing = 0;  // m; 0: default of ContactSettings
 };
 
 /// Moves the obstacles along their paths, prints a table of the steps and writes the last state.
+/// @param json  print the last state as JSON
 /// @throws Error when not even the first step converges
 void solve_obstacle(const ObstacleOptions& options, const std::string& output,
-                    const BodyProblem& problem, const PressSolver& presses);
+                    const BodyProblem& problem, const PressSolver& presses, bool json);
 
 }  // namespace palpable::app

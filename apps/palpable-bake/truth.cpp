@@ -1,6 +1,7 @@
 // palpable truth CLIP --body BODY.toml, or --scene SCENE.toml
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
@@ -27,24 +28,34 @@ struct TruthOptions {
   std::string body;
   std::string scene;
   TrueSkinSettings settings;
+  int threads = 0;
+  bool json = false;
 };
 
 void print_frame(const TrueFrame& frame) {
   const DeformedLine& line = frame.line;
   if (frame.was_there) {
-    fmt::print("{:>6} {:>9.2f} {:>8.3f}  was there{}{}\n", line.frame, 1e3 * line.depth,
+    print_text("{:>6} {:>9.2f} {:>8.3f}  was there{}{}\n", line.frame, 1e3 * line.depth,
                line.force.norm(), line.scored ? "" : "; not scored: ", line.why);
     return;
   }
-  fmt::print("{:>6} {:>9.2f} {:>8.3f} {:>9.2f} {:>10.2f} {:>9.3f} {:>8.1e}{}{}\n", line.frame,
+  print_text("{:>6} {:>9.2f} {:>8.3f} {:>9.2f} {:>10.2f} {:>9.3f} {:>8.1e}{}{}\n", line.frame,
              1e3 * line.depth, line.force.norm(), 1e3 * frame.largest_displacement,
              1e-3 * frame.largest_von_mises, 1e3 * frame.entry, frame.path_change,
              line.scored ? "" : "  not scored: ", line.why);
 }
 
+Json json_of_line(const DeformedLine& line) {
+  return {{"frame", line.frame},
+          {"depth_m", line.depth},
+          {"force_n", line.force.norm()},
+          {"scored", line.scored},
+          {"why_not_scored", line.scored ? Json() : Json(line.why)}};
+}
+
 void find_truth_of_scene(const TruthOptions& options) {
   if (!options.body.empty() || !options.settings.baked.empty()) {
-    throw Error("--scene says which bodies there are: leave out --body and --baked");
+    throw Error("--scene says which bodies there are: leave out --description and --body");
   }
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<DescribedBody> described = read_scene_description(options.scene);
@@ -70,17 +81,31 @@ void find_truth_of_scene(const TruthOptions& options) {
       options.clip, solids,
       {.frames = options.settings.frames, .threads = options.settings.threads}, bar.progress());
   bar.finish();
-  fmt::print("{:<12} {:>6} {:>9} {:>8} {:>9} {:>9}\n", "body", "frame", "depth/mm", "force/N",
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  if (options.json) {
+    Json list = Json::array();
+    for (const TrueSceneFrame& frame : frames) {
+      Json entry = json_of_line(frame.line);
+      entry["body"] = frame.body;
+      entry["largest_displacement_m"] = frame.largest_displacement;
+      entry["force_of_other_bodies_n"] = frame.between;
+      list.push_back(std::move(entry));
+    }
+    print_json({{"folder", options.clip + "/truth/bodies"},
+                {"seconds", taken.count()},
+                {"solutions", std::move(list)}});
+    return;
+  }
+  print_text("{:<12} {:>6} {:>9} {:>8} {:>9} {:>9}\n", "body", "frame", "depth/mm", "force/N",
              "moves/mm", "others/N");
   for (const TrueSceneFrame& frame : frames) {
     const DeformedLine& line = frame.line;
-    fmt::print("{:<12} {:>6} {:>9.2f} {:>8.3f} {:>9.2f} {:>9.3f}{}{}\n", frame.body, line.frame,
+    print_text("{:<12} {:>6} {:>9.2f} {:>8.3f} {:>9.2f} {:>9.3f}{}{}\n", frame.body, line.frame,
                1e3 * line.depth, line.force.norm(), 1e3 * frame.largest_displacement, frame.between,
                frame.was_there ? "  was there" : "",
                line.scored ? "" : "  not scored: " + line.why);
   }
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-  fmt::print("{}/truth/bodies: {} solutions; {}\n", options.clip, frames.size(),
+  print_text("{}/truth/bodies: {} solutions; {}\n", options.clip, frames.size(),
              duration_text(taken.count()));
 }
 
@@ -89,20 +114,38 @@ void find_truth(const TruthOptions& options) {
     find_truth_of_scene(options);
     return;
   }
-  if (options.body.empty()) throw Error("give --body, or --scene of a film with several");
+  if (options.body.empty())
+    throw Error("give --description, or --scene of a film with several bodies");
   const auto begin = std::chrono::steady_clock::now();
   const BodyDescription description = read_description(options.body);
   ProgressBar bar;
   const std::vector<TrueFrame> frames =
       write_true_skins(options.clip, description, options.settings, bar.progress());
   bar.finish();
-  fmt::print("{:>6} {:>9} {:>8} {:>9} {:>10} {:>9} {:>8}\n", "frame", "depth/mm", "force/N",
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  if (options.json) {
+    Json list = Json::array();
+    for (const TrueFrame& frame : frames) {
+      Json entry = json_of_line(frame.line);
+      if (!frame.was_there) {
+        entry["largest_displacement_m"] = frame.largest_displacement;
+        entry["largest_von_mises_pa"] = frame.largest_von_mises;
+        entry["entry_m"] = frame.entry;
+        entry["path_change"] = frame.path_change;
+      }
+      list.push_back(std::move(entry));
+    }
+    print_json({{"folder", options.clip + "/truth/deformed"},
+                {"seconds", taken.count()},
+                {"frames", std::move(list)}});
+    return;
+  }
+  print_text("{:>6} {:>9} {:>8} {:>9} {:>10} {:>9} {:>8}\n", "frame", "depth/mm", "force/N",
              "moves/mm", "Mises/kPa", "entry/mm", "by way");
   for (const TrueFrame& frame : frames) print_frame(frame);
   const auto scored = std::count_if(frames.begin(), frames.end(),
                                     [](const TrueFrame& frame) { return frame.line.scored; });
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-  fmt::print("{}/truth/deformed: {} frames, {} of them scored; {}\n", options.clip, frames.size(),
+  print_text("{}/truth/deformed: {} frames, {} of them scored; {}\n", options.clip, frames.size(),
              scored, duration_text(taken.count()));
 }
 
@@ -110,39 +153,41 @@ void find_truth(const TruthOptions& options) {
 
 void add_truth(Command app) {
   const auto options = std::make_shared<TruthOptions>();
-  options->settings.threads =
-      static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 16U));
   Command command =
       app.add_subcommand("truth", "The full-order solution for the true hand of a synthetic clip");
   command.add_option("clip", options->clip, "What synth filmed: has frames/ and truth/")
       .required()
-      .type_name("CLIP");
-  command.add_option("--body", options->body, "The body that was filmed (docs/body.md)")
-      .type_name("BODY.toml");
+      .type_name("DIR");
+  command.add_option("--description", options->body, "The body that was filmed (docs/body.md)")
+      .type_name("FILE.toml");
   command
       .add_option("--scene", options->scene,
                   "The scene that was filmed (docs/scenes.md): its bodies are solved together, and "
                   "press each other")
-      .type_name("SCENE.toml");
-  command
-      .add_option("--baked", options->settings.baked,
-                  "The body file that was baked from it: refuses another mesh, law or constants "
-                  "than those kept beside it (NAME.snapshots, NAME.solid.h5)")
-      .type_name("FILE");
+      .type_name("FILE.toml");
+  command.add_option("--body", options->settings.baked,
+                     "The body file that was baked from it: refuses another mesh, law or constants "
+                     "than those kept beside it (NAME.snapshots, NAME.solid.h5)");
   command
       .add_option("--frames", options->settings.frames,
                   "How many frames at most, spread over those that touch")
       .in_range(1, 100000)
       .show_default();
-  command.add_option("--threads", options->settings.threads, "Touches that are followed at once")
-      .in_range(1, 256)
-      .show_default();
+  add_threads(command, options->threads, "Touches that are followed at once");
+  command.add_json(options->json);
   command.footer(
       "Writes CLIP/truth/deformed, of a scene CLIP/truth/bodies/NAME/deformed\n"
       "(docs/benchmark.md). An interrupted run goes on with the touch in which it was.\n"
       "Example: palpable truth out/beams --scene scenes/beams.toml --frames 10\n"
-      "Example: palpable truth clip --body bodies/bunny-demo.toml --baked out/demo/bunny.palpable");
-  command.callback([options] { find_truth(*options); });
+      "Example: palpable truth clip --description bodies/bunny-demo.toml --body "
+      "out/demo/bunny.palpable");
+  command.callback([options] {
+    options->settings.threads =
+        options->threads > 0
+            ? options->threads
+            : static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 16U));
+    find_truth(*options);
+  });
 }
 
 }  // namespace palpable::app

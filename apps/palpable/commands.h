@@ -24,6 +24,7 @@ void add_synth(Command app);
 void add_score(Command app);
 void add_cameras(Command app);
 void add_calibrate(Command app);
+void add_doctor(Command app);
 
 /// The commands with which a connected camera is used in this program, as lines to follow
 /// text_of(camera); empty if it cannot be used.

@@ -18,6 +18,15 @@ double peak_memory() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
+std::optional<double> available_memory() {
+  std::ifstream info("/proc/meminfo");
+  std::string key;
+  for (double kibibytes = 0; info >> key >> kibibytes; info.ignore(64, '\n')) {
+    if (key == "MemAvailable:") return 1024 * kibibytes;
+  }
+  return std::nullopt;
+}
+
 std::string processor_name() {
   std::ifstream info("/proc/cpuinfo");
   std::string line, name = "unknown processor";

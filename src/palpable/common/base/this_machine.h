@@ -4,12 +4,17 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace palpable {
 
 /// The largest memory that this process has held so far, bytes.
 [[nodiscard]] double peak_memory();
+
+/// Memory that programs may still use without swapping, bytes (MemAvailable). Nothing if the system
+/// does not say.
+[[nodiscard]] std::optional<double> available_memory();
 
 /// The processor's name in /proc/cpuinfo with the number of cores: "..., 2 cores".
 [[nodiscard]] std::string processor_name();

@@ -7,53 +7,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <utility>
 
 namespace palpable {
-namespace {
-
-struct Unit {
-  std::string_view name;
-  double size;  // of the unit, in SI
-};
-constexpr std::array kLengths{Unit{"m", 1.0}, Unit{"cm", 1e-2}, Unit{"mm", 1e-3}};
-constexpr std::array kPressures{Unit{"Pa", 1.0}, Unit{"kPa", 1e3}, Unit{"MPa", 1e6},
-                                Unit{"GPa", 1e9}};
-constexpr std::array kPerPressures{Unit{"1/Pa", 1.0}, Unit{"1/kPa", 1e-3}, Unit{"1/MPa", 1e-6},
-                                   Unit{"1/GPa", 1e-9}};
-constexpr std::array kForces{Unit{"N", 1.0}, Unit{"mN", 1e-3}, Unit{"kN", 1e3}};
-constexpr std::array kDensities{Unit{"kg/m^3", 1.0}, Unit{"g/cm^3", 1e3}};
-constexpr std::array kAccelerations{Unit{"m/s^2", 1.0}};
-
-struct Units {
-  std::span<const Unit> units;
-  const char* example;
-};
-Units units_of(Quantity what) {
-  switch (what) {
-    case Quantity::kLength:
-      return {kLengths, "150 mm"};
-    case Quantity::kPressure:
-      return {kPressures, "60 kPa"};
-    case Quantity::kPerPressure:
-      return {kPerPressures, "0.05 1/kPa"};
-    case Quantity::kForce:
-      return {kForces, "2 N"};
-    case Quantity::kDensity:
-      return {kDensities, "1000 kg/m^3"};
-    case Quantity::kAcceleration:
-      break;
-  }
-  return {kAccelerations, "9.81 m/s^2"};
-}
-
-}  // namespace
-
 toml::table parse_toml(std::string_view text, const std::string& file) {
   if (const auto unparsable = why_not_parsed(text, Notation::kToml)) {
     throw Error(fmt::format("{}:{}: {}", file, unparsable->line, unparsable->what));
@@ -310,27 +269,19 @@ double TomlSection::in_range(const toml::node& node, const char* key, double val
 }
 
 double TomlSection::parse(const toml::node& node, const char* key, Quantity what) const {
-  const auto [units, example] = units_of(what);
-  const std::string wanted = fmt::format("must be a text with a unit, such as \"{}\"", example);
-  const auto value = node.value_exact<std::string>();
-  if (!value) bad(node, key, wanted);
-  double number = 0;
-  const char* end = value->data() + value->size();
-  const auto [rest, code] = std::from_chars(value->data(), end, number);
-  std::string_view unit(rest, static_cast<std::size_t>(end - rest));
-  unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
-  const auto at = std::find_if(units.begin(), units.end(),
-                               [unit](const Unit& known) { return known.name == unit; });
-  if (code != std::errc() || at == units.end()) {
-    bad(node, key, fmt::format("is \"{}\", {}", value->substr(0, 40), wanted));
-  }
-  return number * at->size;
+  const std::string wanted =
+      fmt::format("must be a text with a unit, such as \"{}\"", example_of(what));
+  const auto text = node.value_exact<std::string>();
+  if (!text) bad(node, key, wanted);
+  const std::optional<double> value = to_quantity(*text, what);
+  if (!value) bad(node, key, fmt::format("is \"{}\", {}", text->substr(0, 40), wanted));
+  return *value;
 }
 
 Eigen::Vector3d TomlSection::parse_three(const toml::node& node, const char* key,
                                          Quantity what) const {
   const toml::array* list = node.as_array();
-  const char* example = units_of(what).example;
+  const char* example = example_of(what);
   if (list == nullptr || list->size() != 3) {
     bad(node, key,
         fmt::format("must be three texts with units, such as [\"{}\", \"{}\", \"{}\"]", example,

@@ -2,6 +2,8 @@
 /// Reads one table of a TOML file with checks; every error message names file, line and key.
 #pragma once
 
+#include "palpable/common/base/quantity.h"
+
 #include <Eigen/Core>
 #include <toml++/toml.h>
 
@@ -27,9 +29,6 @@ struct Range {
   }
   [[nodiscard]] std::string text() const;
 };
-
-/// The kind of quantity that a text with a unit, such as "150 mm", gives.
-enum class Quantity { kLength, kPressure, kPerPressure, kForce, kDensity, kAcceleration };
 
 /// Gives access to the values of a table and records which keys were read, so that unknown keys can
 /// be refused at the end. All members that take a key throw Error, naming file, line and key, if
