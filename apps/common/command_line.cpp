@@ -18,6 +18,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <set>
 #include <utility>
 
 namespace palpable::app {
@@ -275,6 +276,59 @@ Option Command::add_json(bool& json) {
         reserve_stdout_for_json();
       },
       "Print the result as one JSON object on stdout"));
+}
+
+void Command::set_from_file(const std::vector<FileOption>& options) {
+  std::vector<std::pair<CLI::Option*, const FileOption*>> wanted;
+  for (const FileOption& one : options) {
+    CLI::Option* option = app_->get_option_no_throw("--" + one.name);
+    if (option == nullptr) {
+      const std::string guess = nearest_word("--" + one.name, option_names(*app_));
+      throw Error(
+          fmt::format("{}: '{}' is no option of {}{}", one.where, one.name, full_name(*app_),
+                      guess.empty() ? "" : fmt::format(": did you mean '{}'?", guess.substr(2))));
+    }
+    const std::set<CLI::Option*> others = option->get_excludes();
+    const bool given = option->count() > 0 ||
+                       std::any_of(others.begin(), others.end(),
+                                   [](const CLI::Option* other) { return other->count() > 0; });
+    if (!given) wanted.emplace_back(option, &one);
+  }
+  for (const auto& [option, one] : wanted) {
+    for (const CLI::Option* other : option->get_excludes()) {
+      if (other->count() > 0) {
+        throw Error(fmt::format("{}: '{}' and '{}' exclude each other", one->where, one->name,
+                                other->get_lnames().front()));
+      }
+    }
+    set_from_file(*option, *one);
+  }
+}
+
+void Command::set_from_file(CLI::Option& option, const FileOption& from) {
+  if (option.get_type_size() == 0) {  // a flag
+    const bool value = from.words == std::vector<std::string>{"true"};
+    if (!value && from.words != std::vector<std::string>{"false"}) {
+      throw Error(fmt::format("{}: '{}' must be true or false", from.where, from.name));
+    }
+    if (!value) return;
+  }
+  try {
+    for (const std::string& word : from.words) option.add_result(word);
+    option.run_callback();
+  } catch (const CLI::ParseError& error) {
+    throw Error(fmt::format("{}: {}", from.where, error.what()));
+  }
+}
+
+std::vector<Command::GivenOption> Command::given_options() const {
+  std::vector<GivenOption> given;
+  for (const CLI::Option* option : std::as_const(*app_).get_options()) {
+    if (option->count() == 0 || option->get_positional() || option->get_lnames().empty()) continue;
+    given.push_back(
+        {option->get_lnames().front(), option->results(), option->get_type_size() == 0});
+  }
+  return given;
 }
 
 void Command::footer(const std::string& text) { app_->footer(text); }

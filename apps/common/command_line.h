@@ -108,6 +108,27 @@ class Command {
   /// --json: one JSON object on stdout.
   Option add_json(bool& json);
 
+  /// An option from a file.
+  struct FileOption {
+    std::string name;                ///< without "--"
+    std::vector<std::string> words;  ///< of a flag "true" or "false"
+    std::string where;               ///< file and line, for messages
+  };
+  /// Sets options as if they were on the command line; not those that are there, and not those that
+  /// an option there excludes. To be called in the command's callback.
+  /// @throws Error for an unknown name, for words that the option refuses, and for two options that
+  /// exclude each other
+  void set_from_file(const std::vector<FileOption>& options);
+  struct GivenOption {
+    std::string name;  ///< without "--"
+    std::vector<std::string> words;
+    bool is_flag = false;
+  };
+  /// The options that were given on the command line or by set_from_file(), in the order of their
+  /// declaration; without positional ones and those of every command. To be called in the command's
+  /// callback.
+  [[nodiscard]] std::vector<GivenOption> given_options() const;
+
   /// The text at the end of --help.
   void footer(const std::string& text);
   /// The function of the command, called after its options are read.
@@ -118,6 +139,7 @@ class Command {
 
  private:
   Option placed(CLI::Option* option);
+  static void set_from_file(CLI::Option& option, const FileOption& from);
 
   CLI::App* app_;
   std::string group_ = {};  // heading of the options that follow; empty: "Options"

@@ -3,7 +3,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/printing.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/bake/separate/blas_kernels.h"
+#include "palpable/bake/separate/dense_algebra.h"
 
 namespace palpable::app {
 

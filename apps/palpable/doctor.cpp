@@ -5,6 +5,7 @@
 #include "apps/common/printing.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/installed.h"
+#include "apps/palpable/terminal.h"
 #include "palpable/common/base/child_process.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/row_kernels.h"
@@ -56,9 +57,7 @@ Finding check_opengl() {
 }
 
 Finding check_window() {
-  const bool screen =
-      std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
-  if (screen) return {"screen", "there is one: --window works", Verdict::kGood, ""};
+  if (has_screen()) return {"screen", "there is one: --window works", Verdict::kGood, ""};
   return {"screen", "none", Verdict::kLimits,
           "live writes a film with --out DIR; for --window set DISPLAY (xvfb-run makes a screen)"};
 }

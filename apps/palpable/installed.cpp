@@ -25,8 +25,14 @@ fs::path default_body() {
   for (const fs::path& body : bodies) {
     if (fs::exists(body)) return body;
   }
-  throw Error(fmt::format("none of {}, {} and {} is there; bake one, or give --body FILE",
+  throw Error(fmt::format("none of {}, {} and {} is there; bake one, or name a body file",
                           bodies[0].string(), bodies[1].string(), bodies[2].string()));
+}
+
+fs::path shipped_body() {
+  const fs::path post = shipped_bodies() / "post.palpable";
+  std::error_code ignored;
+  return fs::exists(post, ignored) ? post : default_body();
 }
 
 fs::path find_body(const fs::path& name, const fs::path& shipped) {

@@ -25,6 +25,10 @@ inline constexpr const char* kBakeBenchProgram =
 /// @throws Error when none of them exists
 [[nodiscard]] std::filesystem::path default_body();
 
+/// The body of `live` without arguments: the post of an installed copy, else default_body().
+/// @throws Error when there is none
+[[nodiscard]] std::filesystem::path shipped_body();
+
 /// The body file for a name that a user gave. A bare word such as "post" that is not a file here
 /// is the installed body of that name, if there is one. Any other name is returned unchanged,
 /// also an empty one.

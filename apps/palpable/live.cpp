@@ -1,12 +1,15 @@
 // palpable live: presses bodies by what a camera sees.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/installed.h"
 #include "apps/palpable/live_options.h"
 #include "apps/palpable/live_settings.h"
+#include "apps/palpable/scene_options.h"
 #include "apps/palpable/terminal.h"
+#include "palpable/live/play/preview.h"
 
 #include <fmt/core.h>
 
@@ -16,11 +19,50 @@
 namespace palpable::app {
 namespace {
 
+namespace fs = std::filesystem;
+
+constexpr const char* kOwnFolder = "palpable-live";  // of a film that nobody gave a folder for
+
 struct Options {
   LiveOptions live;
   PlayOptions play;
-  std::filesystem::path record;  // empty: no recording
+  fs::path record;  // empty: no recording
+  bool no_window = false;
+  bool preview = false;
+  bool print_config = false;
+  bool json = false;
 };
+
+// Whether nothing would come out of the run.
+bool is_silent(const Options& options) {
+  return options.play.out.empty() && options.record.empty() && options.play.events == kNoEvents &&
+         !options.play.window && !options.json;
+}
+
+// Opens a window where the user asked for nothing else, and a screen is there.
+// @param alone  the command was given without any word: without a screen it writes a film
+void choose_output(Options& options, bool alone) {
+  if (!is_silent(options)) return;
+  if (!options.no_window && has_screen()) {
+    options.play.window = true;
+  } else if (alone) {
+    print_note("there is no screen for a window: the film goes to {}/", kOwnFolder);
+    options.play.out = kOwnFolder;
+    options.play.files = {.depth = false, .masks = false};
+    options.play.overwrite = true;
+  } else {
+    print_note("nothing is shown or written: --window shows it, --out DIR writes the film");
+  }
+}
+
+void run_preview(const Options& options) {
+  const PreviewSettings settings = preview_settings(options.live, options.play);
+  ProgressBar bar;
+  const PreviewResult result = preview(settings, user_at(bar));
+  bar.finish();
+  print_text("{}", text_of(result));
+  if (options.json) print_json(json_of(result));
+}
 
 void live(const Options& options) {
   LiveOptions wanted = options.live;
@@ -31,44 +73,68 @@ void live(const Options& options) {
   LiveSetUp setup = set_up_live(wanted);
   const PlayResult result = play.play(setup, wanted.frames);
   bar.finish();
-  fmt::print("{}", result.text);
+  print_text("{}", result.text);
+  if (options.json) print_json(result.summary);
+}
+
+// @param command  of these options
+void run(Command command, Options& options) {
+  const bool alone = options.live.body.empty() && command.given_options().empty();
+  if (options.live.body.extension() == ".toml") {
+    options.live.scene = std::exchange(options.live.body, {});
+    command.set_from_file(options_of_scene(options.live.scene));
+  } else if (options.live.body.empty()) {
+    options.live.body = shipped_body();
+  } else {
+    options.live.body = find_body(options.live.body);
+  }
+  if (options.print_config) {
+    print_text("{}", scene_file_text(options.live, command.given_options()));
+    return;
+  }
+  choose_output(options, alone);
+  if (options.preview) {
+    run_preview(options);
+  } else {
+    live(options);
+  }
 }
 
 }  // namespace
 
 void add_live(Command app) {
   auto options = std::make_shared<Options>();
-  Command command =
-      app.add_subcommand("live", "Let what a camera saw press bodies: video, figures, timing");
+  Command command = app.add_subcommand("live", "Press bodies with what a camera sees");
   add_live_options(command, options->live);
+  command.begin_group("Camera");
+  command.add_flag("--preview", options->preview,
+                   "Show the camera's picture, the depth and what moves, without a body: to set a "
+                   "camera up");
   add_play_options(command, options->play);
+  command.begin_group("Files");
   command
       .add_option("--record", options->record,
                   "Keep all that comes in, for palpable replay or as a --source: pictures of your "
-                  "room, without loss, 3 MB for each 720p pair. Where the disk is behind, a "
-                  "camera's frames are left out of the run, too")
+                  "room, without loss, 3 MB for each 720p pair")
       .type_name("FILE.palprec");
+  command.add_flag("--print-config", options->print_config,
+                   "Print the scene file that this call amounts to, and exit");
+  command.add_json(options->json);
+  command.begin_expert_group("Display, more");
+  command.add_flag("--no-window", options->no_window,
+                   "Open no window. Without it one opens where there is a screen and nothing is "
+                   "written");
   command.footer(
-      "With --out it writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
-      "rectification.jsonl, live.json, depth/, visible/, body_depth/ and moving/ "
-      "(docs/benchmark.md has the formats).\n"
-      "A recording waits for the loop unless --paced. A camera that stalls or goes away does not "
-      "end the run: the last state is held until pictures come again; Ctrl-C ends it.\n"
-      "Example: palpable live bunny.palpable --source synthetic --out out\n"
-      "Example: palpable live post --source synthetic --out out\n"
-      "Example: palpable live --scene scenes/beams.toml --source clip/frames --out out\n"
-      "Example: palpable live bunny.palpable --source desk --place \"0 0.1 0.6 0 40 0\" "
-      "--out out\n"
-      "Example: palpable live bunny.palpable --source /dev/video0 --calibration SN10027514.conf "
-      "--place \"0 0.1 0.6 0 40 0\" --window\n"
-      "Example: palpable live bunny.palpable --source /dev/video0 --anchor plane --window --out "
-      "out\n"
-      "Example: palpable live bunny.palpable --source /dev/video0 --anchor plane --window "
-      "--record touch.palprec");
-  command.callback([options] {
-    options->live.body = find_body(options->live.body);
-    live(*options);
-  });
+      "Without arguments it plays the built-in desk with the body that ships. A camera that stalls "
+      "or goes away does not end the run: the last state is held until pictures come again; Ctrl-C "
+      "ends it. docs/benchmark.md has the formats of the files.\n"
+      "Example: palpable live\n"
+      "Example: palpable live bunny.palpable --source /dev/video0 --anchor plane\n"
+      "Example: palpable live bunny.palpable --source desk --calibration desk.yml --place \"0 0.1 "
+      "0.6 0 40 0\" -o out --write film\n"
+      "Example: palpable live two-bodies.toml --source clip/frames --paint pressure -o out\n"
+      "Example: palpable live --source /dev/video0 --preview");
+  command.callback([options, command] { run(command, *options); });
 }
 
 }  // namespace palpable::app

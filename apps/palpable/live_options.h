@@ -19,26 +19,28 @@
 
 namespace palpable::app {
 
+/// The source that is rendered here.
+inline constexpr const char* kSynthetic = "synthetic";
+
 struct LiveOptions {
-  std::filesystem::path body;      ///< empty: given by `scene`
-  std::filesystem::path scene;     ///< empty: only `body`
-  SourceOptions input;             ///< its source may also be "synthetic"
-  std::filesystem::path clip;      ///< folder to keep a synthetic clip in; empty: not kept
+  std::filesystem::path body;   ///< empty: given by `scene`
+  std::filesystem::path scene;  ///< empty: only `body`
+  SourceOptions input{.source = kSynthetic};
+  std::filesystem::path clip;      ///< folder of a synthetic clip; empty: in clip_cache()
   bool paced = false;              ///< play a recording at its own pace, not at the loop's
   std::vector<std::string> place;  ///< words of --place; empty: from the folder's scene.toml
-  /// "plane", "board": on the visible desk or chessboard; "pose" or empty: at `place`.
-  std::string anchor;
-  BoardOptions board;  ///< for "board"
-  std::string at;      ///< "320,200": pixel on the plane; empty: a free position is found
+  std::string anchor;              ///< "plane", "board": on the visible desk or chessboard
+  BoardOptions board;              ///< for "board"
+  std::string at;  ///< "320,200": pixel on the plane; empty: a free position is found
   double scale = 1;
   std::vector<std::string> set;  ///< NAME=VALUE of further parameters
   RunOptions run;                ///< `depth` and `farthest` are in `input`
   int refine_latency = 6;        ///< frames from a request to its solution
-  int threads = 0;               ///< 0: one for each processor
+  int threads = 0;               ///< 0: one for each core
   int frames = -1;               ///< largest number; negative: all
 };
 
-/// Adds the options to a command; "body" is positional and may be omitted with --scene.
+/// Adds the options to a command; "body" is positional.
 void add_live_options(Command command, LiveOptions& options);
 
 /// Adds the options to a command.

@@ -2,6 +2,7 @@
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/installed.h"
+#include "palpable/common/base/checksum.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/body_file.h"
@@ -13,6 +14,7 @@
 
 #include <fmt/core.h>
 
+#include <cstdlib>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -20,16 +22,17 @@
 #include <vector>
 
 namespace palpable::app {
+
+namespace fs = std::filesystem;
+
 namespace {
 
-constexpr const char* kSynthetic = "synthetic";  // the source that is rendered here
-
-// The body's pose from --place or --anchor pose; empty without either.
+// The body's pose from --place; empty without it.
 std::optional<Rigid3> given_place(const LiveOptions& options) {
   if (options.place.empty()) return std::nullopt;
   std::string text;
   for (const std::string& word : options.place) text += (text.empty() ? "" : " ") + word;
-  return read_pose(text, options.anchor == "pose" ? "--anchor pose" : "--place");
+  return read_pose(text, "--place");
 }
 
 Anchor anchor_of(const LiveOptions& options) {
@@ -37,15 +40,15 @@ Anchor anchor_of(const LiveOptions& options) {
   return options.anchor == "board" ? Anchor::kBoard : Anchor::kPlace;
 }
 
-// The pixel of --at; empty without it.
+// The pixel of --at-pixel; empty without it.
 std::optional<Eigen::Vector2d> given_pixel(const LiveOptions& options) {
   if (options.at.empty()) return std::nullopt;
   const auto numbers = to_numbers(options.at);
   if (!numbers || numbers->size() != 2) {
-    throw Error(fmt::format("--at {}: should be a pixel like 320,200", options.at));
+    throw Error(fmt::format("--at-pixel {}: should be a pixel like 320,200", options.at));
   }
   if (options.anchor != "plane") {
-    throw Error("--at says where on the plane that is seen: give --anchor plane, too");
+    throw Error("--at-pixel says where on the plane that is seen: give --anchor plane, too");
   }
   return Eigen::Vector2d((*numbers)[0], (*numbers)[1]);
 }
@@ -54,7 +57,7 @@ std::optional<Eigen::Vector2d> given_pixel(const LiveOptions& options) {
 std::string_view other_places(Anchor anchor) {
   switch (anchor) {
     case Anchor::kPlane:
-      return "or say where with --at X,Y (a pixel) or --place";
+      return "or say where with --at-pixel X,Y or --place";
     case Anchor::kBoard:
       return "--board says how many corners it has; or give --place";
     case Anchor::kPlace:
@@ -65,7 +68,8 @@ std::string_view other_places(Anchor anchor) {
 }
 
 // The settings of the refiner; empty if none is wanted.
-std::optional<RefinerSettings> refinement(const LiveOptions& options, bool has_tables) {
+std::optional<RefinerSettings> refinement(const LiveOptions& options, bool has_tables,
+                                          double scale) {
   if (options.run.refine.empty()) return std::nullopt;
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(options.run.refine, ignored)) {
@@ -78,33 +82,12 @@ std::optional<RefinerSettings> refinement(const LiveOptions& options, bool has_t
                                 ? "has no tables of touch"
                                 : "is pressed by --contact " + options.run.contact));
   }
-  if (options.scale != 1) {
-    throw Error("--refine knows the body in its own size: leave out --scale");
-  }
+  if (scale != 1) throw Error("--refine knows the body in its own size: leave out the scale");
   RefinerSettings settings;
   settings.program = sibling_program(kBakeProgram);
   settings.description = options.run.refine;
   settings.latency = options.refine_latency;
   return settings;
-}
-
-// The body of the command line, or those of the scene.
-std::vector<DescribedBody> wanted_bodies(const LiveOptions& options) {
-  if (options.scene.empty()) {
-    if (options.body.empty()) throw Error("give a body file, or --scene with several");
-    return {{.file = options.body, .scale = options.scale, .set = options.set}};
-  }
-  if (!options.body.empty()) {
-    throw Error(fmt::format("{} and --scene: the scene says which bodies there are",
-                            options.body.string()));
-  }
-  if (options.scale != 1 || !options.set.empty()) {
-    throw Error("--scale and --set are of one body: write scale and set into the scene");
-  }
-  if (!options.run.refine.empty()) {
-    throw Error("--refine answers for one body: leave it out with --scene");
-  }
-  return read_scene_description(options.scene);
 }
 
 // Films the synthetic desk with the body in its own size. Returns the folder of the images.
@@ -113,23 +96,61 @@ std::filesystem::path film_clip(const LiveOptions& options,
                                 const std::vector<DescribedBody>& wanted,
                                 const TouchableBody& body) {
   if (wanted.size() > 1) {
-    throw Error("--source synthetic films one body: film a sequence with palpable synth");
-  }
-  if (options.clip.empty()) {
-    throw Error("--source synthetic films a clip into --out: name that folder, too");
+    throw Error(
+        "the built-in desk has one body: film several with palpable synth --scene, and give that "
+        "film as --source");
   }
   DescribedBody own_size = wanted.front();
   own_size.scale = 1;
   std::optional<TouchableBody> read;
   if (wanted.front().scale != 1) read = read_live_body(own_size, options.run.contact);
   ProgressBar bar;
-  return kept_clip(
-      read ? read->body : body.body,
-      {.folder = options.clip, .body_file = own_size.file, .version = PALPABLE_VERSION},
-      bar.progress());
+  return kept_clip(read ? read->body : body.body,
+                   {.folder = options.clip.empty() ? clip_cache(own_size.file) : options.clip,
+                    .body_file = own_size.file,
+                    .version = PALPABLE_VERSION},
+                   bar.progress());
 }
 
 }  // namespace
+
+std::vector<DescribedBody> wanted_bodies(const LiveOptions& options) {
+  if (options.scene.empty()) {
+    return {{.file = options.body, .scale = options.scale, .set = options.set}};
+  }
+  std::vector<DescribedBody> bodies = read_scene_description(options.scene);
+  if (bodies.size() > 1) {
+    if (options.scale != 1 || !options.set.empty()) {
+      throw Error(fmt::format("--scale and --set are of one body: write scale and set into {}",
+                              options.scene.string()));
+    }
+    if (!options.run.refine.empty()) {
+      throw Error(fmt::format("--refine is of one body, and {} has {}", options.scene.string(),
+                              bodies.size()));
+    }
+    return bodies;
+  }
+  if (options.scale != 1) bodies.front().scale = options.scale;
+  if (!options.set.empty()) bodies.front().set = options.set;
+  return bodies;
+}
+
+fs::path clip_cache(const fs::path& body_file) {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  const char* home = std::getenv("HOME");
+  if ((cache == nullptr || *cache == '\0') && (home == nullptr || *home == '\0')) {
+    throw Error(
+        "the built-in desk is filmed into a folder for caches, and neither HOME nor "
+        "XDG_CACHE_HOME is set: give --out DIR");
+  }
+  const fs::path folder =
+      cache != nullptr && *cache != '\0' ? fs::path(cache) : fs::path(home) / ".cache";
+  const Result<std::uint64_t> checksum = file_checksum(body_file);
+  if (!checksum.ok()) {
+    throw Error(fmt::format("{}: {}", body_file.string(), checksum.problem().message));
+  }
+  return folder / "palpable" / fmt::format("desk-{:016x}", checksum.value());
+}
 
 void share_drawing_threads(int threads) {
   use_drawing_threads(thread_shares(threads > 0 ? threads : usual_threads()).drawing);
@@ -170,7 +191,8 @@ LiveSetUp set_up_live(const LiveOptions& options, std::unique_ptr<FrameSource> i
     bodies.push_back({read_live_body(body, run.contact), options.scene.empty() ? "" : body.name,
                       body.place, body.color});
   }
-  settings.refine = refinement(options, bodies.front().body.touch.has_value());
+  settings.refine =
+      refinement(options, bodies.front().body.touch.has_value(), wanted.front().scale);
   if (settings.images.device == kSynthetic) {
     settings.images.device = film_clip(options, wanted, bodies.front().body).string();
   }
@@ -184,6 +206,22 @@ LiveSetUp set_up_live(const LiveOptions& options, std::unique_ptr<FrameSource> i
   } catch (const NoPlaceError& error) {
     throw Error(fmt::format("{}; {}", error.what(), other_places(settings.anchor)));
   }
+}
+
+PreviewSettings preview_settings(const LiveOptions& options, const PlayOptions& play) {
+  if (options.input.source == kSynthetic) {
+    throw Error("--preview shows what a camera delivers: give it as --source /dev/video0");
+  }
+  RunOptions run = options.run;
+  run.depth = depth_size(options.input);
+  run.farthest = options.input.farthest;
+  return {.images = request_of(options.input),
+          .depth = session_settings(run).depth,
+          .track = !run.fixed_camera,
+          .window = play.window,
+          .out = play.out,
+          .overwrite = play.overwrite,
+          .frames = options.frames};
 }
 
 }  // namespace palpable::app

@@ -6,6 +6,7 @@
 #include "palpable/common/response/touchable_body.h"
 #include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/live/play/live_set_up.h"
+#include "palpable/live/play/preview.h"
 #include "palpable/live/player/live_run.h"
 
 #include <filesystem>
@@ -21,11 +22,21 @@ void share_drawing_threads(int threads);
 /// The files and folders that the options name.
 [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const LiveOptions& options);
 
+/// The bodies of the command line or of the scene file. @throws Error
+[[nodiscard]] std::vector<DescribedBody> wanted_bodies(const LiveOptions& options);
+
+/// The folder in which clips of the synthetic desk are kept for this body.
+/// @throws Error when the body file cannot be read or the user has no folder for caches
+[[nodiscard]] std::filesystem::path clip_cache(const std::filesystem::path& body_file);
+
 /// Reads the bodies, renders the synthetic clip if it is required and missing, opens the images and
 /// determines the poses.
 /// @param images  already open, those that options.input names; null: they are opened
 /// @throws Error for every failure
 [[nodiscard]] LiveSetUp set_up_live(const LiveOptions& options,
                                     std::unique_ptr<FrameSource> images = nullptr);
+
+/// The settings of `live --preview`. @throws Error for invalid options
+[[nodiscard]] PreviewSettings preview_settings(const LiveOptions& options, const PlayOptions& play);
 
 }  // namespace palpable::app

@@ -1,6 +1,7 @@
 // palpable replay: processes a recording again and checks that the results are the same.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_options.h"
@@ -27,6 +28,7 @@ struct ReplayOptions {
   std::vector<std::string> bodies;  // their present paths
   int threads = 0;                  // 0: the default
   bool paced = false;
+  bool json = false;
   PlayOptions play;
 };
 
@@ -52,14 +54,14 @@ void report(const ReplayOptions& options, const RecordingContents& contents,
                                         : fmt::format("; it was recorded by version {}, this is {}",
                                                       run.version, PALPABLE_VERSION)));
   }
-  fmt::print("{} of {} states of the live run: equal\n", comparison.compared(),
+  print_text("{} of {} states of the live run: equal\n", comparison.compared(),
              comparison.expected());
   if (contents.damaged || (comparison.compared() < comparison.expected() && !user_ended)) {
     throw Error(fmt::format("{}: {}", file,
                             contents.damaged ? contents.ending + "; it was played up to there"
                                              : "is damaged; it was played up to there"));
   }
-  if (!contents.ending.empty()) fmt::print("{} {}\n", file, contents.ending);
+  if (!contents.ending.empty()) print_text("{} {}\n", file, contents.ending);
 }
 
 void replay(const ReplayOptions& options) {
@@ -76,7 +78,13 @@ void replay(const ReplayOptions& options) {
   StateComparison comparison(contents.states);
   const PlayResult result = play.replay(setup, comparison);
   bar.finish();
-  fmt::print("{}", result.text);
+  print_text("{}", result.text);
+  if (options.json) {
+    Json summary = result.summary;
+    summary["states_compared"] = comparison.compared();
+    summary["states_different"] = comparison.different();
+    print_json(summary);
+  }
   report(options, contents, comparison, run, result.user_ended);
 }
 
@@ -85,22 +93,23 @@ void replay(const ReplayOptions& options) {
 void add_replay(Command app) {
   auto options = std::make_shared<ReplayOptions>();
   Command command = app.add_subcommand(
-      "replay", "Answer a recorded run again, and say whether it gives the same states");
+      "replay", "Process a recorded run again, and check that it gives the same states");
+  command.begin_group("Input");
   command.add_option("recording", options->file, "What palpable live --record has written")
       .required();
   command
       .add_option("--body", options->bodies,
-                  "Where files of bodies are now, if not where they were; which is whose is known "
-                  "by their checksums")
-      .type_name("FILE...");
-  command
-      .add_option("--threads", options->threads,
-                  "How many the run may keep busy at a time; the states do not depend on it. "
-                  "Default: as many as there are processors")
-      .in_range(1, 64);
+                  "Where the body files are now; each is recognised by its checksum")
+      .type_name("FILE")
+      .default_is("where they were");
+  add_play_options(command, options->play);
+  command.begin_group("Files");
+  command.add_json(options->json);
+  command.begin_expert_group("Loop");
+  add_threads(command, options->threads,
+              "Threads that the run may keep busy at a time; the states do not depend on it");
   command.add_flag("--paced", options->paced,
                    "At the pace at which it was recorded, or slower: no frame is left out");
-  add_play_options(command, options->play);
   command.footer(
       "Prints the same line 'states: ...' as the live run did. Exit code 1 where a state differs, "
       "which names the first such frame, or where the file is damaged; one that was cut off is "

@@ -1,6 +1,7 @@
 #include "apps/palpable/terminal.h"
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
@@ -11,6 +12,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 
 namespace palpable::app {
 namespace {
@@ -36,6 +38,12 @@ void listen_for_ctrl_c() {
 
 bool asked_to_end() { return interrupted; }
 
+bool has_screen() {
+  const char* x11 = std::getenv("DISPLAY");
+  const char* wayland = std::getenv("WAYLAND_DISPLAY");
+  return (x11 != nullptr && *x11 != '\0') || (wayland != nullptr && *wayland != '\0');
+}
+
 std::string keep_picture(const fs::path& body, const std::string& what, const ColorImage& picture) {
   try {
     const auto name = [&](int n) {
@@ -46,7 +54,7 @@ std::string keep_picture(const fs::path& body, const std::string& what, const Co
     while (fs::exists(name(n), ignored)) ++n;
     guard_output_file(name(n), {body});
     write_png(name(n), picture);
-    fmt::print("{}\n", name(n));
+    print_text("{}\n", name(n));
     std::fflush(stdout);  // at once also for a pipe: the window may stay open for long
     return name(n);
   } catch (const Error& error) {
@@ -58,7 +66,7 @@ std::string keep_picture(const fs::path& body, const std::string& what, const Co
 PlayUser user_at(ProgressBar& bar) {
   return {.print =
               [](const std::string& text) {
-                fmt::print("{}", text);
+                print_text("{}", text);
                 std::fflush(stdout);  // at once also for a pipe
               },
           .say = [&bar](const std::string& line) { bar.say(line); },

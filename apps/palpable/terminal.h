@@ -22,6 +22,9 @@ void listen_for_ctrl_c();
 /// Whether one of these signals has come.
 [[nodiscard]] bool asked_to_end();
 
+/// Whether there is a screen on which a window can open.
+[[nodiscard]] bool has_screen();
+
 /// Writes a picture to the current folder as STEM_WHAT_N.png, where STEM is the body file's
 /// name without extension and N the first unused number. A failure is printed, as it must not
 /// close the window.

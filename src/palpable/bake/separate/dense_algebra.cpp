@@ -131,4 +131,13 @@ const char* better_blas_kernels() {
   return better_blas_kernels(openblas_get_corename(), units);
 }
 
+BlasFacts blas_facts() {
+  // "OpenBLAS 0.3.21 DYNAMIC_ARCH NO_AFFINITY Haswell MAX_THREADS=64"
+  const std::string config = openblas_get_config();
+  const std::size_t first = config.find(' ');
+  return {.name = config.substr(0, config.find(' ', first == std::string::npos ? 0 : first + 1)),
+          .kernels = openblas_get_corename(),
+          .thread_safe = openblas_get_parallel() != 0};
+}
+
 }  // namespace palpable

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include <string>
+
 namespace palpable {
 
 /// gram += A^T A in the lower triangle, with the diagonal; the rest of `gram` is unchanged.
@@ -63,5 +65,15 @@ struct VectorUnits {
 /// The same for this processor and the linked OpenBLAS. OpenBLAS reads the variable before main(),
 /// so the program has to set it and start itself again.
 [[nodiscard]] const char* better_blas_kernels();
+
+/// The linked BLAS.
+struct BlasFacts {
+  std::string name;     ///< "OpenBLAS 0.3.21"
+  std::string kernels;  ///< the processor for which its kernels were written: "Haswell"
+  /// It may be called by several threads at a time. Debian's serial build has no locks: when two
+  /// threads call it, a product is wrong now and then.
+  bool thread_safe = true;
+};
+[[nodiscard]] BlasFacts blas_facts();
 
 }  // namespace palpable

@@ -70,7 +70,7 @@ Json stats_of(const LiveSummary::Stats& stats) {
 
 }  // namespace
 
-void write_live_summary(const std::filesystem::path& path, const LiveSummary& summary) {
+Json json_of(const LiveSummary& summary) {
   Json live;
   if (summary.scene.empty()) {
     const LiveSummary::Body& body = summary.bodies.front();
@@ -120,9 +120,13 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
   live["stats"] = stats_of(summary.stats);
   for (const auto& [stage, ms] : summary.median_ms) live["median_ms"][stage] = ms;
   live["processed"] = summary.processed;
+  return live;
+}
+
+void write_live_summary(const std::filesystem::path& path, const LiveSummary& summary) {
   TextFile file(path);
   // File names need not be UTF-8, but JSON must be: other bytes are replaced.
-  file.write(live.dump(2) + "\n");
+  file.write(json_of(summary).dump(2) + "\n");
   file.close();
 }
 

@@ -110,6 +110,8 @@ struct LiveSummary {
   std::vector<int> processed;                             ///< numbers of the processed frames
 };
 
+/// The content of live.json.
+[[nodiscard]] Json json_of(const LiveSummary& summary);
 /// @throws Error when the file cannot be written
 void write_live_summary(const std::filesystem::path& path, const LiveSummary& summary);
 

@@ -172,6 +172,42 @@ DescribedBody body_in(TomlSection& section, const fs::path& folder,
   return body;
 }
 
+// A value of an option as a word of the command line.
+std::string word_of(const toml::node& node, const std::string& file, const SceneOption& option) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* number = node.as_integer()) return fmt::format("{}", number->get());
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+  throw Error(fmt::format("{}:{}: '{}' must be a text, a number, true, false, or a list of these",
+                          file, node.source().begin.line, option.name));
+}
+
+std::string full_path(const fs::path& path) {
+  return fs::absolute(path).lexically_normal().string();
+}
+
+// The keys of a [[body]] that place it. @param bodies  of the scene
+std::string place_text(const BodyPlace& place, const std::vector<DescribedBody>& bodies) {
+  std::string text;
+  if (place.beside >= 0) {
+    text += fmt::format("beside = {}\n",
+                        quoted_text(bodies[static_cast<std::size_t>(place.beside)].name));
+  } else if (place.place) {
+    text +=
+        fmt::format("anchor = \"place\"\nplace = [{}]\n", fmt::join(row_major(*place.place), ", "));
+  } else if (place.anchor) {
+    text += fmt::format("anchor = \"{}\"\n", *place.anchor == Anchor::kPlane ? "plane" : "board");
+  }
+  const Eigen::Vector3d at = place.anchor_from_body.translation();
+  if (at.norm() > 0) {
+    text += fmt::format("at = [\"{} m\", \"{} m\", \"{} m\"]\n", at.x(), at.y(), at.z());
+  }
+  const Eigen::Matrix3d turned = place.anchor_from_body.linear();
+  const double turn = std::atan2(turned(1, 0), turned(0, 0)) / kDegree;
+  if (turn != 0) text += fmt::format("turn = {:.12g}\n", turn);
+  return text;
+}
+
 double positive_number(const toml::table& table, const char* key, const std::string& path) {
   const toml::node* node = table.get(key);
   if (node == nullptr) throw Error(fmt::format("{}: has no {}", path, key));
@@ -270,9 +306,59 @@ std::vector<DescribedBody> read_scene_description(const fs::path& path) {
   for (TomlSection& section : whole.sections("body")) {
     bodies.push_back(body_in(section, path.parent_path(), bodies));
   }
+  for (const auto& [key, node] : table) {  // options: read_scene_options()
+    if (!node.is_table() && !node.is_array_of_tables()) {
+      static_cast<void>(whole.has(std::string(key.str()).c_str()));
+    }
+  }
   whole.refuse_unknown();
   if (bodies.empty()) throw Error(fmt::format("{}: has no [[body]]", file));
   return bodies;
+}
+
+std::vector<SceneOption> read_scene_options(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  const std::string text = value_or_throw(read_bounded_text(path, Notation::kToml));
+  const toml::table table = parse_toml(text, file);
+  std::vector<SceneOption> options;
+  for (const auto& [key, node] : table) {
+    if (node.is_table() || node.is_array_of_tables()) continue;
+    SceneOption option{std::string(key.str()), {}, static_cast<int>(key.source().begin.line)};
+    if (const toml::array* array = node.as_array()) {
+      for (const toml::node& element : *array)
+        option.words.push_back(word_of(element, file, option));
+    } else {
+      option.words.push_back(word_of(node, file, option));
+    }
+    options.push_back(std::move(option));
+  }
+  std::sort(options.begin(), options.end(),
+            [](const SceneOption& a, const SceneOption& b) { return a.line < b.line; });
+  return options;
+}
+
+std::string scene_text(const std::vector<DescribedBody>& bodies) {
+  std::string text;
+  for (const DescribedBody& body : bodies) {
+    text += fmt::format("[[body]]\nname = {}\nfile = {}\n", quoted_text(body.name),
+                        quoted_text(full_path(body.file)));
+    if (!body.description.empty()) {
+      text += fmt::format("description = {}\n", quoted_text(full_path(body.description)));
+    }
+    if (!body.method.empty()) text += fmt::format("method = {}\n", quoted_text(body.method));
+    text += place_text(body.place, bodies);
+    if (body.scale != 1) text += fmt::format("scale = {}\n", body.scale);
+    if (!body.set.empty()) {
+      std::vector<std::string> quoted;
+      for (const std::string& one : body.set) quoted.push_back(quoted_text(one));
+      text += fmt::format("set = [{}]\n", fmt::join(quoted, ", "));
+    }
+    if (const auto& color = body.color) {
+      text += fmt::format("color = [{}, {}, {}]\n", color->r, color->g, color->b);
+    }
+    text += "\n";
+  }
+  return text;
 }
 
 std::vector<Rigid3> scene_from_bodies(const std::vector<DescribedBody>& bodies) {
@@ -297,7 +383,7 @@ void expect_baked(const DescribedBody& body, const fs::path& scene) {
       body.description.empty()
           ? "bake it first (palpable bake --help)"
           : fmt::format("bake it first: palpable bake {}{} -o {}", body.description.string(),
-                        body.method.empty() ? "" : " --method " + body.method, body.file.string());
+                        body.method == "intrusive-pgd" ? " --intrusive" : "", body.file.string());
   throw Error(fmt::format("{}: the body '{}' of {} is not there; {}", body.file.string(), body.name,
                           scene.string(), how));
 }

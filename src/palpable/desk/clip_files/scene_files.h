@@ -106,6 +106,21 @@ struct DescribedBody {
 /// @throws Error naming file, line and key
 [[nodiscard]] std::vector<DescribedBody> read_scene_description(const std::filesystem::path& path);
 
+/// A key at the top of a scene file that is an option of `palpable live`: paint = "pressure".
+struct SceneOption {
+  std::string name;
+  std::vector<std::string> words;  ///< one for a text, a number or a flag; those of an array
+  int line = 0;
+};
+/// The options at the top of a scene file, in the file's order; their names and values are not
+/// checked.
+/// @throws Error naming file, line and key where a value is no text, number, flag or array of these
+[[nodiscard]] std::vector<SceneOption> read_scene_options(const std::filesystem::path& path);
+
+/// Bodies as the [[body]] tables of a scene file, which read_scene_description() reads; files with
+/// their full paths.
+[[nodiscard]] std::string scene_text(const std::vector<DescribedBody>& bodies);
+
 /// The poses of the bodies in the scene's own frame, which is the anchor of bodies without one.
 /// @throws Error naming a body whose anchor is only known from images
 [[nodiscard]] std::vector<Rigid3> scene_from_bodies(const std::vector<DescribedBody>& bodies);

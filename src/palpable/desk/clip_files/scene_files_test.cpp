@@ -128,9 +128,45 @@ TEST_CASE("a scene says which bodies stand where", "[clip_files][scene]") {
   CHECK((poses[1].translation() - Vector3d(0.01, 0, 0.11)).norm() < tolerance(1e-12, "rounding"));
   CHECK((poses[1].linear() * Vector3d::UnitX() - Vector3d::UnitY()).norm() <
         tolerance(1e-12, "rounding"));
-  CHECK_THROWS_WITH(expect_baked(bodies[0], "desk.toml"),
-                    Catch::Contains("of desk.toml") &&
-                        Catch::Contains("bodies/beam.toml --method intrusive-pgd"));
+  CHECK_THROWS_WITH(
+      expect_baked(bodies[0], "desk.toml"),
+      Catch::Contains("of desk.toml") && Catch::Contains("bodies/beam.toml --intrusive -o "));
+}
+
+TEST_CASE("a scene file may hold options of the run, which its reader passes on",
+          "[clip_files][scene]") {
+  const ScratchFolder folder("scene_options");
+  test::write_bytes(folder / "desk.toml", std::string("source = \"cam\"\nscale = 2\nforces = true\n"
+                                                      "view = [\"camera\", \"map\"]\n\n") +
+                                              kTwo);
+  CHECK(read_scene_description(folder / "desk.toml").size() == 2);
+  const std::vector<SceneOption> options = read_scene_options(folder / "desk.toml");
+  REQUIRE(options.size() == 4);
+  CHECK(options[0].name == "source");
+  CHECK(options[0].words == std::vector<std::string>{"cam"});
+  CHECK(options[1].words == std::vector<std::string>{"2"});
+  CHECK(options[2].words == std::vector<std::string>{"true"});
+  CHECK(options[3].words == std::vector<std::string>{"camera", "map"});
+  CHECK(options[3].line == 4);
+  test::write_bytes(folder / "date.toml", std::string("source = 1979-05-27\n") + kTwo);
+  CHECK_THROWS_WITH(read_scene_options(folder / "date.toml"),
+                    Catch::Contains("date.toml:1: 'source' must be a text"));
+}
+
+TEST_CASE("bodies are written as the scene that they were read from", "[clip_files][scene]") {
+  const std::vector<DescribedBody> bodies = read(kTwo);
+  const std::string text = scene_text(bodies);
+  CHECK(scene_text(read(text)) == text);
+  const std::vector<DescribedBody> again = read(text);
+  REQUIRE(again.size() == 2);
+  CHECK(again[0].method == "intrusive-pgd");
+  CHECK(again[1].file == bodies[1].file);
+  CHECK(again[1].set == bodies[1].set);
+  CHECK(again[1].color == bodies[1].color);
+  CHECK(again[1].scale == 0.5);
+  CHECK(again[1].place.beside == 0);
+  CHECK(again[1].place.anchor_from_body.isApprox(bodies[1].place.anchor_from_body,
+                                                 tolerance(1e-12, "rounding of the angle")));
 }
 
 TEST_CASE("errors in a scene are reported with their line number", "[clip_files][errors]") {

@@ -72,12 +72,12 @@ void copy_lines(const Scene& scene, FrameLines& lines) {
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
 constexpr const char* kPictures = "pictures";
 constexpr std::string_view kTimingBegin = "frame,";  // the first bytes of a run's timing.csv
-// All files and folders of a run. timing.csv is first because every run has it.
+// All files and folders of a run. The two that identify a run's output are first.
 constexpr std::array kOutputs{"timing.csv",
+                              "live.json",
                               "touches.jsonl",
                               "trajectory.txt",
                               "pose.jsonl",
-                              "live.json",
                               "touch.mp4",
                               "depth",
                               "visible",
@@ -91,14 +91,23 @@ constexpr std::array kOutputs{"timing.csv",
                               "meshes",
                               kPictures};
 
-// Whether the file was written by a run. A run that was killed immediately leaves it empty.
-bool is_timing_of_run(const fs::path& file) {
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) return false;
-  std::ifstream in(file, std::ios::binary);
-  std::string begin(kTimingBegin.size(), '\0');
-  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return in.gcount() == 0 || begin == kTimingBegin;
+// Whether a run wrote the folder's files: it has a run's timing.csv, or, where the text files were
+// not wanted, the summary of a run. A run that was killed immediately leaves timing.csv empty.
+bool is_of_run(const fs::path& folder) {
+  constexpr std::size_t kBegin = 1 << 16;  // B, much longer than the summary's part with this key
+  const auto begin_of = [](const fs::path& file) -> std::optional<std::string> {
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) return std::nullopt;
+    std::ifstream in(file, std::ios::binary);
+    std::string begin(kBegin, '\0');
+    in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+    begin.resize(static_cast<std::size_t>(in.gcount()));
+    return begin;
+  };
+  const auto timing = begin_of(folder / "timing.csv");
+  if (timing) return timing->empty() || timing->starts_with(kTimingBegin);
+  const auto summary = begin_of(folder / "live.json");
+  return summary && summary->find("\"video_codec\"") != std::string::npos;
 }
 
 }  // namespace
@@ -128,7 +137,7 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
   if (there.empty()) return there;
   // A folder depth/ alone may be a user's data, and so may one beside a timing.csv that is not a
   // run's.
-  if (there.front() != folder / kOutputs[0] || !is_timing_of_run(there.front())) {
+  if (!is_of_run(folder)) {
     throw Error(
         fmt::format("{}: is in the way and not of an earlier run; write into another folder",
                     there.front().string()));
@@ -151,7 +160,7 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
 }
 
 void remove_earlier_run(const std::vector<fs::path>& there) {
-  // timing.csv, which identifies a run's output, is removed last, so that an interrupted removal
+  // What identifies a run's output is removed last, so that an interrupted removal
   // can be repeated.
   for (auto path = there.rbegin(); path != there.rend(); ++path) {
     std::error_code error;
@@ -183,10 +192,11 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
     : settings_(settings), ready_(kLines), free_lines_(kLines), free_(kInFlight) {
   const fs::path& folder = settings_.folder;
   make_folder(folder);
-  texts_.emplace(folder);  // first: output without timing.csv is not recognized as a run's
+  // First: output without timing.csv, or live.json at the end, is not recognized as a run's.
+  if (settings_.files.data) texts_.emplace(folder);
   if (settings_.all_pictures || !settings_.kept_pictures.empty()) make_folder(folder / kPictures);
-  if (settings_.depth) make_folder(folder / "depth");
-  if (settings_.masks) {
+  if (settings_.files.depth) make_folder(folder / "depth");
+  if (settings_.files.masks) {
     make_folder(folder / "visible");
     make_folder(folder / "body_depth");
     make_folder(folder / "moving");
@@ -201,7 +211,7 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
   times_.emplace_back("total", std::vector<double>());
   std::vector<std::string> stages;
   for (const auto& [stage, values] : times_) stages.push_back(stage);
-  texts_->timing.write(timing_header(stages));
+  if (texts_) texts_->timing.write(timing_header(stages));
   for (std::size_t i = 0; i < kInFlight; ++i) free_.push(std::make_unique<DrawnFrame>());
   if (!settings_.complete) spare_ = std::make_unique<DrawnFrame>();
   constexpr std::size_t kUsualTouches = 8;
@@ -293,7 +303,7 @@ void LiveOutput::write_frame(Written& frame) {
   {
     const StageTimer timer(frame.lines.times, "write");
     if (frame.drawn) write_pictures(*frame.drawn);
-    write_lines(frame.lines);
+    if (texts_) write_lines(frame.lines);
   }
   std::vector<double> row;
   double total = 0;
@@ -303,14 +313,14 @@ void LiveOutput::write_frame(Written& frame) {
     values.push_back(ms);
     row.push_back(ms);
   }
-  texts_->timing.write(timing_line(frame.lines.number, row));
+  if (texts_) texts_->timing.write(timing_line(frame.lines.number, row));
 }
 
 void LiveOutput::write_pictures(const DrawnFrame& frame) {
-  if (settings_.depth) write_depth(frame);
-  if (settings_.masks) write_masks(frame);
+  if (settings_.files.depth) write_depth(frame);
+  if (settings_.files.masks) write_masks(frame);
   write_meshes(frame.scene);
-  write_video(frame);
+  if (settings_.files.film) write_video(frame);
   write_picture(frame);
   keep_if_best(frame);
 }
@@ -374,7 +384,7 @@ void LiveOutput::write_meshes(const Scene& scene) {
 }
 
 void LiveOutput::flush() {
-  texts_->flush();
+  if (texts_) texts_->flush();
   if (video_) video_->flush();
   flushed_ = std::chrono::steady_clock::now();
 }
@@ -416,7 +426,7 @@ void LiveOutput::write_picture(const DrawnFrame& frame) {
 }
 
 void LiveOutput::keep_if_best(const DrawnFrame& frame) {
-  if (!settings_.figures) return;
+  if (!settings_.files.stills) return;
   const std::optional<std::vector<int>>& touching = settings_.touch_frames;
   const bool may_touch =
       !touching || std::binary_search(touching->begin(), touching->end(), frame.scene.number);
@@ -436,7 +446,7 @@ void LiveOutput::end_files() {
     video_->append(first_picture_);
   }
   if (video_) video_->close();
-  texts_->close();
+  if (texts_) texts_->close();
   for (std::size_t i = 0; i < best_.size(); ++i) {
     if (best_score_[i] <= 0) continue;
     write_png(settings_.folder / kFigureNames[i], best_[i]);

@@ -46,19 +46,27 @@
 
 namespace palpable {
 
+/// The groups of files of a run, of which users choose.
+struct RunFiles {
+  bool film = true;     ///< touch.mp4
+  bool data = true;     ///< the text files
+  bool depth = true;    ///< depth/
+  bool masks = true;    ///< visible/, body_depth/ and moving/
+  bool meshes = false;  ///< meshes/
+  bool stills = false;  ///< the three situations of Fig. 9
+};
+
 struct LiveOutputSettings {
   std::filesystem::path folder;  ///< made if it does not exist
-  double starts_at = 0;          ///< s, FrameFormat::starts_at, for trajectory.txt
+  RunFiles files = {};
+  double starts_at = 0;  ///< s, FrameFormat::starts_at, for trajectory.txt
   /// True: every frame is in all files, and the caller waits for the disk. False: the caller never
   /// waits; frames are left out and counted.
   bool complete = true;
-  bool depth = true;
-  bool masks = true;
-  bool figures = false;
   bool all_pictures = false;             ///< the pictures of all frames go to pictures/
   std::vector<int> kept_pictures = {};   ///< those of these frames do, in rising order
   std::vector<std::string> bodies = {};  ///< names of several bodies; empty for one
-  /// The bodies at rest, if the skins of all frames are to be written; else empty.
+  /// The bodies at rest, for RunFiles::meshes; else empty.
   std::vector<SurfaceMesh> meshes_of = {};
   /// The frames from which touch.png is chosen, in rising order. Empty optional: all frames with a
   /// touch.
@@ -77,8 +85,8 @@ struct LiveOutputSettings {
 /// else. Returns an empty list if there is none. Removes nothing.
 /// @param needed  paths that this run reads; empty ones are skipped
 /// @throws Error when there is an earlier run and `overwrite` is false; when a file with one of
-/// these names exists without a timing.csv of a run, and so is not the output of a run; when a
-/// needed path would be removed; or when `folder` itself is a needed path
+/// these names exists without a timing.csv or live.json of a run, and so is not the output of a
+/// run; when a needed path would be removed; or when `folder` itself is a needed path
 [[nodiscard]] std::vector<std::filesystem::path> earlier_run(
     const std::filesystem::path& folder, bool overwrite,
     const std::vector<std::filesystem::path>& needed);
@@ -131,6 +139,7 @@ class LiveOutput {
   /// counts below are available only after this call.
   void finish();
 
+  [[nodiscard]] const RunFiles& files() const { return settings_.files; }
   /// Number of frames that are in the text files only.
   [[nodiscard]] int left_out() const { return left_out_; }
   /// Number of frames that are in no file.
@@ -186,7 +195,7 @@ class LiveOutput {
     TextFile poses;
     TextFile corrections;
   };
-  std::optional<Texts> texts_;
+  std::optional<Texts> texts_;        // empty without RunFiles::data
   std::vector<ValuedSurface> drawn_;  // reused by write_meshes(), one per body
   std::optional<double> last_correction_;
   std::unique_ptr<VideoFileWriter> video_;

@@ -57,7 +57,8 @@ void fill(DrawnFrame& drawn, int number) {
 
 TEST_CASE("every file of a run can be read by its reader", "[live_writer]") {
   const test::ScratchFolder folder("live_output");
-  LiveOutput output({.folder = folder / "out", .starts_at = 1305031098.25, .figures = true});
+  LiveOutput output(
+      {.folder = folder / "out", .files = {.stills = true}, .starts_at = 1305031098.25});
   for (int number = 0; number < 3; ++number) {
     std::unique_ptr<DrawnFrame> drawn = output.blank();
     fill(*drawn, number);
@@ -172,7 +173,7 @@ TEST_CASE("the picture of a touch is one of a frame that truly touches", "[live_
   CHECK(*frames == std::vector<int>{2, 3});
 
   // Frame 1 has the strongest touch, but in truth nothing touches there.
-  LiveOutput output({.folder = folder / "out", .figures = true, .touch_frames = frames});
+  LiveOutput output({.folder = folder / "out", .files = {.stills = true}, .touch_frames = frames});
   for (int number = 0; number < 4; ++number) {
     std::unique_ptr<DrawnFrame> drawn = output.blank();
     fill(*drawn, number);
@@ -216,7 +217,7 @@ TEST_CASE("pictures of the frames that are asked for are written as they were sh
 TEST_CASE("a run of one frame has a video, one without depth and masks no folders of them",
           "[live_writer]") {
   const test::ScratchFolder folder("live_output_one");
-  LiveOutput output({.folder = folder.path(), .depth = false, .masks = false});
+  LiveOutput output({.folder = folder.path(), .files = {.depth = false, .masks = false}});
   std::unique_ptr<DrawnFrame> drawn = output.blank();
   fill(*drawn, 7);
   output.write(std::move(drawn));

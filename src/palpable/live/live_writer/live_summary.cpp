@@ -25,7 +25,7 @@ LiveSummary::Stats stats_of(const RunFigures& figures) {
 }  // namespace
 
 LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFigures& figures,
-                       const LiveOutput& output) {
+                       const LiveOutput* output) {
   const Session& session = run.loop.session;
   LiveSummary result;
   result.source = run.images.string();
@@ -64,16 +64,17 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
   result.frames_step_limited = counts.left_to_move;
   result.frames_contacts_dropped = counts.dropped;
   result.site_changes = counts.site_changes;
-  result.video_codec = output.codec();
-  result.pictures = output.figures();
   result.stats = stats_of(figures);
-  result.left_out = output.left_out();
-  result.lines_left_out = output.lines_left_out();
   result.color_scale = stress_scale(session);
-  for (const auto& [stage, values] : output.times()) {
+  result.processed = counts.processed;
+  if (output == nullptr) return result;
+  result.video_codec = output->codec();
+  result.pictures = output->figures();
+  result.left_out = output->left_out();
+  result.lines_left_out = output->lines_left_out();
+  for (const auto& [stage, values] : output->times()) {
     if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));
   }
-  result.processed = counts.processed;
   return result;
 }
 

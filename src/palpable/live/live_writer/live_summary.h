@@ -13,8 +13,8 @@ namespace palpable {
 /// The summary of a run that has ended. Members that only the user's options determine are not
 /// filled in: body, contact, view, scale, wall.
 /// @param figures  of the complete run
-/// @param output   after finish()
+/// @param output   after finish(); null: no files were written
 [[nodiscard]] LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts,
-                                     const RunFigures& figures, const LiveOutput& output);
+                                     const RunFigures& figures, const LiveOutput* output);
 
 }  // namespace palpable

@@ -47,7 +47,10 @@ constexpr double kPauseWait = 0.05;  // s, wait for window events while a record
 
 // Whether pictures are needed.
 [[nodiscard]] bool has_pictures(const PlayOptions& options) {
-  return options.window || !options.out.empty();
+  const RunFiles& files = options.files;
+  const bool in_files =
+      files.film || files.masks || files.stills || !options.frame_pictures.empty();
+  return options.window || (!options.out.empty() && in_files);
 }
 
 // Fails before bodies are read if the recording cannot be written.
@@ -66,26 +69,37 @@ fs::path checked_recording(const fs::path& record, const std::vector<fs::path>& 
   return record;
 }
 
+// Whether several views are shown side by side. A mask or the truth is a tile even if alone.
+[[nodiscard]] bool is_tiled(const PlayOptions& options) {
+  return options.view.size() != 1 ||
+         std::find(kViewNames.begin(), kViewNames.end(), options.view.front()) == kViewNames.end();
+}
+
+// Whether the files wanted are not those of the default.
+[[nodiscard]] bool differs_from_usual(const RunFiles& files) {
+  const RunFiles usual;
+  return files.film != usual.film || files.data != usual.data || files.depth != usual.depth ||
+         files.masks != usual.masks || files.meshes || files.stills;
+}
+
 // Returns the options if they do not contradict each other. @param other_output whether --overwrite
 // also applies to another file
 const PlayOptions& checked(const PlayOptions& options, bool other_output) {
-  if (options.pictures && options.view != "camera") {
-    throw Error("--pictures are what the camera sees: leave out --view " + options.view);
+  if (options.files.stills && options.view != std::vector<std::string>{"camera"}) {
+    throw Error(fmt::format("--write stills: they are what the camera sees; leave out --view {}",
+                            fmt::join(options.view, " ")));
   }
-  if (!options.views.empty()) {
-    if (options.window) throw Error("--views: the --window shows one view, and switches it");
-    if (options.pictures) throw Error("--views: --pictures are of the camera's view alone");
+  if (is_tiled(options) && options.window) {
+    throw Error("--view: the --window shows one view, and switches it");
   }
   if (options.paused && !options.window) throw Error("--paused: a --window is paused");
   if (!options.out.empty()) return options;
   // Options about written files are an error without --out.
-  for (const auto& [wanted, name] :
-       {std::pair{options.pictures, "--pictures"}, std::pair{options.meshes, "--meshes"},
-        std::pair{!options.frame_pictures.empty(), "--frame-pictures"},
-        std::pair{options.no_masks, "--no-masks"}, std::pair{options.no_depth, "--no-depth"},
-        std::pair{options.overwrite && !other_output, "--overwrite"},
-        std::pair{!options.views.empty(), "--views"},
-        std::pair{options.every_frame, "--every-frame"}}) {
+  for (const auto& [wanted, name] : {std::pair{differs_from_usual(options.files), "--write"},
+                                     std::pair{!options.frame_pictures.empty(), "--frame-pictures"},
+                                     std::pair{options.overwrite && !other_output, "--overwrite"},
+                                     std::pair{is_tiled(options), "--view with several views"},
+                                     std::pair{options.every_frame, "--every-frame"}}) {
     if (wanted) throw Error(fmt::format("{}: without --out nothing is written", name));
   }
   return options;
@@ -105,8 +119,8 @@ Value value_named(const std::string& name, const std::array<const char*, N>& nam
 
 std::vector<Tile> tiles_of(const PlayOptions& options) {
   std::vector<Tile> tiles;
-  for (const std::string& name : options.views)
-    tiles.push_back(value_named<Tile>(name, kTileNames));
+  if (!is_tiled(options)) return tiles;
+  for (const std::string& name : options.view) tiles.push_back(value_named<Tile>(name, kTileNames));
   return tiles;
 }
 
@@ -117,7 +131,7 @@ std::function<std::optional<DepthImage>(int)> true_depths(const fs::path& images
   std::error_code ignored;
   if (!fs::is_directory(images, ignored) || !fs::is_directory(truth / "depth", ignored)) {
     throw Error(
-        fmt::format("--views truth: {} has no truth/depth beside it; films of palpable "
+        fmt::format("--view truth: {} has no truth/depth beside it; films of palpable "
                     "synth have",
                     images.string()));
   }
@@ -271,7 +285,7 @@ class PlayLoop {
       with_.painter->show(drawn->picture);
     }
     stats_.add(drawn->scene.times, 1e3 * (system_clock().now() - loop_.taken()));
-    if (with_.options.pictures && drawn->in_files) {
+    if (with_.options.files.stills && drawn->in_files) {
       drawn->scores = figure_scores(drawn->scene, session_, drawn->visible, drawn->body_depth);
     }
     const int done = static_cast<int>(loop_.counts().processed.size());
@@ -296,9 +310,8 @@ class PlayLoop {
 
 LiveSummary summary(const PlayOptions& options, const LiveSetUp& setup, const Played& played,
                     double wall) {
-  LiveSummary result = summary_of(setup.run, played.counts, played.figures, *played.output);
-  result.view =
-      options.views.empty() ? options.view : fmt::format("{}", fmt::join(options.views, ","));
+  LiveSummary result = summary_of(setup.run, played.counts, played.figures, played.output.get());
+  result.view = fmt::format("{}", fmt::join(options.view, ","));
   result.scene = setup.scene.string();
   for (std::size_t k = 0; k < result.bodies.size(); ++k) {
     result.bodies[k].file = setup.bodies[k].file.string();
@@ -339,28 +352,27 @@ LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& ru
   settings.folder = options.out;
   settings.starts_at = run.source->format().starts_at;
   settings.complete = options.every_frame || !run.source->is_live();
-  settings.depth = !options.no_depth;
-  settings.masks = !options.no_masks;
-  settings.figures = options.pictures;
+  settings.files = options.files;
   read_frame_pictures(options.frame_pictures, settings);
   for (int k = 0; k < session.body_count(); ++k) {
     if (session.body_count() > 1) settings.bodies.push_back(session.body(k).name);
-    if (options.meshes) settings.meshes_of.push_back(session.body(k).model().surface);
+    if (options.files.meshes) settings.meshes_of.push_back(session.body(k).model().surface);
   }
-  if (options.pictures) settings.touch_frames = truly_touching_frames(run.images);
+  if (options.files.stills) settings.touch_frames = truly_touching_frames(run.images);
   return settings;
 }
 
 std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveSetUp& setup,
                                          const PlayUser& user, bool run_may_change) {
   if (!has_pictures(options)) return nullptr;
-  const bool masks = !options.out.empty() && (!options.no_masks || options.pictures);
+  const bool masks = !options.out.empty() && (options.files.masks || options.files.stills);
   const std::vector<Tile> tiles = tiles_of(options);
   const bool truth = std::find(tiles.begin(), tiles.end(), Tile::kTruth) != tiles.end();
   return std::make_unique<ScenePainter>(
       ScenePainterSettings{
           .window = options.window,
-          .view = value_named<LiveView>(options.view, kViewNames),
+          .view = tiles.empty() ? value_named<LiveView>(options.view.front(), kViewNames)
+                                : LiveView::kCamera,
           .show = show_of(options),
           .paused = options.paused,
           .masks = masks,
@@ -383,7 +395,7 @@ std::string text_of(const LiveOutput& output, const fs::path& out) {
         "--every-frame waits for it\n",
         output.left_out(), output.lines_left_out());
   }
-  text += fmt::format("{}\n", (out / "touch.mp4").string());
+  if (output.files().film) text += fmt::format("{}\n", (out / "touch.mp4").string());
   for (const std::string& name : output.figures()) {
     text += fmt::format("{}\n", (out / name).string());
   }
@@ -476,12 +488,10 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
                             counts.troubles.unreadable, counts.last_trouble));
   }
   const std::optional<LiveSummary::States> states = watch.end();
-  if (played.output) {
-    played.output->finish();
-    LiveSummary all = summary(options_, setup, played, wall.count());
-    all.states = states;
-    write_live_summary(options_.out / "live.json", all);
-  }
+  if (played.output) played.output->finish();
+  LiveSummary all = summary(options_, setup, played, wall.count());
+  all.states = states;
+  if (played.output) write_live_summary(options_.out / "live.json", all);
   if (painter) painter->throw_gl_errors();
 
   std::string text = text_of(counts, run.loop.session, wall.count());
@@ -490,7 +500,7 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
   if (played.ticks) text += text_of(*played.ticks) + "\n";
   if (options_.stats) text += text_of(played.figures) + "\n";
   if (played.output) text += text_of(*played.output, options_.out);
-  return {std::move(text), played.user_ended};
+  return {std::move(text), json_of(all), played.user_ended};
 }
 
 }  // namespace palpable

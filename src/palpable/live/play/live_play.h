@@ -8,10 +8,12 @@
 #pragma once
 
 #include "palpable/common/base/folder_lock.h"
+#include "palpable/common/base/json.h"
 #include "palpable/common/base/progress.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/desk/clip_files/live_file.h"
 #include "palpable/live/events/live_events.h"
+#include "palpable/live/live_writer/live_output.h"
 #include "palpable/live/play/live_set_up.h"
 #include "palpable/live/player/state_hash.h"
 
@@ -26,21 +28,19 @@ namespace palpable {
 /// What is shown, sent and written of a run, in the words of the command line. Does not change
 /// results.
 struct PlayOptions {
-  std::filesystem::path out;            ///< empty: no files
-  std::string events = kNoEvents;       ///< LiveEvents
-  std::string view = "camera";          ///< one of kViewNames (view/live_controls.h)
-  std::vector<std::string> views = {};  ///< of kTileNames (view/tiles.h); empty: only `view`
-  std::string paint = "stress";         ///< one of kPaints (view/show_names.h)
-  bool opaque = false;                  ///< paint only, without the material below it
-  std::string occlusion = "soft";       ///< one of kOcclusionNames (view/show_names.h)
-  bool forces = false;                  ///< draw contact positions and forces
+  std::filesystem::path out;       ///< empty: no files
+  std::string events = kNoEvents;  ///< LiveEvents
+  /// One of kViewNames (view/live_controls.h), or up to seven of kTileNames (view/tiles.h) side by
+  /// side.
+  std::vector<std::string> view = {"camera"};
+  std::string paint = "stress";    ///< one of kPaints (view/show_names.h)
+  bool opaque = false;             ///< paint only, without the material below it
+  std::string occlusion = "soft";  ///< one of kOcclusionNames (view/show_names.h)
+  bool forces = false;             ///< draw contact positions and forces
   bool window = false;
   bool paused = false;  ///< the window opens with the first frame paused
-  bool pictures = false;
+  RunFiles files = {};
   std::vector<std::string> frame_pictures = {};  ///< numbers of frames, or "all"
-  bool no_masks = false;
-  bool no_depth = false;
-  bool meshes = false;
   bool overwrite = false;
   bool every_frame = false;
   bool stats = false;
@@ -74,6 +74,7 @@ class StateWatch {
 
 struct PlayResult {
   std::string text;         ///< a summary in readable lines
+  Json summary;             ///< what live.json has
   bool user_ended = false;  ///< whether the user ended the run
 };
 

@@ -141,13 +141,19 @@ TEST_CASE("options that contradict each other or the bodies are refused before a
     LivePlay play(options, {folder / "body.palpable"}, listener.user(), record);
   };
   CHECK_NOTHROW(begin({}));
-  CHECK_THROWS_WITH(begin({.pictures = true}), "--pictures: without --out nothing is written");
+  CHECK_THROWS_WITH(begin({.files = {.meshes = true}}),
+                    "--write: without --out nothing is written");
   CHECK_THROWS_WITH(begin({.overwrite = true}), "--overwrite: without --out nothing is written");
   CHECK_THROWS_WITH(begin({.paused = true}), "--paused: a --window is paused");
-  CHECK_THROWS_WITH(begin({.out = folder / "out", .view = "map", .pictures = true}),
-                    "--pictures are what the camera sees: leave out --view map");
-  CHECK_THROWS_WITH(begin({.views = {"camera", "map"}, .window = true}),
-                    "--views: the --window shows one view, and switches it");
+  CHECK_THROWS_WITH(begin({.view = {"camera", "map"}}),
+                    "--view with several views: without --out nothing is written");
+  CHECK_THROWS_WITH(begin({.out = folder / "out", .view = {"map"}, .files = {.stills = true}}),
+                    "--write stills: they are what the camera sees; leave out --view map");
+  for (const std::vector<std::string>& tiles :
+       {std::vector<std::string>{"camera", "map"}, {"mask"}}) {
+    CHECK_THROWS_WITH(begin({.view = tiles, .window = true}),
+                      "--view: the --window shows one view, and switches it");
+  }
   CHECK_THROWS_WITH(begin({}, folder / "touch.mp4"), Contains("should end in .palprec"));
   const fs::path there = folder / "there.palprec";
   test::write_bytes(there, "an earlier one");

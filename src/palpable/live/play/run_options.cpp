@@ -14,8 +14,8 @@ constexpr double kMm = 1e3;  // mm per m
 
 PaperSettings paper_settings(const PaperOptions& options) {
   PaperSettings settings;
-  if (options.press_mm) settings.press_distance = *options.press_mm / kMm;
-  if (options.release_mm) settings.release_distance = *options.release_mm / kMm;
+  if (options.press_distance) settings.press_distance = *options.press_distance;
+  if (options.release_distance) settings.release_distance = *options.release_distance;
   if (options.nodes == "all") settings.nodes = QueriedNodes::kAll;
   if (options.distance == "voxmap") settings.distance = DistanceQuery::kVoxmap;
   return settings;
@@ -26,8 +26,8 @@ Json json_of_paper(const RunOptions& options) {
   const PaperOptions& paper = options.paper;
   const PaperSettings usual;
   return {{"step", paper.step != 0 ? paper.step : ObjectSurfaceSettings{}.step},
-          {"press_mm", paper.press_mm.value_or(kMm * usual.press_distance)},
-          {"release_mm", paper.release_mm.value_or(kMm * usual.release_distance)},
+          {"press_m", paper.press_distance.value_or(usual.press_distance)},
+          {"release_m", paper.release_distance.value_or(usual.release_distance)},
           {"nodes", paper.nodes.empty() ? "sites" : paper.nodes},
           {"distance", paper.distance.empty() ? "grid" : paper.distance}};
 }
@@ -35,8 +35,13 @@ Json json_of_paper(const RunOptions& options) {
 PaperOptions paper_of(const Json& json) {
   PaperOptions paper;
   paper.step = json["step"].get<int>();
-  paper.press_mm = json["press_mm"].get<double>();
-  paper.release_mm = json["release_mm"].get<double>();
+  if (json.contains("press_mm")) {  // recordings of 0.1
+    paper.press_distance = json["press_mm"].get<double>() / kMm;
+    paper.release_distance = json["release_mm"].get<double>() / kMm;
+  } else {
+    paper.press_distance = json["press_m"].get<double>();
+    paper.release_distance = json["release_m"].get<double>();
+  }
   paper.nodes = json["nodes"].get<std::string>();
   paper.distance = json["distance"].get<std::string>();
   return paper;
@@ -69,10 +74,10 @@ void expect_known(const RunOptions& options) {
 
 void PaperOptions::check(const std::string& contact) const {
   const char* given = step != 0           ? "--paper-step"
-                      : press_mm          ? "--paper-press"
-                      : release_mm        ? "--paper-release"
+                      : press_distance    ? "--paper-press"
+                      : release_distance  ? "--paper-release"
                       : !nodes.empty()    ? "--paper-nodes"
-                      : !distance.empty() ? "--distance"
+                      : !distance.empty() ? "--paper-distance"
                                           : nullptr;
   if (given == nullptr) return;
   if (contact != "paper")

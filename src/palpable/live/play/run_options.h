@@ -18,9 +18,9 @@ namespace palpable {
 
 /// Options of --contact paper.
 struct PaperOptions {
-  int step = 0;                    ///< px; 0: default
-  std::optional<double> press_mm;  ///< empty: default
-  std::optional<double> release_mm;
+  int step = 0;                          ///< px; 0: default
+  std::optional<double> press_distance;  ///< m; empty: default
+  std::optional<double> release_distance;
   std::string nodes;     ///< "sites", "all"; empty: "sites"
   std::string distance;  ///< "grid", "voxmap"; empty: "grid"
 

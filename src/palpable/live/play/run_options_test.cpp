@@ -17,7 +17,8 @@ RunOptions through_json(const RunOptions& options) {
 TEST_CASE("a recording returns the options of its run", "[play][recording]") {
   RunOptions options;
   options.contact = "paper";
-  options.paper = {.step = 3, .press_mm = 4.5, .release_mm = 20.25, .nodes = "all"};
+  options.paper = {
+      .step = 3, .press_distance = 0.0045, .release_distance = 0.02025, .nodes = "all"};
   options.paper.distance = "voxmap";
   options.matcher = "opencv";
   options.depth = "auto";
@@ -28,8 +29,8 @@ TEST_CASE("a recording returns the options of its run", "[play][recording]") {
   const RunOptions read = through_json(options);
   CHECK(read.contact == "paper");
   CHECK(read.paper.step == 3);
-  CHECK(read.paper.press_mm == 4.5);
-  CHECK(read.paper.release_mm == 20.25);
+  CHECK(read.paper.press_distance == 0.0045);
+  CHECK(read.paper.release_distance == 0.02025);
   CHECK(read.paper.nodes == "all");
   CHECK(read.paper.distance == "voxmap");
   CHECK(read.matcher == "opencv");
@@ -41,8 +42,8 @@ TEST_CASE("a recording returns the options of its run", "[play][recording]") {
 
   const SessionSettings settings = session_settings(read);
   CHECK(settings.contact == ContactKind::kPaper);
-  CHECK(settings.paper.press_distance == Approx(0.0045));
-  CHECK(settings.paper.release_distance == Approx(0.02025));
+  CHECK(settings.paper.press_distance == 0.0045);
+  CHECK(settings.paper.release_distance == 0.02025);
   CHECK(settings.paper.nodes == QueriedNodes::kAll);
   CHECK(settings.paper.distance == DistanceQuery::kVoxmap);
   CHECK(settings.surface.step == 3);
@@ -59,10 +60,26 @@ TEST_CASE("defaults of the paper's law are recorded as their values", "[play][re
   options.contact = "paper";
   const PaperOptions paper = through_json(options).paper;
   CHECK(paper.step == ObjectSurfaceSettings{}.step);
-  CHECK(paper.press_mm == Approx(1e3 * PaperSettings{}.press_distance));
-  CHECK(paper.release_mm == Approx(1e3 * PaperSettings{}.release_distance));
+  CHECK(paper.press_distance == PaperSettings{}.press_distance);
+  CHECK(paper.release_distance == PaperSettings{}.release_distance);
   CHECK(paper.nodes == "sites");
   CHECK(paper.distance == "grid");
+}
+
+TEST_CASE("the distances of the paper's law are read from recordings of 0.1, in mm",
+          "[play][recording]") {
+  RunOptions options;
+  options.contact = "paper";
+  Json json = Json::object();
+  add_run_options(options, json);
+  json["paper"] = {{"step", 2},
+                   {"press_mm", 4.5},
+                   {"release_mm", 20.25},
+                   {"nodes", "all"},
+                   {"distance", "grid"}};
+  const PaperOptions paper = run_options_of(json).paper;
+  CHECK(paper.press_distance == 0.0045);
+  CHECK(paper.release_distance == 0.02025);
 }
 
 TEST_CASE("recordings of earlier versions, without some options, are read", "[play][recording]") {
@@ -102,8 +119,8 @@ TEST_CASE("options that are not known, or do not fit each other, are refused",
              Catch::StartsWith("its --contact paper has step "));
   CHECK(refusal([](RunOptions& o) {
           o.contact = "paper";
-          o.paper.press_mm = 30;
-          o.paper.release_mm = 20;
+          o.paper.press_distance = 0.03;
+          o.paper.release_distance = 0.02;
         }) == "--paper-press 30 mm must be above 0 and below --paper-release 20 mm");
   CHECK_THROWS_WITH((PaperOptions{.step = 2}.check("site")),
                     "--paper-step is of --contact paper: give that, too");
