@@ -3,20 +3,29 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/printing.h"
+#include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/installed.h"
+#include "apps/palpable/live_settings.h"
 #include "apps/palpable/terminal.h"
 #include "palpable/common/base/child_process.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/row_kernels.h"
 #include "palpable/common/base/this_machine.h"
+#include "palpable/common/body_file/body_file.h"
+#include "palpable/desk/clip_writer/kept_clip.h"
+#include "palpable/live/player/live_loop.h"
 #include "palpable/live/render/gl_context.h"
 #include "palpable/live/sources/camera_list.h"
 #include "palpable/live/sources/camera_source.h"
+#include "palpable/live/view/drawn_frame.h"
+#include "palpable/live/view/scene_painter.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -24,6 +33,7 @@
 #include <string>
 #include <system_error>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -170,6 +180,61 @@ const char* word_of(Verdict verdict) {
   return "missing";
 }
 
+// Plays the built-in desk with the body that ships, off screen, for up to five seconds.
+Finding check_loop() {
+  constexpr double kLongest = 5;    // s
+  constexpr int kFilmFrames = 120;  // filmed in some 10 s by two slow cores
+  constexpr double kSlow = 15;      // frames/s; below it a touch visibly lags
+  const auto failed = [](const std::string& why, const std::string& remedy) {
+    return Finding{"loop", "not tried: " + why, Verdict::kLimits, remedy};
+  };
+  fs::path file;
+  try {
+    file = shipped_body();
+  } catch (const Error& error) {
+    return failed(error.what(), "install the package palpable, which has a body, or bake one");
+  }
+  LiveOptions live;
+  live.body = file;
+  ProgressBar bar;
+  fs::path folder = clip_cache(file);
+  folder += "-short";
+  const ReducedBody body = value_or_throw(read_pressable_body(file));
+  live.input.source =
+      kept_clip(
+          body,
+          {.folder = folder, .body_file = file, .version = PALPABLE_VERSION, .frames = kFilmFrames},
+          bar.progress())
+          .string();
+  bar.finish();
+  share_drawing_threads(live.threads);
+  LiveSetUp setup = set_up_live(live);
+  ScenePainter painter({.masks = false}, setup.run.loop);
+  LiveLoop loop(setup.run);
+  DrawnFrame drawn;
+  int frames = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  std::chrono::duration<double> taken{0};
+  while (Scene* scene = taken.count() < kLongest ? loop.next() : nullptr) {
+    std::swap(drawn.scene, *scene);
+    painter.draw(drawn, setup.run.loop.session);
+    ++frames;
+    taken = std::chrono::steady_clock::now() - begin;
+  }
+  const double rate = frames / taken.count();
+  Finding finding{"loop",
+                  fmt::format("{:.0f} frames a second ({} frames of {} in {:.1f} s)", rate, frames,
+                              file.filename().string(), taken.count()),
+                  Verdict::kGood, ""};
+  if (rate < kSlow) {
+    finding.verdict = Verdict::kLimits;
+    finding.remedy =
+        "close other programs; a smaller --size of the camera is faster, and so is a graphics "
+        "card with OpenGL 4.5";
+  }
+  return finding;
+}
+
 void print_findings(const std::vector<Finding>& findings, bool json) {
   if (!json) {
     for (const Finding& finding : findings) {
@@ -193,6 +258,14 @@ void doctor(bool json) {
                                 check_window()};
   for (Finding& camera : check_cameras()) findings.push_back(std::move(camera));
   findings.push_back(check_bake());
+  const auto blocks = [](const Finding& finding) { return finding.verdict == Verdict::kBlocks; };
+  if (std::none_of(findings.begin(), findings.end(), blocks)) {
+    try {
+      findings.push_back(check_loop());
+    } catch (const Error& error) {
+      findings.push_back({"loop", error.what(), Verdict::kBlocks, "this is what live would say"});
+    }
+  }
   print_findings(findings, json);
   std::string missing;
   for (const Finding& finding : findings) {
@@ -210,8 +283,9 @@ void add_doctor(Command app) {
       app.add_subcommand("doctor", "What this machine has and lacks, and what to do about it");
   command.add_json(*json);
   command.footer(
-      "Looks at processor, memory, disk, OpenGL, screen, cameras and palpable-bake. The exit code "
-      "is 1 if palpable live would not run here.\n"
+      "Looks at processor, memory, disk, OpenGL, screen, cameras and palpable-bake, and plays the "
+      "built-in desk for five seconds, which it films first. The exit code is 1 if palpable live "
+      "would not run here.\n"
       "Example: palpable doctor");
   command.callback([json] { doctor(*json); });
 }

@@ -2,6 +2,7 @@
 /// live.json of a result: what was run, which frames were processed, and totals over all of them.
 #pragma once
 
+#include "palpable/common/base/json.h"
 #include "palpable/common/geometry/rigid.h"
 
 #include <cstdint>
