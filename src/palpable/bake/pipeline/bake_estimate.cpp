@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -22,19 +23,22 @@ namespace {
 struct Model {
   // A path of a site: iterations of conjugate gradients, of the search for its load and of each
   // level. A site that comes close to collapse takes several times as many.
-  static constexpr double search_iterations = 90, level_iterations = 9;
-  static constexpr double linear_iterations = 8;  // of a linear response
+  static constexpr double search_iterations = 90, level_iterations = 10.5;
+  static constexpr double linear_iterations = 11;  // of a linear response
   // An iteration: a 16-bit factor is applied to 16 loads together, and the tangent is multiplied.
   static constexpr double iteration_solves = 0.44, iteration_passes = 1.0;
   static constexpr double solver_factors = 0.5;  // single precision, ratio to MeshCosts::factor
-  static constexpr double reduce_s_per_byte = 25e-9;  // of snapshots
+  static constexpr double reduce_s_per_byte = 18e-9;  // of snapshots
   // Products and copies beside the solves of a table.
-  static constexpr double table_overhead = 1.3;
-  // m^3 around the middle of a region, the elements in which enter its energy.
-  static constexpr double region_volume = 1.8e-4;
-  static constexpr double cross_points = 0.15;    // share of the elements that enter its energy
-  static constexpr double eigen_flops = 25;       // n^3 times this: eigenvectors of n x n numbers
-  static constexpr double held_out_factors = 14;  // all of one touch, in factors
+  static constexpr double table_overhead = 1.15;
+  // Points that enter the energy of a region: 4,400 where a cubic metre has 24 million of them, and
+  // more of a finer mesh, but not in proportion: most of the energy is then in fewer of them.
+  static constexpr double region_points = 4400, region_density = 24e6, region_power = 0.6;
+  static constexpr double cross_points = 0.12;  // share of the elements that enter its energy
+  static constexpr double eigen_flops = 25;     // n^3 times this: eigenvectors of n x n numbers
+  // One held-out touch, in factors: 13 where a square metre of the skin has 22,000 vertices, and
+  // more of a finer skin, since more of its points are in contact.
+  static constexpr double held_out_factors = 13, skin_density = 22e3, skin_power = 0.42;
   // The power series of a load.
   static constexpr double series_orders = 8.5, order_passes = 1.0;
   static constexpr double separate_flops = 40;  // per node, position, order and mode
@@ -90,8 +94,10 @@ void add_tables(const TouchCounts& touch, const MeshCosts& costs, double flop,
   stages.push_back({"compliance", Model::table_overhead * linear, true});
   if (touch.regions > 0) {
     const double loads = 2.0 * region.loads;
-    const double points =
-        touch.mesh.points * std::min(1.0, Model::region_volume / touch.mesh.volume);
+    const double points = std::min<double>(
+        touch.mesh.points, Model::region_points * std::pow(touch.mesh.points / touch.mesh.volume /
+                                                               Model::region_density,
+                                                           Model::region_power));
     const double one = Model::table_overhead * (loads * costs.solve + region.loads * costs.pass) +
                        flop * (2 * loads * loads * rows + 2 * loads * region.modes * rows +
                                Model::eigen_flops * std::pow(loads, 3) +
@@ -108,8 +114,9 @@ void add_tables(const TouchCounts& touch, const MeshCosts& costs, double flop,
     stages.push_back({"cross terms", all, true});
   }
   if (touch.held_out > 0) {
-    stages.push_back(
-        {"held-out touches", touch.held_out * Model::held_out_factors * costs.factor, true});
+    const double density = touch.mesh.vertices / touch.mesh.area / Model::skin_density;
+    const double factors = Model::held_out_factors * std::pow(density, Model::skin_power);
+    stages.push_back({"held-out touches", touch.held_out * factors * costs.factor, true});
   }
 }
 
@@ -127,7 +134,7 @@ void add_intrusive(const BakeCounts& counts, const BakeCosts& costs,
 }
 
 // Memory of the program itself and of reading and meshing a body, bytes.
-constexpr double kProgram = 75e6;
+constexpr double kProgram = 90e6;
 
 double campaign_memory(const BakeCounts& counts, int threads) {
   const double nodes = counts.body.nodes;
@@ -224,7 +231,7 @@ BakeEstimate estimate_of(const BakeCounts& counts, const BakeCosts& costs, int t
 
 namespace {
 
-// Rounded to one digit below 3 of the unit and to whole units above: "8 s", "2.5 min", "4 h".
+// In whole units, below 3 of them with one more digit: "8 s", "2.5 min", "4 h".
 std::string duration_about(double seconds) {
   const auto [size, unit] = seconds < 100    ? std::pair{1.0, "s"}
                             : seconds < 6000 ? std::pair{60.0, "min"}
@@ -238,11 +245,18 @@ std::string bytes_about(double bytes) {
                      : fmt::format("{:.1f} GB", bytes / 1e9);
 }
 
+// "2 to 8 min", or "50 s to 3 min" where the units differ.
+std::string range_about(const std::string& least, const std::string& most) {
+  const std::size_t unit = least.find(' ');
+  const bool alike = least.substr(unit) == most.substr(most.find(' '));
+  return fmt::format("{} to {}", alike ? least.substr(0, unit) : least, most);
+}
+
 template <class Text>
 std::string line_of(const char* what, double value, const Text& text, const std::string& more) {
   constexpr double kFactor = BakeEstimate::kFactor;
-  return fmt::format("{:<7} about {}{} ({} to {})\n", what, text(value), more,
-                     text(value / kFactor), text(value * kFactor));
+  return fmt::format("{:<7} about {}{} ({})\n", what, text(value), more,
+                     range_about(text(value / kFactor), text(value * kFactor)));
 }
 
 }  // namespace
