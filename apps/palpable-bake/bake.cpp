@@ -8,6 +8,8 @@
 #include "apps/palpable-bake/description_argument.h"
 #include "palpable/bake/campaign/crew.h"
 #include "palpable/bake/campaign/solid_file.h"
+#include "palpable/bake/pipeline/bake_counts.h"
+#include "palpable/bake/pipeline/bake_estimate.h"
 #include "palpable/bake/pipeline/bake_to_file.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
@@ -43,6 +45,7 @@ struct BakeOptions {
   bool no_touch = false;
   std::string until;
   FileOptions file;
+  bool estimate = false;
   bool json = false;
 };
 
@@ -174,28 +177,81 @@ Json json_of(const BakedFile& baked, const BakeOptions& options, Clock::time_poi
   return result;
 }
 
-void bake(const BakeOptions& options, const std::string& command_line, Crew& crew) {
-  const auto begin = Clock::now();
+// The description with what options leave out of it.
+BodyDescription wanted_body(const BakeOptions& options) {
   BodyDescription description = read_description(options.description);
   if (options.no_touch) {
     description.touch = {.tables = BodyDescription::Touch::Tables::kNone, .by_default = false};
   }
   shorten(options.until, description);
-  const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
-  guard_output_file(options.output, inputs);
-  const bool with_campaign = !options.intrusive;
-  if (!with_campaign) guard_output_file(solid_file_of(options.output), inputs);
-  if (crew.leads()) print_size(description);
+  return description;
+}
+
+BakeToFileSettings settings_of(const BakeOptions& options, const std::string& command_line) {
   BakeToFileSettings settings{.output = options.output,
                               .storage = options.file.storage(),
-                              .with_campaign = with_campaign,
+                              .with_campaign = !options.intrusive,
                               .reduction = {.volume = options.file.volume,
                                             .version = std::string("palpable ") + PALPABLE_VERSION,
                                             .command_line = command_line},
                               .held_out = options.held_out};
-  if (with_campaign) {
+  if (settings.with_campaign) settings.reduction.at = parse_settings(options.set);
+  return settings;
+}
+
+// --estimate: says what the bake would take, and writes nothing.
+void estimate(const BakeOptions& options, Crew& crew) {
+  if (!crew.leads()) return;
+  if (options.intrusive) refuse_campaign_options(options);
+  if (options.solver != "own") {
+    throw Error("--estimate knows this project's own solver only, not --solver calculix");
+  }
+  const BodyDescription description = wanted_body(options);
+  print_size(description);
+  BakeToFileSettings settings = settings_of(options, {});
+  if (!options.shard.empty()) read_shard(options.shard, settings.fill);
+  ProgressBar bar;
+  const CountedBake counted = count_bake(description, settings, bar.progress());
+  bar.finish();
+  const BakeEstimate result =
+      estimate_of(counted.counts, counted.costs, crew.threads(options.threads));
+  if (options.json) {
+    print_json(json_of(result));
+  } else {
+    print_text(text_of(result));
+  }
+}
+
+void print_baked(const BakedFile& baked, const BakeOptions& options, Clock::time_point begin) {
+  if (options.json) {
+    print_json(json_of(baked, options, begin));
+  } else if (baked.body) {
+    const std::chrono::duration<double> taken = Clock::now() - begin;
+    print_body_report(*baked.body, options.output, taken.count());
+    print_text("touch: {}\n", baked.touch);
+    print_campaign(*baked.campaign);
+    if (!options.until.empty()) {
+      print_text("stopped after the linear tables: the same command without --until goes on\n");
+    }
+    print_parameters(baked.campaign->store, baked.body->body, options.output);
+  } else if (baked.campaign) {
+    print_shard(*baked.campaign);
+  } else {
+    print_intrusive(*baked.intrusive, baked.touch, options.output);
+  }
+}
+
+void bake(const BakeOptions& options, const std::string& command_line, Crew& crew) {
+  const auto begin = Clock::now();
+  if (options.output.empty()) throw Error("--out is required, see palpable bake --help");
+  const BodyDescription description = wanted_body(options);
+  const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
+  guard_output_file(options.output, inputs);
+  if (options.intrusive) guard_output_file(solid_file_of(options.output), inputs);
+  if (crew.leads()) print_size(description);
+  BakeToFileSettings settings = settings_of(options, command_line);
+  if (settings.with_campaign) {
     settings.fill = campaign_settings(options, inputs);
-    settings.reduction.at = parse_settings(options.set);
   } else if (crew.leads()) {
     refuse_campaign_options(options);
   }
@@ -204,22 +260,7 @@ void bake(const BakeOptions& options, const std::string& command_line, Crew& cre
       bake_to_file(description, settings, crew, crew.leads() ? bar.progress() : Progress{});
   if (!baked) return;
   bar.finish();
-  if (options.json) {
-    print_json(json_of(*baked, options, begin));
-  } else if (baked->body) {
-    const std::chrono::duration<double> taken = Clock::now() - begin;
-    print_body_report(*baked->body, options.output, taken.count());
-    print_text("touch: {}\n", baked->touch);
-    print_campaign(*baked->campaign);
-    if (!options.until.empty()) {
-      print_text("stopped after the linear tables: the same command without --until goes on\n");
-    }
-    print_parameters(baked->campaign->store, baked->body->body, options.output);
-  } else if (baked->campaign) {
-    print_shard(*baked->campaign);
-  } else {
-    print_intrusive(*baked->intrusive, baked->touch, options.output);
-  }
+  print_baked(*baked, options, begin);
 }
 
 }  // namespace
@@ -229,7 +270,13 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
   Command command =
       app.add_subcommand("bake", "Mesh, solve and reduce: a body file from a description");
   add_description(command, options->description);
-  command.add_option("-o,--out", options->output, "Body file to write").required();
+  command.add_option("-o,--out", options->output, "Body file to write")
+      .default_is("none; required without --estimate");
+  command.add_flag(
+      "--estimate", options->estimate,
+      "Only print how long the whole bake will take here, how much memory it needs and "
+      "how large its file will be, each within a factor of two; writes nothing and "
+      "takes a second or some (a mesh and one factor are made)");
   command
       .add_option("--snapshots", options->store,
                   "Folder for the snapshots; those that are there and valid are not solved again")
@@ -268,7 +315,13 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
       "A bake that was stopped goes on where it was when the same command is run again.\n"
       "On several cores or machines: mpirun -n 4 palpable bake ...\n"
       "Example: palpable bake bodies/bunny-demo.toml -o bunny.palpable");
-  command.callback([options, command_line, &crew] { bake(*options, command_line, crew); });
+  command.callback([options, command_line, &crew] {
+    if (options->estimate) {
+      estimate(*options, crew);
+    } else {
+      bake(*options, command_line, crew);
+    }
+  });
 }
 
 }  // namespace palpable::app

@@ -64,6 +64,14 @@ class Stages {
 
 }  // namespace
 
+TouchBakeSettings touch_settings(const BodyDescription::Touch& wanted, int threads) {
+  TouchBakeSettings settings;
+  settings.threads = threads;
+  if (wanted.regions) settings.regions.most = *wanted.regions;
+  if (wanted.cross_modes) settings.cross.modes = *wanted.cross_modes;
+  return settings;
+}
+
 std::string bake_touch(const BodyDescription& description, const CampaignPlan& plan,
                        const SnapshotStore& store, int threads,
                        const std::function<void(const TouchTables&)>& use,
@@ -85,10 +93,7 @@ std::string bake_touch(const BodyDescription& description, const CampaignPlan& p
       coarse ? FullBody(coarse->model, coarse->mesh.boundary, coarse->preload,
                         {.tolerance = kSnapshotTolerance})
              : FullBody(plan.model, plan.boundary, plan.preload, {.tolerance = kSnapshotTolerance});
-  TouchBakeSettings settings;
-  settings.threads = threads;
-  if (wanted.regions) settings.regions.most = *wanted.regions;
-  if (wanted.cross_modes) settings.cross.modes = *wanted.cross_modes;
+  const TouchBakeSettings settings = touch_settings(wanted, threads);
   TouchBakeSettings linear = settings;
   linear.regions.most = linear.cross.modes = 0;
   Stages stages(body, coarse.has_value(), store, use, progress);

@@ -6,6 +6,7 @@
 #include "palpable/bake/campaign/campaign.h"
 #include "palpable/bake/campaign/snapshot_store.h"
 #include "palpable/bake/describe/body_description.h"
+#include "palpable/bake/touch_bake/touch_maker.h"
 #include "palpable/common/base/progress.h"
 #include "palpable/common/reduced/reduced_body.h"
 #include "palpable/common/response/touch_tables.h"
@@ -32,6 +33,9 @@ std::string bake_touch(const BodyDescription& description, const CampaignPlan& p
                        const SnapshotStore& store, int threads,
                        const std::function<void(const TouchTables&)>& use,
                        const Progress& progress = {});
+
+/// How the full tables of a description are made. Linear ones have no regions and no cross modes.
+[[nodiscard]] TouchBakeSettings touch_settings(const BodyDescription::Touch& wanted, int threads);
 
 /// The complete tables of an earlier bake of the same campaign; nothing if there are none.
 [[nodiscard]] std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store);

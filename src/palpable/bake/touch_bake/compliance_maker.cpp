@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -312,15 +313,35 @@ void keep_near(const Eigen::Ref<const MatrixXd>& u, int vertex, Plan& plan) {
   }
 }
 
-}  // namespace
-
-ComplianceTable make_compliance(const SkinResponse& skin, const ComplianceSettings& settings,
-                                const Progress& progress) {
+// Everything that is known before a solve: clusters, neighbours, and room for the numbers.
+Plan plan_of(const SkinResponse& skin, const ComplianceSettings& settings) {
   Plan plan;
   plan.table.vertices = skin.vertex_count();
   find_clusters(skin, settings, plan);
   find_inner_nodes(skin, plan);
   make_room(plan, settings.rank);
+  return plan;
+}
+
+}  // namespace
+
+int solves_of_bases(int vertices) {
+  return 3 * std::min(vertices, kSamples) + 6 * std::min(vertices, kSecondSamples);
+}
+
+ComplianceTable compliance_without_numbers(const SkinResponse& skin,
+                                           const ComplianceSettings& settings) {
+  ComplianceTable table = plan_of(skin, settings).table;
+  const std::size_t rows = 3 * static_cast<std::size_t>(table.nodes());
+  const auto width = static_cast<std::size_t>(settings.rank);
+  table.basis = {width, std::vector<std::int16_t>(rows * width, 0), std::vector<float>(rows, 0.0f)};
+  table.beyond = table.basis;
+  return table;
+}
+
+ComplianceTable make_compliance(const SkinResponse& skin, const ComplianceSettings& settings,
+                                const Progress& progress) {
+  Plan plan = plan_of(skin, settings);
   {
     const Samples samples = sample_fields(skin, settings, progress);
     plan.table.basis = bases(samples, samples.linear, settings.rank, plan);

@@ -26,4 +26,14 @@ struct ComplianceSettings {
                                               const ComplianceSettings& settings,
                                               const Progress& progress = {});
 
+/// The same table before any solve: clusters, neighbours and the size of everything are final, and
+/// every number is 0. It tells how large the table will be.
+[[nodiscard]] ComplianceTable compliance_without_numbers(const SkinResponse& skin,
+                                                         const ComplianceSettings& settings);
+
+/// Number of solves of the bases: unit loads at vertices spread over the skin, then patches of
+/// pressure, which take two solves each.
+/// @param vertices  that are not held
+[[nodiscard]] int solves_of_bases(int vertices);
+
 }  // namespace palpable

@@ -4,6 +4,7 @@
 #include "palpable/bake/touch_bake/region_maker.h"
 #include "palpable/bake/touch_bake/touch_maker.h"
 #include "palpable/common/response/nonlinear_response.h"
+#include "palpable/common/response/touch_tables.h"
 #include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 
@@ -168,6 +169,28 @@ TEST_CASE("modes keep their rows of the inner nodes: they are orthonormal in the
   const VectorXd exact = as_numbers(region.modes) * q.cast<double>();
   CHECK((all.reshaped().cast<double>() - exact).cwiseAbs().maxCoeff() <
         tolerance(1e-5, "single precision") * exact.tail(3 * Index{W - V}).cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("a table without numbers has the clusters, neighbours and size of the finished one",
+          "[touch_bake]") {
+  const Made made(column());
+  const ComplianceTable empty =
+      compliance_without_numbers(made.skin, {.spacing = 0.012, .near_radius = 0.024});
+  CHECK(empty.clusters == made.table.clusters);
+  CHECK(empty.cluster_of == made.table.cluster_of);
+  CHECK(empty.neighbours == made.table.neighbours);
+  CHECK(empty.far_first == made.table.far_first);
+  const auto size = [](const ComplianceTable& table) {
+    TouchTables tables;
+    tables.compliance = table;
+    return bytes_of(tables);
+  };
+  CHECK(size(empty) == size(made.table));
+  CHECK(trouble_of(empty).empty());
+  const RegionSettings settings{.loads = 30};
+  const ModalFormMaker forms(made.model, made.skin.body().rest());
+  const RegionTable region = make_region(made.skin, forms, made.compliance, 7, settings);
+  CHECK(region_nodes(made.skin, Compliance(empty), 7, settings) == region.vertices);
 }
 
 }  // namespace

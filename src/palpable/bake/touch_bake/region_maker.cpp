@@ -209,6 +209,11 @@ void keep_far_shapes(const MatrixXd& targets, const MatrixXd& coordinates, int c
 
 }  // namespace
 
+std::vector<int> region_nodes(const SkinResponse& skin, const Compliance& compliance, int vertex,
+                              const RegionSettings& settings) {
+  return nodes_around(compliance, clusters_around(skin, compliance, vertex, settings.core));
+}
+
 RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
                         const Compliance& compliance, int vertex, const RegionSettings& settings) {
   PALPABLE_EXPECT(settings.modes % static_cast<int>(kRowStep) == 0 &&
@@ -224,8 +229,7 @@ RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
     second_coordinates = transposed_times(modes, snapshots.second_forces().cast<double>());
   }
   const MatrixXd in_shell = skin.in_shell(modes);
-  region.vertices =
-      nodes_around(compliance, clusters_around(skin, compliance, vertex, settings.core));
+  region.vertices = region_nodes(skin, compliance, vertex, settings);
   RowsOfFloats rows(3 * static_cast<Index>(region.vertices.size()), modes.cols());
   for (std::size_t k = 0; k < region.vertices.size(); ++k) {
     rows.middleRows(3 * static_cast<Index>(k), 3) =

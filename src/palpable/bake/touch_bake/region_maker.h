@@ -10,6 +10,8 @@
 
 #include <Eigen/Core>
 
+#include <vector>
+
 namespace palpable {
 
 struct RegionSettings {
@@ -41,5 +43,10 @@ struct RegionSettings {
 [[nodiscard]] RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
                                       const Compliance& compliance, int vertex,
                                       const RegionSettings& settings);
+
+/// The nodes at which a region stores its modes in full: RegionTable::vertices. Needs no numbers of
+/// the compliance, only its clusters.
+[[nodiscard]] std::vector<int> region_nodes(const SkinResponse& skin, const Compliance& compliance,
+                                            int vertex, const RegionSettings& settings);
 
 }  // namespace palpable
