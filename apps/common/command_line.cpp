@@ -98,13 +98,29 @@ std::string why_no_number(const std::string& text) {
   return fmt::format("{} is no number that is finite", text);
 }
 
+bool is_in(LengthRange range, double metres) {
+  return metres >= range.least && metres <= range.most;
+}
+
+// Suggests the units with which the number is in the range: options of 0.1 were in mm or in m.
+std::string why_no_unit(const std::string& number, LengthRange range) {
+  std::string units;
+  for (const char* unit : {"mm", "m"}) {
+    const std::optional<double> metres = to_quantity(number + unit, Quantity::kLength);
+    if (!metres || !is_in(range, *metres)) continue;
+    units += fmt::format("{}{}{}", units.empty() ? "" : " or ", number, unit);
+  }
+  return fmt::format("{} has no unit: write {}", number,
+                     units.empty() ? "a length such as " + length_text(range.least) : units);
+}
+
 std::string why_no_length(const std::string& text, LengthRange range) {
   const std::optional<double> metres = to_quantity(text, Quantity::kLength);
   if (!metres) {
-    return to_number(text) ? fmt::format("{0} has no unit: write {0}mm or {0}m", text)
+    return to_number(text) ? why_no_unit(text, range)
                            : fmt::format("'{}' is no length, such as 7mm", text);
   }
-  if (*metres >= range.least && *metres <= range.most) return {};
+  if (is_in(range, *metres)) return {};
   return fmt::format("{} is not between {} and {}", text, length_text(range.least),
                      length_text(range.most));
 }
@@ -433,7 +449,8 @@ std::string CommandLine::reference_json() const {
       std::vector<std::string> names;
       for (const std::string& name : option->get_snames()) names.push_back("-" + name);
       for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-      if (names.empty()) names.push_back(option->get_name());
+      // "source" of an argument that may also be given as --source.
+      if (option->get_positional()) names.insert(names.begin(), option->get_name(true));
       options.push_back({{"names", names},
                          {"value", words.value},
                          {"several", words.several},

@@ -78,7 +78,11 @@ class HelpFormat : public CLI::Formatter {
     std::set<std::string> others;  // sorted by name; CLI11 has them sorted by address
     for (const CLI::Option* other : option->get_excludes()) others.insert(other->get_name());
     if (!others.empty()) notes.push_back(fmt::format("not with {}", fmt::join(others, ", ")));
-    std::string text = option->get_description();
+    // An argument that may also be given as an option is explained once.
+    const bool is_both = option->get_positional() && option->nonpositional();
+    std::string text = is_both && !is_positional
+                           ? fmt::format("The argument {}, as an option", option->get_name(true))
+                           : option->get_description();
     if (!notes.empty()) text += fmt::format(" [{}]", fmt::join(notes, "; "));
     return row(name, text);
   }

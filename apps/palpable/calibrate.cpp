@@ -2,6 +2,7 @@
 // errors of a calibration file.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/shared_options.h"
@@ -26,10 +27,10 @@ namespace fs = std::filesystem;
 struct CalibrateOptions {
   SourceOptions source;
   BoardOptions board;
-  int views = 20;
+  int boards = 20;
   BoardLimits limits;
   fs::path check;
-  fs::path output;
+  fs::path out;
   bool json = false;
 };
 
@@ -52,10 +53,9 @@ void check(const CalibrateOptions& options, const BoardOrder& order) {
   const double rows = checked.row_error_px;
   const std::size_t boards = checked.seen.views.size();
   if (options.json) {
-    const Json json = {{"pairs", checked.seen.pairs}, {"boards", boards}, {"row_error_px", rows}};
-    fmt::print("{}\n", json.dump(2));
+    print_json({{"pairs", checked.seen.pairs}, {"boards", boards}, {"row_error_px", rows}});
   } else {
-    fmt::print("{} boards in {} pairs: rows after rectification {:.3f} px rms\n", boards,
+    print_text("{} boards in {} pairs: rows after rectification {:.3f} px rms\n", boards,
                checked.seen.pairs, rows);
   }
   if (rows > options.limits.largest_row_error_px) {
@@ -65,27 +65,52 @@ void check(const CalibrateOptions& options, const BoardOrder& order) {
 }
 
 void calibrate(const CalibrateOptions& options) {
-  const BoardOrder order{request_of(options.source), pattern_of(options.board), options.views,
+  const BoardOrder order{request_of(options.source), pattern_of(options.board), options.boards,
                          options.limits};
   if (!options.check.empty()) {
     check(options, order);
     return;
   }
-  if (options.output.empty() && !options.source.source.starts_with("/dev/")) {
-    throw Error("-o is needed: the calibration file to write, e.g. -o calibration.yml");
+  if (options.out.empty() && !options.source.source.starts_with("/dev/")) {
+    throw Error("give the calibration file to write, for example --out calibration.yml");
   }
-  if (!options.output.empty()) guard_output_file(options.output, inputs_of(options.source));
+  if (!options.out.empty()) guard_output_file(options.out, inputs_of(options.source));
   ProgressBar bar;
-  const CalibratedSource made =
-      calibrate_source(order, options.output, linux_video(), shown_by(bar));
+  const CalibratedSource made = calibrate_source(order, options.out, linux_video(), shown_by(bar));
   bar.finish();
   if (options.json) {
     Json result = json_of(made.found, made.seen);
     result["file"] = made.file.string();
-    fmt::print("{}\n", result.dump(2));
+    print_json(result);
   } else {
-    fmt::print("{}{}\n", text_of(made.found, made.seen, order.pattern), made.file.string());
+    print_text("{}{}\n", text_of(made.found, made.seen, order.pattern), made.file.string());
   }
+}
+
+void add_result_options(Command command, CalibrateOptions& options) {
+  command.begin_group("Result");
+  command.add_option("-o,--out", options.out, "Calibration file to write (OpenCV YAML)")
+      .default_is("for a camera, where palpable live finds it");
+  command
+      .add_option("--check", options.check,
+                  "Instead of calibrating: say by how many rows this calibration leaves the two "
+                  "eyes' pictures of the board apart")
+      .excludes("--out");
+  command
+      .add_option("--largest-reprojection", options.limits.largest_reprojection_px,
+                  "Refuse a calibration whose reprojection error is larger, px rms")
+      .positive()
+      .show_default();
+  command
+      .add_option("--largest-row-error", options.limits.largest_row_error_px,
+                  "Refuse one whose two eyes' rows are farther apart, px rms")
+      .positive()
+      .show_default();
+  command.add_flag("--accept", options.limits.accept_weak,
+                   "Write a calibration although it has fewer than 6 boards (3 at least), boards "
+                   "tilted by less than 15 degrees, or a focal length with an uncertainty above "
+                   "1 %, which is printed");
+  command.add_json(options.json);
 }
 
 }  // namespace
@@ -95,44 +120,24 @@ void add_calibrate(Command app) {
   Command command = app.add_subcommand(
       "calibrate",
       "Make a calibration file from pictures of a chessboard, or with a live stereo camera");
+  add_source_argument(command, options->source,
+                      "Stereo pairs of a board: a folder, images by name, a video file or a camera "
+                      "(/dev/video0)");
+  add_source_options(command, options->source, SourceOptionsFor::kCalibrate);
+  add_board_options(command, options->board, SourceOptionsFor::kCalibrate);
+  command.begin_group("Chessboard");
   command
-      .add_option("--source", options->source.source,
-                  "Stereo pairs of a board: a folder, images by name, a video file or /dev/videoN")
-      .required();
-  add_board_options(command, options->board);
-  command.add_option("--views", options->views, "For a camera: pictures of the board to take")
+      .add_option("--boards", options->boards,
+                  "Pictures of the board to take with a camera; of a recording all count")
       .in_range(3, 1000)
       .show_default();
-  command
-      .add_option("--largest-reprojection", options->limits.largest_reprojection_px,
-                  "Refuse a calibration whose reprojection error is larger, px rms")
-      .positive()
-      .show_default();
-  command
-      .add_option("--largest-row-error", options->limits.largest_row_error_px,
-                  "Refuse one whose two eyes' rows are farther apart, px rms")
-      .positive()
-      .show_default();
-  command.add_flag("--accept", options->limits.accept_weak,
-                   "Write a calibration although it has fewer than 6 boards (3 at least), boards "
-                   "tilted by less than 15 degrees, or a focal length known to less than 1 %; how "
-                   "well it is known is said");
-  command.add_option("--check", options->check,
-                     "Instead of calibrating: say how far this calibration leaves the two eyes' "
-                     "rows apart on the boards");
-  command
-      .add_option("-o,--output", options->output,
-                  "Calibration file to write (OpenCV YAML). Default for a camera: where palpable "
-                  "live finds it")
-      .excludes("--check");
-  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
-  add_source_options(command, options->source, SourceKind::kRawStereo);
+  add_result_options(command, *options);
   command.footer(
       "A flat board with an odd and an even number of inner corners, shown 15 times or more, near "
       "enough to fill the picture and tilted to all sides.\n"
-      "Example: palpable calibrate --source boards --board 9x6 --square 25 -o calibration.yml\n"
-      "Example: palpable calibrate --source /dev/video0 --board 9x6 --square 25\n"
-      "Example: palpable calibrate --source boards --square 25 --check SN10027514.conf");
+      "Example: palpable calibrate boards --board 9x6 --square 25mm -o calibration.yml\n"
+      "Example: palpable calibrate /dev/video0 --board 9x6 --square 25mm\n"
+      "Example: palpable calibrate boards --square 25mm --check SN10027514.conf");
   command.callback([options] { calibrate(*options); });
 }
 

@@ -171,7 +171,7 @@ std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
 LiveSetUp set_up_live(const LiveOptions& options, std::unique_ptr<FrameSource> images) {
   RunOptions run = options.run;
   run.paper.check(run.contact);
-  run.depth = depth_size(options.input);
+  run.depth = options.input.stereo_size;
   run.farthest = options.input.farthest;
   LiveSettings settings;
   settings.images = request_of(options.input);

@@ -3,6 +3,8 @@
 #include "apps/common/command_line.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/text_numbers.h"
+#include "palpable/live/depth/depth_settings.h"
+#include "palpable/live/map/surface_map.h"
 #include "palpable/live/play/run_options.h"
 #include "palpable/live/sources/folder_layouts.h"
 #include "palpable/live/view/show_names.h"
@@ -16,60 +18,96 @@
 namespace palpable::app {
 namespace {
 
-bool is_depth_size(const std::string& word) {
-  return std::find(kDepthSizes.begin(), kDepthSizes.end(), word) != kDepthSizes.end();
+constexpr LengthRange kFarthest{0.2, 1000.0};                    // m
+constexpr LengthRange kSquareSides{1e-4, 10.0};                  // m
+constexpr double kScanFarthest = SurfaceMapSettings{}.farthest;  // m
+
+// Begins a group that in `live` is for experts.
+void begin_detail_group(Command& command, const std::string& heading, SourceOptionsFor use) {
+  if (use == SourceOptionsFor::kLive) {
+    command.begin_expert_group(heading);
+  } else {
+    command.begin_group(heading);
+  }
+}
+
+void add_depth_options(Command command, SourceOptions& options, SourceOptionsFor use) {
+  begin_detail_group(command, "Depth", use);
+  command
+      .add_option("--depth-source", options.depth_source,
+                  "Instead of a second eye: the depth camera, or depth images by name "
+                  "(\"depth/*.png\"). It looks from where the source looks, or from where "
+                  "intrinsics.txt says")
+      .type_name("DEVICE|IMAGES")
+      .default_is("none: stereo");
+  command
+      .add_option("--stereo-size", options.stereo_size,
+                  "The size at which stereo pairs are matched (docs/depth.md). half: refined at "
+                  "full size, best for what is near; full: finer outlines, in 3 to 6 times the "
+                  "time; auto: full for pictures up to 640 px wide, else half")
+      .one_of({kDepthSizes.begin(), kDepthSizes.end()})
+      .default_is(std::string(kDepthSizes.front()));
+  command
+      .add_length("--farthest", options.farthest,
+                  "Depths beyond this are taken for unknown. A street needs more than a desk",
+                  kFarthest)
+      .default_is(use == SourceOptionsFor::kScan
+                      ? length_text(kScanFarthest)
+                      : fmt::format("{}, more with a long baseline", length_text(kUsualFarthest)));
+}
+
+void add_camera_options(Command command, SourceOptions& options, SourceOptionsFor use) {
+  begin_detail_group(command, use == SourceOptionsFor::kLive ? "Camera, more" : "Camera", use);
+  command
+      .add_option("--size", options.size,
+                  "Size of a camera's picture, of both eyes together if they are side by side")
+      .type_name("WIDTHxHEIGHT")
+      .default_is("the calibration's, or the camera's own");
+  command
+      .add_option("--fps", options.frames_per_second, "How many pictures a second a camera takes")
+      .in_range(0.1, 1000.0)
+      .default_is("the most that it offers");
+  command.add_option("--exposure", options.exposure_ms, "A camera's fixed exposure, ms")
+      .type_name("MS")
+      .in_range(0.01, 10000.0)
+      .default_is("automatic");
+  command.add_option("--gain", options.gain, "A camera's fixed gain, in its own unit")
+      .in_range(0.0, 1e6)
+      .default_is("automatic");
+  command.add_flag("--lock-exposure", options.lock_exposure,
+                   "Keep a camera's exposure, gain and white balance as they are after a second");
 }
 
 }  // namespace
 
-std::string depth_size(const SourceOptions& options) {
-  return is_depth_size(options.depth) ? options.depth : "";
+void add_source_argument(Command command, SourceOptions& options, const std::string& what) {
+  command.begin_group("Input");
+  command.add_option("source,-s,--source", options.source, what).type_name("SOURCE").required();
 }
 
-void add_source_options(Command command, SourceOptions& options, SourceKind kind) {
-  command.add_option(
-      "--right", options.right,
-      "The right eye's camera, video, image or images by name; the source is then the left's");
-  if (kind == SourceKind::kAny) {
-    command
-        .add_option(
-            "--depth", options.depth,
-            "Of stereo: the size at which pairs are matched. half: refined at full size, best for "
-            "what is near; full: finer outlines, in 3 to 6 times the time; auto: full for pictures "
-            "up to 640 px wide, else half (docs/depth.md). Default: half. Else the depth camera, "
-            "or depth images by name: from where the source looks, "
-            "or from where intrinsics.txt says")
-        .type_name("half|full|auto|DEVICE|IMAGES");
-    command
-        .add_option("--farthest", options.farthest,
-                    "Depths beyond are taken for unknown, m. A street wants more than a desk")
-        .in_range(0.2, 1000.0);
-    command.add_option(
-        "--calibration", options.calibration,
-        "OpenCV YAML, a ZED's SN*.conf or intrinsics.txt. Default: what lies beside the "
-        "images, or what palpable calibrate has kept of the camera");
-  }
+void add_source_options(Command command, SourceOptions& options, SourceOptionsFor use) {
+  command.begin_group("Input");
   command
-      .add_option(
-          "--size", options.size,
-          "For a camera: size of its picture, of both eyes together if they are side by side")
-      .type_name("WIDTHxHEIGHT");
-  command.add_option("--fps", options.frames_per_second, "For a camera: pictures a second")
-      .in_range(0.1, 1000.0);
-  command.add_option("--exposure", options.exposure_ms, "For a camera: a fixed exposure, ms")
-      .in_range(0.01, 10000.0);
-  command.add_option("--gain", options.gain, "For a camera: a fixed gain, in its own unit")
-      .in_range(0.0, 1e6);
-  command.add_flag(
-      "--lock-exposure", options.lock_exposure,
-      "For a camera: after a second, keep exposure, gain and white balance as they are");
+      .add_option("--right", options.right,
+                  "The right eye's camera, video, image or images by name; the source is then the "
+                  "left eye's")
+      .default_is("none: the source has both eyes");
+  if (use != SourceOptionsFor::kCalibrate) {
+    command.begin_group("Camera");
+    command
+        .add_option("--calibration", options.calibration,
+                    "Calibration of the camera: OpenCV YAML, a ZED's SN*.conf or intrinsics.txt")
+        .default_is("what lies beside the images, or what palpable calibrate has kept");
+    add_depth_options(command, options, use);
+  }
+  add_camera_options(command, options, use);
 }
 
 CameraRequest request_of(const SourceOptions& options) {
   CameraRequest request;
   request.device = options.source;
   request.right = options.right;
-  if (!is_depth_size(options.depth)) request.depth = options.depth;
+  request.depth = options.depth_source;
   request.calibration = options.calibration;
   request.folders = calibration_folders();
   if (!options.size.empty()) {
@@ -87,23 +125,23 @@ CameraRequest request_of(const SourceOptions& options) {
 
 std::vector<std::filesystem::path> inputs_of(const SourceOptions& options) {
   std::vector<std::filesystem::path> inputs;
-  const std::string depth = is_depth_size(options.depth) ? "" : options.depth;
   for (const std::filesystem::path& input :
        {std::filesystem::path(options.source), std::filesystem::path(options.right),
-        std::filesystem::path(depth), options.calibration}) {
+        std::filesystem::path(options.depth_source), options.calibration}) {
     if (input.empty()) continue;
     inputs.push_back(is_pattern(input) ? std::filesystem::absolute(input).parent_path() : input);
   }
   return inputs;
 }
 
-void add_board_options(Command command, BoardOptions& options) {
-  command.add_option("--board", options.corners, "Inner corners of the chessboard")
+void add_board_options(Command command, BoardOptions& options, SourceOptionsFor use) {
+  begin_detail_group(command, "Chessboard", use);
+  command
+      .add_option("--board", options.corners,
+                  "Inner corners of the chessboard, those where four squares meet")
       .type_name("COLUMNSxROWS")
       .show_default();
-  command.add_option("--square", options.square_mm, "Side of one of its squares, mm")
-      .in_range(0.1, 10000.0)
-      .show_default();
+  command.add_length("--square", options.square, "Side of one of its squares", kSquareSides);
 }
 
 BoardPattern pattern_of(const BoardOptions& options) {
@@ -116,7 +154,7 @@ BoardPattern pattern_of(const BoardOptions& options) {
   BoardPattern pattern;
   pattern.columns = sides[0];
   pattern.rows = sides[1];
-  pattern.square = 1e-3 * options.square_mm;
+  pattern.square = options.square;
   return pattern;
 }
 

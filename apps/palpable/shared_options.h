@@ -16,10 +16,11 @@ namespace palpable::app {
 class Command;
 
 struct SourceOptions {
-  std::string source;  ///< folder, images by name, video file or /dev/video*
-  std::string right;
-  std::string depth;    ///< a depth camera or its images; or one of kDepthSizes
-  double farthest = 0;  ///< m; 0: the command's default
+  std::string source;        ///< folder, images by name, video file or /dev/video*
+  std::string right;         ///< the right eye's; empty: `source` has both eyes
+  std::string depth_source;  ///< a depth camera or depth images by name; empty: stereo
+  std::string stereo_size;   ///< one of kDepthSizes; empty: the first
+  double farthest = 0;       ///< m; 0: the command's default
   std::filesystem::path calibration;
   std::string size;  ///< "2560x720"; empty: automatic choice
   double frames_per_second = 0;
@@ -28,17 +29,20 @@ struct SourceOptions {
   bool lock_exposure = false;
 };
 
-enum class SourceKind {
-  kAny,
-  kRawStereo,  ///< for calibration: without --depth and --calibration
+/// The command that options are for. It decides which there are, and which of them only --help-all
+/// lists.
+enum class SourceOptionsFor {
+  kScan,
+  kCalibrate,  ///< raw stereo only: without depth and without --calibration
+  kLive,       ///< only --right and --calibration are listed by --help
 };
 
-/// The word of kDepthSizes in --depth; empty if it is none of them.
-[[nodiscard]] std::string depth_size(const SourceOptions& options);
+/// Adds `source` as an argument and as the option --source; it is required.
+/// @param what  the command's own words for it
+void add_source_argument(Command command, SourceOptions& options, const std::string& what);
 
-/// Adds all options except --source, which commands explain in their own words.
-void add_source_options(Command command, SourceOptions& options,
-                        SourceKind kind = SourceKind::kAny);
+/// Adds all other options of the source, under headings of their own.
+void add_source_options(Command command, SourceOptions& options, SourceOptionsFor use);
 
 /// The request for open_source(). @throws Error when --size is invalid
 [[nodiscard]] CameraRequest request_of(const SourceOptions& options);
@@ -50,17 +54,18 @@ void add_source_options(Command command, SourceOptions& options,
 /// Options that describe a chessboard.
 struct BoardOptions {
   std::string corners = "9x6";
-  double square_mm = 25;
+  double square = 0.025;  ///< m, side of one of its squares
 };
 
-/// Adds --board and --square.
-void add_board_options(Command command, BoardOptions& options);
+/// Adds --board and --square, in kLive for --help-all only.
+void add_board_options(Command command, BoardOptions& options,
+                       SourceOptionsFor use = SourceOptionsFor::kLive);
 
 /// @throws Error when --board is invalid
 [[nodiscard]] BoardPattern pattern_of(const BoardOptions& options);
 
-/// Adds --paint. @param paint receives one of kPaints' names (view/show_names.h); its present value
-/// is the default
+/// Adds --paint. @param paint  receives one of kPaints' names (view/show_names.h); its present
+/// value is the default
 void add_paint_option(Command command, std::string& paint);
 
 /// Parses texts "X,Y,Z=F": m in the body's frame, N. @throws Error for another form,
