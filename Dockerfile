@@ -12,4 +12,4 @@ RUN apt-get update \
     && apt-get install -y --no-install-recommends /packages/*.deb \
     && rm -rf /packages /var/lib/apt/lists/*
 WORKDIR /out
-CMD ["palpable", "live", "/usr/share/palpable/bodies/post.palpable", "--source", "synthetic", "--out", "/out", "--pictures", "--overwrite"]
+CMD ["palpable", "live", "/usr/share/palpable/bodies/post.palpable", "--source", "synthetic", "--out", "/out", "--write", "+stills", "--overwrite"]

@@ -25,7 +25,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 FRAMES = 300
 BODIES = {"bunny": ("bodies/bunny-demo.toml",), "post": ("bodies/post-small.toml",),
-          "beam": ("bodies/beam.toml", "--method", "intrusive-pgd")}
+          "beam": ("bodies/beam.toml", "--intrusive")}
 # Name: the synthetic sequence, and the scene file or the body.
 FILMS = {"demo": ("demo", "bunny"), "squeeze": ("squeeze", "bunny"), "beams": ("beams", "scenes/crossed-beams.toml"),
          "posts": ("press", "scenes/two-posts.toml")}
@@ -71,8 +71,8 @@ def record(build, folder):
         film = folder / f"{name}-film"
         shutil.rmtree(film, ignore_errors=True)
         if of.endswith(".toml"):
-            what = ["--scene", scene_in(folder, of)]
-            played = what
+            scene = scene_in(folder, of)
+            what, played = ["--scene", scene], [scene]
         else:
             what, played = ["--body", folder / f"{of}.palpable"], [folder / f"{of}.palpable"]
         run(palpable, "synth", sequence, *what, "--frames", FRAMES, "-o", film)

@@ -99,8 +99,8 @@ def main():
     else:
         print(f"no {options.dragon}: palpable bake bodies/dragon.toml -o {options.dragon}; Figure 19 is left out")
     if beam.exists():
-        scene = ["--scene", ROOT / "scenes" / "crossed-beams.toml"]
-        film = played(options.work, "beams", ["beams", *scene, "--frames", 240, "--seed", 5], scene)
+        scene = ROOT / "scenes" / "crossed-beams.toml"
+        film = played(options.work, "beams", ["beams", "--scene", scene, "--frames", 240, "--seed", 5], [scene])
         write_row("figure_12.jpg", film, [118, 150], (445, 140, 1165, 545), 720)
     else:
         print(f"no {beam}: scenes/crossed-beams.toml says how it is baked; Figure 12 is left out")

@@ -144,7 +144,7 @@ def solve_truth(options, film):
     """Adds truth/deformed to a film with touches. Returns an error message, or None."""
     if not touches_truly(film):
         return None
-    solved = run([options.programs / "palpable", "truth", film, "--body", options.describes, "--baked", options.body])
+    solved = run([options.programs / "palpable", "truth", film, "--description", options.describes, "--body", options.body])
     return complaint(solved) if solved.returncode != 0 else None
 
 
@@ -164,7 +164,7 @@ def play(options, name, folder):
         if written.returncode != 0:
             return {"refused": f"synth: {complaint(written)}"}
     begin = time.time()
-    live = run([program, "live", options.body, "--source", film / "frames", "--out", folder / "result", "--meshes"])
+    live = run([program, "live", options.body, "--source", film / "frames", "--out", folder / "result", "--write", "+meshes"])
     if live.returncode != 0:
         return {"refused": f"live: {complaint(live)}"}
     played = time.time()

@@ -22,7 +22,7 @@ struct InspectOptions {
   bool json = false;
 };
 
-void print_text(const ReducedBody& body, const std::string& touch,
+void print_facts(const ReducedBody& body, const std::string& touch,
                 const std::filesystem::path& path) {
   for (const auto& [name, text] : body_facts(body, path, "--set")) {
     fmt::print("{:<20}{}\n", name, text);
@@ -45,7 +45,7 @@ void inspect(const InspectOptions& options) {
     }
     fmt::print("{}\n", result.dump(2));
   } else {
-    print_text(body, modal ? touch_text(*modal, body) : touch_text(touch), options.body);
+    print_facts(body, modal ? touch_text(*modal, body) : touch_text(touch), options.body);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -284,7 +285,7 @@ void add_live_options(Command command, LiveOptions& options) {
                   "(docs/scenes.md)")
       .default_is("the body that ships");
   add_source_option(command, options);
-  add_source_options(command, options.input);
+  add_source_options(command, options.input, SourceOptionsFor::kLive);
   add_place_options(command, options);
   add_board_options(command, options.board);
   add_contact_options(command, options);

@@ -135,7 +135,7 @@ def _(programs, folder):
                      r"1 rim; \S+ to \S+ mm deep\) against full finite elements: displacement \S+ % off", told, re.M), told
 
     # Other modes of the same campaign keep the tables; imported modes of another program have none.
-    programs.succeeds("reduce", "ball.snapshots", "--error", "1e-2", "-o", "coarse.palpable", cwd=folder / "whole")
+    programs.succeeds("reduce", "ball.snapshots", "--tolerance", "1e-2", "-o", "coarse.palpable", cwd=folder / "whole")
     coarse = json.loads(programs.succeeds("inspect", folder / "whole/coarse.palpable", "--json").stdout)
     assert coarse["touch"]["regions"] == 6 and coarse["touch"]["order"] == 3, coarse["touch"]
     held_out = coarse["touch"]["held_out"]
@@ -426,24 +426,24 @@ name = "ratio"
 of = "upper"
 stiffness = [0.5, 1, 2]
 [support]"""))
-    said = programs.succeeds("bake", toml, "-o", folder / "bar.palpable", "--at", "ratio=2").stdout
+    said = programs.succeeds("bake", toml, "-o", folder / "bar.palpable", "--set", "ratio=2").stdout
     assert "6 sites solved" in said and "one value of each parameter" in said, said
     assert len(list((folder / "bar.snapshots").glob("point_*_site_*.h5"))) == 6
     store = folder / "bar.snapshots"
     stiff = programs.succeeds("inspect", folder / "bar.palpable").stdout
     assert "ratio 2" in stiff, stiff
-    programs.succeeds("reduce", store, "--at", "ratio=0.5", "-o", folder / "soft.palpable")
+    programs.succeeds("reduce", store, "--set", "ratio=0.5", "-o", folder / "soft.palpable")
     assert "ratio 0.5" in programs.succeeds("inspect", folder / "soft.palpable").stdout
-    # Without --at the parameter stays free, and the reader chooses its value.
+    # Without --set the parameter stays free, and the reader chooses its value.
     programs.succeeds("reduce", store, "-o", folder / "free.palpable")
     assert "ratio" in programs.succeeds("inspect", folder / "free.palpable").stdout
     programs.refuses("reduce", store, "--method", "pod", "-o", folder / "x.palpable",
-                     says=["'pod' has no functions of 'ratio'", "--at ratio="])
+                     says=["'pod' has no functions of 'ratio'", "--set ratio="])
     programs.refuses("reduce", store, "--method", "sparse-pgd", "-o", folder / "x.palpable",
-                     says=["'sparse-pgd' has no functions of 'ratio'", "--at ratio="])
-    programs.refuses("reduce", store, "--at", "ratio=3", "-o", folder / "x.palpable",
+                     says=["'sparse-pgd' has no functions of 'ratio'", "--set ratio="])
+    programs.refuses("reduce", store, "--set", "ratio=3", "-o", folder / "x.palpable",
                      says=["'ratio' has no value 3", "0.5 1 2"])
-    programs.refuses("reduce", store, "--at", "ears=1", "-o", folder / "x.palpable",
+    programs.refuses("reduce", store, "--set", "ears=1", "-o", folder / "x.palpable",
                      says=["no parameter 'ears'", "'ratio'"])
 
 
@@ -481,7 +481,7 @@ def _(programs, folder):
     assert "sparse.palpable (sparse-pgd)" in (folder / "c.csv").read_text()
 
     # Options of one method are refused with the other.
-    for more, says in (((*learn, "--error", "1e-3"), ["--error", "sparse-pgd"]),
+    for more, says in (((*learn, "--tolerance", "1e-3"), ["--tolerance", "sparse-pgd"]),
                        ((*learn, "--norm", "own"), ["--norm", "sparse-pgd"]),
                        ((*learn, "--part", "0.05"), ["0.05 of 48 snapshots are 2", "at least 5"]),
                        ((*learn, "--part", "1"), ["--part"]),
@@ -525,7 +525,7 @@ def _(programs, folder):
     out = ("-o", folder / "bar.palpable")
     for shard in ("0/4", "5/4", "1", "1/4x", "a/b"):
         programs.refuses("bake", toml, *out, "--shard", shard, says=[f"--shard {shard}", "I/N"])
-    programs.refuses("bake", toml, *out, "--at", "ratio", says=["--at ratio", "ears=0.5"])
+    programs.refuses("bake", toml, *out, "--set", "ratio", says=["--set ratio", "ears=0.5"])
     programs.refuses("reduce", folder / "none.snapshots", *out, says=["none.snapshots", "no such folder"])
     programs.refuses("reduce", folder, *out, says=["not a folder of snapshots"])
     programs.refuses("bake", toml, *out, "--snapshots", folder, says=["could be destroyed"])

@@ -29,7 +29,7 @@ def start(programs, folder, events, *more, body=None):
     if not (folder / "clip").exists():
         write_long_clip(folder / "clip")
         (folder / "clip/scene.toml").write_text(SCENE)
-    return programs.start("live", body or programs.small_body(), "--source", "clip", "--no-depth", "--no-masks", "--out",
+    return programs.start("live", body or programs.small_body(), "--source", "clip", "--write=-depth,-masks", "--out",
                           "out", "--overwrite", "--events", events, *more, cwd=folder)
 
 

@@ -76,7 +76,7 @@ def pictures_of(programs, folder, film):
     eye = folder / "eye.mp4"
     shutil.copy(film, eye)
     programs.succeeds("live", programs.small_body(), "--source", eye, "--right", eye, "--calibration",
-                      folder / "clip/rectified.yml", "--place", "0 0.04 0.42 0 0 0", "--no-depth", "--no-masks",
+                      folder / "clip/rectified.yml", "--place", "0 0.04 0.42 0 0 0", "--write=-depth,-masks",
                       "--out", folder / "played", "--overwrite")
     played = json.loads((folder / "played/live.json").read_text())
     assert played["unreadable"] == 0, played

@@ -30,8 +30,8 @@ def _(programs, folder):
     assert "3 frames in" in result.stdout and "touch.mp4" not in result.stdout, result.stdout
     assert "live" in result.stderr and "100 %" in result.stderr, result.stderr
     assert sorted(folder.rglob("*")) == before, "something was written"
-    for option in ("--pictures", "--meshes", "--no-masks", "--no-depth", "--overwrite"):
-        programs.refuses(*without_out(programs, folder, option), says=[option, "--out"])
+    for words in (("--write", "+stills"), ("--write", "film,data"), ("--write=-depth",), ("--overwrite",)):
+        programs.refuses(*without_out(programs, folder, *words), says=[words[0][:7], "--out"])
     words = without_out(programs, folder)
     words[words.index("--source") + 1] = "synthetic"
     programs.refuses(*words, cwd=folder, says=["synthetic", "--out"])
@@ -62,23 +62,22 @@ def film_size(path):
 def _(programs, folder):
     base.write_stereo(folder / "clip/frames", frames=2)
     words = base.live(programs, folder, source="clip/frames")
-    for wrong, says in ((("camera",), "--views"), (("camera", "ears"), "ears"),
-                        (("camera", "truth"), "no truth/depth")):
-        programs.refuses(*words, "--views", *wrong, says=[says])
-    programs.refuses(*words, "--views", "camera", "mask", "--window", says=["--views", "--window"])
-    programs.refuses(*words, "--views", "camera", "mask", "--pictures", says=["--views", "--pictures"])
+    for wrong, says in ((("camera", "ears"), "ears"), (("camera", "truth"), "no truth/depth")):
+        programs.refuses(*words, "--view", *wrong, says=["--view", says])
+    programs.refuses(*words, "--view", "camera", "mask", "--window", says=["--view", "--window"])
+    programs.refuses(*words, "--view", "camera", "mask", "--write", "+stills", says=["--view", "stills"])
     truth = folder / "clip/truth"
     (truth / "depth").mkdir(parents=True)
     (truth / "camera.toml").write_text("fps = 30.0\ndepth_unit_m = 0.00025\n")
     # The true depth of the second frame is unknown.
     (truth / "depth/000000.png").write_bytes(base.png(base.WIDTH // 2, base.HEIGHT // 2, lambda x, y: 1764, bits=16, channels=1))
-    programs.succeeds(*words, "--views", "camera", "depth", "mask", "truth")
+    programs.succeeds(*words, "--view", "camera", "depth", "mask", "truth")
     assert json.loads((folder / "out/live.json").read_text())["view"] == "camera,depth,mask,truth"
     sizes = {}
     for count, views in ((4, "out"), (2, "two")):
         if count == 2:
             programs.succeeds(*[folder / "two" if word == folder / "out" else word for word in words],
-                              "--views", "camera", "moving", "--no-masks")
+                              "--view", "camera", "moving", "--write=-masks")
         sizes[count] = film_size(folder / views / "touch.mp4")
     assert sizes == {4: (base.WIDTH, base.HEIGHT), 2: (base.WIDTH, base.HEIGHT // 2)}, sizes
     assert not (folder / "two/visible").exists() and (folder / "out/visible").exists()
@@ -158,7 +157,7 @@ def _(programs, folder):
 @case("live tells each second and at the end how fast it goes when it is asked to, and live.json always")
 def _(programs, folder):
     base.write_stereo(folder / "clip", frames=90)
-    words = base.live(programs, folder, "--paced", "--overwrite", "--no-masks")
+    words = base.live(programs, folder, "--paced", "--overwrite", "--write=-masks")
     for more in ((), ("--stats",)):
         result = programs.succeeds(*words, *more)
         live = json.loads((folder / "out/live.json").read_text())

@@ -307,7 +307,7 @@ def _(programs, folder):
     watch = threading.Thread(target=first_file, args=(out, "pictures/*.png", found))
     watch.start()
     try:
-        print(root.run("palpable", "live", "post", "--source", "synthetic", "--out", "/tmp/out", "--pictures",
+        print(root.run("palpable", "live", "post", "--source", "synthetic", "--out", "/tmp/out", "--write", "+stills",
                        "--frame-pictures", "0", "120", user=user, cwd="/tmp"))
     finally:
         found["end"] = True
@@ -446,7 +446,7 @@ def _(programs, folder):
     for name, words in (("new", [programs.palpable]), ("old", [*old, programs.palpable])):
         begin = time.monotonic()
         run(*words, "live", body, "--source", folder / "clip/frames", "--frames", "110", "--out", folder / name,
-            "--no-depth", "--no-masks", env=environment)
+            "--write=-depth,-masks", env=environment)
         print(f"{name}: {time.monotonic() - begin:.0f} s")
         told[name] = (folder / name / "touches.jsonl").read_text()
     assert told["new"].count("\n") > 3, "nothing was touched: the comparison proves little"

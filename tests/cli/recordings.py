@@ -278,7 +278,7 @@ def _(programs, folder):
 @case("a scene's bodies are all in its recording, each with its name, scale and colour")
 def _(programs, folder):
     write_clip(folder / "clip")
-    live = programs.succeeds("live", "--scene", two_balls(programs, folder), "--source", folder / "clip", "--record",
+    live = programs.succeeds("live", two_balls(programs, folder), "--source", folder / "clip", "--record",
                              folder / "a.palprec", "--out", folder / "out")
     (folder / "desk.toml").unlink()  # the replay must not need it
     result = programs.succeeds("replay", folder / "a.palprec", "--out", folder / "again")
@@ -306,18 +306,18 @@ def paper_touches(programs, folder, *more):
 @case("Algorithm 1 on all nodes presses the same sites by its distance field as by the exact distance")
 def _(programs, folder):
     write_clip(folder / "clip", frames=30)
-    exact = paper_touches(programs, folder, "--paper-nodes", "all", "--distance", "grid")
-    field = paper_touches(programs, folder, "--paper-nodes", "all", "--distance", "voxmap")
+    exact = paper_touches(programs, folder, "--paper-nodes", "all", "--paper-distance", "grid")
+    field = paper_touches(programs, folder, "--paper-nodes", "all", "--paper-distance", "voxmap")
     # The wall passes through the ball, so that some node is always within one voxel of it, where the field is exact.
     assert field == exact and len(exact) == 30, (field, exact)
     assert sum(map(len, exact.values())) > 20 and len({touch[0][0] for touch in exact.values() if touch}) > 1, exact
     assert paper_touches(programs, folder, "--paper-nodes", "sites") != exact
     # Each of the other options changes the results, and has its own unit.
     usual = paper_touches(programs, folder)
-    assert paper_touches(programs, folder, "--paper-step", 2, "--paper-press", 12, "--paper-release", 25, "--paper-nodes",
-                         "sites", "--distance", "grid") == usual
-    assert paper_touches(programs, folder, "--paper-press", "0.1") != usual
-    assert paper_touches(programs, folder, "--paper-press", "0.1", "--paper-release", "0.2") != usual
+    assert paper_touches(programs, folder, "--paper-step", 2, "--paper-press", "12mm", "--paper-release", "25mm", "--paper-nodes",
+                         "sites", "--paper-distance", "grid") == usual
+    assert paper_touches(programs, folder, "--paper-press", "0.1mm") != usual
+    assert paper_touches(programs, folder, "--paper-press", "0.1mm", "--paper-release", "0.2mm") != usual
     assert paper_touches(programs, folder, "--paper-step", 60) != usual
 
 
@@ -325,24 +325,23 @@ def _(programs, folder):
 def _(programs, folder):
     write_clip(folder / "clip", frames=1)
     words = ("live", touched_body(programs), "--source", folder / "clip")
-    for option, value in (("--paper-step", 2), ("--paper-press", 12), ("--paper-release", 25), ("--paper-nodes", "sites"),
-                          ("--distance", "grid")):
+    for option, value in (("--paper-step", 2), ("--paper-press", "12mm"), ("--paper-release", "25mm"), ("--paper-nodes", "sites"),
+                          ("--paper-distance", "grid")):
         for contact in ((), ("--contact", "site"), ("--contact", "anywhere")):
             programs.refuses(*words, option, value, *contact, says=[option, "--contact paper"])
     paper = (*words, "--contact", "paper")
-    for more in (("--paper-press", 30), ("--paper-release", 12), ("--paper-press", 20, "--paper-release", 20),
-                 ("--paper-press", 0)):
+    for more in (("--paper-press", "30mm"), ("--paper-release", "12mm"), ("--paper-press", "2cm", "--paper-release", "20mm")):
         programs.refuses(*paper, *more, says=["--paper-press", "above 0 and below --paper-release"])
-    programs.refuses(*paper, "--paper-press", "nan", says=["--paper-press"])
-    programs.refuses(*paper, "--paper-press", "-1", says=["--paper-press"])
+    for wrong in ("0mm", "nan", "-1mm", "12"):
+        programs.refuses(*paper, f"--paper-press={wrong}", says=["--paper-press", wrong])
     programs.refuses(*paper, "--paper-step", 0, says=["--paper-step"])
     programs.refuses(*paper, "--paper-nodes", "some", says=["--paper-nodes"])
-    programs.refuses(*paper, "--distance", "field", says=["--distance"])
+    programs.refuses(*paper, "--paper-distance", "field", says=["--paper-distance"])
 
 
 @case("a recording has the options of Algorithm 1, and one of before them is played with the usual ones")
 def _(programs, folder):
-    asked = ("--paper-step", 3, "--paper-press", "10.3", "--paper-release", 31, "--paper-nodes", "all", "--distance", "voxmap")
+    asked = ("--paper-step", 3, "--paper-press", "10.3mm", "--paper-release", "31mm", "--paper-nodes", "all", "--paper-distance", "voxmap")
     states = record(programs, folder, "--contact", "paper", *asked)
     assert states_of(programs.succeeds("replay", folder / "a.palprec").stdout) == states
     data = (folder / "a.palprec").read_bytes()

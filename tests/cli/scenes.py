@@ -39,17 +39,17 @@ def _(programs, folder):
                        (body("a", "none.palpable", 'description = "body.toml"\n'),
                         ["none.palpable", "'a'", "palpable bake", "body.toml"]),
                        ("[camera]\n", ["desk.toml"])):
-        programs.refuses("live", "--scene", scene(folder, text), *source, says=says)
+        programs.refuses("live", scene(folder, text), *source, says=says)
     two = scene(folder, body("a", ball), body("b", ball, 'beside = "a"\nat = ["60 mm", "0 mm", "0 mm"]\n'))
     base.write_stereo(folder / "clip")
-    for words in (("live", "--scene", two, "--source", folder / "clip", *source[2:]),
+    for words in (("live", two, "--source", folder / "clip", *source[2:]),
                   ("synth", "press", "--scene", two, "--frames", "70", "-o", folder / "film")):
         result = programs.run(*words)
         if "EGL" in result.stderr:
             continue
         assert result.returncode == 1 and "'a'" in result.stderr and "'b'" in result.stderr, (words, result.stderr)
-    programs.refuses("live", ball, "--scene", two, *source, says=["--scene"])
-    programs.refuses("live", "--scene", two, *source, "--scale", "2", says=["--scale"])
+    programs.refuses("live", ball, two, *source, says=["desk.toml"])
+    programs.refuses("live", two, *source, "--scale", "2", says=["--scale"])
 
 
 @case("two bodies are filmed, played and scored, each by its name")
@@ -62,7 +62,7 @@ def _(programs, folder):
     assert result.returncode == 0, result.stderr
     for name in ("large", "small"):
         assert (clip / "truth/bodies" / name / "contact.jsonl").exists()
-    programs.succeeds("live", "--scene", desk, "--source", clip / "frames", "--meshes", "--out", out)
+    programs.succeeds("live", desk, "--source", clip / "frames", "--write", "+meshes", "--out", out)
     summary = json.loads((out / "live.json").read_text())
     assert [one["name"] for one in summary["bodies"]] == ["large", "small"], summary["bodies"]
     assert [one["scale"] for one in summary["bodies"]] == [1, 0.5], summary["bodies"]
@@ -77,7 +77,7 @@ def _(programs, folder):
     assert large["frames_touching"] > 0 and large["touch_recall"] > 0.8, large
     assert small["frames_touching"] == 0 and not small["touch_false_5mm"], small
     # A repetition gives the same result.
-    programs.succeeds("live", "--scene", desk, "--source", clip / "frames", "--meshes", "--out", folder / "again")
+    programs.succeeds("live", desk, "--source", clip / "frames", "--write", "+meshes", "--out", folder / "again")
     for file in ("touches.jsonl", "pose.jsonl"):
         assert (out / file).read_bytes() == (folder / "again" / file).read_bytes(), file
 

@@ -130,18 +130,21 @@ def _(programs, folder):
     words = ("live", touched_body(programs), "--source", clip, "--out", folder / "out", "--overwrite")
     sizes = {}
     for size in ("half", "full", "auto"):
-        programs.succeeds(*words, "--depth", size, "--farthest", "3", "--record", folder / f"{size}.palprec")
+        programs.succeeds(*words, "--stereo-size", size, "--farthest", "3m", "--record", folder / f"{size}.palprec")
         picture = (folder / "out/depth/000001.png").read_bytes()
         sizes[size] = int.from_bytes(picture[16:20], "big")
         depth = json.loads((folder / "out/live.json").read_text())["depth"]
         assert depth["median_density"] > 0.5 and depth["frames_few_depths"] == [], depth
         assert "equal" in programs.succeeds("replay", folder / f"{size}.palprec").stdout
     assert sizes == {"half": 160, "full": 320, "auto": 320}, sizes
-    programs.succeeds(*words, "--farthest", "0.3")  # the wall is 0.44 m away
+    programs.succeeds(*words, "--farthest", "0.3m")  # the wall is 0.44 m away
     assert json.loads((folder / "out/live.json").read_text())["depth"]["median_density"] == 0
-    programs.refuses(*words, "--depth", "double", says=["--depth"])
-    programs.refuses(*words, "--farthest", "0", says=["--farthest"])
+    programs.refuses(*words, "--stereo-size", "double", says=["--stereo-size"])
+    programs.refuses(*words, "--farthest", "0m", says=["--farthest"])
     programs.refuses(*words, "--farthest", "nan", says=["--farthest"])
+    programs.refuses(*words, "--farthest", "3", says=["--farthest", "3m"])
+    # Of 0.1: --depth was of the size, and of a depth camera or depth images.
+    programs.refuses(*words, "--depth", "full", says=["--depth", "--stereo-size", "--depth-source"])
 
 
 @case("boards that are few or hardly tilted are refused with the uncertainty, or accepted with it")
@@ -149,7 +152,7 @@ def _(programs, folder):
     poses = [(0.1 * cos(2 * pi * n / 5), 0.1 * sin(2 * pi * n / 5), 0.02 * (n % 3), 0.01 * n - 0.02, 0.38 + 0.02 * (n % 4))
              for n in range(5)]
     base.write_boards(folder / "boards", poses)
-    words = ("calibrate", "--source", folder / "boards", "--board", "7x4", "--square", "30", "-o", folder / "a.yml")
+    words = ("calibrate", "--source", folder / "boards", "--board", "7x4", "--square", "30mm", "-o", folder / "a.yml")
     programs.refuses(*words, says=["in 5 pairs; 6 are wanted", "tilted by at most", "standard deviation", "--accept"])
     assert not (folder / "a.yml").exists()
     said = programs.succeeds(*words, "--accept").stdout
@@ -165,15 +168,15 @@ def _(programs, folder):
     base.write_desk(folder / "desk")
     words = ("live", programs.small_body(), "--source", folder / "desk", "--out", folder / "out", "--overwrite", "--anchor", "plane")
     for u, v in ((100, 110), (220, 70)):
-        programs.succeeds(*words, "--at", f"{u},{v}")
+        programs.succeeds(*words, "--at-pixel", f"{u},{v}")
         pose = json.loads((folder / "out/live.json").read_text())["camera_from_body"]
         x, y, z = pose[3], pose[7], pose[11]
         assert abs(175 * x / z + 159.5 - u) < 1 and abs(175 * y / z + 89.5 - v) < 1, pose
         assert pose[6] < -0.6 and pose[10] < -0.6, pose
-    programs.refuses(*words, "--at", "400,20", says=["400, 20 is outside of the picture of 320 x 180"])
-    programs.refuses(*words, "--at", "100", says=["--at 100", "320,200"])
-    programs.refuses(*words, "--at", "a,b", says=["--at a,b"])
-    programs.refuses(*words[:-2], "--at", "1,2", says=["--at", "--anchor plane"])
+    programs.refuses(*words, "--at-pixel", "400,20", says=["400, 20 is outside of the picture of 320 x 180"])
+    programs.refuses(*words, "--at-pixel", "100", says=["--at-pixel 100", "320,200"])
+    programs.refuses(*words, "--at-pixel", "a,b", says=["--at-pixel a,b"])
+    programs.refuses(*words[:-2], "--at-pixel", "1,2", says=["--at-pixel", "--anchor plane"])
 
 
 if __name__ == "__main__":

@@ -162,7 +162,7 @@ def _(programs, folder):
 @case("a run that begins anew puts the body where its start has put it: on a free place, or at the pixel")
 def _(programs, folder):
     base.write_desk(folder / "desk", frames=6)
-    for at in ((), ("--at", "90,130")):
+    for at in ((), ("--at-pixel", "90,130")):
         words = ("live", programs.small_body(), "--source", folder / "desk", "--anchor", "plane", *at, "--window", "--paused",
                  "--out", folder / "out", "--overwrite")
         with shown(programs, folder, *words) as given:

@@ -24,14 +24,15 @@ def _(programs, folder):
         for words in (("view", body, "--out", folder / "x", "--level"),
                       ("view", body, "--close-after"),
                       ("live", body, "--source", folder, "--out", folder / "x", "--scale"),
-                      ("scan", folder, "-o", folder / "x.ply", "--voxel"),
-                      ("calibrate", "--source", folder, "--square"),
-                      ("mesh", folder / "a.off", "-o", folder / "x.msh", "--edge"),
                       ("solve", folder / "a.toml", "-o", folder / "x.vtu", "--level"),
-                      ("reduce", folder, "-o", folder / "x.palpable", "--error")):
+                      ("reduce", folder, "-o", folder / "x.palpable", "--tolerance")):
             # A value that begins with "-" is recognized as a value only after "=".
             said = programs.refuses(*words[:-1], f"{words[-1]}={value}", says=[words[-1], value, "finite"])
             assert ".cpp" not in said, said
+        for words in (("scan", folder, "-o", folder / "x.ply", "--voxel"), ("calibrate", "--source", folder, "--square"),
+                      ("mesh", folder / "a.off", "-o", folder / "x.msh", "--edge")):
+            for length in (value, f"{value}mm"):
+                programs.refuses(*words[:-1], f"{words[-1]}={length}", says=[words[-1], length])
         programs.refuses("view", body, "--out", folder / "x", f"--set=heat={value}", says=["--set", "heat"])
         programs.refuses("press", body, "--load", f"0,0,{value}=1", says=["--load", "finite"])
         programs.refuses("press", body, "--load", f"0,0,0={value}", says=["--load", "finite"])
@@ -223,7 +224,7 @@ def _(programs, folder):
     (folder / "link").symlink_to("ball.off")
     shutil.copy(folder / "ball.off", folder / "cup.off")
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    solve = ("solve", "ball.toml", "--obstacle", "cup.off", "--pose", "pose.txt")
+    solve = ("solve", "ball.toml", "--obstacle", "cup.off", "--poses", "pose.txt")
     for words, output in ((solve, "ball.off"), (solve, "cup.off"), (solve, "pose.txt"), (solve, "link"), (solve, "ball.toml"),
                           (("reduce", "b.snapshots"), "b.snapshots/campaign.h5"),
                           (("import-modes", "b.pxdmf"), "b.pxdmf"), (("compare", "b.palpable"), "b.palpable"),
