@@ -213,7 +213,7 @@ PreviewSettings preview_settings(const LiveOptions& options, const PlayOptions& 
     throw Error("--preview shows what a camera delivers: give it as --source /dev/video0");
   }
   RunOptions run = options.run;
-  run.depth = depth_size(options.input);
+  run.depth = options.input.stereo_size;
   run.farthest = options.input.farthest;
   return {.images = request_of(options.input),
           .depth = session_settings(run).depth,

@@ -83,7 +83,7 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   settings.slam.fuse_every = options.fuse_every;
   settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
   settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
-  set_depth(depth_size(options.input), options.input.farthest, settings.depth);
+  set_depth(options.input.stereo_size, options.input.farthest, settings.depth);
   if (options.input.farthest > 0) set_farthest(options.input.farthest, settings);
   settings.most_frames = options.frames;
   if (!given.empty())
@@ -159,7 +159,7 @@ void add_scan(Command app) {
           "A folder, images by name, one image (with --right), a video file, a *.palprec or a "
           "camera, as for live")
       .required();
-  add_source_options(command, options->input);
+  add_source_options(command, options->input, SourceOptionsFor::kScan);
   command.add_option("-o,--out", options->out, "Surface to write, a .ply with colours").required();
   command.add_option("--trajectory", options->trajectory,
                      "File with poses to use instead of tracking: a line 'time tx ty tz qx qy qz "
