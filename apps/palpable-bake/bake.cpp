@@ -160,7 +160,7 @@ FillSettings campaign_settings(const BakeOptions& options,
   return settings;
 }
 
-Json json_of(const BakedFile& baked, const BakeOptions& options, Clock::time_point begin) {
+Json baked_json(const BakedFile& baked, const BakeOptions& options, Clock::time_point begin) {
   const std::chrono::duration<double> taken = Clock::now() - begin;
   Json result;
   if (baked.body) {
@@ -224,7 +224,7 @@ void estimate(const BakeOptions& options, Crew& crew) {
 
 void print_baked(const BakedFile& baked, const BakeOptions& options, Clock::time_point begin) {
   if (options.json) {
-    print_json(json_of(baked, options, begin));
+    print_json(baked_json(baked, options, begin));
   } else if (baked.body) {
     const std::chrono::duration<double> taken = Clock::now() - begin;
     print_body_report(*baked.body, options.output, taken.count());

@@ -29,7 +29,9 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Tables = BodyDescription::Touch::Tables;
+using WantedTables = BodyDescription::Touch::Tables;
+
+constexpr int kEnergyModes = 24 + 10;  // linear and curved ones of intrusive_bake.cpp
 
 // CPU seconds of this process and of children that have ended: TetGen runs in one.
 double cpu_seconds_with_children() {
@@ -124,7 +126,7 @@ double bytes_of_regions(const SkinResponse& skin, const Compliance& compliance,
 TouchCounts touch_counts(const BodyDescription::Touch& wanted, const MeshCounts& mesh, bool carries,
                          const SkinResponse& skin) {
   TouchBakeSettings settings = touch_settings(wanted, 1);
-  if (wanted.tables == Tables::kLinear) settings.regions.most = settings.cross.modes = 0;
+  if (wanted.tables == WantedTables::kLinear) settings.regions.most = settings.cross.modes = 0;
   TouchTables tables;
   tables.shell = make_shell(skin);
   tables.compliance = compliance_without_numbers(skin, settings.compliance);
@@ -168,8 +170,8 @@ std::optional<BodyProblem> coarser(const BodyDescription& description, const Bod
 // Measures the costs on each mesh, and finds what the tables of touch will be.
 void count_solids(const BodyDescription& description, const BodyProblem& problem,
                   const Progress& progress, CountedBake& counted) {
-  bool none = description.touch.tables == Tables::kNone || counted.counts.intrusive.has_value() ||
-              counted.counts.shards > 1;
+  bool none = description.touch.tables == WantedTables::kNone ||
+              counted.counts.intrusive.has_value() || counted.counts.shards > 1;
   double begin = cpu_seconds_with_children();
   std::optional<BodyProblem> coarse;
   if (!none) coarse = coarser(description, problem, none);
@@ -179,8 +181,14 @@ void count_solids(const BodyDescription& description, const BodyProblem& problem
   counted.costs.flop = cost_of_flop();
   begin = thread_cpu_seconds();
   if (none || coarse) {
-    const LoadResponse body(problem.model);
-    counted.costs.body = costs_on(body, thread_cpu_seconds() - begin);
+    const SkinResponse skin(problem.model, problem.mesh.boundary);
+    counted.costs.body = costs_on(skin.body(), thread_cpu_seconds() - begin);
+    if (counted.counts.intrusive && counted.counts.intrusive->energy_modes > 0) {
+      TouchTables tables;
+      tables.shell = make_shell(skin);
+      counted.counts.intrusive->shell = skin.shell_count();
+      counted.counts.intrusive->shell_bytes = static_cast<double>(bytes_of(tables));
+    }
   }
   if (!none) {
     const BodyProblem& own = coarse ? *coarse : problem;
@@ -240,10 +248,11 @@ CountedBake count_bake(const BodyDescription& description, const BakeToFileSetti
     TravellingLoad travelling = travelling_load(description);
     const BodyDescription::Intrusive& wanted = *description.intrusive;
     const auto positions = static_cast<int>(travelling.load.cols());
-    counted.counts.intrusive = {.positions = positions,
-                                .modes = std::min(wanted.modes, positions),
-                                .stress_modes = wanted.stress_modes,
-                                .several = !travelling.reaction_sites.empty()};
+    counted.counts.intrusive =
+        IntrusiveCounts{.positions = positions,
+                        .modes = std::min(wanted.modes, positions),
+                        .stress_modes = wanted.stress_modes,
+                        .energy_modes = travelling.reaction_sites.empty() ? 0 : kEnergyModes};
     problem = std::move(travelling.problem);
   }
   counted.costs.mesh = cpu_seconds_with_children() - begin;

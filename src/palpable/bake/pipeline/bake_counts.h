@@ -39,16 +39,18 @@ struct IntrusiveCounts {
   int positions = 0;  ///< of the load
   int modes = 0;      ///< of displacement
   int stress_modes = 0;
-  bool several = false;  ///< whether several loads may act at once
+  int energy_modes = 0;    ///< of the energy of several loads at once; 0: one load at a time
+  int shell = 0;           ///< nodes of the shell (shell_table.h); 0 with one load at a time
+  double shell_bytes = 0;  ///< of the table that the body file has of it
 };
 
 struct BakeCounts {
   MeshCounts body;
-  int sites = 0;          ///< S
-  int levels = 0;         ///< L
-  int points = 1;         ///< P, combinations of the parameters' values
-  int linear = 0;         ///< linear responses of vertices
-  int shards = 1;         ///< only one part in so many is solved; it makes no body file
+  int sites = 0;   ///< S
+  int levels = 0;  ///< L
+  int points = 1;  ///< P, combinations of the parameters' values
+  int linear = 0;  ///< linear responses of vertices
+  int shards = 1;  ///< parts of the campaign, one of which is solved; above 1 there is no body file
   bool held_out = false;  ///< whether the levels in between are solved, too
   /// Modes in the body file that the default tolerance needs (expected_modes()).
   double displacement_modes = 0, stress_modes = 0;

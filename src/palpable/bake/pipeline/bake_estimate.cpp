@@ -42,6 +42,7 @@ struct Model {
   // The power series of a load.
   static constexpr double series_orders = 8.5, order_passes = 1.0;
   static constexpr double separate_flops = 40;  // per node, position, order and mode
+  static constexpr double products_u = 1.6, products_sigma = 0.75;  // in the file, for each mode
 };
 
 double iteration(const MeshCosts& costs) {
@@ -206,9 +207,14 @@ double file_bytes_of(const BakeCounts& counts) {
   const double skin = 60.0 * counts.body.vertices;
   double modes = 0;
   if (const auto& travelling = counts.intrusive) {
-    // Each mode stands in the file once for each of its products.
-    const double columns = 3 * 1.6 * travelling->modes + 6 * 0.75 * travelling->stress_modes;
-    modes = counts.body.vertices * columns * counts.bytes_of_number;
+    // Each mode stands in the file once for each of its products, with its function of the
+    // position.
+    const double u = Model::products_u * travelling->modes;
+    const double sigma = Model::products_sigma * travelling->stress_modes;
+    const double nodes = std::max(counts.body.vertices, travelling->shell);
+    modes = counts.body.vertices * (3 * u + 6 * sigma) * counts.bytes_of_number +
+            8.0 * travelling->positions * (u + sigma) + 12 * nodes * travelling->energy_modes +
+            travelling->shell_bytes;
   } else {
     modes = counts.mode_nodes * (3 * counts.displacement_modes + 6 * counts.stress_modes) *
             counts.bytes_of_number;
@@ -253,7 +259,7 @@ std::string range_about(const std::string& least, const std::string& most) {
 }
 
 template <class Text>
-std::string line_of(const char* what, double value, const Text& text, const std::string& more) {
+std::string figure_line(const char* what, double value, const Text& text, const std::string& more) {
   constexpr double kFactor = BakeEstimate::kFactor;
   return fmt::format("{:<7} about {}{} ({})\n", what, text(value), more,
                      range_about(text(value / kFactor), text(value * kFactor)));
@@ -264,16 +270,16 @@ std::string line_of(const char* what, double value, const Text& text, const std:
 std::string text_of(const BakeEstimate& estimate) {
   const std::string cores =
       fmt::format(" on {} {}", estimate.threads, estimate.threads == 1 ? "core" : "cores");
-  std::string text = line_of("time", estimate.seconds, duration_about, cores);
-  text += line_of("memory", estimate.memory_bytes, bytes_about, "");
+  std::string text = figure_line("time", estimate.seconds, duration_about, cores);
+  text += figure_line("memory", estimate.memory_bytes, bytes_about, "");
   std::string beside;
   if (estimate.snapshot_bytes > 0) {
     beside = fmt::format(", and {} of snapshots", bytes_about(estimate.snapshot_bytes));
   }
   if (estimate.file_bytes > 0)
-    return text + line_of("file", estimate.file_bytes, bytes_about, beside);
+    return text + figure_line("file", estimate.file_bytes, bytes_about, beside);
   return text +
-         line_of("file", estimate.snapshot_bytes, bytes_about, " of snapshots, no body file");
+         figure_line("file", estimate.snapshot_bytes, bytes_about, " of snapshots, no body file");
 }
 
 Json json_of(const BakeEstimate& estimate) {

@@ -81,6 +81,7 @@ TEST_CASE("positions of a travelling load are counted without those near the sup
   // are within twice that.
   CHECK(counted.counts.intrusive->positions == 112 - 2 * 7);
   CHECK(counted.counts.intrusive->modes == counted.counts.intrusive->positions);
+  CHECK(counted.counts.intrusive->energy_modes == 0);
   CHECK(counted.counts.sites == 0);
   CHECK(!counted.counts.touch);
   CHECK(estimate_of(counted.counts, counted.costs, 8).threads == 1);
