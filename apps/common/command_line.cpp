@@ -322,7 +322,7 @@ void Command::set_from_file(const std::vector<FileOption>& options) {
 }
 
 void Command::set_from_file(CLI::Option& option, const FileOption& from) {
-  if (option.get_type_size() == 0) {  // a flag
+  if (is_flag(option)) {
     const bool value = from.words == std::vector<std::string>{"true"};
     if (!value && from.words != std::vector<std::string>{"false"}) {
       throw Error(fmt::format("{}: '{}' must be true or false", from.where, from.name));
@@ -341,8 +341,7 @@ std::vector<Command::GivenOption> Command::given_options() const {
   std::vector<GivenOption> given;
   for (const CLI::Option* option : std::as_const(*app_).get_options()) {
     if (option->count() == 0 || option->get_positional() || option->get_lnames().empty()) continue;
-    given.push_back(
-        {option->get_lnames().front(), option->results(), option->get_type_size() == 0});
+    given.push_back({option->get_lnames().front(), option->results(), is_flag(*option)});
   }
   return given;
 }

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -73,6 +74,22 @@ std::string printed(CommandLine& app, std::vector<const char*> words) {
   return text.str();
 }
 
+// What the program prints on stderr when it refuses these words.
+std::string complaint(CommandLine& app, std::vector<const char*> words) {
+  words.insert(words.begin(), "prog");
+  std::FILE* const usual = stderr;
+  char* text = nullptr;
+  std::size_t size = 0;
+  stderr = ::open_memstream(&text, &size);
+  const int code = app.run(static_cast<int>(words.size()), words.data());
+  std::fclose(stderr);
+  stderr = usual;
+  std::string said(text, size);
+  std::free(text);
+  CHECK(code == 1);
+  return said;
+}
+
 TEST_CASE("help is at most 100 columns wide and says in words what an option may be",
           "[apps][help]") {
   std::string many_words = "Of";
@@ -129,6 +146,61 @@ TEST_CASE("lengths have a unit", "[apps][errors]") {
   CHECK(length_text(1.2) == "1.2m");
 }
 
+TEST_CASE("a length without unit is refused with the units that fit the option", "[apps][errors]") {
+  CommandLine app("A program", "prog", "prog 1");
+  Command command = app.add_subcommand("cut", "Cut");
+  double side = 0, distance = 0, any = 0;
+  command.add_length("--side", side, "Side", {1e-4, 10.0});
+  command.add_length("--distance", distance, "Distance", {0.2, 1000.0});
+  command.add_length("--any", any, "Any");
+  command.callback([] {});
+  const auto refused = [&](const char* option, const char* value) {
+    return complaint(app, {"cut", option, value});
+  };
+  using Catch::Contains;
+  CHECK_THAT(refused("--side", "25"), Contains("--side: 25 has no unit: write 25mm, see"));
+  CHECK_THAT(refused("--distance", "3"), Contains("--distance: 3 has no unit: write 3m, see"));
+  CHECK_THAT(refused("--any", "7"), Contains("7 has no unit: write 7mm or 7m, see"));
+  CHECK_THAT(refused("--side", "0"), Contains("0 has no unit: write a length such as 0.1mm, see"));
+}
+
+TEST_CASE("an argument may also be given as an option, and is explained once", "[apps][help]") {
+  std::string source;
+  const auto app_of = [&source] {
+    auto app = std::make_unique<CommandLine>("A program", "prog", "prog 1");
+    Command command = app->add_subcommand("scan", "Scan");
+    command.begin_group("Input");
+    command.add_option("source,-s,--source", source, "What is seen").type_name("SOURCE").required();
+    command.callback([] {});
+    return app;
+  };
+  for (const std::vector<const char*>& words :
+       {std::vector<const char*>{"desk"}, {"--source", "desk"}, {"-s", "desk"}}) {
+    source.clear();
+    std::vector<const char*> all{"prog", "scan"};
+    all.insert(all.end(), words.begin(), words.end());
+    CHECK(app_of()->run(static_cast<int>(all.size()), all.data()) == 0);
+    CHECK(source == "desk");
+  }
+  CHECK_THAT(complaint(*app_of(), {"scan", "--source", "desk", "other"}),
+             Catch::Contains("unexpected argument 'other'"));
+  CHECK_THAT(complaint(*app_of(), {"scan", "other", "--source", "desk"}),
+             Catch::Contains("--source: ") && Catch::Contains("received 2"));
+  CHECK_THAT(complaint(*app_of(), {"scan"}), Catch::Contains("--source is required"));
+  const std::string help = printed(*app_of(), {"scan", "--help"});
+  INFO(help);
+  CHECK(help.find("\n  source                      What is seen\n") != std::string::npos);
+  CHECK(
+      help.find("\n  -s,--source SOURCE          The argument source, as an option [required]\n") !=
+      std::string::npos);
+  const Json reference = Json::parse(app_of()->reference_json()).value();
+  for (const Json& option : reference["commands"][0]["options"]) {
+    if (!option["positional"].get<bool>()) continue;
+    CHECK(option["names"].size() == 3);
+    CHECK(option["names"][0].get<std::string>() == "source");
+  }
+}
+
 TEST_CASE("options of experts are listed by --help-all, and help COMMAND is COMMAND --help",
           "[apps][help]") {
   CommandLine app("A program", "prog", "prog 1");
@@ -172,17 +244,8 @@ TEST_CASE("a spelling of 0.1 is refused with the present one", "[apps][errors]")
   Command command = app.add_subcommand("calibrate", "Calibrate");
   std::string file;
   command.add_option("-o,--out", file, "Where to");
-  std::FILE* const usual = stderr;
-  char* text = nullptr;
-  std::size_t size = 0;
-  stderr = ::open_memstream(&text, &size);
-  const std::array words{"prog", "calibrate", "--output", "x"};
-  CHECK(app.run(4, words.data()) == 1);
-  std::fclose(stderr);
-  stderr = usual;
-  CHECK(std::string(text, size) ==
+  CHECK(complaint(app, {"calibrate", "--output", "x"}) ==
         "palpable: '--output' was its name in 0.1: write --out, see prog calibrate --help\n");
-  std::free(text);
 }
 
 // Runs a program with one option of each numeric type; the values go to `read`.

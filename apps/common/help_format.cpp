@@ -52,6 +52,15 @@ class HelpFormat : public CLI::Formatter {
     }
     return wrapped_lines(text, kHelpWidth);
   }
+  std::string make_groups(const CLI::App* app, CLI::AppFormatMode mode) const override {
+    std::string text = CLI::Formatter::make_groups(app, mode);
+    // CLI11 leaves an empty line for a group that lists nothing.
+    for (std::size_t at = text.find("\n\n\n"); at != std::string::npos;
+         at = text.find("\n\n\n", at)) {
+      text.erase(at, 1);
+    }
+    return text;
+  }
   std::string make_group(std::string group, bool is_positional,
                          std::vector<const CLI::Option*> options) const override {
     if (group.front() != kExpertMark) {
@@ -93,9 +102,11 @@ class HelpFormat : public CLI::Formatter {
 
 }  // namespace
 
+bool is_flag(const CLI::Option& option) { return option.get_expected_max() == 0; }
+
 OptionWords words_of(const CLI::Option& option) {
   OptionWords words;
-  if (option.get_type_size() == 0) return words;  // a flag
+  if (is_flag(option)) return words;
   // CLI11's type names: "TEXT:{a,b}", "FLOAT:FLOAT in [0 - 1]".
   const std::vector<std::string> parts = CLI::detail::split(option.get_type_name(), ':');
   words.value = parts.front();
@@ -124,7 +135,7 @@ OptionWords words_of(const CLI::Option& option) {
   }
   if (words.value == "INT" || words.value == "UINT") words.value = "N";
   if (words.value == "FLOAT") words.value = "NUMBER";
-  words.several = option.get_expected_max() >= CLI::detail::expected_max_vector_size;
+  words.several = option.get_expected_max() > 1;
   const std::string usual = option.get_default_str();
   words.usual = option.get_required() ? "required" : usual.empty() ? "none" : usual;
   return words;

@@ -24,6 +24,9 @@ struct OptionWords {
   std::vector<std::string> choices;  ///< the words that it may be; empty: any
   std::string usual;                 ///< the default; "none"; "required"; empty for a flag
 };
+/// Whether the option takes no value.
+[[nodiscard]] bool is_flag(const CLI::Option& option);
+
 [[nodiscard]] OptionWords words_of(const CLI::Option& option);
 
 /// A formatter for a CLI::App and its later subcommands. No line is wider than 100 columns; the

@@ -24,6 +24,21 @@ constexpr std::array kOldSpellings{
     OldSpelling{"import-modes", "--level", "--level-parameter"},
     OldSpelling{"calibrate", "--output", "--out"},
     OldSpelling{"calibrate", "--views", "--boards"},
+    OldSpelling{"scan", "--depth", "--stereo-size half|full|auto or --depth-source DEVICE|IMAGES"},
+    OldSpelling{"live", "--depth", "--stereo-size half|full|auto or --depth-source DEVICE|IMAGES"},
+    OldSpelling{"live", "--scene", "the file alone, as in palpable live desk.toml"},
+    OldSpelling{"live", "--at", "--at-pixel X,Y"},
+    OldSpelling{"live", "--distance", "--paper-distance"},
+    OldSpelling{"live", "--views", "--view"},
+    OldSpelling{"live", "--no-masks", "--write=-masks"},
+    OldSpelling{"live", "--no-depth", "--write=-depth"},
+    OldSpelling{"live", "--meshes", "--write +meshes"},
+    OldSpelling{"live", "--pictures", "--write +stills"},
+    OldSpelling{"replay", "--views", "--view"},
+    OldSpelling{"replay", "--no-masks", "--write=-masks"},
+    OldSpelling{"replay", "--no-depth", "--write=-depth"},
+    OldSpelling{"replay", "--meshes", "--write +meshes"},
+    OldSpelling{"replay", "--pictures", "--write +stills"},
 };
 
 }  // namespace

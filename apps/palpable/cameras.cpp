@@ -1,6 +1,7 @@
 // palpable cameras: the connected cameras, their capabilities, and the commands that use them.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/palpable/commands.h"
 #include "palpable/live/sources/camera_list.h"
 #include "palpable/live/sources/camera_source.h"
@@ -17,16 +18,15 @@ namespace {
 void print_cameras(bool json) {
   const std::vector<ListedCamera> cameras = list_cameras(linux_video(), calibration_folders());
   if (json) {
-    fmt::print("{}\n", json_of(cameras).dump(2));
+    print_json(json_of(cameras));
     return;
   }
   if (cameras.empty()) {
-    fmt::print(
+    print_text(
         "no camera: there is no /dev/video* (is it plugged in, and passed on to a container?)\n"
-        "What needs none: a folder of images, a video file, --source synthetic; see palpable "
-        "live --help\n");
+        "What needs none: a folder of images, a video file, or the built-in desk: palpable live\n");
   }
-  for (const ListedCamera& camera : cameras) fmt::print("{}{}", text_of(camera), use_of(camera));
+  for (const ListedCamera& camera : cameras) print_text("{}{}", text_of(camera), use_of(camera));
 }
 
 }  // namespace
@@ -37,15 +37,15 @@ std::string use_of(const ListedCamera& camera) {
     case CameraKind::kUnreadable:
       break;
     case CameraKind::kSideBySide:
-      return fmt::format(
-          "  calibration: {}\n  use: palpable live BODY --source {}\n",
-          camera.calibration.empty()
-              ? fmt::format("none known; palpable calibrate --source {} makes one", path)
-              : camera.calibration.string(),
-          path);
+      return fmt::format("  calibration: {}\n  use: palpable live BODY --source {}\n",
+                         camera.calibration.empty()
+                             ? fmt::format("none known; palpable calibrate {} makes one", path)
+                             : camera.calibration.string(),
+                         path);
     case CameraKind::kDepth:
       return fmt::format(
-          "  use: palpable live BODY --source DEVICE --depth {}, where DEVICE has the same view\n",
+          "  use: palpable live BODY --source DEVICE --depth-source {}, where DEVICE has the same "
+          "view\n",
           path);
     case CameraKind::kOneEye:
       return fmt::format(
@@ -59,11 +59,11 @@ void add_cameras(Command app) {
   auto json = std::make_shared<bool>(false);
   Command command =
       app.add_subcommand("cameras", "List the cameras that are plugged in, and what each can do");
-  command.add_flag("--json", *json, "One JSON object on stdout");
+  command.add_json(*json);
   command.footer(
       "Says the sizes, formats and rates of each device, whether its picture looks like two eyes "
-      "side by "
-      "side, whether exposure and gain can be fixed, and the calibration that is known of it.\n"
+      "side by side, whether exposure and gain can be fixed, and the calibration that is known of "
+      "it.\n"
       "Example: palpable cameras");
   command.callback([json] { print_cameras(*json); });
 }

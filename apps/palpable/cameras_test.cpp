@@ -17,7 +17,7 @@ ListedCamera camera_of(CameraKind kind) {
 TEST_CASE("what is said of a camera's use can be typed", "[apps][camera]") {
   ListedCamera both = camera_of(CameraKind::kSideBySide);
   CHECK(use_of(both) ==
-        "  calibration: none known; palpable calibrate --source /dev/video2 makes one\n"
+        "  calibration: none known; palpable calibrate /dev/video2 makes one\n"
         "  use: palpable live BODY --source /dev/video2\n");
   both.calibration = "zed-m.yml";
   CHECK(use_of(both) ==
@@ -27,7 +27,8 @@ TEST_CASE("what is said of a camera's use can be typed", "[apps][camera]") {
         "  use: palpable live BODY --source /dev/video2 --right DEVICE, where DEVICE is the right "
         "eye\n");
   CHECK(use_of(camera_of(CameraKind::kDepth)) ==
-        "  use: palpable live BODY --source DEVICE --depth /dev/video2, where DEVICE has the same "
+        "  use: palpable live BODY --source DEVICE --depth-source /dev/video2, where DEVICE has "
+        "the same "
         "view\n");
   CHECK(use_of(camera_of(CameraKind::kUnreadable)).empty());
 }

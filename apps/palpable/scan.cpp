@@ -1,6 +1,7 @@
 // palpable scan: reconstructs what a camera saw as one surface.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/shared_options.h"
@@ -32,14 +33,17 @@ namespace fs = std::filesystem;
 // A mesh with fewer triangles is not a surface: a single voxel on a wall already gives two.
 constexpr int kLeastTriangles = 100;
 
+constexpr LengthRange kVoxels{0.005, 0.1};  // m
+
 struct ScanOptions {
   SourceOptions input;
   fs::path out;
   fs::path trajectory;
   fs::path picture;
-  double voxel_mm = 10;
+  double voxel = 0.01;      // m
   double fuse_every = 0.1;  // s
   int frames = -1;
+  bool json = false;
 };
 
 void write_room_picture(const fs::path& file, const RoomScan& scanned) {
@@ -81,7 +85,7 @@ std::vector<StampedPose> given_poses(const fs::path& file) {
 RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>& given) {
   RoomScanSettings settings;
   settings.slam.fuse_every = options.fuse_every;
-  settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
+  settings.slam.surface.voxel = options.voxel;
   settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
   set_depth(options.input.stereo_size, options.input.farthest, settings.depth);
   if (options.input.farthest > 0) set_farthest(options.input.farthest, settings);
@@ -110,13 +114,37 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   return scanned;
 }
 
-void print(const RoomScan& scanned) {
-  fmt::print("{}", text_of(scanned));
+Json json_of_scan(const ScanOptions& options, const RoomScan& scanned, const SurfaceMesh& mesh) {
+  const SlamCounts& counts = scanned.slam->counts();
+  Json result = {{"file", options.out.string()},
+                 {"vertices", mesh.vertex_count()},
+                 {"triangles", mesh.triangle_count()},
+                 {"frames", scanned.frames.size()},
+                 {"fused", counts.fused},
+                 {"without_pose", counts.lost},
+                 {"unreadable", scanned.troubles.unreadable},
+                 {"new_worlds", scanned.new_worlds},
+                 {"loops", scanned.loops},
+                 {"fused_again", scanned.again},
+                 {"refused_blocks", scanned.slam->map()->refused()}};
+  if (!options.picture.empty()) result["picture"] = options.picture.string();
+  return result;
+}
+
+void print(const ScanOptions& options, const RoomScan& scanned, const SurfaceMesh& mesh) {
+  if (options.json) {
+    print_json(json_of_scan(options, scanned, mesh));
+    return;
+  }
   const SurfaceMap& map = *scanned.slam->map();
+  print_text("{}", text_of(scanned));
   if (map.refused() > 0) {
-    fmt::print("the map was full ({} blocks): parts are missing; --voxel makes them larger\n",
+    print_text("the map was full ({} blocks): parts are missing; a larger --voxel needs fewer\n",
                map.blocks());
   }
+  print_text("{}: {} vertices, {} triangles\n", options.out.string(), mesh.vertex_count(),
+             mesh.triangle_count());
+  if (!options.picture.empty()) print_text("{}\n", options.picture.string());
 }
 
 void scan(const ScanOptions& options) {
@@ -142,10 +170,32 @@ void scan(const ScanOptions& options) {
       fmt::format("palpable scan: metres, {}",
                   given.empty() ? "the first frame's camera" : "the world of the given poses"));
   if (!options.picture.empty()) write_room_picture(options.picture, scanned);
-  print(scanned);
-  fmt::print("{}: {} vertices, {} triangles\n", options.out.string(), mesh.surface.vertex_count(),
-             mesh.surface.triangle_count());
-  if (!options.picture.empty()) fmt::print("{}\n", options.picture.string());
+  print(options, scanned, mesh.surface);
+}
+
+void add_surface_options(Command command, ScanOptions& options) {
+  command.begin_group("Surface");
+  command.add_option("-o,--out", options.out, "Surface to write, a .ply with colours").required();
+  command.add_option("--picture", options.picture,
+                     "Also write a .png: the room from outside, the camera's path in blue");
+  command.add_length("--voxel", options.voxel,
+                     "Side of a voxel; smaller ones than 5 mm would leave gaps between the rays",
+                     kVoxels);
+  command
+      .add_option("--fuse-every", options.fuse_every,
+                  "Seconds of the recording between two frames that are used; 0: all frames are")
+      .type_name("SECONDS")
+      .in_range(0.0, 3600.0)
+      .show_default();
+  command
+      .add_option("--trajectory", options.trajectory,
+                  "File with poses to use instead of tracking: a line 'time tx ty tz qx qy qz qw' "
+                  "(world_from_camera) each, the first one for the first frame")
+      .default_is("none: the camera is tracked");
+  command.add_option("--frames", options.frames, "Stop after this many frames")
+      .in_range(1, 100'000'000)
+      .default_is("all");
+  command.add_json(options.json);
 }
 
 }  // namespace
@@ -153,36 +203,17 @@ void scan(const ScanOptions& options) {
 void add_scan(Command app) {
   auto options = std::make_shared<ScanOptions>();
   Command command = app.add_subcommand("scan", "Make a surface of what a camera saw of a room");
-  command
-      .add_option(
-          "source", options->input.source,
-          "A folder, images by name, one image (with --right), a video file, a *.palprec or a "
-          "camera, as for live")
-      .required();
+  add_source_argument(command, options->input,
+                      "A folder, images by name, one image (with --right), a video file, a "
+                      "recording (*.palprec) or a camera (/dev/video0), as for palpable live");
   add_source_options(command, options->input, SourceOptionsFor::kScan);
-  command.add_option("-o,--out", options->out, "Surface to write, a .ply with colours").required();
-  command.add_option("--trajectory", options->trajectory,
-                     "File with poses to use instead of tracking: a line 'time tx ty tz qx qy qz "
-                     "qw' (world_from_camera) each, the first one for the first frame");
-  command.add_option("--picture", options->picture,
-                     "Also write a .png of it: the room from outside, the way through it in blue");
-  command
-      .add_option("--voxel", options->voxel_mm,
-                  "Side of a voxel, mm; smaller ones than 5 would leave gaps between the rays")
-      .in_range(5.0, 100.0)
-      .show_default();
-  command
-      .add_option("--fuse-every", options->fuse_every,
-                  "Seconds of the recording between two frames that are used; 0: all frames are")
-      .in_range(0.0, 3600.0)
-      .show_default();
-  command.add_option("--frames", options->frames, "Stop after this many frames")
-      .in_range(1, 100'000'000);
+  add_surface_options(command, *options);
   command.footer(
       "What moves is left out. Depths up to 3 m are taken, or up to where they scatter by 50 mm;\n"
-      "--farthest 12 takes those up to 12 m, which may scatter four times as much.\n"
+      "--farthest 12m takes those up to 12 m, which may scatter four times as much.\n"
       "Ctrl-C ends the scan and writes what was seen; a camera has no end of its own.\n"
-      "Example: palpable scan room -o room.ply");
+      "Example: palpable scan room -o room.ply\n"
+      "Example: palpable scan /dev/video0 --voxel 5mm -o room.ply");
   command.callback([options] { scan(*options); });
 }
 

@@ -6,6 +6,7 @@
 //   DIR/truth/                         see docs/benchmark.md
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/installed.h"
@@ -44,9 +45,10 @@ struct SynthOptions {
   int frames = 0;  // 0: the length of the sequence
   std::uint64_t seed = 1;
   fs::path out;
+  bool json = false;
 };
 
-// The sequence of a scene: palpable synth NAME --scene.
+// The sequence of a scene: palpable synth beams --scene FILE.toml.
 constexpr SequenceKind kBeams{"beams", kBeamsFrames,
                               "of a scene with two beams: a finger presses the upper one until it "
                               "lies on the lower one"};
@@ -86,8 +88,6 @@ std::vector<ReducedBody> read_bodies(const fs::path& scene,
 }
 
 void synth_scene(const SynthOptions& options, const SequenceOrder& order) {
-  if (!options.body.empty())
-    throw Error("--body and --scene: the scene says which bodies there are");
   const std::vector<DescribedBody> described = read_scene_description(options.scene);
   const std::vector<Rigid3> poses = scene_from_bodies(described);
   const std::vector<ReducedBody> bodies = read_bodies(options.scene, described);
@@ -105,22 +105,39 @@ void synth_scene(const SynthOptions& options, const SequenceOrder& order) {
   write_sequence(filmed, order, options.out, bar.progress());
 }
 
+void synth_body(const SynthOptions& options, const fs::path& file, const SequenceOrder& order) {
+  const ReducedBody body = value_or_throw(read_pressable_body(file));
+  ProgressBar bar;
+  write_sequence(body, order, options.out, bar.progress());
+}
+
 void synth(const SynthOptions& options) {
   if (options.out.empty()) throw Error("-o: names no folder");
   const SequenceKind& kind = kind_of(options.name);
   const int frames = options.frames > 0 ? options.frames : kind.frames;
-  if (!options.scene.empty()) {
-    synth_scene(options, {options.name, frames, options.seed, options.scene.filename().string()});
-    return;
-  }
-  if (options.name == kBeams.name) {
+  const bool has_scene = !options.scene.empty();
+  if (options.name == kBeams.name && !has_scene) {
     throw Error("beams is of two bodies: give --scene (scenes/beams.toml is one)");
   }
-  const fs::path file = options.body.empty() ? default_body() : find_body(options.body);
-  const ReducedBody body = value_or_throw(read_pressable_body(file));
-  ProgressBar bar;
-  write_sequence(body, {options.name, frames, options.seed, file.filename().string()}, options.out,
-                 bar.progress());
+  const fs::path file = has_scene              ? options.scene
+                        : options.body.empty() ? default_body()
+                                               : find_body(options.body);
+  const SequenceOrder order{options.name, frames, options.seed, file.filename().string()};
+  if (has_scene) {
+    synth_scene(options, order);
+  } else {
+    synth_body(options, file, order);
+  }
+  if (options.json) {
+    print_json({{"folder", options.out.string()},
+                {"sequence", options.name},
+                {has_scene ? "scene" : "body", file.string()},
+                {"frames", frames},
+                {"seed", options.seed}});
+  } else {
+    print_text("{}: {} frames of {} with {}, seed {}\n", options.out.string(), frames, options.name,
+               file.string(), options.seed);
+  }
 }
 
 }  // namespace
@@ -130,28 +147,32 @@ void add_synth(Command app) {
   Command command = app.add_subcommand(
       "synth", "Film a sequence of the synthetic desk: stereo images, calibration, truth");
   command.add_option("name", options->name, "One of the sequences listed below").required();
-  command.add_option("--body", options->body,
-                     "Body file: what is pressed, and where. Default: "
-                     "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable, else the "
-                     "installed post");
+  command.add_option("--body", options->body, "Body file: what is pressed, and where")
+      .default_is(
+          "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable, else the installed "
+          "post");
   command
       .add_option("--scene", options->scene,
                   "Several bodies on one desk (docs/scenes.md); hands press the first of them, of "
                   "beams the upper one")
-      .type_name("SCENE.toml");
+      .type_name("FILE.toml")
+      .excludes("--body");
   command
       .add_option("--frames", options->frames,
-                  "How many, at 30 a second; the first 60 have no hand. Default: as listed below")
-      .in_range(1, 100000);
+                  "How many, at 30 a second; the first 60 have no hand")
+      .in_range(1, 100000)
+      .default_is("as listed below");
   command.add_option("--seed", options->seed, "Decides textures, noise, places, depths and motions")
       .in_range(std::uint64_t{0}, kLargestSeed)
       .show_default();
-  command.add_option("-o,--out", options->out, "Folder to write frames/ and truth/ into")
+  command.add_option("-o,--out", options->out, "Folder to write into: frames/ and truth/")
+      .type_name("DIR")
       .required();
+  command.add_json(options->json);
   command.footer(list_of_kinds() +
                  "docs/benchmark.md says what each promises and what is written.\n"
-                 "Example: palpable synth beams --scene scenes/beams.toml -o beams\n"
-                 "Example: palpable synth press --body bunny.palpable --seed 1 -o clip");
+                 "Example: palpable synth press --body bunny.palpable --seed 1 -o clip\n"
+                 "Example: palpable synth beams --scene scenes/beams.toml -o beams");
   command.callback([options] { synth(*options); });
 }
 

@@ -2,6 +2,7 @@
 // of it to a folder.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/installed.h"
 #include "apps/palpable/shared_options.h"
@@ -65,7 +66,7 @@ void write_picture(const fs::path& body, const fs::path& folder, const std::stri
   const fs::path file = folder / (name + ".png");
   guard_output_file(file, {body});
   write_png(file, picture);
-  fmt::print("{}\n", file.string());
+  print_text("{}\n", file.string());
   std::fflush(stdout);  // at once also for a pipe: the window may stay open for long
 }
 
@@ -147,8 +148,56 @@ void run_view(ViewOptions options) {
     return;
   }
   const fs::path folder = options.body.stem().string() + "_view";
-  fmt::print(stderr, "{}; pictures go to {} instead\n", window.problem().message, folder.string());
+  print_note("{}; pictures go to {} instead", window.problem().message, folder.string());
   write_pictures(body, options, size, folder);
+}
+
+void add_press_options(Command command, ViewOptions& options) {
+  command.begin_group("Press");
+  command.add_option("--site", options.site, "Press this site, from 0")
+      .not_negative()
+      .default_is("none; pictures show several");
+  command.add_option("--level", options.level, "How hard, as a share of the site's full load")
+      .in_range(0.0, 1.0)
+      .show_default();
+  command
+      .add_option("--load", options.load,
+                  "Press the site at this point of the skin (m, body frame, at rest) with this "
+                  "force (N)")
+      .type_name("X,Y,Z=F")
+      .excludes("--site")
+      .excludes("--level");
+  add_set_option(command, options.set);
+  command.begin_group("Modes");
+  command
+      .add_option("--modes", options.modes,
+                  "Instead of presses: draw the first modes, this many, and their functions of "
+                  "where the load is, as modes.png in the folder of --out")
+      .in_range(1, 16)
+      .excludes("--site")
+      .excludes("--level")
+      .excludes("--load");
+  command.add_option("--modes-of", options.modes_of, "Whose modes --modes draws")
+      .one_of({"displacement", "stress"})
+      .show_default();
+}
+
+void add_picture_options(Command command, ViewOptions& options) {
+  command.begin_group("Display");
+  add_paint_option(command, options.paint);
+  command.add_option("--size", options.size, "Pixels of window and pictures")
+      .type_name("WIDTHxHEIGHT")
+      .show_default();
+  command
+      .add_option("-o,--out", options.out,
+                  "Write pictures into this folder instead of opening a window")
+      .type_name("DIR")
+      .default_is("none: a window; NAME_view for --modes and without a display");
+  command
+      .add_option("--close-after", options.close_after, "Close the window after this many seconds")
+      .type_name("SECONDS")
+      .positive()
+      .default_is("never");
 }
 
 }  // namespace
@@ -159,45 +208,15 @@ void add_view(Command app) {
   view.add_option("body", options->body,
                   "Body file (.palpable), or the name of an installed one (post)")
       .required();
-  view.add_option("--out", options->out,
-                  "Write pictures into this folder instead of opening a window");
-  const Option site = view.add_option("--site", options->site, "Press this site").not_negative();
-  const Option level =
-      view.add_option("--level", options->level, "How hard, as a share of the site's full load")
-          .in_range(0.0, 1.0)
-          .show_default();
-  const Option load =
-      view.add_option(
-              "--load", options->load,
-              "Press with this force (N) at this point of the skin (m, body frame, at rest)")
-          .type_name("X,Y,Z=F")
-          .excludes(site)
-          .excludes(level);
-  view.add_option("--modes", options->modes,
-                  "Instead of presses: this many modes, the first ones, and their functions of "
-                  "where the load is, as modes.png in the folder of --out")
-      .in_range(1, 16)
-      .excludes(site)
-      .excludes(level)
-      .excludes(load);
-  view.add_option("--modes-of", options->modes_of, "Whose modes --modes draws")
-      .one_of({"displacement", "stress"})
-      .show_default();
-  add_paint_option(view, options->paint);
-  add_set_option(view, options->set);
-  view.add_option("--size", options->size, "Pixels of window and pictures")
-      .type_name("WIDTHxHEIGHT")
-      .show_default();
-  view.add_option("--close-after", options->close_after, "Close the window after this many seconds")
-      .positive();
+  add_press_options(view, *options);
+  add_picture_options(view, *options);
   view.footer(
       "In the window: hold or drag the left button on the body to press it, anywhere, as a finger "
-      "of "
-      "8 mm radius would (a body without tables of touch: at the nearest site); drag beside it to "
+      "of 8 mm radius would (a body without tables of touch: at the nearest site); drag beside it "
+      "to "
       "turn it, zoom with the wheel. The panel and the keys switch: F what is painted, T the "
-      "panel, "
-      "S shows the sites, L the legend, H the help; R goes back to the "
-      "start, P writes the picture to NAME_view_1.png (2, 3, ...) in this folder, Escape or Q "
+      "panel, S shows the sites, L the legend, H the help; R goes back to "
+      "the start, P writes the picture to NAME_view_1.png (2, 3, ...) in this folder, Escape or Q "
       "ends.\n"
       "Without a display, pictures are written into the folder NAME_view.\n"
       "Example: palpable view bunny.palpable\n"

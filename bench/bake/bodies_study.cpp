@@ -248,7 +248,7 @@ BodiesResult compare_bodies(const std::vector<StudiedBody>& bodies, const fs::pa
     if (!body.body.touch && !body.body.modal) {
       throw Error(
           fmt::format("'{}' has neither tables of touch nor an energy in modes: bake it with "
-                      "[touch] tables, or by --method intrusive-pgd with [intrusive] reactions",
+                      "[touch] tables, or by --intrusive with [intrusive] reactions",
                       body.name));
     }
     truths.push_back(truth_of(body, clip));

@@ -169,7 +169,7 @@ struct BodyDescription {
     int held_out = 20;  ///< held-out touches, to measure the error of tables
   } touch;
 
-  /// A travelling load, for `bake --method intrusive-pgd`, which uses neither a campaign nor its
+  /// A travelling load, for `bake --intrusive`, which uses neither a campaign nor its
   /// sites and loads.
   struct Intrusive {
     std::vector<Where> positions;  ///< sets of nodes; each node on the skin is a position

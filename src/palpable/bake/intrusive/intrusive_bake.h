@@ -1,5 +1,5 @@
 /// @file
-/// `bake --method intrusive-pgd`: a body under a load that travels, from its description to a body
+/// `bake --intrusive`: a body under a load that travels, from its description to a body
 /// file without a campaign (paper Sec. 5.1).
 ///
 ///   N  nodes   S  positions   J  load sizes

@@ -352,7 +352,7 @@ void require_free_functions(const SnapshotStore& store, const Points& points,
   const std::string& parameter = store.content().parameters[0].name;
   throw Error(
       fmt::format("{}: '{}' has no functions of '{}' alone; take per-site, pgd or cp, or one "
-                  "value: --at {}=...",
+                  "value: --set {}=...",
                   store.folder().string(), method, parameter, parameter));
 }
 

@@ -21,8 +21,8 @@ BakedFile bake_without_campaign(const BodyDescription& description,
   if (!description.touch.by_default &&
       description.touch.tables != BodyDescription::Touch::Tables::kNone) {
     throw Error(
-        fmt::format("{}: [touch] has tables made after a campaign, which --method "
-                    "intrusive-pgd does without",
+        fmt::format("{}: [touch] has tables made after a campaign, which "
+                    "--intrusive does without",
                     description.source.string()));
   }
   IntrusiveBake made = bake_intrusive(

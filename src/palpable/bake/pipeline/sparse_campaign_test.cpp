@@ -264,7 +264,7 @@ TEST_CASE("nothing is learnt of an incomplete campaign, or over free parameters"
   const SnapshotStore store =
       pressed_slab(scratch / "store", false, {{"stiffness", VectorXd::LinSpaced(2, 1.0, 2.0)}});
   const SparseCampaignSettings sparse;
-  CHECK_THROWS_WITH(reduce_store(store, {.sparse = sparse}), Contains("--at stiffness="));
+  CHECK_THROWS_WITH(reduce_store(store, {.sparse = sparse}), Contains("--set stiffness="));
   CHECK(reduce_store(store, {.sparse = sparse, .at = {{"stiffness", 2.0}}}).body.is_settled());
   std::filesystem::remove(store.unit_file(7));
   CHECK_THROWS_WITH(reduce_store(store, {.sparse = sparse, .at = {{"stiffness", 1.0}}}),

@@ -26,7 +26,7 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
 
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
   std::string nearest;
-  std::size_t fewest = word.size() / 3 + 2;
+  std::size_t fewest = (word.size() + 1) / 3 + 1;
   for (const std::string& candidate : candidates) {
     const std::size_t edits = edits_between(word, candidate);
     if (edits < fewest) {

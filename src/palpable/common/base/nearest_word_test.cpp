@@ -17,6 +17,9 @@ TEST_CASE("a mistyped word finds the one that was meant", "[base]") {
 
 TEST_CASE("a word unlike any other gets no guess", "[base]") {
   CHECK(nearest_word("density", kWords).empty());
+  CHECK(nearest_word("nothing", {"rolling", "pressing"}).empty());  // 3 of 7 letters differ
+  CHECK(nearest_word("xaw", kWords) == "law");
+  CHECK(nearest_word("xay", kWords).empty());
   CHECK(nearest_word("young", {}).empty());
   CHECK(nearest_word("", kWords).empty());
 }

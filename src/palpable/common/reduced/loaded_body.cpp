@@ -176,7 +176,7 @@ Result<LoadedBody> LoadedBody::make(const ReducedBody& body) {
   if (!body.several) {
     return Problem{
         fmt::format("'{}' answers one load at a time: its file holds no energy of several loads "
-                    "(bake it by the method intrusive-pgd, with [intrusive] reactions)",
+                    "(bake it with --intrusive, and [intrusive] reactions in its description)",
                     body.name)};
   }
   return LoadedBody(body);

@@ -254,7 +254,7 @@ Result<EyeSize> eye_size(const CameraRequest& request, const CameraInfo& info,
   if (mode == nullptr) {
     return Problem{fmt::format(
         "{} ({}) gives one eye's pictures only: name the other eye's camera with --right, or the "
-        "depth of the same view with --depth",
+        "depth of the same view with --depth-source",
         request.device, info.name)};
   }
   return EyeSize{mode->width / 2, mode->height};

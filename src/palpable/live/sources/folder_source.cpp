@@ -95,7 +95,7 @@ Problem not_recognised(const fs::path& name, const ImageSize& found) {
   if (is_image_name(name) || is_pattern(name)) {
     return Problem{fmt::format(
         "{} is {} x {} px, which is no pair side by side: name the other eye's with --right, or "
-        "depth with --depth",
+        "depth with --depth-source",
         found.path.string(), found.width, found.height)};
   }
   return Problem{fmt::format(

@@ -11,7 +11,7 @@ namespace palpable {
 Result<std::unique_ptr<FrameSource>> open_source(const CameraRequest& request,
                                                  VideoSystem& system) {
   if (!request.right.empty() && !request.depth.empty()) {
-    return Problem{"--right and --depth exclude each other: two eyes, or colour and depth"};
+    return Problem{"--right and --depth-source exclude each other: two eyes, or colour and depth"};
   }
   if (request.device.starts_with("/dev/")) return open_camera(request, system);
   if (request.width > 0 || request.frames_per_second > 0 || request.exposure_ms || request.gain ||
@@ -32,7 +32,7 @@ Result<std::unique_ptr<FrameSource>> open_source(const CameraRequest& request,
     }
     return Problem{fmt::format(
         "{} is a recording of palpable live, which has all images and its calibration: leave out "
-        "--right, --depth and --calibration",
+        "--right, --depth-source and --calibration",
         request.device)};
   }
   const FolderSettings folder{request.calibration, request.without_calibration};
@@ -43,15 +43,15 @@ Result<std::unique_ptr<FrameSource>> open_source(const CameraRequest& request,
   }
   if (is_video_name(request.device)) {
     if (!request.depth.empty()) {
-      return Problem{fmt::format("{} is a video, and --depth is for cameras and images by name",
-                                 request.device)};
+      return Problem{fmt::format(
+          "{} is a video, and --depth-source is for cameras and images by name", request.device)};
     }
     return open_video(request.device, request.right,
                       {request.calibration, request.without_calibration});
   }
   if (!request.right.empty() || !request.depth.empty()) {
     return Problem{
-        fmt::format("{} is a folder, which has its own pairs; --right and --depth are "
+        fmt::format("{} is a folder, which has its own pairs; --right and --depth-source are "
                     "for cameras, videos, an image and images by name (*.png)",
                     request.device)};
   }

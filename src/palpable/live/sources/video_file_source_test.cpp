@@ -153,7 +153,7 @@ TEST_CASE("a source is told by its name", "[sources][video][folder]") {
   CHECK(contains(refusal(), "is a recording"));
   request.exposure_ms.reset();
   request.depth = "d.avi";
-  CHECK(contains(refusal(), "--depth is for cameras"));
+  CHECK(contains(refusal(), "--depth-source is for cameras"));
   request.right = "r.avi";
   CHECK(contains(refusal(), "exclude each other"));
   request.depth.clear();
