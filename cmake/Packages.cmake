@@ -13,10 +13,6 @@ set(packages palpable palpable-bake libpalpable0 libpalpable-dev)
 # Debian's revision: it counts packages of the same sources.
 set(PALPABLE_PACKAGE_VERSION ${PALPABLE_VERSION}-1)
 find_program(GZIP gzip REQUIRED)
-find_program(HELP2MAN help2man)
-if(NOT HELP2MAN)
-  message(FATAL_ERROR "help2man is missing, which writes the manual pages: apt install help2man")
-endif()
 
 # --- what is made at package time ------------------------------------------------------------------
 # A body of our own, so that `palpable live post` works at once. Its relative names keep the folder of the
@@ -29,22 +25,11 @@ add_custom_command(OUTPUT ${body}
   DEPENDS palpable-bake ${PROJECT_SOURCE_DIR}/bodies/post-small.toml ${surface}
   WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
   COMMENT "Baking the post that ships" VERBATIM)
-set(contents ${body})
 install(FILES ${body} DESTINATION ${CMAKE_INSTALL_DATADIR}/palpable/bodies COMPONENT palpable)
 
-function(palpable_manual_page program name)
-  set(page ${PROJECT_BINARY_DIR}/man/${program}.1)
-  add_custom_command(OUTPUT ${page}.gz
-    COMMAND ${HELP2MAN} --no-info --section=1 --name=${name} --output=${page} $<TARGET_FILE:${program}>
-    COMMAND ${GZIP} -9nf ${page}
-    DEPENDS ${program} VERBATIM)
-  install(FILES ${page}.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT ${program})
-  set(contents ${contents} ${page}.gz PARENT_SCOPE)
-endfunction()
-file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/man ${PROJECT_BINARY_DIR}/bodies)
-palpable_manual_page(palpable "virtual deformable bodies that real hands press")
-palpable_manual_page(palpable-bake "meshes, solves and reduces a body for palpable")
-add_custom_target(package_contents DEPENDS ${contents} palpable palpable-bake palpable_library)
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/bodies)
+# Manual pages and completion: cmake/CommandReference.cmake.
+add_custom_target(package_contents DEPENDS ${body} palpable palpable-bake palpable_library command_reference)
 
 # --- /usr/share/doc ----------------------------------------------------------------------------------
 file(STRINGS packaging/changelog first LIMIT_COUNT 1)

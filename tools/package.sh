@@ -27,7 +27,7 @@ TEXT
 esac
 
 [ "${PALPABLE_SETUP:-}" = skip ] || tools/setup.sh package
-for tool in cmake ninja dpkg-shlibdeps file help2man; do
+for tool in cmake ninja dpkg-shlibdeps file python3; do
   command -v "$tool" >/dev/null ||
     fail "$tool is missing: run tools/package.sh without PALPABLE_SETUP=skip, or install what tools/packages-package.txt lists"
 done
@@ -50,7 +50,7 @@ cmake --build --preset package --target package_contents
 
 step "package"
 oldest=$(find build/packages -name '*.deb' -printf '%T@ %p\n' | sort -n | head -1 | cut -d' ' -f2)
-made_of=(build/package/{bin,lib,man,generated,CPackConfig.cmake,bodies/post.palpable} packaging cmake)
+made_of=(build/package/{bin,lib,man,completion,generated,CPackConfig.cmake,bodies/post.palpable} packaging cmake)
 if [ "$(find build/packages -name '*.deb' | wc -l)" = 4 ] && [ -z "$(find "${made_of[@]}" -newer "$oldest" -print -quit)" ]; then
   echo "up to date"
   ls build/packages/*.deb

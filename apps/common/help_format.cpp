@@ -52,8 +52,9 @@ class HelpFormat : public CLI::Formatter {
     }
     return wrapped_lines(text, kHelpWidth);
   }
-  std::string make_groups(const CLI::App* app, CLI::AppFormatMode mode) const override {
-    std::string text = CLI::Formatter::make_groups(app, mode);
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    std::string text = CLI::Formatter::make_help(app, std::move(name), mode);
     // CLI11 leaves an empty line for a group that lists nothing.
     for (std::size_t at = text.find("\n\n\n"); at != std::string::npos;
          at = text.find("\n\n\n", at)) {

@@ -91,6 +91,7 @@ void add_source_options(Command command, SourceOptions& options, SourceOptionsFo
       .add_option("--right", options.right,
                   "The right eye's camera, video, image or images by name; the source is then the "
                   "left eye's")
+      .type_name("SOURCE")
       .default_is("none: the source has both eyes");
   if (use != SourceOptionsFor::kCalibrate) {
     command.begin_group("Camera");

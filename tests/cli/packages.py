@@ -54,9 +54,8 @@ def run(*words, timeout=1200, **options):
 
 def built_packages(programs):
     """{name: file} of the packages of this source tree; tools/package.sh builds those that are out of date."""
-    for tool in ("dpkg-shlibdeps", "help2man"):
-        if shutil.which(tool) is None:
-            raise CannotRun(f"{tool} is not installed (tools/packages-package.txt)")
+    if shutil.which("dpkg-shlibdeps") is None:
+        raise CannotRun("dpkg-shlibdeps is not installed (tools/packages-package.txt)")
     with open(programs.work / "packages.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         begin = time.monotonic()
@@ -209,7 +208,13 @@ def _(programs, folder):
             assert f"/usr/share/doc/{name}/{file}" in held[name], held[name]
         size = package.stat().st_size / 1e6
         print(f"{name}: {size:.2f} MB, installed {int(said[name]['Installed-Size']) / 1000:.1f} MB; {said[name]['Depends']}")
-    assert {"/usr/bin/palpable", POST, "/usr/share/man/man1/palpable.1.gz"} <= set(held["palpable"])
+    assert {"/usr/bin/palpable", POST, "/usr/share/bash-completion/completions/palpable",
+            "/usr/share/zsh/vendor-completions/_palpable"} <= set(held["palpable"])
+    # Each command has its page in the package of the program that has it.
+    for name, of in (("palpable", ("palpable", "palpable-live", "palpable-synth", "palpable-doctor")),
+                     ("palpable-bake", ("palpable-bake", "palpable-mesh", "palpable-truth", "palpable-export"))):
+        manual = {path.removeprefix("/usr/share/man/man1/") for path in held[name] if "/man1/" in path}
+        assert {f"{page}.1.gz" for page in of} <= manual and len(manual) >= 12, manual
     assert "/usr/bin/palpable-bake" in held["palpable-bake"] and "/usr/bin/palpable-bake" not in held["palpable"]
     for file in (f"{LIBRARIES}/libpalpable.so", f"{LIBRARIES}/cmake/palpable/palpableConfig.cmake",
                  f"{LIBRARIES}/pkgconfig/palpable.pc", "/usr/include/palpable/palpable.h"):
