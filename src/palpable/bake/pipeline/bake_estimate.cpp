@@ -98,7 +98,8 @@ void add_tables(const TouchCounts& touch, const MeshCosts& costs, double flop,
   stages.push_back({"factors of the tables", (1 + Model::solver_factors) * costs.factor, false});
   const double passes = 3.0 * 240;
   const double linear =
-      (solves_of_bases(touch.mesh.vertices) + 3.0 * touch.mesh.vertices) * costs.solve +
+      (solves_of_bases(touch.mesh.vertices - touch.held) + 3.0 * touch.mesh.vertices) *
+          costs.solve +
       passes * costs.pass;
   stages.push_back({"compliance", Model::table_overhead * linear, true});
   if (touch.regions > 0) {
@@ -165,7 +166,7 @@ double campaign_memory(const BakeCounts& counts, int threads) {
 double touch_memory(const TouchCounts& touch, int threads) {
   const double rows = 3.0 * touch.mesh.nodes;
   const double factors = 10 * touch.mesh.factor_numbers + 8000.0 * touch.mesh.nodes;
-  const double samples = solves_of_bases(touch.mesh.vertices);
+  const double samples = solves_of_bases(touch.mesh.vertices - touch.held);
   const double bases = 3.0 * touch.mesh.vertices * samples * 8 +
                        3.0 * (touch.shell - touch.mesh.vertices) * samples * 4;
   const CrossSettings cross{};
