@@ -275,8 +275,8 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
   command.add_flag(
       "--estimate", options->estimate,
       "Only print how long the whole bake will take here, how much memory it needs and "
-      "how large its file will be, each within a factor of two; writes nothing and "
-      "takes a second or some (a mesh and one factor are made)");
+      "how large its file will be, each within a factor of two; writes nothing, and "
+      "takes some seconds, since the body is meshed");
   command
       .add_option("--snapshots", options->store,
                   "Folder for the snapshots; those that are there and valid are not solved again")

@@ -16,10 +16,18 @@
 namespace palpable {
 namespace {
 
-// Everything that is not counted. Measured on 2026-11-29 by bakes with --threads 1 on two cores of
-// a Xeon at 2.80 GHz that other programs kept busy, in units of the costs that count_bake() found
-// there in the same hour: 16 CPU s for bodies/post-small.toml (632 nodes), 393 for bunny-demo.toml
-// (3,470), FIXME for bunny.toml (16,451), FIXME for beam.toml with --intrusive (12,803).
+// Everything that is not counted. Measured on 2026-11-29 by bakes with --threads 1 on a Xeon at
+// 2.80 GHz whose two cores other programs kept busy, in units of the costs that count_bake() found
+// there in the same hour:
+//
+//     body                                nodes   CPU s  estimated   MB of memory  estimated
+//     post-small.toml                       632      17         18            279        222
+//     post.toml                             989      95        105            416        373
+//     bunny-demo.toml                     3,470     393        376            974        969
+//     bunny-stiffness.toml                4,853      19         20            277        246
+//     bunny.toml, 3 regions, 3 held out  16,451     568        636          3,532      4,099
+//     beam.toml --intrusive              12,803     271        273          3,723      3,216
+// They were fitted to the first, third, fifth and sixth; the other two were baked as a check.
 struct Model {
   // A path of a site: iterations of conjugate gradients, of the search for its load and of each
   // level. A site that comes close to collapse takes several times as many.
@@ -31,9 +39,9 @@ struct Model {
   static constexpr double reduce_s_per_byte = 18e-9;  // of snapshots
   // Products and copies beside the solves of a table.
   static constexpr double table_overhead = 1.15;
-  // Points that enter the energy of a region: 4,400 where a cubic metre has 24 million of them, and
+  // Points that enter the energy of a region: 4,100 where a cubic metre has 24 million of them, and
   // more of a finer mesh, but not in proportion: most of the energy is then in fewer of them.
-  static constexpr double region_points = 4400, region_density = 24e6, region_power = 0.6;
+  static constexpr double region_points = 4100, region_density = 24e6, region_power = 0.6;
   static constexpr double cross_points = 0.12;  // share of the elements that enter its energy
   static constexpr double eigen_flops = 25;     // n^3 times this: eigenvectors of n x n numbers
   // One held-out touch, in factors: 13 where a square metre of the skin has 22,000 vertices, and
@@ -41,7 +49,8 @@ struct Model {
   static constexpr double held_out_factors = 13, skin_density = 22e3, skin_power = 0.42;
   // The power series of a load.
   static constexpr double series_orders = 8.5, order_passes = 1.0;
-  static constexpr double separate_flops = 40;  // per node, position, order and mode
+  static constexpr double separate_flops = 440;  // per node, position, order and greedy mode
+  static constexpr double several_solves = 420;  // loads from which the energy's modes are made
   static constexpr double products_u = 1.6, products_sigma = 0.75;  // in the file, for each mode
 };
 
@@ -90,7 +99,8 @@ void add_tables(const TouchCounts& touch, const MeshCosts& costs, double flop,
   stages.push_back({"factors of the tables", (1 + Model::solver_factors) * costs.factor, false});
   const double passes = 3.0 * 240;
   const double linear =
-      (solves_of_bases(touch.mesh.vertices) + 3.0 * touch.mesh.vertices) * costs.solve +
+      (solves_of_bases(touch.mesh.vertices - touch.held) + 3.0 * touch.mesh.vertices) *
+          costs.solve +
       passes * costs.pass;
   stages.push_back({"compliance", Model::table_overhead * linear, true});
   if (touch.regions > 0) {
@@ -129,8 +139,14 @@ void add_intrusive(const BakeCounts& counts, const BakeCosts& costs,
   stages.push_back(
       {"series", fields * (costs.body.solve + Model::order_passes * costs.body.pass), false});
   const double greedy = 1.2 * travelling.modes + 2;
-  stages.push_back({"separate",
-                    costs.flop * Model::separate_flops * fields * greedy * counts.body.nodes,
+  const double separate = Model::separate_flops * fields * greedy * counts.body.nodes;
+  stages.push_back({"separate", costs.flop * separate, false});
+  if (travelling.energy_modes == 0) return;
+  // Seven strains an element of each mode and pair of modes, and the products of all of them.
+  const double n = travelling.energy_modes, strains = n + n * (n + 1) / 2;
+  stages.push_back({"several loads",
+                    costs.flop * 7 * counts.body.tets * strains * strains +
+                        Model::several_solves * costs.body.solve,
                     false});
 }
 
@@ -151,7 +167,7 @@ double campaign_memory(const BakeCounts& counts, int threads) {
 double touch_memory(const TouchCounts& touch, int threads) {
   const double rows = 3.0 * touch.mesh.nodes;
   const double factors = 10 * touch.mesh.factor_numbers + 8000.0 * touch.mesh.nodes;
-  const double samples = solves_of_bases(touch.mesh.vertices);
+  const double samples = solves_of_bases(touch.mesh.vertices - touch.held);
   const double bases = 3.0 * touch.mesh.vertices * samples * 8 +
                        3.0 * (touch.shell - touch.mesh.vertices) * samples * 4;
   const CrossSettings cross{};

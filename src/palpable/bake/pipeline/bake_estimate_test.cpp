@@ -64,8 +64,8 @@ TEST_CASE("nodes, elements, sites and values of a description are counted before
   CHECK(counts.body.factor_numbers > 336 * 6);
 
   const BakeCounts varied = counts_with(
-      "[[parameter]]\nname = \"soft\"\nstiffness = [0.5, 1, 2]\n"
-      "[[parameter]]\nname = \"nu\"\npoisson = [0.2, 0.3]\n");
+      "[[parameter]]\nname = \"soft\"\nof = \"body\"\nstiffness = [0.5, 1, 2]\n"
+      "[[parameter]]\nname = \"nu\"\nof = \"body\"\npoisson = [0.2, 0.3]\n");
   CHECK(varied.points == 6);
   CHECK(varied.linear == 0);
 }
@@ -152,7 +152,7 @@ TEST_CASE("memory is that of the sites in progress", "[pipeline][estimate]") {
   // A site: 24 bytes a node and level, and 1500 a node; 60 a node and level where one is written.
   const double sites = 4 * 1000 * 1740.0, written = 60 * 1000 * 10.0;
   CHECK_THAT(memory_of(counts, 1), WithinRel(90e6 + 6e5 + 4e6 + sites + written, kRounding));
-  counts.sites = 400;  // 20 at a time for each thread
+  counts.sites = 40;  // 20 at a time for each thread
   CHECK_THAT(memory_of(counts, 2),
              WithinRel(90e6 + 6e5 + 4e6 + 10 * sites + 2 * written, kRounding));
 }
