@@ -1,6 +1,7 @@
 // palpable inspect: prints the content of a body file.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/installed.h"
 #include "palpable/common/base/error.h"
@@ -22,16 +23,16 @@ struct InspectOptions {
   bool json = false;
 };
 
-void print_text(const ReducedBody& body, const std::string& touch,
-                const std::filesystem::path& path) {
+void print_facts(const ReducedBody& body, const std::string& touch,
+                 const std::filesystem::path& path) {
   for (const auto& [name, text] : body_facts(body, path, "--set")) {
-    fmt::print("{:<20}{}\n", name, text);
+    print_text("{:<20}{}\n", name, text);
   }
-  fmt::print("{:<20}{}\n", "touch", touch);
-  fmt::print(
+  print_text("{:<20}{}\n", "touch", touch);
+  print_text(
       "errors are relative, L2; lengths, loads and stresses are in m, N and Pa in the file\n");
-  fmt::print("\nwhere it comes from\n");
-  for (const auto& [key, value] : lines_of(body.provenance)) fmt::print("  {:<18}{}\n", key, value);
+  print_text("\nwhere it comes from\n");
+  for (const auto& [key, value] : lines_of(body.provenance)) print_text("  {:<18}{}\n", key, value);
 }
 
 void inspect(const InspectOptions& options) {
@@ -43,9 +44,9 @@ void inspect(const InspectOptions& options) {
     } else {
       result["touch"] = touch ? touch_json(touch.value()) : Json(touch.problem().message);
     }
-    fmt::print("{}\n", result.dump(2));
+    print_json(result);
   } else {
-    print_text(body, modal ? touch_text(*modal, body) : touch_text(touch), options.body);
+    print_facts(body, modal ? touch_text(*modal, body) : touch_text(touch), options.body);
   }
 }
 
@@ -56,7 +57,7 @@ void add_inspect(Command app) {
   Command command = app.add_subcommand("inspect", "Show what is in a body file");
   command.add_option("body", options->body, "Body file, or the name of an installed one (post)")
       .required();
-  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.add_json(options->json);
   command.footer("Example: palpable inspect bunny.palpable");
   command.callback([options] {
     options->body = find_body(options->body);
