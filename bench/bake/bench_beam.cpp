@@ -213,7 +213,7 @@ void add_bench_beam(Command bench) {
   Command command = bench.add_subcommand(
       "beam", "The beam by intrusive PGD: modes, positions left out, fresh Newton solves");
   command.add_option("body", options->description, "A body with a section [intrusive]")
-      .type_name("BODY.toml")
+      .type_name("FILE.toml")
       .show_default();
   command.add_option("-o,--out", options->output, "Body file to write")
       .type_name("FILE")
@@ -228,8 +228,8 @@ void add_bench_beam(Command bench) {
       .add_option("--against", options->against,
                   "A body of the same mesh made by a campaign: how far the two are apart at the "
                   "sites that both have")
-      .type_name("BODY");
-  command.add_flag("--json", options->json, "One JSON object on stdout");
+      .type_name("FILE");
+  command.add_json(options->json);
   command.footer("Takes 10 minutes of CPU and 3 GB.\nExample: palpable-bake bench beam --json");
   command.callback([options] { bench_beam(*options); });
 }

@@ -70,11 +70,11 @@ void add_bench_bodies(Command bench) {
       "bodies", "Bodies that press each other under a filmed hand, against full finite elements");
   command.add_option("scene", options->scene, "The scene that was filmed (docs/scenes.md)")
       .required()
-      .type_name("SCENE.toml");
+      .type_name("FILE.toml");
   command.add_option("clip", options->clip, "What synth filmed and palpable truth --scene solved")
       .required()
-      .type_name("CLIP");
-  command.add_flag("--json", options->json, "One JSON object");
+      .type_name("DIR");
+  command.add_json(options->json);
   command.footer(
       "No camera: the hand's own capsules press, in every frame. ms are of one thread: contact of\n"
       "all bodies, shape, normals and stress of those that moved.\n"

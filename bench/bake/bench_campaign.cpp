@@ -183,16 +183,12 @@ void add_bench_campaign(Command bench) {
   Command command = bench.add_subcommand(
       "campaign", "Solve a campaign into an empty folder: mesh, loads, states, stress, files");
   command.add_option("body", options->description, "What to solve")
-      .type_name("BODY.toml")
+      .type_name("FILE.toml")
       .show_default();
   command.add_flag("--all", options->all,
                    "Also bodies/bunny-dense.toml and bodies/dragon.toml (tools/setup.sh bodies)");
-  command
-      .add_option("--threads", options->threads,
-                  "Cores to use; 0: all. Results do not depend on it")
-      .in_range(0, 4096)
-      .show_default();
-  command.add_flag("--json", options->json, "One JSON object on stdout");
+  add_threads(command, options->threads, "Cores to use; results do not depend on it");
+  command.add_json(options->json);
   command.footer("Example: palpable-bake bench campaign --json");
   command.callback([options] { bench_campaign(*options); });
 }

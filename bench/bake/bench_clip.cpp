@@ -94,14 +94,14 @@ void add_bench_clip(Command bench) {
   command
       .add_option("body", options->body, "Body file with tables of touch: the one that was filmed")
       .required()
-      .type_name("BODY.palpable");
+      .type_name("FILE");
   command.add_option("clips", options->clips, "What synth filmed and palpable truth solved")
       .required()
-      .type_name("CLIP");
+      .type_name("DIR");
   command.add_flag("--true-depth", options->true_depth,
                    "Press with the hand's front as the clip's true depth images show it, and the "
                    "other side that live assumes, not with the whole hand");
-  command.add_flag("--json", options->json, "One JSON object");
+  command.add_json(options->json);
   command.footer(
       "No camera: the hand's own capsules press in every frame, so that the errors are those of "
       "the\n"

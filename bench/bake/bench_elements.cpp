@@ -153,7 +153,7 @@ Json element_figures(const BenchElementsOptions& options, const BodyDescription&
   result["machine"] = processor_name();
   result["command"] = fmt::format(
       "palpable bench elements {}{} --sites {} --pressed {} --poisson {} --json",
-      options.description, options.edge > 0.0 ? fmt::format(" --edge {:g}", options.edge) : "",
+      options.description, options.edge > 0.0 ? " --edge " + length_text(options.edge) : "",
       options.sites, options.pressed, fmt::join(options.poisson, " "));
   result["title"] = "4-node and 10-node tetrahedra";
   result["order"] = 50;
@@ -205,7 +205,7 @@ void add_bench_elements(Command bench) {
   Command command = bench.add_subcommand(
       "elements", "How true 4-node and 10-node tetrahedra are on a body's presses");
   command.add_option("body", options->description, "The body, with an edge in [shape]")
-      .type_name("BODY.toml")
+      .type_name("FILE.toml")
       .show_default();
   command.add_option("--sites", options->sites, "Sites pressed by a small load")
       .in_range(1, 1000)
@@ -216,8 +216,9 @@ void add_bench_elements(Command bench) {
   command.add_option("--poisson", options->poisson, "Poisson's ratios; the first for the presses")
       .in_range(0.0, 0.499)
       .show_default();
-  command.add_option("--edge", options->edge, "Another edge than the description's, m").positive();
-  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.add_length("--edge", options->edge, "Edge length of the mesh")
+      .default_is("the description's");
+  command.add_json(options->json);
   command.footer(
       "Solves on eight times the nodes for comparison: 10 GB of memory and half an hour for a "
       "body "

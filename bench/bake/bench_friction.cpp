@@ -105,7 +105,7 @@ void add_bench_friction(Command bench) {
   Command command = bench.add_subcommand(
       "friction", "What friction changes, by full finite elements with and without it (minutes)");
   command.add_option("body", options->body, "The body that is touched")
-      .type_name("BODY.toml")
+      .type_name("FILE.toml")
       .show_default();
   command.add_option("--each", options->each, "Scenes of each thing")
       .in_range(1, 1000)
@@ -114,7 +114,7 @@ void add_bench_friction(Command bench) {
       .in_range(0.01, 10.0)
       .show_default();
   command.add_option("--seed", options->seed, "Of the scenes; 0: a fresh one, which is printed");
-  command.add_flag("--json", options->json, "One JSON object");
+  command.add_json(options->json);
   command.footer(
       "Things press the body by 5 mm and are then dragged aside by 5 mm. The tables of touch "
       "ignore\n"

@@ -116,12 +116,12 @@ void add_bench_obstacle(Command bench) {
   Command command = bench.add_subcommand(
       "obstacle", "Contact: against Hertz, against CalculiX, and on a body (minutes)");
   command.add_option("body", options->body, "The body that a finger presses")
-      .type_name("BODY.toml")
+      .type_name("FILE.toml")
       .show_default();
   command.add_option("--hertz", options->hertz, "Cells along the edges of Hertz's blocks")
       .in_range(4, 64)
       .show_default();
-  command.add_flag("--json", options->json, "One JSON object");
+  command.add_json(options->json);
   command.footer("Example: palpable bench obstacle bodies/bunny-demo.toml --json");
   command.callback([options] { bench_obstacle(*options); });
 }

@@ -223,22 +223,18 @@ void add_bench_reduce(Command bench) {
       "reduce",
       "All reductions of a campaign, the default body on levels between, sparse PGD on the beam");
   command.add_option("body", options->description, "What to reduce")
-      .type_name("BODY.toml")
+      .type_name("FILE.toml")
       .show_default();
   command.add_option("--beam", options->beam, "What sparse PGD learns from")
-      .type_name("BODY.toml")
+      .type_name("FILE.toml")
       .show_default();
   command
       .add_option("--folder", options->folder,
                   "Snapshots are kept there; what is valid is not solved again")
-      .type_name("FOLDER")
+      .type_name("DIR")
       .show_default();
-  command
-      .add_option("--threads", options->threads,
-                  "Cores for solves; 0: all. Results do not depend on it")
-      .in_range(0, 4096)
-      .show_default();
-  command.add_flag("--json", options->json, "One JSON object on stdout");
+  add_threads(command, options->threads, "Cores for solves; results do not depend on it");
+  command.add_json(options->json);
   command.footer("Example: palpable-bake bench reduce --json");
   command.callback([options] { bench_reduce(*options); });
 }

@@ -489,7 +489,7 @@ void add_bench_solid(Command bench) {
   Command command = bench.add_subcommand(
       "solid", "One equilibrium path against CalculiX' in CPU time, and digit by digit");
   command.add_option("body", options->description, "The body, with an edge in [shape]")
-      .type_name("BODY.toml")
+      .type_name("FILE.toml")
       .show_default();
   command.add_option("--law", options->law, "The body's law here: one that CalculiX has, too")
       .show_default();
@@ -508,7 +508,7 @@ void add_bench_solid(Command bench) {
                    "A beam and 10-node tetrahedra, too; exit code 1 if displacements differ by "
                    "more than 1e-6 of the largest or stresses by more than 1e-5");
   command.add_flag("--ours-only", options->ours_only, "Leave CalculiX out: takes a minute");
-  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.add_json(options->json);
   command.footer(
       "CalculiX takes about 5 minutes for each site of the paper's bunny.\n"
       "Example: palpable bench solid --json");

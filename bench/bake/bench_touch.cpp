@@ -297,7 +297,7 @@ void add_bench_touch(Command bench) {
   Command command = bench.add_subcommand(
       "touch", "Touch by anything, anywhere, against full finite elements (minutes to an hour)");
   command.add_option("body", options->body, "The body that is touched")
-      .type_name("BODY.toml")
+      .type_name("FILE.toml")
       .show_default();
   command.add_option("--each", options->each, "Scenes of each thing")
       .in_range(1, 1000)
@@ -312,14 +312,14 @@ void add_bench_touch(Command bench) {
   command
       .add_option("--baked", options->baked,
                   "The body file that was baked from it: its tables are used, none are made")
-      .type_name("BODY.palpable");
+      .type_name("FILE");
   command.add_flag("--linear", options->linear, "The first stage of the tables alone");
   command
       .add_option("--pictures", options->pictures,
                   "Folder for a picture of each scene and depth: the tables' response beside the "
                   "full-order solution, and their difference")
-      .type_name("FOLDER");
-  command.add_flag("--json", options->json, "One JSON object");
+      .type_name("DIR");
+  command.add_json(options->json);
   command.footer("Example: palpable bench touch bodies/bunny-demo.toml --each 2 --json");
   command.callback([options] { bench_touch(*options); });
 }

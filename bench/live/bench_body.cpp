@@ -157,13 +157,12 @@ void add_bench_body(Command bench) {
   auto options = std::make_shared<BodyOptions>();
   Command command = bench.add_subcommand(
       "evaluate", "Evaluation of the reduced body, and what copying as many bytes takes");
-  command.add_option(
-      "body", options->body,
-      "Body file. Default: build/bodies/bunny.palpable, else out/demo/bunny.palpable");
+  command.add_option("body", options->body, "Body file")
+      .default_is("build/bodies/bunny.palpable, else out/demo/bunny.palpable");
   command.add_option("--repeats", options->repeats, "Frames")
       .in_range(1, 10'000'000)
       .show_default();
-  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.add_json(options->json);
   command.footer("Example: palpable bench evaluate bunny.palpable");
   command.callback([options] {
     std::error_code ignored;

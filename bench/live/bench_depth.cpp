@@ -452,9 +452,8 @@ void add_bench_depth(Command bench) {
   auto options = std::make_shared<DepthBenchOptions>();
   Command command = bench.add_subcommand(
       "depth", "The stereo matcher beside OpenCV's SGBM: time, scenes with truth, near hands");
-  command.add_option("--body", options->body,
-                     "Body file. Default: build/bodies/bunny-dense.palpable, else "
-                     "out/demo/bunny.palpable");
+  command.add_option("--body", options->body, "Body file")
+      .default_is("build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
   command.add_option("--seed", options->seed, "Seed of the sequence press")
       .in_range(std::uint64_t{0}, kLargestSeed)
       .show_default();
@@ -469,10 +468,12 @@ void add_bench_depth(Command bench) {
   command.add_option("--repeats", options->repeats, "How often each is timed; the least counts")
       .in_range(1, 1000)
       .show_default();
-  command.add_option("--simd", options->simd,
-                     "Vector instructions to time: AVX3_DL, AVX3 (both AVX-512), AVX2, SSE4, "
-                     "scalar ... Default: the best of this processor");
-  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command
+      .add_option("--simd", options->simd,
+                  "Vector instructions to time: AVX3_DL, AVX3 (both AVX-512), AVX2, SSE4, "
+                  "scalar ...")
+      .default_is("the best of this processor");
+  command.add_json(options->json);
   command.footer(
       "Times are CPU ms of one thread, the least of the repeats, all matchers in turn in one run;\n"
       "wall_ms_* are wall times on two threads. Near frames: the hand's pixels that both eyes "

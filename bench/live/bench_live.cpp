@@ -435,20 +435,21 @@ void add_bench_live(Command bench) {
   auto options = std::make_shared<LiveBenchOptions>();
   Command command = bench.add_subcommand(
       "live", "The whole loop, from a camera's raw pictures to the picture and the files");
-  command.add_option("body", options->body,
-                     "The bunny. Default: build/bodies/bunny.palpable, else "
-                     "out/demo/bunny.palpable");
-  command.add_option("--dragon", options->dragon,
-                     "The dragon. Default: build/bodies/dragon.palpable; without it its run is "
-                     "left out");
-  command.add_option("--runs", options->runs, fmt::format("Only these: {}", names_of_cases()));
+  command.add_option("body", options->body, "Body file of the bunny")
+      .default_is("build/bodies/bunny.palpable, else out/demo/bunny.palpable");
+  command
+      .add_option("--dragon", options->dragon,
+                  "Body file of the dragon; if it is not there, its run is left out")
+      .default_is("build/bodies/dragon.palpable");
+  command.add_option("--runs", options->runs, fmt::format("Only these: {}", names_of_cases()))
+      .default_is("all");
   command
       .add_option("--source", options->source,
                   "Play this folder of raw stereo pairs instead, the body where its scene.toml "
                   "says: one run, called source")
       .type_name("DIR");
   command.add_option("--scene", options->scene, "With --source: its bodies, instead of one")
-      .type_name("FILE");
+      .type_name("FILE.toml");
   command.add_option("--contact", options->contact, "With --source, as of palpable live")
       .one_of({"anywhere", "site", "paper"});
   command.add_option("--film", options->film, "Frames of each film: 3.7 MB of memory each at 720p")
@@ -463,11 +464,8 @@ void add_bench_live(Command bench) {
   command.add_option("--clips", options->clips, "Where the films are kept for the next time")
       .type_name("DIR")
       .show_default();
-  command
-      .add_option("--threads", options->threads,
-                  "As of palpable live: how many threads a run may keep busy")
-      .in_range(1, 64);
-  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  add_threads(command, options->threads, "Threads that a run may keep busy at a time");
+  command.add_json(options->json);
   command.footer(
       "Pictures of a 720p stereo camera lie in memory, raw and side by side (YUYV), and play there "
       "and back as fast as the loop takes them; the run paced at 30 frames a second. Takes about "

@@ -123,18 +123,19 @@ void bench_render(RenderBenchOptions options) {
 void add_bench_render(Command bench) {
   auto options = std::make_shared<RenderBenchOptions>();
   Command command = bench.add_subcommand("render", "A picture alone: processor time at 1280 x 720");
-  command.add_option("body", options->body,
-                     "The bunny. Default: build/bodies/bunny.palpable, else "
-                     "out/demo/bunny.palpable");
-  command.add_option("--dragon", options->dragon,
-                     "The dragon. Default: build/bodies/dragon.palpable; without it left out");
+  command.add_option("body", options->body, "Body file of the bunny")
+      .default_is("build/bodies/bunny.palpable, else out/demo/bunny.palpable");
+  command
+      .add_option("--dragon", options->dragon,
+                  "Body file of the dragon; if it is not there, it is left out")
+      .default_is("build/bodies/dragon.palpable");
   command.add_option("--repeats", options->repeats, "How often each scene is drawn")
       .in_range(1, 10'000)
       .show_default();
   command.add_option("--clips", options->clips, "Where the films are kept for the next time")
       .type_name("DIR")
       .show_default();
-  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.add_json(options->json);
   command.footer(
       "Scenes of the clip `press` with a hand at the body are computed once and then drawn again "
       "and again: body, light, shadows, occlusion, legend. Processor time of the whole process, "

@@ -147,16 +147,15 @@ void add_bench_sgbm(Command bench) {
   auto options = std::make_shared<SgbmOptions>();
   Command command = bench.add_subcommand(
       "sgbm-reference", "How well OpenCV's SGBM sees the near hand of the sequence press");
-  command.add_option("--body", options->body,
-                     "Body file. Default: build/bodies/bunny-dense.palpable, else "
-                     "out/demo/bunny.palpable");
+  command.add_option("--body", options->body, "Body file")
+      .default_is("build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
   command.add_option("--seed", options->seed, "Seed of the sequence")
       .in_range(std::uint64_t{0}, kLargestSeed)
       .show_default();
   command.add_option("--frames", options->frames, "Near frames to match, evenly spread")
       .in_range(1, 1000)
       .show_default();
-  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.add_json(options->json);
   command.footer(
       "Fails with exit code 1, its figures printed all the same, unless 65 to 85 % are within 1 % "
       "in 60 near frames or more (estimated from every second frame).\n"

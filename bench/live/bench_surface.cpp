@@ -429,9 +429,8 @@ void add_bench_surface(Command bench) {
   Command command = bench.add_subcommand(
       "surface",
       "The seen surface against the true things of films: its unseen side, ghosts, misses");
-  command.add_option("body", options->body,
-                     "Body file. Default: build/bodies/bunny-dense.palpable, else "
-                     "out/demo/bunny.palpable");
+  command.add_option("body", options->body, "Body file")
+      .default_is("build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
   command.add_option("--only", options->only, "Sequences (synth --help lists them)").show_default();
   command.add_option("--seed", options->seed, "Of all films (0: a held-out one for each)")
       .in_range(std::uint64_t{0}, kLargestSeed)
@@ -444,9 +443,10 @@ void add_bench_surface(Command bench) {
                   "Interval of frames in which the unseen side is judged")
       .in_range(1, 1000)
       .show_default();
-  command.add_option("--films", options->films,
-                     "Folder in which films are kept and found again (default: a temporary one)");
-  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.add_option("--films", options->films, "Folder in which films are kept and found again")
+      .type_name("DIR")
+      .default_is("a temporary one");
+  command.add_json(options->json);
   command.footer(
       "Example: palpable bench surface out/demo/bunny.palpable --seed 1 --only press palm");
   command.callback([options] { bench_surface(*options); });

@@ -248,8 +248,9 @@ void add_bench_ticks(Command bench) {
   command.add_option("clip", options->clip, "Folder that palpable synth has made").required();
   command.add_option("--rate", options->rate, "Ticks a second").in_range(30, 10'000).show_default();
   command.add_option("--frames", options->live.frames, "Largest number of frames")
-      .in_range(1, 100'000);
-  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+      .in_range(1, 100'000)
+      .default_is("all");
+  command.add_json(options->json);
   command.footer(
       "The truth is the response of the same tables to the hand of truth/hand.jsonl, which moves "
       "linearly from frame to frame: this compares moments, not tables (palpable bench touch "

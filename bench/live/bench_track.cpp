@@ -369,9 +369,8 @@ void add_bench_track(Command bench) {
   auto options = std::make_shared<TrackBenchOptions>();
   Command command = bench.add_subcommand(
       "track", "Following the camera, the map: CPU time, recordings with truth, lost and found");
-  command.add_option("--body", options->body,
-                     "Body file. Default: build/bodies/bunny-dense.palpable, else "
-                     "out/demo/bunny.palpable");
+  command.add_option("--body", options->body, "Body file")
+      .default_is("build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
   command.add_option("--seed", options->seed, "Seed of the sequence walk")
       .in_range(std::uint64_t{0}, kLargestSeed)
       .show_default();
@@ -387,7 +386,7 @@ void add_bench_track(Command bench) {
           "Folder that holds rgbd_pose_7scenes, stereo_video_kitti1 and the same with _long; what "
           "is missing is null")
       .show_default();
-  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.add_json(options->json);
   command.footer(
       "The walk is filmed for the bench, at 1280 x 720; from frame 10 on its CPU time counts, mean "
       "over "
