@@ -88,7 +88,7 @@ void add_score(Command app) {
                   "Poses that a data set has published of the camera, instead of a truth: a file "
                   "of TUM, KITTI (poses.txt), 7-Scenes (one of its *.pose.txt) or EuRoC "
                   "(data.csv), or the recording's folder")
-      .type_name("FILE|DIR");
+      .type_name("FILE");
   command.add_option("--fps", options->poses_per_second, "Poses a second, of a file without times")
       .in_range(0.1, 1000.0)
       .default_is("KITTI's times.txt beside them or 10; 30 of 7-Scenes");
