@@ -72,7 +72,7 @@ void calibrate(const CalibrateOptions& options) {
     return;
   }
   if (options.out.empty() && !options.source.source.starts_with("/dev/")) {
-    throw Error("give the calibration file to write, for example --out calibration.yml");
+    throw Error("-o is needed: the calibration file to write, e.g. -o calibration.yml");
   }
   if (!options.out.empty()) guard_output_file(options.out, inputs_of(options.source));
   ProgressBar bar;

@@ -2,6 +2,7 @@
 // docs/benchmark.md has the formats of both folders and the meaning of every score.
 
 #include "apps/common/command_line.h"
+#include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "palpable/common/base/error.h"
@@ -35,7 +36,11 @@ void score_path_of(const ScoreOptions& options) {
   const std::optional<double> rate =
       options.poses_per_second > 0 ? std::optional(options.poses_per_second) : std::nullopt;
   const PoseScores scores = score_poses(read_published_poses(options.poses, rate), options.truth);
-  fmt::print("{}", options.json ? json_of(scores) + "\n" : text_of(scores));
+  if (options.json) {
+    fmt::print("{}\n", json_of(scores));
+  } else {
+    print_text("{}", text_of(scores));
+  }
 }
 
 void score(const ScoreOptions& options) {
@@ -51,7 +56,7 @@ void score(const ScoreOptions& options) {
   if (options.json) {
     fmt::print("{}\n", json_of(scores));
   } else {
-    fmt::print("{}", text_of(scores));
+    print_text("{}", text_of(scores));
   }
 }
 
@@ -65,31 +70,33 @@ void add_score(Command app) {
           "truth", options->truth,
           "Folder of the truth: truth/ of palpable synth, or one like it. With --poses: the "
           "result's folder, or its trajectory in TUM's format")
-      .required();
-  command.add_option(
-      "result", options->result,
-      "What a run left: the --out folder of palpable live, or another system's files");
-  command.add_option(
-      "--body", options->body,
-      "The body of the run: then it is also scored how deep the hand stays in it, "
-      "how it jumps, and its error relative to the true solution. For a body that was "
-      "touched anywhere this needs live --meshes");
+      .required()
+      .type_name("DIR|FILE");
+  command
+      .add_option("result", options->result,
+                  "What a run left: the --out folder of palpable live, or another system's files")
+      .type_name("DIR")
+      .default_is("required without --poses");
+  command
+      .add_option("--body", options->body,
+                  "Body file of the run: then it is also scored how deep the hand stays in it, "
+                  "how it jumps, and its error relative to the true solution. For a body that was "
+                  "touched anywhere this needs palpable live --write +meshes")
+      .default_is("none: these scores are left out");
   command
       .add_option("--poses", options->poses,
                   "Poses that a data set has published of the camera, instead of a truth: a file "
                   "of TUM, KITTI (poses.txt), 7-Scenes (one of its *.pose.txt) or EuRoC "
                   "(data.csv), or the recording's folder")
       .type_name("FILE");
-  command
-      .add_option("--fps", options->poses_per_second,
-                  "Of poses without times. Default: KITTI's times.txt beside them or 10, 30 of "
-                  "7-Scenes")
-      .in_range(0.1, 1000.0);
-  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.add_option("--fps", options->poses_per_second, "Poses a second, of a file without times")
+      .in_range(0.1, 1000.0)
+      .default_is("KITTI's times.txt beside them or 10; 30 of 7-Scenes");
+  command.add_json(options->json);
   command.footer(
       "Formats and scores: docs/benchmark.md. What a result does not hold is null (-).\n"
       "Example: palpable score clip/truth out --body bunny.palpable\n"
-      "         palpable score --poses rgbd_dataset_freiburg1_xyz/groundtruth.txt out");
+      "Example: palpable score --poses rgbd_dataset_freiburg1_xyz/groundtruth.txt out");
   command.callback([options] { score(*options); });
 }
 

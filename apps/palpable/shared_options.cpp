@@ -3,9 +3,8 @@
 #include "apps/common/command_line.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/text_numbers.h"
-#include "palpable/live/depth/depth_settings.h"
-#include "palpable/live/map/surface_map.h"
 #include "palpable/live/play/run_options.h"
+#include "palpable/live/slam/room_scan.h"
 #include "palpable/live/sources/folder_layouts.h"
 #include "palpable/live/view/show_names.h"
 
@@ -18,9 +17,8 @@
 namespace palpable::app {
 namespace {
 
-constexpr LengthRange kFarthest{0.2, 1000.0};                    // m
-constexpr LengthRange kSquareSides{1e-4, 10.0};                  // m
-constexpr double kScanFarthest = SurfaceMapSettings{}.farthest;  // m
+constexpr LengthRange kFarthest{0.2, 1000.0};    // m
+constexpr LengthRange kSquareSides{1e-4, 10.0};  // m
 
 // Begins a group that in `live` is for experts.
 void begin_detail_group(Command& command, const std::string& heading, SourceOptionsFor use) {
@@ -29,6 +27,13 @@ void begin_detail_group(Command& command, const std::string& heading, SourceOpti
   } else {
     command.begin_group(heading);
   }
+}
+
+std::string usual_farthest(SourceOptionsFor use) {
+  if (use == SourceOptionsFor::kScan) {
+    return length_text(RoomScanSettings{}.slam.surface.farthest);
+  }
+  return length_text(kUsualFarthest) + ", more with a long baseline";
 }
 
 void add_depth_options(Command command, SourceOptions& options, SourceOptionsFor use) {
@@ -51,9 +56,7 @@ void add_depth_options(Command command, SourceOptions& options, SourceOptionsFor
       .add_length("--farthest", options.farthest,
                   "Depths beyond this are taken for unknown. A street needs more than a desk",
                   kFarthest)
-      .default_is(use == SourceOptionsFor::kScan
-                      ? length_text(kScanFarthest)
-                      : fmt::format("{}, more with a long baseline", length_text(kUsualFarthest)));
+      .default_is(usual_farthest(use));
 }
 
 void add_camera_options(Command command, SourceOptions& options, SourceOptionsFor use) {
