@@ -53,9 +53,8 @@ class Reference:
         return {name for command in self.commands.values() for option in command["options"] for name in option["names"]}
 
     def text(self, command, how):
-        program = "palpable" if self.commands[command]["program"].startswith("palpable-b") else self.commands[command]["program"]
-        if command in ("about", "refine"):  # not in the list of palpable: other programs start them
-            program = "palpable-bake"
+        # Other programs start these two; palpable does not know them.
+        program = "palpable-bake" if command in ("about", "refine") else "palpable"
         return subprocess.run([self.folder / program, *command.split(), how], capture_output=True, text=True, check=True).stdout
 
 
