@@ -53,9 +53,8 @@ class Reference:
         return {name for command in self.commands.values() for option in command["options"] for name in option["names"]}
 
     def text(self, command, how):
-        program = "palpable" if self.commands[command]["program"].startswith("palpable-b") else self.commands[command]["program"]
-        if command in ("about", "refine"):  # not in the list of palpable: other programs start them
-            program = "palpable-bake"
+        # Other programs start these two; palpable does not know them.
+        program = "palpable-bake" if command in ("about", "refine") else "palpable"
         return subprocess.run([self.folder / program, *command.split(), how], capture_output=True, text=True, check=True).stdout
 
 
@@ -171,6 +170,7 @@ def _(programs, folder):
 # Names whose values are of several kinds, with the reason.
 SEVERAL_KINDS = {
     "--out": "a file or a folder: what the command makes",
+    "--poses": "poses in a file; score also finds them in the folder of a data set",
 }
 # How values are called; each of these has one spelling, and these are other ones.
 OTHER_SPELLINGS = {"FOLDER", "PATH", "STORE", "CLIP", "METRES", "MM", "INT", "UINT", "FLOAT", "BODY", "SCENE", "NUM", "COUNT"}
@@ -199,7 +199,7 @@ def _(programs, folder):
         if len(of) > 1 and word not in SEVERAL_KINDS and "-o" != word:
             wrong.append(f"{word}: " + "; ".join(f"{kind or 'no value'} in {', '.join(sorted(names))}" for kind, names in of.items()))
     assert not wrong, listing(wrong)
-    assert all(len(kinds[word]) > 1 for word in SEVERAL_KINDS), "an exception that is none"
+    assert all(len(kinds[word]) > 1 for word in SEVERAL_KINDS), "an exception that is needed no more"
     # -o is short for --out and for nothing else.
     assert kinds["-o"].keys() == kinds["--out"].keys(), (kinds["-o"], kinds["--out"])
 
