@@ -65,10 +65,9 @@ void run_preview(const Options& options) {
 }
 
 void live(const Options& options) {
-  LiveOptions wanted = options.live;
+  const LiveOptions& wanted = options.live;
   ProgressBar bar;
   LivePlay play(options.play, inputs_of(wanted), user_at(bar), options.record);
-  if (!options.play.out.empty()) wanted.clip = options.play.out / "clip";
   share_drawing_threads(wanted.threads);
   LiveSetUp setup = set_up_live(wanted);
   const PlayResult result = play.play(setup, wanted.frames);
@@ -92,6 +91,7 @@ void run(Command command, Options& options) {
     print_text("{}", scene_file_text(options.live, command.given_options()));
     return;
   }
+  if (!options.play.out.empty()) options.live.clip = options.play.out / "clip";
   choose_output(options, alone);
   if (options.preview) {
     run_preview(options);
