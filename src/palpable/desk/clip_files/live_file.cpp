@@ -68,6 +68,30 @@ Json stats_of(const LiveSummary::Stats& stats) {
           {"stage_p99_ms", named(stats.stage_p99_ms)}};
 }
 
+// Values of another type count as unknown: no score depends on them.
+RunSpeed speed_of(JsonFields& live) {
+  constexpr auto kIgnored = JsonFields::Invalid::kIgnored;
+  RunSpeed speed;
+  live.object_if_there("stats", [&](JsonFields& stats) {
+    stats.number("frames_per_s", speed.frames_per_second, 0, kIgnored);
+    stats.number("cpu_ms_per_frame", speed.cpu_ms_per_frame, 0, kIgnored);
+    stats.number("age_p50_ms", speed.age_p50_ms, 0, kIgnored);
+    stats.number("age_p99_ms", speed.age_p99_ms, 0, kIgnored);
+  });
+  if (!speed.frames_per_second) {  // written before there were "stats"
+    std::optional<double> frames, wall;
+    live.number("frames", frames, 0, kIgnored);
+    live.number("wall_s", wall, 0, kIgnored);
+    if (frames && wall && *wall > 0) speed.frames_per_second = *frames / *wall;
+  }
+  live.object_if_there("source_troubles", [&](JsonFields& troubles) {
+    std::optional<double> dropped;
+    troubles.number("dropped", dropped, 0, kIgnored);
+    if (dropped && *dropped >= 0 && *dropped < 1e9) speed.dropped = static_cast<int>(*dropped);
+  });
+  return speed;
+}
+
 }  // namespace
 
 void write_live_summary(const std::filesystem::path& path, const LiveSummary& summary) {
@@ -137,6 +161,7 @@ LiveFile read_live_file(const std::filesystem::path& path) {
       live.rigid("color_from_depth", file.color_from_depth.emplace());
     }
     if (live.has("processed")) file.processed = live.frames("processed");
+    file.speed = speed_of(live);
   });
   return file;
 }

@@ -157,7 +157,17 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   const LiveFile read = read_live_file(path);
   CHECK(read.processed == std::vector<int>{0, 2});
   CHECK(read.camera_from_body->isApprox(some_pose(), 1e-14));
+  CHECK(read.speed.frames_per_second == 31.5);
+  CHECK(read.speed.cpu_ms_per_frame == 44.5);
+  CHECK(read.speed.age_p99_ms == 61);
+  CHECK(read.speed.dropped.has_value());
   CHECK_FALSE(read_live_file(TextIn("{}").path).processed.has_value());
+  CHECK_FALSE(read_live_file(TextIn("{}").path).speed.frames_per_second.has_value());
+  // Files of older versions have no "stats"; what others write there is no error.
+  CHECK(read_live_file(TextIn("{\"frames\":50,\"wall_s\":2.5}").path).speed.frames_per_second ==
+        20);
+  CHECK_FALSE(read_live_file(TextIn("{\"stats\":7,\"source_troubles\":[],\"wall_s\":0}").path)
+                  .speed.frames_per_second.has_value());
   const auto again = [](const fs::path& file) { (void)read_live_file(file); };
   CHECK(says(refusal_of("{\"processed\":[0,\n\n", again), "file: no JSON at character"));
   CHECK(says(refusal_of("{\"processed\":[0,1.5]}", again), "file: 1.5 is no frame's number"));
