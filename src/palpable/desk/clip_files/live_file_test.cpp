@@ -84,7 +84,7 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
     "frames_lost": [
       1
     ],
-    "times_found_again": 1,
+    "relocalizations": 1,
     "loops_closed": 0,
     "keyframes": 7,
     "landmarks": 500,
@@ -94,19 +94,19 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   },
   "map": {
     "blocks": 12,
-    "refused": 0,
-    "free_space_refused": 2
+    "blocks_refused": 0,
+    "free_space_blocks_refused": 2
   },
   "depth": {
     "median_density": 0.5,
-    "frames_few_depths": [],
-    "frames_rows_off": [
+    "frames_sparse_depth": [],
+    "frames_rows_misaligned": [
       2
     ],
-    "rows_off_px": 0.75
+    "row_misalignment_px": 0.75
   },
   "frames": 2,
-  "unreadable": 1,
+  "frames_unreadable": 1,
   "source_troubles": {
     "back_in_time": 0,
     "dropped": 1,

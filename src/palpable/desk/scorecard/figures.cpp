@@ -71,7 +71,7 @@ const Target* target_of(std::string_view figure, std::string_view film) {
   return nullptr;
 }
 
-// How a number is shown: value * factor with so many digits, and the unit.
+// How a number is shown: value * factor with `digits` behind the point, and the unit.
 struct Format {
   int digits;
   const char* unit;
