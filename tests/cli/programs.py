@@ -717,6 +717,13 @@ def _(programs, folder):
     text = programs.succeeds("inspect", body).stdout
     for wanted in ("ball", "sites", "levels", "modes", "neo-hookean", "error"):
         assert wanted in text, f"'{wanted}' is not in\n{text}"
+    first, second, third, blank = text.splitlines()[:4]
+    assert re.fullmatch(r"body:     ball, to be pressed at its \d+ sites, one at a time; .* mm; .* 60 kPa, .*", first), text
+    assert re.fullmatch(r"accuracy: reduced model: displacement off by \S+ % \(.*", second) and not blank, text
+    assert re.fullmatch(r"speed:    \S+ ms to evaluate .*; \S+ MB file", third), text
+    assert "e+04 Pa" not in text and "\nwhere it comes from\n" in text, text
+    figures = json.loads(programs.succeeds("inspect", body, "--json").stdout)
+    assert figures["file_bytes"] == body.stat().st_size and figures["evaluation_ms"] > 0, figures
     result = programs.run("view", body, "--out", folder / "pictures")
     if result.returncode != 0 and "EGL" in result.stderr:
         print("SKIPPED: no OpenGL here: " + result.stderr.strip())
@@ -890,7 +897,7 @@ def _(programs, folder):
 @case("a body goes out to other programs, and its modes come back to be pressed")
 def _(programs, folder):
     body = programs.small_body()
-    sites = int(re.search(r"^sites +(\d+)", programs.succeeds("inspect", body).stdout, re.M)[1])
+    sites = int(re.search(r"^ +sites +(\d+)", programs.succeeds("inspect", body).stdout, re.M)[1])
     programs.succeeds("export", body, "--to", "vtu", "--site", "1", "-o", folder / "vtu")
     assert (folder / "vtu/site_001.pvd").exists() and len(list((folder / "vtu").glob("*.vtu"))) > 2
     programs.succeeds("export", body, "--to", "xdmf", "-o", folder / "ball.xdmf")
@@ -900,7 +907,7 @@ def _(programs, folder):
     for source in ("modes.pxdmf", "modes"):
         programs.succeeds("import-modes", folder / source, "-o", folder / "again.palpable")
         text = programs.succeeds("inspect", folder / "again.palpable").stdout
-        assert re.search(rf"^sites +{sites}\b", text, re.M) and "another program" in text, text
+        assert re.search(rf"^ +sites +{sites}\b", text, re.M) and "another program" in text, text
         assert source in text, text
     result = programs.run("view", folder / "again.palpable", "--out", folder / "pictures")
     assert result.returncode == 0 or "EGL" in result.stderr, result.stderr
@@ -923,8 +930,8 @@ def _(programs, folder):
     # The solutions are stored as numbers in any case.
     assert "bar.solid.h5" in output and b"palpable solid" in (folder / "bar.solid.h5").read_bytes(), output
     shown = programs.succeeds("inspect", folder / "bar.palpable").stdout
-    assert re.search(r"^sites +1, at ", shown, re.M) and "travelling" in shown, shown
-    assert re.search(r"^several loads +no: one load at a time$", shown, re.M), shown
+    assert re.search(r"^ +sites +1, at ", shown, re.M) and "travelling" in shown, shown
+    assert re.search(r"^ +several loads +no: one load at a time$", shown, re.M), shown
     programs.refuses(*bake, "--solver", "calculix", says=["--solver", "campaign"])
     programs.refuses(*bake, "--volume", says=["--volume", "campaign"])
     programs.refuses(*bake[:3], "greedy", *bake[4:], says=["intrusive-pgd"])
@@ -947,7 +954,7 @@ def _(programs, folder):
     body, alone = folder / "bar.palpable", folder / "alone.palpable"
     assert "pairs solved afresh" in programs.succeeds("bake", bar, "--method", "intrusive-pgd", "-o", body).stdout
     shown = programs.succeeds("inspect", body).stdout
-    assert re.search(r"^several loads +yes, displacement only: .* pushes back at 1, at .* error .* 6 pairs", shown, re.M), shown
+    assert re.search(r"^ +several loads +yes, displacement only: .* pushes back at 1, at .* off by .* 6 pairs", shown, re.M), shown
     several = json.loads(programs.succeeds("inspect", body, "--json").stdout)["several_loads"]
     assert several["reactions"] == 1 and several["pairs_checked"] == 6 and several["error_worst"] < 0.1, several
 
