@@ -1418,6 +1418,22 @@ def _(programs, folder):
     assert "paper" not in text, text
 
 
+@case("docs/benchmark.md explains every figure of a score and lists every target")
+def _(programs, folder):
+    truth, result = write_truth(folder / "truth"), write_result(folder / "result")
+    page = (ROOT / "docs/benchmark.md").read_text()
+    for key in json.loads(programs.succeeds("score", truth, result, "--json").stdout):
+        assert re.search(rf"\b{key}\b", page), f"{key} is not explained"
+    rows = "\n".join(line for line in page.splitlines() if re.match(r"\| `.*\| at (most|least)", line))
+    source = (ROOT / "src/palpable/desk/scorecard/figures.cpp").read_text()
+    targets = re.findall(r'^    {"([a-z0-9_]+)[.a-z0-9]*", k(AtMost|AtLeast), ([0-9.]+), (\S+)}', source, re.M)
+    assert len(targets) > 20, targets
+    for figure, _, value, film in targets:
+        row = next((row for row in rows.splitlines() if f"`{figure}`" in row and (film[0] != '"' or film.strip('"') in row)), "")
+        numbers = re.findall(r"[0-9.]+", row.split("|")[2]) if row else []
+        assert any(float(value) * factor == float(number) for factor in (1, 100) for number in numbers), (figure, film, row)
+
+
 @case("a result as version 0.1 wrote it is scored, and figures under their old names are read")
 def _(programs, folder):
     truth, result = write_truth(folder / "truth"), write_result(folder / "result")

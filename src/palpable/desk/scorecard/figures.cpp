@@ -262,7 +262,7 @@ Json errors_by_frame(const BodyScores& body) {
 }
 
 void add_reference(const BodyScores& body, Figures& f) {
-  f.begin_section("shape and force, against full finite elements (median; 90 of 100)");
+  f.begin_section("errors against finite elements (median; 90 of 100)");
   f.add("reference_frames", body.reference_frames, "frames, at least 4 mm deep and seen", kCount);
   f.add("displacement_error", body.displacement_error, "displacement, relative error", kPercent);
   f.add("max_vertex_error_mm", body.max_vertex_error_mm, "displacement of the worst vertex, error",
