@@ -61,6 +61,27 @@ sequence has none of.
 """
 
 
+# Keys of `palpable score --json` as version 0.1 wrote them, and their present names. Entries of runs that were
+# scored by it stay in the file.
+RENAMED_SCORES = {
+    "depth_median": "depth_error_median", "moving_false": "moving_false_positives", "trajectory_share": "trajectory_coverage",
+    "touch_site": "touch_site_accuracy", "touch_false_5mm": "touch_false_discovery_5mm", "frames_unseen": "frames_touch_unseen",
+    "largest_pop_mm": "largest_jump_mm", "largest_pop_frame": "largest_jump_frame", "pops_4mm": "jumps_above_4mm",
+    "deformed_frames": "reference_frames", "deformed_frames_shallow": "reference_frames_shallow",
+    "deformed_frames_unseen": "reference_frames_unseen", "deformed_by_frame": "errors_by_frame",
+    "displacement_error_mm": "max_vertex_error_mm", "displacement_error_mm_shallow": "max_vertex_error_mm_shallow",
+    "displacement_error_mm_unseen": "max_vertex_error_mm_unseen", "overpress_mm": "excess_indentation_mm"}
+
+
+def with_present_names(scores):
+    """A score's figures with the present names of their keys, whichever version wrote them."""
+    if isinstance(scores, list):
+        return [with_present_names(one) for one in scores]
+    if not isinstance(scores, dict):
+        return scores
+    return {RENAMED_SCORES.get(key, key): with_present_names(value) for key, value in scores.items()}
+
+
 def run(words, **options):
     return subprocess.run([str(word) for word in words], capture_output=True, text=True, **options)
 
@@ -150,8 +171,9 @@ def solve_truth(options, film):
 
 def timings(result):
     live = json.loads((result / "live.json").read_text())
+    unreadable = live["frames_unreadable"] if "frames_unreadable" in live else live["unreadable"]  # of version 0.1
     return {"frames": live["frames"], "frame_ms": 1e3 * live["wall_s"] / max(1, live["frames"]),
-            "first_touch_frame": live["first_touch_frame"], "unreadable": live["unreadable"]}
+            "first_touch_frame": live["first_touch_frame"], "unreadable": unreadable}
 
 
 def play(options, name, folder):
@@ -210,13 +232,13 @@ def play_real(options, name, folder):
 # The sequences over which errors relative to the full-order solution are pooled: those with a touch, except thin things,
 # darkness, and a desk without texture.
 POOLED = ("press", "cup", "slide", "palm", "two-hands", "squeeze", "rest", "press-axial", "press-behind")
-ERRORS = ("displacement_error", "displacement_error_mm", "von_mises_error", "force_error")
+ERRORS = ("displacement_error", "max_vertex_error_mm", "von_mises_error", "force_error")
 
 
 def pooled(scored, names):
     """Median and p90 of each error, as in palpable score, over all frames of the sequences; None without any."""
     frames = [frame for name in names if name in scored
-              for frame in scored[name]["scores"].get("deformed_by_frame") or []]
+              for frame in scored[name]["scores"].get("errors_by_frame") or []]
     frames = [frame for frame in frames if all(frame[key] is not None for key in ERRORS)]
     if len(frames) < 2:
         return None
@@ -249,15 +271,15 @@ def tables(entries, real):
     def full_answer():
         for name, entry in scored.items():
             s = entry["scores"]
-            if not any(s.get(f"deformed_frames{kind}") for kind in ("", "_shallow", "_unseen")):
+            if not any(s.get(f"reference_frames{kind}") for kind in ("", "_shallow", "_unseen")):
                 continue
-            yield [name, s["deformed_frames"], pair(s["displacement_error"], 100), pair(s["displacement_error_mm"]),
-                   pair(s["displacement_error_mm_shallow"]), pair(s["von_mises_error"], 100),
-                   pair(s["force_error"], 100), pair(s["overpress_mm"]), s.get("deformed_frames_unseen"),
-                   pair(s.get("displacement_error_mm_unseen"))]
+            yield [name, s["reference_frames"], pair(s["displacement_error"], 100), pair(s["max_vertex_error_mm"]),
+                   pair(s["max_vertex_error_mm_shallow"]), pair(s["von_mises_error"], 100),
+                   pair(s["force_error"], 100), pair(s["excess_indentation_mm"]), s.get("reference_frames_unseen"),
+                   pair(s.get("max_vertex_error_mm_unseen"))]
         for what, names in (("pooled", POOLED), ("pooled without squeeze", [n for n in POOLED if n != "squeeze"])):
             if p := pooled(scored, names):
-                yield [what, p["frames"], pair(p["displacement_error"], 100), pair(p["displacement_error_mm"]), None,
+                yield [what, p["frames"], pair(p["displacement_error"], 100), pair(p["max_vertex_error_mm"]), None,
                        pair(p["von_mises_error"], 100), pair(p["force_error"], 100), None, None, None]
 
     def by_distance(key):
@@ -266,15 +288,15 @@ def tables(entries, real):
             yield [name] + [None if values.get(d) is None else 100 * values[d] for d in DISTANCES]
 
     metres = [f"{d} m" for d in DISTANCES]
-    touch = ("frames_touching", "touch_precision", "touch_recall", "touch_site", "first_touch_delay_frames",
-             "penetration_median_mm", "penetration_p99_mm", "largest_pop_mm")
-    seen = ("touch_recall_3mm", "touch_false_5mm", "frames_too_deep", "frames_unseen", "penetration_median_mm_unseen",
-            "pops_4mm")
+    touch = ("frames_touching", "touch_precision", "touch_recall", "touch_site_accuracy", "first_touch_delay_frames",
+             "penetration_median_mm", "penetration_p99_mm", "largest_jump_mm")
+    seen = ("touch_recall_3mm", "touch_false_discovery_5mm", "frames_too_deep", "frames_touch_unseen", "penetration_median_mm_unseen",
+            "jumps_above_4mm")
 
     def camera():
         for name, entry in scored.items():
             s = entry["scores"]
-            false = s["moving_false"]
+            false = s["moving_false_positives"]
             yield [name, s["ate_mm"], s["rpe_mm"], pair(s.get("placement_error_mm")), s["jitter_mm"], s["moving_iou"],
                    s["moving_recall"], None if false is None else 100 * false, s["row_error_px"]]
 
@@ -283,7 +305,7 @@ def tables(entries, real):
     yield {"heading": "Share of pixels within 1 % of their true depth, in %",
            "columns": ["sequence", *metres], "rows": list(by_distance("depth_within_1pct"))}
     yield {"heading": "Median error of depth, in % (the paper's camera: 1 near, 9 at 15 m)",
-           "columns": ["sequence", *metres], "rows": list(by_distance("depth_median"))}
+           "columns": ["sequence", *metres], "rows": list(by_distance("depth_error_median"))}
     yield {"heading": "Near hands, in %", "columns": ["sequence", "near frames", "hand within 1 %", "too close called far"],
            "rows": list(rows(hand, hand[1:]))}
     yield {"heading": "Touch", "columns": ["sequence", "true frames", "precision", "recall", "site", "delay (frames)",
@@ -397,6 +419,9 @@ def main():
 
     file = json.loads(options.out.read_text()) if options.out.is_file() else {}
     entries, real = file.get("entries", {}), file.get("real", {})
+    for entry in entries.values():
+        if "scores" in entry:
+            entry["scores"] = with_present_names(entry["scores"])
 
     def write():
         content = page({key: entries[key] for key in options.lengths if key in entries},

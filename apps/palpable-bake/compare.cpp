@@ -10,6 +10,7 @@
 #include "palpable/bake/pipeline/compare_methods.h"
 #include "palpable/bake/separate/reduction.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/common/base/this_machine.h"
 
 #include <fmt/format.h>

@@ -131,15 +131,15 @@ def _(programs, folder):
     assert whole == killed
     assert (folder / "whole/ball.palpable").read_bytes() == body.read_bytes()
     told = programs.succeeds("inspect", body).stdout
-    assert re.search(r"^touch +anywhere, several at a time, 3rd order; 6 regions; \S+ MB; 3 touches \(1 finger, 1 palm, "
+    assert re.search(r"^ +touch +anywhere, several at a time, 3rd order; 6 regions; \S+ MB; 3 touches \(1 finger, 1 palm, "
                      r"1 rim; \S+ to \S+ mm deep\) against full finite elements: displacement \S+ % off", told, re.M), told
 
     # Other modes of the same campaign keep the tables; imported modes of another program have none.
     programs.succeeds("reduce", "ball.snapshots", "--tolerance", "1e-2", "-o", "coarse.palpable", cwd=folder / "whole")
     coarse = json.loads(programs.succeeds("inspect", folder / "whole/coarse.palpable", "--json").stdout)
-    assert coarse["touch"]["regions"] == 6 and coarse["touch"]["order"] == 3, coarse["touch"]
+    assert coarse["touch"]["regions"] == 6 and coarse["touch"]["response_order"] == 3, coarse["touch"]
     held_out = coarse["touch"]["held_out"]
-    assert [touch["thing"] for touch in held_out["touches"]] == ["finger", "palm", "rim"], held_out
+    assert [touch["obstacle"] for touch in held_out["touches"]] == ["finger", "palm", "rim"], held_out
     assert 0 < held_out["displacement_median"] <= held_out["displacement_worst"] < 0.5, held_out
     programs.succeeds("report", "coarse.palpable", cwd=folder / "whole")
     assert "\nheld_out_touch,force,,,,rim " in (folder / "whole/coarse.csv").read_text()
@@ -156,7 +156,7 @@ def _(programs, folder):
     description.write_text(base.BALL)
     programs.succeeds(*words, cwd=folder / "whole")
     plain = programs.succeeds("inspect", folder / "whole/ball.palpable").stdout
-    assert re.search(r"^touch +at its sites, one at a time$", plain, re.M), plain
+    assert re.search(r"^ +touch +at its sites, one at a time$", plain, re.M), plain
     assert files_of(folder / "whole/ball.snapshots/touch") == more
 
 
@@ -171,7 +171,7 @@ def _(programs, folder):
     said = programs.succeeds(*words, "--until", "linear", cwd=folder / "staged").stdout
     assert "without --until goes on" in said, said
     touch = json.loads(programs.succeeds("inspect", body, "--json").stdout)["touch"]
-    assert touch["order"] == 1 and touch["held_out"] is None, touch
+    assert touch["response_order"] == 1 and touch["held_out"] is None, touch
     tables = folder / "staged/ball.snapshots/touch"
     # tables.h5 lists the complete tables and is written again after each stage.
     linear = {path: path.stat().st_mtime_ns for path in tables.glob("*.h5") if path.name != "tables.h5"}
@@ -460,7 +460,7 @@ def _(programs, folder):
     assert re.search(r"^displacement: sparse-pgd, \d+ modes, error \S+ pooled, \S+ at the worst snapshot; learnt from 29 "
                      r"snapshots, of the 19 others \S+ pooled, \S+ at the worst$", said, re.M), said
     body = json.loads(programs.succeeds("inspect", folder / "sparse.palpable", "--json").stdout)
-    assert body["form"] == "global", body
+    assert body["basis"] == "global", body
     assert re.match(r"sparse-pgd \(learnt from 29 snapshots of 48, drawn at random with seed 1; where it is pressed is a "
                     r"quantity, y and z;", body["provenance"]["reduction"]), body["provenance"]
     first = (folder / "sparse.palpable").read_bytes()

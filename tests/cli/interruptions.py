@@ -79,7 +79,7 @@ def pictures_of(programs, folder, film):
                       folder / "clip/rectified.yml", "--place", "0 0.04 0.42 0 0 0", "--write=-depth,-masks",
                       "--out", folder / "played", "--overwrite")
     played = json.loads((folder / "played/live.json").read_text())
-    assert played["unreadable"] == 0, played
+    assert played["frames_unreadable"] == 0, played
     return played["frames"]
 
 

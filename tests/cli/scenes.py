@@ -75,7 +75,7 @@ def _(programs, folder):
     score = json.loads(programs.succeeds("score", clip / "truth", out, "--json").stdout)
     large, small = score["bodies"]["large"], score["bodies"]["small"]
     assert large["frames_touching"] > 0 and large["touch_recall"] > 0.8, large
-    assert small["frames_touching"] == 0 and not small["touch_false_5mm"], small
+    assert small["frames_touching"] == 0 and not small["touch_false_discovery_5mm"], small
     # A repetition gives the same result.
     programs.succeeds("live", desk, "--source", clip / "frames", "--write", "+meshes", "--out", folder / "again")
     for file in ("touches.jsonl", "pose.jsonl"):

@@ -84,7 +84,7 @@ def _(programs, folder):
         assert score["poses_matched"] == count and score["ate_mm"] < 0.01, (poses_of, score)
         assert score["end_error_percent"] < 0.01 and abs(score["path_m"] - 2) < 0.5, (poses_of, score)
     table = programs.succeeds("score", "--poses", folder / "poses.txt", "--fps", "30", write_path("found.txt", 30, 0)).stdout
-    assert "position, rms after alignment" in table, table
+    assert "mm rms after alignment" in table and "absolute trajectory error" in table, table
     base.lines(folder / "long.txt", [f"{n / 30:.6f} {1.1 * p[0]} {p[1]} {p[2]} {line_of(q)}"
                                      for n, (p, q) in enumerate(zip(places, quaternions))])
     score = json.loads(programs.succeeds("score", "--poses", folder / "scene", folder / "long.txt", "--json").stdout)
@@ -134,7 +134,7 @@ def _(programs, folder):
         picture = (folder / "out/depth/000001.png").read_bytes()
         sizes[size] = int.from_bytes(picture[16:20], "big")
         depth = json.loads((folder / "out/live.json").read_text())["depth"]
-        assert depth["median_density"] > 0.5 and depth["frames_few_depths"] == [], depth
+        assert depth["median_density"] > 0.5 and depth["frames_sparse_depth"] == [], depth
         assert "equal" in programs.succeeds("replay", folder / f"{size}.palprec").stdout
     assert sizes == {"half": 160, "full": 320, "auto": 320}, sizes
     programs.succeeds(*words, "--farthest", "0.3m")  # the wall is 0.44 m away

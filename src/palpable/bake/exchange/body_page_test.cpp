@@ -113,7 +113,7 @@ TEST_CASE("the page of a body says what the body says", "[exchange][pages]") {
   touched.touch = "anywhere";
   touched.held_out = {{PressingThing::kRim, 3.25e-3, 0.02, 0.01, 0.125}};
   const json held_out = data_of(body_page(body, touched, "x"))["touch"]["held_out"];
-  CHECK((held_out.size() == 1 && held_out[0]["thing"] == "rim" && held_out[0]["force"] == 0.01));
+  CHECK((held_out.size() == 1 && held_out[0]["obstacle"] == "rim" && held_out[0]["force"] == 0.01));
   CHECK_THAT(body_table(body, touched),
              Contains("\nheld_out_touch,von_mises,,,,rim 3.25 mm,0.125,1\n"));
   CHECK_THAT(body_table(body, kFacts), !Contains("held_out_touch"));

@@ -1,5 +1,6 @@
 #include "palpable/common/body_file/body_facts.h"
 
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/body_file.h"
 #include "palpable/common/geometry/surface_mesh.h"
 
@@ -7,6 +8,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <optional>
 
 namespace palpable {
 namespace {
@@ -29,8 +33,11 @@ std::string modes_text(const SeparatedField& field, double pooled, double worst,
   std::string text = has_blocks(field) ? fmt::format("{} modes, up to {} of its own per site",
                                                      field.mode_count(), field.largest_block())
                                        : fmt::format("{} modes for all sites", field.mode_count());
-  text += fmt::format("; error {:.2e} over all snapshots, {:.2e} in the worst", pooled, worst);
-  if (rounding > 0) text += fmt::format("; stored in half precision, which adds {:.1e}", rounding);
+  text += fmt::format("; off by {} over all snapshots together, {} in the worst one",
+                      percent_text(pooled), percent_text(worst));
+  if (rounding > 0) {
+    text += fmt::format("; stored in half precision, which adds {}", percent_text(rounding));
+  }
   return text;
 }
 
@@ -56,62 +63,116 @@ std::string several_text(const ReducedBody& body) {
   }
   text += fmt::format("; {} modes", several.mode_count());
   if (several.checked > 0) {
-    text += fmt::format("; error {:.2e} at the median of {} pairs, {:.2e} at the worst",
-                        several.error_median, several.checked, several.error_worst);
+    text += fmt::format("; displacement off by {} in the median of {} pairs, {} in the worst",
+                        percent_text(several.error_median), several.checked,
+                        percent_text(several.error_worst));
   }
   return text;
 }
 
-}  // namespace
+// A pressure in the largest of Pa, kPa, MPa and GPa in which it is 1 or more.
+std::string pressure_text(double pascals, int digits) {
+  constexpr const char* kUnits[] = {"Pa", "kPa", "MPa", "GPa"};
+  int unit = 0;
+  // What rounds to 1000 kPa is 1 MPa.
+  for (; unit < 3 && std::abs(pascals) >= 999.95; ++unit) pascals /= 1e3;
+  return fmt::format("{:.{}g} {}", pascals, digits, kUnits[unit]);
+}
 
-std::vector<std::pair<std::string, std::string>> body_facts(const ReducedBody& body,
-                                                            const std::filesystem::path& file,
-                                                            std::string_view setting) {
+// Collects facts under headings.
+class FactList {
+ public:
+  void begin(const char* heading) { groups_.push_back({heading, {}}); }
+  void add(const char* name, std::string text) {
+    groups_.back().lines.emplace_back(name, std::move(text));
+  }
+  [[nodiscard]] std::vector<FactGroup> groups() { return std::move(groups_); }
+
+ private:
+  std::vector<FactGroup> groups_;
+};
+
+void add_shape(const ReducedBody& body, const std::filesystem::path& file, FactList& facts) {
   const Eigen::Vector3d low = body.surface.vertices.rowwise().minCoeff();
   const Eigen::Vector3d size = body.surface.vertices.rowwise().maxCoeff() - low;
   const auto fixed = std::count(body.fixed.begin(), body.fixed.end(), std::uint8_t{1});
+  facts.begin("shape and material");
+  facts.add("body", body.name);
+  facts.add("file", fmt::format("{}, {:.1f} MB, version {} of the format", file.string(),
+                                static_cast<double>(std::filesystem::file_size(file)) / 1e6,
+                                kBodyFileVersion));
+  facts.add("size",
+            fmt::format("{:.1f} x {:.1f} x {:.1f} mm, {:.1f} cm^3", size.x() * 1e3, size.y() * 1e3,
+                        size.z() * 1e3, enclosed_volume(body.surface) * 1e6));
+  facts.add("surface",
+            fmt::format("{} vertices, {} triangles; {} vertices held by the support",
+                        body.surface.vertex_count(), body.surface.triangle_count(), fixed));
+  facts.add("inside", body.volume ? fmt::format("{} nodes, {} tetrahedra",
+                                                body.volume->nodes.cols(), body.volume->tets.cols())
+                                  : std::string("none, the boundary only"));
+  facts.add("material", with_larger_pascals(body.material));
+  facts.add("largest stress", pressure_text(body.largest_von_mises, 3) + " (von Mises)");
+}
+
+void add_loads(const ReducedBody& body, std::string_view setting, FactList& facts) {
   const Eigen::Index last = body.levels().size() - 1;
-  std::vector<std::pair<std::string, std::string>> facts;
-  const auto line = [&facts](const char* name, std::string text) {
-    facts.emplace_back(name, std::move(text));
-  };
-  line("body", body.name);
-  line("file",
-       fmt::format("{}, {:.1f} MB, layout {}", file.string(),
-                   static_cast<double>(std::filesystem::file_size(file)) / 1e6, kBodyFileVersion));
-  line("size", fmt::format("{:.1f} x {:.1f} x {:.1f} mm, {:.1f} cm^3", size.x() * 1e3,
-                           size.y() * 1e3, size.z() * 1e3, enclosed_volume(body.surface) * 1e6));
-  line("surface", fmt::format("{} vertices, {} triangles; {} vertices held by the support",
-                              body.surface.vertex_count(), body.surface.triangle_count(), fixed));
-  line("material", body.material);
-  line("sites", places_text(body, body.sites));
-  line("levels", fmt::format("{} of the load, and rest", last));
-  line("full load",
-       range_text(body, [&](std::size_t s) { return body.sites[s].full_load; }) + " N per site");
-  line("press at full load", range_text(body, [&](std::size_t s) {
-                               return body.press_depth(last, static_cast<Eigen::Index>(s)) * 1e3;
-                             }) + " mm");
+  facts.begin("loads for which it was solved");
+  facts.add("sites", places_text(body, body.sites));
+  facts.add("levels", fmt::format("{} of the load, and rest", last));
+  facts.add("full load", range_text(body, [&](std::size_t s) { return body.sites[s].full_load; }) +
+                             " N per site");
+  facts.add("press at full load", range_text(body, [&](std::size_t s) {
+                                    return body.press_depth(last, static_cast<Eigen::Index>(s)) *
+                                           1e3;
+                                  }) + " mm");
   for (const FurtherParameter& p : body.further) {
-    line("parameter",
-         fmt::format("{}: {:g} to {:g} from {} samples, {:g} unless {}", p.name, p.samples[0],
-                     p.samples[p.samples.size() - 1], p.samples.size(), p.value, setting));
+    facts.add("parameter",
+              fmt::format("{}: {:g} to {:g} from {} samples, {:g} unless {}", p.name, p.samples[0],
+                          p.samples[p.samples.size() - 1], p.samples.size(), p.value, setting));
   }
-  line("between levels", "cubic splines of depth, displacement and stress");
-  line("between sites",
-       "nothing: the nearest one counts" +
-           (body.error.between_sites
-                ? fmt::format(", wrong by {:.0f} % in the median", 100 * *body.error.between_sites)
-                : std::string("; what that costs is not known")));
-  line("displacement", modes_text(body.displacement, body.error.displacement_pooled,
-                                  body.error.displacement_worst, body.error.displacement_rounding));
-  line("stress", modes_text(body.stress, body.error.stress_pooled, body.error.stress_worst,
-                            body.error.stress_rounding));
-  line("several loads", several_text(body));
-  line("inside", body.volume ? fmt::format("{} nodes, {} tetrahedra", body.volume->nodes.cols(),
-                                           body.volume->tets.cols())
-                             : std::string("none, the boundary only"));
-  line("largest stress", fmt::format("{:.3g} kPa (von Mises)", body.largest_von_mises / 1e3));
-  return facts;
+  facts.add("between levels", "cubic splines of depth, displacement and stress");
+  facts.add("between sites",
+            "nothing: the nearest one counts" +
+                (body.error.between_sites ? fmt::format(", wrong by {:.0f} % in the median",
+                                                        100 * *body.error.between_sites)
+                                          : std::string("; what that costs is not known")));
+  facts.add("several loads", several_text(body));
+}
+
+}  // namespace
+
+std::string percent_text(double ratio) { return fmt::format("{:.3g} %", 100 * ratio); }
+
+std::string with_larger_pascals(std::string_view text) {
+  constexpr std::string_view kUnit = " Pa";
+  std::string result;
+  std::size_t from = 0;
+  for (std::size_t at = text.find(kUnit); at != text.npos; at = text.find(kUnit, at + 1)) {
+    const std::size_t end = at + kUnit.size();
+    const bool is_word = end < text.size() && std::isalnum(static_cast<unsigned char>(text[end]));
+    const std::size_t blank = text.find_last_of(" (", at - 1);
+    const std::size_t begin = at == 0 ? 0 : blank == text.npos ? 0 : blank + 1;
+    const std::optional<double> value = to_number(text.substr(begin, at - begin));
+    if (is_word || !value || std::abs(*value) < 1e3 || begin < from) continue;
+    result += text.substr(from, begin - from);
+    result += pressure_text(*value, 4);
+    from = end;
+  }
+  return result += text.substr(from);
+}
+
+std::vector<FactGroup> body_facts(const ReducedBody& body, const std::filesystem::path& file,
+                                  std::string_view setting) {
+  FactList facts;
+  add_shape(body, file, facts);
+  add_loads(body, setting, facts);
+  facts.begin("reduced model, error of its fields against full finite elements (relative, L2)");
+  facts.add("displacement",
+            modes_text(body.displacement, body.error.displacement_pooled,
+                       body.error.displacement_worst, body.error.displacement_rounding));
+  facts.add("stress", modes_text(body.stress, body.error.stress_pooled, body.error.stress_worst,
+                                 body.error.stress_rounding));
+  return facts.groups();
 }
 
 Json json_of(const ReducedBody& body) {
@@ -123,8 +184,8 @@ Json json_of(const ReducedBody& body) {
   result["levels"] = body.levels().size() - 1;
   result["displacement_modes"] = body.displacement.mode_count();
   result["stress_modes"] = body.stress.mode_count();
-  result["layout"] = kBodyFileVersion;
-  result["form"] = has_blocks(body.displacement) ? "per-site" : "global";
+  result["file_version"] = kBodyFileVersion;
+  result["basis"] = has_blocks(body.displacement) ? "per-site" : "global";
   result["displacement_modes_per_site"] = body.displacement.largest_block();
   result["stress_modes_per_site"] = body.stress.largest_block();
   result["displacement_rounding"] = body.error.displacement_rounding;

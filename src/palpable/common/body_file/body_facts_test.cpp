@@ -19,7 +19,10 @@ std::map<std::string, std::string> facts_of(const ReducedBody& body) {
   const std::filesystem::path file = folder.path() / "ball.palpable";
   write_body_file(file, body);
   std::map<std::string, std::string> facts;
-  for (const auto& [name, text] : body_facts(body, file, "--set")) facts[name] = text;
+  for (const FactGroup& group : body_facts(body, file, "--set")) {
+    CHECK_FALSE(group.heading.empty());
+    for (const auto& [name, text] : group.lines) facts[name] = text;
+  }
   return facts;
 }
 
@@ -27,12 +30,13 @@ TEST_CASE("the facts of a body are those of its closed form", "[body_file][facts
   const ReducedBody ball = test::pressed_ball(0.05, 0.01, 3, 5);
   std::map<std::string, std::string> facts = facts_of(ball);
   CHECK(facts["body"] == "ball");
-  CHECK_THAT(facts["file"], Contains("ball.palpable, ") && Contains(" MB, layout 1"));
+  CHECK_THAT(facts["file"],
+             Contains("ball.palpable, ") && Contains(" MB, version 1 of the format"));
   CHECK_THAT(facts["surface"], Contains("642 vertices, 1280 triangles; "));
   CHECK(facts["levels"] == "4 of the load, and rest");
   CHECK(facts["full load"] == "2 to 2 N per site");
   CHECK_THAT(facts["displacement"],
-             Contains("6 modes, up to 1 of its own per site; error 0.00e+00"));
+             Contains("6 modes, up to 1 of its own per site; off by 0 % over all snapshots"));
   CHECK_THAT(facts["between sites"], Contains("what that costs is not known"));
   CHECK(facts["several loads"] == "no: one load at a time");
   CHECK(facts["inside"] == "none, the boundary only");
@@ -45,8 +49,8 @@ TEST_CASE("the facts include those that only some bodies have", "[body_file][fac
   std::vector<ParameterAxis> axes = shared.displacement.axes();
   axes[0].functions.setConstant(0.5);
   shared.displacement = SeparatedField(shared.displacement.modes(), axes);
-  CHECK_THAT(facts_of(shared)["displacement"], Contains("6 modes for all sites; error "));
-  CHECK(json_of(shared)["form"].get<std::string>() == "global");
+  CHECK_THAT(facts_of(shared)["displacement"], Contains("6 modes for all sites; off by "));
+  CHECK(json_of(shared)["basis"].get<std::string>() == "global");
   const ReducedBody free = test::with_further(test::pressed_ball());
   CHECK(facts_of(free)["parameter"] == "heat: 0 to 1 from 3 samples, 0 unless --set");
   CHECK(facts_of(free)["inside"] == "4 nodes, 1 tetrahedra");
@@ -55,9 +59,20 @@ TEST_CASE("the facts include those that only some bodies have", "[body_file][fac
   std::map<std::string, std::string> facts = facts_of(several);
   CHECK_THAT(facts["several loads"],
              Contains("yes") && Contains("pushes back at 1, at x ") &&
-                 Contains("up to one of 3 N; 4 modes; error 4.00e-03 at the median of 6 pairs, "
-                          "2.00e-02 at the worst"));
+                 Contains("up to one of 3 N; 4 modes; displacement off by 0.4 % in the "
+                          "median of 6 pairs, 2 % in the worst"));
   CHECK(facts["between sites"] == "nothing: the nearest one counts, wrong by 25 % in the median");
+}
+
+TEST_CASE("pressures are told in the unit in which they are short", "[body_file][facts]") {
+  CHECK(with_larger_pascals("neo-hookean, Young's modulus 6e+04 Pa, Poisson's ratio 0.4") ==
+        "neo-hookean, Young's modulus 60 kPa, Poisson's ratio 0.4");
+  CHECK(with_larger_pascals("C1 = 1.25e+06 Pa, C2 = 999 Pa, D = 1e-06 1/Pa, E 3e+09 Pa") ==
+        "C1 = 1.25 MPa, C2 = 999 Pa, D = 1e-06 1/Pa, E 3 GPa");
+  for (const char* same : {"", " Pa", "Pa", "no Pa here", "5000 Paths", "60 kPa"}) {
+    CHECK(with_larger_pascals(same) == same);
+  }
+  CHECK(with_larger_pascals("999999 Pa") == "1 MPa");
 }
 
 TEST_CASE("the facts of a body are available as JSON numbers", "[body_file][facts]") {
@@ -65,7 +80,7 @@ TEST_CASE("the facts of a body are available as JSON numbers", "[body_file][fact
   CHECK(ball["vertices"].get<int>() == 642);
   CHECK(ball["sites"].get<int>() == 6);
   CHECK(ball["levels"].get<int>() == 4);
-  CHECK(ball["form"].get<std::string>() == "per-site");
+  CHECK(ball["basis"].get<std::string>() == "per-site");
   CHECK(ball["displacement_modes_per_site"].get<int>() == 1);
   CHECK(ball["several_loads"].is_null());
   CHECK(ball["volume_nodes"].get<int>() == 0);

@@ -54,8 +54,8 @@ std::string touch_text(const std::optional<TouchTables>& tables) {
   if (!tables->held_out.empty()) text += "; " + held_out_text(tables->held_out);
   if (const auto scale = error_scale(tables->held_out)) {
     text += fmt::format(
-        "; states its error live, calibrated by these touches (factors {:.2f}, stress "
-        "{:.2f})",
+        "; states its error live, as calibrated by these touches: its indicators of error times "
+        "{:.2f} for displacement, times {:.2f} for stress",
         scale->displacement, scale->von_mises);
   } else if (!tables->held_out.empty()) {
     text += "; does not state its error live: baked by an older version, or too few touches";
@@ -70,7 +70,7 @@ std::string touch_text(const Result<std::optional<TouchTables>>& tables) {
 Json touches_json(const std::vector<HeldOutTouch>& touches) {
   Json rows = Json::array();
   for (const HeldOutTouch& touch : touches) {
-    Json row{{"thing", name_of(touch.thing)}, {"depth_mm", 1e3 * touch.depth}};
+    Json row{{"obstacle", name_of(touch.thing)}, {"depth_mm", 1e3 * touch.depth}};
     for (const auto& [name, difference] : kHeldOutDifferences) row[name] = touch.*difference;
     rows.push_back(std::move(row));
   }
@@ -80,14 +80,14 @@ Json touches_json(const std::vector<HeldOutTouch>& touches) {
 Json touch_json(const std::optional<TouchTables>& tables) {
   if (!tables) return nullptr;
   return {
-      {"order", order_of(*tables)},
+      {"response_order", order_of(*tables)},
       {"coarse_vertices", tables->coarse ? Json(tables->coarse->surface.vertex_count()) : Json()},
       {"clusters", tables->compliance.clusters},
       {"regions", tables->regions.size()},
       {"cross_modes", tables->cross.cubic.variables},
       {"table_mb", megabytes(*tables)},
       {"held_out", held_out_json(tables->held_out)},
-      {"error_scale", error_scale_json(tables->held_out)}};
+      {"error_estimate_factors", error_scale_json(tables->held_out)}};
 }
 
 std::string touch_line(const TouchTables& tables) {

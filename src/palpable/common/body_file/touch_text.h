@@ -28,7 +28,8 @@ namespace palpable {
 /// The same as a JSON object; null without tables.
 [[nodiscard]] Json touch_json(const std::optional<TouchTables>& tables);
 
-/// Held-out touches as an array of objects: the thing that presses, its depth, and each difference.
+/// Held-out touches as an array of objects: the obstacle that presses, its depth, and each
+/// difference.
 [[nodiscard]] Json touches_json(const std::vector<HeldOutTouch>& touches);
 
 /// A line for the provenance: the numbers of modes, regions and neighbours.

@@ -15,13 +15,13 @@ TEST_CASE("the text states whether a body can be touched anywhere, and to which 
 
   TouchTables tables = test::some_touch_tables(skin, 0);
   CHECK(touch_text(tables).starts_with("anywhere, several at a time, 1st order: small touches; "));
-  CHECK(touch_json(tables)["order"].get<int>() == 1);
+  CHECK(touch_json(tables)["response_order"].get<int>() == 1);
 
   tables = test::some_touch_tables(skin, 3);
   CHECK_THAT(touch_text(tables), Catch::Contains(", 3rd order; 3 regions; "));
   const Json json = touch_json(tables);
-  CHECK(json["order"].get<int>() == 3);
-  CHECK(json["error_scale"].is_null());
+  CHECK(json["response_order"].get<int>() == 3);
+  CHECK(json["error_estimate_factors"].is_null());
   CHECK_THAT(touch_text(tables), Catch::Contains("; does not state its error live"));
   CHECK(json["clusters"].get<int>() == 3);
   CHECK(json["regions"].get<int>() == 3);
@@ -33,10 +33,10 @@ TEST_CASE("the text states whether a body can be touched anywhere, and to which 
                  Catch::Contains("; 48 modes in which touches act on each other"));
 
   tables.held_out.assign(8, {PressingThing::kFinger, 0.002, 0.01, 0.02, 0.03, 0.02});
-  CHECK(touch_json(tables)["error_scale"]["displacement"].get<double>() ==
+  CHECK(touch_json(tables)["error_estimate_factors"]["displacement"].get<double>() ==
         Approx(0.5 * kOnTheSafeSide));
-  CHECK_THAT(touch_text(tables), Catch::Contains("; states its error live, calibrated by "
-                                                 "these touches (factors 0.88, stress 2.62)"));
+  CHECK_THAT(touch_text(tables), Catch::Contains("its indicators of error times 0.88 for "
+                                                 "displacement, times 2.62 for stress"));
 
   for (RegionTable& region : tables.regions) region.quartic = {0, 4, {}, {}};
   CHECK_THAT(touch_text(tables), Catch::Contains(", 2nd order; 3 regions; "));

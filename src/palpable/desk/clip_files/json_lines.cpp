@@ -70,6 +70,13 @@ bool JsonFields::has(const char* key) const { return read_->contains(key); }
 
 bool JsonFields::is_null(const char* key) const { return read_->at(key).is_null(); }
 
+void JsonFields::object_if_there(const char* key,
+                                 const std::function<void(JsonFields&)>& read) const {
+  if (!has(key) || !read_->at(key).is_object()) return;
+  JsonFields object(read_->at(key));
+  read(object);
+}
+
 std::vector<int> JsonFields::frames(const char* key) const {
   if (!read_->at(key).is_array()) throw Error(fmt::format("{} is no list of frames", key));
   std::vector<int> frames;

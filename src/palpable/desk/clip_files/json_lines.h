@@ -47,6 +47,8 @@ class JsonFields {
   /// Only when reading.
   [[nodiscard]] bool has(const char* key) const;
   [[nodiscard]] bool is_null(const char* key) const;
+  /// Calls `read` for the object with this key; does nothing without one. Only when reading.
+  void object_if_there(const char* key, const std::function<void(JsonFields&)>& read) const;
   /// A list of numbers of frames. Only when reading.
   [[nodiscard]] std::vector<int> frames(const char* key) const;
 

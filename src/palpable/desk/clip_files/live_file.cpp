@@ -24,7 +24,7 @@ Json tracking_of(const std::optional<LiveSummary::Tracking>& tracking) {
   if (!tracking) return nullptr;
   return {{"frames_moving", tracking->frames_moving},
           {"frames_lost", tracking->frames_lost},
-          {"times_found_again", tracking->times_found_again},
+          {"relocalizations", tracking->times_found_again},
           {"loops_closed", tracking->loops_closed},
           {"keyframes", tracking->keyframes},
           {"landmarks", tracking->landmarks},
@@ -34,15 +34,15 @@ Json tracking_of(const std::optional<LiveSummary::Tracking>& tracking) {
 Json map_of(const std::optional<LiveSummary::Map>& map) {
   if (!map) return nullptr;
   return {{"blocks", map->blocks},
-          {"refused", map->refused},
-          {"free_space_refused", map->free_space_refused}};
+          {"blocks_refused", map->refused},
+          {"free_space_blocks_refused", map->free_space_refused}};
 }
 
 Json depth_json(const LiveSummary::Depth& depth) {
   return {{"median_density", depth.median_density},
-          {"frames_few_depths", depth.frames_few_depths},
-          {"frames_rows_off", depth.frames_rows_off},
-          {"rows_off_px", depth.rows_off_px}};
+          {"frames_sparse_depth", depth.frames_few_depths},
+          {"frames_rows_misaligned", depth.frames_rows_off},
+          {"row_misalignment_px", depth.rows_off_px}};
 }
 
 Json troubles_of(const LiveSummary::Troubles& troubles) {
@@ -66,6 +66,30 @@ Json stats_of(const LiveSummary::Stats& stats) {
           {"cpu_ms_per_frame", stats.cpu_ms_per_frame},
           {"stage_p50_ms", named(stats.stage_p50_ms)},
           {"stage_p99_ms", named(stats.stage_p99_ms)}};
+}
+
+// Values of another type count as unknown: no score depends on them.
+RunSpeed speed_of(JsonFields& live) {
+  constexpr auto kIgnored = JsonFields::Invalid::kIgnored;
+  RunSpeed speed;
+  live.object_if_there("stats", [&](JsonFields& stats) {
+    stats.number("frames_per_s", speed.frames_per_second, 0, kIgnored);
+    stats.number("cpu_ms_per_frame", speed.cpu_ms_per_frame, 0, kIgnored);
+    stats.number("age_p50_ms", speed.age_p50_ms, 0, kIgnored);
+    stats.number("age_p99_ms", speed.age_p99_ms, 0, kIgnored);
+  });
+  if (!speed.frames_per_second) {  // written before there were "stats"
+    std::optional<double> frames, wall;
+    live.number("frames", frames, 0, kIgnored);
+    live.number("wall_s", wall, 0, kIgnored);
+    if (frames && wall && *wall > 0) speed.frames_per_second = *frames / *wall;
+  }
+  live.object_if_there("source_troubles", [&](JsonFields& troubles) {
+    std::optional<double> dropped;
+    troubles.number("dropped", dropped, 0, kIgnored);
+    if (dropped && *dropped >= 0 && *dropped < 1e9) speed.dropped = static_cast<int>(*dropped);
+  });
+  return speed;
 }
 
 }  // namespace
@@ -94,15 +118,15 @@ Json json_of(const LiveSummary& summary) {
   live["map"] = map_of(summary.map);
   live["depth"] = depth_json(summary.depth);
   live["frames"] = summary.processed.size();
-  live["unreadable"] = summary.unreadable;
+  live["frames_unreadable"] = summary.unreadable;
   live["source_troubles"] = troubles_of(summary.source_troubles);
   live["frames_touching"] = summary.frames_touching;
   live["first_touch_frame"] = summary.first_touch_frame;
   live["deepest_press_m"] = summary.deepest_press;
   if (!summary.scene.empty()) {
-    live["frames_between_bodies"] = summary.frames_between_bodies;
-    live["deepest_between_m"] = summary.deepest_between;
-    live["imbalance_n"] = summary.imbalance;
+    live["frames_bodies_touching"] = summary.frames_between_bodies;
+    live["deepest_interpenetration_m"] = summary.deepest_between;
+    live["force_imbalance_n"] = summary.imbalance;
   }
   live["frames_step_limited"] = summary.frames_step_limited;
   live["frames_contacts_dropped"] = summary.frames_contacts_dropped;
@@ -141,6 +165,7 @@ LiveFile read_live_file(const std::filesystem::path& path) {
       live.rigid("color_from_depth", file.color_from_depth.emplace());
     }
     if (live.has("processed")) file.processed = live.frames("processed");
+    file.speed = speed_of(live);
   });
   return file;
 }

@@ -19,7 +19,7 @@ struct LiveSummary {
   struct Tracking {
     int frames_moving = 0;
     std::vector<int> frames_lost;  ///< frame numbers
-    int times_found_again = 0;
+    int times_found_again = 0;     ///< "relocalizations"
     int loops_closed = 0;
     int keyframes = 0;
     int landmarks = 0;
@@ -28,15 +28,17 @@ struct LiveSummary {
   };
   struct Map {
     int blocks = 0;
-    std::int64_t refused = 0;
-    std::int64_t free_space_refused = 0;
+    std::int64_t refused = 0;             ///< "blocks_refused"
+    std::int64_t free_space_refused = 0;  ///< "free_space_blocks_refused"
   };
   /// How well depth could be measured (depth/depth_watch.h).
   struct Depth {
-    double median_density = 0;           ///< share of the pixels with a depth
-    std::vector<int> frames_few_depths;  ///< frame numbers; hardly any pixel had a depth
-    std::vector<int> frames_rows_off;    ///< frame numbers; rows of the two views misaligned
-    double rows_off_px = 0;              ///< largest misalignment, px
+    double median_density = 0;  ///< share of the pixels with a depth
+    /// Frame numbers; hardly any pixel had a depth; "frames_sparse_depth".
+    std::vector<int> frames_few_depths;
+    /// Frame numbers; rows of the two views misaligned; "frames_rows_misaligned".
+    std::vector<int> frames_rows_off;
+    double rows_off_px = 0;  ///< largest misalignment, px; "row_misalignment_px"
   };
   struct Troubles {
     int back_in_time = 0;
@@ -85,14 +87,14 @@ struct LiveSummary {
   std::optional<Tracking> tracking;  ///< nothing: the camera was assumed fixed
   std::optional<Map> map;
   Depth depth;
-  int unreadable = 0;  ///< number of frames that could not be read
+  int unreadable = 0;  ///< number of frames that could not be read; "frames_unreadable"
   Troubles source_troubles;
   int frames_touching = 0;
   std::optional<int> first_touch_frame;
   double deepest_press = 0;       ///< m; "deepest_press_m"
-  int frames_between_bodies = 0;  ///< in which bodies pressed each other
-  double deepest_between = 0;     ///< m, penetration between bodies; "deepest_between_m"
-  double imbalance = 0;           ///< N, of the forces between bodies; "imbalance_n"
+  int frames_between_bodies = 0;  ///< in which bodies pressed each other; "frames_bodies_touching"
+  double deepest_between = 0;     ///< m, penetration between bodies; "deepest_interpenetration_m"
+  double imbalance = 0;           ///< N, of the forces between bodies; "force_imbalance_n"
   /// Frames in which a body did not reach its equilibrium: contact had not converged, or an
   /// obstacle moved farther than the step limit of the body.
   int frames_step_limited = 0;
@@ -116,8 +118,18 @@ struct LiveSummary {
 /// @throws Error when the file cannot be written
 void write_live_summary(const std::filesystem::path& path, const LiveSummary& summary);
 
+/// How fast a run was, as far as its live.json states it.
+struct RunSpeed {
+  std::optional<double> frames_per_second;  ///< "stats.frames_per_s", else "frames" by "wall_s"
+  std::optional<double> cpu_ms_per_frame;   ///< "stats.cpu_ms_per_frame"
+  std::optional<double> age_p50_ms;         ///< "stats.age_p50_ms"
+  std::optional<double> age_p99_ms;         ///< "stats.age_p99_ms"
+  std::optional<int> dropped;               ///< "source_troubles.dropped"
+};
+
 /// The part of live.json that scores need. Other systems may write such files, too.
 struct LiveFile {
+  RunSpeed speed;
   std::optional<std::vector<int>> processed;  ///< numbers of the processed frames; nothing: all
   std::optional<Rigid3> camera_from_body;     ///< of a body that does not move
   std::optional<Rigid3> color_from_depth;     ///< as in LiveSummary

@@ -84,7 +84,7 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
     "frames_lost": [
       1
     ],
-    "times_found_again": 1,
+    "relocalizations": 1,
     "loops_closed": 0,
     "keyframes": 7,
     "landmarks": 500,
@@ -94,19 +94,19 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   },
   "map": {
     "blocks": 12,
-    "refused": 0,
-    "free_space_refused": 2
+    "blocks_refused": 0,
+    "free_space_blocks_refused": 2
   },
   "depth": {
     "median_density": 0.5,
-    "frames_few_depths": [],
-    "frames_rows_off": [
+    "frames_sparse_depth": [],
+    "frames_rows_misaligned": [
       2
     ],
-    "rows_off_px": 0.75
+    "row_misalignment_px": 0.75
   },
   "frames": 2,
-  "unreadable": 1,
+  "frames_unreadable": 1,
   "source_troubles": {
     "back_in_time": 0,
     "dropped": 1,
@@ -157,7 +157,17 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   const LiveFile read = read_live_file(path);
   CHECK(read.processed == std::vector<int>{0, 2});
   CHECK(read.camera_from_body->isApprox(some_pose(), 1e-14));
+  CHECK(read.speed.frames_per_second == 31.5);
+  CHECK(read.speed.cpu_ms_per_frame == 44.5);
+  CHECK(read.speed.age_p99_ms == 61);
+  CHECK(read.speed.dropped.has_value());
   CHECK_FALSE(read_live_file(TextIn("{}").path).processed.has_value());
+  CHECK_FALSE(read_live_file(TextIn("{}").path).speed.frames_per_second.has_value());
+  // Files of older versions have no "stats"; what others write there is no error.
+  CHECK(read_live_file(TextIn("{\"frames\":50,\"wall_s\":2.5}").path).speed.frames_per_second ==
+        20);
+  CHECK_FALSE(read_live_file(TextIn("{\"stats\":7,\"source_troubles\":[],\"wall_s\":0}").path)
+                  .speed.frames_per_second.has_value());
   const auto again = [](const fs::path& file) { (void)read_live_file(file); };
   CHECK(says(refusal_of("{\"processed\":[0,\n\n", again), "file: no JSON at character"));
   CHECK(says(refusal_of("{\"processed\":[0,1.5]}", again), "file: 1.5 is no frame's number"));

@@ -61,7 +61,7 @@ void add_touch_scores(const TruthFolder& truth, const ResultFolder& result, Body
   if (!result.touches) return;
   scores.touch_precision = score.precision;
   scores.touch_recall = score.recall;
-  scores.touch_site = score_sites(is.site, felt.site);
+  scores.touch_site_accuracy = score_sites(is.site, felt.site);
   scores.first_touch_delay_frames = score.first_touch_delay_frames;
   std::vector<TrueReach> reach;
   std::vector<std::optional<double>> gaps;
@@ -70,7 +70,7 @@ void add_touch_scores(const TruthFolder& truth, const ResultFolder& result, Body
     gaps.push_back(contact.gap);
   }
   scores.touch_recall_3mm = touch_recall(reach, felt.any);
-  scores.touch_false_5mm = touch_false(gaps, felt.any);
+  scores.touch_false_discovery_5mm = touch_false(gaps, felt.any);
 }
 
 // Whether something truly touches the body and does not pass through it.
@@ -116,9 +116,9 @@ void count_frames(const TruthFolder& truth, const DrawnSkins& skins, BodyScores&
         std::count_if(truth.contacts.begin(), truth.contacts.end(),
                       [&](const TrueContact& contact) { return contact.depth > *deepest; }));
   }
-  scores.frames_unseen = 0;
+  scores.frames_touch_unseen = 0;
   for (int frame = 0; frame < truth.frames; ++frame) {
-    *scores.frames_unseen += is_pressed(truth, frame, skins) && !truth.is_seen(frame);
+    *scores.frames_touch_unseen += is_pressed(truth, frame, skins) && !truth.is_seen(frame);
   }
 }
 
@@ -158,10 +158,10 @@ void add_penetrations_and_pops(const TruthFolder& truth, const ResultFolder& res
     scores.penetration_median_mm_unseen = 1e3 * percentile(unseen, 0.5);
   }
   if (pops.largest()) {
-    scores.largest_pop_mm = 1e3 * pops.largest()->size;
-    scores.largest_pop_frame = pops.largest()->frame;
+    scores.largest_jump_mm = 1e3 * pops.largest()->size;
+    scores.largest_jump_frame = pops.largest()->frame;
   }
-  scores.pops_4mm = pops.counted();
+  scores.jumps_above_4mm = pops.counted();
 }
 
 std::optional<MedianAndP90> score_placement(const TruthFolder& truth, const ResultFolder& result,
@@ -268,14 +268,14 @@ class SkinErrors {
   // @pre scores.by_frame are the deep and seen frames among the added ones, in the same order
   void write(BodyScores& scores) const {
     scores.displacement_error = median_and_p90(relative_);
-    scores.displacement_error_mm = median_and_p90(worst_mm_);
-    scores.displacement_error_mm_shallow = median_and_p90(shallow_mm_);
-    scores.displacement_error_mm_unseen = median_and_p90(unseen_mm_);
-    scores.overpress_mm = p50_and_p99(overpress_mm_);
+    scores.max_vertex_error_mm = median_and_p90(worst_mm_);
+    scores.max_vertex_error_mm_shallow = median_and_p90(shallow_mm_);
+    scores.max_vertex_error_mm_unseen = median_and_p90(unseen_mm_);
+    scores.excess_indentation_mm = p50_and_p99(overpress_mm_);
     if (stress_known_) scores.von_mises_error = median_and_p90(stress_);
     for (std::size_t k = 0; k < relative_.size(); ++k) {
       scores.by_frame[k].displacement_error = relative_[k];
-      scores.by_frame[k].displacement_error_mm = worst_mm_[k];
+      scores.by_frame[k].max_vertex_error_mm = worst_mm_[k];
       if (stress_known_) scores.by_frame[k].von_mises_error = stress_[k];
     }
   }
@@ -356,17 +356,17 @@ void add_deformed_scores(const TruthFolder& truth, const ResultFolder& result,
                          const ReducedBody* body, DrawnSkins& skins, BodyScores& scores) {
   if (!truth.deformed) return;
   const std::vector<DeformedLine> lines = scored_lines(truth, skins);
-  scores.deformed_frames = 0;
-  scores.deformed_frames_shallow = 0;
-  scores.deformed_frames_unseen = 0;
+  scores.reference_frames = 0;
+  scores.reference_frames_shallow = 0;
+  scores.reference_frames_unseen = 0;
   std::vector<DeformedLine> deep;
   for (const DeformedLine& line : lines) {
     if (!truth.is_seen(line.frame)) {
-      ++*scores.deformed_frames_unseen;
+      ++*scores.reference_frames_unseen;
     } else if (!is_deep(line)) {
-      ++*scores.deformed_frames_shallow;
+      ++*scores.reference_frames_shallow;
     } else {
-      ++*scores.deformed_frames;
+      ++*scores.reference_frames;
       scores.by_frame.emplace_back().frame = line.frame;
       deep.push_back(line);
     }

@@ -16,9 +16,9 @@ namespace palpable {
 
 /// The scores of one frame with a touch that is seen and at least 4 mm deep, named as in
 /// docs/benchmark.md. Values that the result does not give are nothing.
-struct DeformedFrame {
+struct ReferenceFrame {
   int frame = 0;
-  std::optional<double> displacement_error, displacement_error_mm, von_mises_error, force_error;
+  std::optional<double> displacement_error, max_vertex_error_mm, von_mises_error, force_error;
 };
 
 /// Scores named as in docs/benchmark.md; nothing when truth or result lacks the files for them.
@@ -27,27 +27,27 @@ struct BodyScores {
 
   // When and where touches were felt; nothing when the truth has no contacts.
   std::optional<int> frames_touching;
-  std::optional<double> touch_precision, touch_recall, touch_site;
+  std::optional<double> touch_precision, touch_recall, touch_site_accuracy;
   std::optional<int> first_touch_delay_frames;
-  std::optional<double> touch_recall_3mm, touch_false_5mm;
+  std::optional<double> touch_recall_3mm, touch_false_discovery_5mm;
 
   // The drawn surface.
   std::optional<int> frames_too_deep;
-  std::optional<int> frames_unseen;  ///< with a touch, not too deep, not seen by a camera
+  std::optional<int> frames_touch_unseen;  ///< with a touch, not too deep, not seen by a camera
   std::optional<double> penetration_median_mm, penetration_p99_mm, penetration_median_mm_unseen;
-  std::optional<double> largest_pop_mm;
-  std::optional<int> largest_pop_frame, pops_4mm;
+  std::optional<double> largest_jump_mm;
+  std::optional<int> largest_jump_frame, jumps_above_4mm;
   std::optional<MedianAndP90> placement_error_mm;
 
   // Against truth/deformed; nothing without it.
-  std::optional<int> deformed_frames;          ///< scored frames, seen and >= 4 mm deep
-  std::optional<int> deformed_frames_shallow;  ///< scored frames, seen and < 4 mm deep
-  std::optional<int> deformed_frames_unseen;   ///< touch not seen: only counted
-  std::optional<MedianAndP90> displacement_error, displacement_error_mm;
-  std::optional<MedianAndP90> displacement_error_mm_shallow, displacement_error_mm_unseen;
+  std::optional<int> reference_frames;          ///< scored frames, seen and >= 4 mm deep
+  std::optional<int> reference_frames_shallow;  ///< scored frames, seen and < 4 mm deep
+  std::optional<int> reference_frames_unseen;   ///< touch not seen: only counted
+  std::optional<MedianAndP90> displacement_error, max_vertex_error_mm;
+  std::optional<MedianAndP90> max_vertex_error_mm_shallow, max_vertex_error_mm_unseen;
   std::optional<MedianAndP90> von_mises_error, force_error;
-  std::optional<P50AndP99> overpress_mm;
-  std::vector<DeformedFrame> by_frame;  ///< those of deformed_frames
+  std::optional<P50AndP99> excess_indentation_mm;
+  std::vector<ReferenceFrame> by_frame;  ///< those of reference_frames
 };
 
 /// Scores a body. A result cannot gain by leaving out hard frames: a frame that was not processed

@@ -176,26 +176,26 @@ TEST_CASE("the truth itself as result has perfect scores", "[scorecard]") {
   CHECK(body.touch_precision == 1.0);
   CHECK(body.touch_recall == 1.0);
   CHECK(body.touch_recall_3mm == 1.0);
-  CHECK(body.touch_false_5mm == 0.0);
+  CHECK(body.touch_false_discovery_5mm == 0.0);
   CHECK(body.frames_too_deep == 1);
   const double chord =
       tolerance(0.25, "mm; a chord of 5 mm (the dent is steep) in a ball of 15 mm");
   CHECK(*body.penetration_p99_mm <= chord);
-  CHECK(*body.largest_pop_mm <= tolerance(1e-9, "rounding"));
-  CHECK(body.pops_4mm == 0);
-  CHECK(body.deformed_frames == 2);
-  CHECK(body.deformed_frames_shallow == 1);
+  CHECK(*body.largest_jump_mm <= tolerance(1e-9, "rounding"));
+  CHECK(body.jumps_above_4mm == 0);
+  CHECK(body.reference_frames == 2);
+  CHECK(body.reference_frames_shallow == 1);
   const double rounding = tolerance(1e-9, "weights of a corner");
-  for (const auto& error : {body.displacement_error, body.displacement_error_mm,
-                            body.displacement_error_mm_shallow, body.von_mises_error}) {
+  for (const auto& error : {body.displacement_error, body.max_vertex_error_mm,
+                            body.max_vertex_error_mm_shallow, body.von_mises_error}) {
     REQUIRE(error.has_value());
     CHECK(error->p90 <= rounding);
   }
   CHECK(body.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
-  CHECK(body.overpress_mm->p99 <= rounding);
-  CHECK(body.deformed_frames_unseen == 1);
-  CHECK(body.displacement_error_mm_unseen->p90 <= rounding);
-  CHECK(body.frames_unseen == 1);
+  CHECK(body.excess_indentation_mm->p99 <= rounding);
+  CHECK(body.reference_frames_unseen == 1);
+  CHECK(body.max_vertex_error_mm_unseen->p90 <= rounding);
+  CHECK(body.frames_touch_unseen == 1);
   CHECK(*body.penetration_median_mm_unseen <= chord);
   CHECK(body.placement_error_mm->p90 == 0);
   CHECK(scores.frames_processed == 8);
@@ -204,23 +204,23 @@ TEST_CASE("the truth itself as result has perfect scores", "[scorecard]") {
 TEST_CASE("a body that stays at rest misses the touch and is penetrated", "[scorecard]") {
   const Scorecard scores = scores_of([](const Moment&) { return Response{pressed(0)}; });
   CHECK(scores.body.touch_recall_3mm == 0.0);
-  CHECK_FALSE(scores.body.touch_false_5mm.has_value());
+  CHECK_FALSE(scores.body.touch_false_discovery_5mm.has_value());
   CHECK(scores.body.displacement_error->median == Approx(1));
-  CHECK(scores.body.displacement_error_mm->median == Approx(7));  // median of 6 and 8 mm
-  CHECK(scores.body.displacement_error_mm_shallow->median == Approx(2));
+  CHECK(scores.body.max_vertex_error_mm->median == Approx(7));  // median of 6 and 8 mm
+  CHECK(scores.body.max_vertex_error_mm_shallow->median == Approx(2));
   CHECK(scores.body.von_mises_error->median == Approx(1));
   CHECK(scores.body.force_error->median == Approx(1));
   REQUIRE(scores.body.by_frame.size() == 2);
-  for (const DeformedFrame& frame : scores.body.by_frame) {
+  for (const ReferenceFrame& frame : scores.body.by_frame) {
     CHECK(*frame.displacement_error == Approx(1));
     CHECK(*frame.von_mises_error == Approx(1));
     CHECK(*frame.force_error == Approx(1));
   }
   CHECK(scores.body.by_frame[0].frame < scores.body.by_frame[1].frame);
-  CHECK(*scores.body.by_frame[0].displacement_error_mm +
-            *scores.body.by_frame[1].displacement_error_mm ==
+  CHECK(*scores.body.by_frame[0].max_vertex_error_mm +
+            *scores.body.by_frame[1].max_vertex_error_mm ==
         Approx(14));  // 6 and 8 mm
-  CHECK(scores.body.overpress_mm->p99 == 0);
+  CHECK(scores.body.excess_indentation_mm->p99 == 0);
   // 2, 6 and 8 mm count; the 12 mm of a ball that passes through and the 6 mm that no camera sees
   // do not.
   CHECK(*scores.body.penetration_median_mm == Approx(6));
@@ -239,8 +239,8 @@ TEST_CASE("a body that deforms twice as much as it should is overpressed, though
   CHECK(scores.body.displacement_error->median == Approx(1));
   CHECK(scores.body.von_mises_error->median == Approx(1));
   CHECK(scores.body.force_error->median == Approx(1));
-  CHECK(scores.body.overpress_mm->p50 == Approx(6));  // median of 2, 6 and 8 mm
-  CHECK(scores.body.overpress_mm->p99 == Approx(8 - 0.02 * 2));
+  CHECK(scores.body.excess_indentation_mm->p50 == Approx(6));  // median of 2, 6 and 8 mm
+  CHECK(scores.body.excess_indentation_mm->p99 == Approx(8 - 0.02 * 2));
 }
 
 TEST_CASE("a touch felt with nothing near is false, one that no camera sees is not missed",
@@ -248,7 +248,7 @@ TEST_CASE("a touch felt with nothing near is false, one that no camera sees is n
   const Scorecard early = scores_of([](const Moment& now) {
     return Response{pressed(0), now.depth > -0.04, {0, 0, -1}};  // also at 7 mm distance
   });
-  CHECK(*early.body.touch_false_5mm == Approx(1.0 / 6));
+  CHECK(*early.body.touch_false_discovery_5mm == Approx(1.0 / 6));
   const Scorecard blind = scores_of([](const Moment& now) {
     Response response = perfect(now);
     if (now.seen_share < 0.5) response.felt = false;
@@ -276,14 +276,14 @@ TEST_CASE("a touch that no camera sees is counted but not scored", "[scorecard]"
   const BodyScores& deformed = scores.body;
   const double rounding = tolerance(1e-9, "weights of a corner");
   CHECK(deformed.displacement_error->p90 <= rounding);
-  CHECK(deformed.displacement_error_mm->p90 <= rounding);
+  CHECK(deformed.max_vertex_error_mm->p90 <= rounding);
   CHECK(deformed.von_mises_error->p90 <= rounding);
   CHECK(deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
-  CHECK(deformed.overpress_mm->p99 <= rounding);
-  CHECK(deformed.deformed_frames == 2);
-  CHECK(deformed.deformed_frames_shallow == 1);
-  CHECK(deformed.deformed_frames_unseen == 1);
-  CHECK(deformed.displacement_error_mm_unseen->median == Approx(3));  // 9 mm instead of 6 mm
+  CHECK(deformed.excess_indentation_mm->p99 <= rounding);
+  CHECK(deformed.reference_frames == 2);
+  CHECK(deformed.reference_frames_shallow == 1);
+  CHECK(deformed.reference_frames_unseen == 1);
+  CHECK(deformed.max_vertex_error_mm_unseen->median == Approx(3));  // 9 mm instead of 6 mm
 }
 
 TEST_CASE("overpress is also measured at the second of two touches", "[scorecard]") {
@@ -313,7 +313,7 @@ TEST_CASE("overpress is also measured at the second of two touches", "[scorecard
              deformed_line({.frame = 3, .depth = 0.006, .force = {0, 0, -1}}));
   const auto overpress_of = [&](double times_right) {
     write_result(scratch / "result", [&](const Moment&) { return Response{both(times_right)}; });
-    return score_folders(truth, scratch / "result", nullptr, {}).body.overpress_mm->p99;
+    return score_folders(truth, scratch / "result", nullptr, {}).body.excess_indentation_mm->p99;
   };
   CHECK(overpress_of(1) <= tolerance(1e-9, "weights of a corner"));
   CHECK(overpress_of(2) == Approx(4));
@@ -337,9 +337,9 @@ TEST_CASE("frames left out by a result count as the body at rest", "[scorecard]"
                                                kPoseText));
   const Scorecard left_out = scores();
   CHECK(left_out.frames_processed == 7);
-  CHECK(left_out.body.deformed_frames == 2);
+  CHECK(left_out.body.reference_frames == 2);
   CHECK(left_out.body.displacement_error->median == Approx(0.5));  // median of 0 and 1
-  CHECK(left_out.body.displacement_error_mm->median == Approx(4));
+  CHECK(left_out.body.max_vertex_error_mm->median == Approx(4));
   CHECK(left_out.body.von_mises_error->median == Approx(0.5));
   CHECK(left_out.body.force_error->median == Approx(0.5));
   CHECK(*left_out.body.touch_recall_3mm == Approx(2.0 / 3));  // the touches of 6, 8 and 12 mm
@@ -349,7 +349,7 @@ TEST_CASE("frames left out by a result count as the body at rest", "[scorecard]"
   CHECK(same(left_out.body.displacement_error->p90, resting.body.displacement_error->p90));
   CHECK(same(left_out.body.von_mises_error->p90, resting.body.von_mises_error->p90));
   CHECK(same(left_out.body.force_error->p90, resting.body.force_error->p90));
-  CHECK(same(left_out.body.overpress_mm->p99, resting.body.overpress_mm->p99));
+  CHECK(same(left_out.body.excess_indentation_mm->p99, resting.body.excess_indentation_mm->p99));
   CHECK(same(*left_out.body.penetration_p99_mm, *resting.body.penetration_p99_mm));
   CHECK(left_out.body.touch_recall_3mm == resting.body.touch_recall_3mm);
   // Without a drawn pose for the frame that was left out, the true pose is used.
@@ -362,7 +362,7 @@ TEST_CASE("frames left out by a result count as the body at rest", "[scorecard]"
   fs::remove(scratch / "truth/scene.toml");
   CHECK_FALSE(scores().body.penetration_p99_mm.has_value());
   // Pops need only the other frames.
-  CHECK(scores().body.largest_pop_mm == left_out.body.largest_pop_mm);
+  CHECK(scores().body.largest_jump_mm == left_out.body.largest_jump_mm);
 }
 
 TEST_CASE("a body with the right shape in a wrong pose has the error of that pose", "[scorecard]") {
@@ -470,13 +470,13 @@ TEST_CASE("a skin that jumps by more than 4 mm without a hand is a pop", "[score
       response.skin = pressed(0.006);  // the hand has moved away by 44 mm in one frame
     return response;
   });
-  CHECK(scores.body.pops_4mm == 0);  // the hand's motion explains any jump of the skin
+  CHECK(scores.body.jumps_above_4mm == 0);  // the hand's motion explains any jump of the skin
   const Scorecard twitching = scores_of([&](const Moment& now) {
     Response response = perfect(now);
     if (now.depth == 0.008) response.skin = pressed(0.001);
     return response;
   });
-  CHECK(twitching.body.pops_4mm == 1);
+  CHECK(twitching.body.jumps_above_4mm == 1);
 }
 
 TEST_CASE("a value that is unknown in one frame has no score", "[scorecard]") {
@@ -498,8 +498,8 @@ TEST_CASE("a value that is unknown in one frame has no score", "[scorecard]") {
   CHECK(deformed().displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
   fs::remove(result / "meshes/000003.ply");
   CHECK_FALSE(deformed().displacement_error.has_value());
-  CHECK_FALSE(deformed().overpress_mm.has_value());
-  CHECK(deformed().deformed_frames == 2);
+  CHECK_FALSE(deformed().excess_indentation_mm.has_value());
+  CHECK(deformed().reference_frames == 2);
   // A frame that was not processed counts as the body at rest without a touch.
   write_text(result / "live.json", "{\"processed\":[0,1,2,4,5,6,7]}");
   write_text(result / "touches.jsonl",
@@ -517,7 +517,7 @@ TEST_CASE("frames marked as not scored are skipped", "[scorecard]") {
              deformed_line({.frame = 3, .depth = 0.006, .force = {0, 0, -1}, .scored = false}) +
                  deformed_line({.frame = 4, .depth = 0.008, .force = {0, 0, -1}}));
   const Scorecard scores = score_folders(scratch / "truth", scratch / "result", nullptr, {});
-  CHECK(scores.body.deformed_frames == 1);
+  CHECK(scores.body.reference_frames == 1);
   write_text(scratch / "truth/deformed/deformed.jsonl",
              deformed_line({.frame = 99, .depth = 0.006, .force = {0, 0, -1}}));
   CHECK_THROWS_WITH(score_folders(scratch / "truth", scratch / "result", nullptr, {}),

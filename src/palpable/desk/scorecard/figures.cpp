@@ -1,57 +1,116 @@
 #include "palpable/desk/scorecard/figures.h"
 
-#include "palpable/common/base/json.h"
-
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <concepts>
+#include <array>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace palpable {
 namespace {
 
-// The sections of the text, in its order. Figures are listed in the order of the JSON object, which
-// is another one.
-enum class Section {
-  kDepth,
-  kPath,
-  kPathMotion,
-  kMoving,
-  kTouchTimes,
-  kTouch,
-  kDeformed,
-  kBodies,
-  kReduction,
-  kOcclusion,
-  kPlace
+enum class Bound { kAtMost, kAtLeast };
+
+// A target that the project states for a figure.
+struct Target {
+  std::string_view figure;  // key in JSON; of an object ".median", ".p90" or ".p99" behind it
+  Bound bound;
+  double value;           // in the figure's unit
+  std::string_view film;  // the only film for which it is stated, or one of the following two
 };
-using enum Section;
+constexpr std::string_view kEveryFilm;
+constexpr std::string_view kUsualFilms = "usual";  // all but these
+constexpr std::array<std::string_view, 4> kUnusualFilms{"dark", "textureless", "pencil", "beams"};
 
-std::string shown(int value, const char* format) {
-  return fmt::format(fmt::runtime(format), value);
-}
-std::string shown(double value, const char* format) {
-  return fmt::format(fmt::runtime(format), value);
-}
-std::string shown(const MedianAndP90& value, const char* format) {
-  return fmt::format("{} ({} in 9 of 10)", shown(value.median, format), shown(value.p90, format));
+using enum Bound;
+// All targets. A figure that is not listed has none.
+constexpr Target kTargets[] = {
+    // docs/contact.md, "On films that were not used for tuning"
+    {"touch_recall_3mm", kAtLeast, 0.98, kEveryFilm},
+    {"touch_false_discovery_5mm", kAtMost, 0.005, kEveryFilm},
+    // docs/contact.md, "How good the answer is"; the text of docs/results/chain.json has the same
+    {"penetration_median_mm", kAtMost, 1, kUsualFilms},
+    {"penetration_p99_mm", kAtMost, 3, kUsualFilms},
+    {"largest_jump_mm", kAtMost, 4, kUsualFilms},
+    {"displacement_error.median", kAtMost, 0.20, kUsualFilms},
+    {"displacement_error.p90", kAtMost, 0.45, kUsualFilms},
+    {"max_vertex_error_mm.median", kAtMost, 1.5, kUsualFilms},
+    {"max_vertex_error_mm.p90", kAtMost, 3, kUsualFilms},
+    {"force_error.median", kAtMost, 0.25, kUsualFilms},
+    {"force_error.p90", kAtMost, 0.50, kUsualFilms},
+    {"excess_indentation_mm.p99", kAtMost, 2.5, kUsualFilms},
+    // docs/scenes.md, "Two beams", by camera
+    {"displacement_error.median", kAtMost, 0.06, "beams"},
+    {"displacement_error.p90", kAtMost, 0.12, "beams"},
+    // docs/depth.md, the figures of occlusion and the bars of `palpable bench depth`
+    {"occlusion_iou", kAtLeast, 0.98, kEveryFilm},
+    {"occlusion_iou_where_hidden", kAtLeast, 0.95, kEveryFilm},
+    {"edge_error_crossing_px", kAtMost, 2.5, kEveryFilm},
+    {"flicker", kAtMost, 0.005, kEveryFilm},
+    {"hand_within_1pct", kAtLeast, 0.90, "press"},
+    {"too_close_called_far", kAtMost, 0.001, "press"},
+    // docs/tracking.md, "What it reaches"
+    {"jitter_mm", kAtMost, 1, "still"},
+    {"ate_mm", kAtMost, 2.5, "walk"},
+    {"ate_mm", kAtMost, 3, "walk-hand"},
+    {"ate_mm", kAtMost, 10, "blur"},
+};
+
+const Target* target_of(std::string_view figure, std::string_view film) {
+  const bool usual =
+      std::find(kUnusualFilms.begin(), kUnusualFilms.end(), film) == kUnusualFilms.end();
+  for (const Target& target : kTargets) {
+    const bool stated =
+        target.film == kEveryFilm || target.film == film || (target.film == kUsualFilms && usual);
+    if (target.figure == figure && stated) return &target;
+  }
+  return nullptr;
 }
 
-template <class T>
-std::string line(const std::string& what, const std::optional<T>& value, const char* format) {
-  return fmt::format("{:<44}{}\n", what, value ? shown(*value, format) : "-");
-}
-std::string line(const std::string& what, const std::optional<P50AndP99>& value,
-                 const char* format) {
-  const auto of = [&](double P50AndP99::*part) {
-    return value ? std::optional((*value).*part) : std::nullopt;
-  };
-  return line(what + ", median", of(&P50AndP99::p50), format) +
-         line(what + ", 99 of 100", of(&P50AndP99::p99), format);
+// How a number is shown: value * factor with `digits` behind the point, and the unit.
+struct Format {
+  int digits;
+  const char* unit;
+  double factor = 1;
+
+  [[nodiscard]] std::string text(double value) const {
+    return fmt::format("{:.{}f}{}", factor * value, digits, unit);
+  }
+  [[nodiscard]] std::string of_target(double value) const {
+    return fmt::format("{:g}{}", factor * value, unit);
+  }
+};
+constexpr Format kCount{0, ""}, kFrames{0, " frames"}, kShare{3, ""}, kPercent{1, " %", 100};
+constexpr Format kFinePercent{3, " %", 100}, kMm{2, " mm"}, kPx{2, " px"}, kDegrees{3, " deg"};
+
+// The targets that a run meets, of those stated for figures that are known.
+struct Tally {
+  int met = 0;
+  int stated = 0;
+};
+
+// A line for people.
+struct Row {
+  std::string what;
+  std::string typical = {};   // the mean or the median
+  std::string at_worst = {};  // 90 or 99 of 100, or the worst frame
+  std::vector<std::string> targets = {};
+  bool met = true;     // all of them
+  bool known = false;  // any of its numbers
+};
+
+std::string text_of(const Row& row) {
+  std::string line = fmt::format("  {:<52}{:>12}{:>12}", row.what, row.typical, row.at_worst);
+  if (!row.targets.empty()) {
+    line +=
+        fmt::format("   {} (target: {})", row.met ? "ok" : "missed", fmt::join(row.targets, ", "));
+  }
+  line.erase(line.find_last_not_of(' ') + 1);
+  return line + "\n";
 }
 
 template <class T>
@@ -62,253 +121,411 @@ Json or_null(const std::optional<MedianAndP90>& value) {
   return value ? Json{{"median", value->median}, {"p90", value->p90}} : Json(nullptr);
 }
 Json or_null(const std::optional<P50AndP99>& value) {
-  return value ? Json{{"p50", value->p50}, {"p99", value->p99}} : Json(nullptr);
+  return value ? Json{{"median", value->p50}, {"p99", value->p99}} : Json(nullptr);
 }
 
-struct Figure {
-  Section section;
-  const char* name;  // key in JSON
-  Json value;
-  std::string lines = {};  // for people, each with its end; empty: only in JSON
-};
-
+// The figures of a run under headings, as text and as JSON.
 class Figures {
  public:
-  // @param what    the figure in words, for its line; null: it stands only in JSON
-  // @param format  of its number, with the unit; null: 2 digits of a name in mm, else 3
+  // @param film  decides which targets are stated
+  explicit Figures(std::string film) : film_(std::move(film)) {}
+
+  void begin_section(const char* heading) { sections_.push_back({heading, {}, {}}); }
+
+  // A figure with a line of its own.
   template <class T>
-  void add(Section section, const char* name, const std::optional<T>& value,
-           const char* what = nullptr, const char* format = nullptr) {
-    const bool in_mm = std::string_view(name).find("_mm") != std::string_view::npos;
-    if (format == nullptr) format = std::same_as<T, int> ? "{}" : in_mm ? "{:.2f} mm" : "{:.3f}";
-    add({section, name, or_null(value), what == nullptr ? "" : line(what, value, format)});
-  }
-  void add(Figure figure) { figures_.push_back(std::move(figure)); }
-  void append(const Figures& others) {
-    figures_.insert(figures_.end(), others.figures_.begin(), others.figures_.end());
-  }
-  // Leaves figures out of the text.
-  void hide_lines_if(bool (*hidden)(Section)) {
-    for (Figure& figure : figures_) {
-      if (hidden(figure.section)) figure.lines.clear();
+  void add(const std::string& name, const std::optional<T>& value, const char* what,
+           const Format& format) {
+    json_[name] = or_null(value);
+    Row& row = add_row(what);
+    if constexpr (std::is_same_v<T, MedianAndP90>) {
+      set(row, row.typical, name + ".median", part(value, &T::median), format);
+      set(row, row.at_worst, name + ".p90", part(value, &T::p90), format);
+    } else if constexpr (std::is_same_v<T, P50AndP99>) {
+      set(row, row.typical, name + ".median", part(value, &T::p50), format);
+      set(row, row.at_worst, name + ".p99", part(value, &T::p99), format);
+    } else {
+      set(row, row.typical, name, value ? std::optional<double>(*value) : std::nullopt, format);
     }
   }
-
-  [[nodiscard]] Json json() const {
-    Json json;
-    for (const Figure& figure : figures_) json[figure.name] = figure.value;
-    return json;
+  // A figure that stands in the line before, as its worst case.
+  void add_at_worst(const std::string& name, const std::optional<double>& value,
+                    const Format& format) {
+    json_[name] = or_null(value);
+    Row& row = sections_.back().rows.back();
+    set(row, row.at_worst, name, value, format);
   }
+  Row& add_row(const char* what) { return sections_.back().rows.emplace_back(Row{what}); }
+  void add_json(const char* name, Json value) { json_[name] = std::move(value); }
+  // Lines at the end of the section.
+  void add_text(const std::string& lines) { sections_.back().text += lines; }
+
+  [[nodiscard]] const Json& json() const { return json_; }
+  [[nodiscard]] const Tally& tally() const { return tally_; }
   [[nodiscard]] std::string text() const {
-    std::vector<Figure> sorted = figures_;
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [](const Figure& a, const Figure& b) { return a.section < b.section; });
     std::string text;
-    for (const Figure& figure : sorted) text += figure.lines;
+    for (const Section& section : sections_) text += text_of_section(section);
     return text;
   }
 
  private:
-  std::vector<Figure> figures_;
+  struct Section {
+    const char* heading;
+    std::vector<Row> rows;
+    std::string text;
+  };
+
+  template <class T>
+  static std::optional<double> part(const std::optional<T>& value, double T::*member) {
+    return value ? std::optional((*value).*member) : std::nullopt;
+  }
+
+  void set(Row& row, std::string& cell, const std::string& name, const std::optional<double>& value,
+           const Format& format) {
+    cell = value ? format.text(*value) : "-";
+    if (!value) return;
+    row.known = row.known || *value != 0 || &format != &kCount;  // 0 frames say nothing
+    const Target* target = target_of(name, film_);
+    if (target == nullptr) return;
+    const bool met = target->bound == kAtMost ? *value <= target->value : *value >= target->value;
+    row.met = row.met && met;
+    ++tally_.stated;
+    tally_.met += met ? 1 : 0;
+    row.targets.push_back(fmt::format("{} {}{}", target->bound == kAtMost ? "at most" : "at least",
+                                      format.of_target(target->value),
+                                      &cell == &row.at_worst ? " at worst" : ""));
+  }
+
+  static std::string text_of_section(const Section& section) {
+    const bool known = std::any_of(section.rows.begin(), section.rows.end(),
+                                   [](const Row& row) { return row.known; });
+    if (!known && section.text.empty()) {
+      return fmt::format("\n{}: -, truth or result lacks the files for it\n", section.heading);
+    }
+    const bool any_worst = std::any_of(section.rows.begin(), section.rows.end(),
+                                       [](const Row& row) { return !row.at_worst.empty(); });
+    std::string text = "\n" + text_of(Row{section.heading, any_worst ? "typical" : "",
+                                          any_worst ? "at worst" : ""})
+                                  .substr(2);
+    for (const Row& row : section.rows) text += text_of(row);
+    return text + section.text;
+  }
+
+  std::string film_;
+  Json json_;
+  std::vector<Section> sections_;
+  Tally tally_;
 };
 
-std::string depth_table(const ImageScores& images) {
-  if (images.depth_frames == 0) return {};
-  std::string text = "depth at (m)    median error   within 1 %   (the paper's camera: 1 to 9 %)\n";
-  for (std::size_t k = 0; k < kDepthDistances.size(); ++k) {
-    const DepthAtDistance& at = images.depth.at[k];
-    if (!at.median_error || !at.within_1pct) continue;
-    text += fmt::format("{:>12}{:>15.2f} %{:>11.1f} %\n", fmt::format("{}", kDepthDistances[k]),
-                        100 * *at.median_error, 100 * *at.within_1pct);
-  }
-  return text;
+void add_touch(const BodyScores& body, Figures& f) {
+  f.begin_section("touch, by frames");
+  f.add("frames_touching", body.frames_touching, "frames with a true touch", kCount);
+  f.add("touch_recall", body.touch_recall, "recall: true touches that are felt", kShare);
+  f.add("touch_recall_3mm", body.touch_recall_3mm, "recall of those above 3 mm deep and seen",
+        kShare);
+  f.add("touch_precision", body.touch_precision, "precision: felt touches that are true", kShare);
+  f.add("touch_false_discovery_5mm", body.touch_false_discovery_5mm,
+        "felt touches with nothing within 5 mm", kShare);
+  f.add("touch_site_accuracy", body.touch_site_accuracy, "share of them felt at the right site",
+        kShare);
+  f.add("first_touch_delay_frames", body.first_touch_delay_frames,
+        "delay of the first touch (negative: too early)", kFrames);
+  f.add("frames_too_deep", body.frames_too_deep, "frames too deep to be scored below", kCount);
+  f.add("frames_touch_unseen", body.frames_touch_unseen,
+        "frames whose touch no camera sees, not scored below", kCount);
 }
 
-void add_depth(const ImageScores& images, Figures& figures) {
-  const bool any = images.depth_frames > 0;
-  const DepthScore& depth = images.depth;
-  figures.add({kDepth, "depth_frames", images.depth_frames,
-               line("frames whose depth is scored", std::optional(images.depth_frames), "{}") +
-                   depth_table(images)});
-  const auto add_by_distance = [&](const char* name, std::optional<double> DepthAtDistance::*what) {
-    Json by_distance;
-    for (std::size_t k = 0; any && k < kDepthDistances.size(); ++k) {
-      by_distance[fmt::format("{}", kDepthDistances[k])] = depth.at[k].*what;
-    }
-    figures.add({kDepth, name, by_distance});
-  };
-  add_by_distance("depth_median", &DepthAtDistance::median_error);
-  add_by_distance("depth_within_1pct", &DepthAtDistance::within_1pct);
-  add_by_distance("depth_density", &DepthAtDistance::density);
-  figures.add(kDepth, "hand_within_1pct", depth.hand_within_1pct, "near hand within 1 %");
-  figures.add({kDepth, "hand_near_frames", any ? Json(depth.near_frames) : Json(nullptr)});
-  figures.add(kDepth, "too_close_called_far", depth.too_close_called_far,
-              "too close, but called far", "{:.4f}");
+void add_surface(const BodyScores& body, Figures& f) {
+  f.begin_section("drawn surface");
+  f.add("penetration_median_mm", body.penetration_median_mm,
+        "penetration of the hand (median; 99 of 100)", kMm);
+  f.add_at_worst("penetration_p99_mm", body.penetration_p99_mm, kMm);
+  f.add("penetration_median_mm_unseen", body.penetration_median_mm_unseen,
+        "penetration where no camera sees the touch (median)", kMm);
+  f.add_row("largest jump from frame to frame, unexplained");
+  f.add_at_worst("largest_jump_mm", body.largest_jump_mm, kMm);
+  f.add_json("largest_jump_frame", body.largest_jump_frame);
+  f.add("jumps_above_4mm", body.jumps_above_4mm, "jumps above 4 mm", kFrames);
 }
 
-Json deformed_by_frame(const BodyScores& body) {
-  if (!body.deformed_frames) return nullptr;
+Json errors_by_frame(const BodyScores& body) {
+  if (!body.reference_frames) return nullptr;
   Json frames = Json::array();
-  for (const DeformedFrame& frame : body.by_frame) {
+  for (const ReferenceFrame& frame : body.by_frame) {
     frames.push_back({{"frame", frame.frame},
                       {"displacement_error", frame.displacement_error},
-                      {"displacement_error_mm", frame.displacement_error_mm},
+                      {"max_vertex_error_mm", frame.max_vertex_error_mm},
                       {"von_mises_error", frame.von_mises_error},
                       {"force_error", frame.force_error}});
   }
   return frames;
 }
 
-// All but the placement, which has its own position in JSON.
-Figures figures_of(const BodyScores& body) {
-  Figures f;
-  f.add(kTouchTimes, "frames_touching", body.frames_touching, "frames with a true touch");
-  f.add(kTouch, "touch_precision", body.touch_precision, "felt touches that are true");
-  f.add(kTouch, "touch_recall", body.touch_recall, "true touches that are felt");
-  f.add(kTouch, "touch_site", body.touch_site, "  at the right site");
-  f.add(kTouchTimes, "first_touch_delay_frames", body.first_touch_delay_frames,
-        "first touch felt after the true one by", "{} frames");
-  f.add(kTouch, "touch_recall_3mm", body.touch_recall_3mm,
-        "true touches of 3 mm and seen that are felt");
-  f.add(kTouch, "touch_false_5mm", body.touch_false_5mm, "felt touches with nothing within 5 mm");
-  f.add(kTouch, "frames_too_deep", body.frames_too_deep, "frames too deep to be scored");
-  f.add(kTouch, "frames_unseen", body.frames_unseen, "frames whose touch no camera sees");
-  f.add(kTouch, "penetration_median_mm", body.penetration_median_mm, "penetration left, median");
-  f.add(kTouch, "penetration_p99_mm", body.penetration_p99_mm, "penetration left, 99 of 100");
-  f.add(kTouch, "penetration_median_mm_unseen", body.penetration_median_mm_unseen,
-        "  median where no camera sees the touch");
-  f.add(kTouch, "largest_pop_mm", body.largest_pop_mm, "largest unexplained jump of the surface");
-  f.add(kTouch, "largest_pop_frame", body.largest_pop_frame);
-  f.add(kTouch, "pops_4mm", body.pops_4mm, "  jumps of more than 4 mm");
-  f.add(kDeformed, "deformed_frames", body.deformed_frames,
-        "frames with a full-order solution, deep");
-  f.add(kDeformed, "deformed_frames_shallow", body.deformed_frames_shallow, "  and shallow");
-  f.add(kDeformed, "deformed_frames_unseen", body.deformed_frames_unseen,
-        "  whose touch no camera sees: not judged");
-  f.add(kDeformed, "displacement_error", body.displacement_error, "displacement, relative error");
-  f.add(kDeformed, "displacement_error_mm", body.displacement_error_mm, "  at the worst vertex");
-  f.add(kDeformed, "displacement_error_mm_shallow", body.displacement_error_mm_shallow,
-        "  in shallow touches");
-  f.add(kDeformed, "displacement_error_mm_unseen", body.displacement_error_mm_unseen,
-        "  where no camera sees the touch");
-  f.add(kDeformed, "von_mises_error", body.von_mises_error, "stress, error of the maximum");
-  f.add(kDeformed, "force_error", body.force_error, "force, relative error");
-  f.add(kDeformed, "overpress_mm", body.overpress_mm, "pressed too far");
-  f.add({kDeformed, "deformed_by_frame", deformed_by_frame(body)});
-  if (!body.deformed_frames) f.hide_lines_if([](Section section) { return section == kDeformed; });
-  return f;
+void add_reference(const BodyScores& body, Figures& f) {
+  f.begin_section("errors against finite elements (median; 90 of 100)");
+  f.add("reference_frames", body.reference_frames, "frames, at least 4 mm deep and seen", kCount);
+  f.add("displacement_error", body.displacement_error, "displacement, relative error", kPercent);
+  f.add("max_vertex_error_mm", body.max_vertex_error_mm, "displacement of the worst vertex, error",
+        kMm);
+  f.add("von_mises_error", body.von_mises_error, "von Mises stress, error of the worst vertex",
+        kPercent);
+  f.add("force_error", body.force_error, "force, relative error", kPercent);
+  f.add("excess_indentation_mm", body.excess_indentation_mm,
+        "pressed in too far (median; 99 of 100)", kMm);
+  f.add("reference_frames_shallow", body.reference_frames_shallow, "frames less than 4 mm deep",
+        kCount);
+  f.add("max_vertex_error_mm_shallow", body.max_vertex_error_mm_shallow,
+        "their worst vertex, error", kMm);
+  f.add("reference_frames_unseen", body.reference_frames_unseen,
+        "frames whose touch no camera sees", kCount);
+  f.add("max_vertex_error_mm_unseen", body.max_vertex_error_mm_unseen, "their worst vertex, error",
+        kMm);
+  f.add_json("errors_by_frame", errors_by_frame(body));
 }
 
-void add_placement(const BodyScores& body, Figures& figures) {
-  figures.add(kPlace, "placement_error_mm", body.placement_error_mm, "body drawn off its place by");
+void add_place(const BodyScores& body, Figures& f) {
+  f.begin_section("place of the body");
+  f.add("placement_error_mm", body.placement_error_mm, "off its true place (median; 90 of 100)",
+        kMm);
 }
 
-// The figures of each of several bodies.
-Figure figure_of(const std::vector<BodyScores>& bodies) {
-  Figure all{kBodies, "bodies", {}};
-  for (const BodyScores& body : bodies) {
-    Figures figures = figures_of(body);
-    add_placement(body, figures);
-    all.value[body.name] = figures.json();
-    all.lines += body.name + "\n" + figures.text();
+void add_body(const BodyScores& body, Figures& f) {
+  add_touch(body, f);
+  add_surface(body, f);
+  add_reference(body, f);
+  add_place(body, f);
+}
+
+std::string depth_table(const ImageScores& images) {
+  if (images.depth_frames == 0) return {};
+  std::string text = "    at a distance of      median error   within 1 %\n";
+  for (std::size_t k = 0; k < kDepthDistances.size(); ++k) {
+    const DepthAtDistance& at = images.depth.at[k];
+    if (!at.median_error || !at.within_1pct) continue;
+    text += fmt::format("{:>18g} m{:>16.2f} %{:>11.1f} %\n", kDepthDistances[k],
+                        100 * *at.median_error, 100 * *at.within_1pct);
   }
-  return all;
+  return text;
+}
+
+void add_depth(const ImageScores& images, Figures& f) {
+  const bool any = images.depth_frames > 0;
+  const DepthScore& depth = images.depth;
+  f.begin_section("depth");
+  f.add("depth_frames", std::optional(images.depth_frames), "frames", kCount);
+  const auto add_by_distance = [&](const char* name, std::optional<double> DepthAtDistance::*what) {
+    Json by_distance;
+    for (std::size_t k = 0; any && k < kDepthDistances.size(); ++k) {
+      by_distance[fmt::format("{}", kDepthDistances[k])] = depth.at[k].*what;
+    }
+    f.add_json(name, by_distance);
+  };
+  add_by_distance("depth_error_median", &DepthAtDistance::median_error);
+  add_by_distance("depth_within_1pct", &DepthAtDistance::within_1pct);
+  add_by_distance("depth_density", &DepthAtDistance::density);
+  f.add("hand_within_1pct", depth.hand_within_1pct, "pixels of a near hand within 1 %", kPercent);
+  f.add_json("hand_near_frames", any ? Json(depth.near_frames) : Json(nullptr));
+  f.add("too_close_called_far", depth.too_close_called_far,
+        "pixels nearer than 0.11 m measured too far", kFinePercent);
+  f.add_text(depth_table(images));
+}
+
+void add_occlusion(const ImageScores& images, Figures& f) {
+  f.begin_section("occlusion of the body by real things");
+  f.add("occlusion_frames", std::optional(images.occlusion_frames), "frames", kCount);
+  f.add("occlusion_iou", images.occlusion_iou,
+        "visible body, intersection over union (mean; worst)", kShare);
+  f.add_at_worst("occlusion_iou_worst_frame", images.occlusion_iou_worst_frame, kShare);
+  f.add("occlusion_iou_where_hidden", images.occlusion_iou_where_hidden,
+        "the same where a part is hidden", kShare);
+  f.add("edge_error_px", images.edge_error_px, "distance of drawn and true border", kPx);
+  f.add("crossing_frames", std::optional(images.crossing_frames),
+        "frames in which a hand crosses the outline", kCount);
+  f.add("edge_error_crossing_px", images.edge_error_crossing_px, "distance of the borders in those",
+        kPx);
+  f.add("flicker", images.flicker, "flicker, of the pixels of two frames", kFinePercent);
+}
+
+void add_moving(const ImageScores& images, Figures& f) {
+  f.begin_section("what moves");
+  f.add("moving_iou", images.moving_iou, "intersection over union", kShare);
+  f.add("moving_recall", images.moving_recall, "recall of its pixels", kShare);
+  f.add("moving_false_positives", images.moving_false_positives, "false positives, of all pixels",
+        kFinePercent);
+}
+
+void add_camera(const PathScores& path, const std::optional<double>& row_error_px, Figures& f) {
+  f.begin_section("camera");
+  f.add("trajectory_coverage", path.trajectory_coverage, "share of the path that was found",
+        kShare);
+  f.add("ate_mm", path.ate_mm, "absolute trajectory error, rms", kMm);
+  f.add("rpe_mm", path.rpe_mm, "relative pose error over 1 s, rms", kMm);
+  f.add("rpe_deg", path.rpe_deg, "the same, rotation", kDegrees);
+  f.add_row("rows of the two views out of line");
+  f.add_at_worst("row_error_px", row_error_px, kPx);
+}
+
+void add_speed(const RunSpeed& speed, Figures& f) {
+  f.add_json("frames_per_s", speed.frames_per_second);
+  f.add_json("cpu_ms_per_frame", speed.cpu_ms_per_frame);
+  f.add_json("age_p50_ms", speed.age_p50_ms);
+  f.add_json("age_p99_ms", speed.age_p99_ms);
+}
+
+Figures figures_of(const BodyScores& body, const std::string& film) {
+  Figures f(film);
+  add_body(body, f);
+  return f;
 }
 
 Figures figures_of(const Scorecard& scores) {
-  const ImageScores& images = scores.images;
-  const PathScores& path = scores.path;
-  Figures f;
-  f.add(kDepth, "frames", std::optional(scores.frames), "frames");
-  f.add(kDepth, "frames_processed", std::optional(scores.frames_processed),
-        "  that the result processed");
-  add_depth(images, f);
-  f.add(kMoving, "moving_iou", images.moving_iou, "what moves, intersection over union");
-  f.add(kMoving, "moving_recall", images.moving_recall, "what moves, found");
-  f.add(kMoving, "moving_false", images.moving_false, "called moving and is not, of all pixels",
-        "{:.5f}");
-  f.add(kOcclusion, "occlusion_frames", std::optional(images.occlusion_frames),
-        "frames whose occlusion is scored");
-  f.add(kOcclusion, "occlusion_iou", images.occlusion_iou, "visible body, intersection over union");
-  f.add(kOcclusion, "occlusion_iou_where_hidden", images.occlusion_iou_where_hidden,
-        "  where a hand hides part of it");
-  f.add(kOcclusion, "occlusion_iou_worst_frame", images.occlusion_iou_worst_frame,
-        "  in the worst frame");
-  f.add(kOcclusion, "edge_error_px", images.edge_error_px, "border between body and hand is off by",
-        "{:.1f} px");
-  f.add(kOcclusion, "crossing_frames", std::optional(images.crossing_frames));
-  f.add(kOcclusion, "edge_error_crossing_px", images.edge_error_crossing_px,
-        "  where a hand crosses the outline", "{:.1f} px");
-  f.add(kOcclusion, "flicker", images.flicker, "flicker", "{:.4f}");
-  f.add(kPath, "ate_mm", path.ate_mm, "camera path, absolute error");
-  f.add(kPathMotion, "rpe_mm", path.rpe_mm, "camera path, error over 1 s");
-  f.add(kPathMotion, "rpe_deg", path.rpe_deg);
-  f.add(kPath, "trajectory_share", path.trajectory_share, "  share of the path that was found");
-  Figures of_body = figures_of(scores.body);
-  if (!scores.bodies.empty()) of_body.hide_lines_if([](Section) { return true; });
-  f.append(of_body);
-  if (!scores.bodies.empty()) f.add(figure_of(scores.bodies));
-  add_placement(scores.body, f);
-  f.add(kPlace, "jitter_mm", scores.jitter_mm, "jitter of the body in the world");
-  f.add(kPlace, "row_error_px", scores.row_error_px, "rows out of line, at worst", "{:.2f} px");
+  Figures f(scores.film);
+  f.add_json("film", scores.film.empty() ? Json(nullptr) : Json(scores.film));
+  f.add_json("frames", scores.frames);
+  f.add_json("frames_processed", scores.frames_processed);
+  add_speed(scores.speed, f);
+  // Of several bodies each has its own figures: here are none.
+  if (scores.bodies.empty()) {
+    add_body(scores.body, f);
+  } else {
+    f.add_json("bodies", Json::object());
+    f.begin_section("place of the first body");
+  }
+  f.add("jitter_mm", scores.jitter_mm, "jitter of the body in the world, rms", kMm);
+  add_occlusion(scores.images, f);
+  add_depth(scores.images, f);
+  add_moving(scores.images, f);
+  add_camera(scores.path, scores.row_error_px, f);
   if (scores.reduction_error) {
-    f.add(kReduction, "reduction_error", scores.reduction_error,
-          "error of the reduced model, pooled", "{:.2e}");
-    f.add(kReduction, "reduction_error_worst", scores.reduction_error_worst);
+    f.begin_section("reduced model");
+    f.add("reduction_error", scores.reduction_error,
+          "displacement, relative error (pooled; worst snapshot)", kFinePercent);
+    f.add_at_worst("reduction_error_worst", scores.reduction_error_worst, kFinePercent);
   }
   return f;
 }
 
-// A summary for people: the errors of shape and force, over the frames that are scored.
-std::string in_short(const BodyScores& body) {
+// The first three lines of a score.
+std::string summary(const std::string& compared, const std::string& accuracy,
+                    const RunSpeed& speed) {
+  std::string fast = "not stated by the result";
+  if (speed.frames_per_second) {
+    fast = fmt::format("{:.1f} frames/s", *speed.frames_per_second);
+    if (speed.cpu_ms_per_frame) {
+      fast += fmt::format(", {:.1f} ms of CPU per frame", *speed.cpu_ms_per_frame);
+    }
+    if (speed.age_p50_ms && speed.age_p99_ms) {
+      fast += fmt::format(", picture shown after {:.0f} ms in the median ({:.0f} ms in 99 of 100)",
+                          *speed.age_p50_ms, *speed.age_p99_ms);
+    }
+    if (speed.dropped) fast += fmt::format(", {} frames dropped", *speed.dropped);
+  }
+  return fmt::format("compared: {}\naccuracy: {}\nspeed:    {}\n", compared, accuracy, fast);
+}
+
+// What a person wants to know of a body: the errors of shape and force, and whether touches are
+// felt.
+void append_accuracy(const BodyScores& body, std::vector<std::string>& parts) {
+  const std::string name = body.name.empty() ? "" : body.name + ": ";
   const auto& shape = body.displacement_error;
   const auto& force = body.force_error;
-  if (!body.deformed_frames || !shape) return {};
-  std::string text = fmt::format(
-      "in short: {}response computed from the camera's pictures, against full finite elements "
-      "under "
-      "the true hand ({} frames): shape off by {:.0f} % in the median ({:.0f} % in 9 of 10)",
-      body.name.empty() ? "" : body.name + ": ", *body.deformed_frames, 100 * shape->median,
-      100 * shape->p90);
-  if (force) {
-    text += fmt::format(", force by {:.0f} % ({:.0f} %)", 100 * force->median, 100 * force->p90);
+  if (body.reference_frames && shape) {
+    std::string text = fmt::format("{}shape off by {:.0f} % in the median ({:.0f} % in 9 of 10)",
+                                   name, 100 * shape->median, 100 * shape->p90);
+    if (force) {
+      text += fmt::format(", force by {:.0f} % ({:.0f} %)", 100 * force->median, 100 * force->p90);
+    }
+    parts.push_back(
+        text + fmt::format(", against full finite elements ({} frames)", *body.reference_frames));
   }
-  return text + "\n";
+  if (body.touch_recall && body.touch_precision) {
+    parts.push_back(fmt::format("{}touch recall {:.2f}, precision {:.2f}", name, *body.touch_recall,
+                                *body.touch_precision));
+  }
+}
+
+std::string accuracy_of(const Scorecard& scores, const Tally& tally) {
+  std::vector<std::string> parts;
+  append_accuracy(scores.body, parts);
+  for (const BodyScores& body : scores.bodies) append_accuracy(body, parts);
+  if (parts.empty() && scores.images.occlusion_iou) {
+    parts.push_back(
+        fmt::format("visible body, intersection over union {:.3f}", *scores.images.occlusion_iou));
+  }
+  if (parts.empty() && scores.images.depth.hand_within_1pct) {
+    parts.push_back(fmt::format("{:.1f} % of a near hand's pixels within 1 % of their depth",
+                                100 * *scores.images.depth.hand_within_1pct));
+  }
+  if (parts.empty() && scores.path.ate_mm) {
+    parts.push_back(fmt::format("camera's path off by {:.1f} mm rms", *scores.path.ate_mm));
+  }
+  if (parts.empty()) parts.emplace_back("no touch, picture or path to judge");
+  if (tally.stated > 0) {
+    parts.push_back(fmt::format("{} of {} targets met", tally.met, tally.stated));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
 }
 
 Figures figures_of(const PoseScores& scores) {
-  Figures f;
-  f.add({kPath, "format", scores.format});
-  f.add({kPath, "poses_of", scores.of});
-  f.add({kPath, "poses_published", scores.published,
-         fmt::format("{:<44}{} ({}, of the {})\n", "published poses", scores.published,
-                     scores.format, scores.of)});
-  f.add(kPath, "poses_found", std::optional(scores.found), "found poses");
-  f.add(kPath, "poses_matched", std::optional(scores.matched),
-        "  at the moment of a published one");
-  f.add(kPath, "seconds", std::optional(scores.seconds), "time from the first of these to the last",
-        "{:.2f} s");
-  f.add(kPath, "path_m", std::optional(scores.path_m), "path in that time", "{:.2f} m");
-  f.add(kPath, "ate_mm", std::optional(scores.ate_mm), "position, rms after alignment",
-        "{:.1f} mm");
-  f.add(kPath, "rpe_mm", scores.rpe_mm, "motion over 1 s, rms", "{:.1f} mm");
-  f.add(kPath, "rpe_deg", scores.rpe_deg, "rotation over 1 s, rms", "{:.3f} degrees");
-  f.add(kPath, "end_error_percent", scores.end_error_percent, "end of the path, of its length",
-        "{:.2f} %");
+  Figures f({});
+  f.add_json("format", scores.format);
+  f.add_json("poses_of", scores.of);
+  f.add_json("poses_published", scores.published);
+  f.add_json("poses_found", scores.found);
+  f.add_json("poses_matched", scores.matched);
+  f.add_json("seconds", scores.seconds);
+  f.begin_section("camera");
+  f.add("path_m", std::optional(scores.path_m), "length of the published path", {2, " m"});
+  f.add("ate_mm", std::optional(scores.ate_mm), "absolute trajectory error, rms", {1, " mm"});
+  f.add("rpe_mm", scores.rpe_mm, "relative pose error over 1 s, rms", {1, " mm"});
+  f.add("rpe_deg", scores.rpe_deg, "the same, rotation", kDegrees);
+  f.add("end_error_percent", scores.end_error_percent, "drift at the end, of the path's length",
+        {2, " %"});
+  add_speed(scores.speed, f);
   return f;
 }
 
 }  // namespace
 
-std::string json_of(const Scorecard& scores) { return figures_of(scores).json().dump(2); }
-std::string json_of(const PoseScores& scores) { return figures_of(scores).json().dump(2); }
+Json json_of(const Scorecard& scores) {
+  Json json = figures_of(scores).json();
+  for (const BodyScores& body : scores.bodies) {
+    json["bodies"][body.name] = figures_of(body, scores.film).json();
+  }
+  return json;
+}
+
+Json json_of(const PoseScores& scores) { return figures_of(scores).json(); }
 
 std::string text_of(const Scorecard& scores) {
-  std::string text = figures_of(scores).text();
-  if (scores.bodies.empty()) text += in_short(scores.body);
-  for (const BodyScores& body : scores.bodies) text += in_short(body);
-  return text;
+  const Figures figures = figures_of(scores);
+  Tally tally = figures.tally();
+  std::string text;
+  for (const BodyScores& body : scores.bodies) {
+    const Figures of_body = figures_of(body, scores.film);
+    tally.met += of_body.tally().met;
+    tally.stated += of_body.tally().stated;
+    text += "\n== " + body.name + "\n" + of_body.text();
+  }
+  if (!scores.bodies.empty()) text += "\n== all bodies\n";
+  const std::string compared =
+      fmt::format("{} with the truth in {}{}, {} of {} frames processed", scores.result,
+                  scores.truth, scores.film.empty() ? "" : " (film " + scores.film + ")",
+                  scores.frames_processed, scores.frames);
+  return summary(compared, accuracy_of(scores, tally), scores.speed) + text + figures.text();
 }
-std::string text_of(const PoseScores& scores) { return figures_of(scores).text(); }
+
+std::string text_of(const PoseScores& scores) {
+  const std::string compared = fmt::format(
+      "{} of {} found poses with {} published ones ({}, of the {}) over {:.2f} s", scores.matched,
+      scores.found, scores.published, scores.format, scores.of, scores.seconds);
+  std::string accuracy =
+      fmt::format("position off by {:.1f} mm rms after alignment", scores.ate_mm);
+  if (scores.end_error_percent) {
+    accuracy +=
+        fmt::format(", end of the path by {:.2f} % of its length", *scores.end_error_percent);
+  }
+  return summary(compared, accuracy, scores.speed) + figures_of(scores).text();
+}
 
 }  // namespace palpable

@@ -4,7 +4,6 @@
 #include "palpable/desk/clip_files/camera_paths.h"
 #include "palpable/desk/clip_files/frame_records.h"
 #include "palpable/desk/clip_files/image_files.h"
-#include "palpable/desk/clip_files/live_file.h"
 #include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/desk/score/touch_scores.h"
 
@@ -93,6 +92,7 @@ std::vector<TrueRowOffset> rows_in(const fs::path& path) {
 void read_live(const fs::path& path, ResultFolder& result) {
   const LiveFile live = read_live_file(path);
   result.camera_from_body = live.camera_from_body;
+  result.speed = live.speed;
   if (!live.processed) return;
   std::vector<std::uint8_t> processed(result.processed.size(), 0);
   for (const int frame : *live.processed) {
@@ -189,6 +189,7 @@ TruthFolder read_truth_folder(const fs::path& folder, const std::string& body) {
                             truth.folder.string()));
   }
   const TruthCamera camera = read_truth_camera(truth.folder / "camera.toml");
+  truth.film = camera.sequence;
   truth.depth_unit = camera.depth_unit;
   truth.frames_per_second = camera.frames_per_second;
   const auto path_of = [&](const char* name) { return truth.folder / name; };

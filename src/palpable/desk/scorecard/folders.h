@@ -7,6 +7,7 @@
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/desk/clip_files/frame_records.h"
+#include "palpable/desk/clip_files/live_file.h"
 #include "palpable/desk/score/camera_scores.h"
 
 #include <cstdint>
@@ -47,6 +48,7 @@ struct TruthFolder {
   std::filesystem::path folder;
   std::filesystem::path
       part;               ///< folder with the truth of the body: `folder`, or bodies/NAME in it
+  std::string film;       ///< name of the sequence; empty: not a film of `palpable synth`
   double depth_unit = 0;  ///< m per count of depth/, in truth and result
   double frames_per_second = 0;               ///< > 0
   int frames = 0;                             ///< > 0
@@ -81,6 +83,7 @@ struct ResultFolder {
   /// One entry per frame of the truth: 1 if live.json lists the frame as processed. All 1 without
   /// it.
   std::vector<std::uint8_t> processed;
+  RunSpeed speed;                                                 ///< of live.json
   std::optional<Rigid3> camera_from_body;                         ///< of live.json
   std::optional<std::map<int, std::vector<FoundTouch>>> touches;  ///< by frame; no list is empty
   std::optional<std::map<int, Rigid3>> poses;                     ///< camera_from_body by frame

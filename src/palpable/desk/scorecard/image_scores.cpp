@@ -138,7 +138,7 @@ class ImageScorer {
     scores.depth = depth_.score();
     scores.moving_iou = moving_.iou();
     scores.moving_recall = moving_.recall();
-    scores.moving_false = moving_.false_alarms();
+    scores.moving_false_positives = moving_.false_alarms();
     occlusion_.write(scores);
     return scores;
   }

@@ -16,7 +16,7 @@ struct ImageScores {
   DepthScore depth;
   std::optional<double> moving_iou;
   std::optional<double> moving_recall;
-  std::optional<double> moving_false;
+  std::optional<double> moving_false_positives;
   int occlusion_frames = 0;  ///< scored frames
   std::optional<double> occlusion_iou;
   std::optional<double> occlusion_iou_where_hidden;

@@ -3,7 +3,6 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/desk/clip_files/camera_paths.h"
-#include "palpable/desk/clip_files/live_file.h"
 #include "palpable/desk/score/camera_scores.h"
 
 #include <fmt/core.h>
@@ -17,14 +16,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<StampedPose> found_poses(const fs::path& result, bool of_depth_camera) {
+// live.json of the result; empty if it is a file or has none.
+LiveFile live_file_of(const fs::path& result) {
+  return fs::exists(result / "live.json") ? read_live_file(result / "live.json") : LiveFile();
+}
+
+std::vector<StampedPose> found_poses(const fs::path& result, const LiveFile& live,
+                                     bool of_depth_camera) {
   if (!fs::is_directory(result)) return read_trajectory(result);
   std::vector<StampedPose> found = read_trajectory(result / "trajectory.txt");
-  if (!of_depth_camera || !fs::exists(result / "live.json")) return found;
-  if (const auto color_from_depth = read_live_file(result / "live.json").color_from_depth) {
-    for (StampedPose& pose : found) {
-      pose.world_from_camera = pose.world_from_camera * *color_from_depth;
-    }
+  if (!of_depth_camera || !live.color_from_depth) return found;
+  for (StampedPose& pose : found) {
+    pose.world_from_camera = pose.world_from_camera * *live.color_from_depth;
   }
   return found;
 }
@@ -42,7 +45,8 @@ Eigen::Vector3d travel(const Rigid3& first, const Rigid3& last) {
 }  // namespace
 
 PoseScores score_poses(const PublishedPoses& published, const fs::path& result) {
-  const std::vector<StampedPose> found = found_poses(result, published.of == "depth camera");
+  const LiveFile live = live_file_of(result);
+  const std::vector<StampedPose> found = found_poses(result, live, published.of == "depth camera");
   // Each found pose gets a published one, because data sets publish several poses per frame.
   std::vector<PosePair> pairs;
   for (const StampedPose& pose : found) {
@@ -58,6 +62,7 @@ PoseScores score_poses(const PublishedPoses& published, const fs::path& result) 
         span_of(found)));
   }
   PoseScores scores;
+  scores.speed = live.speed;
   scores.format = published.format;
   scores.of = published.of;
   scores.published = static_cast<int>(published.poses.size());

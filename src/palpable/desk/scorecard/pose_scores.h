@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpable/desk/clip_files/camera_paths.h"
+#include "palpable/desk/clip_files/live_file.h"
 
 #include <filesystem>
 #include <optional>
@@ -25,6 +26,7 @@ struct PoseScores {
   /// Error of the translation from the first to the last matched pose, in the frame of the first,
   /// in % of path_m; nothing when the camera did not move.
   std::optional<double> end_error_percent;
+  RunSpeed speed;  ///< of live.json beside trajectory.txt
 };
 
 /// s; poses farther apart in time do not match. The value of TUM's own tool.

@@ -21,7 +21,7 @@ PathScores score_path(const TruthFolder& truth, const ResultFolder& result) {
   }
   const std::vector<PosePair> pairs = match_in_time(processed, *result.trajectory, half_a_frame);
   if (!processed.empty()) {
-    scores.trajectory_share =
+    scores.trajectory_coverage =
         static_cast<double>(pairs.size()) / static_cast<double>(processed.size());
   }
   if (pairs.size() < 2) return scores;  // a single pose can be aligned with any other
@@ -68,6 +68,10 @@ Scorecard score_folders(const std::filesystem::path& truth_path,
   const TruthFolder truth = read_truth_folder(truth_path);
   const ResultFolder result = read_result_folder(result_path, truth.frames);
   Scorecard scores;
+  scores.truth = truth_path.string();
+  scores.result = result_path.string();
+  scores.film = truth.film;
+  scores.speed = result.speed;
   scores.frames = truth.frames;
   scores.frames_processed =
       static_cast<int>(std::count(result.processed.begin(), result.processed.end(), 1));

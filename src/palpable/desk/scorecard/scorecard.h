@@ -5,6 +5,7 @@
 
 #include "palpable/common/base/progress.h"
 #include "palpable/common/reduced/reduced_body.h"
+#include "palpable/desk/clip_files/live_file.h"
 #include "palpable/desk/scorecard/body_scores.h"
 #include "palpable/desk/scorecard/image_scores.h"
 
@@ -20,11 +21,14 @@ struct PathScores {
   std::optional<double> ate_mm;
   std::optional<double> rpe_mm;
   std::optional<double> rpe_deg;
-  std::optional<double> trajectory_share;
+  std::optional<double> trajectory_coverage;
 };
 
 /// Scores named as in docs/benchmark.md; nothing when the result lacks the files for them.
 struct Scorecard {
+  std::string truth, result;  ///< the folders that were compared, as they were given
+  std::string film;           ///< name of the sequence; empty: not known
+  RunSpeed speed;
   int frames = 0;
   int frames_processed = 0;
   ImageScores images;

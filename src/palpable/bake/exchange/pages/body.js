@@ -183,7 +183,7 @@ byId("between-sites").append(...(DATA.between_sites == null
     const head = ["What presses", "Depth, mm", "Displacement, %", "Force, %", "Stress at the worst vertex, %"];
     const row = (kind, cells) => make("tr", {}, ...cells.map((cell) => make(kind, {}, cell)));
     place.append(make("table", {}, make("thead", {}, row("th", head)), make("tbody", {}, ...held.map((t) =>
-      row("td", [t.thing, t.depth_mm.toFixed(1), ...[t.displacement, t.force, t.von_mises].map((e) => (100 * e).toPrecision(2))])))));
+      row("td", [t.obstacle, t.depth_mm.toFixed(1), ...[t.displacement, t.force, t.von_mises].map((e) => (100 * e).toPrecision(2))])))));
   }
 }
 
