@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kOwnFolder = "palpable-live";  // of a film that nobody gave a folder for
+constexpr const char* kOwnFolder = "palpable-live";  // of the film of a call without --out
 
 struct Options {
   LiveOptions live;
@@ -77,7 +77,7 @@ void live(const Options& options) {
 }
 
 // @param command  of these options
-void run(Command command, Options& options) {
+void run_command(Command command, Options& options) {
   const bool alone = options.live.body.empty() && command.given_options().empty();
   if (options.live.body.extension() == ".toml") {
     options.live.scene = std::exchange(options.live.body, {});
@@ -134,7 +134,7 @@ void add_live(Command app) {
       "0.6 0 40 0\" -o out --write film\n"
       "Example: palpable live two-bodies.toml --source clip/frames --paint pressure -o out\n"
       "Example: palpable live --source /dev/video0 --preview");
-  command.callback([options, command] { run(command, *options); });
+  command.callback([options, command] { run_command(command, *options); });
 }
 
 }  // namespace palpable::app

@@ -1,7 +1,6 @@
 #include "apps/palpable/live_options.h"
 
 #include "apps/common/command_line.h"
-#include "palpable/live/session/session.h"
 
 #include <fmt/core.h>
 

@@ -387,7 +387,7 @@ std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveS
 }
 
 // The files that a run has left.
-std::string text_of(const LiveOutput& output, const fs::path& out) {
+std::string text_of_files(const LiveOutput& output, const fs::path& out) {
   std::string text;
   if (output.left_out() > 0) {
     text = fmt::format(
@@ -499,7 +499,7 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
   text += events_.text();
   if (played.ticks) text += text_of(*played.ticks) + "\n";
   if (options_.stats) text += text_of(played.figures) + "\n";
-  if (played.output) text += text_of(*played.output, options_.out);
+  if (played.output) text += text_of_files(*played.output, options_.out);
   return {std::move(text), json_of(all), played.user_ended};
 }
 

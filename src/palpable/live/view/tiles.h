@@ -1,5 +1,6 @@
 /// @file
-/// Several views of a scene side by side in one picture, each with its name (`live --view` with several names).
+/// Several views of a scene side by side in one picture, each with its name (`live --view` with
+/// several names).
 #pragma once
 
 #include "palpable/common/geometry/image.h"
