@@ -10,6 +10,7 @@
 #include "palpable/bake/separate/sparse_pgd.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/body_file/touch_text.h"
 

@@ -76,7 +76,7 @@ void add_report(Command app) {
   Command command = app.add_subcommand(
       "report",
       "Write errors, costs and modes of a body file as one HTML page, and a CSV file beside it");
-  command.add_option("body,--body", options->body, "Body file").required();
+  command.add_option("body,--body", options->body, "Body file").required().type_name("FILE");
   command
       .add_option("-o,--out", options->output,
                   "Page to write, NAME.html; the numbers go to NAME.csv")

@@ -38,11 +38,19 @@ void add_source_option(Command command, LiveOptions& options) {
 void add_place_options(Command command, LiveOptions& options) {
   command.begin_group("Placement");
   command
-      .add_option("--anchor", options.anchor,
-                  "Stand the body on what the first frames show. plane: the desk or floor, where "
-                  "nothing stands, near the middle of the picture or at --at-pixel; board: the "
-                  "middle of a chessboard (--board, --square)")
-      .one_of({"plane", "board"})
+      .add_option(
+          "--anchor",
+          [&options](const std::vector<std::string>& words) -> std::string {
+            options.anchor = words.front();
+            if (options.anchor == "plane" || options.anchor == "board") return {};
+            return fmt::format("'{}' is neither plane nor board{}", options.anchor,
+                               options.anchor == "pose" ? ": write --place FILE" : "");
+          },
+          "Stand the body on what the first frames show. plane: the desk or floor, where "
+          "nothing stands, near the middle of the picture or at --at-pixel; board: the "
+          "middle of a chessboard (--board, --square)")
+      .type_name("plane|board")
+      .words(1, 1)
       .default_is("none: --place");
   command
       .add_option("--place", options.place,
@@ -107,7 +115,7 @@ void add_contact_options(Command command, LiveOptions& options) {
                   "The description that the body was baked from: while something presses, a second "
                   "process computes the full solution, which is blended in. Squeezes and things "
                   "held still gain, the stress most")
-      .type_name("BODY.toml");
+      .type_name("FILE.toml");
   command.begin_expert_group("Contact, more");
   command
       .add_option("--refine-latency", options.refine_latency,

@@ -95,7 +95,6 @@ void add_score(Command app) {
   command
       .add_option("--fps", options->poses_per_second,
                   "Rate of published poses whose file has no times, poses per second")
-      .type_name("N")
       .in_range(0.1, 1000.0)
       .default_is("KITTI's times.txt beside them, else 10; 30 for 7-Scenes");
   command.footer(

@@ -336,7 +336,7 @@ def _(programs, folder):
     write_stl(folder / "hollow.stl", cube(0, 80), cube(20, 60, inwards=True))
     write_stl(folder / "nested.stl", cube(0, 80), cube(20, 60))
     result = programs.succeeds("mesh", "hollow.stl", "-o", "h.msh", "--unit", "mm", "--edge", "10mm", cwd=folder)
-    assert result.stdout.splitlines()[0] == "hollow.stl: 80 x 80 x 80 mm", result.stdout
+    assert result.stderr.splitlines()[0] == "hollow.stl: 80 x 80 x 80 mm", result.stderr
     volume = float(re.search(r"volume (\S+) m\^3", result.stdout)[1])
     assert abs(volume - (0.08**3 - 0.04**3)) < 1e-3 * volume, volume
     programs.refuses("mesh", "nested.stl", "-o", "n.msh", "--unit", "mm", cwd=folder,
@@ -384,7 +384,7 @@ def _(programs, folder):
     text = BALL.replace("ball.off", "part.stl").replace('height = "100 mm"\n', "")
     (folder / "part.toml").write_text(text)
     result = programs.run("bake", "part.toml", "-o", "part.palpable", cwd=folder)
-    assert result.stdout.splitlines()[0] == "ball: 80 x 80 x 80 m", result.stdout
+    assert result.stderr.splitlines()[0] == "ball: 80 x 80 x 80 m", result.stderr
     assert "part.toml:2: [shape]: the body is 80 x 80 x 80 m" in result.stderr, result.stderr
     assert 'write unit = "mm" in [shape]' in result.stderr, result.stderr
     write_stl(folder / "part.stl", cube(0, 800))
@@ -648,7 +648,7 @@ def _(programs, folder):
         assert json.loads((folder / "out/live.json").read_text())["frames"] == 2
         found.append([path.read_bytes() for path in sorted((folder / "out/depth").iterdir())])
     assert len(found[0]) == len(found[1]) == 2 and found[0] != found[1]
-    assert "--matcher" in programs.succeeds("live", "--help").stdout
+    assert "--matcher" in programs.succeeds("live", "--help-all").stdout
     programs.refuses(*live(programs, folder, "--matcher", "guess"), says=["--matcher", "opencv"])
 
 
