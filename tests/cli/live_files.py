@@ -2,7 +2,9 @@
 """The files that a live run writes; one case is one test, as in programs.py. `--list` names the cases."""
 import json
 import os
+import shutil
 import struct
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -32,10 +34,33 @@ def _(programs, folder):
     assert sorted(folder.rglob("*")) == before, "something was written"
     for words in (("--write", "+stills"), ("--write", "film,data"), ("--write=-depth",), ("--overwrite",)):
         programs.refuses(*without_out(programs, folder, *words), says=[words[0][:7], "--out"])
-    words = without_out(programs, folder)
-    words[words.index("--source") + 1] = "synthetic"
-    programs.refuses(*words, cwd=folder, says=["synthetic", "--out"])
     assert sorted(folder.rglob("*")) == before, "something was written"
+
+
+@case("live alone films the built-in desk into the cache, says that there is no screen, and writes the film", long=True)
+def _(programs, folder):
+    # The body that ships, as an installed copy has it beside its programs.
+    copy = folder / "copy"
+    (copy / "bin").mkdir(parents=True)
+    (copy / "share/palpable/bodies").mkdir(parents=True)
+    shutil.copy(programs.palpable, copy / "bin")
+    shutil.copy(programs.small_body(), copy / "share/palpable/bodies/post.palpable")
+    (folder / "here").mkdir()
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
+
+    def palpable(*words):
+        return subprocess.run([copy / "bin/palpable", *words], cwd=folder / "here", env=environment, capture_output=True, text=True)
+    result = palpable("live")
+    assert result.returncode == 0, result.stderr
+    assert "there is no screen for a window: the film goes to palpable-live/" in result.stderr, result.stderr
+    assert "writing the sequence" in result.stderr, result.stderr
+    assert (folder / "here/palpable-live/touch.mp4").stat().st_size > 10_000
+    assert not (folder / "here/palpable-live/clip").exists() and not (folder / "here/palpable-live/depth").exists()
+    assert len(list((folder / "cache/palpable").iterdir())) == 1
+    again = palpable("live")  # nothing is filmed again, and the film is replaced
+    assert again.returncode == 0 and "writing the sequence" not in again.stderr, again.stderr
+    other = palpable("live", "--no-window", "--frames", "2")
+    assert other.returncode == 0 and "nothing is shown or written" in other.stderr, other.stderr
 
 
 @case("live without --out shows itself in a window and writes nothing")

@@ -98,10 +98,13 @@ def _(programs, folder):
     else:
         assert result.returncode == 1 and re.search(r"of 30 states \d+ differ from the live run's", result.stderr), result.stderr
     told = json.loads((folder / "out/live.json").read_text())
-    assert told["frames_touching"] == 29, told["frames_touching"]
+    # The wall stands in the ball from the first frame on: the points of the skin at which it presses are not unique
+    # there, and rounding decides between them. Measured with five sets of instructions: 29 or 30 frames with a
+    # touch, at most 7.1 to 10.4 mm deep. A body that is missed, or pressed through (its radius is 45 mm), lies outside.
+    assert told["frames_touching"] >= 29, told["frames_touching"]
     deepest = max(touch["press_depth"] for line in (folder / "out/touches.jsonl").read_text().splitlines()
                   for touch in json.loads(line)["touches"])
-    assert abs(deepest - 0.0079) < 0.0005, deepest
+    assert 0.006 < deepest < 0.012, deepest
     assert "anywhere" in programs.succeeds("inspect", data / "touched_ball_v1.palpable").stdout
 
 
@@ -332,8 +335,8 @@ def _(programs, folder):
     paper = (*words, "--contact", "paper")
     for more in (("--paper-press", "30mm"), ("--paper-release", "12mm"), ("--paper-press", "2cm", "--paper-release", "20mm")):
         programs.refuses(*paper, *more, says=["--paper-press", "above 0 and below --paper-release"])
-    for wrong in ("0mm", "nan", "-1mm", "12"):
-        programs.refuses(*paper, f"--paper-press={wrong}", says=["--paper-press", wrong])
+    for wrong, says in (("0mm", "0 mm must be above 0"), ("nan", "nan"), ("-1mm", "-1mm"), ("12", "12mm")):
+        programs.refuses(*paper, f"--paper-press={wrong}", says=["--paper-press", says])
     programs.refuses(*paper, "--paper-step", 0, says=["--paper-step"])
     programs.refuses(*paper, "--paper-nodes", "some", says=["--paper-nodes"])
     programs.refuses(*paper, "--paper-distance", "field", says=["--paper-distance"])
@@ -347,7 +350,7 @@ def _(programs, folder):
     data = (folder / "a.palprec").read_bytes()
     _, begin, end = chunks_of(data)[0]
     about = json.loads(data[begin + 20:end])
-    assert about["run"]["paper"] == {"step": 3, "press_mm": 10.3, "release_mm": 31.0, "nodes": "all",
+    assert about["run"]["paper"] == {"step": 3, "press_m": 0.0103, "release_m": 0.031, "nodes": "all",
                                      "distance": "voxmap"}, about["run"]
     changed = folder / "changed.palprec"
 
@@ -357,12 +360,17 @@ def _(programs, folder):
         changed.write_bytes(data[:begin] + struct.pack("<4sQQ", b"ABOU", len(text), checksum(b"ABOU", text)) + text +
                             data[end:])
         return ("replay", changed)
-    for key, value, says in (("nodes", "some", "some"), ("distance", "field", "field"), ("press_mm", 40, "--paper-release"),
+    for key, value, says in (("nodes", "some", "some"), ("distance", "field", "field"), ("press_m", 0.04, "--paper-release"),
                              ("step", -1, "-1")):
         wrong = json.loads(json.dumps(about))
         wrong["run"]["paper"][key] = value
         programs.refuses(*play(wrong, data), says=["changed.palprec", says])
-    # Recordings of earlier versions do not have this key.
+    # Recordings of 0.1 have these distances in mm.
+    early = json.loads(json.dumps(about))
+    paper = early["run"]["paper"]
+    paper["press_mm"], paper["release_mm"] = 1e3 * paper.pop("press_m"), 1e3 * paper.pop("release_m")
+    assert states_of(programs.succeeds(*play(early, data)).stdout) == states
+    # Earlier recordings do not have this key.
     del about["run"]["paper"]
     programs.refuses(*play(about, data), says=["states", "differ"])
     usual = record(programs, folder, "--contact", "paper")
