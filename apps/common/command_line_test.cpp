@@ -1,5 +1,6 @@
 #include "apps/common/command_line.h"
 
+#include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/nearest_word.h"
 #include "palpable/common/base/text_numbers.h"
@@ -306,6 +307,61 @@ TEST_CASE("the nearest word is suggested when it is near enough to have been mea
   CHECK(nearest_word("veiw", words) == "view");
   CHECK(nearest_word("bake", words).empty());
   CHECK(nearest_word("", words).empty());
+}
+
+TEST_CASE("options from a file count as given, unless the command line has them", "[apps]") {
+  using Options = std::vector<Command::FileOption>;
+  struct Read {
+    int number = 1;
+    std::vector<std::string> names;
+    bool loud = false;
+    std::string place, anchor;
+    std::string given, trouble;
+  };
+  const auto read = [](std::vector<const char*> words, const Options& file) {
+    Read values;
+    CommandLine app("A program", "prog", "prog 1");
+    Command command = app.add_subcommand("go", "Go");
+    command.add_option("--number", values.number, "N").in_range(0, 9);
+    command.add_option("--names", values.names, "Names");
+    command.add_flag("--loud", values.loud, "Loud");
+    command.add_option("--place", values.place, "Place");
+    command.add_option("--anchor", values.anchor, "Anchor").excludes("--place");
+    command.callback([&] {
+      try {
+        command.set_from_file(file);
+      } catch (const Error& error) { values.trouble = error.what(); }
+      for (const Command::GivenOption& one : command.given_options()) {
+        values.given += one.name + (one.is_flag ? "! " : " ");
+      }
+    });
+    words.insert(words.begin(), {"prog", "go"});
+    CHECK(app.run(static_cast<int>(words.size()), words.data()) == 0);
+    return values;
+  };
+  const Options all{
+      {"number", {"3"}, "f:1"}, {"names", {"a", "b"}, "f:2"}, {"loud", {"true"}, "f:3"}};
+  const Read from_file = read({}, all);
+  CHECK(from_file.trouble.empty());
+  CHECK(from_file.number == 3);
+  CHECK(from_file.names == std::vector<std::string>{"a", "b"});
+  CHECK(from_file.loud);
+  CHECK(from_file.given == "number names loud! ");
+
+  const Read overridden = read({"--number", "5", "--names", "c"}, all);
+  CHECK(overridden.number == 5);
+  CHECK(overridden.names == std::vector<std::string>{"c"});
+  // An option that the command line excludes is left out; two of the file that exclude each other
+  // are an error.
+  CHECK(read({"--place", "here"}, {{"anchor", {"plane"}, "f:1"}}).anchor.empty());
+  CHECK_THAT(read({}, {{"place", {"x"}, "f:1"}, {"anchor", {"y"}, "f:2"}}).trouble,
+             Catch::Contains("f:2") && Catch::Contains("exclude"));
+  CHECK_THAT(read({}, {{"numbr", {"3"}, "f:7"}}).trouble,
+             Catch::StartsWith("f:7: ") && Catch::Contains("did you mean 'number'?"));
+  CHECK_THAT(read({}, {{"number", {"10"}, "f:8"}}).trouble, Catch::StartsWith("f:8: "));
+  CHECK_THAT(read({}, {{"number", {"3", "4"}, "f:8"}}).trouble, Catch::StartsWith("f:8: "));
+  CHECK_THAT(read({}, {{"loud", {"loudly"}, "f:9"}}).trouble, Catch::Contains("true or false"));
+  CHECK_FALSE(read({}, {{"loud", {"false"}, "f:9"}}).loud);
 }
 
 }  // namespace

@@ -63,6 +63,38 @@ def _(programs, folder):
     assert other.returncode == 0 and "nothing is shown or written" in other.stderr, other.stderr
 
 
+@case("a preview shows camera, depth and what moves without a body, and tells how much depth there is")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=3)
+    words = ("live", "--source", folder / "clip", "--preview")
+    told = json.loads(programs.succeeds(*words, "--out", folder / "out", "--json").stdout)
+    assert told["frames"] == 3 and told["film"] == str(folder / "out/preview.mp4"), told
+    assert 0.2 < told["known_share"] <= 1, told
+    width, height = film_size(folder / "out/preview.mp4")
+    assert (width, height) == (3 * (base.WIDTH // 2), base.HEIGHT // 2), (width, height)
+    programs.refuses(*words, "--out", folder / "out", says=["preview.mp4", "--overwrite"])
+    assert "3 frames" in programs.succeeds(*words).stdout
+    programs.refuses("live", "--preview", says=["--preview", "--source"])
+
+
+@case("doctor names what is missing and what to do, and fails where live would not run")
+def _(programs, folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    result = programs.succeeds("doctor", "--json", cwd=folder)
+    findings = {finding["what"]: finding for finding in json.loads(result.stdout)["findings"]}
+    assert {"processor", "memory", "disk", "OpenGL", "screen", "bake", "loop"} <= findings.keys(), findings.keys()
+    for finding in findings.values():
+        assert finding["verdict"] in ("ok", "limited"), finding
+        assert bool(finding["remedy"]) == (finding["verdict"] != "ok"), finding
+    assert findings["screen"]["verdict"] == "limited" and "--out" in findings["screen"]["remedy"], findings["screen"]
+    assert "OpenBLAS" in findings["bake"]["state"], findings["bake"]
+    # Without any driver of EGL there is no OpenGL.
+    environment = {**os.environ, "__EGL_VENDOR_LIBRARY_DIRS": str(folder)}
+    blind = subprocess.run([programs.palpable, "doctor"], cwd=folder, env=environment, capture_output=True, text=True)
+    assert blind.returncode == 1 and "missing  OpenGL" in blind.stdout, (blind.returncode, blind.stdout)
+    assert "would not run here: OpenGL" in blind.stderr and "loop" not in blind.stdout, blind.stderr
+
+
 @case("live without --out shows itself in a window and writes nothing")
 def _(programs, folder):
     base.write_stereo(folder / "clip", frames=3)

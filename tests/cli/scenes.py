@@ -52,6 +52,37 @@ def _(programs, folder):
     programs.refuses("live", two, *source, "--scale", "2", says=["--scale"])
 
 
+@case("a scene file holds options of live, the command line overrides them, and --print-config prints it again")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=3)
+    options = 'source = "clip"\nplace = [0, 0.04, 0.42, 0, 0, 0]\npaint = "displacement"\nforces = true\nout = "out"\n'
+    file = scene(folder, options, body("ball", programs.small_body()))
+    (folder / "elsewhere").mkdir()
+    programs.succeeds("live", file, cwd=folder / "elsewhere")  # paths are from the file's folder
+    plain = json.loads((folder / "out/live.json").read_text())
+    assert plain["frames"] == 3, plain
+    programs.succeeds("live", file, "--out", folder / "other", "--place", "0 0.04 0.5 0 0 0", "--frames", 2)
+    other = json.loads((folder / "other/live.json").read_text())
+    assert other["frames"] == 2 and other["bodies"][0]["camera_from_body"][11] == 0.5, other["bodies"]
+    # What is printed is a scene file that amounts to the same.
+    printed = programs.succeeds("live", file, "--opaque", "--print-config", cwd=folder).stdout
+    for line in ('paint = "displacement"', "forces = true", "opaque = true", f'source = "{folder / "clip"}"', 'name = "ball"'):
+        assert line in printed.splitlines(), printed
+    again = scene(folder, printed, name="again.toml")
+    assert programs.succeeds("live", again, "--print-config", cwd=folder).stdout == printed
+    programs.succeeds("live", again, "--overwrite", cwd=folder)
+    repeated = json.loads((folder / "out/live.json").read_text())
+    assert repeated["bodies"][0]["camera_from_body"] == plain["bodies"][0]["camera_from_body"], repeated["bodies"]
+    # A call with a body file amounts to a scene file, too.
+    printed = programs.succeeds("live", programs.small_body(), "--source", folder / "clip", "--scale", "0.5", "--print-config").stdout
+    assert "scale = 0.5" in printed and printed.count("[[body]]") == 1, printed
+    for more, says in (('piant = "none"\n', ["desk.toml:1", "'piant'", "'paint'"]), ('paint = "red"\n', ["desk.toml:1", "red"]),
+                       ("frames = 0\n", ["desk.toml:1", "--frames"]), ('anchor = "plane"\n', ["desk.toml", "'anchor'", "exclude"]),
+                       ("forces = 1\n", ["desk.toml:1", "forces", "true or false"]), ("source = 1979-05-27\n", ["desk.toml:1"])):
+        base_text = options if not more.startswith(("source", "forces", "paint")) else ""
+        programs.refuses("live", scene(folder, more + base_text, body("ball", programs.small_body())), says=says)
+
+
 @case("two bodies are filmed, played and scored, each by its name")
 def _(programs, folder):
     desk, clip, out = two_balls(programs, folder), folder / "clip", folder / "out"
