@@ -116,7 +116,7 @@ TEST_CASE("help is at most 100 columns wide and says in words what an option may
   const auto says = [&](const std::string& text) { return help.find(text) != std::string::npos; };
   CHECK(says("Usage: prog halve [OPTIONS] body\n"));
   CHECK(says("\n  body                        Body file\n"));
-  CHECK(says("[0 to 1; default: none; not with --some]\n"));
+  CHECK(says("words [0 to 1; default: none; not"));  // wrapped there
   CHECK(says("\n  --how up|down               Rounds [default: up; not with --some]\n"));
   CHECK(says("\n  --some N ...                Numbers [0 or more; default: none; not with"));
   CHECK(says("\n  -o,--out FILE               Where to [required]\n"));

@@ -525,7 +525,7 @@ def _(programs, folder):
     out = ("-o", folder / "bar.palpable")
     for shard in ("0/4", "5/4", "1", "1/4x", "a/b"):
         programs.refuses("bake", toml, *out, "--shard", shard, says=[f"--shard {shard}", "I/N"])
-    programs.refuses("bake", toml, *out, "--set", "ratio", says=["--set ratio", "ears=0.5"])
+    programs.refuses("bake", toml, *out, "--set", "ratio", says=["--set ratio", "stiffness=2"])
     programs.refuses("reduce", folder / "none.snapshots", *out, says=["none.snapshots", "no such folder"])
     programs.refuses("reduce", folder, *out, says=["not a folder of snapshots"])
     programs.refuses("bake", toml, *out, "--snapshots", folder, says=["could be destroyed"])
