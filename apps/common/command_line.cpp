@@ -193,7 +193,10 @@ Option Option::existing_path() { return Option(option_->check(CLI::ExistingPath)
 
 Option Option::existing_folder() { return Option(option_->check(CLI::ExistingDirectory)); }
 
-Option Option::words(int fewest, int most) { return Option(option_->expected(fewest, most)); }
+Option Option::words(int fewest, int most) {
+  // One word: what follows it is an argument of the command.
+  return Option(option_->expected(fewest, most)->allow_extra_args(most > 1));
+}
 
 Option Option::excludes(const Option& other) { return Option(option_->excludes(other.option_)); }
 

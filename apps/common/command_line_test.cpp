@@ -309,6 +309,27 @@ TEST_CASE("the nearest word is suggested when it is near enough to have been mea
   CHECK(nearest_word("", words).empty());
 }
 
+TEST_CASE("an option of one word leaves the next word to the command", "[apps]") {
+  CommandLine app("A program", "prog", "prog 1");
+  Command command = app.add_subcommand("go", "Go");
+  std::string body, out;
+  command.add_option("body", body, "Body");
+  command
+      .add_option(
+          "--out",
+          [&](const std::vector<std::string>& words) {
+            out = words.front();
+            return std::string();
+          },
+          "Out")
+      .words(1, 1);
+  command.callback([] {});
+  const std::array words{"prog", "go", "--out", "there", "bunny"};
+  CHECK(app.run(static_cast<int>(words.size()), words.data()) == 0);
+  CHECK(out == "there");
+  CHECK(body == "bunny");
+}
+
 TEST_CASE("options from a file count as given, unless the command line has them", "[apps]") {
   using Options = std::vector<Command::FileOption>;
   struct Read {

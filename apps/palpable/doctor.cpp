@@ -191,8 +191,10 @@ Finding check_loop() {
   fs::path file;
   try {
     file = shipped_body();
-  } catch (const Error& error) {
-    return failed(error.what(), "install the package palpable, which has a body, or bake one");
+  } catch (const Error&) {
+    return failed("no body ships with this copy of palpable",
+                  "live needs the name of a body file: bake one, or install the package palpable, "
+                  "which has one");
   }
   LiveOptions live;
   live.body = file;

@@ -122,8 +122,7 @@ void add_live(Command app) {
   command.add_json(options->json);
   command.begin_expert_group("Display, more");
   command.add_flag("--no-window", options->no_window,
-                   "Open no window. Without it one opens where there is a screen and nothing is "
-                   "written");
+                   "Open no window, also where there is a screen and nothing is written");
   command.footer(
       "Without arguments it plays the built-in desk with the body that ships. A camera that stalls "
       "or goes away does not end the run: the last state is held until pictures come again; Ctrl-C "

@@ -139,9 +139,11 @@ void add_contact_options(Command command, LiveOptions& options) {
 // Options for what the pictures show.
 void add_view_options(Command command, PlayOptions& options) {
   command.begin_group("Display");
-  command.add_flag("-w,--window", options.window,
-                   "Show it in a window, with a panel that switches what is shown; H lists the "
-                   "keys, Escape or Q ends the run (docs/window.md)");
+  command.add_flag(
+      "-w,--window", options.window,
+      "Show it in a window, with a panel that switches what is shown; H lists the "
+      "keys, Escape or Q ends the run (docs/window.md). One opens by itself where there is a "
+      "screen and nothing is written; --no-window prevents it");
   command
       .add_option("--view", options.view,
                   "What is shown: the camera's picture with the body in it, depth, moving (what "

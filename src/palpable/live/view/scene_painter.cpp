@@ -40,7 +40,7 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
     Result<Window> window = Window::open("Palpable", camera.width, camera.height);
     if (!window.ok()) {
       throw Error(fmt::format(
-          "{}; without --window it plays all the same, and --out writes what would be seen",
+          "{}; with --no-window it plays all the same, and --out writes what would be seen",
           window.problem().message));
     }
     window_.emplace(std::move(window).value());
