@@ -198,6 +198,8 @@ Option Option::words(int fewest, int most) {
   return Option(option_->expected(fewest, most)->allow_extra_args(most > 1));
 }
 
+Option Option::split_at_commas() { return Option(option_->delimiter(',')); }
+
 Option Option::excludes(const Option& other) { return Option(option_->excludes(other.option_)); }
 
 Option Option::excludes(const std::string& name) { return Option(option_->excludes(name)); }

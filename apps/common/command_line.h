@@ -58,6 +58,8 @@ class Option {
   Option existing_folder();
   /// Smallest and largest number of words that follow the option.
   Option words(int fewest, int most);
+  /// Several words may also be one with commas: "--view camera,depth".
+  Option split_at_commas();
   /// Both options together are an error.
   Option excludes(const Option& other);
   Option excludes(const std::string& name);

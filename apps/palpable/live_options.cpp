@@ -153,6 +153,7 @@ void add_view_options(Command command, PlayOptions& options) {
                   "of palpable synth)")
       .type_name("VIEW")
       .words(1, 7)
+      .split_at_commas()
       .one_of({"camera", "depth", "moving", "surface", "map", "mask", "truth"})
       .default_is("camera");
   add_paint_option(command, options.paint);

@@ -57,7 +57,7 @@ constexpr const char* kFirstSteps =
   palpable live post --source /dev/video0 --anchor plane
                                       press a body on your own desk
   palpable bake BODY.toml -o BODY.palpable
-                                      make a body of your own
+                                      make a body of your own; --estimate: how long that takes
   palpable help                       all commands; palpable help live explains one
 )";
 

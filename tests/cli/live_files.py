@@ -32,6 +32,7 @@ def _(programs, folder):
     assert "3 frames in" in result.stdout and "touch.mp4" not in result.stdout, result.stdout
     assert "live" in result.stderr and "100 %" in result.stderr, result.stderr
     assert sorted(folder.rglob("*")) == before, "something was written"
+    programs.refuses(*without_out(programs, folder, "--view", "camera,map"), says=["--view", "several views", "--out"])
     for words in (("--write", "+stills"), ("--write", "film,data"), ("--write=-depth",), ("--overwrite",)):
         programs.refuses(*without_out(programs, folder, *words), says=[words[0][:7], "--out"])
     assert sorted(folder.rglob("*")) == before, "something was written"
