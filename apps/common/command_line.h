@@ -180,7 +180,7 @@ class CommandLine : public Command {
 /// The arguments of a benchmark program, which is started by `palpable` as `palpable bench NAME
 /// ...` or directly as `palpable-bench NAME ...`. Its --help shows the command as it was typed.
 struct BenchCall {
-  BenchCall(int argc, char** argv);
+  BenchCall(int count, char** words);
   std::string name;  ///< "palpable bench", or the program's name
   int argc;          ///< without the word bench
   char** argv;

@@ -303,7 +303,7 @@ void add_live_options(Command command, LiveOptions& options) {
   add_loop_options(command, options);
 }
 
-void add_play_options(Command command, PlayOptions& options) {
+void add_play_options(const Command& command, PlayOptions& options) {
   add_view_options(command, options);
   add_file_options(command, options);
 }

@@ -44,6 +44,6 @@ struct LiveOptions {
 void add_live_options(Command command, LiveOptions& options);
 
 /// Adds the options to a command.
-void add_play_options(Command command, PlayOptions& options);
+void add_play_options(const Command& command, PlayOptions& options);
 
 }  // namespace palpable::app
