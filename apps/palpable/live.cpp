@@ -83,7 +83,8 @@ void run_command(Command command, Options& options) {
     options.live.scene = std::exchange(options.live.body, {});
     command.set_from_file(options_of_scene(options.live.scene));
   } else if (options.live.body.empty()) {
-    options.live.body = shipped_body();
+    // A preview has no body.
+    if (!options.preview || options.print_config) options.live.body = shipped_body();
   } else {
     options.live.body = find_body(options.live.body);
   }

@@ -68,14 +68,15 @@ def _(programs, folder):
 def _(programs, folder):
     base.write_stereo(folder / "clip", frames=3)
     words = ("live", "--source", folder / "clip", "--preview")
-    told = json.loads(programs.succeeds(*words, "--out", folder / "out", "--json").stdout)
+    # In this folder no body is found either.
+    told = json.loads(programs.succeeds(*words, "--out", folder / "out", "--json", cwd=folder).stdout)
     assert told["frames"] == 3 and told["film"] == str(folder / "out/preview.mp4"), told
     assert 0.2 < told["known_share"] <= 1, told
     width, height = film_size(folder / "out/preview.mp4")
     assert (width, height) == (3 * (base.WIDTH // 2), base.HEIGHT // 2), (width, height)
-    programs.refuses(*words, "--out", folder / "out", says=["preview.mp4", "--overwrite"])
-    assert "3 frames" in programs.succeeds(*words).stdout
-    programs.refuses("live", "--preview", says=["--preview", "--source"])
+    programs.refuses(*words, "--out", folder / "out", cwd=folder, says=["preview.mp4", "--overwrite"])
+    assert "3 frames" in programs.succeeds(*words, cwd=folder).stdout
+    programs.refuses("live", "--preview", cwd=folder, says=["--preview", "--source"])
 
 
 @case("doctor names what is missing and what to do, and fails where live would not run")
