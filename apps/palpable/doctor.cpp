@@ -3,7 +3,6 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/printing.h"
-#include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/installed.h"
 #include "apps/palpable/live_settings.h"
@@ -12,8 +11,6 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/row_kernels.h"
 #include "palpable/common/base/this_machine.h"
-#include "palpable/common/body_file/body_file.h"
-#include "palpable/desk/clip_writer/kept_clip.h"
 #include "palpable/live/player/live_loop.h"
 #include "palpable/live/render/gl_context.h"
 #include "palpable/live/sources/camera_list.h"
@@ -23,7 +20,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -198,17 +194,9 @@ Finding check_loop() {
   }
   LiveOptions live;
   live.body = file;
-  ProgressBar bar;
-  fs::path folder = clip_cache(file);
-  folder += "-short";
-  const ReducedBody body = value_or_throw(read_pressable_body(file));
-  live.input.source =
-      kept_clip(
-          body,
-          {.folder = folder, .body_file = file, .version = PALPABLE_VERSION, .frames = kFilmFrames},
-          bar.progress())
-          .string();
-  bar.finish();
+  live.clip = clip_cache(file);
+  live.clip += "-short";
+  live.clip_frames = kFilmFrames;
   share_drawing_threads(live.threads);
   LiveSetUp setup = set_up_live(live);
   ScenePainter painter({.masks = false}, setup.run.loop);
@@ -260,20 +248,21 @@ void doctor(bool json) {
                                 check_window()};
   for (Finding& camera : check_cameras()) findings.push_back(std::move(camera));
   findings.push_back(check_bake());
-  const auto blocks = [](const Finding& finding) { return finding.verdict == Verdict::kBlocks; };
-  if (std::none_of(findings.begin(), findings.end(), blocks)) {
+  // What live would not run without.
+  std::string missing;
+  for (const Finding& finding : findings) {
+    if (finding.verdict == Verdict::kBlocks)
+      missing += (missing.empty() ? "" : ", ") + finding.what;
+  }
+  if (missing.empty()) {
     try {
       findings.push_back(check_loop());
     } catch (const Error& error) {
-      findings.push_back({"loop", error.what(), Verdict::kBlocks, "this is what live would say"});
+      missing = "loop";
+      findings.push_back({missing, error.what(), Verdict::kBlocks, "this is what live would say"});
     }
   }
   print_findings(findings, json);
-  std::string missing;
-  for (const Finding& finding : findings) {
-    if (finding.verdict != Verdict::kBlocks) continue;
-    missing += (missing.empty() ? "" : ", ") + finding.what;
-  }
   if (!missing.empty()) throw Error("palpable live would not run here: " + missing);
 }
 

@@ -27,6 +27,7 @@ struct LiveOptions {
   std::filesystem::path scene;  ///< empty: only `body`
   SourceOptions input{.source = kSynthetic};
   std::filesystem::path clip;      ///< folder of a synthetic clip; empty: in clip_cache()
+  int clip_frames = 300;           ///< of a synthetic clip
   bool paced = false;              ///< play a recording at its own pace, not at the loop's
   std::vector<std::string> place;  ///< words of --place; empty: from the folder's scene.toml
   std::string anchor;              ///< "plane", "board": on the visible desk or chessboard

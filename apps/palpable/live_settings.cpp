@@ -5,6 +5,7 @@
 #include "palpable/common/base/checksum.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/text_numbers.h"
+#include "palpable/common/base/this_machine.h"
 #include "palpable/common/body_file/body_file.h"
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/desk/clip_files/scene_files.h"
@@ -14,7 +15,6 @@
 
 #include <fmt/core.h>
 
-#include <cstdlib>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -108,7 +108,8 @@ std::filesystem::path film_clip(const LiveOptions& options,
   return kept_clip(read ? read->body : body.body,
                    {.folder = options.clip.empty() ? clip_cache(own_size.file) : options.clip,
                     .body_file = own_size.file,
-                    .version = PALPABLE_VERSION},
+                    .version = PALPABLE_VERSION,
+                    .frames = options.clip_frames},
                    bar.progress());
 }
 
@@ -136,20 +137,17 @@ std::vector<DescribedBody> wanted_bodies(const LiveOptions& options) {
 }
 
 fs::path clip_cache(const fs::path& body_file) {
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  const char* home = std::getenv("HOME");
-  if ((cache == nullptr || *cache == '\0') && (home == nullptr || *home == '\0')) {
+  const std::optional<fs::path> folder = user_folder("XDG_CACHE_HOME", ".cache");
+  if (!folder) {
     throw Error(
         "the built-in desk is filmed into a folder for caches, and neither HOME nor "
         "XDG_CACHE_HOME is set: give --out DIR");
   }
-  const fs::path folder =
-      cache != nullptr && *cache != '\0' ? fs::path(cache) : fs::path(home) / ".cache";
   const Result<std::uint64_t> checksum = file_checksum(body_file);
   if (!checksum.ok()) {
     throw Error(fmt::format("{}: {}", body_file.string(), checksum.problem().message));
   }
-  return folder / "palpable" / fmt::format("desk-{:016x}", checksum.value());
+  return *folder / "palpable" / fmt::format("desk-{:016x}", checksum.value());
 }
 
 void share_drawing_threads(int threads) {

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <sys/resource.h>
@@ -24,6 +25,14 @@ std::optional<double> available_memory() {
   for (double kibibytes = 0; info >> key >> kibibytes; info.ignore(64, '\n')) {
     if (key == "MemAvailable:") return 1024 * kibibytes;
   }
+  return std::nullopt;
+}
+
+std::optional<std::filesystem::path> user_folder(const char* variable, const char* below_home) {
+  const char* folder = std::getenv(variable);
+  if (folder != nullptr && *folder != '\0') return folder;
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && *home != '\0') return std::filesystem::path(home) / below_home;
   return std::nullopt;
 }
 

@@ -16,6 +16,13 @@ namespace palpable {
 /// does not say.
 [[nodiscard]] std::optional<double> available_memory();
 
+/// The user's folder of one kind by the XDG Base Directory Specification: that of an environment
+/// variable, or one in the home directory. Nothing if both are unknown.
+/// @param variable    "XDG_CACHE_HOME"
+/// @param below_home  ".cache"
+[[nodiscard]] std::optional<std::filesystem::path> user_folder(const char* variable,
+                                                               const char* below_home);
+
 /// The processor's name in /proc/cpuinfo with the number of cores: "..., 2 cores".
 [[nodiscard]] std::string processor_name();
 

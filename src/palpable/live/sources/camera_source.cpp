@@ -1,5 +1,6 @@
 #include "palpable/live/sources/camera_source.h"
 
+#include "palpable/common/base/this_machine.h"
 #include "palpable/live/sources/side_by_side.h"
 #include "palpable/live/sources/source_calibration.h"
 
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
 
 namespace palpable {
@@ -397,12 +397,8 @@ Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
 
 std::vector<fs::path> calibration_folders() {
   std::vector<fs::path> folders;
-  const char* config = std::getenv("XDG_CONFIG_HOME");
-  const char* home = std::getenv("HOME");
-  if (config != nullptr && *config != '\0') {
-    folders.push_back(fs::path(config) / "palpable");
-  } else if (home != nullptr && *home != '\0') {
-    folders.push_back(fs::path(home) / ".config/palpable");
+  if (const auto config = user_folder("XDG_CONFIG_HOME", ".config")) {
+    folders.push_back(*config / "palpable");
   }
   folders.emplace_back("/usr/local/zed/settings");
   return folders;
