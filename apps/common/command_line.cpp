@@ -266,26 +266,24 @@ Option Command::add_flag(const std::string& names, bool& value, const std::strin
 
 Option Command::add_length(const std::string& names, std::optional<double>& metres,
                            const std::string& what, LengthRange range) {
-  CLI::Option* option = app_->add_option_function<std::string>(
-      names, [&metres](const std::string& text) { metres = to_quantity(text, Quantity::kLength); },
-      what);
-  option->type_name("LENGTH")->check(
-      [range](const std::string& text) { return why_no_length(text, range); }, "");
-  if (metres && *metres > 0) option->default_str(length_text(*metres));
-  return placed(option);
+  return add_length(
+      names, [&metres](double given) { metres = given; }, metres.value_or(0), what, range);
 }
 
 Option Command::add_length(const std::string& names, double& metres, const std::string& what,
                            LengthRange range) {
+  return add_length(
+      names, [&metres](double given) { metres = given; }, metres, what, range);
+}
+
+Option Command::add_length(const std::string& names, const std::function<void(double)>& set,
+                           double present, const std::string& what, LengthRange range) {
   CLI::Option* option = app_->add_option_function<std::string>(
-      names,
-      [&metres](const std::string& text) {
-        metres = to_quantity(text, Quantity::kLength).value_or(metres);
-      },
+      names, [set](const std::string& text) { set(to_quantity(text, Quantity::kLength).value()); },
       what);
   option->type_name("LENGTH")->check(
       [range](const std::string& text) { return why_no_length(text, range); }, "");
-  if (metres > 0) option->default_str(length_text(metres));
+  if (present > 0) option->default_str(length_text(present));
   return placed(option);
 }
 

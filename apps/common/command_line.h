@@ -141,6 +141,8 @@ class Command {
 
  private:
   Option placed(CLI::Option* option);
+  Option add_length(const std::string& names, const std::function<void(double)>& set,
+                    double present, const std::string& what, LengthRange range);
   static void set_from_file(CLI::Option& option, const FileOption& from);
 
   CLI::App* app_;

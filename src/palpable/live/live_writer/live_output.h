@@ -54,6 +54,8 @@ struct RunFiles {
   bool masks = true;    ///< visible/, body_depth/ and moving/
   bool meshes = false;  ///< meshes/
   bool stills = false;  ///< the three situations of Fig. 9
+
+  friend bool operator==(const RunFiles&, const RunFiles&) = default;
 };
 
 struct LiveOutputSettings {

@@ -75,13 +75,6 @@ fs::path checked_recording(const fs::path& record, const std::vector<fs::path>& 
          std::find(kViewNames.begin(), kViewNames.end(), options.view.front()) == kViewNames.end();
 }
 
-// Whether the files wanted are not those of the default.
-[[nodiscard]] bool differs_from_usual(const RunFiles& files) {
-  const RunFiles usual;
-  return files.film != usual.film || files.data != usual.data || files.depth != usual.depth ||
-         files.masks != usual.masks || files.meshes || files.stills;
-}
-
 // Returns the options if they do not contradict each other. @param other_output whether --overwrite
 // also applies to another file
 const PlayOptions& checked(const PlayOptions& options, bool other_output) {
@@ -95,7 +88,7 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
   if (options.paused && !options.window) throw Error("--paused: a --window is paused");
   if (!options.out.empty()) return options;
   // Options about written files are an error without --out.
-  for (const auto& [wanted, name] : {std::pair{differs_from_usual(options.files), "--write"},
+  for (const auto& [wanted, name] : {std::pair{options.files != RunFiles{}, "--write"},
                                      std::pair{!options.frame_pictures.empty(), "--frame-pictures"},
                                      std::pair{options.overwrite && !other_output, "--overwrite"},
                                      std::pair{is_tiled(options), "--view with several views"},
