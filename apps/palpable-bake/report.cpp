@@ -5,13 +5,13 @@
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/exchange/body_page.h"
 #include "palpable/bake/exchange/web_page.h"
-#include "palpable/bake/pipeline/evaluation_times.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/this_machine.h"
 #include "palpable/common/body_file/body_facts.h"
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/body_file/touch_text.h"
+#include "palpable/common/reduced/evaluation_times.h"
 
 #include <fmt/format.h>
 

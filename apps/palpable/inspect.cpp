@@ -9,13 +9,12 @@
 #include "palpable/common/body_file/body_summary.h"
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/body_file/touch_text.h"
+#include "palpable/common/reduced/evaluation_times.h"
 
-#include <algorithm>
-#include <chrono>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -26,23 +25,10 @@ struct InspectOptions {
   bool json = false;
 };
 
-// The time of one evaluation of displacement and stress of the skin, ms: the shortest of ten, for
-// the first ones also wait for memory.
+// The time of one evaluation of displacement and stress of the skin, ms.
 double evaluation_time(const ReducedBody& body) {
-  std::vector<double> mu{0.0, 0.5};  // site, level
-  for (const FurtherParameter& parameter : body.further) mu.push_back(parameter.value);
-  std::vector<float> displacement(static_cast<std::size_t>(body.displacement.value_count()));
-  std::vector<float> stress(static_cast<std::size_t>(body.stress.value_count()));
-  double shortest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 10; ++i) {
-    const auto begin = std::chrono::steady_clock::now();
-    body.displacement.evaluate(mu, displacement);
-    body.stress.evaluate(mu, stress);
-    const std::chrono::duration<double, std::milli> taken =
-        std::chrono::steady_clock::now() - begin;
-    shortest = std::min(shortest, taken.count());
-  }
-  return shortest;
+  constexpr int kRepeats = 40;  // some 0.1 s for a large body
+  return 1e-3 * evaluation_times(body, kRepeats).all_us;
 }
 
 void print_lines(const std::string& heading,

@@ -233,7 +233,7 @@ def without_comments(code):
 
 
 def literals(code):
-    # Neighbours are one text to the compiler.
+    # The compiler joins adjacent string literals, and an option's name may be split between two.
     code = re.sub(r'(?<=[^\\])"\s*\n\s*"', "", without_comments(code))
     return ["".join(parts) for parts in re.findall(r'"((?:[^"\\\n]|\\.)*)"|R"\((.*?)\)"', code, re.DOTALL)]
 

@@ -159,7 +159,8 @@ double campaign_memory(const BakeCounts& counts, int threads) {
   // As many sites in progress as site_run.cpp has.
   const double lanes =
       std::min({std::max(1.0 * threads, 2e9 / a_lane), 20.0 * threads, 1.0 * counts.sites});
-  // The factor in 16 bits, in single precision while it is made, and what the matrix needs.
+  // Bytes: 2 + 4 for each number of the factor, which is kept in 16 bits and made in single
+  // precision; 4,000 for each node's part of the matrix.
   return 6 * counts.body.factor_numbers + 4000 * nodes + lanes * a_lane +
          60 * nodes * counts.levels * std::min<double>(threads, counts.sites);
 }

@@ -9,8 +9,8 @@
 namespace palpable {
 
 /// The candidate that needs the fewest edits (insert, drop, change or swap of letters) to become
-/// `word`; empty if all need more edits than a third of the letters, rounded to the nearest number:
-/// 1 for words of 2 to 4 letters, 2 for those of 5 to 7.
+/// `word`. Empty if each of them needs more edits than a guess allows: 1 for a word of 2 to 4
+/// letters, 2 for one of 5 to 7, and so on, about a third of the letters.
 [[nodiscard]] std::string nearest_word(std::string_view word,
                                        const std::vector<std::string>& candidates);
 

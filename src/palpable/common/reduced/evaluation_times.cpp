@@ -1,4 +1,4 @@
-#include "palpable/bake/pipeline/evaluation_times.h"
+#include "palpable/common/reduced/evaluation_times.h"
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
@@ -26,7 +26,7 @@ double median_us(int repeats, const std::function<void(int)>& call) {
 
 }  // namespace
 
-EvaluationTimes evaluation_times(const ReducedBody& unsettled) {
+EvaluationTimes evaluation_times(const ReducedBody& unsettled, int repeats) {
   const ReducedBody body = value_or_throw(settled(unsettled));
   std::vector<float> u(body.displacement.value_count());
   std::vector<float> sigma(body.stress.value_count());
@@ -36,7 +36,7 @@ EvaluationTimes evaluation_times(const ReducedBody& unsettled) {
     const int touch = i + 1000;  // warm-up calls have negative numbers
     return std::array{static_cast<double>(touch / 20 % S), 0.05 * (touch % 20) + 0.03};
   };
-  EvaluationTimes times{.repeats = 400};
+  EvaluationTimes times{.repeats = repeats};
   times.displacement_us =
       median_us(times.repeats, [&](int i) { body.displacement.evaluate(at(i), u); });
   times.stress_us = median_us(times.repeats, [&](int i) { body.stress.evaluate(at(i), sigma); });

@@ -1,5 +1,5 @@
 /// @file
-/// Measures how long the live half takes to evaluate a body on this machine.
+/// Measures how long a body takes to be evaluated on this machine.
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
@@ -14,7 +14,8 @@ struct EvaluationTimes {
 };
 
 /// Evaluates in the order of a hand's touches: 20 increasing levels at one site, then at the next.
-/// Further parameters are at their usual values. Takes about a second.
-[[nodiscard]] EvaluationTimes evaluation_times(const ReducedBody& unsettled);
+/// Further parameters are at their usual values. 400 repeats of a large body take about a second.
+/// @param repeats  of each median, > 0
+[[nodiscard]] EvaluationTimes evaluation_times(const ReducedBody& unsettled, int repeats = 400);
 
 }  // namespace palpable
