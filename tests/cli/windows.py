@@ -316,7 +316,7 @@ def _(programs, folder):
 @case("live without a display says so, and how to do without a window")
 def _(programs, folder):
     base.write_stereo(folder / "clip", frames=2)
-    programs.refuses(*base.live(programs, folder, "--window"), says=["cannot open a window", "DISPLAY", "--window"])
+    programs.refuses(*base.live(programs, folder, "--window"), says=["cannot open a window", "DISPLAY", "--no-window"])
 
 
 @case("the mouse presses a body anywhere as a finger does, and one without tables of touch at its sites")
