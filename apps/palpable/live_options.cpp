@@ -110,13 +110,13 @@ void add_paper_options(Command command, PaperOptions& paper) {
 void add_contact_options(Command command, LiveOptions& options) {
   command.begin_group("Contact");
   add_set_option(command, options.set);
+  command.begin_expert_group("Contact, more");
   command
       .add_option("--refine", options.run.refine,
                   "The description that the body was baked from: while something presses, a second "
                   "process computes the full solution, which is blended in. Squeezes and things "
                   "held still gain, the stress most")
       .type_name("FILE.toml");
-  command.begin_expert_group("Contact, more");
   command
       .add_option("--refine-latency", options.refine_latency,
                   "Frames after which a full solution is used. A recording waits for it; with a "
@@ -156,7 +156,7 @@ void add_view_options(Command command, PlayOptions& options) {
       .split_at_commas()
       .one_of({"camera", "depth", "moving", "surface", "map", "mask", "truth"})
       .default_is("camera");
-  add_paint_option(command, options.paint);
+  add_paint_options(command, options.paint, options.colors);
   command.add_flag("--forces", options.forces,
                    "Draw where bodies are pressed, and an arrow with the force there");
   command.begin_expert_group("Display, more");

@@ -162,7 +162,7 @@ BoardPattern pattern_of(const BoardOptions& options) {
   return pattern;
 }
 
-void add_paint_option(Command command, std::string& paint) {
+void add_paint_options(Command command, std::string& paint, std::string& colors) {
   std::vector<std::string> names;
   for (const NamedPaint& known : kPaints) names.emplace_back(known.name);
   command
@@ -172,6 +172,13 @@ void add_paint_option(Command command, std::string& paint) {
                   "axes, z up (above 0 where it is pulled), contact (how hard things press the "
                   "skin), displacement, or none: the material alone")
       .one_of(names)
+      .show_default();
+  command
+      .add_option(
+          "--colors", colors,
+          "The colours of what --paint paints; all but rainbow are lighter where there is "
+          "more. pressure and components of stress, which have two signs, keep blue and red")
+      .one_of({kColorScaleNames.begin(), kColorScaleNames.end()})
       .show_default();
 }
 

@@ -64,9 +64,10 @@ void add_board_options(Command command, BoardOptions& options,
 /// @throws Error when --board is invalid
 [[nodiscard]] BoardPattern pattern_of(const BoardOptions& options);
 
-/// Adds --paint. @param paint  receives one of kPaints' names (view/show_names.h); its present
-/// value is the default
-void add_paint_option(Command command, std::string& paint);
+/// Adds --paint and --colors, whose present values are the defaults.
+/// @param paint   receives one of kPaints' names (view/show_names.h)
+/// @param colors  one of kColorScaleNames
+void add_paint_options(Command command, std::string& paint, std::string& colors);
 
 /// Parses texts "X,Y,Z=F": m in the body's frame, N. @throws Error for another form,
 /// and as load_at()

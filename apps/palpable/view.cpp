@@ -43,6 +43,7 @@ struct ViewOptions {
   int modes = 0;     // > 0: number of modes to draw in place of presses
   std::string modes_of = "displacement";
   std::string paint = "stress";
+  std::string colors = kColorScaleNames[0];
   std::vector<std::string> set;  // NAME=VALUE
   std::string size = "1280x720";
   double close_after = 0;  // s; 0: the user closes the window
@@ -74,7 +75,8 @@ void write_pictures(const ReducedBody& body, const ViewOptions& options, Picture
                     const fs::path& folder) {
   make_folder(folder);
   const GlContext context = value_or_throw(GlContext::offscreen());
-  draw_presses(body, options.site, options.level, paint_named(options.paint), size,
+  draw_presses(body, options.site, options.level, paint_named(options.paint),
+               value_named<ColorScale>(options.colors, kColorScaleNames), size,
                [&](const std::string& name, const ColorImage& picture) {
                  write_picture(options.body, folder, name, picture);
                });
@@ -99,6 +101,7 @@ void show_window(Window& window, const std::shared_ptr<const TouchableBody>& bod
              .site = options.site,
              .level = options.level,
              .paint = paint_named(options.paint),
+             .colors = value_named<ColorScale>(options.colors, kColorScaleNames),
              .close_after = options.close_after},
             [&](const ColorImage& picture) { return keep_picture(options.body, "view", picture); });
 }
@@ -184,7 +187,7 @@ void add_press_options(Command command, ViewOptions& options) {
 
 void add_picture_options(Command command, ViewOptions& options) {
   command.begin_group("Display");
-  add_paint_option(command, options.paint);
+  add_paint_options(command, options.paint, options.colors);
   command.add_option("--size", options.size, "Pixels of window and pictures")
       .type_name("WIDTHxHEIGHT")
       .show_default();

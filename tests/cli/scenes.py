@@ -65,8 +65,8 @@ def _(programs, folder):
     other = json.loads((folder / "other/live.json").read_text())
     assert other["frames"] == 2 and other["bodies"][0]["camera_from_body"][11] == 0.5, other["bodies"]
     # What is printed is a scene file that amounts to the same.
-    printed = programs.succeeds("live", file, "--opaque", "--print-config", cwd=folder).stdout
-    for line in ('paint = "displacement"', "forces = true", "opaque = true", f'source = "{folder / "clip"}"', 'name = "ball"'):
+    printed = programs.succeeds("live", file, "--opaque", "--colors", "viridis", "--print-config", cwd=folder).stdout
+    for line in ('paint = "displacement"', "forces = true", "opaque = true", 'colors = "viridis"', f'source = "{folder / "clip"}"', 'name = "ball"'):
         assert line in printed.splitlines(), printed
     again = scene(folder, printed, name="again.toml")
     assert programs.succeeds("live", again, "--print-config", cwd=folder).stdout == printed

@@ -102,14 +102,6 @@ ProgressReport progress_of(const Scene& scene, int done, int total) {
   return {"live", static_cast<double>(done), static_cast<double>(total), caption_of(scene.touches)};
 }
 
-// The value of an enumeration with this name. @pre the option takes `names` alone
-template <class Value, std::size_t N>
-Value value_named(const std::string& name, const std::array<const char*, N>& names) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  PALPABLE_EXPECT(found != names.end(), "the option takes known names alone");
-  return static_cast<Value>(found - names.begin());
-}
-
 std::vector<Tile> tiles_of(const PlayOptions& options) {
   std::vector<Tile> tiles;
   if (!is_tiled(options)) return tiles;
@@ -139,6 +131,7 @@ SceneShow show_of(const PlayOptions& options) {
   const NamedPaint& paint = paint_named(options.paint);
   show.field = paint.field;
   show.component = paint.component;
+  show.colors = value_named<ColorScale>(options.colors, kColorScaleNames);
   show.blended = !options.opaque;
   show.occlusion = value_named<SceneShow::Occlusion>(options.occlusion, kOcclusionNames);
   show.contacts = show.forces = options.forces;

@@ -16,6 +16,7 @@
 #include "palpable/live/live_writer/live_output.h"
 #include "palpable/live/play/live_set_up.h"
 #include "palpable/live/player/state_hash.h"
+#include "palpable/live/view/show_names.h"
 
 #include <filesystem>
 #include <functional>
@@ -33,10 +34,11 @@ struct PlayOptions {
   /// One of kViewNames (view/live_controls.h), or up to seven of kTileNames (view/tiles.h) side by
   /// side.
   std::vector<std::string> view = {"camera"};
-  std::string paint = "stress";    ///< one of kPaints (view/show_names.h)
-  bool opaque = false;             ///< paint only, without the material below it
-  std::string occlusion = "soft";  ///< one of kOcclusionNames (view/show_names.h)
-  bool forces = false;             ///< draw contact positions and forces
+  std::string paint = "stress";              ///< one of kPaints (view/show_names.h)
+  std::string colors = kColorScaleNames[0];  ///< one of them (view/show_names.h)
+  bool opaque = false;                       ///< paint only, without the material below it
+  std::string occlusion = "soft";            ///< one of kOcclusionNames (view/show_names.h)
+  bool forces = false;                       ///< draw contact positions and forces
   bool window = false;
   bool paused = false;  ///< the window opens with the first frame paused
   RunFiles files = {};

@@ -25,10 +25,12 @@ glsl::vec3 unit_color(Rgb color) {
 
 }  // namespace
 
-Rgb color_of_share(float share) { return rgb_of(glsl::color_map(share)); }
+Rgb color_of_share(float share, ColorScale scale) {
+  return rgb_of(glsl::color_map(share, static_cast<int>(scale)));
+}
 
-Rgb color_of_share(float share, Rgb material, float opaque) {
-  return rgb_of(glsl::painted(unit_color(material), share, opaque));
+Rgb color_of_share(float share, Rgb material, float opaque, ColorScale scale) {
+  return rgb_of(glsl::painted(unit_color(material), share, opaque, static_cast<int>(scale)));
 }
 
 Rgb two_sided_color_of_share(float share) { return rgb_of(glsl::two_sided_color_map(share)); }

@@ -7,9 +7,17 @@
 
 namespace palpable {
 
-/// The colour at a share of the scale, 0 (lowest) .. 1 (highest); clamped. Its luminance strictly
-/// increases with the share.
-[[nodiscard]] Rgb color_of_share(float share);
+/// The colours of fields with one sign. In all but kRainbow, more is always lighter. The order is
+/// that of color_map.glsl.
+enum class ColorScale {
+  kBlueYellow,  ///< steel blue, rose, yellow
+  kViridis,     ///< violet, green, yellow (matplotlib's)
+  kRainbow,     ///< blue, cyan, green, yellow, red, as finite-element programs paint
+  kGray         ///< for print
+};
+
+/// The colour at a share of the scale, 0 (lowest) .. 1 (highest); clamped.
+[[nodiscard]] Rgb color_of_share(float share, ColorScale scale = ColorScale::kBlueYellow);
 
 /// With blending, the scale's colours cover the material completely above this share of the scale.
 inline constexpr float kOpaqueShare = 0.2f;
@@ -18,7 +26,8 @@ inline constexpr float kNothingPainted = 1e9f;
 
 /// The same, blended with a material's colour, which is visible at low shares.
 /// @param opaque  kOpaqueShare, or 0: no blending
-[[nodiscard]] Rgb color_of_share(float share, Rgb material, float opaque);
+[[nodiscard]] Rgb color_of_share(float share, Rgb material, float opaque,
+                                 ColorScale scale = ColorScale::kBlueYellow);
 
 /// The colour for a field of two signs, -1 .. 1; clamped. Its luminance strictly decreases from 0
 /// to both ends.

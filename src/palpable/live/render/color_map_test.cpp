@@ -57,12 +57,33 @@ std::vector<float> on_gpu(const std::string& include, const std::string& express
 }  // namespace
 
 TEST_CASE("more stress is always lighter", "[render][Fig16]") {
-  double before = -1;
-  for (int i = 0; i <= 128; ++i) {
-    INFO("share " << i / 128.0);
-    const double here = luminance(color_of_share(static_cast<float>(i) / 128.0f));
-    CHECK(here > before);
-    before = here;
+  for (const ColorScale scale :
+       {ColorScale::kBlueYellow, ColorScale::kViridis, ColorScale::kGray}) {
+    double before = -1;
+    for (int i = 0; i <= 128; ++i) {
+      INFO("scale " << static_cast<int>(scale) << ", share " << i / 128.0);
+      const double here = luminance(color_of_share(static_cast<float>(i) / 128.0f, scale));
+      CHECK(here > before);
+      before = here;
+    }
+  }
+}
+
+TEST_CASE("scales have the colours of their names", "[render]") {
+  const auto at = [](float share, ColorScale scale) { return color_of_share(share, scale); };
+  CHECK(at(0, ColorScale::kRainbow) == Rgb{0, 0, 128});
+  CHECK(at(0.5f, ColorScale::kRainbow) == Rgb{128, 255, 128});
+  CHECK(at(1, ColorScale::kRainbow) == Rgb{128, 0, 0});
+  CHECK(at(1, ColorScale::kGray) == Rgb{255, 255, 255});
+  // Ends and middle of viridis in matplotlib 3.6.
+  const std::array<std::pair<float, Rgb>, 3> kViridis{
+      {{0.0f, {68, 1, 84}}, {0.5f, {33, 145, 140}}, {1.0f, {253, 231, 37}}}};
+  for (const auto& [share, wanted] : kViridis) {
+    INFO("share " << share);
+    const Rgb found = at(share, ColorScale::kViridis);
+    CHECK(std::abs(found.r - wanted.r) <= tolerance(5, "of 255, the fit's 0.017"));
+    CHECK(std::abs(found.g - wanted.g) <= tolerance(5, "of 255, the fit's 0.017"));
+    CHECK(std::abs(found.b - wanted.b) <= tolerance(5, "of 255, the fit's 0.017"));
   }
 }
 
@@ -110,8 +131,12 @@ TEST_CASE("the shader paints the colours of the C++ function", "[render][Fig16]"
   const Result<GlContext> context = GlContext::offscreen();
   if (!context.ok()) PALPABLE_SKIP(context.problem().message);
   constexpr int kCount = 201;
-  const std::vector<float> painted =
-      on_gpu("color_map.glsl", "vec4(color_map(i / 160.0 - 0.1), 1.0)", kCount);
+  std::vector<std::vector<float>> painted;
+  for (int scale = 0; scale < 4; ++scale) {
+    painted.push_back(on_gpu("color_map.glsl",
+                             "vec4(color_map(i / 160.0 - 0.1, " + std::to_string(scale) + "), 1.0)",
+                             kCount));
+  }
   const std::vector<float> two_sided =
       on_gpu("color_map.glsl",
              "vec4(two_sided_painted(vec3(0.2, 0.6, 0.4), i / 80.0 - 1.2, 0.2), 1.0)", kCount);
@@ -126,7 +151,10 @@ TEST_CASE("the shader paints the colours of the C++ function", "[render][Fig16]"
   for (int i = 0; i < kCount; ++i) {
     INFO("sample " << i);
     const float at = static_cast<float>(i);
-    check_same(painted.data() + 4 * i, color_of_share(at / 160.0f - 0.1f));
+    for (std::size_t scale = 0; scale < painted.size(); ++scale) {
+      check_same(painted[scale].data() + 4 * i,
+                 color_of_share(at / 160.0f - 0.1f, static_cast<ColorScale>(scale)));
+    }
     check_same(two_sided.data() + 4 * i, two_sided_color_of_share(at / 80.0f - 1.2f, kBelow, 0.2f));
   }
   CHECK(context.value().errors().count() == 0);

@@ -107,7 +107,7 @@ float height_of(double value, const Legend& legend) {
 Rgb color_at_height(float height, const Legend& legend) {
   return legend.two_sided
              ? two_sided_color_of_share(2.0f * height - 1.0f, legend.material, legend.opaque)
-             : color_of_share(height, legend.material, legend.opaque);
+             : color_of_share(height, legend.material, legend.opaque, legend.colors);
 }
 
 // Lengths of a legend in px, and the number of its ticks.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpable/common/geometry/image.h"
+#include "palpable/live/render/color_map.h"
 
 #include <limits>
 #include <span>
@@ -18,8 +19,9 @@ struct Legend {
   std::string_view unit;   ///< of the numbers, e.g. "kPa"
   double top = 1;          ///< number at the upper end, > 0
   bool two_sided = false;  ///< the lower end is -top, in the colours for two signs; else 0
-  Rgb material = {};       ///< colour of the material below the scale's colours (color_map.h)
-  float opaque = 0;        ///< share of the scale from which they cover it; 0: everywhere
+  ColorScale colors = ColorScale::kBlueYellow;  ///< unless two-sided
+  Rgb material = {};  ///< colour of the material below the scale's colours (color_map.h)
+  float opaque = 0;   ///< share of the scale from which they cover it; 0: everywhere
   /// The largest number painted at present, marked at the bar and written below it; NaN: not shown.
   double present = std::numeric_limits<double>::quiet_NaN();
   double present_least = std::numeric_limits<double>::quiet_NaN();  ///< the least, if two-sided

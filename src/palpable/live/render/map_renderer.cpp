@@ -189,6 +189,7 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
     body.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
     body.set("scalar_max", look.scalar_max);
     body.set("material", shader_color(look.material));
+    body.set("scale", static_cast<int>(look.colors));
     body.set("opaque", look.opaque_share());
     body.set("mark_color", shader_color(look.mark_color));
     body.set("up", up);

@@ -325,6 +325,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
                           .unit = view.legend_unit,
                           .top = first.scalar_max * view.legend_scale,
                           .two_sided = first.two_sided,
+                          .colors = first.colors,
                           .material = first.material,
                           .opaque = first.opaque_share(),
                           .present = painted.largest * view.legend_scale,
@@ -531,6 +532,7 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
     set_common(program);
     program.set("scalar_max", look.scalar_max);
     program.set("material", shader_color(look.material));
+    program.set("scale", static_cast<int>(look.colors));
     program.set("opaque", look.opaque_share());
     program.set("mark_color", shader_color(look.mark_color));
     buffers[i].inputs.bind();

@@ -64,6 +64,7 @@ struct BodyLook {
   std::span<const float> scalar;                ///< (V) the field painted on it; empty: none
   float scalar_max = 1;                         ///< > 0: top of the colour scale, unit of `scalar`
   bool two_sided = false;  ///< the scale's lower end is -scalar_max, else 0 (color_map.h)
+  ColorScale colors = ColorScale::kBlueYellow;  ///< unless two-sided
   /// Low values show the material's own colour (color_map.h); false: only the scale's colours.
   bool blended = true;
   /// The share of the scale above which the scale's colours cover the material completely.

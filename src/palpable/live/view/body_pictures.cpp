@@ -122,11 +122,12 @@ void draw_functions(const ReducedBody& body, const std::vector<ModeShape>& shape
 }  // namespace
 
 void draw_presses(const ReducedBody& body, int site, double level, const NamedPaint& paint,
-                  PictureSize size,
+                  ColorScale colors, PictureSize size,
                   const std::function<void(const std::string& name, const ColorImage&)>& show) {
   StudioScene scene(body, size);
   scene.field = paint.field;
   scene.component = paint.component;
+  scene.colors = colors;
   const std::vector<Shot> shots = shots_of(body, site, level, size.aspect());
   for (const Shot& shot : shots) show(shot.name, draw_shot(scene, shot));
   scene.resize({size.width / 2, size.height / 2});

@@ -19,10 +19,10 @@ namespace palpable {
 /// @param site   pressed at a third, two thirds and all of `level`; -1: three sites that show the
 ///               body best, at `level`
 /// @param level  0 .. 1 of the site's full load
-/// @param paint  on the pressed body
+/// @param paint, colors  on the pressed body
 /// @param show   called for each picture, with a name such as "3_press_site_4_level_100"
 void draw_presses(const ReducedBody& body, int site, double level, const NamedPaint& paint,
-                  PictureSize size,
+                  ColorScale colors, PictureSize size,
                   const std::function<void(const std::string& name, const ColorImage&)>& show);
 
 /// Draws modes side by side, and below each its function of the load position (paper Figs. 11 and

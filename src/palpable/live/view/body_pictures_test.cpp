@@ -26,7 +26,7 @@ TEST_CASE("presses are drawn under different names, and then on one sheet",
     names.push_back(name);
     pictures.push_back(picture);
   };
-  draw_presses(body, 4, 0.9, kPaints[0], kSize, keep);
+  draw_presses(body, 4, 0.9, kPaints[0], ColorScale::kBlueYellow, kSize, keep);
   CHECK(names == std::vector<std::string>{"1_at_rest", "2_sites", "3_press_site_4_level_30",
                                           "4_press_site_4_level_60", "5_press_site_4_level_90",
                                           "6_sites_from_behind", "contact_sheet"});
@@ -36,7 +36,7 @@ TEST_CASE("presses are drawn under different names, and then on one sheet",
   CHECK(sheet.height() == 2 * 48 + 3 * 8);
   CHECK_FALSE(std::equal(pictures[2].begin(), pictures[2].end(), pictures[4].begin()));
   names.clear();
-  draw_presses(body, -1, 1.0, kPaints[0], kSize, keep);
+  draw_presses(body, -1, 1.0, kPaints[0], ColorScale::kBlueYellow, kSize, keep);
   CHECK(names.size() == 7);
   CHECK(std::set<std::string>(names.begin(), names.end()).size() == 7);
   CHECK(context.value().errors().count() == 0);

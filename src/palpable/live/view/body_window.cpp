@@ -95,6 +95,7 @@ void show_body(Window& window, const std::shared_ptr<const TouchableBody>& body,
                const BodyWindowSettings& settings,
                const std::function<std::string(const ColorImage&)>& keep_picture) {
   StudioScene scene(body->body, settings.size);
+  scene.colors = settings.colors;
   ViewControls controls(usual_camera(body->body, settings.size.aspect()), settings.paint);
   MousePress mouse(body, settings.site >= 0, scene);
   if (settings.site >= 0) {

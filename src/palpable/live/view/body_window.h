@@ -18,7 +18,8 @@ struct BodyWindowSettings {
   int site = -1;                  ///< pressed at `level` until another is pressed; -1: none
   double level = 1;               ///< 0 .. 1 of the site's full load
   NamedPaint paint = kPaints[0];  ///< at the start, and after R
-  double close_after = 0;         ///< s; 0: only when the user closes the window
+  ColorScale colors = ColorScale::kBlueYellow;
+  double close_after = 0;  ///< s; 0: only when the user closes the window
 };
 
 /// Shows the body until the user closes the window. The controls are those of view_controls.h; a

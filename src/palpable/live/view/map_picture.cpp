@@ -72,7 +72,7 @@ void MapPicture::follow(const Scene& scene) {
   if (is_known(scene.camera)) view_.follow(scene.camera.world_from_camera, scene.time);
 }
 
-void MapPicture::draw(const Scene& scene, const Session& session, double scale,
+void MapPicture::draw(const Scene& scene, const Session& session, double scale, ColorScale colors,
                       const ColorImage& inside, ColorImage& picture) {
   follow(scene);
   if (session.slam().map() != nullptr) {
@@ -91,7 +91,7 @@ void MapPicture::draw(const Scene& scene, const Session& session, double scale,
   if (due) next_drawn_ = frames_ + kDrawEvery - 1;
   turned_ = false;
   was_known_ = known;
-  if (due) draw_room(scene, session, scale, inside.width(), inside.height());
+  if (due) draw_room(scene, session, scale, colors, inside.width(), inside.height());
   picture = room_;
   draw_inset(inside, picture);
   const float text_scale = legend_scale(picture.height());
@@ -102,8 +102,8 @@ void MapPicture::draw(const Scene& scene, const Session& session, double scale,
   }
 }
 
-void MapPicture::draw_room(const Scene& scene, const Session& session, double scale, int width,
-                           int height) {
+void MapPicture::draw_room(const Scene& scene, const Session& session, double scale,
+                           ColorScale colors, int width, int height) {
   lines_.clear();
   path_.draw(lines_);
   const PinholeCamera& camera = scene.seen.camera;
@@ -120,7 +120,7 @@ void MapPicture::draw_room(const Scene& scene, const Session& session, double sc
   view.points = points_;
   looks_.clear();
   for (int k = 0; k < session.body_count(); ++k) {
-    looks_.push_back(look_of_body(scene, session, k, scale));
+    looks_.push_back(look_of_body(scene, session, k, scale, colors));
     looks_.back().camera_from_body = view.camera_from_world * session.body(k).world_from_body;
   }
   view.bodies = looks_;

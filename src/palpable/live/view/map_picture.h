@@ -35,14 +35,16 @@ class MapPicture {
   /// @param scene    the result of the last frame; its stress is painted on the bodies
   /// @param session  the one that made the scene, with its map, key frames and bodies
   /// @param scale    Pa, top of the bodies' colours
+  /// @param colors   likewise
   /// @param inside   the camera's picture with the bodies, drawn as an inset
   /// @param picture  overwritten, as large as `inside`
-  void draw(const Scene& scene, const Session& session, double scale, const ColorImage& inside,
-            ColorImage& picture);
+  void draw(const Scene& scene, const Session& session, double scale, ColorScale colors,
+            const ColorImage& inside, ColorImage& picture);
 
  private:
   void add_moving(const Scene& scene);
-  void draw_room(const Scene& scene, const Session& session, double scale, int width, int height);
+  void draw_room(const Scene& scene, const Session& session, double scale, ColorScale colors,
+                 int width, int height);
 
   MapRenderer renderer_;
   FollowCamera view_;

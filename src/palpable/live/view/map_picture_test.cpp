@@ -39,7 +39,7 @@ struct Outside {
     const Scene& scene = loop->process(frame);
     inside = ColorImage(644, 484, Rgb{0, 255, 0});  // large enough for what is written in it
     const Session& session = loop->session;
-    map->draw(scene, session, 1e4, inside, picture);
+    map->draw(scene, session, 1e4, ColorScale::kBlueYellow, inside, picture);
   }
   void show(double x) { show(test::frame_of_wall(number++, x)); }
   void show_dark() {

@@ -144,10 +144,10 @@ void ScenePainter::draw_look(const Scene& scene, const Session& session, ColorIm
       draw_moving(scene, picture);
       break;
     case LiveView::kSurface:
-      surface_->draw(scene, session, scale_, inside_, picture);
+      surface_->draw(scene, session, scale_, controls_.show.colors, inside_, picture);
       break;
     case LiveView::kMap:
-      map_->draw(scene, session, scale_, inside_, picture);
+      map_->draw(scene, session, scale_, controls_.show.colors, inside_, picture);
       break;
   }
 }

@@ -64,7 +64,8 @@ bool stands_on_first_ground(const Session& session, int number) {
 
 }  // namespace
 
-BodyLook look_of_body(const Scene& scene, const Session& session, int number, double scale) {
+BodyLook look_of_body(const Scene& scene, const Session& session, int number, double scale,
+                      ColorScale colors) {
   const SceneBody& shown = scene.bodies[static_cast<std::size_t>(number)];
   BodyLook look;
   look.vertices = &shown.vertices;
@@ -72,6 +73,7 @@ BodyLook look_of_body(const Scene& scene, const Session& session, int number, do
   look.triangles = &session.body(number).model().surface.triangles;
   look.scalar = shown.von_mises;
   look.scalar_max = static_cast<float>(scale);
+  look.colors = colors;
   look.camera_from_body = shown.camera_from_body;
   look.material = session.body(number).color.value_or(kRubber);
   if (!stands_on_first_ground(session, number)) look.shadow = 0;
@@ -158,7 +160,7 @@ SceneView& SceneViews::of(const Scene& scene, const Session& session, const Scen
   painted_.resize(count);
   dots_.resize(count);
   for (int k = 0; k < session.body_count(); ++k) {
-    view_.bodies.push_back(look_of_body(scene, session, k, scale_));
+    view_.bodies.push_back(look_of_body(scene, session, k, scale_, show.colors));
     view_.bodies.back().blended = show.blended;
     if (show.field == Field::kDisplacement) show_displacement(scene, session, k);
     if (needs_components(show.field)) show_components(scene, session, show, k);

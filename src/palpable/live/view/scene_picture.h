@@ -20,7 +20,7 @@ namespace palpable {
 /// @param number   of the body
 /// @param scale    Pa, top of the colours
 [[nodiscard]] BodyLook look_of_body(const Scene& scene, const Session& session, int number,
-                                    double scale);
+                                    double scale, ColorScale colors);
 
 /// One line about a scene: its time, touches and stated error.
 [[nodiscard]] std::string caption_of(const Scene& scene);

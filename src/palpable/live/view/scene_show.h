@@ -2,6 +2,8 @@
 /// What is shown of a scene: set once, or changed during a run (keys, panel).
 #pragma once
 
+#include "palpable/live/render/color_map.h"
+
 namespace palpable {
 
 struct SceneShow {
@@ -24,7 +26,8 @@ struct SceneShow {
     kSoft   ///< by outlines at the picture's resolution (render/outlines.h)
   };
   Field field = Field::kVonMises;
-  Component component = Component::kZz;  ///< for Field::kComponent
+  Component component = Component::kZz;         ///< for Field::kComponent
+  ColorScale colors = ColorScale::kBlueYellow;  ///< of fields with one sign
   bool blended = true;  ///< low values show the material's own colour; false: the scale's colours
   Occlusion occlusion = Occlusion::kSoft;
   bool contacts = false;  ///< draw a ball at each touch

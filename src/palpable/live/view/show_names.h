@@ -3,10 +3,13 @@
 /// lines.
 #pragma once
 
+#include "palpable/common/base/contract.h"
 #include "palpable/live/view/scene_show.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <string>
 
 namespace palpable {
 
@@ -14,6 +17,10 @@ inline constexpr std::array<const char*, 6> kFieldNames{"stress",  "pressure",  
                                                         "contact", "displacement", "material"};
 inline constexpr std::array<const char*, 6> kComponentNames{"xx", "yy", "zz", "xy", "yz", "zx"};
 inline constexpr std::array<const char*, 3> kOcclusionNames{"none", "hard", "soft"};
+
+/// Values of the option --colors.
+inline constexpr std::array<const char*, 4> kColorScaleNames{"blue-yellow", "viridis", "rainbow",
+                                                             "gray"};
 
 /// A value of the option --paint.
 struct NamedPaint {
@@ -33,6 +40,14 @@ inline constexpr std::array<NamedPaint, 11> kPaints{
      {"contact", SceneShow::Field::kContact},
      {"displacement", SceneShow::Field::kDisplacement},
      {"none", SceneShow::Field::kNone}}};
+
+/// The value of an enumeration with this name. @pre `name` is one of `names`
+template <class Value, std::size_t N>
+[[nodiscard]] Value value_named(const std::string& name, const std::array<const char*, N>& names) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  PALPABLE_EXPECT(found != names.end(), "the name of a value is known");
+  return static_cast<Value>(found - names.begin());
+}
 
 /// The next value of an enumeration with as many values as `names`; after the last one, the first.
 template <class Value, std::size_t N>

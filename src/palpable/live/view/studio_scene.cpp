@@ -70,6 +70,7 @@ const ColorImage& StudioScene::draw(const OrbitCamera& orbit) {
     }
   }
   look.dots = dots_;
+  look.colors = colors;
   paint(look);
   return draw(look, orbit);
 }

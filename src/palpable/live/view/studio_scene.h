@@ -54,6 +54,7 @@ class StudioScene {
   void show_finger(const FingerPress* finger) { finger_ = finger; }
   SceneShow::Field field = SceneShow::Field::kVonMises;
   SceneShow::Component component = SceneShow::Component::kZz;
+  ColorScale colors = ColorScale::kBlueYellow;  ///< of fields with one sign
   bool sites_shown = false;
   bool legend_shown = true;
   std::vector<std::string> caption;

@@ -105,7 +105,7 @@ void SurfacePicture::gather_balls(const Session& session) {
 }
 
 void SurfacePicture::draw(const Scene& scene, const Session& session, double scale,
-                          const ColorImage& inside, ColorImage& picture) {
+                          ColorScale colors, const ColorImage& inside, ColorImage& picture) {
   const Rigid3 body_from_camera = scene.bodies.front().camera_from_body.inverse();
   if (!placed_) {
     usual_.azimuth = heading_of(body_from_camera) + 2 * kOverTheShoulder;
@@ -124,7 +124,7 @@ void SurfacePicture::draw(const Scene& scene, const Session& session, double sca
   looks_.clear();
   for (int k = 0; k < session.body_count(); ++k) {
     const SceneBody& shown = scene.bodies[static_cast<std::size_t>(k)];
-    looks_.push_back(look_of_body(scene, session, k, scale));
+    looks_.push_back(look_of_body(scene, session, k, scale, colors));
     looks_.back().camera_from_body =
         view.camera_from_world * (body_from_camera * shown.camera_from_body);
   }

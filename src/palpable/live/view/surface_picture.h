@@ -52,10 +52,11 @@ class SurfacePicture {
   /// @param session  the one that made the scene. It holds the balls that stand for the seen
   ///                 objects near each body
   /// @param scale    Pa, the stress of the last colour
+  /// @param colors   of the bodies
   /// @param inside   the camera's picture with the bodies, drawn as an inset
   /// @param picture  overwritten, as large as `inside`
-  void draw(const Scene& scene, const Session& session, double scale, const ColorImage& inside,
-            ColorImage& picture);
+  void draw(const Scene& scene, const Session& session, double scale, ColorScale colors,
+            const ColorImage& inside, ColorImage& picture);
 
  private:
   void add_points(const Scene& scene);

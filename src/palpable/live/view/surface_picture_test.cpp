@@ -75,7 +75,7 @@ TEST_CASE("the surface's picture shows what presses, and turns with the mouse", 
   const ColorImage inside(640, 480, Rgb{0, 0, 255});
   ColorImage before, turned, back;
   const Scene scene = show();
-  view.draw(scene, loop.session, 1e4, inside, before);
+  view.draw(scene, loop.session, 1e4, ColorScale::kBlueYellow, inside, before);
   REQUIRE(before.width() == 640);
   REQUIRE(before.height() == 480);
   CHECK(std::count_if(before.begin(), before.end(), is_green) > 300);
@@ -84,10 +84,10 @@ TEST_CASE("the surface's picture shows what presses, and turns with the mouse", 
   view.handle({.kind = WindowEvent::Kind::kPress, .x_px = 300, .y_px = 200});
   view.handle({.kind = WindowEvent::Kind::kMove, .x_px = 420, .y_px = 200});
   view.handle({.kind = WindowEvent::Kind::kRelease, .x_px = 420, .y_px = 200});
-  view.draw(scene, loop.session, 1e4, inside, turned);
+  view.draw(scene, loop.session, 1e4, ColorScale::kBlueYellow, inside, turned);
   CHECK_FALSE(turned == before);
   view.handle({.kind = WindowEvent::Kind::kKey, .key = 'R'});
-  view.draw(scene, loop.session, 1e4, inside, back);
+  view.draw(scene, loop.session, 1e4, ColorScale::kBlueYellow, inside, back);
   CHECK(back == before);
 }
 

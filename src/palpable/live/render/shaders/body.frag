@@ -14,6 +14,7 @@ uniform vec3 up;           // camera frame, unit
 uniform vec3 light_color;  // linear, 1 = a well lit room
 uniform float lamp;        // strength, 1: a window beside a desk
 uniform vec3 material;     // sRGB
+uniform int scale;         // of colours, for fields with one sign (color_map.glsl)
 uniform float opaque;      // share of the scale from which its colours cover the material
 uniform vec3 mark_color;   // sRGB
 
@@ -24,7 +25,7 @@ void main() {
 #ifdef TWO_SIDED
   vec3 albedo = two_sided_painted(material, share, opaque);
 #else
-  vec3 albedo = painted(material, share, opaque);
+  vec3 albedo = painted(material, share, opaque, scale);
 #endif
   float soft = max(fwidth(marked), 1e-4);
   albedo = mix(albedo, mark_color, smoothstep(0.5 - soft, 0.5 + soft, marked));
