@@ -17,6 +17,7 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <map>
 #include <new>
 #include <set>
 #include <utility>
@@ -25,6 +26,45 @@ namespace palpable::app {
 namespace {
 
 constexpr const char* kHelpAll = "--help-all";
+
+// The rules of Option::further_words(). CLI::Option has no place for them.
+std::map<const CLI::Option*, bool (*)(const std::string&)>& further_words_rules() {
+  static std::map<const CLI::Option*, bool (*)(const std::string&)> rules;
+  return rules;
+}
+
+// Writes the name of an option before each of its further words: "--set a=1 b=2 BODY" becomes
+// "--set a=1 --set b=2 BODY". By itself, CLI11 would take the body for another value.
+void repeat_names_of_options(CLI::App& app, std::vector<const char*>& words) {
+  const std::vector<CLI::App*> commands = app.get_subcommands({});
+  const auto command = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* one) {
+    return words.size() > 1 && one->get_name() == words[1];
+  });
+  if (command == commands.end()) return;
+  std::vector<const char*> repeated;
+  const char* name = nullptr;  // of the option whose words follow
+  bool (*fits)(const std::string& word) = nullptr;
+  bool is_first = false;
+  for (const char* word : words) {
+    const CLI::Option* option = (*command)->get_option_no_throw(word);
+    if (option != nullptr && word[0] == '-') {
+      const auto rule = further_words_rules().find(option);
+      name = rule != further_words_rules().end() ? word : nullptr;
+      if (name != nullptr) fits = rule->second;
+      is_first = true;
+    } else if (name != nullptr && !is_first) {
+      if (fits(word)) {
+        repeated.push_back(name);
+      } else {
+        name = nullptr;
+      }
+    } else {
+      is_first = false;
+    }
+    repeated.push_back(word);
+  }
+  words = std::move(repeated);
+}
 
 // The innermost subcommand that the user named.
 const CLI::App* innermost(const CLI::App& app) {
@@ -50,6 +90,20 @@ std::vector<std::string> subcommand_names(const CLI::App& app) {
 std::string full_name(const CLI::App& app) {
   const CLI::App* parent = app.get_parent();
   return parent == nullptr ? app.get_name() : full_name(*parent) + " " + app.get_name();
+}
+
+// The message of an error. A missing argument is called by its name: CLI11 names the option that
+// also stands for it.
+std::string what_is_wrong(const CLI::ParseError& error, const CLI::App& command) {
+  std::string text = error.what();
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_positional() || option->get_lnames().empty()) continue;
+    if (text == fmt::format("--{} is required", option->get_lnames().front())) {
+      return fmt::format("{} is missing: {} {}", option->get_name(true), full_name(command),
+                         option->get_type_name());
+    }
+  }
+  return text;
 }
 
 // The option of an older version, if it was one of the innermost command.
@@ -196,6 +250,12 @@ Option Option::existing_folder() { return Option(option_->check(CLI::ExistingDir
 Option Option::words(int fewest, int most) {
   // One word: what follows it is an argument of the command.
   return Option(option_->expected(fewest, most)->allow_extra_args(most > 1));
+}
+
+Option Option::further_words(bool (*fits)(const std::string& word)) {
+  further_words_rules()[option_] = fits;
+  // CLI11 heeds allow_extra_args() only where the number of words has no end.
+  return Option(option_->expected(-1)->allow_extra_args(false));
 }
 
 Option Option::split_at_commas() { return Option(option_->delimiter(',')); }
@@ -390,6 +450,7 @@ int CommandLine::run(int argc, const char* const* argv) {
     for (CLI::App* sub : app.get_subcommands({})) sub->formatter(help_format(true));
     word = "--help";
   }
+  repeat_names_of_options(app, words);
   argc = static_cast<int>(words.size());
   argv = words.data();
   // An unknown word is reported first; CLI11 would report that a command is missing.
@@ -423,9 +484,9 @@ int CommandLine::run(int argc, const char* const* argv) {
     const std::vector<std::string> rest = app.remaining(true);
     const bool unknown = std::any_of(rest.begin(), rest.end(),
                                      [](const std::string& word) { return word.starts_with("-"); });
-    print_error(unknown
-                    ? unexpected_argument(app)
-                    : fmt::format("{}, see {} --help", error.what(), full_name(*innermost(app))));
+    print_error(unknown ? unexpected_argument(app)
+                        : fmt::format("{}, see {} --help", what_is_wrong(error, *innermost(app)),
+                                      full_name(*innermost(app))));
   } catch (const std::bad_alloc&) {
     print_error("there is not enough memory for this");
   } catch (const std::exception& error) { print_error(error.what()); }
@@ -471,6 +532,8 @@ std::string CommandLine::reference_json() const {
   return all.dump(1) + "\n";
 }
 
+bool has_equals_sign(const std::string& word) { return word.find('=') != std::string::npos; }
+
 std::string length_text(double metres) {
   if (metres >= 1) return fmt::format("{}m", metres);
   // 7 mm is 0.007 m, which is not 7e-3 to the last bit: rounded to what a person would write.
@@ -502,6 +565,7 @@ void add_set_option(Command command, std::vector<std::string>& texts) {
                   "Value of a further parameter, where the body has one (palpable inspect names "
                   "them)")
       .type_name("NAME=VALUE")
+      .further_words(has_equals_sign)
       .default_is("the body's own");
 }
 

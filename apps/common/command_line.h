@@ -58,6 +58,9 @@ class Option {
   Option existing_folder();
   /// Smallest and largest number of words that follow the option.
   Option words(int fewest, int most);
+  /// Of several words, those after the first belong to the option only while `fits` holds. The next
+  /// one is an argument of the command: the body in "--place 0 0 0.6 0 40 0 BODY".
+  Option further_words(bool (*fits)(const std::string& word));
   /// Several words may also be one with commas: "--view camera,depth".
   Option split_at_commas();
   /// Both options together are an error.
@@ -67,6 +70,9 @@ class Option {
  private:
   CLI::Option* option_;
 };
+
+/// Whether a word may be one of several "NAME=VALUE" (Option::further_words).
+[[nodiscard]] bool has_equals_sign(const std::string& word);
 
 /// The lengths that an option allows, m. The default allows those above 0.
 struct LengthRange {

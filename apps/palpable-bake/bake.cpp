@@ -271,6 +271,7 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
       app.add_subcommand("bake", "Mesh, solve and reduce: a body file from a description");
   add_description(command, options->description);
   command.add_option("-o,--out", options->output, "Body file to write")
+      .type_name("FILE.palpable")
       .default_is("none; required without --estimate");
   command.add_flag(
       "--estimate", options->estimate,

@@ -59,6 +59,7 @@ void add_value_option(Command command, std::vector<std::string>& texts) {
   command
       .add_option("--set", texts, "The one value of a further parameter that the body file holds")
       .type_name("NAME=VALUE")
+      .further_words(has_equals_sign)
       .default_is("the parameter stays free");
 }
 

@@ -143,6 +143,7 @@ void add_compare(Command app, const std::string& command_line) {
       .add_option("--set", options->set,
                   "The value of a further parameter whose snapshots are compared")
       .type_name("NAME=VALUE")
+      .further_words(has_equals_sign)
       .default_is("the middle one");
   command.add_json(options->json);
   command.footer("Example: palpable compare bunny.snapshots bunny.palpable -o compare.html");

@@ -57,7 +57,9 @@ void add_import_modes(Command app, const std::string& command_line) {
       .required()
       .existing_path()
       .type_name("FILE|DIR");
-  command.add_option("-o,--out", options->output, "Body file to write").required();
+  command.add_option("-o,--out", options->output, "Body file to write")
+      .type_name("FILE.palpable")
+      .required();
   command
       .add_option("--site-parameter", options->settings.site,
                   "The parameter that is the place of the touch")

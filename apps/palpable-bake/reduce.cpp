@@ -106,7 +106,9 @@ void add_reduce(Command app, const std::string& command_line) {
                   "Folder that palpable bake, merge or import-snapshots has written")
       .required()
       .type_name("DIR");
-  command.add_option("-o,--out", options->output, "Body file to write").required();
+  command.add_option("-o,--out", options->output, "Body file to write")
+      .type_name("FILE.palpable")
+      .required();
   command
       .add_option(
           "--method", options->method,

@@ -178,7 +178,9 @@ void add_solve(Command app) {
   Command command =
       app.add_subcommand("solve", "Press a body at one site and write it for ParaView");
   add_description(command, options->description);
-  command.add_option("-o,--out", options->output, "VTK grid to write, NAME.vtu").required();
+  command.add_option("-o,--out", options->output, "VTK grid to write")
+      .type_name("FILE.vtu")
+      .required();
   command.add_option("--site", options->site, "Which of the description's sites, from 0")
       .not_negative()
       .show_default();

@@ -41,7 +41,11 @@ fs::path find_body(const fs::path& name, const fs::path& shipped) {
   if (fs::exists(name, ignored)) return name;
   fs::path body = shipped / name;
   body += ".palpable";
-  return fs::exists(body, ignored) ? body : name;
+  if (fs::exists(body, ignored)) return body;
+  throw Error(
+      fmt::format("{}: neither a file nor a body that is installed in {}; the file of a body "
+                  "ends in .palpable",
+                  name.string(), shipped.string()));
 }
 
 fs::path find_body(const fs::path& name) { return find_body(name, shipped_bodies()); }

@@ -30,8 +30,8 @@ inline constexpr const char* kBakeBenchProgram =
 [[nodiscard]] std::filesystem::path shipped_body();
 
 /// The body file for a name that a user gave. A bare word such as "post" that is not a file here
-/// is the installed body of that name, if there is one. Any other name is returned unchanged,
-/// also an empty one.
+/// is the installed body of that name. Any other name is returned unchanged, also an empty one.
+/// @throws Error when the word is neither
 [[nodiscard]] std::filesystem::path find_body(const std::filesystem::path& name,
                                               const std::filesystem::path& shipped);
 [[nodiscard]] std::filesystem::path find_body(const std::filesystem::path& name);

@@ -15,8 +15,8 @@ TEST_CASE("a bare word is the installed body of that name, and nothing else is",
   test::write_bytes(shipped / "post.palpable", "a body");
   const fs::path post = shipped / "post.palpable";
   CHECK(find_body("post", shipped.path()) == post);
-  // Not an installed body: the reader of the file will report that it does not exist.
-  CHECK(find_body("bunny", shipped.path()) == "bunny");
+  CHECK_THROWS_WITH(find_body("bunny", shipped.path()),
+                    Catch::StartsWith("bunny: neither a file nor a body that is installed in"));
   // Paths, and names with an extension, are not looked up.
   CHECK(find_body("post.palpable", shipped.path()) == "post.palpable");
   CHECK(find_body("./post", shipped.path()) == "./post");

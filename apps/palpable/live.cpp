@@ -89,6 +89,7 @@ void run_command(Command command, Options& options) {
     options.live.body = find_body(options.live.body);
   }
   if (options.print_config) {
+    static_cast<void>(given_place(options.live));  // throws if it is no pose
     print_text("{}", scene_file_text(options.live, command.given_options()));
     return;
   }

@@ -1,6 +1,8 @@
 #include "apps/palpable/live_options.h"
 
 #include "apps/common/command_line.h"
+#include "palpable/common/base/text_numbers.h"
+#include "palpable/live/view/tiles.h"
 
 #include <fmt/core.h>
 
@@ -58,7 +60,7 @@ void add_place_options(Command command, LiveOptions& options) {
                   "down, forward; degrees), 16 numbers (camera_from_body row by row), or a file "
                   "with them")
       .type_name("POSE")
-      .words(1, 16)
+      .further_words([](const std::string& word) { return to_number(word).has_value(); })
       .default_is("the scene.toml beside the images")
       .excludes("--anchor");
   command
@@ -152,7 +154,9 @@ void add_view_options(Command command, PlayOptions& options) {
                   "mask (where bodies are visible) and truth (the mask by the true depth of a film "
                   "of palpable synth)")
       .type_name("VIEW")
-      .words(1, 7)
+      .further_words([](const std::string& word) {
+        return std::find(kTileNames.begin(), kTileNames.end(), word) != kTileNames.end();
+      })
       .split_at_commas()
       .one_of({"camera", "depth", "moving", "surface", "map", "mask", "truth"})
       .default_is("camera");

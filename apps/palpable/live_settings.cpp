@@ -27,14 +27,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The body's pose from --place; empty without it.
-std::optional<Rigid3> given_place(const LiveOptions& options) {
-  if (options.place.empty()) return std::nullopt;
-  std::string text;
-  for (const std::string& word : options.place) text += (text.empty() ? "" : " ") + word;
-  return read_pose(text, "--place");
-}
-
 Anchor anchor_of(const LiveOptions& options) {
   if (options.anchor == "plane") return Anchor::kPlane;
   return options.anchor == "board" ? Anchor::kBoard : Anchor::kPlace;
@@ -114,6 +106,13 @@ std::filesystem::path film_clip(const LiveOptions& options,
 }
 
 }  // namespace
+
+std::optional<Rigid3> given_place(const LiveOptions& options) {
+  if (options.place.empty()) return std::nullopt;
+  std::string text;
+  for (const std::string& word : options.place) text += (text.empty() ? "" : " ") + word;
+  return read_pose(text, "--place");
+}
 
 std::vector<DescribedBody> wanted_bodies(const LiveOptions& options) {
   if (options.scene.empty()) {

@@ -11,6 +11,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace palpable::app {
@@ -21,6 +22,10 @@ void share_drawing_threads(int threads);
 
 /// The files and folders that the options name.
 [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const LiveOptions& options);
+
+/// The body's pose from --place: camera_from_body. Empty without it.
+/// @throws Error when it is no pose
+[[nodiscard]] std::optional<Rigid3> given_place(const LiveOptions& options);
 
 /// The bodies of the command line or of the scene file. @throws Error
 [[nodiscard]] std::vector<DescribedBody> wanted_bodies(const LiveOptions& options);

@@ -112,7 +112,8 @@ void add_press(Command app) {
                   "has that load's direction. Several act together, where palpable inspect says "
                   "that the body supports several loads")
       .required()
-      .type_name("X,Y,Z=F");
+      .type_name("X,Y,Z=F")
+      .further_words(has_equals_sign);
   add_set_option(command, options->set);
   command.add_json(options->json);
   command.footer(

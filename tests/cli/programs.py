@@ -908,7 +908,7 @@ def _(programs, folder):
     assert "bar.solid.h5" in output and b"palpable solid" in (folder / "bar.solid.h5").read_bytes(), output
     shown = programs.succeeds("inspect", folder / "bar.palpable").stdout
     assert re.search(r"^ +sites +1, at ", shown, re.M) and "travelling" in shown, shown
-    assert re.search(r"^ +several loads +no: one load at a time$", shown, re.M), shown
+    assert re.search(r"^ +several loads +no: of these, one at a time$", shown, re.M), shown
     programs.refuses(*bake, "--solver", "calculix", says=["--solver", "campaign"])
     programs.refuses(*bake, "--volume", says=["--volume", "campaign"])
     (folder / "other.solid.h5").mkdir()  # in the way of the file for mesh and law

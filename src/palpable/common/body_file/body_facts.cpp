@@ -54,7 +54,7 @@ std::string places_text(const ReducedBody& body, const std::vector<Site>& places
 }
 
 std::string several_text(const ReducedBody& body) {
-  if (!body.several) return "no: one load at a time";
+  if (!body.several) return "no: of these, one at a time";
   const SeveralLoads& several = *body.several;
   std::string text = "yes, displacement only: presses at the sites, together up to one full load";
   if (!several.reactions.empty()) {

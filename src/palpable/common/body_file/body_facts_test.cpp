@@ -38,7 +38,7 @@ TEST_CASE("the facts of a body are those of its closed form", "[body_file][facts
   CHECK_THAT(facts["displacement"],
              Contains("6 modes, up to 1 of its own per site; off by 0 % over all snapshots"));
   CHECK_THAT(facts["between sites"], Contains("what that costs is not known"));
-  CHECK(facts["several loads"] == "no: one load at a time");
+  CHECK(facts["several loads"] == "no: of these, one at a time");
   CHECK(facts["inside"] == "none, the boundary only");
   CHECK(facts["largest stress"] == "1.73 kPa (von Mises)");
   CHECK_FALSE(facts.contains("parameter"));

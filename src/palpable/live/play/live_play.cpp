@@ -82,6 +82,9 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
     throw Error(fmt::format("--write stills: they are what the camera sees; leave out --view {}",
                             fmt::join(options.view, " ")));
   }
+  if (options.view.size() > kTileNames.size()) {
+    throw Error(fmt::format("--view: at most {} views fit side by side", kTileNames.size()));
+  }
   if (is_tiled(options) && options.window) {
     throw Error("--view: the --window shows one view, and switches it");
   }
@@ -138,13 +141,16 @@ SceneShow show_of(const PlayOptions& options) {
   return show;
 }
 
-// Warns of a body that is far too large for the view: nothing would touch it.
-void warn_of_size(const LiveRun& run, const PlayUser& user) {
+// Warns of a body that is far too large for the view, or outside of it: nothing would touch it.
+void warn_of_place(const LiveRun& run, const PlayUser& user) {
   const Session& session = run.loop.session;
   for (int k = 0; k < session.body_count(); ++k) {
-    const auto warning = larger_than_view(
-        session.body(k).model().surface, session.body(k).world_from_body, run.loop.camera.camera());
-    if (warning) user.say(fmt::format("warning: {}", *warning));
+    const SurfaceMesh& skin = session.body(k).model().surface;
+    const Rigid3& world_from_body = session.body(k).world_from_body;
+    for (const auto& warning : {larger_than_view(skin, world_from_body, run.loop.camera.camera()),
+                                outside_of_view(skin, world_from_body, run.loop.camera.camera())}) {
+      if (warning) user.say(fmt::format("warning: {}", *warning));
+    }
   }
 }
 
@@ -450,7 +456,7 @@ PlayResult LivePlay::replay(LiveSetUp& setup, StateComparison& comparison) {
 
 PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveChanges* changes) {
   LiveRun& run = setup.run;
-  warn_of_size(run, user_);
+  warn_of_place(run, user_);
   const LiveOutputSettings written = output_settings(options_, run);
   const std::unique_ptr<ScenePainter> painter =
       painter_of(options_, setup, user_, changes != nullptr);

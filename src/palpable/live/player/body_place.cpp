@@ -139,4 +139,22 @@ std::optional<std::string> larger_than_view(const SurfaceMesh& body, const Rigid
       size_text(size), size_text(seen), depth);
 }
 
+std::optional<std::string> outside_of_view(const SurfaceMesh& body, const Rigid3& camera_from_body,
+                                           const PinholeCamera& camera) {
+  for (const auto& vertex : body.vertices.colwise()) {
+    const Eigen::Vector3d x = camera_from_body * Eigen::Vector3d(vertex);
+    if (!(x.z() > 0)) continue;
+    const Eigen::Vector2d pixel = camera.project(x);
+    if (pixel.x() >= 0 && pixel.x() < camera.width && pixel.y() >= 0 && pixel.y() < camera.height) {
+      return std::nullopt;
+    }
+  }
+  const Eigen::Vector3d base = camera_from_body.translation();
+  return fmt::format(
+      "the camera does not see where the body stands: {:.3g} m to the right, {:.3g} m down, {:.3g} "
+      "m "
+      "forward of it",
+      base.x(), base.y(), base.z());
+}
+
 }  // namespace palpable

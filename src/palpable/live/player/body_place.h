@@ -55,4 +55,10 @@ struct LiveBody {
                                                           const Rigid3& camera_from_body,
                                                           const PinholeCamera& camera);
 
+/// A message if no vertex of the body lies in the camera's picture in the first frame; else empty.
+/// @param body, camera_from_body, camera  as above
+[[nodiscard]] std::optional<std::string> outside_of_view(const SurfaceMesh& body,
+                                                         const Rigid3& camera_from_body,
+                                                         const PinholeCamera& camera);
+
 }  // namespace palpable

@@ -57,6 +57,22 @@ TEST_CASE("a body that stands in another is told of by name, one that stands on 
   CHECK(overlap_of(two(shift(0, 0, 0))));  // both in the same place
 }
 
+TEST_CASE("a body outside of the camera's picture is reported, with its position",
+          "[player][place]") {
+  const PinholeCamera camera{1280, 720, 640, 640, 639.5, 359.5};  // its view is 2 m wide at 1 m
+  const SurfaceMesh body = sphere_surface({0, 0, 0.04}, 0.04, 1);
+  const auto warning = [&](double x, double y, double z) {
+    Rigid3 pose = Rigid3::Identity();
+    pose.translation() = Eigen::Vector3d(x, y, z);
+    return outside_of_view(body, pose, camera);
+  };
+  CHECK_FALSE(warning(0, 0, 1));
+  CHECK_FALSE(warning(1.02, 0, 1));  // its left side is in the picture
+  CHECK(warning(1.1, 0, 1));
+  CHECK(warning(0, -0.7, 1));
+  CHECK_THAT(warning(0, 0, -1).value(), Contains("-1 m forward"));
+}
+
 TEST_CASE("a body larger than what the camera sees is said, with both sizes", "[player][size]") {
   const PinholeCamera camera{1280, 720, 640, 640, 639.5, 359.5};  // its view is 2 m wide at 1 m
   Rigid3 pose = Rigid3::Identity();

@@ -532,7 +532,7 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
     set_common(program);
     program.set("scalar_max", look.scalar_max);
     program.set("material", shader_color(look.material));
-    program.set("scale", static_cast<int>(look.colors));
+    if (!look.two_sided) program.set("scale", static_cast<int>(look.colors));
     program.set("opaque", look.opaque_share());
     program.set("mark_color", shader_color(look.mark_color));
     buffers[i].inputs.bind();
