@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Films, plays and scores the sequences of the synthetic desk, one after another: docs/results/chain.json.
 
-    tools/run_benchmark.py [--programs DIR] [--body FILE] [--describes TOML] [--frames N] [--seed N | --fresh]
+    tools/run_benchmark.py [--programs DIR] [--body FILE] [--describes TOML] [--frames N] [--seed N | --fresh N]
                            [--only NAME ...] [--data DIR] [--work DIR] [--films DIR] [--keep] [-o FILE]
 
 Each sequence is filmed (palpable synth), played (palpable live, as a user would), given the full answer to the
@@ -17,10 +17,12 @@ hand is kept too. --only without a name runs nothing and writes the tables anew.
 --data (default ../shared/data) are played by the same commands; those with a true camera path are scored for
 it. Then: tools/write_results.py.
 
-Seeds from 1000 on are held out: they are not used for tuning. --fresh draws one for each sequence, prints them, and
-writes its figures into chain-fresh.json beside the others.
+Seeds from 1000 on are held out: they are not used for tuning. --fresh N draws N of them for each sequence, prints
+each, and keeps all figures in chain-fresh.json, one entry for each seed, and pooled over seeds. Called again, it runs
+only what is missing: seeds that were run stay, whatever they gave.
 """
 import argparse
+import collections
 import datetime
 import json
 import os
@@ -132,8 +134,10 @@ def refuse_other_films(options):
         film = written_film(options, name)
         if film is None:
             continue
+        if options.fresh:
+            sys.exit(f"run_benchmark: --fresh films its own seeds, and {film} is of another; leave --films out")
         camera = tomllib.loads((film / "truth/camera.toml").read_text())
-        wanted = {"sequence": name, "seed": options.seeds[name], "body": options.body.name}
+        wanted = {"sequence": name, "seed": options.seed, "body": options.body.name}
         if options.frames:
             camera["frames"], wanted["frames"] = film_frames(film), options.frames
         for key, value in wanted.items():
@@ -141,9 +145,9 @@ def refuse_other_films(options):
                 sys.exit(f"run_benchmark: {film}: its {key} is {camera.get(key)}, not {value}")
 
 
-def write_film(options, name, folder):
+def write_film(options, name, seed, folder):
     """Renders the film into the folder and writes film.json. Returns the process."""
-    words = [options.programs / "palpable", "synth", name, "--body", options.body, "--seed", options.seeds[name],
+    words = [options.programs / "palpable", "synth", name, "--body", options.body, "--seed", seed,
              "-o", folder]
     if options.frames:
         words += ["--frames", options.frames]
@@ -176,13 +180,13 @@ def timings(result):
             "first_touch_frame": live["first_touch_frame"], "unreadable": unreadable}
 
 
-def play(options, name, folder):
+def play(options, name, seed, folder):
     """The entry of one sequence: its scores, or the error message of the command that failed."""
     program = options.programs / "palpable"
     film = written_film(options, name)
     if film is None:
         film = folder
-        written = write_film(options, name, folder)
+        written = write_film(options, name, seed, folder)
         if written.returncode != 0:
             return {"refused": f"synth: {complaint(written)}"}
     begin = time.time()
@@ -199,7 +203,7 @@ def play(options, name, folder):
         return {"refused": f"score: {complaint(score)}"}
     full = options.lengths[name]
     took = film / "film.json"
-    return {"seed": options.seeds[name], "body": options.body.name,
+    return {"seed": seed, "body": options.body.name,
             "cut_from": full if film_frames(film) < full else None,
             **timings(folder / "result"), "film": json.loads(took.read_text()) if took.is_file() else None,
             "play_s": round(played - begin, 1), "truth_s": round(answered - played, 1),
@@ -207,7 +211,7 @@ def play(options, name, folder):
             "scores": json.loads(score.stdout)}
 
 
-def play_real(options, name, folder):
+def play_real(options, name, _seed, folder):
     real = REAL[name]
     source = options.data / real["folder"]
     if not source.is_dir():
@@ -235,17 +239,31 @@ POOLED = ("press", "cup", "slide", "palm", "two-hands", "squeeze", "rest", "pres
 ERRORS = ("displacement_error", "max_vertex_error_mm", "von_mises_error", "force_error")
 
 
+def sequence_of(key):
+    """The sequence of an entry: keys are "press", or "press/4711" for one of several seeds."""
+    return key.partition("/")[0]
+
+
 def pooled(scored, names):
     """Median and p90 of each error, as in palpable score, over all frames of the sequences; None without any."""
-    frames = [frame for name in names if name in scored
-              for frame in scored[name]["scores"].get("errors_by_frame") or []]
+    frames = [frame for key, entry in scored.items() if sequence_of(key) in names
+              for frame in entry["scores"].get("errors_by_frame") or []]
     frames = [frame for frame in frames if all(frame[key] is not None for key in ERRORS)]
     if len(frames) < 2:
         return None
     of = {key: [frame[key] for frame in frames] for key in ERRORS}
-    return {"frames": len(frames),
+    return {"frames": len(frames), "seeds": len({key for key in scored if sequence_of(key) in names}),
             **{key: {"median": statistics.median(values),
                      "p90": statistics.quantiles(values, n=10, method="inclusive")[-1]} for key, values in of.items()}}
+
+
+def pools(entries):
+    """{what: pooled errors} of each touched sequence and of all of POOLED."""
+    scored = {name: entry for name, entry in entries.items() if "scores" in entry}
+    groups = {name: [name] for name in dict.fromkeys(map(sequence_of, scored))}
+    groups |= {"pooled": POOLED, "pooled without squeeze": [name for name in POOLED if name != "squeeze"]}
+    found = {what: pooled(scored, names) for what, names in groups.items()}
+    return {what: errors for what, errors in found.items() if errors}
 
 
 DISTANCES = ("0.2", "0.3", "0.5", "1", "2", "5", "10", "15")
@@ -277,8 +295,8 @@ def tables(entries, real):
                    pair(s["max_vertex_error_mm_shallow"]), pair(s["von_mises_error"], 100),
                    pair(s["force_error"], 100), pair(s["excess_indentation_mm"]), s.get("reference_frames_unseen"),
                    pair(s.get("max_vertex_error_mm_unseen"))]
-        for what, names in (("pooled", POOLED), ("pooled without squeeze", [n for n in POOLED if n != "squeeze"])):
-            if p := pooled(scored, names):
+        for what, p in pools(entries).items():
+            if p["seeds"] > 1 or what not in entries:
                 yield [what, p["frames"], pair(p["displacement_error"], 100), pair(p["max_vertex_error_mm"]), None,
                        pair(p["von_mises_error"], 100), pair(p["force_error"], 100), None, None, None]
 
@@ -361,16 +379,26 @@ def page(entries, real, lengths, note, fresh):
            for name, entry in entries.items() if entry.get("cut_from")]
     if cut:
         text += f" **Cut to save time** (frames): {', '.join(cut)}."
-    missing = [name for name in lengths if name not in entries]
+    missing = [name for name in lengths if name not in map(sequence_of, entries)]
     if missing:
         text += f" Not run yet: {', '.join(missing)}."
     title, order, command = "Today's chain on the test ground", 20, "tools/run_benchmark.py"
     if fresh:
-        title, order, command = f"{title}, held-out seeds", 21, f"{command} --fresh"
+        title, order, command = f"{title}, held-out seeds", 21, f"{command} --fresh 3"
     return {"title": title, "order": order, "text": text,
             "command": [f"{command}    # all, at full length", "tools/write_results.py"],
             **({"note": note} if note else {}),
-            "tables": [one for one in tables(entries, real) if one["rows"]], "entries": entries, "real": real}
+            "pooled": pools(entries), "tables": [one for one in tables(entries, real) if one["rows"]], "entries": entries, "real": real}
+
+
+def planned(options, entries):
+    """The runs to be made: (sequence, seed). With --fresh, one seed of every sequence before the second of any."""
+    if not options.fresh:
+        return [(name, options.seed) for name in options.only]
+    drawn = random.SystemRandom()
+    counts = collections.Counter(sequence_of(key) for key, entry in entries.items() if "scores" in entry)
+    return [(name, drawn.choice(HELD_OUT)) for turn in range(options.fresh) for name in options.only
+            if name in options.lengths and counts[name] <= turn]
 
 
 def main():
@@ -381,7 +409,7 @@ def main():
     parser.add_argument("--describes", type=Path, metavar="TOML", help="what --body was baked from")
     seeds = parser.add_mutually_exclusive_group()
     seeds.add_argument("--seed", type=int, default=1)
-    seeds.add_argument("--fresh", action="store_true", help="draw held-out seeds, and print them")
+    seeds.add_argument("--fresh", type=int, default=0, metavar="N", help="N held-out seeds of each sequence, drawn and printed")
     parser.add_argument("--only", nargs="*", metavar="NAME")
     parser.add_argument("--data", type=Path, default=ROOT / "../shared/data")
     parser.add_argument("--work", type=Path, default=ROOT / "build/benchmark")
@@ -392,8 +420,6 @@ def main():
     if options.out is None:
         options.out = ROOT / "docs/results" / ("chain-fresh.json" if options.fresh else "chain.json")
     options.lengths = full_lengths(options.programs)
-    drawn = random.SystemRandom()
-    options.seeds = {name: drawn.choice(HELD_OUT) if options.fresh else options.seed for name in options.lengths}
     known = [*options.lengths, *REAL]
     if options.only is None:
         options.only = known
@@ -414,9 +440,6 @@ def main():
     if options.only and not options.describes.is_file():
         sys.exit(f"run_benchmark: no description {options.describes}; --describes names what the body was baked from")
     refuse_other_films(options)
-    if options.fresh:
-        print("seeds:", ", ".join(f"{name} {options.seeds[name]}" for name in options.only if name in options.seeds))
-
     file = json.loads(options.out.read_text()) if options.out.is_file() else {}
     entries, real = file.get("entries", {}), file.get("real", {})
     for entry in entries.values():
@@ -424,21 +447,23 @@ def main():
             entry["scores"] = with_present_names(entry["scores"])
 
     def write():
-        content = page({key: entries[key] for key in options.lengths if key in entries},
+        content = page({key: entries[key] for name in options.lengths for key in entries if sequence_of(key) == name},
                        {key: real[key] for key in REAL if key in real}, options.lengths,
                        file.get("note"), options.fresh)
         options.out.parent.mkdir(parents=True, exist_ok=True)
         options.out.write_text(json.dumps(content, indent=1) + "\n")
 
-    for name in options.only:
-        folder = options.work / name.replace(" ", "_").replace(",", "")
+    for name, seed in planned(options, entries):
+        key = f"{name}/{seed}" if options.fresh else name
+        folder = options.work / key.replace(" ", "_").replace(",", "").replace("/", "-")
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         into, player = (real, play_real) if name in REAL else (entries, play)
-        into[name] = {**origin(), **player(options, name, folder)}
+        print(key, "...", flush=True)
+        into[key] = {**origin(), **player(options, name, seed, folder)}
         if not options.keep:
             shutil.rmtree(folder)
-        print(name, {key: value for key, value in into[name].items() if key != "scores"}, flush=True)
+        print(key, {word: value for word, value in into[key].items() if word != "scores"}, flush=True)
         write()
     write()
     print(f"{options.out}; now run tools/write_results.py")
