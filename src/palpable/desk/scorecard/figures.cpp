@@ -29,10 +29,10 @@ constexpr std::array<std::string_view, 4> kUnusualFilms{"dark", "textureless", "
 using enum Bound;
 // All targets. A figure that is not listed has none.
 constexpr Target kTargets[] = {
-    // docs/contact.md, "On films that were not used for tuning"
+    // docs/lab/contact.md, "Held-out seeds"
     {"touch_recall_3mm", kAtLeast, 0.98, kEveryFilm},
     {"touch_false_discovery_5mm", kAtMost, 0.005, kEveryFilm},
-    // docs/contact.md, "How good the answer is"; the text of docs/results/chain.json has the same
+    // docs/lab/contact.md, "The answer by camera"; the text of docs/results/chain.json has the same
     {"penetration_median_mm", kAtMost, 1, kUsualFilms},
     {"penetration_p99_mm", kAtMost, 3, kUsualFilms},
     {"largest_jump_mm", kAtMost, 4, kUsualFilms},
