@@ -43,7 +43,7 @@ constexpr Target kTargets[] = {
     {"force_error.median", kAtMost, 0.25, kUsualFilms},
     {"force_error.p90", kAtMost, 0.50, kUsualFilms},
     {"excess_indentation_mm.p99", kAtMost, 2.5, kUsualFilms},
-    // docs/scenes.md, "Two beams", by camera
+    // docs/lab/scenes.md, "Two beams", by camera
     {"displacement_error.median", kAtMost, 0.06, "beams"},
     {"displacement_error.p90", kAtMost, 0.12, "beams"},
     // docs/depth.md, the figures of occlusion and the bars of `palpable bench depth`
