@@ -32,7 +32,7 @@ constexpr Target kTargets[] = {
     // docs/lab/contact.md, "Held-out seeds"
     {"touch_recall_3mm", kAtLeast, 0.98, kEveryFilm},
     {"touch_false_discovery_5mm", kAtMost, 0.005, kEveryFilm},
-    // docs/lab/contact.md, "The answer by camera"; the text of docs/results/chain.json has the same
+    // docs/lab/contact.md, "The answer by camera"
     {"penetration_median_mm", kAtMost, 1, kUsualFilms},
     {"penetration_p99_mm", kAtMost, 3, kUsualFilms},
     {"largest_jump_mm", kAtMost, 4, kUsualFilms},
