@@ -14,7 +14,7 @@ PHRASES = {
     r"\bnobody\b": "say what is not done",
     r"\bso many\b": "give the number, or say 'this many' of what",
     r"\bsuch a one\b|\bsuch an one\b": "name the thing",
-    r"\bblobs?\b": "contact patch",
+    r"(?<!/)\bblobs?\b": "contact patch",
     r"\bit is (?:said|told)\b": "say who reports it",
     r"\bneed tell\b|\bis none yet\b": "write a sentence with a subject",
     r"\b(?:bodies|body|pixels?|points?) (?:listen|bear|ask)s?\b": "no personification",

@@ -13,7 +13,7 @@ and stays. What filming took stands beside the film, in NAME/film.json: {"user_s
 
 Each figure keeps the commit, day and machine of its own run. The file is written after each, and sequences
 that are not run again keep their figures, so it can be stopped and gone on with; a "note" written into it by
-hand is kept too. --only without a name runs nothing and writes the tables anew. Recorded real sets below
+hand is kept too. --only without a name runs nothing and writes text and pooled errors anew. Recorded real sets below
 --data (default ../shared/data) are played by the same commands; those with a true camera path are scored for
 it. Then: tools/write_results.py.
 
@@ -31,12 +31,13 @@ import random
 import re
 import resource
 import shutil
-import statistics
 import subprocess
 import sys
 import time
 import tomllib
 from pathlib import Path
+
+from chain_tables import pools, sequence_of
 
 ROOT = Path(__file__).resolve().parent.parent
 HELD_OUT = range(1000, 1_000_000)  # seeds
@@ -56,10 +57,7 @@ REAL = {
 }
 
 TEXT = """\
-All sequences of `palpable synth`, played by `palpable live` and scored by `palpable score`. Today's chain
-is a stereo matcher of our own (half resolution, refined at the full one) whose rows are watched and corrected,
-a camera that is followed, and what moves left out of that. `-` is what a result does not hold, or what a
-sequence has none of.
+Films of `palpable synth` with the demo's body, played by `palpable live` and scored by `palpable score`.
 """
 
 
@@ -233,148 +231,11 @@ def play_real(options, name, _seed, folder):
     return entry
 
 
-# The sequences over which errors relative to the full-order solution are pooled: those with a touch, except thin things,
-# darkness, and a desk without texture.
-POOLED = ("press", "cup", "slide", "palm", "two-hands", "squeeze", "rest", "press-axial", "press-behind")
-ERRORS = ("displacement_error", "max_vertex_error_mm", "von_mises_error", "force_error")
-
-
-def sequence_of(key):
-    """The sequence of an entry: keys are "press", or "press/4711" for one of several seeds."""
-    return key.partition("/")[0]
-
-
-def pooled(scored, names):
-    """Median and p90 of each error, as in palpable score, over all frames of the sequences; None without any."""
-    frames = [frame for key, entry in scored.items() if sequence_of(key) in names
-              for frame in entry["scores"].get("errors_by_frame") or []]
-    frames = [frame for frame in frames if all(frame[key] is not None for key in ERRORS)]
-    if len(frames) < 2:
-        return None
-    of = {key: [frame[key] for frame in frames] for key in ERRORS}
-    return {"frames": len(frames), "seeds": len({key for key in scored if sequence_of(key) in names}),
-            **{key: {"median": statistics.median(values),
-                     "p90": statistics.quantiles(values, n=10, method="inclusive")[-1]} for key, values in of.items()}}
-
-
-def pools(entries):
-    """{what: pooled errors} of each touched sequence and of all of POOLED."""
-    scored = {name: entry for name, entry in entries.items() if "scores" in entry}
-    groups = {name: [name] for name in dict.fromkeys(map(sequence_of, scored))}
-    groups |= {"pooled": POOLED, "pooled without squeeze": [name for name in POOLED if name != "squeeze"]}
-    found = {what: pooled(scored, names) for what, names in groups.items()}
-    return {what: errors for what, errors in found.items() if errors}
-
-
-DISTANCES = ("0.2", "0.3", "0.5", "1", "2", "5", "10", "15")
-
-
-def tables(entries, real):
-    scored = {name: entry for name, entry in entries.items() if "scores" in entry}
-
-    def rows(keys, percent=()):
-        for name, entry in scored.items():
-            cells = [entry["scores"].get(key) for key in keys]
-            if any(cell is not None for cell in cells[1:]):
-                yield [name] + [100 * value if key in percent and value is not None else value
-                                for key, value in zip(keys, cells)]
-
-    def pair(value, factor=1):
-        """Median and p90 (or p99) as one cell."""
-        if value is None:
-            return None
-        median, high = [value[key] for key in value][:2]
-        return None if median is None else f"{factor * median:.3g}, {factor * high:.3g}"
-
-    def full_answer():
-        for name, entry in scored.items():
-            s = entry["scores"]
-            if not any(s.get(f"reference_frames{kind}") for kind in ("", "_shallow", "_unseen")):
-                continue
-            yield [name, s["reference_frames"], pair(s["displacement_error"], 100), pair(s["max_vertex_error_mm"]),
-                   pair(s["max_vertex_error_mm_shallow"]), pair(s["von_mises_error"], 100),
-                   pair(s["force_error"], 100), pair(s["excess_indentation_mm"]), s.get("reference_frames_unseen"),
-                   pair(s.get("max_vertex_error_mm_unseen"))]
-        for what, p in pools(entries).items():
-            if p["seeds"] > 1 or what not in entries:
-                yield [what, p["frames"], pair(p["displacement_error"], 100), pair(p["max_vertex_error_mm"]), None,
-                       pair(p["von_mises_error"], 100), pair(p["force_error"], 100), None, None, None]
-
-    def by_distance(key):
-        for name, entry in scored.items():
-            values = entry["scores"].get(key) or {}
-            yield [name] + [None if values.get(d) is None else 100 * values[d] for d in DISTANCES]
-
-    metres = [f"{d} m" for d in DISTANCES]
-    touch = ("frames_touching", "touch_precision", "touch_recall", "touch_site_accuracy", "first_touch_delay_frames",
-             "penetration_median_mm", "penetration_p99_mm", "largest_jump_mm")
-    seen = ("touch_recall_3mm", "touch_false_discovery_5mm", "frames_too_deep", "frames_touch_unseen", "penetration_median_mm_unseen",
-            "jumps_above_4mm")
-
-    def camera():
-        for name, entry in scored.items():
-            s = entry["scores"]
-            false = s["moving_false_positives"]
-            yield [name, s["ate_mm"], s["rpe_mm"], pair(s.get("placement_error_mm")), s["jitter_mm"], s["moving_iou"],
-                   s["moving_recall"], None if false is None else 100 * false, s["row_error_px"]]
-
-    sight = ("occlusion_iou", "occlusion_iou_where_hidden", "edge_error_px", "edge_error_crossing_px", "flicker")
-    hand = ("hand_near_frames", "hand_within_1pct", "too_close_called_far")
-    yield {"heading": "Share of pixels within 1 % of their true depth, in %",
-           "columns": ["sequence", *metres], "rows": list(by_distance("depth_within_1pct"))}
-    yield {"heading": "Median error of depth, in % (the paper's camera: 1 near, 9 at 15 m)",
-           "columns": ["sequence", *metres], "rows": list(by_distance("depth_error_median"))}
-    yield {"heading": "Near hands, in %", "columns": ["sequence", "near frames", "hand within 1 %", "too close called far"],
-           "rows": list(rows(hand, hand[1:]))}
-    yield {"heading": "Touch", "columns": ["sequence", "true frames", "precision", "recall", "site", "delay (frames)",
-                                           "penetration median (mm)", "99 of 100 (mm)", "largest pop (mm)"],
-           "rows": list(rows(touch))}
-    yield {"heading": "Touch, of what a camera can see",
-           "columns": ["sequence", "recall beyond 3 mm", "false beyond 5 mm", "frames too deep", "frames seen by no camera",
-                       "penetration in those, median (mm)", "pops of 4 mm"],
-           "rows": list(rows(seen))}
-    yield {"heading": "Against the full answer to the true hand (median, 90 of 100)",
-           "text": "Frames in which the object is 4 mm or deeper and half or more of what touches is seen; displacement "
-                   "and stress in % of the true field's size, force in % of the true one; overpress: how much too far "
-                   "the drawn skin went (median, 99 of 100). Frames whose touch no camera sees are counted and not "
-                   f"judged. Pooled are the frames of {', '.join(POOLED)}; the bars of issue 26: displacement 20, 45 %, "
-                   "worst vertex 1.5, 3 mm, force 25, 50 %, overpress 2.5 mm.",
-           "columns": ["sequence", "frames", "displacement (%)", "worst vertex (mm)", "the same, shallower (mm)",
-                       "von Mises (%)", "force (%)", "overpress (mm)", "frames seen by no camera",
-                       "worst vertex in those (mm)"],
-           "rows": list(full_answer())}
-    yield {"heading": "Occlusion", "columns": ["sequence", "IoU", "where hidden", "edge error (px)",
-                                               "where a hand crosses the outline (px)", "flicker"],
-           "rows": list(rows(sight))}
-    yield {"heading": "Camera, anchor, what moves, rectification",
-           "columns": ["sequence", "ATE (mm)", "RPE 1 s (mm)", "body off its place (mm; median, 90 of 100)", "jitter (mm)",
-                       "moving IoU", "recall", "false, of all pixels (%)", "row error (px)"],
-           "rows": list(camera())}
-    yield {"heading": "Time",
-           "columns": ["sequence", "frames", "film, CPU (s)", "film, wall (s)", "play, wall (s)", "ms a frame",
-                       "full answer, wall (s)", "score, wall (s)"],
-           "text": "On the machines named under Measured at, which other work shared; of filming the user CPU time, too.",
-           "rows": [[name, entry["frames"], (entry.get("film") or {}).get("user_s"),
-                     (entry.get("film") or {}).get("wall_s"), entry["play_s"], entry["frame_ms"],
-                     entry.get("truth_s"), entry["score_s"]]
-                    for name, entry in scored.items()]}
-    refused = [[name, entry["refused"]] for name, entry in entries.items() if "refused" in entry]
-    if refused:
-        yield {"heading": "Not scored", "columns": ["sequence", "why"], "rows": refused}
-    if real:
-        yield {"heading": "Real recordings, by the same commands",
-               "text": "Places of the body are made up; only the camera's path has a truth, where it has one.",
-               "columns": ["recording", "frames", "ms a frame", "first touch", "ATE (mm)", "RPE 1 s (mm)", "remark"],
-               "rows": [[name, entry.get("frames"), entry.get("frame_ms"), entry.get("first_touch_frame"),
-                         entry.get("scores", {}).get("ate_mm"), entry.get("scores", {}).get("rpe_mm"),
-                         entry.get("refused") or entry.get("remark") or ""] for name, entry in real.items()]}
-
-
 def page(entries, real, lengths, note, fresh):
     """The content of the file."""
     text = TEXT
     if seeds := sorted({entry["seed"] for entry in entries.values() if "seed" in entry}):
-        text += f"\nSeed {', '.join(map(str, seeds))}."
+        text += f"Seed {', '.join(map(str, seeds))}."
     cut = [f"{name} {entry['frames']} of {entry['cut_from']}"
            for name, entry in entries.items() if entry.get("cut_from")]
     if cut:
@@ -382,13 +243,13 @@ def page(entries, real, lengths, note, fresh):
     missing = [name for name in lengths if name not in map(sequence_of, entries)]
     if missing:
         text += f" Not run yet: {', '.join(missing)}."
-    title, order, command = "Today's chain on the test ground", 20, "tools/run_benchmark.py"
+    title, order, command = "Live on synthetic films", 20, "tools/run_benchmark.py"
     if fresh:
-        title, order, command = f"{title}, held-out seeds", 21, f"{command} --fresh 3"
+        title, order, command = f"{title}, held-out seeds", 10, f"{command} --fresh 3"
     return {"title": title, "order": order, "text": text,
             "command": [f"{command}    # all, at full length", "tools/write_results.py"],
             **({"note": note} if note else {}),
-            "pooled": pools(entries), "tables": [one for one in tables(entries, real) if one["rows"]], "entries": entries, "real": real}
+            "pooled": pools(entries), "entries": entries, "real": real}
 
 
 def planned(options, entries):

@@ -160,6 +160,35 @@ def _(programs, folder):
     assert_rubber(run(folder / "lines", cwd=copy.body.parent))
 
 
+@case("the hand of docs/c_interface.md presses as the finger of the ten lines does")
+def _(programs, folder):
+    copy = Installed(programs)
+    hand = re.search(r"```C\n(.*?)```", (base.ROOT / "docs/c_interface.md").read_text(), re.DOTALL)[1]
+    # Joint 10 is the tip of the index finger, 4 mm deep in the ball; all others are 6 cm above it.
+    (folder / "hand.c").write_text("#include <palpable/palpable.h>\n#include <stdio.h>\n\n" + hand + """
+int main(void) {
+  palpable_body* body;
+  palpable_session* session;
+  const palpable_setup setup = {.size = sizeof setup};
+  palpable_touch touch = {.size = sizeof touch};
+  double joint[26][3] = {{0}}, radius[26];
+  for (int i = 0; i < 26; ++i) {
+    radius[i] = 0.008;
+    joint[i][2] = i == 10 ? 0.104 : 0.164;
+  }
+  if (palpable_load_body("ball.palpable", 1, &body) != PALPABLE_OK) return puts(palpable_last_error()), 1;
+  if (palpable_open((const palpable_body* const*)&body, 1, &setup, &session) != PALPABLE_OK) return 1;
+  if (press_with_hand(session, joint, radius) != PALPABLE_OK) return puts(palpable_last_error()), 1;
+  if (palpable_get_touch(session, 0, &touch) != PALPABLE_OK) return puts(palpable_last_error()), 1;
+  printf("%.2f N down\\n", -touch.force[2]);
+  return 0;
+}
+""")
+    run("cc", "-std=c11", *WARNINGS.split(), f"-I{copy.prefix}/include", folder / "hand.c", "-o", folder / "hand",
+        f"-L{copy.prefix}/lib", "-lpalpable", f"-Wl,-rpath,{copy.prefix}/lib")
+    assert_rubber(run(folder / "hand", cwd=copy.body.parent))
+
+
 @case("pkg-config builds the examples from a copy that was moved elsewhere")
 def _(programs, folder):
     copy = Installed(programs)

@@ -23,8 +23,9 @@ def blocks(text):
 
 
 def as_tested(words):
-    """Replaces the camera by the rendered desk and removes --window."""
-    replaced = ["desk/frames" if word == "/dev/video0" else word for word in words if word != "--window"]
+    """Replaces the camera by the rendered desk and the printed board by the rendered one, and removes --window."""
+    other = {"/dev/video0": "desk/frames", "9x6": "7x4", "25mm": "30mm"}
+    replaced = [other.get(word, word) for word in words if word != "--window"]
     if "/dev/video0" in words:  # the clip has its own calibration
         at = replaced.index("--calibration")
         del replaced[at:at + 2]
@@ -57,7 +58,7 @@ def _(programs, folder):
     assert ran > 12, ran
     for made in ("duck.palpable", "duck.html", "duck_pictures/contact_sheet.png", "first/touch.mp4",
                  "first/pictures/000100.png", "calibration.yml", "touch.palprec", "again/touch.mp4",
-                 "as_printed/live.json", "desk/truth/deformed", "duck_presses"):
+                 "mine.palprec", "as_printed/live.json", "desk/truth/deformed", "duck_presses"):
         assert (folder / made).exists(), made
     assert (folder / "first/touches.jsonl").read_text(), "the duck was never touched"
 

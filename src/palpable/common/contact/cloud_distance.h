@@ -78,7 +78,7 @@ class CloudGrid {
 /// far from the points that are nearest to its corners. So where the result is less than three
 /// voxels, the points in the voxel of x and in its neighbours are searched as well; distances below
 /// one voxel are then exact. In the whole region the error is less than half a voxel;
-/// docs/contact.md has the figures.
+/// docs/lab/contact.md has the figures.
 class Voxmap {
  public:
   /// @param region  m, the box of the queried positions; beyond it the voxels at its border are

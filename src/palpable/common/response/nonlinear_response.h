@@ -73,8 +73,8 @@ class NonlinearResponse {
   static constexpr int kMostPatches = 16;
 
   /// How many of the cross terms' modes are used, the leading ones. They are ordered by how much of
-  /// the loads on a body they carry: 192 modes change no film's figures (docs/touch.md) and cost
-  /// eight times as much.
+  /// the loads on a body they carry: 192 modes change no film's figures (docs/lab/touch.md) and
+  /// cost eight times as much.
   static constexpr int kCrossModes = 96;
 
   /// All arguments except the cross terms outlive this.

@@ -13,7 +13,7 @@
 ///
 /// Forces are compared by the work that they do on each other's displacements, so that a force that
 /// moves on to the next contact point is nearly the same load. w(f_0) = 1, and w = 0 at rest;
-/// docs/touch.md has the figures behind both exponents.
+/// docs/lab/touch.md has the figures behind both exponents.
 #pragma once
 
 #include "palpable/common/response/compliance.h"

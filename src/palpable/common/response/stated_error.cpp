@@ -81,9 +81,9 @@ std::string trouble_of(const std::vector<HeldOutTouch>& touches) {
 namespace {
 
 // Weights of the indicators, fitted to touches of the demo's bunny so that the fewest errors are
-// understated (docs/touch.md). With a factor near 1 they mean: the whole penetration is missing in
-// the displacement, a fifth of what is beyond the linear displacement may be wrong, and more than
-// half of the cross terms, of which only the second order is known.
+// understated (docs/lab/touch.md). With a factor near 1 they mean: the whole penetration is missing
+// in the displacement, a fifth of what is beyond the linear displacement may be wrong, and more
+// than half of the cross terms, of which only the second order is known.
 constexpr double kOfEntry = 1.1, kOfBeyond = 0.2, kOfCross = 0.6;
 
 }  // namespace

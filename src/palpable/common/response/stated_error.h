@@ -105,7 +105,8 @@ struct ErrorScale {
 
 /// Ratio of the stated error to the true error in the median held-out touch. Above 1 because errors
 /// scatter and 20 touches determine their median only to a quarter: with 1.3, touches that were not
-/// used had 0.8 in the median, and more of them were over twice as wrong as stated (docs/touch.md).
+/// used had 0.8 in the median, and more of them were over twice as wrong as stated
+/// (docs/lab/touch.md).
 inline constexpr double kOnTheSafeSide = 1.75;
 /// Fewest held-out touches that give a factor.
 inline constexpr int kLeastTouches = 8;

@@ -25,7 +25,7 @@ constexpr int kCrossIterations = 2;
 constexpr double kLargestChange = 4;
 // Share of the indicators `beyond` and `cross` that a full correction takes off. Its true share is
 // larger for stress and smaller for displacement, where the error of contact remains
-// (docs/touch.md).
+// (docs/lab/touch.md).
 constexpr double kCorrected = 0.5;
 constexpr float kClusterRadius = 0.006f;  // m, of a cluster of contact points
 // m between the contact points that are searched on other bodies' skins.

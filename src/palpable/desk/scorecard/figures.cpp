@@ -29,10 +29,10 @@ constexpr std::array<std::string_view, 4> kUnusualFilms{"dark", "textureless", "
 using enum Bound;
 // All targets. A figure that is not listed has none.
 constexpr Target kTargets[] = {
-    // docs/contact.md, "On films that were not used for tuning"
+    // docs/lab/contact.md, "Held-out seeds"
     {"touch_recall_3mm", kAtLeast, 0.98, kEveryFilm},
     {"touch_false_discovery_5mm", kAtMost, 0.005, kEveryFilm},
-    // docs/contact.md, "How good the answer is"; the text of docs/results/chain.json has the same
+    // docs/lab/contact.md, "The answer by camera"
     {"penetration_median_mm", kAtMost, 1, kUsualFilms},
     {"penetration_p99_mm", kAtMost, 3, kUsualFilms},
     {"largest_jump_mm", kAtMost, 4, kUsualFilms},
@@ -43,7 +43,7 @@ constexpr Target kTargets[] = {
     {"force_error.median", kAtMost, 0.25, kUsualFilms},
     {"force_error.p90", kAtMost, 0.50, kUsualFilms},
     {"excess_indentation_mm.p99", kAtMost, 2.5, kUsualFilms},
-    // docs/scenes.md, "Two beams", by camera
+    // docs/lab/scenes.md, "Two beams", by camera
     {"displacement_error.median", kAtMost, 0.06, "beams"},
     {"displacement_error.p90", kAtMost, 0.12, "beams"},
     // docs/depth.md, the figures of occlusion and the bars of `palpable bench depth`
