@@ -128,7 +128,7 @@ void add_live(Command app) {
   command.footer(
       "Without arguments it plays the built-in desk with the body that ships. A camera that stalls "
       "or goes away does not end the run: the last state is held until pictures come again; Ctrl-C "
-      "ends it. docs/benchmark.md has the formats of the files.\n"
+      "ends it. docs/benchmark_files.md has the formats of the files.\n"
       "Example: palpable live\n"
       "Example: palpable live bunny.palpable --source /dev/video0 --anchor plane\n"
       "Example: palpable live bunny.palpable --source desk --calibration desk.yml --place \"0 0.1 "

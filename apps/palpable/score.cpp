@@ -1,5 +1,5 @@
 // palpable score: compares the output of a run, whichever program made it, with the truth.
-// docs/benchmark.md has the formats of both folders and the meaning of every score.
+// docs/benchmark_files.md has the formats of both folders and the meaning of every score.
 
 #include "apps/common/command_line.h"
 #include "apps/common/printing.h"

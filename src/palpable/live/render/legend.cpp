@@ -51,6 +51,9 @@ class ShortText {
   std::size_t size_ = 0;
 };
 
+// Above the error: it is the reduced model's alone, without that of the camera.
+constexpr std::string_view kErrorTitle = "model error";
+
 // The lines below the bar.
 struct PresentText {
   explicit PresentText(const Legend& legend) : shown(!std::isnan(legend.present)) {
@@ -151,7 +154,8 @@ float inner_width(const Legend& legend, const LegendLayout& layout, const Ticks&
   const float error = legend.error_of.empty() ? 0.0f
                                               : measure_text(legend.error_of, numbers).width +
                                                     measure_text(" > 100 %", numbers).width;
-  return std::max({inner, measure_text("max 000.0", numbers).width, error});
+  return std::max({inner, measure_text("max 000.0", numbers).width,
+                   measure_text(kErrorTitle, numbers).width, error});
 }
 
 float y_on_bar(double value, const Legend& legend, const LegendLayout& layout) {
@@ -240,7 +244,7 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   const float line_height = measure_text("0", numbers).height();
   const float width = inner_width(legend, layout, ticks, writes_present) + 2.0f * pad;
   // Room for all lines, so that the panel does not move when the error appears or disappears.
-  const float lines = legend.two_sided ? 3.0f : 2.0f;
+  const float lines = legend.two_sided ? 4.0f : 3.0f;
   const float below = writes_present ? 8.0f * s + lines * line_height : 0.0f;
   const float height = 2.0f * pad + title.height() + unit.height() + layout.above_bar +
                        layout.bar_height + layout.below_bar + below;
@@ -256,13 +260,15 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   if (present.shown) draw_marks(picture, legend, layout);
   if (!writes_present) return;
   float text_y = layout.bar_y + layout.bar_height + 12.0f * s;
-  const auto write = [&](const ShortText& line, Rgb ink) {
-    draw_text(picture, x + pad, text_y, line.view(), numbers, ink);
+  const auto write = [&](std::string_view line, Rgb ink) {
+    draw_text(picture, x + pad, text_y, line, numbers, ink);
     text_y += line_height;
   };
-  write(present.largest, kInk);
-  if (legend.two_sided) write(present.least, kInk);
-  write(present.error, kQuietInk);
+  write(present.largest.view(), kInk);
+  if (legend.two_sided) write(present.least.view(), kInk);
+  if (present.error.view().empty()) return;
+  write(kErrorTitle, kQuietInk);
+  write(present.error.view(), kQuietInk);
 }
 
 void draw_label(ColorImage& picture, float x, float y, std::string_view text, float size) {

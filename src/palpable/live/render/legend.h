@@ -25,7 +25,7 @@ struct Legend {
   /// The largest number painted at present, marked at the bar and written below it; NaN: not shown.
   double present = std::numeric_limits<double>::quiet_NaN();
   double present_least = std::numeric_limits<double>::quiet_NaN();  ///< the least, if two-sided
-  double stated_error = 0;         ///< relative, 1 = 100 %; 0: not known
+  double stated_error = 0;         ///< of the model, relative, 1 = 100 %; 0: not known
   std::string_view error_of = {};  ///< quantity of the error; empty: that of `present`
   float scale = 1;                 ///< factor of all lengths; 1 suits a picture of 720 rows
 };

@@ -326,7 +326,7 @@ TEST_CASE("a text wider than the picture goes on below and loses nothing", "[ren
     return std::pair(right, rows);
   };
   const std::vector<std::string> wide{
-      "2.27 s   13 touches   1.0 mm   6.22 N   for what is seen off by some 12 %, stress 34 %"};
+      "2.27 s   13 touches   1.0 mm   6.22 N   model error \u00b112 %, stress \u00b134 %"};
   ColorImage one(1280, 240, kPlain), several(320, 240, kPlain);
   draw_caption(one, wide, 0.75f);
   draw_caption(several, wide, 0.75f);

@@ -138,9 +138,9 @@ TEST_CASE("the caption says how deep and how hard, and how many touches there ar
   scene.bodies.resize(2);
   scene.bodies[1].stated_error = StatedError{.displacement = 0.0213, .von_mises = 0.07};
   CHECK(caption_of(scene) ==
-        "2.00 s   site 7   6.0 mm   1.50 N   for what is seen off by some 2.1 %, stress 7 %");
+        "2.00 s   site 7   6.0 mm   1.50 N   model error \u00b12.1 %, stress \u00b17 %");
   scene.bodies[1].stated_error = StatedError{.displacement = 0.76, .von_mises = 2.64};
-  CHECK(caption_of(scene).find("off by some 76 %, stress more than 100 %") != std::string::npos);
+  CHECK(caption_of(scene).find("model error \u00b176 %, stress > 100 %") != std::string::npos);
   scene.bodies[0].hidden_since_start = 0.04;
   CHECK(caption_of(scene).find("hidden") == std::string::npos);
   scene.bodies[0].hidden_since_start = 0.314;

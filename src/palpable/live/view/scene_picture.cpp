@@ -91,19 +91,18 @@ std::string caption_of(const Scene& scene) {
   if (scene.touches.empty()) return text;
   text += "   " + caption_of(scene.touches);
   if (const std::optional<StatedError> error = worst_stated_error(scene)) {
-    text += "   for what is seen " + caption_of(*error);
+    text += "   " + caption_of(*error);
   }
   return text;
 }
 
 std::string caption_of(const StatedError& error) {
   // Above 100 % the number has no meaning; the response is then not reliable.
-  const auto percent = [](double share, std::string_view some) {
-    return share > 1 ? std::string("more than 100 %")
-                     : fmt::format("{}{:.2g} %", some, 100 * share);
+  const auto percent = [](double share) {
+    return share > 1 ? std::string("> 100 %") : fmt::format("\u00b1{:.2g} %", 100 * share);
   };
-  return fmt::format("off by {}, stress {}", percent(error.displacement, "some "),
-                     percent(error.von_mises, ""));
+  return fmt::format("model error {}, stress {}", percent(error.displacement),
+                     percent(error.von_mises));
 }
 
 std::string caption_of(std::span<const Touch> touches) {

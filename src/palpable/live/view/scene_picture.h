@@ -22,12 +22,13 @@ namespace palpable {
 [[nodiscard]] BodyLook look_of_body(const Scene& scene, const Session& session, int number,
                                     double scale, ColorScale colors);
 
-/// One line about a scene: its time, touches and stated error.
+/// One line about a scene: its time, touches and model error.
 [[nodiscard]] std::string caption_of(const Scene& scene);
 /// The depth of the deepest touch and the sum of their forces, with the site or the number of
 /// touches; "not touched" without any.
 [[nodiscard]] std::string caption_of(std::span<const Touch> touches);
-/// "off by some 2.1 %, stress 7 %"; "more than 100 %" for errors above 1.
+/// "model error ±2.1 %, stress ±7 %"; "> 100 %" for errors above 1. It is the error of the reduced
+/// model alone, without that of the camera.
 [[nodiscard]] std::string caption_of(const StatedError& error);
 /// The most urgent warning, with what the user can do: a lost camera, new surroundings, an obstacle
 /// that is not seen, or a trouble of the depth. Empty without any.
