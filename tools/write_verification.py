@@ -13,9 +13,11 @@ What takes longer than a test may is read from docs/results, where a bench's --j
 """
 import json
 import math
+import re
 import statistics
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -30,7 +32,7 @@ This page compares the equilibrium solver (`solid`) with closed forms, manufactu
 
 * The solver gives the numbers of CalculiX on the same mesh, to the seven digits that CalculiX prints.
 * It converges with the orders of theory, for all four laws and both elements.
-* **The mesh is the largest error of a baked body.** Meshes of 4-node tetrahedra, as the shipped bodies have, are too stiff, thin parts
+* **The mesh error of the bunny exceeds its model error.** Meshes of 4-node tetrahedra, as the shipped bodies have, are too stiff, thin parts
   such as ears most of all: [4-node and 10-node tetrahedra on the bunny](#4-node-and-10-node-tetrahedra-on-the-bunny). The
   [model error](theory.md#model-error) does not include it. `order = 2` in a [description](body.md) reduces it.
 
@@ -103,6 +105,18 @@ def markdown(rows):
     lines = ["| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
     lines += ["| " + " | ".join(row[column] for column in columns) + " |" for row in rows]
     return "\n".join(lines) + "\n"
+
+
+def wrapped(text):
+    """Paragraphs and list items in lines of 120 characters; headings and tables as they are."""
+    blocks = []
+    for block in text.split("\n\n"):
+        items = re.split(r"\n(?=\* )", block)
+        keeps = block.lstrip("\n").startswith(("|", "#"))
+        blocks.append(block if keeps else "\n".join(
+            textwrap.fill(" ".join(item.split()), 120, subsequent_indent="  " if item.startswith("* ") else "",
+                          break_long_words=False, break_on_hyphens=False) for item in items))
+    return "\n\n".join(blocks)
 
 
 def percent(value, digits=1):
@@ -300,7 +314,7 @@ def main():
             print(f"write_verification: no {file.relative_to(ROOT)} (see --help), so no section about it", file=sys.stderr)
             continue
         parts.append(f"## {heading}\n\n{section(json.loads(file.read_text()))}")
-    OUTPUT.write_text("\n".join(parts))
+    OUTPUT.write_text(wrapped("\n".join(parts)).rstrip("\n") + "\n")
     print(f"{OUTPUT.relative_to(ROOT)}: {len(tables)} tables of tests")
 
 
