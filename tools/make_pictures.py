@@ -51,21 +51,37 @@ def write_row(name, film, numbers, box=(0, 0, 1280, 720), width=640):
     print(PICTURES / name)
 
 
-def write_gif(name, film, first, last, step, box, width, colors):
-    """Writes every `step`-th frame as an animated picture."""
+def write_webp(name, pictures, step, box, width, quality):
+    """Writes pictures, every `step`-th of a film of 30 frames a second, as an animated picture in full colours."""
     x0, y0, x1, y1 = box
-    numbers = range(first, last, step)
     size = (width, round(width * (y1 - y0) / (x1 - x0)))
-    pictures = [Image.fromarray(cv2.resize(p[y0:y1, x0:x1], size, interpolation=cv2.INTER_AREA)[:, :, ::-1])
-                for p in frames_of(film, numbers).values()]
-    # One palette for all frames, made from six of them, so that fixed parts do not flicker.
-    some = Image.new("RGB", (size[0], 6 * size[1]))
-    for i in range(6):
-        some.paste(pictures[i * len(pictures) // 6], (0, i * size[1]))
-    palette = some.quantize(colors, method=Image.Quantize.MEDIANCUT)
-    plain = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
-    plain[0].save(PICTURES / name, save_all=True, append_images=plain[1:], duration=1000 * step // 30, loop=0)
+    small = [Image.fromarray(cv2.resize(p[y0:y1, x0:x1], size, interpolation=cv2.INTER_AREA)[:, :, ::-1]) for p in pictures]
+    small[0].save(PICTURES / name, save_all=True, append_images=small[1:], duration=1000 * step // 30, loop=0,
+                  quality=quality, method=6)
     print(PICTURES / name, f"{(PICTURES / name).stat().st_size / 1e6:.1f} MB")
+
+
+# Of hands_desk: where the mouse pad's maker is named, x0 y0 x1 y1 in px of its 720 x 720 pictures.
+NAMES_ON_PAD = ((376, 338, 452, 362), (608, 552, 668, 612))
+
+
+def without_names(picture):
+    """A picture of hands_desk whose bright letters on the dark pad are painted over."""
+    letters = numpy.zeros(picture.shape[:2], numpy.uint8)
+    for x0, y0, x1, y1 in NAMES_ON_PAD:
+        bright = 255 * (picture[y0:y1, x0:x1].max(2) > 55).astype(numpy.uint8)
+        letters[y0:y1, x0:x1] = cv2.dilate(bright, numpy.ones((5, 5)))
+    return cv2.inpaint(picture, letters, 4, cv2.INPAINT_TELEA)
+
+
+def write_hands(film):
+    """A press by a recorded hand (hands_desk): the frame that shows it best for README, the film for the gallery."""
+    found = {number: without_names(picture) for number, picture in frames_of(film, range(116, 152, 2)).items()}
+    x0, y0, x1, y1 = 160, 140, 720, 550
+    still = cv2.resize(found[140][y0:y1, x0:x1], (896, 656), interpolation=cv2.INTER_CUBIC)
+    cv2.imwrite(str(PICTURES / "hands_desk.jpg"), still, [cv2.IMWRITE_JPEG_QUALITY, 88])
+    print(PICTURES / "hands_desk.jpg")
+    write_webp("hands_desk.webp", list(found.values()), 2, (0, 140, 720, 560), 720, 75)
 
 
 def played(work, name, film_words, live_words):
@@ -88,9 +104,18 @@ def main():
     if options.bunny.exists():
         film = played(options.work, "demo", ["demo", "--body", options.bunny, "--seed", 1], [options.bunny])
         close = (330, 110, 1010, 500)
-        write_gif("demo.gif", film, 78, 360, 3, close, 420, 80)
+        write_webp("demo.webp", list(frames_of(film, range(78, 360, 3)).values()), 3, (0, 0, 1280, 720), 800, 72)
         write_row("figure_9.jpg", film, [174, 248], width=720)
         write_row("figure_16.jpg", film, [98, 142, 215, 338], close, 480)
+        hands = ROOT / "../shared/data/hands_desk"
+        if hands.is_dir():
+            out = options.work / "hands_desk"
+            if not (out / "touch.mp4").exists():
+                run("live", options.bunny, "--source", hands, "--anchor", "plane", "--at-pixel", "340,425", "--scale", 0.5,
+                    "--out", out, "--every-frame")
+            write_hands(out / "touch.mp4")
+        else:
+            print(f"no {hands}: the picture of a recorded hand is left out")
     else:
         print(f"no {options.bunny}: ./demo bakes it; Figures 9 and 16 are left out")
     if options.dragon.exists():

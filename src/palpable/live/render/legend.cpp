@@ -51,13 +51,20 @@ class ShortText {
   std::size_t size_ = 0;
 };
 
+// Whether all painted values would be written as 0, as of a body at rest: no mark, no "max 0.0".
+bool nothing_painted(const Legend& legend) {
+  constexpr double kWrittenAsZero = 0.05;
+  return std::abs(legend.present) < kWrittenAsZero &&
+         (!legend.two_sided || std::abs(legend.present_least) < kWrittenAsZero);
+}
+
 // Above the error: it is the reduced model's alone, without that of the camera.
 constexpr std::string_view kErrorTitle = "model error";
 
 // The lines below the bar.
 struct PresentText {
   explicit PresentText(const Legend& legend) : shown(!std::isnan(legend.present)) {
-    if (!shown) return;
+    if (!shown || nothing_painted(legend)) return;
     print_value("max", legend.present, largest);
     if (legend.two_sided) print_value("min", legend.present_least, least);
     if (!(legend.stated_error > 0)) return;
@@ -257,7 +264,7 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   layout.bar_x = std::round(x + pad);
   layout.bar_y = std::round(y + pad + title.height() + unit.height() + layout.above_bar);
   draw_bar(picture, legend, layout, ticks);
-  if (present.shown) draw_marks(picture, legend, layout);
+  if (present.shown && !nothing_painted(legend)) draw_marks(picture, legend, layout);
   if (!writes_present) return;
   float text_y = layout.bar_y + layout.bar_height + 12.0f * s;
   const auto write = [&](std::string_view line, Rgb ink) {

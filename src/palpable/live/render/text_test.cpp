@@ -113,6 +113,9 @@ TEST_CASE("the legend marks the present largest value and says how far it may be
   CHECK(mark_row(low) > mark_row(high) + 100);
   CHECK(mark_row(over) > 0);  // at the top, not above it
   CHECK(mark_row(over) < mark_row(high));
+  // At rest there is neither a mark nor "max 0.0", and the panel stays where it is.
+  CHECK(mark_row(drawn(0.02, 0)) == -1);
+  CHECK(drawn(0.02, 0) == drawn(0, 0));
   // The panel does not move when the error appears or disappears.
   const ColorImage with_error = drawn(8, 0.14);
   CHECK_FALSE(with_error == high);
