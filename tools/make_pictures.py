@@ -76,9 +76,9 @@ def without_names(picture):
 
 def write_hands(film):
     """A press by a recorded hand (hands_desk): the frame that shows it best for README, the film for the gallery."""
-    found = {number: without_names(picture) for number, picture in frames_of(film, range(116, 152, 2)).items()}
-    x0, y0, x1, y1 = 160, 140, 720, 550
-    still = cv2.resize(found[140][y0:y1, x0:x1], (896, 656), interpolation=cv2.INTER_CUBIC)
+    found = {number: without_names(picture) for number, picture in frames_of(film, range(117, 153, 2)).items()}
+    x0, y0, x1, y1 = 225, 255, 545, 495
+    still = cv2.resize(found[139][y0:y1, x0:x1], (896, 672), interpolation=cv2.INTER_CUBIC)
     cv2.imwrite(str(PICTURES / "hands_desk.jpg"), still, [cv2.IMWRITE_JPEG_QUALITY, 88])
     print(PICTURES / "hands_desk.jpg")
     write_webp("hands_desk.webp", list(found.values()), 2, (0, 140, 720, 560), 720, 75)
@@ -112,7 +112,7 @@ def main():
             out = options.work / "hands_desk"
             if not (out / "touch.mp4").exists():
                 run("live", options.bunny, "--source", hands, "--anchor", "plane", "--at-pixel", "340,425", "--scale", 0.5,
-                    "--out", out, "--every-frame")
+                    "--forces", "--out", out, "--every-frame")
             write_hands(out / "touch.mp4")
         else:
             print(f"no {hands}: the picture of a recorded hand is left out")
