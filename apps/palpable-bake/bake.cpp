@@ -243,7 +243,9 @@ void print_baked(const BakedFile& baked, const BakeOptions& options, Clock::time
 
 void bake(const BakeOptions& options, const std::string& command_line, Crew& crew) {
   const auto begin = Clock::now();
-  if (options.output.empty()) throw Error("--out is required, see palpable bake --help");
+  if (options.output.empty())
+    throw Error(
+        "--out is required, or --estimate for what the bake would take, see palpable bake --help");
   const BodyDescription description = wanted_body(options);
   const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
   guard_output_file(options.output, inputs);

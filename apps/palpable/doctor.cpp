@@ -276,7 +276,7 @@ void add_doctor(Command app) {
   command.footer(
       "Looks at processor, memory, disk, OpenGL, screen, cameras and palpable-bake, and plays the "
       "built-in desk for five seconds, which it films first. The exit code is 1 if palpable live "
-      "would not run here.\n"
+      "BODY would not run here.\n"
       "Example: palpable doctor");
   command.callback([json] { doctor(*json); });
 }

@@ -93,6 +93,9 @@ void run_command(Command command, Options& options) {
     print_text("{}", scene_file_text(options.live, command.given_options()));
     return;
   }
+  if (options.no_window && options.play.window) {
+    throw Error("--window and --no-window contradict each other");
+  }
   if (!options.play.out.empty()) options.live.clip = options.play.out / "clip";
   choose_output(options, alone);
   if (options.preview) {
@@ -134,7 +137,15 @@ void add_live(Command app) {
       "Example: palpable live bunny.palpable --source desk --calibration desk.yml --place \"0 0.1 "
       "0.6 0 40 0\" -o out --write film\n"
       "Example: palpable live two-bodies.toml --source clip/frames --paint pressure -o out\n"
-      "Example: palpable live --source /dev/video0 --preview");
+      "Example: palpable live --source /dev/video0 --preview\n"
+      "A scene file of two bodies (docs/scenes.md):\n"
+      "  [[body]]\n"
+      "  name = \"a\"\n"
+      "  file = \"bunny.palpable\"\n"
+      "  [[body]]\n"
+      "  name = \"b\"\n"
+      "  file = \"post.palpable\"\n"
+      "  at = [\"200 mm\", \"0 mm\", \"0 mm\"]   # from where a scene's bodies stand, z up");
   command.callback([options, command] { run_command(command, *options); });
 }
 

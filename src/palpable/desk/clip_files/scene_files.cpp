@@ -128,7 +128,8 @@ BodyPlace place_in(TomlSection& section, const std::vector<DescribedBody>& befor
   if (anchor == "plane") place.anchor = Anchor::kPlane;
   if (anchor == "board") place.anchor = Anchor::kBoard;
   if (section.has("place") != (anchor == "place")) {
-    section.bad("place", "goes with anchor = \"place\", and that with it");
+    section.bad("place", section.has("place") ? "needs anchor = \"place\" beside it"
+                                              : "is missing: anchor = \"place\" needs it");
   }
   if (anchor == "place") {
     const std::vector<double> numbers = section.numbers("place", kAny);

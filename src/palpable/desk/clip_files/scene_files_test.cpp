@@ -183,7 +183,7 @@ TEST_CASE("errors in a scene are reported with their line number", "[clip_files]
              Catch::Contains("exclude each other"));
   CHECK_THAT(refusal(one + "anchor = \"plain\"\n"), Catch::Contains("did you mean 'plane'"));
   CHECK_THAT(refusal(one + "place = [0, 0, 1, 0, 0, 0]\n"),
-             Catch::Contains("goes with anchor = \"place\""));
+             Catch::Contains("needs anchor = \"place\" beside it"));
   CHECK_THAT(refusal(one + "anchor = \"place\"\nplace = [0, 0, -1, 0, 0, 0]\n"),
              Catch::Contains("behind the camera"));
   CHECK_THAT(refusal(one + "at = [1, 2, 3]\n"), Catch::Contains("unit"));

@@ -88,6 +88,12 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
   if (is_tiled(options) && options.window) {
     throw Error("--view: the --window shows one view, and switches it");
   }
+  if (options.out.extension() == ".mp4") {
+    throw Error(
+        fmt::format("--out {}: is the folder for all files; the film alone: --out DIR "
+                    "--write film",
+                    options.out.string()));
+  }
   if (options.paused && !options.window) throw Error("--paused: a --window is paused");
   if (!options.out.empty()) return options;
   // Options about written files are an error without --out.

@@ -117,8 +117,10 @@ std::optional<std::string> overlap_of(const std::vector<PlacedBody>& bodies) {
       if (!box_in_world(bodies[i]).intersects(box_in_world(bodies[j]))) continue;
       const double entry = std::max(entry_of(bodies[i], bodies[j]), entry_of(bodies[j], bodies[i]));
       if (!(entry > kStandsIn)) continue;
-      return fmt::format("'{}' stands in '{}', by {:.1f} mm; move one of them",
-                         bodies[i].shown_name(), bodies[j].shown_name(), 1e3 * entry);
+      return fmt::format(
+          "'{}' stands in '{}', by {:.1f} mm; move one of them, as by at = [\"150 mm\", \"0 mm\", "
+          "\"0 mm\"]",
+          bodies[i].shown_name(), bodies[j].shown_name(), 1e3 * entry);
     }
   }
   return std::nullopt;

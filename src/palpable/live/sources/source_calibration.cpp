@@ -105,10 +105,11 @@ Result<SourceCalibration> read_intrinsics(const std::filesystem::path& path) {
     n = {n[0], n[4], n[2], n[5]};
   }
   if (n.size() != kFewest && n.size() != 6 && n.size() != kMost) {
-    return Problem{
-        fmt::format("{} should have the numbers `fx fy cx cy`, `... width height` or "
-                    "`... width height unit_m`",
-                    path.string())};
+    return Problem{fmt::format(
+        "{} should have the numbers `fx fy cx cy`, `... width height` or "
+        "`... width height unit_m`; a stereo rig's is an OpenCV YAML file, which begins "
+        "with %YAML:1.0",
+        path.string())};
   }
   SourceCalibration calibration;
   FrameFormat& format = calibration.format;
