@@ -84,6 +84,17 @@ def write_hands(film):
     write_webp("hands_desk.webp", list(found.values()), 2, (0, 140, 720, 560), 720, 75)
 
 
+def write_pressure(body, work):
+    """A press at the neck, painted with pressure and with a component of stress, side by side."""
+    row = []
+    for paint in ("pressure", "szz"):
+        run("view", body, "--site", 4, "--paint", paint, "-o", work / paint)
+        whole = cv2.imread(str(work / paint / "5_press_site_4_level_100.png"))
+        row.append(cv2.resize(whole[60:720, 400:1280], (800, 600), interpolation=cv2.INTER_AREA))
+    cv2.imwrite(str(PICTURES / "pressure.jpg"), numpy.hstack(row), [cv2.IMWRITE_JPEG_QUALITY, 88])
+    print(PICTURES / "pressure.jpg")
+
+
 def played(work, name, film_words, live_words):
     """The film that `palpable live` writes of a synthetic clip; both are made if they do not exist."""
     clip, out = work / name, work / (name + "-live")
@@ -103,10 +114,10 @@ def main():
     beam = ROOT / "out" / "bodies" / "beam.palpable"
     if options.bunny.exists():
         film = played(options.work, "demo", ["demo", "--body", options.bunny, "--seed", 1], [options.bunny])
-        close = (330, 110, 1010, 500)
         write_webp("demo.webp", list(frames_of(film, range(78, 360, 3)).values()), 3, (0, 0, 1280, 720), 800, 72)
         write_row("figure_9.jpg", film, [174, 248], width=720)
-        write_row("figure_16.jpg", film, [98, 142, 215, 338], close, 480)
+        write_row("figure_16.jpg", film, [98, 142], (330, 110, 1280, 644), 800)
+        write_pressure(options.bunny, options.work)
         hands = ROOT / "../shared/data/hands_desk"
         if hands.is_dir():
             out = options.work / "hands_desk"
@@ -120,7 +131,7 @@ def main():
         print(f"no {options.bunny}: ./demo bakes it; Figures 9 and 16 are left out")
     if options.dragon.exists():
         film = played(options.work, "dragon", ["demo", "--body", options.dragon, "--seed", 1], [options.dragon])
-        write_row("figure_19.jpg", film, [98, 142, 215, 248], (400, 150, 1080, 540), 480)
+        write_row("figure_19.jpg", film, [98, 142], (330, 110, 1280, 644), 800)
     else:
         print(f"no {options.dragon}: palpable bake bodies/dragon.toml -o {options.dragon}; Figure 19 is left out")
     if beam.exists():
