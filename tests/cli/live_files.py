@@ -121,7 +121,7 @@ def film_size(path):
 def _(programs, folder):
     base.write_stereo(folder / "clip/frames", frames=2)
     words = base.live(programs, folder, source="clip/frames")
-    for wrong, says in ((("camera", "ears"), "ears"), (("camera", "truth"), "no truth/depth")):
+    for wrong, says in ((("camera,ears",), "ears"), (("ears",), "ears"), (("camera", "truth"), "no truth/depth")):
         programs.refuses(*words, "--view", *wrong, says=["--view", says])
     programs.refuses(*words, "--view", "camera", "mask", "--window", says=["--view", "--window"])
     programs.refuses(*words, "--view", "camera", "mask", "--write", "+stills", says=["--view", "stills"])
