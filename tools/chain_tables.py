@@ -53,7 +53,8 @@ def pooled(scored, names):
     if len(frames) < 2:
         return None
     of = {key: [frame[key] for frame in frames] for key in ERRORS}
-    return {"frames": len(frames), "seeds": len({key for key in scored if sequence_of(key) in names}),
+    films = [key for key, entry in scored.items() if sequence_of(key) in names and entry["scores"].get("errors_by_frame")]
+    return {"frames": len(frames), "seeds": len(films),
             **{key: {"median": statistics.median(values),
                      "p90": statistics.quantiles(values, n=10, method="inclusive")[-1]} for key, values in of.items()}}
 
