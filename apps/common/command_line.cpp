@@ -275,7 +275,7 @@ void Command::begin_group(const std::string& heading) { group_ = heading; }
 void Command::begin_expert_group(const std::string& heading) {
   group_ = kExpertMark + heading;
   if (app_->get_option_no_throw(kHelpAll) == nullptr) {
-    app_->add_flag(kHelpAll, "Print this help with the options of experts, and exit");
+    app_->add_flag(kHelpAll)->description("Print this help with the options of experts, and exit");
   }
 }
 
