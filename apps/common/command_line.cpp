@@ -17,8 +17,8 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
-#include <map>
 #include <new>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -27,14 +27,20 @@ namespace {
 
 constexpr const char* kHelpAll = "--help-all";
 
-// The rules of Option::further_words(). CLI::Option has no place for them.
-std::map<const CLI::Option*, bool (*)(const std::string&)>& further_words_rules() {
-  static std::map<const CLI::Option*, bool (*)(const std::string&)> rules;
-  return rules;
+// The name of the check by which Option::further_words() stores its rule at the option. CLI11 does
+// not apply it, because it is not active.
+constexpr const char* kFurtherWord = "further word";
+
+// Whether a word may follow the first word of this option. Nothing: the option has no such rule.
+std::optional<bool> may_follow(CLI::Option& option, const std::string& word) {
+  try {
+    CLI::Validator rule = *option.get_validator(kFurtherWord);
+    return rule.active()(word).empty();
+  } catch (const CLI::OptionNotFound&) { return std::nullopt; }
 }
 
 // Writes the name of an option before each of its further words: "--set a=1 b=2 BODY" becomes
-// "--set a=1 --set b=2 BODY". By itself, CLI11 would take the body for another value.
+// "--set a=1 --set b=2 BODY". Otherwise CLI11 would read BODY as another value of --set.
 void repeat_names_of_options(CLI::App& app, std::vector<const char*>& words) {
   const std::vector<CLI::App*> commands = app.get_subcommands({});
   const auto command = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* one) {
@@ -42,24 +48,20 @@ void repeat_names_of_options(CLI::App& app, std::vector<const char*>& words) {
   });
   if (command == commands.end()) return;
   std::vector<const char*> repeated;
-  const char* name = nullptr;  // of the option whose words follow
-  bool (*fits)(const std::string& word) = nullptr;
-  bool is_first = false;
+  const char* name = nullptr;      // as written, of the option whose words are read; null: of none
+  CLI::Option* current = nullptr;  // that option
   for (const char* word : words) {
-    const CLI::Option* option = (*command)->get_option_no_throw(word);
-    if (option != nullptr && word[0] == '-') {
-      const auto rule = further_words_rules().find(option);
-      name = rule != further_words_rules().end() ? word : nullptr;
-      if (name != nullptr) fits = rule->second;
-      is_first = true;
+    const bool is_first = !repeated.empty() && repeated.back() == name;
+    CLI::Option* option = word[0] == '-' ? (*command)->get_option_no_throw(word) : nullptr;
+    if (option != nullptr) {
+      name = word;
+      current = option;
     } else if (name != nullptr && !is_first) {
-      if (fits(word)) {
+      if (may_follow(*current, word).value_or(false)) {
         repeated.push_back(name);
       } else {
         name = nullptr;
       }
-    } else {
-      is_first = false;
     }
     repeated.push_back(word);
   }
@@ -92,8 +94,8 @@ std::string full_name(const CLI::App& app) {
   return parent == nullptr ? app.get_name() : full_name(*parent) + " " + app.get_name();
 }
 
-// The message of an error. A missing argument is called by its name: CLI11 names the option that
-// also stands for it.
+// The message of an error. For a missing argument that may also be given as an option, CLI11's own
+// message names only the option; this one names the argument and shows where it goes.
 std::string what_is_wrong(const CLI::ParseError& error, const CLI::App& command) {
   std::string text = error.what();
   for (const CLI::Option* option : command.get_options()) {
@@ -253,9 +255,11 @@ Option Option::words(int fewest, int most) {
 }
 
 Option Option::further_words(bool (*fits)(const std::string& word)) {
-  further_words_rules()[option_] = fits;
+  CLI::Validator rule(
+      [fits](const std::string& word) { return std::string(fits(word) ? "" : "does not fit"); }, "",
+      kFurtherWord);
   // CLI11 heeds allow_extra_args() only where the number of words has no end.
-  return Option(option_->expected(-1)->allow_extra_args(false));
+  return Option(option_->check(rule.active(false))->expected(-1)->allow_extra_args(false));
 }
 
 Option Option::split_at_commas() { return Option(option_->delimiter(',')); }

@@ -58,8 +58,9 @@ class Option {
   Option existing_folder();
   /// Smallest and largest number of words that follow the option.
   Option words(int fewest, int most);
-  /// Of several words, those after the first belong to the option only while `fits` holds. The next
-  /// one is an argument of the command: the body in "--place 0 0 0.6 0 40 0 BODY".
+  /// The option takes one word or more. A word after the first belongs to it only if fits(word) is
+  /// true; the first that does not fit is an argument of the command, such as BODY in
+  /// "--place 0 0 0.6 0 40 0 BODY".
   Option further_words(bool (*fits)(const std::string& word));
   /// Several words may also be one with commas: "--view camera,depth".
   Option split_at_commas();

@@ -64,7 +64,8 @@ void add_board_options(Command command, BoardOptions& options,
 /// @throws Error when --board is invalid
 [[nodiscard]] BoardPattern pattern_of(const BoardOptions& options);
 
-/// Adds --paint and --colors, whose present values are the defaults.
+/// Adds the options --paint and --colors. Their defaults are the values that the two variables have
+/// at this call.
 /// @param paint   receives one of kPaints' names (view/show_names.h)
 /// @param colors  one of kColorScaleNames
 void add_paint_options(Command command, std::string& paint, std::string& colors);

@@ -1427,6 +1427,15 @@ def _(programs, folder):
     import run_benchmark
     assert run_benchmark.timings(result) == {"frames": 3, "frame_ms": 500 / 3, "first_touch_frame": None,
                                              "unreadable": 0}
+    # Figures under the names of version 0.1 get their present names, whether they stand alone or in lists and groups.
+    before = {"depth_median": 1, "moving_false": 2, "trajectory_share": 3, "touch_site": 4, "touch_false_5mm": 5, "frames_unseen": 6,
+              "largest_pop_mm": 7, "largest_pop_frame": 8, "pops_4mm": 9, "deformed_frames": 10, "deformed_by_frame": [{"frame": 11}],
+              "displacement_error_mm_unseen": {"p90": 12}, "overpress_mm": 13, "touch_recall": 14}
+    assert run_benchmark.with_present_names([before]) == [{
+        "depth_error_median": 1, "moving_false_positives": 2, "trajectory_coverage": 3, "touch_site_accuracy": 4,
+        "touch_false_discovery_5mm": 5, "frames_touch_unseen": 6, "largest_jump_mm": 7, "largest_jump_frame": 8, "jumps_above_4mm": 9,
+        "reference_frames": 10, "errors_by_frame": [{"frame": 11}], "max_vertex_error_mm_unseen": {"p90": 12},
+        "excess_indentation_mm": 13, "touch_recall": 14}]
     # Tables come out the same from figures under the names of version 0.1.
     import chain_tables
     stored = json.loads((ROOT / "docs/results/chain.json").read_text())
@@ -1882,6 +1891,12 @@ def _(programs, folder):
         touches.add((folder / "out/touches.jsonl").read_bytes())
     assert len(touches) == 1, "what is painted changes what is answered"
     assert len(set(map(str, pictures.values()))) == 5, "two fields look the same"
+    for colors in ("viridis", "rainbow", "gray"):
+        programs.succeeds(*words, "--colors", colors)
+        pictures[colors] = png_rows(folder / "out/pictures/000011.png")
+        assert (folder / "out/touches.jsonl").read_bytes() in touches, "colours change what is answered"
+    assert len(set(map(str, pictures.values()))) == 8, "two colour scales look the same"
+    programs.refuses(*words, "--colors", "jet", says=["--colors", "jet", "rainbow"])
     programs.refuses(*words, "--paint", "sxz", says=["--paint", "sxz"])
     programs.refuses(*words, "--paint", "Pressure", says=["--paint"])
 
@@ -1892,6 +1907,8 @@ def _(programs, folder):
     programs.succeeds("view", programs.small_body(), "--site", "0", "--out", folder / "stress")
     last = sorted(path.name for path in (folder / "stress").glob("*level_100.png"))[-1]
     assert (folder / "pictures" / last).read_bytes() != (folder / "stress" / last).read_bytes()
+    programs.succeeds("view", programs.small_body(), "--site", "0", "--colors", "gray", "--out", folder / "gray")
+    assert (folder / "gray" / last).read_bytes() != (folder / "stress" / last).read_bytes()
     programs.refuses("view", programs.small_body(), "--paint", "szx2", "--out", folder / "x", says=["--paint", "szx2"])
     # At sites only the force is known.
     for sites in (words, ["view", programs.small_body(), "--out", folder / "x"]):

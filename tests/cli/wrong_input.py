@@ -297,6 +297,17 @@ def _(programs, folder):
     assert warning.startswith("warning: the body is ") and "larger than what the camera sees" in warning, result.stderr
 
 
+@case("a body that stands outside of the camera's picture is reported before the run, with its position")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=2)
+    words = base.live(programs, folder)
+    assert "does not see" not in programs.succeeds(*words).stderr
+    place = words.index("--place") + 1
+    result = programs.succeeds(*words[:place], "3 0 0.5 0 0 0", *words[place + 1:-1], folder / "beside")
+    warning = result.stderr.splitlines()[0]
+    assert warning.startswith("warning: the camera does not see where the body stands: 3 m to the right"), result.stderr
+
+
 @case("an export to a full disk says so, leaves what was there and ends in order")
 def _(programs, folder):
     body = programs.small_body()

@@ -80,10 +80,11 @@ std::string trouble_of(const std::vector<HeldOutTouch>& touches) {
 
 namespace {
 
-// Weights of the indicators, fitted to touches of the demo's bunny so that the fewest errors are
-// understated (docs/lab/touch.md). With a factor near 1 they mean: the whole penetration is missing
-// in the displacement, a fifth of what is beyond the linear displacement may be wrong, and more
-// than half of the cross terms, of which only the second order is known.
+// Weights of the three indicators in the error of the displacement. They were fitted to touches of
+// the demo's bunny so that few errors are understated (docs/lab/touch.md). The body's own factor
+// (error_scale) multiplies the sum. Where it is near 1, the error is the whole remaining
+// penetration, plus a fifth of the displacement's nonlinear part, plus 0.6 of its cross terms,
+// which are computed to second order only.
 constexpr double kOfEntry = 1.1, kOfBeyond = 0.2, kOfCross = 0.6;
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 namespace palpable {
 
-/// The colours of fields with one sign. In all but kRainbow, more is always lighter. The order is
-/// that of color_map.glsl.
+/// The colour scales for fields with one sign. In all but kRainbow a larger value is always
+/// lighter. The shader gets the number of the enumerator: keep the order of color_map.glsl.
 enum class ColorScale {
   kBlueYellow,  ///< steel blue, rose, yellow
   kViridis,     ///< violet, green, yellow (matplotlib's)

@@ -51,20 +51,16 @@ class ShortText {
   std::size_t size_ = 0;
 };
 
-// Whether all painted values would be written as 0, as of a body at rest: no mark, no "max 0.0".
-bool nothing_painted(const Legend& legend) {
-  constexpr double kWrittenAsZero = 0.05;
-  return std::abs(legend.present) < kWrittenAsZero &&
-         (!legend.two_sided || std::abs(legend.present_least) < kWrittenAsZero);
-}
-
-// Above the error: it is the reduced model's alone, without that of the camera.
+// Written above the error, which is that of the reduced model and leaves out the camera's.
 constexpr std::string_view kErrorTitle = "model error";
 
 // The lines below the bar.
 struct PresentText {
   explicit PresentText(const Legend& legend) : shown(!std::isnan(legend.present)) {
-    if (!shown || nothing_painted(legend)) return;
+    // At rest there would be "max 0.0" and a mark at 0, which say nothing.
+    const bool at_rest = is_written_as_zero(legend.present) &&
+                         (!legend.two_sided || is_written_as_zero(legend.present_least));
+    if (!shown || at_rest) return;
     print_value("max", legend.present, largest);
     if (legend.two_sided) print_value("min", legend.present_least, least);
     if (!(legend.stated_error > 0)) return;
@@ -82,10 +78,12 @@ struct PresentText {
   ShortText largest, least, error;
 
  private:
+  static bool is_written_as_zero(double value) { return std::abs(value) < 0.05; }  // one decimal
+
   static void print_value(std::string_view name, double value, ShortText& text) {
     const int digits = std::abs(value) < 10 ? 1 : 0;
     // A value that rounds to 0 is written without a sign.
-    text.print("{} {:.{}f}", name, std::abs(value) < 0.05 ? 0.0 : value, digits);
+    text.print("{} {:.{}f}", name, is_written_as_zero(value) ? 0.0 : value, digits);
   }
 };
 
@@ -264,7 +262,7 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   layout.bar_x = std::round(x + pad);
   layout.bar_y = std::round(y + pad + title.height() + unit.height() + layout.above_bar);
   draw_bar(picture, legend, layout, ticks);
-  if (present.shown && !nothing_painted(legend)) draw_marks(picture, legend, layout);
+  if (!present.largest.view().empty()) draw_marks(picture, legend, layout);
   if (!writes_present) return;
   float text_y = layout.bar_y + layout.bar_height + 12.0f * s;
   const auto write = [&](std::string_view line, Rgb ink) {

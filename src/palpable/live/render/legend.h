@@ -22,8 +22,9 @@ struct Legend {
   ColorScale colors = ColorScale::kBlueYellow;  ///< unless two-sided
   Rgb material = {};  ///< colour of the material below the scale's colours (color_map.h)
   float opaque = 0;   ///< share of the scale from which they cover it; 0: everywhere
-  /// The largest number painted at present, marked at the bar and written below it, unless
-  /// it rounds to 0; NaN: no room is left for it.
+  /// The largest value on the bodies now, in the legend's unit. The bar has a mark at it and the
+  /// number below; a value that would be written as 0.0 gets neither. NaN: the panel is shorter,
+  /// without lines for these numbers.
   double present = std::numeric_limits<double>::quiet_NaN();
   double present_least = std::numeric_limits<double>::quiet_NaN();  ///< the least, if two-sided
   double stated_error = 0;         ///< of the model, relative, 1 = 100 %; 0: not known

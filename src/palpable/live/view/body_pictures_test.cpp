@@ -35,6 +35,12 @@ TEST_CASE("presses are drawn under different names, and then on one sheet",
   CHECK(sheet.width() == 3 * 80 + 4 * 8);
   CHECK(sheet.height() == 2 * 48 + 3 * 8);
   CHECK_FALSE(std::equal(pictures[2].begin(), pictures[2].end(), pictures[4].begin()));
+  // Other colours: the pressed body looks different, the body at rest shows its material alone.
+  const std::vector<ColorImage> usual = pictures;
+  pictures.clear();
+  draw_presses(body, 4, 0.9, kPaints[0], ColorScale::kGray, kSize, keep);
+  CHECK(pictures[0] == usual[0]);
+  CHECK_FALSE(pictures[4] == usual[4]);
   names.clear();
   draw_presses(body, -1, 1.0, kPaints[0], ColorScale::kBlueYellow, kSize, keep);
   CHECK(names.size() == 7);

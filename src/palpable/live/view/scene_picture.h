@@ -27,8 +27,8 @@ namespace palpable {
 /// The depth of the deepest touch and the sum of their forces, with the site or the number of
 /// touches; "not touched" without any.
 [[nodiscard]] std::string caption_of(std::span<const Touch> touches);
-/// "model error ±2.1 %, stress ±7 %"; "> 100 %" for errors above 1. It is the error of the reduced
-/// model alone, without that of the camera.
+/// "model error ±2.1 %, stress ±7 %"; "> 100 %" for errors above 1. The error is that of the
+/// reduced model against full finite elements; the camera's is not in it.
 [[nodiscard]] std::string caption_of(const StatedError& error);
 /// The most urgent warning, with what the user can do: a lost camera, new surroundings, an obstacle
 /// that is not seen, or a trouble of the depth. Empty without any.

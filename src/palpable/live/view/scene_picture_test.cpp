@@ -2,6 +2,7 @@
 
 #include "palpable/live/session/frame_loop.h"
 #include "palpable/live/view/painted_stress.h"
+#include "palpable/live/view/show_names.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/seen_wall.h"
 #include "tests/support/test.h"
@@ -35,6 +36,21 @@ struct Pressed {
     scene.bodies.front().stated_error = StatedError{0.03, 0.12};
   }
 };
+
+TEST_CASE("a colour scale is chosen by its name, and every body gets it", "[view]") {
+  const auto named = [](const char* name) {
+    return value_named<ColorScale>(name, kColorScaleNames);
+  };
+  CHECK(named("blue-yellow") == ColorScale::kBlueYellow);
+  CHECK(named("viridis") == ColorScale::kViridis);
+  CHECK(named("rainbow") == ColorScale::kRainbow);
+  CHECK(named("gray") == ColorScale::kGray);
+  Pressed pressed;
+  SceneShow show;
+  show.colors = ColorScale::kViridis;
+  const SceneView& view = pressed.views.of(pressed.scene, pressed.loop.session, show);
+  CHECK(view.bodies.front().colors == ColorScale::kViridis);
+}
 
 TEST_CASE("stress, displacement or the material alone is painted", "[view]") {
   Pressed pressed;
