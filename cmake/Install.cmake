@@ -19,7 +19,8 @@ set_target_properties(palpable_library PROPERTIES
 install(TARGETS palpable_library EXPORT palpable
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libpalpable0 NAMELINK_COMPONENT libpalpable-dev
         INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES src/palpable/live/capi/palpable.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpable COMPONENT libpalpable-dev)
+install(FILES src/palpable/live/capi/palpable.h src/palpable/live/capi/hands.h
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpable COMPONENT libpalpable-dev)
 # In no package: each of these has a file `copyright` instead.
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT licence)
 

@@ -1,4 +1,4 @@
-# The four Debian packages, for tools/package.sh, which builds them into build/packages. Each holds the
+# The five Debian packages, for tools/package.sh, which builds them into build/packages. Each holds the
 # install component of its own name: apps/CMakeLists.txt and cmake/Install.cmake say what is in these, and
 # what only packages have is added here. docs/install.md is for those who install them.
 option(PALPABLE_PACKAGES "Offer the target package_contents, and cpack for Debian packages" OFF)
@@ -9,7 +9,7 @@ if(NOT CMAKE_INSTALL_PREFIX STREQUAL "/usr")
   message(FATAL_ERROR "packages are installed under /usr: configure with -DCMAKE_INSTALL_PREFIX=/usr (tools/package.sh)")
 endif()
 
-set(packages palpable palpable-bake libpalpable0 libpalpable-dev)
+set(packages palpable palpable-bake libpalpable0 libpalpable-dev python3-palpable)
 # Debian's revision: it counts packages of the same sources.
 set(PALPABLE_PACKAGE_VERSION ${PALPABLE_VERSION}-1)
 find_program(GZIP gzip REQUIRED)
@@ -26,6 +26,19 @@ add_custom_command(OUTPUT ${body}
   WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
   COMMENT "Baking the post that ships" VERBATIM)
 install(FILES ${body} DESTINATION ${CMAKE_INSTALL_DATADIR}/palpable/bodies COMPONENT palpable)
+
+# The core for web pages and its package for npm, as `npm pack` would take them. web/build.sh makes the core.
+install(FILES web/index.js web/core.js web/index.d.ts web/package.json web/README.md
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/palpable/npm COMPONENT palpable)
+install(FILES web/dist/palpable.wasm DESTINATION ${CMAKE_INSTALL_DATADIR}/palpable/npm/dist COMPONENT palpable)
+
+# The bundle of `palpable export --to page`, if it was built: web/build.sh, then npm --prefix web run page.
+install(DIRECTORY web/dist/page/ DESTINATION ${CMAKE_INSTALL_DATADIR}/palpable/web COMPONENT palpable OPTIONAL)
+
+# The Python package, where Debian's Python looks for those of packages. It finds the library by its name.
+# Elsewhere a wheel is made (docs/python.md).
+install(DIRECTORY python/palpable DESTINATION lib/python3/dist-packages COMPONENT python3-palpable
+        FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN __pycache__ EXCLUDE)
 
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/bodies)
 # Manual pages and completion: cmake/CommandReference.cmake.
@@ -57,6 +70,9 @@ file(WRITE ${control}/triggers "activate-noawait ldconfig\n")
 file(WRITE ${control}/shlibs "libpalpable ${PROJECT_VERSION_MAJOR} libpalpable0 (>= ${PALPABLE_VERSION})\n")
 set(CPACK_DEBIAN_LIBPALPABLE0_PACKAGE_CONTROL_EXTRA ${control}/triggers ${control}/shlibs)
 set(CPACK_DEBIAN_LIBPALPABLE0_PACKAGE_SHLIBDEPS OFF)
+# Python's modules are compiled at installation, and what was compiled is removed with them.
+set(CPACK_DEBIAN_PYTHON3-PALPABLE_PACKAGE_CONTROL_EXTRA
+    ${PROJECT_SOURCE_DIR}/packaging/python3-palpable/postinst ${PROJECT_SOURCE_DIR}/packaging/python3-palpable/prerm)
 set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/LibraryDepends.cmake)
 
 set(CPACK_GENERATOR DEB)
@@ -97,6 +113,11 @@ set(CPACK_DEBIAN_PALPABLE-BAKE_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_LIBPALPABLE0_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBPALPABLE-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBPALPABLE-DEV_PACKAGE_DEPENDS "libpalpable0 (= ${PALPABLE_PACKAGE_VERSION})")
+set(CPACK_DEBIAN_PYTHON3-PALPABLE_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON3-PALPABLE_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON3-PALPABLE_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_PYTHON3-PALPABLE_PACKAGE_DEPENDS "python3 (>= 3.11), python3-numpy, libpalpable0 (>= ${PALPABLE_VERSION})")
+set(CPACK_DEBIAN_PYTHON3-PALPABLE_PACKAGE_SUGGESTS "palpable-bake, python3-h5py, python3-matplotlib")
 
 # The first line is the synopsis. CPack would put the summary of the whole project before each, unless that
 # is its own default.
@@ -132,5 +153,12 @@ as the real material would.
 .
 This package has what a program needs to be built with libpalpable: its one
 header, in C, and the files for CMake and pkg-config.")
+set(CPACK_DEBIAN_PYTHON3-PALPABLE_DESCRIPTION "deformable bodies pressed by what a camera sees - Python package
+Palpable lets what a camera sees press virtual bodies of rubber, which give way
+as the real material would.
+.
+This package has the module palpable for Python: hands, capsules or images in,
+touches, forces, the deformed skin and its stress out, as NumPy arrays. With
+palpable-bake installed it makes bodies, too.")
 
 include(CPack)

@@ -14,8 +14,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# Dependencies that response and contact must not have, so that they can be compiled for a web page: threads, files, HDF5, OpenCV.
-PURE = ("response", "contact")
+# Dependencies that response, contact and things must not have, so that they can be compiled for a web page: threads, files, HDF5, OpenCV.
+PURE = ("response", "contact", "things")
 IMPURE = re.compile(r"(thread|mutex|atomic|condition_variable|future|fstream|filesystem|cstdio)$|hdf5|opencv2/"
                     r"|palpable/common/(body_file/|base/(parallel_work|child_process|whole_file|output_file))")
 

@@ -25,7 +25,7 @@ GROUPS = [
     ("Play", ["live", "replay", "scan", "view", "press", "inspect"]),
     ("Set up", ["doctor", "cameras", "calibrate"]),
     ("Bake", ["bake", "mesh", "merge", "reduce", "report", "compare", "solve"]),
-    ("Exchange", ["export", "import-modes", "import-snapshots"]),
+    ("Exchange", ["export", "import-modes", "import-snapshots", "hands", "serve"]),
     ("Evaluate", ["synth", "truth", "score", "bench", "reproduce"]),
 ]
 NAMES = [name for _, names in GROUPS for name in names]

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the four Debian packages: build/packages/*.deb. The programs are compiled as the preset release
+# Builds the five Debian packages: build/packages/*.deb. The programs are compiled as the preset release
 # does, without tests, in build/package; the post that ships is baked; cpack does the rest
 # (cmake/Packages.cmake). Idempotent: what is up to date is not made again.
 set -euo pipefail
@@ -14,9 +14,9 @@ case "${1:-}" in
     cat <<'TEXT'
 usage: tools/package.sh
 
-Builds the Debian packages palpable, palpable-bake, libpalpable0 and libpalpable-dev into build/packages,
+Builds the Debian packages palpable, palpable-bake, libpalpable0, libpalpable-dev and python3-palpable into build/packages,
 for the architecture of this machine, on Debian 12. Installs what it needs to build them (the lists
-tools/packages.txt and tools/packages-package.txt), unless PALPABLE_SETUP=skip.
+tools/packages.txt, tools/packages-package.txt and tools/packages-web.txt), unless PALPABLE_SETUP=skip.
 
 Then, on any Debian 12:
   apt install ./build/packages/*.deb
@@ -31,6 +31,7 @@ for tool in cmake ninja dpkg-shlibdeps file python3; do
   command -v "$tool" >/dev/null ||
     fail "$tool is missing: run tools/package.sh without PALPABLE_SETUP=skip, or install what tools/packages-package.txt lists"
 done
+web/build.sh
 [ -s build/meshes/post.off ] || python3 tools/make_post.py build/meshes/post.off
 
 # Files in the packages and manual pages bear the date of the last change in packaging/changelog.
@@ -50,8 +51,8 @@ cmake --build --preset package --target package_contents
 
 step "package"
 oldest=$(find build/packages -name '*.deb' -printf '%T@ %p\n' | sort -n | head -1 | cut -d' ' -f2)
-made_of=(build/package/{bin,lib,man,completion,generated,CPackConfig.cmake,bodies/post.palpable} packaging cmake)
-if [ "$(find build/packages -name '*.deb' | wc -l)" = 4 ] && [ -z "$(find "${made_of[@]}" -newer "$oldest" -print -quit)" ]; then
+made_of=(build/package/{bin,lib,man,completion,generated,CPackConfig.cmake,bodies/post.palpable} packaging cmake python web/{dist,index.js,core.js,index.d.ts,package.json,README.md})
+if [ "$(find build/packages -name '*.deb' | wc -l)" = 5 ] && [ -z "$(find "${made_of[@]}" -newer "$oldest" -print -quit)" ]; then
   echo "up to date"
   ls build/packages/*.deb
   exit 0

@@ -2,7 +2,7 @@
 # Installs what ./demo (or, with the word check, ./check) needs: Debian packages, the chart library of
 # the pages, and the bunny. With
 # check or bodies it also gets what the larger bodies of bodies/ are made of; with package or check what
-# tools/package.sh needs.
+# tools/package.sh and web/build.sh need.
 # Idempotent; silent and quick when all is there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -17,12 +17,15 @@ fail() { echo "palpable: $*" >&2; exit 1; }
 lists=(tools/packages.txt)
 case "${1:-}" in
   check) lists+=(tools/packages-check.txt tools/packages-package.txt) ;;
-  package) lists+=(tools/packages-package.txt) ;;
+  package) lists+=(tools/packages-package.txt tools/packages-web.txt) ;;
 esac
-missing=()
-while read -r package; do
-  dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")
-done < <(sed 's/#.*//; /^\s*$/d; s/\s//g' "${lists[@]}")
+missing_of() {  # of lists
+  local package
+  while read -r package; do
+    dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || echo "$package"
+  done < <(sed 's/#.*//; /^\s*$/d; s/\s//g' "$@")
+}
+mapfile -t missing < <(missing_of "${lists[@]}")
 
 # npm may be there without Debian's package (node's own); Debian's is large, so take what there is.
 if command -v npm >/dev/null; then
@@ -31,18 +34,25 @@ if command -v npm >/dev/null; then
   missing=("${kept[@]+"${kept[@]}"}")
 fi
 
-if [ "${#missing[@]}" -gt 0 ]; then
-  echo "Palpable needs ${#missing[@]} Debian packages that are not here:"
-  printf '  %s\n' "${missing[@]}"
-  as_root=()
+as_root=()
+install_packages() {
+  echo "Palpable needs $# Debian packages that are not here:"
+  printf '  %s\n' "$@"
   if [ "$(id -u)" != 0 ]; then
     command -v sudo >/dev/null || fail "run as root, or install sudo, so that the packages above can be installed"
     as_root=(sudo)
   fi
   "${as_root[@]}" apt-get update -q ||
     fail "the package lists cannot be fetched; is there a network?"
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" ||
-    fail "apt-get could not install the packages above"
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@"
+}
+[ "${#missing[@]}" = 0 ] || install_packages "${missing[@]}" || fail "apt-get could not install the packages above"
+
+# The compiler for web pages is large (805 MB): where it cannot be installed, ./check skips the tests of web/.
+if [ "${1:-}" = check ]; then
+  mapfile -t missing < <(missing_of tools/packages-web.txt)
+  [ "${#missing[@]}" = 0 ] || (install_packages "${missing[@]}") ||
+    echo "palpable: apt-get could not install the packages above; the tests of web/ will be skipped" >&2
 fi
 
 # uPlot (MIT), the charts of the pages that `palpable report` writes: two files, compiled in.

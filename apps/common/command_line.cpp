@@ -11,7 +11,7 @@
 #include "palpable/common/base/this_machine.h"
 
 #include <CLI/CLI.hpp>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
@@ -174,7 +174,8 @@ std::string why_no_length(const std::string& text, LengthRange range) {
   const std::optional<double> metres = to_quantity(text, Quantity::kLength);
   if (!metres) {
     return to_number(text) ? why_no_unit(text, range)
-                           : fmt::format("'{}' is no length, such as 7mm", text);
+                           : fmt::format("'{}' is no length, such as 7mm; its units are {}", text,
+                                         fmt::join(length_unit_names(), ", "));
   }
   if (is_in(range, *metres)) return {};
   return fmt::format("{} is not between {} and {}", text, length_text(range.least),
@@ -202,10 +203,12 @@ BenchCall::BenchCall(int count, char** words) : name("palpable bench"), argc(cou
 void print_error(std::string_view message) {
   std::string line;
   for (const char c : message) {
+    // A message quotes words of files, which must not steer the terminal.
+    const bool steers = (c >= '\0' && c < ' ') || c == '\x7f';
     if (c == '\n') {
       line += "; ";
     } else {
-      line += c;
+      line += steers ? '?' : c;
     }
   }
   while (line.ends_with("; ")) line.resize(line.size() - 2);

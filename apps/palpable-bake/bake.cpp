@@ -1,6 +1,7 @@
 // palpable bake BODY.toml -o bunny.palpable
 
 #include "apps/common/command_line.h"
+#include "apps/common/interruption.h"
 #include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
@@ -8,11 +9,15 @@
 #include "apps/palpable-bake/description_argument.h"
 #include "palpable/bake/campaign/crew.h"
 #include "palpable/bake/campaign/solid_file.h"
+#include "palpable/bake/describe/material_warnings.h"
 #include "palpable/bake/pipeline/bake_counts.h"
 #include "palpable/bake/pipeline/bake_estimate.h"
 #include "palpable/bake/pipeline/bake_to_file.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/file_format.h"
+#include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/base/text_numbers.h"
 
 #include <fmt/format.h>
@@ -43,6 +48,7 @@ struct BakeOptions {
   int threads = 0;
   bool held_out = false;
   bool no_touch = false;
+  bool overwrite = false;
   std::string until;
   FileOptions file;
   bool estimate = false;
@@ -136,15 +142,18 @@ void print_parameters(const SnapshotStore& store, const ReducedBody& body,
 }
 
 // Shortens the description to the stages up to --until. Their results are kept with the snapshots,
-// so that a later complete bake continues from there.
-void shorten(const std::string& until, BodyDescription& description) {
-  if (until.empty()) return;
+// so that a later complete bake continues from there. @return the stage of the body file then
+BodyStage shorten(const std::string& until, BodyDescription& description) {
+  if (until.empty()) return BodyStage::kFinished;
   using Tables = BodyDescription::Touch::Tables;
   if (description.touch.tables == Tables::kNone) {
     throw Error("--until linear: this body has no tables of touch, so it is done without");
   }
+  const bool is_whole =
+      description.touch.tables == Tables::kLinear && description.touch.held_out == 0;
   description.touch.tables = Tables::kLinear;
   description.touch.held_out = 0;
+  return is_whole ? BodyStage::kFinished : BodyStage::kLinear;
 }
 
 // What a campaign is made with. Reads and checks the options that only a campaign has.
@@ -154,6 +163,7 @@ FillSettings campaign_settings(const BakeOptions& options,
       .threads = options.threads,
       .store = store_of(options),
       .solver = options.solver == "calculix" ? FeSolver::kCalculix : FeSolver::kOwn};
+  require_folder_name(settings.store);
   guard_output_folder(settings.store, inputs);
   refuse_among_snapshots(options.output, settings.store);
   if (!options.shard.empty()) read_shard(options.shard, settings);
@@ -177,14 +187,20 @@ Json baked_json(const BakedFile& baked, const BakeOptions& options, Clock::time_
   return result;
 }
 
+struct WantedBody {
+  BodyDescription description;
+  BodyStage last_stage = BodyStage::kFinished;
+};
+
 // The description with what options leave out of it.
-BodyDescription wanted_body(const BakeOptions& options) {
-  BodyDescription description = read_description(options.description);
+WantedBody wanted_body(const BakeOptions& options) {
+  WantedBody wanted{read_description(options.description)};
   if (options.no_touch) {
-    description.touch = {.tables = BodyDescription::Touch::Tables::kNone, .by_default = false};
+    wanted.description.touch = {.tables = BodyDescription::Touch::Tables::kNone,
+                                .by_default = false};
   }
-  shorten(options.until, description);
-  return description;
+  wanted.last_stage = shorten(options.until, wanted.description);
+  return wanted;
 }
 
 BakeToFileSettings settings_of(const BakeOptions& options, const std::string& command_line) {
@@ -206,9 +222,10 @@ void estimate(const BakeOptions& options, Crew& crew) {
   if (options.solver != "own") {
     throw Error("--estimate knows this project's own solver only, not --solver calculix");
   }
-  const BodyDescription description = wanted_body(options);
+  const BodyDescription description = wanted_body(options).description;
   print_size(description);
   BakeToFileSettings settings = settings_of(options, {});
+  expect_values(description, settings.reduction.at);
   if (!options.shard.empty()) read_shard(options.shard, settings.fill);
   ProgressBar bar;
   const CountedBake counted = count_bake(description, settings, bar.progress());
@@ -222,7 +239,22 @@ void estimate(const BakeOptions& options, Crew& crew) {
   }
 }
 
-void print_baked(const BakedFile& baked, const BakeOptions& options, Clock::time_point begin) {
+// What full loads came to, and where they hardly move the body, with the stiffness in words.
+void print_full_load(const BakedFile& baked, const BodyDescription& description) {
+  print_text("{}\n", full_press_text(description, baked.press));
+  if (const auto text = hardly_moves_text(description, baked.movement)) print_text("{}\n", *text);
+}
+
+// A warning, which is on stderr also with --json.
+void warn_of_absurd_press(const BakedFile& baked, const BodyDescription& description) {
+  if (!baked.body) return;
+  if (const auto text = absurd_press_text(description, baked.press)) {
+    fmt::print(stderr, "warning: {}: {}\n", description.source.string(), *text);
+  }
+}
+
+void print_baked(const BakedFile& baked, const BodyDescription& description,
+                 const BakeOptions& options, Clock::time_point begin) {
   if (options.json) {
     print_json(baked_json(baked, options, begin));
   } else if (baked.body) {
@@ -234,11 +266,26 @@ void print_baked(const BakedFile& baked, const BakeOptions& options, Clock::time
       print_text("stopped after the linear tables: the same command without --until goes on\n");
     }
     print_parameters(baked.campaign->store, baked.body->body, options.output);
+    print_full_load(baked, description);
   } else if (baked.campaign) {
     print_shard(*baked.campaign);
   } else {
     print_intrusive(*baked.intrusive, baked.touch, options.output);
+    print_full_load(baked, description);
   }
+}
+
+// What is printed when the user ends the bake.
+// @param there  the stage of the body file before it
+std::string text_at_interruption(const BakeOptions& options, const BakeToFileSettings& settings,
+                                 std::optional<BodyStage> there, const std::string& command_line) {
+  const std::string file =
+      there == BodyStage::kFinished ? fmt::format(", and {} is as it was", options.output) : "";
+  if (!settings.with_campaign) {
+    return fmt::format("stopped{}; a bake without a campaign begins anew: {}", file, command_line);
+  }
+  return fmt::format("stopped; what is done is kept in {}{}; this goes on with it: {}",
+                     settings.fill.store.string(), file, command_line);
 }
 
 void bake(const BakeOptions& options, const std::string& command_line, Crew& crew) {
@@ -246,23 +293,45 @@ void bake(const BakeOptions& options, const std::string& command_line, Crew& cre
   if (options.output.empty())
     throw Error(
         "--out is required, or --estimate for what the bake would take, see palpable bake --help");
-  const BodyDescription description = wanted_body(options);
+  const auto [description, last_stage] = wanted_body(options);
   const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
   guard_output_file(options.output, inputs);
   if (options.intrusive) guard_output_file(solid_file_of(options.output), inputs);
   if (crew.leads()) print_size(description);
   BakeToFileSettings settings = settings_of(options, command_line);
   if (settings.with_campaign) {
+    expect_values(description, settings.reduction.at);
     settings.fill = campaign_settings(options, inputs);
   } else if (crew.leads()) {
     refuse_campaign_options(options);
   }
+  require_ending(options.output, {kBodyFileEnding}, "a body file");
+  guard_format(options.output, FileFormat::kBody);
+  settings.last_stage = last_stage;
+  settings.overwrite = options.overwrite;
+  const bool writes = settings.fill.shards == 1;
+  std::optional<OutputLock> lock;
+  if (crew.leads() && writes) lock.emplace(options.output);
+  if (writes && !options.overwrite) {
+    expect_no_later_stage(options.output, last_stage);
+    if (!makes_tables(description, settings.with_campaign))
+      expect_no_lost_tables(options.output, description.name);
+  }
+  const std::optional<BodyStage> there =
+      crew.leads() && writes ? stage_of_file(options.output) : std::nullopt;
+  if (there == BodyStage::kFinished) {
+    print_note("{}: stays as it is until this bake is finished", options.output);
+  }
+  const InterruptionNote note(
+      crew.leads() ? text_at_interruption(options, settings, there, command_line) : "",
+      lock ? lock_beside(options.output).string() : "");
   ProgressBar bar;
   const std::optional<BakedFile> baked =
       bake_to_file(description, settings, crew, crew.leads() ? bar.progress() : Progress{});
   if (!baked) return;
   bar.finish();
-  print_baked(*baked, options, begin);
+  print_baked(*baked, description, options, begin);
+  warn_of_absurd_press(*baked, description);
 }
 
 }  // namespace
@@ -313,6 +382,7 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
       .show_default();
   add_value_option(command, options->set);
   add_file_options(command, options->file);
+  add_overwrite(command, options->overwrite);
   command.add_json(options->json);
   command.footer(
       "A bake that was stopped goes on where it was when the same command is run again.\n"

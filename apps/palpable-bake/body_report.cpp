@@ -4,6 +4,7 @@
 #include "apps/common/printing.h"
 #include "palpable/bake/describe/body_mesh.h"
 #include "palpable/bake/describe/body_size.h"
+#include "palpable/bake/describe/material_warnings.h"
 #include "palpable/bake/pipeline/baked_text.h"
 #include "palpable/common/base/progress.h"
 #include "palpable/common/base/text_numbers.h"
@@ -13,6 +14,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <system_error>
 
 namespace palpable::app {
@@ -25,15 +27,36 @@ void add_file_options(Command command, FileOptions& options) {
                    "Keep modes in half precision: half the bytes; the loss is printed");
 }
 
+void add_overwrite(Command command, bool& overwrite) {
+  command.add_flag("--overwrite", overwrite,
+                   "Replace a finished body by one that has less, such as one without tables of "
+                   "touch");
+}
+
 void print_size(const BodyDescription& description) {
-  const Eigen::Vector3d size = size_of_body(description);
+  std::string repair;
+  const Eigen::Vector3d size = size_of_body(description, &repair);
   print_note("{}: {}", description.name, size_text(size));
+  if (!repair.empty()) print_note("{}: {}", description.shape.file.string(), repair);
   if (const auto warning = size_warning(description.shape, size)) {
     fmt::print(stderr, "warning: {}\n", *warning);
   }
   if (const auto warning = wrap_warning(description.shape)) {
     fmt::print(stderr, "warning: {}\n", *warning);
   }
+  print_material_warnings(description);
+}
+
+void print_material_warnings(const BodyDescription& description) {
+  for (const std::string& warning : material_warnings(description)) {
+    fmt::print(stderr, "warning: {}\n", warning);
+  }
+}
+
+std::string millimetres(double metres) {
+  const double mm = 1e3 * metres;
+  return mm == 0.0 || std::abs(mm) >= 0.01 ? fmt::format("{:.3f} mm", mm)
+                                           : fmt::format("{:.3g} mm", mm);
 }
 
 void print_body_report(const BakedBody& baked, const std::string& output, double seconds) {

@@ -27,9 +27,19 @@ struct FileOptions {
 /// @param options  must outlive `command`
 void add_file_options(Command command, FileOptions& options);
 
-/// Prints the body's name and size before work that takes minutes. An implausible size is followed
-/// by a warning on stderr with the probable unit.
+/// Adds --overwrite: replace a body that has tables of touch by one without.
+void add_overwrite(Command command, bool& overwrite);
+
+/// Prints the body's name and size before work that takes minutes, and warnings on stderr: of an
+/// implausible size with the probable unit, of cavities that a wrap fills, of materials
+/// (material_warnings.h).
 void print_size(const BodyDescription& description);
+
+/// The warnings of material_warnings.h, on stderr.
+void print_material_warnings(const BodyDescription& description);
+
+/// A displacement in mm: three decimals, or as many digits where those would be 0.000.
+[[nodiscard]] std::string millimetres(double metres);
 
 /// Prints errors for each number of modes, sites with too large errors, sizes, and the file.
 /// @param seconds  since the command began

@@ -9,7 +9,9 @@
 #include "palpable/bake/exchange/web_page.h"
 #include "palpable/bake/pipeline/compare_methods.h"
 #include "palpable/bake/separate/reduction.h"
+#include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/base/this_machine.h"
 
@@ -44,6 +46,10 @@ void add_inputs(const CompareOptions& options, MethodPage& page) {
     } else {
       bodies.emplace_back(input);
     }
+  }
+  if (stores.empty() && !settings.at.empty()) {
+    throw Error(fmt::format("--set {}: is of snapshots, and there are none among the inputs",
+                            options.set.front()));
   }
   for (const fs::path& body : bodies) add_body(body, page);
   for (const SnapshotStore& store : stores) {
@@ -81,6 +87,7 @@ void compare(const CompareOptions& options, const std::string& command_line) {
   for (const fs::path& output : {fs::path(options.output), table}) {
     guard_output_file(output, inputs);
   }
+  require_ending(options.output, {".html", ".htm"}, "an HTML page");
   MethodPage page;
   page.title = "Methods of reduction, side by side";
   add_inputs(options, page);

@@ -2,9 +2,14 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/printing.h"
+#include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/exchange/foreign_modes.h"
+#include "palpable/bake/pipeline/bake_to_file.h"
+#include "palpable/bake/pipeline/import_figures.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/body_file/body_facts.h"
 #include "palpable/common/body_file/body_file.h"
 
@@ -20,11 +25,15 @@ namespace {
 struct ImportModesOptions {
   std::string input, output;
   bool json = false;
+  bool overwrite = false;
   ImportSettings settings;
 };
 
 void import_modes(ImportModesOptions options, const std::string& command_line) {
   guard_output_file(options.output, {options.input});
+  require_ending(options.output, {kBodyFileEnding}, "a body file");
+  guard_format(options.output, FileFormat::kBody);
+  if (!options.overwrite) expect_no_lost_tables(options.output);
   const bool folder = std::filesystem::is_directory(options.input);
   const ForeignModes modes = folder ? read_numpy_modes(options.input) : read_pxdmf(options.input);
   options.settings.source = options.input;
@@ -35,6 +44,10 @@ void import_modes(ImportModesOptions options, const std::string& command_line) {
       .program = std::string("palpable ") + PALPABLE_VERSION,
       .command_line = command_line};
   const ReducedBody body = body_of_modes(modes, options.settings);
+  const ImportedFigures figures = figures_of(body, !modes.site_vertices.empty());
+  for (const std::string& warning : import_warnings(figures)) {
+    fmt::print(stderr, "warning: {}: {}\n", options.input, warning);
+  }
   write_body_file(options.output, body);
   if (options.json) {
     print_json(json_of(body));
@@ -45,6 +58,7 @@ void import_modes(ImportModesOptions options, const std::string& command_line) {
       "palpable view {}\n",
       options.output, body.sites.size(), body.levels().size() - 1, body.displacement.mode_count(),
       modes.stress ? body.stress.mode_count() : 0, options.output);
+  print_text("{}\n", figures_text(figures));
 }
 
 }  // namespace
@@ -66,6 +80,7 @@ void add_import_modes(Command app, const std::string& command_line) {
       .show_default();
   command.add_option("--level-parameter", options->settings.level, "The parameter that is the load")
       .show_default();
+  add_overwrite(command, options->overwrite);
   command.add_json(options->json);
   command.footer(
       "docs/exchange.md says what is read, and how what a file does not say is found.\n"

@@ -7,6 +7,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 
 #include <fmt/format.h>
 
@@ -24,12 +25,14 @@ struct ImportSnapshotsOptions {
 };
 
 void take_over_snapshots(const ImportSnapshotsOptions& options) {
+  require_folder_name(options.output);
   guard_output_folder(options.output, {options.folder, options.manifest});
   const ImportManifest manifest = read_import_manifest(options.manifest);
   ProgressBar bar;
-  const auto [store, aside] =
+  const auto [store, aside, stress] =
       import_snapshots(options.folder, manifest, options.output, bar.progress());
   bar.finish();
+  if (stress.is_warning) fmt::print(stderr, "warning: {}: {}\n", options.manifest, stress.text);
   if (options.json) {
     Json names = Json::array();
     for (const StoredField& field : store.content().fields) names.push_back(field.name);
@@ -44,6 +47,7 @@ void take_over_snapshots(const ImportSnapshotsOptions& options) {
   print_text("{}: {} sites x {} levels,{}; make a body of them with: palpable reduce {} -o FILE\n",
              options.output, store.content().unit_count(), store.content().level_count(), fields,
              options.output);
+  if (!stress.is_warning) print_text("{}\n", stress.text);
   if (aside) print_text("{}\n", set_aside_text(options.output, *aside));
 }
 

@@ -1,6 +1,7 @@
 // palpable-bake: the offline half. Users start it through `palpable mesh` and `palpable bake`.
 
 #include "apps/common/command_line.h"
+#include "apps/common/interruption.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/processor_kernels.h"
 #include "palpable/bake/campaign/crew.h"
@@ -34,7 +35,7 @@ int run(int argc, char** argv) {
       "Each command explains itself: palpable bake --help\n"
       "Example: palpable bake bodies/bunny-demo.toml -o bunny.palpable");
   std::string command_line = name;
-  for (int i = 1; i < argc; ++i) command_line += std::string(" ") + argv[i];
+  for (int i = 1; i < argc; ++i) command_line += " " + quoted_for_shell(argv[i]);
 
   add_mesh(app);
   add_bake(app, command_line, crew);

@@ -6,6 +6,7 @@
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/campaign/merge_stores.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 
 #include <fmt/format.h>
 
@@ -23,6 +24,7 @@ struct MergeOptions {
 };
 
 void merge(const MergeOptions& options) {
+  require_folder_name(options.output);
   guard_output_folder(options.output, {});  // the output may be one of the parts
   ProgressBar bar;
   const auto [merged, aside] =

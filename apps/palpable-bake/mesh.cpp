@@ -7,18 +7,23 @@
 #include "palpable/bake/describe/body_mesh.h"
 #include "palpable/bake/describe/body_size.h"
 #include "palpable/bake/mesh/mesh_limits.h"
-#include "palpable/bake/mesh/msh_file.h"
 #include "palpable/bake/mesh/remesh.h"
 #include "palpable/bake/mesh/tetrahedralise.h"
+#include "palpable/bake/pipeline/mesh_output.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
+#include "palpable/common/base/quantity.h"
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/common/geometry/size_text.h"
 #include "palpable/common/geometry/surface_mesh.h"
+#include "palpable/common/geometry/surface_repair.h"
 
 #include <fmt/core.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,8 +42,7 @@ struct MeshCommandOptions {
 
 // Printed before meshing: a wrong unit costs minutes and gigabytes.
 void print_mesh_size(const MeshCommandOptions& options, const SurfaceMesh& surface, double unit) {
-  const Eigen::Vector3d size =
-      surface.vertices.rowwise().maxCoeff() - surface.vertices.rowwise().minCoeff();
+  const Eigen::Vector3d size = extent_of(surface.vertices);
   print_note("{}: {}", options.surface, size_text(size));
   const auto given = options.height ? std::nullopt : std::optional(unit);
   require_possible_size(size, given, "--unit {}", options.surface);
@@ -47,12 +51,14 @@ void print_mesh_size(const MeshCommandOptions& options, const SurfaceMesh& surfa
   }
 }
 
-// The surface in m; it is moved only if --height or --up is given.
+// The surface, repaired, in m; it is moved only if --height or --up is given.
 SurfaceMesh placed_surface(const MeshCommandOptions& options) {
   SurfaceMesh surface = value_or_throw(read_surface_file(options.surface));
   require_no_stray(surface.vertices, options.surface);
+  const std::string repair = repair_surface(surface).describe();
+  if (!repair.empty()) print_note("{}: {}", options.surface, repair);
   require_solid_surface(surface, options.surface);
-  const double unit = options.unit == "mm" ? 1e-3 : options.unit == "cm" ? 1e-2 : 1.0;
+  const double unit = length_unit(options.unit.empty() ? "m" : options.unit).value();
   surface.vertices *= unit;
   if (options.height || options.up != "z") {
     const UpAxis up = options.up == "x" ? UpAxis::kX : options.up == "y" ? UpAxis::kY : UpAxis::kZ;
@@ -62,8 +68,15 @@ SurfaceMesh placed_surface(const MeshCommandOptions& options) {
   return surface;
 }
 
+FileFormat mesh_format(const std::filesystem::path& output) {
+  if (output.extension() == ".msh") return FileFormat::kGmsh;
+  return output.extension() == ".inp" ? FileFormat::kDeck : FileFormat::kXml;
+}
+
 void mesh(const MeshCommandOptions& options) {
   guard_output_file(options.output, {options.surface});
+  require_ending(options.output, {kMeshEndings.begin(), kMeshEndings.end()}, "a volume mesh");
+  guard_format(options.output, mesh_format(options.output));
   if (options.height && !options.unit.empty()) {
     throw Error(
         "--unit says what lengths in the file are, and --height scales them anew: leave "
@@ -80,7 +93,7 @@ void mesh(const MeshCommandOptions& options) {
   report(progress, {"meshing", 0.0, 1.0, "tetrahedra"});
   TetMesh volume = tetrahedralise(surface, options.surface);
   if (options.order == 2) volume = with_edge_nodes(volume);
-  write_msh_file(options.output, volume);
+  write_volume_file(options.output, volume);
   report(progress, {"meshing", 1.0, 1.0, "written"});
   bar.finish();
   const TetQuality quality = quality_of(volume);
@@ -110,7 +123,11 @@ void add_mesh(Command app) {
   const auto options = std::make_shared<MeshCommandOptions>();
   Command command = app.add_subcommand("mesh", "Fill a watertight surface with tetrahedra");
   command.add_option("surface", options->surface, "Surface: .stl .ply .obj .3ds .off").required();
-  command.add_option("-o,--out", options->output, "Gmsh file (.msh, ASCII) to write")
+  command
+      .add_option(
+          "-o,--out", options->output,
+          "Mesh to write, in the format of its name: .msh (Gmsh, ASCII), .vtu (VTK) or .inp "
+          "(Abaqus, CalculiX)")
       .required()
       .type_name("FILE");
   command
@@ -122,7 +139,7 @@ void add_mesh(Command app) {
                   "Scale the surface to this height and stand it on Z = 0", {1e-6, 1e3})
       .default_is("as it is");
   command.add_option("--unit", options->unit, "The unit of lengths in the surface's file")
-      .one_of({"m", "cm", "mm"})
+      .one_of(length_unit_names())
       .default_is("m");
   command.add_option("--up", options->up, "Axis of the file that points up")
       .one_of({"x", "y", "z"})

@@ -6,10 +6,13 @@
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/pipeline/bake_body.h"
+#include "palpable/bake/pipeline/bake_to_file.h"
 #include "palpable/bake/pipeline/bake_touch.h"
 #include "palpable/bake/separate/sparse_pgd.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/body_file/touch_text.h"
@@ -37,6 +40,7 @@ struct ReduceOptions {
   std::uint64_t seed = 0;  // 0: not given
   std::vector<std::string> set;
   bool json = false;
+  bool overwrite = false;
   FileOptions file;
 };
 
@@ -64,6 +68,8 @@ void set_method(const ReduceOptions& options, ReduceSettings& settings) {
 
 void reduce(const ReduceOptions& options, const std::string& command_line) {
   guard_output_file(options.output, {options.store});
+  require_ending(options.output, {kBodyFileEnding}, "a body file");
+  guard_format(options.output, FileFormat::kBody);
   const auto begin = std::chrono::steady_clock::now();
   ReduceSettings settings{.at = parse_settings(options.set),
                           .volume = options.file.volume,
@@ -74,12 +80,18 @@ void reduce(const ReduceOptions& options, const std::string& command_line) {
   if (options.tolerance > 0.0) settings.tolerance = options.tolerance;
   if (options.max_modes > 0) settings.max_modes = options.max_modes;
   const SnapshotStore store = SnapshotStore::open(options.store);
+  const BodyStage stage = kept_touch_stage(store);
+  const std::optional<TouchTables> touch = kept_touch_tables(store);
+  if (!options.overwrite) {
+    expect_no_later_stage(options.output, stage);
+    if (!touch) expect_no_lost_tables(options.output);
+  }
   ProgressBar bar;
   BakedBody baked = reduce_store(store, settings, bar.progress());
   bar.finish();
-  const std::optional<TouchTables> touch = kept_touch_tables(store);
   if (touch) {
     baked.body.provenance.touch = touch_line(*touch);
+    baked.body.provenance.stage = stage;
     baked.body.error =
         write_touchable_body(options.output, baked.body, *touch, options.file.storage());
   } else {
@@ -144,6 +156,7 @@ void add_reduce(Command app, const std::string& command_line) {
       .default_is("1");
   add_value_option(command, options->set);
   add_file_options(command, options->file);
+  add_overwrite(command, options->overwrite);
   command.add_json(options->json);
   command.footer(
       "Example: palpable reduce bunny.snapshots --method pgd --tolerance 1e-3 -o bunny.palpable");

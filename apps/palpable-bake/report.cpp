@@ -7,6 +7,7 @@
 #include "palpable/bake/exchange/web_page.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/base/this_machine.h"
 #include "palpable/common/body_file/body_facts.h"
 #include "palpable/common/body_file/touch_file.h"
@@ -35,6 +36,7 @@ void report(const ReportOptions& options) {
                             : fs::path(options.output);
   const fs::path table = table_beside(page);
   for (const fs::path& output : {page, table}) guard_output_file(output, {options.body});
+  require_ending(page, {".html", ".htm"}, "an HTML page");
   const auto [body, touch, modal] = value_or_throw(read_body_and_touch(options.body));
   BodyPageFacts facts{.file = fs::path(options.body).filename().string(),
                       .file_bytes = fs::file_size(options.body),

@@ -12,6 +12,7 @@
 #include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/base/progress.h"
 #include "palpable/common/base/this_machine.h"
 
@@ -80,6 +81,7 @@ Json result_of(const std::string& what, const std::vector<PaperFigure>& figures,
 void reproduce(const ReproduceOptions& options) {
   expect_gnuplot();
   const fs::path root = project_root();
+  require_folder_name(options.out);
   make_folder(options.out);
   const fs::path out = fs::canonical(options.out);
   const FolderLock lock(out);

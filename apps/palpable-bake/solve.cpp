@@ -8,12 +8,16 @@
 #include "apps/palpable-bake/solve_obstacle.h"
 #include "palpable/bake/campaign/press_solver.h"
 #include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/describe/material_warnings.h"
 #include "palpable/bake/pipeline/state_file.h"
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/bake/solid/solve_tables.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/base/progress.h"
+#include "palpable/common/geometry/size_text.h"
 
 #include <fmt/core.h>
 
@@ -47,11 +51,16 @@ std::vector<double> levels_to(double level, int count) {
   return levels;
 }
 
-BodyProblem posed(const SolveOptions& options, BodyDescription& description) {
+BodyDescription wanted_description(const SolveOptions& options) {
+  BodyDescription description = read_description(options.description);
   if (options.order > 0) {
     description.shape.order = options.order;
     description.shape.order_place = "--order";
   }
+  return description;
+}
+
+BodyProblem posed(const SolveOptions& options, const BodyDescription& description) {
   BodyProblem problem = pose_body(description);
   if (options.site >= static_cast<int>(problem.sites.size())) {
     throw Error(fmt::format("{}: there is no site {}; the body has 0 to {}", options.description,
@@ -76,12 +85,17 @@ void print_problem(const BodyDescription& description, const BodyProblem& proble
              site.direction[2]);
 }
 
-// N: the force of the description, or the force that presses to the depth of the description.
-double find_full_load(const SolveOptions& options, const BodyProblem& problem,
-                      const PressSolver& presses, const Eigen::Matrix3Xd& unit) {
+struct FullLoad {
+  double load = 0;        // N
+  std::string shortfall;  // why it is less than what the description asks for; empty: it is not
+};
+
+// The force of the description, or the force that presses to the depth of the description.
+FullLoad find_full_load(const SolveOptions& options, const BodyProblem& problem,
+                        const PressSolver& presses, const Eigen::Matrix3Xd& unit) {
   if (problem.force > 0.0) {
     print_text("level 1 is {:.4g} N\n\n", problem.force);
-    return problem.force;
+    return {problem.force, {}};
   }
   const LoadSearch search = presses.find_load(unit, problem.press);
   if (!(search.load > 0.0)) {
@@ -90,27 +104,52 @@ double find_full_load(const SolveOptions& options, const BodyProblem& problem,
   }
   print_text("level 1 is {:.4g} N, which press it in by {:.3f} mm{}{}\n\n", search.load,
              1e3 * search.press, search.reached ? "" : ": ", search.why_stopped);
-  return search.load;
+  return {search.load, search.reached ? std::string() : search.why_stopped};
 }
 
 // Prints the equilibrium path. @throws Error when not even the first level was reached
-void print_path(const SolveOptions& options, const BodyProblem& problem, const PathResult& path,
-                const Eigen::Matrix3Xd& unit, const PressSolver& presses) {
+void print_path(const SolveOptions& options, const BodyDescription& description,
+                const BodyProblem& problem, const PathResult& path, const Eigen::Matrix3Xd& unit,
+                const PressSolver& presses) {
   print_text("{}\n", path_table(path, unit, presses.rest()));
   if (path.steps.empty()) {
-    throw Error(fmt::format("{}: {}: {}", options.description, site_text(problem, options.site),
-                            path.why_stopped));
+    throw Error(fmt::format("{}: {}: {}. Young's modulus is {}", options.description,
+                            site_text(problem, options.site), path.why_stopped,
+                            young_words(description)));
   }
-  if (!path.complete) print_text("{}\n", path.why_stopped);
+}
+
+// Says where a body hardly moves. @throws Error where less was reached than was asked for
+void say_how_it_ended(const SolveOptions& options, const BodyDescription& description,
+                      const PressSolver& presses, const FullLoad& full, const PathResult& path,
+                      double mises) {
+  const Equilibrium& last = path.steps.back();
+  const std::string& why = path.complete ? full.shortfall : path.why_stopped;
+  if (!why.empty()) {
+    throw Error(fmt::format(
+        "{}: not the press that was asked for: {}. Young's modulus is {}; {} holds the last "
+        "state that was reached, {:.4g} N",
+        options.description, why, young_words(description), options.output,
+        last.level * full.load));
+  }
+  const Eigen::Matrix3Xd& X = presses.solver().model().mesh.nodes;
+  const Movement movement{(last.displacement - presses.rest()).colwise().norm().maxCoeff(),
+                          extent_of(X).maxCoeff(), last.level * full.load};
+  if (const auto text = hardly_moves_text(description, movement)) print_text("{}\n", *text);
+  const FullPress press{last.level * full.load, mises};
+  if (const auto text = absurd_press_text(description, press)) {
+    fmt::print(stderr, "warning: {}: {}\n", options.description, *text);
+  }
 }
 
 // The body under the loads that act before it is pressed.
-PressSolver preloaded(const SolveOptions& options, const EquilibriumSolver& solver,
-                      const BodyProblem& problem) {
+PressSolver preloaded(const SolveOptions& options, const BodyDescription& description,
+                      const EquilibriumSolver& solver, const BodyProblem& problem) {
   try {
-    return PressSolver(solver, problem.preload);
+    return PressSolver(solver, problem.preload, problem.press_range);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", options.description, error.what()));
+    throw Error(fmt::format("{}: {}; it is {}", options.description, error.what(),
+                            preload_words(description)));
   }
 }
 
@@ -125,12 +164,14 @@ std::vector<std::filesystem::path> inputs_of(const SolveOptions& options,
 
 void solve(const SolveOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  BodyDescription description = read_description(options.description);
+  const BodyDescription description = wanted_description(options);
   guard_output_file(options.output, inputs_of(options, description));
+  require_ending(options.output, {".vtu"}, "a VTK grid");
+  guard_format(options.output, FileFormat::kXml);
   print_size(description);
   const BodyProblem problem = posed(options, description);
   const EquilibriumSolver solver(problem.model);
-  const PressSolver presses = preloaded(options, solver, problem);
+  const PressSolver presses = preloaded(options, description, solver, problem);
   if (options.obstacle.obstacles.empty() && !options.obstacle.pose_file.empty()) {
     throw Error("--poses: says where an --obstacle goes; there is none");
   }
@@ -139,36 +180,39 @@ void solve(const SolveOptions& options) {
     return;
   }
   refuse_press_through(description, problem);
+  refuse_beyond_range(description, problem);
   print_problem(description, problem, presses, options.site);
   const Eigen::Matrix3Xd unit = unit_load(problem.sites[options.site], problem.mesh.boundary,
                                           problem.model.mesh.node_count());
-  const double full_load = find_full_load(options, problem, presses, unit);
+  const FullLoad full = find_full_load(options, problem, presses, unit);
   const PathResult path =
-      presses.solve_path(full_load * unit, levels_to(options.level, description.press.levels));
-  print_path(options, problem, path, unit, presses);
+      presses.solve_path(full.load * unit, levels_to(options.level, description.press.levels));
+  print_path(options, description, problem, path, unit, presses);
 
   const Equilibrium& last = path.steps.back();
-  Eigen::Matrix3Xd load = last.level * full_load * unit;
+  Eigen::Matrix3Xd load = last.level * full.load * unit;
   if (problem.preload.cols() > 0) load += problem.preload;
   const double mises =
       write_state_file(options.output, solver.model(), last.displacement, {"load", load});
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  const double largest = last.displacement.colwise().norm().maxCoeff();
   if (options.json) {
     print_json({{"file", options.output},
                 {"nodes", problem.model.mesh.node_count()},
                 {"site", options.site},
                 {"level", last.level},
-                {"load_n", last.level * full_load},
-                {"complete", path.complete},
-                {"largest_displacement_m", last.displacement.colwise().norm().maxCoeff()},
+                {"load_n", last.level * full.load},
+                {"complete", path.complete && full.shortfall.empty()},
+                {"largest_displacement_m", largest},
                 {"largest_von_mises_pa", mises},
                 {"seconds", taken.count()}});
-    return;
+  } else {
+    print_text("{}: level {:.4g}, displacement up to {}, von Mises stress up to {:.4g} kPa; {}\n",
+               options.output, last.level, millimetres(largest), 1e-3 * mises,
+               duration_text(taken.count()));
   }
-  print_text(
-      "{}: level {:.4g}, displacement up to {:.3f} mm, von Mises stress up to {:.4g} kPa; {}\n",
-      options.output, last.level, 1e3 * last.displacement.colwise().norm().maxCoeff(), 1e-3 * mises,
-      duration_text(taken.count()));
+  if (!options.json) print_text("{}\n", full_press_text(description, {full.load, mises}));
+  say_how_it_ended(options, description, presses, full, path, mises);
 }
 
 }  // namespace

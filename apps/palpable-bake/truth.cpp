@@ -3,6 +3,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/printing.h"
 #include "apps/common/progress_bar.h"
+#include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
 #include "palpable/bake/truth/scene_skins.h"
@@ -53,6 +54,46 @@ Json json_of_line(const DeformedLine& line) {
           {"why_not_scored", line.scored ? Json() : Json(line.why)}};
 }
 
+// @throws Error where no frame could be solved: there is nothing to score
+template <class Frame>
+void refuse_all_unsolved(const std::string& clip, const std::vector<Frame>& frames) {
+  const auto unsolved = [](const Frame& frame) {
+    return !frame.line.scored && frame.line.why.starts_with("no solution");
+  };
+  if (frames.empty() || !std::all_of(frames.begin(), frames.end(), unsolved)) return;
+  throw Error(fmt::format("{}: none of {} frames has a solution: frame {}: {}", clip, frames.size(),
+                          frames.front().line.frame, frames.front().line.why));
+}
+
+void print_found(const TruthOptions& options, const std::vector<TrueSceneFrame>& frames,
+                 double seconds) {
+  if (options.json) {
+    Json list = Json::array();
+    for (const TrueSceneFrame& frame : frames) {
+      Json entry = json_of_line(frame.line);
+      entry["body"] = frame.body;
+      entry["largest_displacement_m"] = frame.largest_displacement;
+      entry["force_of_other_bodies_n"] = frame.between;
+      list.push_back(std::move(entry));
+    }
+    print_json({{"folder", options.clip + "/truth/bodies"},
+                {"seconds", seconds},
+                {"solutions", std::move(list)}});
+    return;
+  }
+  print_text("{:<12} {:>6} {:>9} {:>8} {:>9} {:>9}\n", "body", "frame", "depth/mm", "force/N",
+             "moves/mm", "others/N");
+  for (const TrueSceneFrame& frame : frames) {
+    const DeformedLine& line = frame.line;
+    print_text("{:<12} {:>6} {:>9.2f} {:>8.3f} {:>9.2f} {:>9.3f}{}{}\n", frame.body, line.frame,
+               1e3 * line.depth, line.force.norm(), 1e3 * frame.largest_displacement, frame.between,
+               frame.was_there ? "  was there" : "",
+               line.scored ? "" : "  not scored: " + line.why);
+  }
+  print_text("{}/truth/bodies: {} solutions; {}\n", options.clip, frames.size(),
+             duration_text(seconds));
+}
+
 void find_truth_of_scene(const TruthOptions& options) {
   if (!options.body.empty() || !options.settings.baked.empty()) {
     throw Error("--scene says which bodies there are: leave out --description and --body");
@@ -76,53 +117,19 @@ void find_truth_of_scene(const TruthOptions& options) {
     solids.push_back(
         {body.name, read_description(body.description.string()), body.scale, poses[k]});
   }
+  for (const SceneSolid& solid : solids) print_material_warnings(solid.description);
   ProgressBar bar;
   const std::vector<TrueSceneFrame> frames = write_scene_skins(
       options.clip, solids,
       {.frames = options.settings.frames, .threads = options.settings.threads}, bar.progress());
   bar.finish();
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-  if (options.json) {
-    Json list = Json::array();
-    for (const TrueSceneFrame& frame : frames) {
-      Json entry = json_of_line(frame.line);
-      entry["body"] = frame.body;
-      entry["largest_displacement_m"] = frame.largest_displacement;
-      entry["force_of_other_bodies_n"] = frame.between;
-      list.push_back(std::move(entry));
-    }
-    print_json({{"folder", options.clip + "/truth/bodies"},
-                {"seconds", taken.count()},
-                {"solutions", std::move(list)}});
-    return;
-  }
-  print_text("{:<12} {:>6} {:>9} {:>8} {:>9} {:>9}\n", "body", "frame", "depth/mm", "force/N",
-             "moves/mm", "others/N");
-  for (const TrueSceneFrame& frame : frames) {
-    const DeformedLine& line = frame.line;
-    print_text("{:<12} {:>6} {:>9.2f} {:>8.3f} {:>9.2f} {:>9.3f}{}{}\n", frame.body, line.frame,
-               1e3 * line.depth, line.force.norm(), 1e3 * frame.largest_displacement, frame.between,
-               frame.was_there ? "  was there" : "",
-               line.scored ? "" : "  not scored: " + line.why);
-  }
-  print_text("{}/truth/bodies: {} solutions; {}\n", options.clip, frames.size(),
-             duration_text(taken.count()));
+  print_found(options, frames, taken.count());
+  refuse_all_unsolved(options.clip, frames);
 }
 
-void find_truth(const TruthOptions& options) {
-  if (!options.scene.empty()) {
-    find_truth_of_scene(options);
-    return;
-  }
-  if (options.body.empty())
-    throw Error("give --description, or --scene of a film with several bodies");
-  const auto begin = std::chrono::steady_clock::now();
-  const BodyDescription description = read_description(options.body);
-  ProgressBar bar;
-  const std::vector<TrueFrame> frames =
-      write_true_skins(options.clip, description, options.settings, bar.progress());
-  bar.finish();
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+void print_found(const TruthOptions& options, const std::vector<TrueFrame>& frames,
+                 double seconds) {
   if (options.json) {
     Json list = Json::array();
     for (const TrueFrame& frame : frames) {
@@ -136,7 +143,7 @@ void find_truth(const TruthOptions& options) {
       list.push_back(std::move(entry));
     }
     print_json({{"folder", options.clip + "/truth/deformed"},
-                {"seconds", taken.count()},
+                {"seconds", seconds},
                 {"frames", std::move(list)}});
     return;
   }
@@ -146,7 +153,26 @@ void find_truth(const TruthOptions& options) {
   const auto scored = std::count_if(frames.begin(), frames.end(),
                                     [](const TrueFrame& frame) { return frame.line.scored; });
   print_text("{}/truth/deformed: {} frames, {} of them scored; {}\n", options.clip, frames.size(),
-             scored, duration_text(taken.count()));
+             scored, duration_text(seconds));
+}
+
+void find_truth(const TruthOptions& options) {
+  if (!options.scene.empty()) {
+    find_truth_of_scene(options);
+    return;
+  }
+  if (options.body.empty())
+    throw Error("give --description, or --scene of a film with several bodies");
+  const auto begin = std::chrono::steady_clock::now();
+  const BodyDescription description = read_description(options.body);
+  print_material_warnings(description);
+  ProgressBar bar;
+  const std::vector<TrueFrame> frames =
+      write_true_skins(options.clip, description, options.settings, bar.progress());
+  bar.finish();
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  print_found(options, frames, taken.count());
+  refuse_all_unsolved(options.clip, frames);
 }
 
 }  // namespace

@@ -9,6 +9,9 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
+#include "palpable/live/calibrate/calibration_check.h"
+#include "palpable/live/calibrate/exported_calibration.h"
 #include "palpable/live/sources/board_report.h"
 #include "palpable/live/sources/calibrate_source.h"
 
@@ -31,6 +34,7 @@ struct CalibrateOptions {
   BoardLimits limits;
   fs::path check;
   fs::path out;
+  fs::path export_folder;
   bool json = false;
 };
 
@@ -53,10 +57,13 @@ void check(const CalibrateOptions& options, const BoardOrder& order) {
   const double rows = checked.row_error_px;
   const std::size_t boards = checked.seen.views.size();
   if (options.json) {
-    print_json({{"pairs", checked.seen.pairs}, {"boards", boards}, {"row_error_px", rows}});
+    print_json({{"pairs", checked.seen.pairs},
+                {"boards", boards},
+                {"baseline_m", checked.baseline},
+                {"row_error_px", rows}});
   } else {
-    print_text("{} boards in {} pairs: rows after rectification {:.3f} px rms\n", boards,
-               checked.seen.pairs, rows);
+    print_text("{} boards in {} pairs: rows after rectification {:.3f} px rms; baseline {}\n",
+               boards, checked.seen.pairs, rows, baseline_text(checked.baseline));
   }
   if (rows > options.limits.largest_row_error_px) {
     throw Error(fmt::format("{}: the rows are {:.2f} px apart; {:.2g} are allowed: calibrate again",
@@ -66,7 +73,7 @@ void check(const CalibrateOptions& options, const BoardOrder& order) {
 
 void calibrate(const CalibrateOptions& options) {
   const BoardOrder order{request_of(options.source), pattern_of(options.board), options.boards,
-                         options.limits};
+                         options.limits, options.export_folder};
   if (!options.check.empty()) {
     check(options, order);
     return;
@@ -74,7 +81,13 @@ void calibrate(const CalibrateOptions& options) {
   if (options.out.empty() && !options.source.source.starts_with("/dev/")) {
     throw Error("-o is needed: the calibration file to write, e.g. -o calibration.yml");
   }
-  if (!options.out.empty()) guard_output_file(options.out, inputs_of(options.source));
+  if (!options.out.empty()) {
+    guard_output_file(options.out, inputs_of(options.source));
+    require_ending(options.out, {".yml", ".yaml"}, "a calibration of OpenCV's YAML");
+  }
+  if (!options.export_folder.empty()) {
+    guard_output_folder(options.export_folder, inputs_of(options.source));
+  }
   ProgressBar bar;
   const CalibratedSource made = calibrate_source(order, options.out, linux_video(), shown_by(bar));
   bar.finish();
@@ -92,10 +105,18 @@ void add_result_options(Command command, CalibrateOptions& options) {
   command.add_option("-o,--out", options.out, "Calibration file to write (OpenCV YAML)")
       .default_is("for a camera, where palpable live finds it");
   command
+      .add_option(
+          "--export", options.export_folder,
+          "Folder to which the calibration is written for other programs, too: left.yaml and "
+          "right.yaml (ROS), intrinsics.yml and extrinsics.yml (OpenCV)")
+      .type_name("DIR")
+      .default_is("none");
+  command
       .add_option("--check", options.check,
                   "Instead of calibrating: say by how many rows this calibration leaves the two "
                   "eyes' pictures of the board apart")
-      .excludes("--out");
+      .excludes("--out")
+      .excludes("--export");
   command
       .add_option("--largest-reprojection", options.limits.largest_reprojection_px,
                   "Refuse a calibration whose reprojection error is larger, px rms")

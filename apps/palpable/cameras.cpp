@@ -23,7 +23,8 @@ void print_cameras(bool json) {
   }
   if (cameras.empty()) {
     print_text(
-        "no camera: there is no /dev/video* (is it plugged in, and passed on to a container?)\n"
+        "no camera: there is no /dev/video* (is it plugged in, and passed on to a container? A ZED "
+        "Mini needs a USB 3 port and its own cable)\n"
         "What needs none: a folder of images, a video file, or the built-in desk: palpable live\n");
   }
   for (const ListedCamera& camera : cameras) print_text("{}{}", text_of(camera), use_of(camera));
@@ -37,15 +38,27 @@ std::string use_of(const ListedCamera& camera) {
     case CameraKind::kUnreadable:
       break;
     case CameraKind::kSideBySide:
+    case CameraKind::kInterleaved:
       return fmt::format("  calibration: {}\n  use: palpable live BODY --source {}\n",
                          camera.calibration.empty()
                              ? fmt::format("none known; palpable calibrate {} makes one", path)
                              : camera.calibration.string(),
                          path);
     case CameraKind::kDepth:
+      if (!camera.pictures.empty()) {
+        return fmt::format(
+            "  use: palpable live BODY --source {} --depth-source {} --calibration "
+            "intrinsics.txt\n",
+            camera.pictures, path);
+      }
       return fmt::format(
           "  use: palpable live BODY --source DEVICE --depth-source {}, where DEVICE has the same "
           "view\n",
+          path);
+    case CameraKind::kGray16:
+      return fmt::format(
+          "  use, if its Y16 is depth: palpable live BODY --source DEVICE --depth-source {} "
+          "--depth-unit LENGTH\n",
           path);
     case CameraKind::kOneEye:
       return fmt::format(
@@ -62,8 +75,8 @@ void add_cameras(Command app) {
   command.add_json(*json);
   command.footer(
       "Says the sizes, formats and rates of each device, whether its picture looks like two eyes "
-      "side by side, whether exposure and gain can be fixed, and the calibration that is known of "
-      "it.\n"
+      "side by side or interleaved, whether exposure and gain can be fixed, whether it is on a USB "
+      "2 port, which programs have opened it, and the calibration that is known of it.\n"
       "Example: palpable cameras");
   command.callback([json] { print_cameras(*json); });
 }

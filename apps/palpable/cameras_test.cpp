@@ -23,6 +23,9 @@ TEST_CASE("what is said of a camera's use can be typed", "[apps][camera]") {
   CHECK(use_of(both) ==
         "  calibration: zed-m.yml\n"
         "  use: palpable live BODY --source /dev/video2\n");
+  CHECK(use_of(camera_of(CameraKind::kInterleaved)) ==
+        "  calibration: none known; palpable calibrate /dev/video2 makes one\n"
+        "  use: palpable live BODY --source /dev/video2\n");
   CHECK(use_of(camera_of(CameraKind::kOneEye)) ==
         "  use: palpable live BODY --source /dev/video2 --right DEVICE, where DEVICE is the right "
         "eye\n");
@@ -30,6 +33,14 @@ TEST_CASE("what is said of a camera's use can be typed", "[apps][camera]") {
         "  use: palpable live BODY --source DEVICE --depth-source /dev/video2, where DEVICE has "
         "the same "
         "view\n");
+  ListedCamera depth = camera_of(CameraKind::kDepth);
+  depth.pictures = "/dev/video4";
+  CHECK(use_of(depth) ==
+        "  use: palpable live BODY --source /dev/video4 --depth-source /dev/video2 --calibration "
+        "intrinsics.txt\n");
+  CHECK(use_of(camera_of(CameraKind::kGray16)) ==
+        "  use, if its Y16 is depth: palpable live BODY --source DEVICE --depth-source /dev/video2 "
+        "--depth-unit LENGTH\n");
   CHECK(use_of(camera_of(CameraKind::kUnreadable)).empty());
 }
 

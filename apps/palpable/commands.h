@@ -4,6 +4,7 @@
 /// stderr and exits with code 1.
 #pragma once
 
+#include <span>
 #include <string>
 
 namespace palpable {
@@ -25,6 +26,12 @@ void add_score(Command app);
 void add_cameras(Command app);
 void add_calibrate(Command app);
 void add_doctor(Command app);
+void add_hands(Command app);
+/// `export --to web` and `--to page`; palpable-bake has the other formats.
+void add_export(Command app);
+/// Whether the words of a command line hold "--to web" or "--to page".
+[[nodiscard]] bool asks_for_web(std::span<char* const> words);
+void add_serve(Command app);
 
 /// The commands with which a connected camera is used in this program, as lines to follow
 /// text_of(camera); empty if it cannot be used.

@@ -15,6 +15,8 @@
 #include "palpable/live/render/gl_context.h"
 #include "palpable/live/sources/camera_list.h"
 #include "palpable/live/sources/camera_source.h"
+#include "palpable/live/sources/camera_trial.h"
+#include "palpable/live/sources/video_system.h"
 #include "palpable/live/view/drawn_frame.h"
 #include "palpable/live/view/scene_painter.h"
 
@@ -78,21 +80,37 @@ Finding check_processor() {
   return {"processor", state, Verdict::kGood, ""};
 }
 
+Finding check_camera(const ListedCamera& camera) {
+  constexpr double kTrial = 3;  // s; the rate of a camera in dim light is known after two
+  const std::string what = "camera " + camera.info.path;
+  if (!camera.trouble.empty()) {
+    return {what, camera.trouble, Verdict::kLimits,
+            "sudo usermod -aG video $USER and log in again, if it is a matter of rights; palpable "
+            "cameras says more"};
+  }
+  if (camera.kind == CameraKind::kUnreadable) {
+    return {what, camera.info.name + ": no picture format that can be read", Verdict::kLimits,
+            "record a folder with its maker's program (docs/camera.md)"};
+  }
+  const CameraTrial trial = try_camera(linux_video(), camera, kTrial);
+  const std::string wrong = what_is_wrong_with(trial);
+  std::string state = fmt::format("{}, {}x{} {}", camera.info.name, trial.width, trial.height,
+                                  trial.format.empty() ? "does not start" : trial.format);
+  if (!wrong.empty()) return {what, state, Verdict::kLimits, wrong};
+  return {what, state, Verdict::kGood, ""};
+}
+
 std::vector<Finding> check_cameras() {
   const std::vector<ListedCamera> cameras = list_cameras(linux_video(), calibration_folders());
-  if (cameras.empty()) {
-    return {{"cameras", "none: there is no /dev/video*", Verdict::kLimits,
-             "plug one in (a container needs it passed on), or play --source synthetic, a folder "
-             "of images or a video file"}};
-  }
   std::vector<Finding> findings;
   for (const ListedCamera& camera : cameras) {
-    const bool ready = camera.trouble.empty();
-    findings.push_back({"camera " + camera.info.path, ready ? camera.info.name : camera.trouble,
-                        ready ? Verdict::kGood : Verdict::kLimits,
-                        ready ? ""
-                              : "sudo usermod -aG video $USER and log in again, if it is a "
-                                "matter of rights; palpable cameras says more"});
+    if (!camera.is_data) findings.push_back(check_camera(camera));
+  }
+  if (findings.empty()) {
+    return {{"cameras", "none: there is no /dev/video*", Verdict::kLimits,
+             "plug one in (a container needs it passed on, a ZED Mini a USB 3 port), or play "
+             "--source synthetic, a folder "
+             "of images or a video file"}};
   }
   return findings;
 }
@@ -274,8 +292,10 @@ void add_doctor(Command app) {
       app.add_subcommand("doctor", "What this machine has and lacks, and what to do about it");
   command.add_json(*json);
   command.footer(
-      "Looks at processor, memory, disk, OpenGL, screen, cameras and palpable-bake, and plays the "
-      "built-in desk for five seconds, which it films first. The exit code is 1 if palpable live "
+      "Looks at processor, memory, disk, OpenGL, screen and palpable-bake, reads pictures from "
+      "each "
+      "camera for three seconds, and plays the built-in desk for five, which it films first. The "
+      "exit code is 1 if palpable live "
       "BODY would not run here.\n"
       "Example: palpable doctor");
   command.callback([json] { doctor(*json); });

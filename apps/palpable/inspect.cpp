@@ -10,6 +10,7 @@
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/body_file/touch_text.h"
 #include "palpable/common/reduced/evaluation_times.h"
+#include "palpable/common/web_file/web_file.h"
 
 #include <filesystem>
 #include <memory>
@@ -63,8 +64,15 @@ Json inspected_json(const BodyAndTouch& content, const std::filesystem::path& pa
   return result;
 }
 
+// A body file's content, or that of a delivery file.
+BodyAndTouch read_content(const std::filesystem::path& path) {
+  if (path.extension() != kWebFileEnding) return value_or_throw(read_body_and_touch(path));
+  TouchableBody read = value_or_throw(load_web_file(path));
+  return {std::move(read.body), std::move(read.touch), std::move(read.modal)};
+}
+
 void inspect(const InspectOptions& options) {
-  const BodyAndTouch content = value_or_throw(read_body_and_touch(options.body));
+  const BodyAndTouch content = read_content(options.body);
   if (options.json) {
     print_json(inspected_json(content, options.body));
   } else {
@@ -77,7 +85,9 @@ void inspect(const InspectOptions& options) {
 void add_inspect(Command app) {
   auto options = std::make_shared<InspectOptions>();
   Command command = app.add_subcommand("inspect", "Show what is in a body file");
-  command.add_option("body", options->body, "Body file, or the name of an installed one (post)")
+  command
+      .add_option("body", options->body,
+                  "Body file, the name of an installed one (post), or a delivery file (.palpweb)")
       .type_name("FILE")
       .required();
   command.add_json(options->json);

@@ -18,6 +18,12 @@ fs::path shipped_bodies() {
   return folder_of_program().parent_path() / "share" / "palpable" / "bodies";
 }
 
+fs::path shipped_page() {
+  fs::path installed = folder_of_program().parent_path() / "share" / "palpable" / "web";
+  std::error_code ignored;
+  return fs::exists(installed, ignored) ? installed : fs::path("web/dist/page");
+}
+
 fs::path default_body() {
   const std::array bodies = {fs::path("build/bodies/bunny-dense.palpable"),
                              fs::path("out/demo/bunny.palpable"),

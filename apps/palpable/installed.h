@@ -20,6 +20,10 @@ inline constexpr const char* kBakeBenchProgram =
 /// program's folder.
 [[nodiscard]] std::filesystem::path shipped_bodies();
 
+/// The folder with the bundle of pages: ../share/palpable/web of an installed copy, else where
+/// web/page/build.mjs makes it, in the source folder.
+[[nodiscard]] std::filesystem::path shipped_page();
+
 /// The default body of sequences and benchmarks: the dense bunny if it was baked, else the demo's
 /// body, else the post of an installed copy.
 /// @throws Error when none of them exists

@@ -7,8 +7,10 @@
 #include "apps/palpable/installed.h"
 #include "apps/palpable/live_options.h"
 #include "apps/palpable/live_settings.h"
+#include "apps/palpable/live_things.h"
 #include "apps/palpable/scene_options.h"
 #include "apps/palpable/terminal.h"
+#include "palpable/common/base/error.h"
 #include "palpable/live/play/preview.h"
 
 #include <fmt/core.h>
@@ -74,6 +76,23 @@ void live(const Options& options) {
   bar.finish();
   print_text("{}", result.text);
   if (options.json) print_json(result.summary);
+  if (!result.lost.empty()) throw Error(result.lost);
+}
+
+// Without a camera: what presses comes as lines.
+void live_without_camera(const Options& options) {
+  ProgressBar bar;
+  ThingsPlay play(
+      options.play, inputs_of(options.live), user_at(bar),
+      options.live.input.source == kSocketSource ? ThingsFrom::kClient : ThingsFrom::kFile);
+  share_drawing_threads(options.live.threads);
+  ThingsSetUp setup = set_up_things(options.live);
+  setup.paced = setup.paced || options.play.window;  // too fast to be watched otherwise
+  const PlayResult result = play.play(setup, options.live.frames);
+  bar.finish();
+  print_text("{}", result.text);
+  if (options.json) print_json(result.summary);
+  if (!result.lost.empty()) throw Error(result.lost);
 }
 
 // @param command  of these options
@@ -88,8 +107,10 @@ void run_command(Command command, Options& options) {
   } else {
     options.live.body = find_body(options.live.body);
   }
+  const bool has_camera = !is_things_source(options.live.input.source);
+  if (!has_camera) refuse_camera_options(options.live, options.play, command.given_options());
   if (options.print_config) {
-    static_cast<void>(given_place(options.live));  // throws if it is no pose
+    if (has_camera) static_cast<void>(given_place(options.live));  // throws if it is no pose
     print_text("{}", scene_file_text(options.live, command.given_options()));
     return;
   }
@@ -98,7 +119,9 @@ void run_command(Command command, Options& options) {
   }
   if (!options.play.out.empty()) options.live.clip = options.play.out / "clip";
   choose_output(options, alone);
-  if (options.preview) {
+  if (!has_camera) {
+    live_without_camera(options);
+  } else if (options.preview) {
     run_preview(options);
   } else {
     live(options);

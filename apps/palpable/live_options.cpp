@@ -2,6 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "palpable/common/base/text_numbers.h"
+#include "palpable/common/geometry/body_scale.h"
 #include "palpable/live/view/tiles.h"
 
 #include <fmt/core.h>
@@ -30,8 +31,11 @@ void add_source_option(Command command, LiveOptions& options) {
           "-s,--source", options.input.source,
           "What is seen: a camera (/dev/video0), a folder with pictures of a stereo or depth "
           "camera (left/ right/, side by side, colour + depth, EuRoC, KITTI, TUM, 7-Scenes, "
-          "Middlebury), images by name (\"cam0/*.png\"), a video file, a recording (*.palprec), or "
-          "the word synthetic: the built-in desk, filmed here")
+          "OpenLORIS, Stray Scanner, Record3D, Middlebury), images by name (\"cam0/*.png\"), a "
+          "video "
+          "file, a recording (*.palprec), or the word synthetic: the built-in desk, filmed here. "
+          "Without a camera: a hands file (*.jsonl) of the capsules or joints that press "
+          "(docs/hands.md), or the word socket: a client of --events sends such lines")
       .type_name("SOURCE")
       .show_default();
 }
@@ -58,7 +62,8 @@ void add_place_options(Command command, LiveOptions& options) {
       .add_option("--place", options.place,
                   "Where the body stands in the camera: \"x y z roll pitch yaw\" (m to the right, "
                   "down, forward; degrees), 16 numbers (camera_from_body row by row), or a file "
-                  "with them")
+                  "with them. With a hands file in its world, turned about X, Y, Z; without "
+                  "--place the origin, upright along Z")
       .type_name("POSE")
       .further_words([](const std::string& word) { return to_number(word).has_value(); })
       .default_is("the scene.toml beside the images")
@@ -70,7 +75,7 @@ void add_place_options(Command command, LiveOptions& options) {
       .type_name("X,Y")
       .default_is("a free place near the middle");
   command.add_option("--scale", options.scale, "Make the body this many times as large")
-      .in_range(1e-3, 1e3)
+      .in_range(kLeastScale, kMostScale)
       .show_default();
 }
 

@@ -22,6 +22,9 @@ namespace palpable::app {
 /// The source that is rendered here.
 inline constexpr const char* kSynthetic = "synthetic";
 
+/// The source whose lines come from clients of --events.
+inline constexpr const char* kSocketSource = "socket";
+
 struct LiveOptions {
   std::filesystem::path body;   ///< empty: given by `scene`
   std::filesystem::path scene;  ///< empty: only `body`

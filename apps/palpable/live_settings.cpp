@@ -78,7 +78,11 @@ std::optional<RefinerSettings> refinement(const LiveOptions& options, bool has_t
   RefinerSettings settings;
   settings.program = sibling_program(kBakeProgram);
   settings.description = options.run.refine;
+  settings.body = options.body;
   settings.latency = options.refine_latency;
+  if (const std::string trouble = Refiner::trouble_of_description(settings); !trouble.empty()) {
+    throw Error(fmt::format("--refine {}", trouble));
+  }
   return settings;
 }
 
@@ -91,6 +95,13 @@ std::filesystem::path film_clip(const LiveOptions& options,
     throw Error(
         "the built-in desk has one body: film several with palpable synth --scene, and give that "
         "film as --source");
+  }
+  const CameraRequest images = request_of(options.input);
+  if (images.depth_unit || !images.depth.empty() || !images.right.empty() ||
+      !images.calibration.empty()) {
+    throw Error(
+        "the built-in desk is a pair of eyes with its calibration: leave out --depth-unit, "
+        "--depth-source, --right and --calibration, or name another --source");
   }
   DescribedBody own_size = wanted.front();
   own_size.scale = 1;
@@ -155,8 +166,10 @@ void share_drawing_threads(int threads) {
 
 std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
   SourceOptions input = options.input;
-  if (input.source == kSynthetic) input.source.clear();  // not a path
-  std::vector<std::filesystem::path> inputs = inputs_of(input);
+  if (input.source == kSynthetic || input.source == kSocketSource) {
+    input.source.clear();  // not a path
+  }
+  std::vector<std::filesystem::path> inputs = named_inputs(input);
   for (const auto& file : {options.body, options.scene}) {
     if (!file.empty()) inputs.push_back(file);
   }
@@ -218,6 +231,7 @@ PreviewSettings preview_settings(const LiveOptions& options, const PlayOptions& 
           .window = play.window,
           .out = play.out,
           .overwrite = play.overwrite,
+          .inputs = named_inputs(options.input),
           .frames = options.frames};
 }
 

@@ -39,7 +39,6 @@ constexpr std::array kBakeCommands{
     BakeCommand{"solve", "Press a body at one site and write it for ParaView"},
 };
 constexpr std::array kExchangeCommands{
-    BakeCommand{"export", "Write a body or its snapshots for other programs"},
     BakeCommand{"import-modes", "Make a body file from another program's modes"},
     BakeCommand{"import-snapshots", "Take over what another solver has computed"},
 };
@@ -117,7 +116,9 @@ int run(int argc, char** argv) {
       "Example: palpable live\n"
       "Example: palpable view bunny.palpable");
 
-  bool bakes = false;
+  const std::span<char* const> words(argv, static_cast<std::size_t>(argc));
+  // `export` is palpable-bake's, but for the formats that need no bake half.
+  bool bakes = std::string_view(argv[1]) == "export" && !asks_for_web(words);
   const auto list = [&](std::span<const BakeCommand> commands) {
     for (const BakeCommand& command : commands) {
       bakes = bakes || std::string_view(argv[1]) == command.name;
@@ -138,7 +139,10 @@ int run(int argc, char** argv) {
   app.begin_group("Bake");
   list(kBakeCommands);
   app.begin_group("Exchange");
+  add_export(app);
+  add_serve(app);
   list(kExchangeCommands);
+  add_hands(app);
   app.begin_group("Evaluate");
   add_synth(app);
   add_score(app);

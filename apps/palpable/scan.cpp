@@ -8,6 +8,7 @@
 #include "apps/palpable/terminal.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/desk/clip_files/camera_paths.h"
@@ -15,6 +16,7 @@
 #include "palpable/live/render/gl_context.h"
 #include "palpable/live/render/picture_file.h"
 #include "palpable/live/slam/room_scan.h"
+#include "palpable/live/sources/folder_layouts.h"
 #include "palpable/live/sources/open_source.h"
 #include "palpable/live/view/map_picture.h"
 
@@ -62,15 +64,26 @@ void expect_output(const fs::path& file, const ScanOptions& options) {
   guard_output_file(file, inputs);
 }
 
+// Whether there are images in the folder beside this one.
+bool holds_images_but(const fs::path& folder, const fs::path& picture) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const fs::path name = entry.path().filename();
+    if (is_image_name(name) && name != picture.filename()) return true;
+  }
+  return false;
+}
+
 void check_outputs(const ScanOptions& options) {
-  if (options.out.extension() != ".ply") {
-    throw Error(fmt::format("-o {}: should end in .ply", options.out.string()));
-  }
-  if (!options.picture.empty() && options.picture.extension() != ".png") {
-    throw Error(fmt::format("--picture {}: should end in .png", options.picture.string()));
-  }
-  for (const fs::path& file : {options.out, options.picture}) {
-    if (!file.empty()) expect_output(file, options);
+  require_ending(options.out, {".ply"}, "a surface");
+  expect_output(options.out, options);
+  if (options.picture.empty()) return;
+  require_ending(options.picture, {".png"}, "a picture");
+  expect_output(options.picture, options);
+  // Among the camera's pictures the next scan would take it for one of them.
+  const fs::path folder = fs::absolute(options.picture).parent_path();
+  if (holds_images_but(folder, options.picture)) {
+    refuse_among_inputs(folder, named_inputs(options.input));
   }
 }
 
@@ -114,6 +127,16 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   return scanned;
 }
 
+Json json_of_depth(const DepthFigures& depth) {
+  const bool any = depth.median > 0;
+  return {{"median_measured", depth.measured},
+          {"median_kept", depth.kept},
+          {"median_m", any ? Json(depth.median) : Json()},
+          {"range_m", any ? Json::array({depth.low, depth.high}) : Json()},
+          {"unit_m", depth.unit > 0 ? Json(depth.unit) : Json()},
+          {"unit_assumed", depth.unit_assumed}};
+}
+
 Json json_of_scan(const ScanOptions& options, const RoomScan& scanned, const SurfaceMesh& mesh) {
   const SlamCounts& counts = scanned.slam->counts();
   Json result = {{"file", options.out.string()},
@@ -126,7 +149,8 @@ Json json_of_scan(const ScanOptions& options, const RoomScan& scanned, const Sur
                  {"new_worlds", scanned.new_worlds},
                  {"loops", scanned.loops},
                  {"fused_again", scanned.again},
-                 {"refused_blocks", scanned.slam->map()->refused()}};
+                 {"refused_blocks", scanned.slam->map()->refused()},
+                 {"depth", json_of_depth(scanned.depth)}};
   if (!options.picture.empty()) result["picture"] = options.picture.string();
   return result;
 }
@@ -161,9 +185,9 @@ void scan(const ScanOptions& options) {
   const ColoredSurface mesh = surface_of(scanned);
   if (mesh.surface.triangle_count() < kLeastTriangles) {
     throw Error(fmt::format(
-        "{}: no surface within {} m was seen in {} frames ({} without a pose, {} triangles)",
+        "{}: no surface within {} m was seen in {} frames ({} without a pose, {} triangles); {}",
         options.input.source, map.settings().farthest, frames, scanned.slam->counts().lost,
-        mesh.surface.triangle_count()));
+        mesh.surface.triangle_count(), text_of(scanned.depth)));
   }
   write_colored_ply(
       options.out, mesh.surface, mesh.colors,

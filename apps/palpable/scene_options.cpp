@@ -4,6 +4,7 @@
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/desk/clip_files/json_lines.h"
 #include "palpable/desk/clip_files/scene_files.h"
+#include "palpable/live/sources/camera_source.h"
 
 #include <fmt/format.h>
 
@@ -28,7 +29,9 @@ bool is_path(const std::string& option, const std::string& word) {
     return false;
   }
   const bool numbers = option == "place" && to_numbers(word).has_value();
-  return !numbers && !(option == "source" && word == kSynthetic);
+  const bool of_same_camera = option == "depth-source" && word == kDepthOfSameCamera;
+  return !numbers && !of_same_camera &&
+         !(option == "source" && (word == kSynthetic || word == kSocketSource));
 }
 
 std::string value_text(const std::string& word) {

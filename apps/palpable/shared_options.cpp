@@ -5,6 +5,7 @@
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/live/play/run_options.h"
 #include "palpable/live/slam/room_scan.h"
+#include "palpable/live/sources/depth_unit.h"
 #include "palpable/live/sources/folder_layouts.h"
 #include "palpable/live/view/show_names.h"
 
@@ -17,7 +18,8 @@
 namespace palpable::app {
 namespace {
 
-constexpr LengthRange kFarthest{0.2, 1000.0};    // m
+constexpr LengthRange kFarthest{0.2, 1000.0};  // m
+constexpr LengthRange kDepthUnits{kLeastDepthUnit, kLargestDepthUnit};
 constexpr LengthRange kSquareSides{1e-4, 10.0};  // m
 
 // Begins a group that in `live` is for experts.
@@ -42,14 +44,21 @@ void add_depth_options(Command command, SourceOptions& options, SourceOptionsFor
       .add_option("--depth-source", options.depth_source,
                   "Instead of a second eye: the depth camera, or depth images by name "
                   "(\"depth/*.png\"). It looks from where the source looks, or from where "
-                  "intrinsics.txt says")
-      .type_name("DEVICE|IMAGES")
+                  "intrinsics.txt says. auto: the depth device of the same camera")
+      .type_name("DEVICE|IMAGES|auto")
       .default_is("none: stereo");
+  command
+      .add_length("--depth-unit", options.depth_unit,
+                  "What one step of a depth image's or a depth camera's numbers is, such as 1mm, "
+                  "0.2mm (5000 steps in a metre) or 0.1mm (RealSense D405)",
+                  kDepthUnits)
+      .default_is("as intrinsics.txt, the data set or a known camera has it, else 1mm");
   command
       .add_option("--stereo-size", options.stereo_size,
                   "The size at which stereo pairs are matched (docs/depth.md). half: refined at "
-                  "full size, best for what is near; full: finer outlines, in 3 to 6 times the "
-                  "time; auto: full for pictures up to 640 px wide, else half")
+                  "full size, best for what is near; full: finer outlines, "
+                  "matching takes 3 to 4 times as long; auto: full for pictures up to 640 px wide, "
+                  "else half")
       .one_of({kDepthSizes.begin(), kDepthSizes.end()})
       .default_is(std::string(kDepthSizes.front()));
   command
@@ -81,6 +90,13 @@ void add_camera_options(Command command, SourceOptions& options, SourceOptionsFo
                    "Keep a camera's exposure, gain and white balance as they are after a second");
 }
 
+void add_baseline_option(Command command, SourceOptions& options, SourceOptionsFor use) {
+  begin_detail_group(command, use == SourceOptionsFor::kLive ? "Camera, more" : "Camera", use);
+  command.add_flag("--baseline-ok", options.baseline_ok,
+                   "Accept eyes that are less than 10 mm or more than 1 m apart. Without it they "
+                   "are an error: such a baseline is nearly always in another unit than the metre");
+}
+
 }  // namespace
 
 void add_source_argument(Command command, SourceOptions& options, const std::string& what) {
@@ -100,10 +116,12 @@ void add_source_options(Command command, SourceOptions& options, SourceOptionsFo
     command.begin_group("Camera");
     command
         .add_option("--calibration", options.calibration,
-                    "Calibration of the camera: OpenCV YAML, a ZED's SN*.conf or intrinsics.txt")
+                    "Calibration of the camera, a file or a folder: of OpenCV, ROS, Kalibr, "
+                    "RealSense, a ZED (SN*.conf) or palpable calibrate, or intrinsics.txt")
         .default_is("what lies beside the images, or what palpable calibrate has kept");
     add_depth_options(command, options, use);
   }
+  add_baseline_option(command, options, use);
   add_camera_options(command, options, use);
 }
 
@@ -112,6 +130,7 @@ CameraRequest request_of(const SourceOptions& options) {
   request.device = options.source;
   request.right = options.right;
   request.depth = options.depth_source;
+  request.depth_unit = options.depth_unit;
   request.calibration = options.calibration;
   request.folders = calibration_folders();
   if (!options.size.empty()) {
@@ -124,16 +143,24 @@ CameraRequest request_of(const SourceOptions& options) {
   if (options.exposure_ms > 0) request.exposure_ms = options.exposure_ms;
   if (options.gain >= 0) request.gain = options.gain;
   request.lock = options.lock_exposure;
+  if (options.baseline_ok) request.baselines = BaselineRule::kAnyPossible;
   return request;
 }
 
-std::vector<std::filesystem::path> inputs_of(const SourceOptions& options) {
+std::vector<std::filesystem::path> named_inputs(const SourceOptions& options) {
   std::vector<std::filesystem::path> inputs;
   for (const std::filesystem::path& input :
        {std::filesystem::path(options.source), std::filesystem::path(options.right),
         std::filesystem::path(options.depth_source), options.calibration}) {
-    if (input.empty()) continue;
-    inputs.push_back(is_pattern(input) ? std::filesystem::absolute(input).parent_path() : input);
+    if (!input.empty()) inputs.push_back(input);
+  }
+  return inputs;
+}
+
+std::vector<std::filesystem::path> inputs_of(const SourceOptions& options) {
+  std::vector<std::filesystem::path> inputs = named_inputs(options);
+  for (std::filesystem::path& input : inputs) {
+    if (is_pattern(input)) input = std::filesystem::absolute(input).parent_path();
   }
   return inputs;
 }

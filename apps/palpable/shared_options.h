@@ -8,6 +8,7 @@
 #include "palpable/live/sources/camera_source.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,17 +17,19 @@ namespace palpable::app {
 class Command;
 
 struct SourceOptions {
-  std::string source;        ///< folder, images by name, video file or /dev/video*
-  std::string right;         ///< the right eye's; empty: `source` has both eyes
-  std::string depth_source;  ///< a depth camera or depth images by name; empty: stereo
-  std::string stereo_size;   ///< one of kDepthSizes; empty: the first
-  double farthest = 0;       ///< m; 0: the command's default
+  std::string source;                ///< folder, images by name, video file or /dev/video*
+  std::string right;                 ///< the right eye's; empty: `source` has both eyes
+  std::string depth_source;          ///< a depth camera or depth images by name; empty: stereo
+  std::optional<double> depth_unit;  ///< m per step of depth images; empty: as they state it
+  std::string stereo_size;           ///< one of kDepthSizes; empty: the first
+  double farthest = 0;               ///< m; 0: the command's default
   std::filesystem::path calibration;
   std::string size;  ///< "2560x720"; empty: automatic choice
   double frames_per_second = 0;
   double exposure_ms = 0;  ///< 0: automatic
   double gain = -1;        ///< negative: automatic
   bool lock_exposure = false;
+  bool baseline_ok = false;
 };
 
 /// The command that options are for. It decides which there are, and which of them only --help-all
@@ -47,8 +50,10 @@ void add_source_options(Command command, SourceOptions& options, SourceOptionsFo
 /// The request for open_source(). @throws Error when --size is invalid
 [[nodiscard]] CameraRequest request_of(const SourceOptions& options);
 
-/// The files and folders that the options name, which outputs must not replace. For images by
-/// name, their folder.
+/// The files, folders and images by name that the options name, as they are given.
+[[nodiscard]] std::vector<std::filesystem::path> named_inputs(const SourceOptions& options);
+
+/// The same as files and folders, which outputs must not replace: for images by name their folder.
 [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const SourceOptions& options);
 
 /// Options that describe a chessboard.

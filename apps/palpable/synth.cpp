@@ -12,6 +12,7 @@
 #include "apps/palpable/installed.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/nearest_word.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/body_file.h"
 #include "palpable/common/reduced/reduced_body.h"
@@ -113,6 +114,7 @@ void synth_body(const SynthOptions& options, const fs::path& file, const Sequenc
 
 void synth(const SynthOptions& options) {
   if (options.out.empty()) throw Error("-o: names no folder");
+  require_folder_name(options.out);
   const SequenceKind& kind = kind_of(options.name);
   const int frames = options.frames > 0 ? options.frames : kind.frames;
   const bool has_scene = !options.scene.empty();

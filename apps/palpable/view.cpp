@@ -9,6 +9,7 @@
 #include "apps/palpable/terminal.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/response/touchable_body.h"
@@ -121,6 +122,7 @@ void settle_load(const ReducedBody& body, ViewOptions& options) {
 
 void run_view(ViewOptions options) {
   const PictureSize size = read_size(options.size);
+  require_folder_name(options.out);
   const auto touchable = std::make_shared<const TouchableBody>(
       value_or_throw(read_pressable_touchable_body(options.body, parse_settings(options.set))));
   const ReducedBody& body = touchable->body;

@@ -9,6 +9,7 @@
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/body_file/body_file.h"
 
 #include "bench/bake/beam_study.h"
@@ -163,6 +164,7 @@ Json difference_figures(const ReducedBody& body, const std::string& against) {
 void bench_beam(const BenchBeamOptions& options) {
   const BodyDescription description = read_body_description(options.description);
   guard_output_file(options.output, {options.description, description.shape.file, options.against});
+  require_ending(options.output, {kBodyFileEnding}, "a body file");
   ProgressBar bar;
   const double begin = process_cpu_seconds();
   const IntrusiveBake made = bake_intrusive(

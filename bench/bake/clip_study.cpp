@@ -2,7 +2,7 @@
 
 #include "palpable/bake/solid/obstacle.h"
 #include "palpable/bake/touch_bake/touch_difference.h"
-#include "palpable/bake/truth/clip_hands.h"
+#include "palpable/bake/truth/episodes.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/common/response/skin_contact.h"

@@ -128,7 +128,7 @@ RunMoment moment_of(const LiveCounts& counts) {
 
 // The default files of `palpable live --out`.
 std::unique_ptr<LiveOutput> output_in(const fs::path& folder) {
-  remove_earlier_run(earlier_run(folder, true, {}));
+  if (holds_earlier_run(folder, true, {})) remove_earlier_run(folder);
   return std::make_unique<LiveOutput>(LiveOutputSettings{.folder = folder, .complete = true});
 }
 

@@ -36,6 +36,11 @@ int main(int argc, char** argv) {
     const double tip = z - 0.0005 * step + radius; /* its middle */
     const palpable_capsule finger = {{x, y, tip}, {x, y, tip + 0.06}, radius, radius};
     if (palpable_press(session, &finger, 1) != PALPABLE_OK) return fails("press");
+    palpable_frame frame = {.size = sizeof frame};
+    if (palpable_get_frame(session, &frame) != PALPABLE_OK) return fails("frame");
+    if (frame.answer != PALPABLE_REACHED) {
+      return fprintf(stderr, "press_finger: %.1f mm left to go\n", 1e3 * frame.left_to_go), 1;
+    }
     palpable_touch touch = {.size = sizeof touch};
     if (palpable_get_touch(session, 0, &touch) != PALPABLE_OK) return fails("touch");
     force = hypot(hypot(touch.force[0], touch.force[1]), touch.force[2]);

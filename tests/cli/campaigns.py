@@ -339,7 +339,7 @@ def _(programs, folder):
         assert result.returncode == 0 or "EGL" in result.stderr, result.stderr
     # Other programs get the volume.
     for name, cells in (("bar.palpable", 144), ("plain.palpable", 112)):
-        out = folder / f"{name}.vtu"
+        out = folder / f"{name}.inside"
         programs.succeeds("export", folder / name, "--to", "vtu", "--site", "0", "-o", out)
         text = next(out.glob("*.vtu")).read_bytes()[:2000].decode(errors="replace")
         assert f'NumberOfCells="{cells}"' in text, text

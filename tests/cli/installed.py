@@ -59,7 +59,8 @@ class Installed:
         self.prefix, self.body, self.examples = place / "usr", place / "ball.palpable", place / "examples"
         stamp = place / "done"
         made_of = [programs.palpable, programs.palpable + "-bake", build / "lib/libpalpable.so",
-                   base.ROOT / "src/palpable/live/capi/palpable.h", *(base.ROOT / "examples/installed").iterdir(),
+                   base.ROOT / "src/palpable/live/capi/palpable.h", base.ROOT / "src/palpable/live/capi/hands.h",
+                   *(base.ROOT / "examples/installed").iterdir(),
                    *(base.ROOT / "cmake").iterdir(), __file__]
         assert (build / "lib/libpalpable.so").exists(), "the target palpable_library was not built"
         with open(programs.work / "installed.lock", "w") as lock:
@@ -86,7 +87,7 @@ def _(programs, folder):
                  "lib/cmake/palpable/palpableConfigVersion.cmake", "lib/cmake/palpable/palpableTargets.cmake",
                  "share/doc/palpable/LICENSE"):
         assert (copy.prefix / file).exists(), file
-    assert [p.name for p in (copy.prefix / "include").rglob("*.h")] == ["palpable.h"], "and no header of C++"
+    assert sorted(p.name for p in (copy.prefix / "include").rglob("*.h")) == ["hands.h", "palpable.h"], "and no header of C++"
     # No installed file contains a path of the build.
     for file in (copy.prefix / "lib").rglob("*"):
         if file.suffix in (".cmake", ".pc"):
@@ -164,22 +165,27 @@ def _(programs, folder):
 def _(programs, folder):
     copy = Installed(programs)
     hand = re.search(r"```C\n(.*?)```", (base.ROOT / "docs/c_interface.md").read_text(), re.DOTALL)[1]
-    # Joint 10 is the tip of the index finger, 4 mm deep in the ball; all others are 6 cm above it.
+    # An index finger that points straight down, its tip (joint 10, radius 8 mm) 4 mm deep in the ball; the rest is above it.
     (folder / "hand.c").write_text("#include <palpable/palpable.h>\n#include <stdio.h>\n\n" + hand + """
 int main(void) {
   palpable_body* body;
   palpable_session* session;
   const palpable_setup setup = {.size = sizeof setup};
   palpable_touch touch = {.size = sizeof touch};
-  double joint[26][3] = {{0}}, radius[26];
+  double joints[26 * 3], radii[26];
+  const double ways[5] = {0.17, 0.10, 0.055, 0.028, 0};
   for (int i = 0; i < 26; ++i) {
-    radius[i] = 0.008;
-    joint[i][2] = i == 10 ? 0.104 : 0.164;
+    const int finger = i < 6 ? -1 : (i - 6) / 5, at = i < 6 ? 0 : (i - 6) % 5;
+    radii[i] = 0.008;
+    joints[3 * i] = finger < 1 ? 0 : 0.02 * finger;
+    joints[3 * i + 1] = i > 1 && i < 6 ? 0.03 : 0;
+    joints[3 * i + 2] = 0.104 + (finger < 0 ? 0.18 : finger == 0 ? ways[at] : 0.09 + ways[at]);
   }
   if (palpable_load_body("ball.palpable", 1, &body) != PALPABLE_OK) return puts(palpable_last_error()), 1;
   if (palpable_open((const palpable_body* const*)&body, 1, &setup, &session) != PALPABLE_OK) return 1;
-  if (press_with_hand(session, joint, radius) != PALPABLE_OK) return puts(palpable_last_error()), 1;
+  if (press_with_hand(session, joints, radii, 0.5) != PALPABLE_OK) return puts(palpable_last_error()), 1;
   if (palpable_get_touch(session, 0, &touch) != PALPABLE_OK) return puts(palpable_last_error()), 1;
+  if (touch.thing != 1) return puts("another thing"), 1;
   printf("%.2f N down\\n", -touch.force[2]);
   return 0;
 }

@@ -220,7 +220,7 @@ def _(programs, folder):
     clip = folder / "out/clip"
 
     def is_filming():
-        return any((clip / "frames/left").glob("*.jpg")) and not (clip / "leftover").exists()
+        return any((clip / "frames/left").glob("*.jpg")) and not (clip / "frames/left/900000.jpg").exists()
     for _ in range(2):
         process = programs.start(*words)
         try:
@@ -233,7 +233,7 @@ def _(programs, folder):
         process.send_signal(signal.SIGINT)
         process.communicate()
         assert process.returncode == -signal.SIGINT, process.returncode
-        (clip / "leftover").write_text("goes when the clip is filmed again")
+        (clip / "frames/left/900000.jpg").write_text("goes when the clip is filmed again")
 
 
 @case("Ctrl-C while a sequence is filmed is no reason not to film it again")
@@ -243,7 +243,7 @@ def _(programs, folder):
     for number in (signal.SIGINT, signal.SIGKILL):
         process = programs.start(*words)
         try:
-            wait_for(process, lambda: any(clip.glob("frames/left/*.jpg")) and not (clip / "frames/leftover").exists())
+            wait_for(process, lambda: any(clip.glob("frames/left/*.jpg")) and not (clip / "frames/left/900000.jpg").exists())
         except AssertionError as error:
             if "EGL" in str(error):
                 print("SKIPPED: no OpenGL here: " + str(error))
@@ -255,12 +255,12 @@ def _(programs, folder):
         process.send_signal(signal.SIGCONT)
         process.communicate()
         assert process.returncode == -number, process.returncode
-        (clip / "frames/leftover").write_text("goes when it is filmed again")
+        (clip / "frames/left/900000.jpg").write_text("goes when it is filmed again")
     (clip / "notes.txt").write_text("mine")
     programs.succeeds(*words)
     assert sorted(path.name for path in clip.iterdir()) == ["frames", "notes.txt", "truth"]
     assert len(list((clip / "frames/left").iterdir())) == 25 and (clip / "truth/camera.toml").exists()
-    assert not (clip / "frames/leftover").exists()
+    assert not (clip / "frames/left/900000.jpg").exists()
     programs.refuses(*words, says=["frames: exists"])  # a complete one is kept
     (folder / "other/frames").mkdir(parents=True)
     programs.refuses(*words[:-1], folder / "other", says=["frames: exists"])

@@ -25,7 +25,7 @@ from installed import assert_rubber, round_ball
 base.CASES.clear()
 case = base.case
 
-NAMES = ("palpable", "palpable-bake", "libpalpable0", "libpalpable-dev")
+NAMES = ("palpable", "palpable-bake", "libpalpable0", "libpalpable-dev", "python3-palpable")
 POST = "/usr/share/palpable/bodies/post.palpable"
 LIBRARIES = "/usr/lib/x86_64-linux-gnu"
 VERSION = re.search(r"\((\S+)\)", (base.ROOT / "packaging/changelog").read_text())[1]
@@ -209,7 +209,8 @@ def _(programs, folder):
         size = package.stat().st_size / 1e6
         print(f"{name}: {size:.2f} MB, installed {int(said[name]['Installed-Size']) / 1000:.1f} MB; {said[name]['Depends']}")
     assert {"/usr/bin/palpable", POST, "/usr/share/bash-completion/completions/palpable",
-            "/usr/share/zsh/vendor-completions/_palpable"} <= set(held["palpable"])
+            "/usr/share/zsh/vendor-completions/_palpable", "/usr/share/palpable/npm/index.js",
+            "/usr/share/palpable/npm/dist/palpable.wasm"} <= set(held["palpable"])
     # Each command has its page in the package of the program that has it.
     for name, of in (("palpable", ("palpable", "palpable-live", "palpable-synth", "palpable-doctor")),
                      ("palpable-bake", ("palpable-bake", "palpable-mesh", "palpable-truth", "palpable-export"))):
@@ -220,12 +221,16 @@ def _(programs, folder):
                  f"{LIBRARIES}/pkgconfig/palpable.pc", "/usr/include/palpable/palpable.h"):
         assert file in held["libpalpable-dev"], held["libpalpable-dev"]
     assert f"{LIBRARIES}/libpalpable.so.0" in held["libpalpable0"] and f"{LIBRARIES}/libpalpable.so" not in held["libpalpable0"]
-    for name, needs in (("palpable-bake", f"palpable (= {VERSION})"), ("palpable-bake", "libopenblas0-pthread"),
+    modules = "/usr/lib/python3/dist-packages/palpable"
+    assert {f"{modules}/__init__.py", f"{modules}/py.typed"} <= set(held["python3-palpable"])
+    assert "_all.deb" in packages["python3-palpable"].name and not any(".pyc" in path for path in held["python3-palpable"])
+    for name, needs in (("palpable-bake", f"palpable (= {VERSION})"), ("python3-palpable", "python3-numpy"),
+                        ("python3-palpable", "libpalpable0 (>= 0.2.0~dev1)"), ("palpable-bake", "libopenblas0-pthread"),
                         ("palpable-bake", "libtet1.5"), ("libpalpable-dev", f"libpalpable0 (= {VERSION})"),
                         ("palpable", "libopencv-core406"), ("palpable", "libgl1-mesa-dri"), ("libpalpable0", "libhwy1")):
         assert needs in said[name]["Depends"], f"{name}: {said[name]['Depends']}"
     # The live half does not depend on the GPL libraries of the offline half.
-    for name in ("palpable", "libpalpable0", "libpalpable-dev"):
+    for name in ("palpable", "libpalpable0", "libpalpable-dev", "python3-palpable"):
         for library in ("libtet", "libcholmod", "libgmp", "libmpfr", "openmpi", "openblas", "palpable-bake"):
             assert library not in said[name].get("Depends", ""), f"{name}: {library}"
     terms = {}
@@ -323,6 +328,10 @@ def _(programs, folder):
     # The default body is the shipped one.
     root.run("palpable", "synth", "press", "--frames", "2", "-o", "/tmp/clip", user=user, cwd="/tmp")
     assert (root / "tmp/clip/frames").is_dir()
+    # The first touch from Python is that of docs/python.md.
+    first = re.search(r"```python\n(.*?)```", (base.ROOT / "docs/python.md").read_text(), re.DOTALL)[1]
+    (root / "tmp/first.py").write_text(first)
+    assert re.search(r"N at .*\n\d+ Pa", root.run("python3", "first.py", user=user, cwd="/tmp"))
     # The offline half meshes, solves and reduces.
     base.write_ball(root / "tmp/ball", base.TOUCHED_BALL)
     (root / "tmp/ball/ball.off").write_text(round_ball())

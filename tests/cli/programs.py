@@ -459,7 +459,7 @@ def _(programs, folder):
     assert not (folder / "x.vtu").exists()
 
 
-@case("an inverted mesh is refused with the element")
+@case("a flat tetrahedron is refused with its number, one of the other order is turned and said")
 def _(programs, folder):
     write_ball(folder)
     programs.succeeds("mesh", folder / "ball.off", "-o", folder / "ball.msh", "--height", "100mm",
@@ -467,13 +467,19 @@ def _(programs, folder):
     lines = (folder / "ball.msh").read_text().splitlines()
     at = next(i for i, line in enumerate(lines) if re.fullmatch(r"\d+ 4 2 \d+ \d+( \d+){4}", line))
     words = lines[at].split()
-    words[-1], words[-2] = words[-2], words[-1]  # two corners swapped
-    lines[at] = " ".join(words)
-    (folder / "bad.msh").write_text("\n".join(lines) + "\n")
-    (folder / "bad.toml").write_text(
-        BALL.replace("surface = \"ball.off\"", "mesh = \"bad.msh\"").replace('edge = "12 mm"\n', ""))
+    toml = BALL.replace("surface = \"ball.off\"", "mesh = \"bad.msh\"").replace('edge = "12 mm"\n', "")
+
+    def with_corners(*corners):
+        changed = [*lines[:at], " ".join([*words[:-2], *corners]), *lines[at + 1:]]
+        (folder / "bad.msh").write_text("\n".join(changed) + "\n")
+        (folder / "bad.toml").write_text(toml)
+    with_corners(words[-1], words[-1])
     programs.refuses("bake", folder / "bad.toml", "-o", folder / "x.palpable",
-                     says=["bad.msh", "inverted", words[0]])
+                     says=["bad.msh", "inverted or flat", words[0]])
+    toml = toml.replace("count = 6", "count = 1")  # so few vertices leave room for one
+    with_corners(words[-1], words[-2])
+    said = programs.succeeds("solve", folder / "bad.toml", "--site", "0", "--level", "0.01", "-o", folder / "x.vtu").stderr
+    assert "bad.msh: repaired: 1 of " in said and "tetrahedra turned" in said, said
 
 
 @case("supports that hold nothing are refused")
@@ -605,7 +611,7 @@ def _(programs, folder):
         return "\n".join([*rows[:at], row, *rows[at + 1:]]) + "\n"
     refuses(bar_deck("C3D8"), f"line {first}", "element type C3D8 is not supported", "C3D4 and C3D10")
     refuses(with_row(first, "1, 1, 2, 5, 999"), f"line {first + 1}", "tetrahedron 1 has a corner 999")
-    refuses(with_row(first, "1, 1, 2, 5, 4"), f"line {first + 1}", "inverted or flat", "number 1")
+    refuses(with_row(first, "1, 1, 2, 5, 5"), f"line {first + 1}", "inverted or flat", "number 1")
     refuses("\n".join(rows[:first]) + "\n1, 1, 2,", f"line {first + 1}", "cut off")
     refuses("\n".join(rows[:first - 1]) + "\n", "holds no tetrahedra")
     refuses("hello\n", "line 1", "not an Abaqus or CalculiX deck")
@@ -678,7 +684,8 @@ def _(programs, folder):
 def _(programs, folder):
     bytes_ = programs.small_body().read_bytes()
     (folder / "cut.palpable").write_bytes(bytes_[: len(bytes_) * 2 // 3])
-    for words in (("inspect",), ("view", "--out", folder), ("live", "--source", folder, "--out", folder / "out")):
+    (folder / "frames").mkdir()
+    for words in (("inspect",), ("view", "--out", folder), ("live", "--source", folder / "frames", "--out", folder / "out")):
         programs.refuses(words[0], folder / "cut.palpable", *words[1:], says=["cut.palpable", "truncated"])
 
 
@@ -1784,7 +1791,7 @@ def _(programs, folder):
     refuses(to=folder / "taken.ply", says=["taken.ply", "is a folder"])
     refuses("--picture", folder / "map.jpg", says=["map.jpg", ".png"])
     refuses("--fuse-every", "-1", says=["--fuse-every"])
-    refuses("--trajectory", folder / "none.txt", says=["none.txt", "cannot be read"])
+    refuses("--trajectory", folder / "none.txt", says=["none.txt", "no such file"])
     refuses_poses([], "holds no pose")
     refuses_poses(["0 0 0 0 0 0 0 1", "0.1 0 0 north 0 0 0 1"], "line 2", "tx ty tz")
     refuses_poses(["0 0 0 0 0 0 0 1", "# said twice", "0 0 0 0 0 0 0 1"], "line 3", "times must rise")

@@ -32,7 +32,8 @@ def two_balls(programs, folder):
 @case("what a scene cannot mean is refused with its file, line and key")
 def _(programs, folder):
     ball = programs.small_body()
-    source = ("--source", folder, "--place", "0 0.04 0.42 0 0 0", "--out", folder / "out")
+    (folder / "frames").mkdir()
+    source = ("--source", folder / "frames", "--place", "0 0.04 0.42 0 0 0", "--out", folder / "out")
     for text, says in ((body("a", ball, "colour = [1, 2, 3]\n"), ["desk.toml:4", "'colour'", "'color'"]),
                        (body("a", ball) + body("a", ball), ["desk.toml", "'a'"]),
                        (body("a", ball, 'beside = "b"\n'), ["desk.toml", "beside", "'b'"]),

@@ -71,7 +71,7 @@ def _(programs, folder):
         programs.refuses(command, folder, "-o", folder / result, says=[f"{folder}: is a folder", "BODY.toml"])
     with open(folder / "large.toml", "wb") as file:
         file.truncate(5_000_000_000)  # a sparse file
-    programs.refuses("bake", folder / "large.toml", "-o", folder / "x.palpable", says=["large.toml: 5000 MB, where 16 are read at most"])
+    programs.refuses("bake", folder / "large.toml", "-o", folder / "x.palpable", says=["large.toml: line 1: a zero byte"])
     programs.refuses("bake", folder / "none.stl", "-o", folder / "x.palpable", says=["none.stl: no such file"])
     (folder / "bad.stl").write_text("solid\nnothing\n")
     programs.refuses("bake", folder / "bad.stl", "-o", folder / "x.palpable", says=["bad.stl: "])
@@ -241,13 +241,19 @@ def _(programs, folder):
     for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html"), ("report", "b.palpable")):
         programs.succeeds(*words, cwd=folder)  # its own files are replaced
     # The same holds for the file with an export's arrays.
-    (folder / "mine.h5").write_text("of somebody")
     for kind in ("xdmf", "pxdmf"):
-        programs.refuses("export", "b.palpable", "--to", kind, "-o", "mine", cwd=folder,
-                         says=["mine.h5: is there without mine", "another name"])
+        arrays = folder / f"mine.{kind}.h5"
+        arrays.write_text("of somebody")
+        programs.refuses("export", "b.palpable", "--to", kind, "-o", f"mine.{kind}", cwd=folder,
+                         says=[f"{arrays.name}: is there", "somebody's", "another"])
+        assert arrays.read_text() == "of somebody" and not (folder / f"mine.{kind}").exists()
         for _ in range(2):
             programs.succeeds("export", "b.palpable", "--to", kind, "-o", f"own.{kind}", cwd=folder)
-    assert (folder / "mine.h5").read_text() == "of somebody" and not (folder / "mine").exists()
+        # Arrays without their light file are somebody's, also those of the right format.
+        other = folder / f"other.{kind}.h5"
+        other.write_bytes((folder / f"own.{kind}.h5").read_bytes())
+        programs.refuses("export", "b.palpable", "--to", kind, "-o", f"other.{kind}", cwd=folder, says=[f"is there without other.{kind}"])
+        assert other.read_bytes() == (folder / f"own.{kind}.h5").read_bytes() and not (folder / f"other.{kind}").exists()
     for words in (("export", "b.palpable", "--to", "numpy"), ("export", "b.snapshots", "--to", "vtu"),
                   ("import-snapshots", ".", "--manifest", "ball.toml")):
         programs.refuses(*words, "-o", ".", cwd=folder, says=["could be destroyed"])
@@ -255,7 +261,7 @@ def _(programs, folder):
     assert not list(folder.rglob("*.part*"))
 
 
-@case("a file larger than memory is named before it is read, whatever it claims to be")
+@case("a file larger than memory is named at once, by what it begins with or by its size")
 def _(programs, folder):
     base.write_ball(folder)
     shutil.copytree(programs.work / "ball.snapshots", folder / "b.snapshots")
@@ -266,15 +272,18 @@ def _(programs, folder):
     for damaged in ("modes/vertices.npy", "b.snapshots/site_0001.h5"):
         with open(folder / damaged, "r+b") as file:
             file.truncate(1 << 43)
-    says = "8796093 MB are more than there is memory for"
-    for kind in ("stl", "ply", "obj", "off", "3ds"):
-        programs.refuses("mesh", f"large.{kind}", "-o", "x.msh", cwd=folder, says=[f"large.{kind}: {says}"])
-    for kind in ("msh", "inp", "vtu", "vtk"):
+    zero = "line 1: a zero byte"
+    for kind, says in (("stl", "no triangles are announced"), ("ply", "a PLY file begins with 'ply'"), ("obj", zero), ("off", zero),
+                       ("3ds", "not a 3DS file")):
+        programs.refuses("mesh", f"large.{kind}", "-o", "x.msh", cwd=folder, says=[f"large.{kind}: ", says])
+    for kind, says in (("msh", zero), ("inp", zero), ("vtu", "not XML"), ("vtk", "not a legacy file of VTK")):
         (folder / "large.toml").write_text(base.BAR.replace("bar.inp", f"large.{kind}"))
         programs.refuses("bake", "large.toml", "-o", "x.palpable", cwd=folder, says=[f"large.{kind}: {says}"])
-    programs.refuses("inspect", "large.palpable", cwd=folder, says=[f"large.palpable: {says}"])
+    programs.refuses("inspect", "large.palpable", cwd=folder, says=["large.palpable: not a body file"])
+    # These two begin as they should, and have another size than they announce.
+    says = "8796093 MB, where"
     programs.refuses("import-modes", "modes", "-o", "x.palpable", cwd=folder, says=[f"vertices.npy: {says}"])
-    programs.refuses("reduce", "b.snapshots", "-o", "x.palpable", cwd=folder, says=["site_0001.h5", says])
+    programs.refuses("reduce", "b.snapshots", "-o", "x.palpable", cwd=folder, says=["site_0001.h5", "truncated or damaged"])
 
 
 @case("a folder without write permission is named before the work")

@@ -8,12 +8,16 @@
 #include "palpable/common/body_file/touch_file.h"
 #include "palpable/common/reduced/loaded_body.h"
 #include "palpable/common/response/touch_solver.h"
+#include "palpable/common/web_file/web_file.h"
 #include "tests/fuzz/checked_hdf5.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/ball_gap.h"
 #include "tests/support/bodies.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/some_touch_tables.h"
+
+#include <span>
+#include <utility>
 
 namespace palpable::fuzz {
 namespace {
@@ -69,6 +73,40 @@ std::vector<std::string> write_touch(const fs::path& folder) {
   write_touchable_body(folder / "linear.palpable", ball, test::some_touch_tables(ball.surface, 0));
   write_touchable_body(folder / "full.palpable", ball, test::some_touch_tables(ball.surface));
   return {"linear.palpable", "full.palpable"};
+}
+
+// Delivery files. Reading them presses them, at a site and anywhere.
+std::string read_web(const fs::path& /*folder*/, const fs::path& file) {
+  return said(load_web_file(file), [](const TouchableBody& read) {
+    press(read.body);
+    touch(read);
+  });
+}
+
+std::vector<std::string> write_web(const fs::path& folder) {
+  const ReducedBody ball = test::pressed_ball(0.05, 0.01, 1);
+  write_web_file(folder / "full.palpweb", {ball, test::some_touch_tables(ball.surface)});
+  ReducedBody several = test::with_several(ball);
+  ModalTables modal{test::some_touch_tables(ball.surface, 0).shell,
+                    Eigen::MatrixXf::Constant(3, several.several->mode_count(), 0.001f), 1.4e-5,
+                    0.012};
+  write_web_file(folder / "modal.palpweb", {std::move(several), std::nullopt, std::move(modal)});
+  return {"full.palpweb", "modal.palpweb"};
+}
+
+// Damage that the checksum does not show: of the header and its sizes, or of numbers in arrays.
+std::string with_hidden_damage(const std::string& bytes, Random& random) {
+  if (random() % 2 == 0) return with_web_checksum(mutated(bytes, {&bytes, 1}, random));
+  std::string damaged = bytes;
+  constexpr std::size_t kPrefix = 32;
+  for (auto left = 1 + random() % 8; left > 0; --left) {
+    const std::size_t size = std::size_t{1} << random() % 4;
+    // On a multiple of its size, as all numbers lie.
+    const std::size_t at = kPrefix + random() % (damaged.size() - kPrefix - 8) / size * size;
+    spoil_number(std::span(damaged).subspan(at, size), size, size >= 4 && random() % 2 == 0,
+                 random);
+  }
+  return with_web_checksum(std::move(damaged));
 }
 
 const std::string kDescription = R"(name = "cube" # a comment
@@ -141,6 +179,9 @@ void add_body_readers(std::vector<FuzzReader>& readers) {
                      .write = write_touch,
                      .read = read_touch,
                      .mutate = with_spoilt_values});
+  readers.push_back({.name = "web.file", .write = write_web, .read = read_web});
+  readers.push_back(
+      {.name = "web.values", .write = write_web, .read = read_web, .mutate = with_hidden_damage});
   readers.push_back({.name = "body.description",
                      .write = [](const fs::path& folder) -> std::vector<std::string> {
                        test::write_bytes(folder / "body.toml", kDescription);

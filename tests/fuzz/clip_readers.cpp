@@ -3,6 +3,7 @@
 #include "palpable/desk/clip_files/image_files.h"
 #include "palpable/desk/clip_files/live_file.h"
 #include "palpable/desk/clip_files/scene_files.h"
+#include "palpable/live/player/things_file.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/scratch_folder.h"
 
@@ -116,6 +117,21 @@ void add_clip_readers(std::vector<FuzzReader>& readers) {
                                               return trajectory_line({f / 30.0, pose_of(f)});
                                             }),
        read_trajectory);
+  text("hands.lines", "hands.jsonl", three([](int f) {
+         std::string joints = "[0,0.05,0]";
+         for (int k = 1; k < 26; ++k) joints += fmt::format(",[{},{},0]", 0.001 * k, 0.0075 * k);
+         return fmt::format(
+             "{{\"time\":{},\"want\":[\"vertices\"],\"things\":[{{\"id\":1,\"capsules\":"
+             "[[0,0,0.1,0,0,0.2,0.01,0.02]]}},{{\"id\":-2,\"hand\":\"openxr\",\"side\":\"left\","
+             "\"joints\":[{}]}}]}}\n",
+             0.25 * f, joints);
+       }),
+       [](const fs::path& path) {
+         ThingsFile file(path);
+         ThingsLine line;
+         while (file.next(line)) {}
+         return line;
+       });
   text("place.toml", "scene.toml",
        "camera_from_body = [1, 0, 0, 0.1, 0, 0, -1, 0, 0, 1, 0, 0.5, 0, 0, 0, 1]\n"
        "press_static = true\n",

@@ -52,6 +52,12 @@ const std::string kVtk =
     "VECTORS u double\n1 2 3 4 5 6\n7 8.5 -9e-7 10 11 12\nSCALARS T float 1\n"
     "LOOKUP_TABLE default\n1 2 3 4\nFIELD f 1\nv 2 4 double\n1 2 3 4 5 6 7 8\n";
 
+const std::string kVtk51 =
+    "# vtk DataFile Version 5.1\ntitle\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n"
+    "0 0 0 1 0 0\n0 1 0 0 0 1\nMETADATA\nINFORMATION 0\n\nCELLS 2 4\nOFFSETS vtktypeint64\n0 4\n"
+    "CONNECTIVITY vtktypeint64\n0 1 2 3\nCELL_TYPES 1\n10\nPOINT_DATA 4\nVECTORS u double\n"
+    "1 2 3 4 5 6\n7 8.5 -9e-7 10 11 12\n";
+
 const std::string kFrd =
     "    1C\n    2C                             2                                     1\n"
     " -1         7 0.00000E+00 0.00000E+00 1.00000E+00\n"
@@ -162,7 +168,13 @@ void add_mesh_readers(std::vector<FuzzReader>& readers) {
                        return {"linear.msh", "quadratic.msh", "version4.msh"};
                      },
                      .read = read_volume});
-  readers.push_back(of_texts("volume.inp", {{"a.inp", kInp}}, read_volume));
+  readers.push_back(
+      of_texts("volume.inp",
+               {{"a.inp", kInp},
+                {"deck.inp", "*HEADING\n*INCLUDE, INPUT=a.inp\n*NSET, NSET=MORE\n1, 2\n"},
+                {"around.inp", "*Include,\n input=\"deck.inp\"\n"}},
+               read_volume));
+  readers.back().names_folder = true;  // a damaged deck may include another twice, which is named
   readers.push_back({.name = "field.vtu",
                      .write = [](const fs::path& folder) -> std::vector<std::string> {
                        write_vtu(folder / "linear.vtu", false);
@@ -171,8 +183,9 @@ void add_mesh_readers(std::vector<FuzzReader>& readers) {
                        return {"linear.vtu", "quadratic.vtu", "packed.vtu"};
                      },
                      .read = read_fields});
-  readers.push_back(
-      of_texts("field.vtk", {{"text.vtk", kVtk}, {"binary.vtk", binary_vtk()}}, read_fields));
+  readers.push_back(of_texts(
+      "field.vtk", {{"text.vtk", kVtk}, {"binary.vtk", binary_vtk()}, {"newer.vtk", kVtk51}},
+      read_fields));
   readers.push_back(of_texts("field.frd", {{"a.frd", kFrd}}, read_fields));
   readers.push_back(of_texts(
       "field.table",

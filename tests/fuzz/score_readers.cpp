@@ -1,4 +1,4 @@
-#include "palpable/bake/truth/clip_hands.h"
+#include "palpable/bake/truth/episodes.h"
 #include "palpable/bake/truth/obstacle_way.h"
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/desk/clip_files/camera_paths.h"

@@ -1,4 +1,5 @@
 #include "palpable/live/calibrate/calibration_file.h"
+#include "palpable/live/calibrate/exported_calibration.h"
 #include "palpable/live/sources/open_source.h"
 #include "palpable/live/sources/raw_picture.h"
 #include "palpable/live/sources/recording_file.h"
@@ -128,10 +129,133 @@ std::vector<std::string> write_scenes(const fs::path& folder) {
   return {"frame-000000.pose.txt", "intrinsics.txt"};
 }
 
+std::vector<std::string> write_openloris(const fs::path& folder) {
+  for (const char* name : {"a.png", "b.png"}) {
+    write_image(folder / "color" / name);
+    write_image(folder / "aligned_depth" / name, CV_16UC1);
+  }
+  test::write_bytes(folder / "color.txt", "1.0 color/a.png\n1.1 color/b.png\n");
+  test::write_bytes(folder / "aligned_depth.txt",
+                    "1.0 aligned_depth/a.png\n1.1 aligned_depth/b.png\n");
+  test::write_bytes(folder / "groundtruth.txt", "1.0 1 2 3 0 0 0 1\n");
+  test::write_bytes(folder / "sensors.yaml",
+                    "%YAML:1.0\nd400_color_optical_frame:\n   fps: 30\n   width: 64\n"
+                    "   height: 48\n   intrinsics: !!opencv-matrix\n      rows: 1\n"
+                    "      data: [ 61., 32., 61., 24. ]\n");
+  test::write_bytes(folder / "trans_matrix.yaml",
+                    "%YAML:1.0\ntrans_matrix:\n   -\n      parent_frame: base_link\n"
+                    "      child_frame: d400_color_optical_frame\n      matrix: !!opencv-matrix\n"
+                    "         data: [ 0., 0., 1., 0.3, -1., 0., 0., 0., 0., -1., 0., 0.4,\n"
+                    "             0., 0., 0., 1. ]\n");
+  return {"color.txt", "aligned_depth.txt", "sensors.yaml", "trans_matrix.yaml"};
+}
+
+std::vector<std::string> write_stray(const fs::path& folder) {
+  fs::create_directories(folder);
+  cv::VideoWriter out((folder / "rgb.mp4").string(), cv::VideoWriter::fourcc('m', 'p', '4', 'v'),
+                      10, cv::Size(2 * kWidth, 2 * kHeight));
+  for (int f = 0; f < 3; ++f)
+    out.write(cv::Mat(2 * kHeight, 2 * kWidth, CV_8UC3, cv::Scalar::all(40 * f)));
+  out.release();
+  for (const char* name : {"000000.png", "000001.png", "000002.png"}) {
+    write_image(folder / "depth" / name, CV_16UC1);
+    fs::create_directories(folder / "confidence");
+    cv::imwrite((folder / "confidence" / name).string(),
+                cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(2)));
+  }
+  test::write_bytes(folder / "camera_matrix.csv", "100.0,0.0,64.0\n0.0,100.0,48.0\n0,0,1\n");
+  test::write_bytes(folder / "odometry.csv",
+                    "timestamp, frame, x, y, z, qx, qy, qz, qw\n"
+                    "5.0, 000000, 0, 0, 0, 0, 0, 0, 1\n5.1, 000001, 0, 0, 0, 0, 0, 0, 1\n"
+                    "5.2, 000002, 0, 0, 0, 0, 0, 0, 1\n");
+  return {"rgb.mp4", "camera_matrix.csv", "odometry.csv", "depth/000001.png",
+          "confidence/000001.png"};
+}
+
+std::vector<std::string> write_record3d(const fs::path& folder) {
+  for (const char* name : {"0", "1"}) {
+    write_image(folder / "rgb" / fmt::format("{}.jpg", name));
+    const fs::path depth = folder / "depth" / fmt::format("{}.exr", name);
+    fs::create_directories(depth.parent_path());
+    cv::imwrite(depth.string(), cv::Mat(kHeight / 2, kWidth / 2, CV_32FC1, cv::Scalar(0.75)));
+  }
+  test::write_bytes(folder / "metadata.json",
+                    R"({"w":64,"h":48,"fps":30,"K":[50,0,0,0,50,0,32,24,1],)"
+                    R"("perFrameIntrinsicCoeffs":[[50,50,32,24],[51,51,32,24]],)"
+                    R"("frameTimestamps":[1,2],"poses":[[0,0,0,1,0,0,0],[0,0,0,1,0,0,0]]})");
+  return {"metadata.json", "depth/0.exr", "depth/1.exr"};
+}
+
 const std::string kFactory =
     "[LEFT_CAM_HD]\nfx=700\nfy=701\ncx=640\ncy=360\nk1=-0.17\nk2=0.027\n"
     "[RIGHT_CAM_HD]\nfx=699\nfy=700\ncx=641\ncy=361\nk1=-0.17\nk2=0.027\np1=0.0001\n"
     "[STEREO]\nBaseline=63.5\nTY=0.1\nCV_HD=0.02\nRX_HD=0\nRZ_HD=0\n";
+
+const std::string kCamchain =
+    "cam0:\n  camera_model: pinhole\n  distortion_coeffs: [-0.05, 0.01, 0.0001, -0.0002]\n"
+    "  distortion_model: radtan\n  intrinsics: [50.0, 50.5, 32.0, 24.0]\n"
+    "  resolution: [64, 48]\ncam1:\n  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, -0.063]\n"
+    "  - [0.0, 1.0, 0.0, 0.001]\n  - [0.0, 0.0, 1.0, -0.0005]\n  - [0.0, 0.0, 0.0, 1.0]\n"
+    "  camera_model: pinhole\n  distortion_coeffs: [-0.04, 0.02, 0.0, 0.0001]\n"
+    "  distortion_model: radtan\n  intrinsics: [50.2, 50.3, 31.5, 24.5]\n"
+    "  resolution: [64, 48]\n";
+
+const std::string kRealsense =
+    R"({"baseline": "-49.9496", "rectified.0.fx": "50.5", "rectified.0.fy": "50.5",
+ "rectified.0.ppx": "32.5", "rectified.0.ppy": "24.5", "rectified.0.width": "64",
+ "rectified.0.height": "48", "rectified.1.width": "0"})";
+
+// Each pair has a folder of its own: among several files no other half is chosen.
+std::vector<std::string> write_foreign_calibrations(const fs::path& folder) {
+  for (const char* name : {"opencv", "ros"}) {
+    fs::create_directories(folder / name);
+    export_calibration(folder / name, some_calibration().rig);
+  }
+  for (const char* name :
+       {"ros/intrinsics.yml", "ros/extrinsics.yml", "opencv/left.yaml", "opencv/right.yaml"}) {
+    fs::remove(folder / name);
+  }
+  fs::create_directories(folder / "one");
+  test::write_bytes(folder / "one/camchain.yaml", kCamchain);
+  test::write_bytes(folder / "one/rs.json", kRealsense);
+  const std::string eye =
+      "Width: \t64\n  Height: \t48\n  PPX: \t32.5\n  PPY: \t24.5\n  Fx: \t50.5\n  Fy: 50.5\n"
+      "  Distortion: Brown Conrady\n  Coeffs: 0 0 0 0 0\n";
+  std::string listing;
+  for (const char* stream : {"Depth", "Infrared 1", "Infrared 2"}) {
+    listing += fmt::format(" Intrinsic of \"{}\" / 64x48 / {{Y8}}\n  {}", stream, eye);
+  }
+  listing +=
+      "Extrinsic from \"Infrared 1\" To \"Infrared 2\" :\n Rotation Matrix:\n 1 0 0\n 0 1 0\n"
+      " 0 0 1\n Translation Vector: -0.05 0 0\n";
+  test::write_bytes(folder / "one/rs.txt", listing);
+  test::write_bytes(folder / "one/camera.json",
+                    "{\"width\": 64, \"height\": 48, \"ppx\": 32.5, \"ppy\": 24.5, \"fx\": 50, "
+                    "\"fy\": 50, \"coeffs\": [0, 0, 0, 0, 0]}");
+  std::string xml = "<?xml version=\"1.0\"?>\n<opencv_storage>\n";
+  for (const char* entry :
+       {"M1>50. 0. 32. 0. 50. 24. 0. 0. 1.", "M2>50. 0. 32. 0. 50. 24. 0. 0. 1.", "D1>0. 0. 0. 0.",
+        "D2>0. 0. 0. 0.", "R>1. 0. 0. 0. 1. 0. 0. 0. 1.", "T>-0.06 0. 0."}) {
+    const std::string text = entry, name = text.substr(0, text.find('>'));
+    xml += fmt::format("<{0} type_id=\"opencv-matrix\"><dt>d</dt><data>\n{1}</data></{0}>\n", name,
+                       text.substr(name.size() + 1));
+  }
+  test::write_bytes(folder / "one/rig.xml", xml + "</opencv_storage>\n");
+  return {"opencv/intrinsics.yml",
+          "opencv/extrinsics.yml",
+          "ros/left.yaml",
+          "ros/right.yaml",
+          "one/camchain.yaml",
+          "one/rs.json",
+          "one/rs.txt",
+          "one/camera.json",
+          "one/rig.xml"};
+}
+
+std::string read_foreign(const fs::path& /*folder*/, const fs::path& file) {
+  (void)read_source_calibration(file, 64, 48, FrameFormat::Kind::kColorDepth);
+  return said(read_source_calibration(file, 64, 48), [](const SourceCalibration&) {});
+}
 
 std::vector<std::string> write_calibrations(const fs::path& folder) {
   write_stereo_calibration(folder / "stereo.yml", some_calibration());
@@ -217,6 +341,8 @@ std::string convert_picture(const fs::path& /*folder*/, const fs::path& file) {
 void add_source_readers(std::vector<FuzzReader>& readers) {
   readers.push_back(
       {.name = "source.calibration", .write = write_calibrations, .read = read_calibration});
+  readers.push_back(
+      {.name = "source.foreign", .write = write_foreign_calibrations, .read = read_foreign});
   const auto add = [&](const char* name, auto write) {
     readers.push_back({.name = name, .write = write, .read = play_folder, .names_folder = true});
   };
@@ -225,6 +351,9 @@ void add_source_readers(std::vector<FuzzReader>& readers) {
   add("source.kitti", write_kitti);
   add("source.tum", write_tum);
   add("source.scenes", write_scenes);
+  add("source.openloris", write_openloris);
+  add("source.stray", write_stray);
+  add("source.record3d", write_record3d);
   readers.push_back({.name = "camera.jpeg",
                      .write = [](const fs::path& folder) -> std::vector<std::string> {
                        write_image(folder / "frame.jpg");

@@ -1,4 +1,5 @@
 #include "palpable/common/geometry/mesh_file.h"
+#include "palpable/common/geometry/surface_repair.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/surface_bytes.h"
@@ -11,8 +12,11 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string read(const fs::path& /*folder*/, const fs::path& file) {
-  return said(read_surface_file(file),
-              [](const SurfaceMesh& surface) { (void)check_watertight(surface).describe(); });
+  return said(read_surface_file(file), [](const SurfaceMesh& surface) {
+    (void)check_watertight(surface).describe();
+    SurfaceMesh repaired = surface;
+    (void)repair_surface(repaired).describe();
+  });
 }
 
 }  // namespace

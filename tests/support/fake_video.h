@@ -13,6 +13,8 @@
 #include <linux/videodev2.h>
 #include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +26,8 @@ struct FakeMode {
   int width;
   int height;
   std::vector<int> rates;
+  /// All even sizes from 32 x 2 px to this one, and all rates between the first and the last.
+  bool has_steps = false;
 };
 
 /// A picture that the camera takes at `time`.
@@ -31,25 +35,37 @@ struct Shot {
   double time;  ///< s, of the fake clock
   std::vector<std::uint8_t> bytes;
   std::uint32_t flags = 0;
+  std::optional<double> stamp = {};  ///< s, the driver's; empty: `time`
 };
 
 struct FakeDevice {
   std::string path;
   std::string card = "Fake Camera";
+  std::string product = {};  ///< VideoSystem::product()
+  std::string bus = {};      ///< the same for all devices of a camera
+  UsbLink usb = {};          ///< VideoSystem::usb_link()
+  std::string users = {};    ///< VideoSystem::users()
   std::vector<FakeMode> modes;
   std::map<std::uint32_t, int> controls;  ///< available controls and their values
+  std::set<std::uint32_t> read_only;      ///< of these controls
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   int open_error = 0;        ///< of open(), e.g. EACCES
+  int format_error = 0;      ///< of VIDIOC_S_FMT, e.g. EBUSY
+  int start_error = 0;       ///< of VIDIOC_STREAMON, e.g. ENOSPC
   std::deque<Shot> shots;    ///< in order of time
   double gone_from = 1e300;  ///< s; disconnected in [gone_from, gone_until)
   double gone_until = 1e300;
+  double set_rate = 0;  ///< 1/s, that the program has set
   bool has_stamps = true;
+  bool has_system_clock = true;  ///< what the driver says of its stamps
 
   /// Adds a picture every 1/rate s; all bytes of picture i are `first + i`.
   void film(double begin, int count, double rate, std::size_t bytes, int first = 1) {
     for (int i = 0; i < count; ++i) {
       shots.push_back({begin + i / rate,
-                       std::vector<std::uint8_t>(bytes, static_cast<std::uint8_t>(first + i)), 0});
+                       std::vector<std::uint8_t>(bytes, static_cast<std::uint8_t>(first + i)),
+                       0,
+                       {}});
     }
   }
 };
@@ -68,6 +84,20 @@ class FakeVideo final : public VideoSystem {
     std::vector<std::string> paths;
     for (const FakeDevice& camera : cameras) paths.push_back(camera.path);
     return paths;
+  }
+
+  std::string product(const std::string& path) override {
+    const FakeDevice* camera = at(path);
+    return camera != nullptr ? camera->product : std::string();
+  }
+
+  UsbLink usb_link(const std::string& path) override {
+    const FakeDevice* camera = at(path);
+    return camera != nullptr ? camera->usb : UsbLink{};
+  }
+  std::string users(const std::string& path) override {
+    const FakeDevice* camera = at(path);
+    return camera != nullptr ? camera->users : std::string();
   }
 
   int open(const std::string& path) override {
@@ -99,6 +129,7 @@ class FakeVideo final : public VideoSystem {
       case VIDIOC_QUERYCAP: {
         auto& c = *static_cast<v4l2_capability*>(argument);
         std::memcpy(c.card, camera.card.c_str(), std::min<std::size_t>(camera.card.size(), 31));
+        std::memcpy(c.bus_info, camera.bus.c_str(), std::min<std::size_t>(camera.bus.size(), 31));
         c.capabilities = camera.capabilities | V4L2_CAP_DEVICE_CAPS;
         c.device_caps = camera.capabilities;
         return 0;
@@ -115,6 +146,12 @@ class FakeVideo final : public VideoSystem {
         std::uint32_t n = 0;
         for (const FakeMode& mode : camera.modes) {
           if (mode.format != s.pixel_format || n++ != s.index) continue;
+          if (mode.has_steps) {
+            s.type = V4L2_FRMSIZE_TYPE_STEPWISE;
+            s.stepwise = {kLeastWidth,  static_cast<std::uint32_t>(mode.width),  kStep,
+                          kLeastHeight, static_cast<std::uint32_t>(mode.height), kStep};
+            return 0;
+          }
           s.type = V4L2_FRMSIZE_TYPE_DISCRETE;
           s.discrete.width = static_cast<std::uint32_t>(mode.width);
           s.discrete.height = static_cast<std::uint32_t>(mode.height);
@@ -126,6 +163,12 @@ class FakeVideo final : public VideoSystem {
         auto& r = *static_cast<v4l2_frmivalenum*>(argument);
         const FakeMode* mode = mode_of(camera, r.pixel_format, r.width, r.height);
         if (mode == nullptr || r.index >= mode->rates.size()) return EINVAL;
+        if (mode->has_steps) {
+          r.type = V4L2_FRMIVAL_TYPE_CONTINUOUS;
+          r.stepwise.min = {1, static_cast<std::uint32_t>(mode->rates.front())};
+          r.stepwise.max = {1, static_cast<std::uint32_t>(mode->rates.back())};
+          return 0;
+        }
         r.type = V4L2_FRMIVAL_TYPE_DISCRETE;
         r.discrete = {1, static_cast<std::uint32_t>(mode->rates[r.index])};
         return 0;
@@ -139,6 +182,7 @@ class FakeVideo final : public VideoSystem {
         auto& c = *static_cast<v4l2_control*>(argument);
         const auto found = camera.controls.find(c.id);
         if (found == camera.controls.end()) return EINVAL;
+        if (request == VIDIOC_S_CTRL && camera.read_only.contains(c.id)) return EACCES;
         (request == VIDIOC_S_CTRL ? found->second : c.value) =
             request == VIDIOC_S_CTRL ? c.value : found->second;
         return 0;
@@ -147,14 +191,20 @@ class FakeVideo final : public VideoSystem {
         auto& f = static_cast<v4l2_format*>(argument)->fmt.pix;
         const FakeMode* mode = mode_of(camera, f.pixelformat, f.width, f.height);
         if (mode == nullptr) return EINVAL;
-        const std::uint32_t bytes = mode->format == four_letters("GREY") ? 1 : 2;
+        if (camera.format_error != 0) return camera.format_error;
+        const std::uint32_t bytes = mode->format == four_letters("GREY")   ? 1
+                                    : mode->format == four_letters("Y12I") ? 3
+                                                                           : 2;
         f.bytesperline = mode->format == four_letters("MJPG") ? 0 : bytes * f.width;
         f.sizeimage = bytes * f.width * f.height;
         open.size = f.sizeimage;
         return 0;
       }
-      case VIDIOC_S_PARM:
+      case VIDIOC_S_PARM: {
+        const v4l2_fract& t = static_cast<v4l2_streamparm*>(argument)->parm.capture.timeperframe;
+        camera.set_rate = static_cast<double>(t.denominator) / t.numerator;
         return 0;
+      }
       case VIDIOC_REQBUFS: {
         auto& r = *static_cast<v4l2_requestbuffers*>(argument);
         open.memory.assign(r.count, std::vector<std::uint8_t>(open.size));
@@ -171,6 +221,7 @@ class FakeVideo final : public VideoSystem {
         open.queued.push_back(static_cast<v4l2_buffer*>(argument)->index);
         return 0;
       case VIDIOC_STREAMON:
+        if (camera.start_error != 0) return camera.start_error;
         open.streams = true;
         // Pictures from before the start of the stream are lost.
         while (!camera.shots.empty() && camera.shots.front().time < time) camera.shots.pop_front();
@@ -231,7 +282,16 @@ class FakeVideo final : public VideoSystem {
     std::deque<std::uint32_t> done;
   };
 
+  const FakeDevice* at(const std::string& path) const {
+    const auto found = std::find_if(cameras.begin(), cameras.end(),
+                                    [&](const FakeDevice& camera) { return camera.path == path; });
+    return found != cameras.end() ? &*found : nullptr;
+  }
+
   static constexpr int kFirst = 3;
+  static constexpr std::uint32_t kLeastWidth = 32;
+  static constexpr std::uint32_t kLeastHeight = 2;
+  static constexpr std::uint32_t kStep = 2;
   static std::size_t index(int device) { return static_cast<std::size_t>(device - kFirst); }
   bool away(const FakeDevice& camera) const {
     return time >= camera.gone_from && time < camera.gone_until;
@@ -248,10 +308,13 @@ class FakeVideo final : public VideoSystem {
   static const FakeMode* mode_of(const FakeDevice& camera, std::uint32_t format,
                                  std::uint32_t width, std::uint32_t height) {
     for (const FakeMode& mode : camera.modes) {
-      if (mode.format == format && mode.width == static_cast<int>(width) &&
-          mode.height == static_cast<int>(height)) {
-        return &mode;
-      }
+      const int w = static_cast<int>(width);
+      const int h = static_cast<int>(height);
+      const bool between = mode.has_steps && w >= static_cast<int>(kLeastWidth) &&
+                           w <= mode.width && h >= static_cast<int>(kLeastHeight) &&
+                           h <= mode.height;
+      const bool same = mode.width == w && mode.height == h;
+      if (mode.format == format && (same || between)) return &mode;
     }
     return nullptr;
   }
@@ -273,10 +336,12 @@ class FakeVideo final : public VideoSystem {
       b.bytesused = static_cast<std::uint32_t>(shot.bytes.size());
       b.sequence = number;
       b.flags = shot.flags;
+      if (camera.has_system_clock) b.flags |= V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
       if (camera.has_stamps) {
-        b.timestamp.tv_sec = static_cast<long>(shot.time);
+        const double stamp = shot.stamp.value_or(shot.time);
+        b.timestamp.tv_sec = static_cast<long>(stamp);
         b.timestamp.tv_usec =
-            static_cast<long>(1e6 * (shot.time - static_cast<double>(b.timestamp.tv_sec)));
+            static_cast<long>(1e6 * (stamp - static_cast<double>(b.timestamp.tv_sec)));
       }
       open.done.push_back(i);
     }

@@ -17,6 +17,17 @@ inline std::string replaced(std::string text, const std::string& what, const std
   return text.replace(at, what.size(), with);
 }
 
+/// The same with every occurrence replaced.
+inline std::string replaced_everywhere(std::string text, const std::string& what,
+                                       const std::string& with) {
+  REQUIRE(text.find(what) != std::string::npos);
+  for (std::size_t at = text.find(what); at != std::string::npos;
+       at = text.find(what, at + with.size())) {
+    text.replace(at, what.size(), with);
+  }
+  return text;
+}
+
 /// `text` repeated `count` times.
 inline std::string repeated(const std::string& text, int count) {
   std::string all;

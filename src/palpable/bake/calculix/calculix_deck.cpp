@@ -50,6 +50,9 @@ void check_input(const SolidModel& model, const Matrix3Xd& load, std::span<const
   PALPABLE_EXPECT(!levels.empty(), "at least one level");
 }
 
+// 1 / (unit of stress): ccx 2.20 takes a D1 up to this for missing.
+constexpr double kMissingD1 = 1e-10;
+
 // Material section of the deck; `unit` is Pa per unit of stress in the deck.
 std::string material_section(const Material& material, const std::string& name, double unit) {
   if (const auto* m = std::get_if<SaintVenantKirchhoff>(&material)) {
@@ -59,6 +62,13 @@ std::string material_section(const Material& material, const std::string& name, 
                        number(m->lambda / (2.0 * sum)));
   }
   if (const auto* m = std::get_if<NeoHookeanAbaqus>(&material)) {
+    if (m->D1 * unit <= kMissingD1) {
+      throw Error(fmt::format(
+          "CalculiX would take D1 = {:.3g} 1/Pa of the material {} for missing and set Poisson's "
+          "ratio to 0.475: it is {:.3g} in the deck's unit, where {:.0e} is the limit; lower "
+          "Poisson's ratio, or take materials that differ less in stiffness, or our solver",
+          m->D1, name, m->D1 * unit, kMissingD1));
+    }
     return fmt::format("*MATERIAL, NAME={}\n*HYPERELASTIC, NEO HOOKE\n{}, {}\n", name,
                        number(m->C10 / unit), number(m->D1 * unit));
   }

@@ -423,5 +423,42 @@ TEST_CASE("an exception from the progress callback stops CalculiX", "[calculix]"
   CHECK(::kill(pid, 0) == -1);  // gone
 }
 
+TEST_CASE("a D1 that CalculiX would take for missing is refused", "[calculix][deck]") {
+  SolidModel model = block(material_from_young("neo-hooke-abaqus", 60e3, 0.499999999));
+  const Matrix3Xd push = push_on_top(model, {0, 0, -1});
+  const auto deck = [&] { return calculix_deck(model, push, std::array{1.0}, 1e-4); };
+  CHECK_THROWS_WITH(deck(), Contains("BODY for missing") && Contains("Poisson's ratio to 0.475"));
+  // A stiff part of a soft body: the units are those of the body.
+  model.material = material_from_young("neo-hooke-abaqus", 60e3, 0.4);
+  CHECK_NOTHROW(deck());
+  model.groups.push_back({material_from_young("neo-hooke-abaqus", 210e9, 0.4999), {0}});
+  CHECK_THROWS_WITH(deck(), Contains("GROUP1 for missing"));
+}
+
+TEST_CASE("a deck has the Poisson's ratio of the body, close to 0.5, too", "[calculix][deck]") {
+  // CalculiX takes 0.475 where D1 is 0 or left out.
+  for (const double nu : {0.0, 0.3, 0.475, 0.499, 0.4999999}) {
+    for (const char* law : {"neo-hooke-abaqus", "saint-venant-kirchhoff"}) {
+      INFO(law << ", nu " << nu);
+      const SolidModel model = block(material_from_young(law, 60e3, nu));
+      const std::string deck =
+          calculix_deck(model, push_on_top(model, {0, 0, -1}), std::array{1.0}, 1e-4);
+      const bool hyperelastic = std::string(law) == "neo-hooke-abaqus";
+      const std::string heading = hyperelastic ? "*HYPERELASTIC, NEO HOOKE\n" : "*ELASTIC\n";
+      const std::size_t at = deck.find(heading);
+      REQUIRE(at != std::string::npos);
+      std::istringstream row(deck.substr(at + heading.size()));
+      double first = 0, second = 0;
+      char comma = 0;
+      row >> first >> comma >> second;
+      REQUIRE(comma == ',');
+      // mu = 2 C10, kappa = 2 / D1, in the deck's units, which cancel.
+      const double mu = 2 * first, kappa = 2 / second;
+      const double told = hyperelastic ? (3 * kappa - 2 * mu) / (6 * kappa + 2 * mu) : second;
+      CHECK(told == Approx(nu).epsilon(0).margin(tolerance(1e-12, "12 digits in the deck")));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpable

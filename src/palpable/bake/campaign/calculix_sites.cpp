@@ -2,6 +2,7 @@
 
 #include "palpable/bake/calculix/calculix.h"
 #include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/solid/displacement_range.h"
 #include "palpable/bake/solid/lockstep.h"
 #include "palpable/common/base/error.h"
 
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -20,6 +22,19 @@ using Eigen::Matrix3Xd;
 // was reached.
 constexpr double kBackOff = 0.97;
 constexpr int kMaxLowerings = 4;  // paths that are tried, the first included
+
+// Ends a path before its first state beyond the model's range, which ccx knows nothing of.
+void cut_to_range(const SolidModel& model, double range, CalculixRun& run) {
+  const std::vector<HeldComponent> held = held_components(model);
+  const auto beyond = std::find_if(run.states.begin(), run.states.end(), [&](const auto& state) {
+    return largest_movement(held, state.displacement) > range;
+  });
+  if (beyond == run.states.end()) return;
+  run.states.erase(beyond, run.states.end());
+  run.complete = false;
+  run.last_level = run.states.empty() ? 0.0 : run.states.back().level;
+  run.why_stopped = beyond_range_text(range);
+}
 
 }  // namespace
 
@@ -63,6 +78,7 @@ SiteSnapshots CalculixSites::solve_site(const Site& place, const SiteRunSettings
     run = solve_with_calculix(model, site.full_load * unit, levels, ccx,
                               [&](const ProgressReport& r) { tick(r.done / r.total); });
     site.outcome.newton_steps += run.iterations;
+    cut_to_range(model, solver_.presses().range(), run);
     if (run.complete) break;
     site.outcome.reached_press = false;
     site.outcome.shortfall = fmt::format("CalculiX: {}", run.why_stopped);

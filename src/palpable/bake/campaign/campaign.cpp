@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <mutex>
 #include <numeric>
 #include <optional>
@@ -50,6 +52,8 @@ Digest digest_of_problem(const CampaignPlan& plan) {
   digest.add(plan.run.levels);
   for (const double level : plan.run.at) digest.add(level);
   for (const double load : plan.full_loads) digest.add(load);
+  if (std::isfinite(model.largest_displacement)) digest.add(model.largest_displacement);
+  if (plan.run.range > 0.0) digest.add(plan.run.range);
   return digest;
 }
 
@@ -64,19 +68,32 @@ SolidModel model_at(const CampaignPlan& plan, int point) {
   return model;
 }
 
-// A press that no site reaches is an error of the description, not a property of the body.
-void refuse_if_out_of_reach(const SnapshotStore& store, int point, double press) {
+// A press that no site reaches is an error of the description, not a property of the body. So is a
+// force that none bears.
+void refuse_if_out_of_reach(const SnapshotStore& store, const PointMaterials& materials, int point,
+                            const SiteRunSettings& run) {
   const int S = store.content().site_count();
-  std::optional<SiteOutcome> farthest;
+  std::optional<StoredUnit> farthest;
   for (int s = 0; s < S; ++s) {
-    SiteOutcome outcome = store.unit(point * S + s).outcome;
-    if (outcome.reached_press) return;
-    if (!farthest || outcome.press > farthest->press) farthest = std::move(outcome);
+    StoredUnit unit = store.unit(point * S + s);
+    if (unit.outcome.reached_press) return;
+    const bool farther =
+        !farthest || (run.force > 0.0 ? unit.full_load > farthest->full_load
+                                      : unit.outcome.press > farthest->outcome.press);
+    if (farther) farthest = std::move(unit);
+  }
+  const std::string& why = farthest->outcome.shortfall;
+  if (run.force > 0.0) {
+    throw Error(fmt::format(
+        "none of the {} sites bears the force of {:.4g} N ('force' in [press]): the one that bears "
+        "most gets to {:.3g} N, then {}. Young's modulus is {}",
+        S, run.force, farthest->full_load, why,
+        stiffness_text(young_poisson(materials.material).young)));
   }
   throw Error(fmt::format(
       "no load presses any of the {} sites in by {:.3g} m: the farthest gets to {:.3g} m, then {}; "
       "ask for a smaller press",
-      S, press, farthest->press, farthest->shortfall));
+      S, run.press, farthest->outcome.press, why));
 }
 
 // Solves the linear responses that the store lacks, file by file.
@@ -182,6 +199,7 @@ std::uint64_t linear_key(const CampaignPlan& plan) {
   CampaignPlan pressed_by_nothing = plan;
   pressed_by_nothing.run = {};
   pressed_by_nothing.solver = FeSolver::kOwn;
+  pressed_by_nothing.model.largest_displacement = std::numeric_limits<double>::infinity();
   Digest digest = digest_of_problem(pressed_by_nothing);
   add(digest, plan.points[0].material);
   for (const Material& group : plan.points[0].groups) add(digest, group);
@@ -234,7 +252,7 @@ class PointRun {
            int point, std::vector<int> sites, const CampaignSettings& settings)
       : plan_(plan),
         store_(store),
-        presses_(solver, plan.boundary, plan.preload),
+        presses_(solver, plan.boundary, plan.preload, plan.run.range),
         sites_(std::move(sites)),
         first_unit_(point * static_cast<int>(plan.sites.size())),
         run_(plan.run) {
@@ -322,8 +340,8 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
     solve_linear_responses(plan, store, crew, settings, progress, solver, result);
   }
   if (!crew.leads() || result.missing > 0) return result;
-  if (plan.run.force == 0.0 && plan.run.at.empty()) {
-    for (int p = 0; p < P; ++p) refuse_if_out_of_reach(store, p, plan.run.press);
+  if (plan.run.at.empty()) {
+    for (int p = 0; p < P; ++p) refuse_if_out_of_reach(store, plan.points[p], p, plan.run);
   }
   store.finish();
   return result;

@@ -88,8 +88,9 @@ struct CampaignReport {
 /// into 2 GB (lockstep.h); and, for each site that is being written, another 60 N L bytes. N:
 /// nodes, L: load levels.
 /// @param store  of unit_keys(plan)
-/// @throws Error if no site of a point reaches the press depth of its description, one site cannot
-/// be pressed at all, the body has no equilibrium under the preload, or the store cannot be written
+/// @throws Error if no site of a point reaches the press depth or the force of its description, one
+/// site cannot be pressed at all, the body has no equilibrium under the preload, or the store
+/// cannot be written
 [[nodiscard]] CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store,
                                           Crew& crew, const CampaignSettings& settings,
                                           const Progress& progress = {});

@@ -1,5 +1,7 @@
 #include "palpable/bake/campaign/fill_store.h"
 
+#include "palpable/bake/campaign/press_solver.h"
+#include "palpable/bake/describe/material_warnings.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 
@@ -15,14 +17,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-std::string materials_line(const BodyDescription& description) {
-  std::string line = material_line(description.material);
-  for (const BodyDescription::MaterialPart& part : description.groups) {
-    line += fmt::format("; a part of it {}", material_line(part.material));
-  }
-  return line;
-}
 
 std::string loads_line(const BodyDescription& description, const BodyMesh& mesh,
                        std::size_t site_count) {
@@ -127,15 +121,17 @@ void hold_out(const SnapshotStore& campaign, CampaignPlan& plan, StoreContent& c
 // The plan of all sites, levels and points of `problem`, which is moved from.
 CampaignPlan plan_of(const BodyDescription& description, BodyProblem&& problem,
                      const FillSettings& settings) {
-  return {
-      .model = std::move(problem.model),
-      .boundary = problem.mesh.boundary,
-      .sites = std::move(problem.sites),
-      .linear = std::move(problem.linear_sites),
-      .run = {.press = problem.press, .force = problem.force, .levels = description.press.levels},
-      .preload = std::move(problem.preload),
-      .points = points_of(description),
-      .solver = settings.solver};
+  return {.model = std::move(problem.model),
+          .boundary = problem.mesh.boundary,
+          .sites = std::move(problem.sites),
+          .linear = std::move(problem.linear_sites),
+          .run = {.press = problem.press,
+                  .force = problem.force,
+                  .levels = description.press.levels,
+                  .range = problem.press_range},
+          .preload = std::move(problem.preload),
+          .points = points_of(description),
+          .solver = settings.solver};
 }
 
 std::string solver_line(FeSolver solver, bool quadratic) {
@@ -161,10 +157,29 @@ BodyProblem mesh_and_pose(const BodyDescription& description, StageTimes& wall,
          {"meshing", 1.0, 1.0,
           fmt::format("{} nodes, {} tetrahedra", mesh.mesh.node_count(), mesh.mesh.tet_count())});
   refuse_press_through(description, problem);
+  refuse_beyond_range(description, problem);
   return problem;
 }
 
 }  // namespace
+
+std::string materials_line(const BodyDescription& description) {
+  std::string line = material_line(description.material);
+  for (const BodyDescription::MaterialPart& part : description.groups) {
+    line += fmt::format("; a part of it {}", material_line(part.material));
+  }
+  return line;
+}
+
+std::vector<StoredParameter> stored_parameters(const BodyDescription& description) {
+  std::vector<StoredParameter> parameters;
+  for (const BodyDescription::Parameter& parameter : description.parameters) {
+    parameters.push_back(
+        {parameter.name, Eigen::Map<const VectorXd>(parameter.values.data(),
+                                                    static_cast<Index>(parameter.values.size()))});
+  }
+  return parameters;
+}
 
 StoreContent content_of(const BodyDescription& description, const BodyProblem& problem) {
   const BodyMesh& mesh = problem.mesh;
@@ -180,11 +195,7 @@ StoreContent content_of(const BodyDescription& description, const BodyProblem& p
   content.material_of_element = material_groups(problem.model);
   for (int& material : content.material_of_element) ++material;  // -1: the body's own
   content.sites = problem.sites;
-  for (const BodyDescription::Parameter& parameter : description.parameters) {
-    content.parameters.push_back(
-        {parameter.name, Eigen::Map<const VectorXd>(parameter.values.data(),
-                                                    static_cast<Index>(parameter.values.size()))});
-  }
+  content.parameters = stored_parameters(description);
   content.reduction = description.reduction;
   content.provenance = {
       .description = description.source.filename().string(),
@@ -235,6 +246,9 @@ FilledStore fill_store(const BodyDescription& description, const FillSettings& s
     timer.reset();
     return {std::move(store),     std::move(plan), campaign, wall,
             std::move(set_aside), std::move(held)};
+  } catch (const PreloadError& error) {
+    throw Error(fmt::format("{}: {}; it is {}", description.source.string(), error.what(),
+                            preload_words(description)));
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", description.source.string(), error.what()));
   }

@@ -15,6 +15,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -40,6 +42,12 @@ struct FilledStore {
   /// Lock that keeps other campaigns out of the folder; held by the leader only.
   std::unique_ptr<FolderLock> held = {};
 };
+
+/// The materials of a description as a line, which snapshots and body files keep.
+[[nodiscard]] std::string materials_line(const BodyDescription& description);
+
+/// The parameters beyond site and level of a description, as its store has them.
+[[nodiscard]] std::vector<StoredParameter> stored_parameters(const BodyDescription& description);
 
 /// The part of a store's content that is known before anything is solved. The caller adds levels,
 /// keys and the provenance of the snapshots.

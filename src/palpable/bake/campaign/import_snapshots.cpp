@@ -8,7 +8,10 @@
 #include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/nearest_word.h"
+#include "palpable/common/base/quantity.h"
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/common/base/whole_file.h"
+#include "palpable/common/geometry/size_text.h"
 #include "palpable/common/toml/toml_section.h"
 
 #include <fmt/format.h>
@@ -30,10 +33,11 @@ using Eigen::Matrix3Xd;
 using Eigen::MatrixXd;
 
 double unit_of(TomlSection& section, const std::string& name) {
-  static const std::map<std::string, double> lengths{{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}};
   static const std::map<std::string, double> pressures{
       {"Pa", 1}, {"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}};
-  if (name == "displacement") return lengths.at(section.choice("unit", {"m", "cm", "mm"}, "m"));
+  if (name == "displacement") {
+    return length_unit(section.choice("unit", length_unit_names(), "m")).value();
+  }
   if (name == "stress") {
     return pressures.at(section.choice("unit", {"Pa", "kPa", "MPa", "GPa"}, "Pa"));
   }
@@ -140,7 +144,7 @@ class NodeMatch {
  private:
   [[nodiscard]] double near() const {
     const Matrix3Xd& X = volume_.mesh.nodes;
-    return 1e-5 * (X.rowwise().maxCoeff() - X.rowwise().minCoeff()).norm();
+    return 1e-5 * extent_of(X).norm();
   }
   [[nodiscard]] bool fits(const NodalFile& file, const std::vector<Index>& row) const {
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -308,8 +312,8 @@ std::vector<std::vector<int>> arrange(const ImportManifest& manifest, const Stor
       Index j = 0;
       const double value = snapshot.at.at(p.name);
       if (!((p.values.array() - value).abs().minCoeff(&j) <= 1e-9 * std::abs(value))) {
-        throw Error(fmt::format("{}: '{}' has no value {:.6g} in {}", snapshot.place, p.name, value,
-                                manifest.body.filename().string()));
+        throw Error(fmt::format("{}: '{}' has no value {} in {}", snapshot.place, p.name,
+                                number_text(value), manifest.body.filename().string()));
       }
       point = point * p.values.size() + j;
     }
@@ -370,12 +374,14 @@ struct UnitReader {
   const Reader& reader;
   const std::vector<std::vector<int>>& order;
   const std::vector<std::size_t>& sorted;  // content.fields[j] is manifest.fields[sorted[j]]
-  const Boundary& boundary;
+  const BodyProblem& problem;
+  const std::vector<HeldComponent>& held;
+  const std::vector<std::int64_t>& numbers;  // of the nodes in the mesh's file
 
   [[nodiscard]] ImportedUnit read(std::size_t u) const {
     const Index L = content.level_count();
-    const Matrix3Xd unit =
-        unit_load(content.sites[u % content.sites.size()], boundary, content.mesh.node_count());
+    const Matrix3Xd unit = unit_load(content.sites[u % content.sites.size()], problem.mesh.boundary,
+                                     content.mesh.node_count());
     ImportedUnit result = empty_unit();
     for (Index l = 0; l < L; ++l) {
       const ImportManifest::Snapshot& snapshot = manifest.snapshots[order[u][l]];
@@ -422,11 +428,13 @@ struct UnitReader {
                                 snapshot.place, field.name, v.rows(), field.components));
       }
       if (field.name == "displacement") {
+        refuse_moved_support(held, v, numbers, snapshot.place);
+        refuse_far_displacement(held, v, problem.press_range, snapshot.place);
         site.displacement.col(l) = v.reshaped().cast<float>();
         site.press_depth[l + 1] = unit.cwiseProduct(v).sum();
       } else if (field.name == "stress") {
         site.stress.col(l) = v.reshaped().cast<float>();
-        const StressField skin = v(Eigen::all, boundary.node_of_vertex);
+        const StressField skin = v(Eigen::all, problem.mesh.boundary.node_of_vertex);
         site.largest_von_mises = std::max(site.largest_von_mises, von_mises(skin).maxCoeff());
       } else {
         result.others[other++].col(l) = v.reshaped().cast<float>();
@@ -443,6 +451,26 @@ struct UnitReader {
         snapshot.place, snapshot.level, snapshot.site, depth[l + 1], depth[l]));
   }
 };
+
+// @param values  one table for each field of the manifest
+// @param full  the snapshot that is judged; it is read if there is something to judge
+StressJudgement judge_fields(const SolidModel& model, const ImportManifest& manifest,
+                             const StoreContent& content, const Reader& reader,
+                             const ImportManifest::Snapshot& full) {
+  if (!content.parameters.empty()) {
+    return {"stress was not judged against the law, whose parameters vary"};
+  }
+  const auto field = [&](const char* name) {
+    const auto found =
+        std::find_if(manifest.fields.begin(), manifest.fields.end(),
+                     [&](const ImportManifest::Field& one) { return one.name == name; });
+    return static_cast<std::size_t>(found - manifest.fields.begin());
+  };
+  const std::size_t stress = field("stress");
+  if (stress == manifest.fields.size()) return {"there is no stress to judge"};
+  const std::vector<MatrixXd> values = reader.read(full);
+  return judge_stress(model, values[field("displacement")], values[stress]);
+}
 
 // Imported snapshots have no known inputs, so their key is a hash of their values.
 std::uint64_t key_of(const TetMesh& mesh, const ImportedUnit& unit, int number) {
@@ -461,7 +489,7 @@ std::uint64_t key_of(const TetMesh& mesh, const ImportedUnit& unit, int number) 
 
 ImportManifest read_import_manifest(const fs::path& path) {
   const std::string file = path.string();
-  const Result<std::string> text = read_whole_file(path, longest_text(Notation::kToml));
+  const Result<std::string> text = read_text_file(path, {.most = longest_text(Notation::kToml)});
   if (!text) throw Error(fmt::format("{}: {}", file, text.problem().message));
   const toml::table table = parse_toml(text.value(), file);
   ImportManifest manifest;
@@ -487,8 +515,8 @@ ImportManifest read_import_manifest(const fs::path& path) {
   return manifest;
 }
 
-CollectedStore import_snapshots(const fs::path& folder, const ImportManifest& manifest,
-                                const fs::path& output, const Progress& progress) {
+ImportedStore import_snapshots(const fs::path& folder, const ImportManifest& manifest,
+                               const fs::path& output, const Progress& progress) {
   const BodyDescription description = read_body_description(manifest.body);
   if (!description.shape.is_volume()) {
     throw Error(
@@ -519,7 +547,8 @@ CollectedStore import_snapshots(const fs::path& folder, const ImportManifest& ma
   content.provenance.snapshots = fmt::format(
       "imported by {}, {} files", manifest.source.filename().string(), manifest.snapshots.size());
 
-  const UnitReader units{content, manifest, reader, order, sorted, problem.mesh.boundary};
+  const std::vector<HeldComponent> held = held_components(problem.model);
+  const UnitReader units{content, manifest, reader, order, sorted, problem, held, volume.numbers};
   const auto show = [&](std::size_t read) {  // each unit is read twice
     report(progress, {"reading snapshots", static_cast<double>(read),
                       2.0 * static_cast<double>(order.size()), ""});
@@ -539,7 +568,9 @@ CollectedStore import_snapshots(const fs::path& folder, const ImportManifest& ma
   }
   report(progress, {"reading snapshots", 1.0, 1.0, ""});
   store.finish();
-  return {std::move(store), std::move(set_aside)};
+  const ImportManifest::Snapshot& full = manifest.snapshots[order[0].back()];
+  return {std::move(store), std::move(set_aside),
+          judge_fields(problem.model, manifest, content, reader, full)};
 }
 
 }  // namespace palpable

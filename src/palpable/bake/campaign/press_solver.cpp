@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,10 +23,17 @@ bool moves_supports(const SolidModel& model) {
                      [](const HeldComponent& h) { return h.displacement != 0.0; });
 }
 
+// Nothing is pressed yet: the remedy of a walk, to press less, is none.
+std::string without_press(std::string why) {
+  constexpr std::string_view kPress = "press less";
+  const std::size_t at = why.find(kPress);
+  return at == std::string::npos ? why : why.replace(at, kPress.size(), "let less act on it");
+}
+
 }  // namespace
 
-PressSolver::PressSolver(const EquilibriumSolver& solver, const Matrix3Xd& preload)
-    : solver_(solver) {
+PressSolver::PressSolver(const EquilibriumSolver& solver, const Matrix3Xd& preload, double range)
+    : solver_(solver), range_(range) {
   const auto N = static_cast<Eigen::Index>(solver.model().mesh.node_count());
   PALPABLE_EXPECT(preload.cols() == 0 || preload.cols() == N, "a force for each node");
   preloaded_.rest = Matrix3Xd::Zero(3, N);
@@ -34,10 +43,10 @@ PressSolver::PressSolver(const EquilibriumSolver& solver, const Matrix3Xd& prelo
   // Half of the preload first: the second step then starts from a linear extrapolation.
   PathResult path = solver.solve_path(preloaded_.force, std::array{0.5, 1.0});
   if (!path.complete) {
-    throw Error(
+    throw PreloadError(
         fmt::format("the body cannot bear what acts on it before it is pressed (gravity, "
                     "pressures, moved supports): {}",
-                    path.why_stopped));
+                    without_press(path.why_stopped)));
   }
   preloaded_.rest = std::move(path.steps.back().displacement);
 }

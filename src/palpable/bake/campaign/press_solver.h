@@ -5,6 +5,7 @@
 #pragma once
 
 #include "palpable/bake/solid/equilibrium.h"
+#include "palpable/common/base/error.h"
 
 #include <Eigen/Core>
 
@@ -19,6 +20,12 @@ namespace palpable {
 /// error of a reduction is larger. 1e-6 would take a sixth more iterations.
 inline constexpr double kSnapshotTolerance = 1e-5;
 
+/// Thrown where a body has no equilibrium under its preload. Those that know the description add
+/// what acts on it (preload_words()).
+struct PreloadError : Error {
+  using Error::Error;
+};
+
 /// Equilibria under  preload + level * press,  supports moved all the way at every level.
 ///
 /// The full preload is applied first. Presses and their levels are measured from the preloaded
@@ -30,11 +37,16 @@ class PressSolver {
  public:
   /// @param solver   outlives this
   /// @param preload  (3 x N) N, or no columns for none
-  /// @throws Error when the body has no equilibrium under the preload
-  PressSolver(const EquilibriumSolver& solver, const Eigen::Matrix3Xd& preload);
+  /// @param range    m: how far a press may move a node; 0: as far as the model says
+  /// @throws PreloadError when the body has no equilibrium under the preload
+  PressSolver(const EquilibriumSolver& solver, const Eigen::Matrix3Xd& preload, double range = 0);
 
   [[nodiscard]] const EquilibriumSolver& solver() const { return solver_; }
   [[nodiscard]] bool is_preloaded() const { return is_preloaded_; }
+  /// m: how far a press may move a node.
+  [[nodiscard]] double range() const {
+    return range_ > 0.0 ? range_ : solver_.model().largest_displacement;
+  }
   /// The preload and its equilibrium; nullptr without a preload.
   [[nodiscard]] const Preloaded* preloaded() const { return is_preloaded_ ? &preloaded_ : nullptr; }
   /// (3 x N) u under the preload alone; zero without one.
@@ -56,10 +68,14 @@ class PressSolver {
 
  private:
   [[nodiscard]] PathOptions options(Lane* lane) const {
-    return {.preloaded = is_preloaded_ ? &preloaded_ : nullptr, .lane = lane, .tick = {}};
+    return {.preloaded = is_preloaded_ ? &preloaded_ : nullptr,
+            .range = range_,
+            .lane = lane,
+            .tick = {}};
   }
 
   const EquilibriumSolver& solver_;
+  double range_;
   bool is_preloaded_ = false;
   Preloaded preloaded_;
 };

@@ -156,4 +156,11 @@ void refuse_among_snapshots(const std::filesystem::path& body,
                   body.string(), folder.string()));
 }
 
+void refuse_campaign_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder / "campaign.h5", error)) return;
+  throw Error(
+      fmt::format("{}: holds the snapshots of a campaign; name another folder", folder.string()));
+}
+
 }  // namespace palpable

@@ -43,6 +43,10 @@ std::optional<SetAside> set_aside_other_campaign(const std::filesystem::path& fo
 /// @throws Error when `body` lies in the folder of the snapshots, or has its name
 void refuse_among_snapshots(const std::filesystem::path& body, const std::filesystem::path& folder);
 
+/// Refuses a folder of snapshots as the place of other files.
+/// @throws Error when the folder holds a campaign
+void refuse_campaign_folder(const std::filesystem::path& folder);
+
 /// To be called by a run once it holds the lock of the folder: before that, a run of another
 /// description may have taken the folder over.
 /// @throws Error when the folder holds a campaign other than `content`

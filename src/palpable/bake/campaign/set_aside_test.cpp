@@ -8,6 +8,7 @@
 #include "tests/support/test.h"
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -179,6 +180,10 @@ TEST_CASE("a body file does not lie among its snapshots", "[campaign]") {
   const std::filesystem::path store = folder.path() / "a.snapshots";
   std::filesystem::create_directories(store);
   CHECK_NOTHROW(refuse_among_snapshots(folder.path() / "a.palpable", store));
+  CHECK_NOTHROW(refuse_campaign_folder(folder.path()));
+  fs::create_directories(store);
+  std::ofstream(store / "campaign.h5") << "a campaign";
+  CHECK_THROWS_WITH(refuse_campaign_folder(store), Catch::Contains("snapshots of a campaign"));
   CHECK_THROWS_WITH(refuse_among_snapshots(store / "campaign.h5", store),
                     Catch::Contains("lies in the folder of the snapshots"));
   CHECK_THROWS_WITH(refuse_among_snapshots(store, store), Catch::Contains("a.palpable"));

@@ -82,8 +82,8 @@ int lanes_for(const SiteSolver& solver, int levels, int threads) {
 }  // namespace
 
 SiteSolver::SiteSolver(const EquilibriumSolver& solver, const Boundary& boundary,
-                       const Matrix3Xd& preload)
-    : presses_(solver, preload), boundary_(boundary), recovery_(solver.model().mesh) {
+                       const Matrix3Xd& preload, double range)
+    : presses_(solver, preload, range), boundary_(boundary), recovery_(solver.model().mesh) {
   if (!presses_.is_preloaded()) return;
   rest_stress_ = nodal_cauchy_stress(solver.model(), presses_.rest(), recovery_);
 }

@@ -30,6 +30,7 @@ struct SiteRunSettings {
   double press = 0;  ///< m: displacement of a site's patch along its load at level 1
   double force = 0;  ///< N: the load at level 1, if above 0; then `press` is not read
   int levels = 10;   ///< L: equal steps of the load, 1/L .. 1
+  double range = 0;  ///< m: how far a press may move a node; 0: as far as the model says
   /// (L) If given, used instead of `levels`: increasing levels of known loads (held-out levels).
   std::vector<double> at = {};
   /// (S) N: the load of each site at level 1; with `at` only.
@@ -61,10 +62,10 @@ struct SiteSnapshots {
 class SiteSolver {
  public:
   /// @param solver, boundary  outlive this; boundary of solver.model().mesh
-  /// @param preload           (3 x N) N, or no columns: see PressSolver
+  /// @param preload, range    see PressSolver
   /// @throws Error when the body has no equilibrium under the preload
   SiteSolver(const EquilibriumSolver& solver, const Boundary& boundary,
-             const Eigen::Matrix3Xd& preload);
+             const Eigen::Matrix3Xd& preload, double range = 0);
 
   [[nodiscard]] const PressSolver& presses() const { return presses_; }
   [[nodiscard]] const Boundary& boundary() const { return boundary_; }

@@ -5,6 +5,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/markup_text.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/hdf5_tools.h"
 
 #include <fmt/format.h>
@@ -23,10 +24,13 @@ using Eigen::Index;
 using hdf5::Handle;
 using hdf5::Trouble;
 
-constexpr std::string_view kUnitKind = "palpable snapshots";
-constexpr std::string_view kLinearKind = "palpable linear responses";
-constexpr std::string_view kCampaignKind = "palpable campaign";
 constexpr std::string_view kRemedy = "bake it again";
+constexpr hdf5::ImageKind kUnitKind{"palpable snapshots", kSnapshotLayout,
+                                    "a snapshot file of Palpable", kRemedy};
+constexpr hdf5::ImageKind kLinearKind{"palpable linear responses", kSnapshotLayout,
+                                      "linear responses", kRemedy};
+constexpr hdf5::ImageKind kCampaignKind{"palpable campaign", kSnapshotLayout,
+                                        "a campaign of Palpable", kRemedy};
 constexpr const char* kCampaignFile = "campaign.h5";
 constexpr const char* kXdmfFile = "campaign.xdmf";
 
@@ -101,6 +105,13 @@ StoredUnit read_unit(hid_t file) {
   return unit;
 }
 
+// Whether a file is there with these bytes. One of another size is not read.
+bool has_bytes(const fs::path& file, std::string_view bytes) {
+  std::error_code error;
+  return fs::is_regular_file(file, error) && fs::file_size(file, error) == bytes.size() &&
+         hdf5::all_bytes(file) == bytes;
+}
+
 // Opens a file whose checksum has been verified before.
 Handle open_checked(const fs::path& file) {
   return Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "cannot be read");
@@ -140,11 +151,9 @@ SnapshotStore SnapshotStore::create(fs::path folder, StoreContent content) {
     if (!fs::create_directory(folder) && !fs::exists(file)) refuse_foreign(folder);
     const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
-    const std::string bytes =
-        hdf5::image_of(kCampaignKind, kSnapshotLayout, [&](hid_t h) { write_content(h, content); });
-    if (!fs::exists(file) || hdf5::all_bytes(file) != bytes) {
-      hdf5::write_durably(file, bytes, own_part_suffix());
-    }
+    const std::string bytes = hdf5::image_of(kCampaignKind.kind, kSnapshotLayout,
+                                             [&](hid_t h) { write_content(h, content); });
+    if (!has_bytes(file, bytes)) { hdf5::write_durably(file, bytes, own_part_suffix()); }
   });
   return {std::move(folder), std::move(content)};
 }
@@ -164,8 +173,7 @@ SnapshotStore SnapshotStore::open(fs::path folder) {
   StoreContent content = about(file, [&] {
     const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
-    const hdf5::Image image(hdf5::all_bytes(file), kCampaignKind, kSnapshotLayout,
-                            "a campaign of Palpable", kRemedy);
+    const hdf5::Image image(hdf5::image_bytes(file, kCampaignKind), kCampaignKind);
     return read_content(image.file());
   });
   return {std::move(folder), std::move(content)};
@@ -183,11 +191,10 @@ std::string SnapshotStore::why_not(int unit) const {
   std::error_code code;
   if (!fs::is_regular_file(file, code)) return "missing";
   try {
-    const std::string bytes = hdf5::all_bytes(file);
+    const std::string bytes = hdf5::image_bytes(file, kUnitKind);
     const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
-    const hdf5::Image image(bytes, kUnitKind, kSnapshotLayout, "a snapshot file of Palpable",
-                            kRemedy);
+    const hdf5::Image image(bytes, kUnitKind);
     const std::string key = hdf5::read_text(image.file(), "key");
     if (key != key_text(content_.keys[unit])) {
       return "of another campaign (mesh, material, loads or levels differ)";
@@ -206,7 +213,7 @@ void SnapshotStore::write(int unit, const SiteSnapshots& snapshots, const Eigen:
     {
       const std::lock_guard turn(hdf5::turn());
       const hdf5::Quiet quiet;
-      bytes = hdf5::image_of(kUnitKind, kSnapshotLayout, [&](hid_t h) {
+      bytes = hdf5::image_of(kUnitKind.kind, kSnapshotLayout, [&](hid_t h) {
         hdf5::write_text(h, "key", key_text(content_.keys[unit]));
         write_outcome(h, snapshots);
         hdf5::write_table(h, "press_depth", snapshots.press_depth.data(),
@@ -290,10 +297,10 @@ bool SnapshotStore::has_linear(int k) const {
   std::error_code code;
   if (!fs::is_regular_file(linear_file(k), code)) return false;
   try {
-    const std::string bytes = hdf5::all_bytes(linear_file(k));
+    const std::string bytes = hdf5::image_bytes(linear_file(k), kLinearKind);
     const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
-    const hdf5::Image image(bytes, kLinearKind, kSnapshotLayout, "linear responses", kRemedy);
+    const hdf5::Image image(bytes, kLinearKind);
     return hdf5::read_text(image.file(), "key") == key_text(content_.linear_key);
   } catch (const Trouble&) { return false; }
 }
@@ -304,7 +311,7 @@ void SnapshotStore::write_linear(int k, const Eigen::MatrixXf& responses) const 
     {
       const std::lock_guard turn(hdf5::turn());
       const hdf5::Quiet quiet;
-      bytes = hdf5::image_of(kLinearKind, kSnapshotLayout, [&](hid_t h) {
+      bytes = hdf5::image_of(kLinearKind.kind, kSnapshotLayout, [&](hid_t h) {
         hdf5::write_text(h, "key", key_text(content_.linear_key));
         const int* first = content_.linear.data() + std::ptrdiff_t{k} * kLinearRow;
         hdf5::write_table(h, "vertex", first, static_cast<hsize_t>(responses.cols()), 1);
@@ -347,9 +354,7 @@ void SnapshotStore::finish() const {
   const fs::path file = folder_ / kXdmfFile;
   about(file, [&] {
     const std::string text = xdmf();
-    if (!fs::exists(file) || hdf5::all_bytes(file) != text) {
-      hdf5::write_durably(file, text, own_part_suffix());
-    }
+    if (!has_bytes(file, text)) { hdf5::write_durably(file, text, own_part_suffix()); }
     for (const auto& entry : fs::directory_iterator(folder_)) {
       const std::string name = entry.path().filename().string();
       if (!is_unfinished(name)) continue;
@@ -379,7 +384,8 @@ std::string SnapshotStore::xdmf() const {
     std::string where = fmt::format("site {}", u % content_.site_count());
     const std::vector<double> values = content_.values_at(u / content_.site_count());
     for (std::size_t k = 0; k < values.size(); ++k) {
-      where += fmt::format(", {} {:.6g}", markup_text(content_.parameters[k].name), values[k]);
+      where +=
+          fmt::format(", {} {}", markup_text(content_.parameters[k].name), number_text(values[k]));
     }
     for (int l = 0; l < L; ++l) {
       text += fmt::format("<Grid Name=\"{}, level {:.6g}\">\n<Time Value=\"{}\"/>\n{}", where,

@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kSolidKind = "palpable solid";
-constexpr int kSolidLayout = 0;
+constexpr hdf5::ImageKind kSolidKind{"palpable solid", 0, "a solid of Palpable",
+                                     "bake the body again"};
 
 bool same_material(const Material& a, const Material& b) {
   return law_name(a) == law_name(b) && constants_of(a) == constants_of(b);
@@ -35,8 +35,8 @@ fs::path solid_file_of(const fs::path& body_file) {
 void write_solid_file(const fs::path& file, const StoreContent& content) {
   try {
     const hdf5::Quiet quiet;
-    hdf5::write_durably(
-        file, hdf5::image_of(kSolidKind, kSolidLayout, [&](hid_t h) { write_solid(h, content); }));
+    hdf5::write_durably(file, hdf5::image_of(kSolidKind.kind, kSolidKind.layout,
+                                             [&](hid_t h) { write_solid(h, content); }));
   } catch (const hdf5::Trouble& trouble) {
     throw Error(fmt::format("{}: {}", file.string(), trouble.what));
   }
@@ -53,8 +53,7 @@ std::optional<StoreContent> solid_beside(const fs::path& body_file, std::string_
   if (!fs::exists(file, error)) return std::nullopt;
   try {
     const hdf5::Quiet quiet;
-    const hdf5::Image image(hdf5::all_bytes(file), kSolidKind, kSolidLayout, "a solid of Palpable",
-                            "bake the body again");
+    const hdf5::Image image(hdf5::image_bytes(file, kSolidKind), kSolidKind);
     StoreContent content;
     read_solid(image.file(), content);
     return content;

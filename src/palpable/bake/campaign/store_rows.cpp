@@ -1,6 +1,7 @@
 #include "palpable/bake/campaign/store_rows.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/text_numbers.h"
 
 #include <fmt/format.h>
 
@@ -85,9 +86,10 @@ int point_of(const StoreContent& content, const std::map<std::string, double>& a
     if (const auto wanted = at.find(parameter.name); wanted != at.end()) {
       const auto distance = (parameter.values.array() - wanted->second).abs();
       if (!(distance.minCoeff(&k) <= 1e-9 * std::abs(wanted->second))) {
-        throw Error(fmt::format("'{}' has no value {:.6g}; there are: {:.6g}", parameter.name,
-                                wanted->second,
-                                fmt::join(parameter.values.begin(), parameter.values.end(), " ")));
+        std::string there;
+        for (const double value : parameter.values) there += " " + number_text(value);
+        throw Error(fmt::format("'{}' has no value {}; there are:{}", parameter.name,
+                                number_text(wanted->second), there));
       }
     }
     point = point * n + k;

@@ -4,6 +4,8 @@
 #include "palpable/bake/separate/sparse_pgd.h"
 #include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/quantity.h"
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/common/base/whole_file.h"
 #include "palpable/common/material/material.h"
 #include "palpable/common/toml/toml_section.h"
@@ -26,6 +28,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Range kLength{0.0, 100.0, true};
 constexpr Range kModulus{0.0, 1e13, true};
 constexpr Range kFraction{0.0, 1.0, true, true};
+
+// The unit of lengths in the shape's file, m; messages name the usual ones.
+double unit_of_file(TomlSection& section) {
+  if (section.is_text("unit")) {
+    if (const auto size = length_unit(section.text("unit"))) return *size;
+  }
+  return length_unit(section.choice("unit", length_unit_names(), "m")).value();
+}
 
 UpAxis up_axis(const std::string& text) {
   return text == "x" ? UpAxis::kX : text == "y" ? UpAxis::kY : UpAxis::kZ;
@@ -50,8 +60,7 @@ void read_shape(TomlSection section, const std::string& file, BodyDescription& b
   }
   shape.up = up_axis(section.choice("up", {"x", "y", "z"}, "z"));
   if (section.has("height")) shape.height = section.quantity("height", Quantity::kLength, kLength);
-  const std::string unit = section.choice("unit", {"m", "cm", "mm"}, "m");
-  shape.unit = unit == "m" ? 1.0 : unit == "cm" ? 1e-2 : 1e-3;
+  shape.unit = unit_of_file(section);
   if (shape.height && section.has("unit")) {
     section.bad("unit",
                 "says what lengths in the file are, and 'height' scales them anew: leave "
@@ -75,16 +84,46 @@ void read_shape(TomlSection section, const std::string& file, BodyDescription& b
   section.refuse_unknown();
 }
 
+constexpr Range kAbove0{0.0, kInfinity, true, true};
+
+// A figure in the wrong unit is often beyond that of any material. @param young  Pa
+void refuse_stiffer_than_diamond(TomlSection& section, double young) {
+  if (young <= kModulus.high) return;
+  section.bad("young", fmt::format("is {} Pa, and nothing is stiffer than diamond, {:.1e} Pa: "
+                                   "look at its unit (Pa, kPa, MPa, GPa)",
+                                   number_text(young), kStiffest));
+}
+
+// Young's modulus, Pa.
+double read_young(TomlSection& section) {
+  const double young = section.quantity("young", Quantity::kPressure, kAbove0);
+  refuse_stiffer_than_diamond(section, young);
+  return young;
+}
+
+// kg/m^3.
+double read_density(TomlSection& section) {
+  constexpr double kLargestDensity = 1e5;
+  const double density = section.quantity("density", Quantity::kDensity, kAbove0);
+  if (density > kLargestDensity) {
+    section.bad("density", fmt::format("is {} kg/m^3, and nothing is denser than osmium, 22600 "
+                                       "kg/m^3: look at its unit (1 g/cm^3 is 1000 kg/m^3)",
+                                       number_text(density)));
+  }
+  return density;
+}
+
 // Reads a law and its constants: 'young' and 'poisson', or those of its formula.
 BodyDescription::MaterialLaw read_law(TomlSection& section, const std::string& default_law) {
   BodyDescription::MaterialLaw material;
+  material.place = section.place();
   material.law = section.choice("law", law_names(), default_law);
   const std::span<const LawConstant> own = law_constants(material.law);
   std::vector<const char*> names;
   for (const LawConstant& constant : own) names.push_back(constant.name);
   const std::vector<std::string> given = section.present(names);
   if (given.empty()) {
-    material.young = section.quantity("young", Quantity::kPressure, kModulus);
+    material.young = read_young(section);
     material.poisson = section.number("poisson", {0.0, 0.5, false, true});
     return material;
   }
@@ -234,7 +273,8 @@ void read_parameters(TomlSection& root, BodyDescription& body) {
                   "'stiffness'");
     } else if (given[0] == "young") {
       parameter.what = Parameter::What::kYoung;
-      parameter.values = section.quantity_list(key, Quantity::kPressure, kModulus);
+      parameter.values = section.quantity_list(key, Quantity::kPressure, kAbove0);
+      for (const double young : parameter.values) refuse_stiffer_than_diamond(section, young);
     } else {
       parameter.what = Parameter::What::kPoisson;
       parameter.values = section.numbers(key, {0.0, 0.5, false, true});
@@ -291,8 +331,8 @@ void read_supports(TomlSection& root, BodyDescription& body) {
 void read_loads(TomlSection& root, BodyDescription& body) {
   if (root.has("gravity")) {
     TomlSection section = root.section("gravity");
-    BodyDescription::Gravity gravity{
-        section.quantity("density", Quantity::kDensity, {0.0, 1e5, true})};
+    BodyDescription::Gravity gravity{read_density(section)};
+    gravity.place = section.place();
     if (section.has("acceleration")) {
       gravity.acceleration = section.quantities("acceleration", Quantity::kAcceleration);
     }
@@ -359,7 +399,39 @@ void read_press(TomlSection section, BodyDescription& body) {
     press.depth = section.number("depth", {0.0, 1.0, true}, press.depth);
   }
   press.levels = section.integer("levels", 2, 1000, press.levels);
+  if (section.has("range") && section.is_text("range")) {
+    press.range_length = section.quantity("range", Quantity::kLength, kLength);
+  } else {
+    press.range = section.number("range", {0.0, 100.0, true}, press.range);
+  }
   section.refuse_unknown();
+}
+
+// The sizes of tables: how many clusters, and how many modes of what.
+void read_table_sizes(TomlSection& section, BodyDescription::Touch& touch) {
+  using Tables = BodyDescription::Touch::Tables;
+  struct Size {
+    const char* key;
+    std::optional<int>* value;
+    int least, most, step;
+    bool of_full;  // only tables = "full" have it
+  };
+  for (const Size& size : {Size{"cross_modes", &touch.cross_modes, 16, 192, 16, true},
+                           Size{"clusters", &touch.clusters, 8, 160, 1, false},
+                           Size{"cluster_modes", &touch.cluster_modes, 16, 64, 16, false},
+                           Size{"region_modes", &touch.region_modes, 16, 80, 16, true},
+                           Size{"leading_modes", &touch.leading_modes, 1, 24, 1, true}}) {
+    if (!section.has(size.key)) continue;
+    if (size.of_full && touch.tables != Tables::kFull) {
+      section.bad(size.key, "is for tables = \"full\"");
+    }
+    if (touch.tables == Tables::kNone) section.bad(size.key, "is of tables, and there are none");
+    *size.value = section.integer(size.key, size.least, size.most);
+    if (**size.value % size.step != 0) section.bad(size.key, "should be a multiple of 16");
+  }
+  if (touch.leading_modes.value_or(0) > touch.region_modes.value_or(80)) {
+    section.bad("leading_modes", "should be at most 'region_modes'");
+  }
 }
 
 void read_touch(TomlSection section, BodyDescription& body) {
@@ -378,11 +450,7 @@ void read_touch(TomlSection section, BodyDescription& body) {
     if (touch.tables != Tables::kFull) { section.bad("regions", "is for tables = \"full\""); }
     touch.regions = section.integer("regions", 1, 2000);
   }
-  if (section.has("cross_modes")) {
-    if (touch.tables != Tables::kFull) section.bad("cross_modes", "is for tables = \"full\"");
-    touch.cross_modes = section.integer("cross_modes", 16, 192);
-    if (*touch.cross_modes % 16 != 0) section.bad("cross_modes", "should be a multiple of 16");
-  }
+  read_table_sizes(section, touch);
   if (section.has("edge")) {
     if (touch.tables == Tables::kNone) {
       section.bad("edge", "is of the mesh that tables are made on, and there are none");
@@ -474,7 +542,7 @@ BodyDescription read_body_description(const std::filesystem::path& path) {
                     "(docs/body.md)",
                     path.string()));
   }
-  const Result<std::string> text = read_whole_file(path, longest_text(Notation::kToml));
+  const Result<std::string> text = read_text_file(path, {.most = longest_text(Notation::kToml)});
   if (!text) throw Error(fmt::format("{}: {}", path.string(), text.problem().message));
   return parse_body_description(text.value(), path);
 }

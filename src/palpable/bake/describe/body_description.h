@@ -78,6 +78,7 @@ struct BodyDescription {
     double young = 0;                    ///< Pa
     double poisson = 0;                  ///< -
     std::vector<double> constants = {};  ///< SI, as law_constants(); empty: the two above
+    std::string place = {};              ///< prefix of messages about it
   } material;
 
   /// Elements of another material, chosen by their middles.
@@ -116,6 +117,7 @@ struct BodyDescription {
   struct Gravity {
     double density;                                    ///< kg/m^3
     Eigen::Vector3d acceleration = {0.0, 0.0, -9.81};  ///< m/s^2
+    std::string place = {};                            ///< how messages about it begin
   };
   std::optional<Gravity> gravity = {};
 
@@ -145,6 +147,14 @@ struct BodyDescription {
     std::optional<double> length = {};  ///< m, instead of `depth`
     std::optional<double> force = {};   ///< N, instead of a depth
     int levels = 10;                    ///< solved load levels, 1 / levels .. 1
+    /// The largest displacement of a node, by any load, at which the model means anything: a ratio
+    /// to the body's largest extent. Not its smallest: slender bodies bend by many times their
+    /// thickness while their strains are small. Where it is not given, a press by depth, which has
+    /// a bound of its own, may also move nodes by six times the depth: the tips of what it bends.
+    double range = kUsualRange;
+    std::optional<double> range_length = {};  ///< m, instead of `range`
+    static constexpr double kUsualRange = 1.0 / 3.0;
+    [[nodiscard]] bool has_usual_range() const { return range == kUsualRange && !range_length; }
   } press;
 
   /// Reduction of displacement and of stress.
@@ -163,6 +173,10 @@ struct BodyDescription {
     bool by_default = true;           ///< not requested explicitly: bake_touch() may leave them out
     std::optional<int> regions = {};  ///< at most; none: as many as the skin needs
     std::optional<int> cross_modes = {};  ///< a multiple of 16; none: the default of touch_bake
+    /// Smaller tables than the default of touch_bake: clusters of the compliance, at most; columns
+    /// of the basis of each (a multiple of 16); modes of a region (likewise), and how many of them
+    /// have a third order.
+    std::optional<int> clusters = {}, cluster_modes = {}, region_modes = {}, leading_modes = {};
     /// m, edge of the coarser mesh on which tables are made and which carries the skin. None:
     /// touch_edge() for a fine skin; for others tables are made on the body's own mesh.
     std::optional<double> edge = {};

@@ -141,6 +141,12 @@ TEST_CASE("quantities need a unit that fits", "[describe][description]") {
   CHECK_THAT(complaint(with("10 cm", "10 kPa")), Contains("'height' in [shape] is \"10 kPa\""));
   CHECK_THAT(complaint(with("10 cm", "10")), Contains("must be a text with a unit"));
   CHECK_THAT(complaint(with("10 cm", "ten cm")), Contains("must be a text with a unit"));
+  CHECK_THAT(
+      complaint(with("10 cm", "10 yd")),
+      Contains("is \"10 yd\", must be a text with a unit, such as \"150 mm\"; the units known "
+               "here are m, cm, mm, in, um, ft"));
+  CHECK_THAT(complaint(with("0.5 MPa", "0,5 MPa")),
+             Contains("is \"0,5 MPa\", has a decimal comma; write 0.5, not 0,5"));
   CHECK_THAT(complaint(with("10 cm", "-1 cm")), Contains("is -0.01, must be above 0"));
   CHECK_THAT(complaint(with("0.5 MPa", "nan MPa")), Contains("must be above 0"));
 }
@@ -370,6 +376,20 @@ TEST_CASE("tables of touch are none, linear or full, with regions in full ones a
   CHECK_THAT(refused("[touch]\ncross_modes = 208\n"), Contains("at most 192"));
   CHECK_THAT(refused("[touch]\ntables = 'linear'\ncross_modes = 96\n"),
              Contains(":11: 'cross_modes' in [touch] is for tables = \"full\""));
+  const BodyDescription::Touch small =
+      parsed("[touch]\nclusters = 64\ncluster_modes = 16\nregion_modes = 48\nleading_modes = 12\n")
+          .touch;
+  CHECK(small.clusters == 64);
+  CHECK(small.cluster_modes == 16);
+  CHECK(small.region_modes == 48);
+  CHECK(small.leading_modes == 12);
+  CHECK(parsed("[touch]\ntables = 'linear'\nclusters = 64\n").touch.clusters == 64);
+  CHECK_THAT(refused("[touch]\ntables = 'linear'\nregion_modes = 48\n"),
+             Contains(":11: 'region_modes' in [touch] is for tables = \"full\""));
+  CHECK_THAT(refused("[touch]\ntables = 'none'\nclusters = 64\n"), Contains("there are none"));
+  CHECK_THAT(refused("[touch]\ncluster_modes = 24\n"), Contains("multiple of 16"));
+  CHECK_THAT(refused("[touch]\nregion_modes = 16\nleading_modes = 17\n"),
+             Contains("at most 'region_modes'"));
 
   CHECK_THAT(refused("[touch]\ntables = 'ful'\n"),
              Contains(":10: 'tables' in [touch]") && Contains("did you mean 'full'?"));

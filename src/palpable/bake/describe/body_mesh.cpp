@@ -8,6 +8,8 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/common/geometry/shells.h"
+#include "palpable/common/geometry/size_text.h"
+#include "palpable/common/geometry/surface_repair.h"
 
 #include <fmt/format.h>
 
@@ -54,10 +56,6 @@ void require_made(const std::filesystem::path& file) {
   throw Error(fmt::format("{}: no such file; 'tools/setup.sh bodies' makes it", file.string()));
 }
 
-Eigen::Vector3d extent_of(const Eigen::Matrix3Xd& points) {
-  return points.rowwise().maxCoeff() - points.rowwise().minCoeff();
-}
-
 // @param points  in the axes of the file, m
 void place(Eigen::Matrix3Xd& points, const BodyDescription::Shape& shape) {
   try {
@@ -76,12 +74,15 @@ VolumeMesh read_volume(const BodyDescription::Shape& shape) {
   return volume;
 }
 
-// @param solid  whether to refuse a surface that encloses no solid; messages give positions in the
-//               file's lengths
-SurfaceMesh read_surface(const BodyDescription::Shape& shape, bool solid) {
+// @param solid   whether to refuse a surface that encloses no solid; messages give positions in the
+//                file's lengths
+// @param repair  if given, a surface that is not wrapped is repaired, and this is set to what was
+SurfaceMesh read_surface(const BodyDescription::Shape& shape, bool solid,
+                         std::string* repair = nullptr) {
   require_made(shape.file);
   SurfaceMesh surface = value_or_throw(read_surface_file(shape.file));
   require_no_stray(surface.vertices, shape.file.string());
+  if (repair != nullptr && !shape.wrap) *repair = repair_surface(surface).describe();
   if (solid) require_solid_surface(surface, shape.file.string());
   if (surface.vertex_count() == 0) {
     throw Error(fmt::format("{}: there are no triangles in it", shape.file.string()));
@@ -124,10 +125,11 @@ VolumeMesh make_volume(const BodyDescription::Shape& shape, std::string& made) {
     }
     made = "tetrahedra as in the file";
   } else {
-    SurfaceMesh surface = read_surface(shape, !shape.wrap);
+    SurfaceMesh surface = read_surface(shape, !shape.wrap, &volume.repair);
     require_possible_size(shape, extent_of(surface.vertices));
     volume.mesh = mesh_of_surface(std::move(surface), shape, made);
   }
+  if (!volume.repair.empty()) made = fmt::format("{}, {}", volume.repair, made);
   if (shape.order == 2 && !volume.mesh.is_quadratic()) {
     volume = with_edge_nodes(std::move(volume));
     made += ", a node in the middle of each edge";
@@ -205,10 +207,20 @@ std::optional<std::string> wrap_warning(const BodyDescription::Shape& shape) {
       cavities == 1 ? "it stays" : "they stay");
 }
 
-Eigen::Vector3d size_of_body(const BodyDescription& description) {
+bool is_of_ten_nodes(const BodyDescription::Shape& shape) {
+  if (shape.order) return *shape.order == 2;
+  return shape.is_volume() && read_volume(shape).mesh.is_quadratic();
+}
+
+Eigen::Vector3d size_of_body(const BodyDescription& description, std::string* repair) {
   const BodyDescription::Shape& shape = description.shape;
-  return extent_of(shape.is_volume() ? read_volume(shape).mesh.nodes
-                                     : read_surface(shape, false).vertices);
+  if (repair != nullptr) repair->clear();
+  if (shape.is_volume()) {
+    VolumeMesh volume = read_volume(shape);
+    if (repair != nullptr) *repair = std::move(volume.repair);
+    return extent_of(volume.mesh.nodes);
+  }
+  return extent_of(read_surface(shape, false, repair).vertices);
 }
 
 BodyMesh make_body_mesh(const BodyDescription& description) {

@@ -36,8 +36,15 @@ struct BodyMesh {
 void place_in_body_frame(Eigen::Matrix3Xd& points, UpAxis up, std::optional<double> height);
 
 /// Extents of the body before it is meshed, m, along the axes of the body frame. Reads the shape's
-/// file. @throws Error for what cannot be read or placed
-[[nodiscard]] Eigen::Vector3d size_of_body(const BodyDescription& description);
+/// file.
+/// @param repair  if given: what is repaired of it, one line with its figures; empty: nothing
+/// @throws Error for what cannot be read or placed
+[[nodiscard]] Eigen::Vector3d size_of_body(const BodyDescription& description,
+                                           std::string* repair = nullptr);
+
+/// Whether the body's tetrahedra have ten nodes. Reads the file of a volume whose order is not
+/// given. @throws Error for what cannot be read
+[[nodiscard]] bool is_of_ten_nodes(const BodyDescription::Shape& shape);
 
 /// A warning, beginning with file and line, about a shape whose cavities its wrap would fill;
 /// nothing for other shapes, nor for a surface that is not closed and therefore has no cavities.

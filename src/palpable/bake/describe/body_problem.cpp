@@ -7,9 +7,12 @@
 #include "palpable/bake/solid/selection.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/text_numbers.h"
+#include "palpable/common/geometry/size_text.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -20,6 +23,10 @@ namespace palpable {
 using Eigen::Matrix3Xd;
 
 namespace {
+
+// How far a node may follow a press by depth, ratio to the depth. The tip of a post that is pressed
+// near its foot moves by up to 4.4 times the depth (bodies/post-small.toml).
+constexpr double kFollows = 6.0;
 
 // (V) The values at the vertices of the skin, from values at all nodes.
 std::vector<std::uint8_t> at_skin(const std::vector<std::uint8_t>& nodes, const Boundary& skin) {
@@ -109,6 +116,11 @@ std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh
   for (const Where& where : wanted.at) {
     std::vector<int> vertices;
     if (const auto* nearest = std::get_if<Where::Nearest>(&where.what)) {
+      try {
+        refuse_far_points(body.mesh, nearest->points, PointsMayLie::kNearTheSkin);
+      } catch (const Error& error) {
+        throw Error(fmt::format("{}: {}", where.place, error.what()));
+      }
       for (const Eigen::Vector3d& point : nearest->points) {
         Eigen::Index vertex = 0;
         (skin.vertices.colwise() - point).colwise().squaredNorm().minCoeff(&vertex);
@@ -213,11 +225,11 @@ std::string material_line(const BodyDescription::MaterialLaw& law) {
   std::string constants;
   for (std::size_t k = 0; k < law.constants.size(); ++k) {
     const LawConstant& constant = law_constants(law.law)[k];
-    constants += fmt::format("{} = {:.4g} {}, ", constant.name, law.constants[k],
+    constants += fmt::format("{} = {} {}, ", constant.name, number_text(law.constants[k]),
                              constant.per_pressure ? "1/Pa" : "Pa");
   }
-  return fmt::format("{}, {}Young's modulus {:.4g} Pa, Poisson's ratio {:.3g}", law.law, constants,
-                     young, poisson);
+  return fmt::format("{}, {}Young's modulus {} Pa, Poisson's ratio {}", law.law, constants,
+                     number_text(young), poisson_text(poisson));
 }
 
 std::string problem_text(const BodyDescription& description, const BodyProblem& problem) {
@@ -266,6 +278,22 @@ void refuse_press_through(const BodyDescription& description, const BodyProblem&
       nearest, nearest / height));
 }
 
+void refuse_beyond_range(const BodyDescription& description, const BodyProblem& problem) {
+  const double range = problem.model.largest_displacement;
+  if (problem.press <= range) return;
+  throw Error(fmt::format(
+      "{}: a press of {:.4g} mm ('depth' in [press]) moves the patch by more than {:.4g} mm, the "
+      "range of the model ({}): press less, or give a larger 'range' in [press]",
+      description.source.string(), 1e3 * problem.press, 1e3 * range, range_words(description)));
+}
+
+std::string range_words(const BodyDescription& description) {
+  const BodyDescription::Press& press = description.press;
+  if (press.range_length) return "'range' in [press]";
+  if (press.has_usual_range()) { return "a third of the body's largest extent"; }
+  return fmt::format("{} of the body's largest extent", number_text(press.range));
+}
+
 BodyProblem pose_body(const BodyDescription& description) {
   return pose_body(description, make_body_mesh(description));
 }
@@ -280,6 +308,9 @@ BodyProblem pose_body(const BodyDescription& description, BodyMesh mesh) {
   add_groups(description, volume, problem.model);
   problem.model.fixed_nodes = body.fixed_nodes;
   problem.model.supports = body.supports;
+  const Eigen::Vector3d extent = extent_of(body.mesh.nodes);
+  problem.model.largest_displacement =
+      description.press.range_length.value_or(description.press.range * extent.maxCoeff());
   refuse_unsolvable(description, problem.model);
   problem.preload = preload_of(description, volume);
   problem.sites = place_sites(description, body);
@@ -287,6 +318,10 @@ BodyProblem pose_body(const BodyDescription& description, BodyMesh mesh) {
   problem.force = description.press.force.value_or(0.0);
   if (problem.force == 0.0) {
     problem.press = description.press.length.value_or(description.press.depth * body.height);
+  }
+  problem.press_range = problem.model.largest_displacement;
+  if (description.press.has_usual_range()) {
+    problem.press_range = std::max(problem.press_range, kFollows * problem.press);
   }
   return problem;
 }

@@ -25,6 +25,9 @@ struct BodyProblem {
   std::vector<Site> linear_sites;
   double press = 0;  ///< m: displacement of a patch at full load; 0: see force
   double force = 0;  ///< N: the full load; 0: the one that gives the press
+  /// m: how far a press may move a node. More than the model's largest_displacement where a press
+  /// by depth needs it (BodyDescription::Press::range).
+  double press_range = 0;
   /// (3 x N) N: the forces that act on the body before it is pressed: weight and pressures. No
   /// columns: none.
   Eigen::Matrix3Xd preload;
@@ -51,6 +54,15 @@ struct BodyProblem {
 /// contact of a body with itself, so the skin could come out on the other side.
 /// @throws Error naming the site and the deepest press
 void refuse_press_through(const BodyDescription& description, const BodyProblem& problem);
+
+/// Refuses presses by depth beyond the range of the model ('range' in [press]), before any is
+/// solved. Loads are refused where they turn out to press that far (Stop::kBeyondRange).
+/// @throws Error naming both lengths
+void refuse_beyond_range(const BodyDescription& description, const BodyProblem& problem);
+
+/// The largest displacement for which the model is meant, in words for messages: "a third of the
+/// body's largest extent".
+[[nodiscard]] std::string range_words(const BodyDescription& description);
 
 /// The material that a description states. @throws Error as material_from_young()
 [[nodiscard]] Material material_of(const BodyDescription::MaterialLaw& law);

@@ -5,8 +5,11 @@
 #include "palpable/bake/solid/equilibrium.h"
 #include "palpable/bake/solid/loads.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/geometry/surface_mesh.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -182,8 +185,9 @@ TEST_CASE("supports hold nodes direction by direction and may not contradict eac
   CHECK_THAT(file.refused("[support]\nbelow = 0.01\nhold = 'z'\n"),
              Contains("block.toml:10: 'below' in [support] does not hold the body") &&
                  Contains("leave 3 of its 6 rigid motions free"));
-  CHECK_THAT(file.refused("[support]\nnearest = [['0 m', '0 m', '0 m'], ['0 m', '0 m', '1 m']]\n"),
-             Contains("only 2 of its nodes are fixed"));
+  CHECK_THAT(
+      file.refused("[support]\nnearest = [['0 m', '0 m', '0 m'], ['0 m', '0 m', '40 mm']]\n"),
+      Contains("only 2 of its nodes are fixed"));
   CHECK_THAT(file.refused("[support]\nset = 'body'\n"),
              Contains("block.toml:10: 'set' in [support]: the mesh has no set of nodes or faces"));
   CHECK_THAT(
@@ -222,6 +226,60 @@ TEST_CASE("sites are where points and sets say, pressed the way that is asked fo
       Contains("sites 0 and 1 are the same vertex"));
   CHECK_THAT(file.refused("[sites]\nsets = 'lid'\n"),
              Contains("block.toml:8: 'sets' in [sites]: the mesh has no set 'lid'"));
+}
+
+TEST_CASE("points far from the body are refused with their distance, those beside it are taken",
+          "[describe][problem]") {
+  const BlockFile file;
+  // 440 mm above the block of 40 mm.
+  CHECK_THAT(file.refused("[sites]\npoints = ['0 mm', '0 mm', '480 mm']\n"),
+             Contains("block.toml:8: 'points' in [sites]: the point (0, 0, 0.48) m lies 440 mm "
+                      "outside the body's skin") &&
+                 Contains("unit"));
+  CHECK_THAT(
+      file.refused("[sites]\npoints = [['30 mm', '0 mm', '20 mm'], ['30 m', '0 m', '20 m']]\n"),
+      Contains("the point (30, 0, 20) m lies 3.601e+04 mm outside"));
+  CHECK_THAT(file.refused("[support]\nnearest = [['0 m', '0 m', '2 m'], ['9 mm', '9 mm', '0 mm'], "
+                          "['0 mm', '9 mm', '0 mm']]\n"),
+             Contains("block.toml:10: 'nearest' in [support]: the point (0, 0, 2) m lies 1960 mm"));
+  // Two edges off, as a surface read off by eye or from before a wrap; and a node deep inside.
+  const BodyMesh& mesh = file.pose("").mesh;
+  const double edge = mean_edge_length(mesh.boundary.surface);
+  CHECK(file.refused(fmt::format("[sites]\npoints = ['0 mm', '0 mm', '{} mm']\n", 40 + 2e3 * edge))
+            .empty());
+  CHECK(
+      file.refused("[support]\nnearest = [['0 mm', '0 mm', '20 mm'], ['-30 mm', '-25 mm', '0 mm'], "
+                   "['30 mm', '-25 mm', '0 mm'], ['0 mm', '25 mm', '0 mm']]\n")
+          .empty());
+}
+
+TEST_CASE("the range of a model is a share of its largest extent, or a length",
+          "[describe][problem][range]") {
+  const BlockFile file;
+  CHECK(file.pose("").model.largest_displacement == Approx(0.02));
+  CHECK(file.pose("[press]\nrange = 0.8\n").model.largest_displacement == Approx(0.048));
+  CHECK(file.pose("[press]\nrange = '70 mm'\n").model.largest_displacement == Approx(0.07));
+  CHECK_THAT(file.refused("[press]\nrange = 0\n"), Contains("'range' in [press]"));
+  // A press by depth may take what it bends along, unless the description says how far.
+  CHECK(file.pose("[press]\ndepth = '5 mm'\n").press_range == Approx(0.03));
+  CHECK(file.pose("[press]\ndepth = '2 mm'\n").press_range == Approx(0.02));
+  CHECK(file.pose("[press]\ndepth = '5 mm'\nrange = '9 mm'\n").press_range == Approx(0.009));
+  CHECK(file.pose("[press]\nforce = '5 N'\n").press_range == Approx(0.02));
+  const auto refusal = [&](const std::string& press) {
+    const BodyDescription description = file.description("[press]\n" + press);
+    try {
+      refuse_beyond_range(description, pose_body(description));
+    } catch (const Error& error) { return std::string(error.what()); }
+    return std::string();
+  };
+  CHECK(refusal("depth = '19 mm'\n").empty());
+  CHECK_THAT(refusal("depth = '21 mm'\n"), Contains("block.toml: a press of 21 mm") &&
+                                               Contains("more than 20 mm") &&
+                                               Contains("a third of the body's largest extent") &&
+                                               Contains("'range' in [press]"));
+  CHECK(refusal("depth = '21 mm'\nrange = 0.5\n").empty());
+  CHECK_THAT(refusal("depth = '2 mm'\nrange = '1 mm'\n"), Contains("('range' in [press])"));
+  CHECK(refusal("force = '1 kN'\n").empty());  // what it does is known once it is solved
 }
 
 TEST_CASE("weight and pressure add up to what they are", "[describe][problem]") {
@@ -275,7 +333,8 @@ TEST_CASE("a press is given by fraction, length or force, a mesh in its own unit
   const BodyProblem force = file.pose("[press]\nforce = '2 N'\n");
   CHECK(force.force == 2.0);
   CHECK(force.press == 0.0);
-  CHECK(file.pose("", "unit = 'cm'\n").mesh.height == Approx(4e-4));
+  CHECK(file.pose("[sites]\npoints = ['0 mm', '0 mm', '0.4 mm']\n", "unit = 'cm'\n").mesh.height ==
+        Approx(4e-4));
 }
 
 }  // namespace

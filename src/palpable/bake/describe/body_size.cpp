@@ -20,7 +20,7 @@ struct Unit {
 // parts and scans use them.
 std::optional<Unit> likely_unit(double largest, double unit) {
   for (const Unit& other : {Unit{"mm", "millimetres", 1e-3}, Unit{"cm", "centimetres", 1e-2},
-                            Unit{"m", "metres", 1.0}}) {
+                            Unit{"in", "inches", 0.0254}, Unit{"m", "metres", 1.0}}) {
     const double would_be = largest / unit * other.metres;
     if (other.metres != unit && would_be >= kSmallBody && would_be <= kLargeBody) return other;
   }
@@ -30,7 +30,8 @@ std::optional<Unit> likely_unit(double largest, double unit) {
 std::string advice(double largest, std::optional<double> unit, const std::string& write) {
   if (!unit) return "look at the height that it was scaled to";
   const std::optional<Unit> likely = likely_unit(largest, *unit);
-  if (!likely) return "no unit of its lengths (m, cm, mm) makes it a usual size; give its height";
+  if (!likely)
+    return "no unit of its lengths (m, cm, mm, in) makes it a usual size; give its height";
   return fmt::format("if lengths in its file are {}, write {}", likely->words,
                      fmt::format(fmt::runtime(write), likely->name));
 }

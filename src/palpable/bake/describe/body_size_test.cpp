@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 namespace palpable {
@@ -58,6 +59,28 @@ TEST_CASE("a forgotten unit is said with file and line before anything is meshed
   CHECK_FALSE(size_warning(millimetres.shape, size_of_body(millimetres)));
   const BodyDescription scaled = described(folder, "height = '60 mm'\n");
   CHECK_FALSE(size_warning(scaled.shape, size_of_body(scaled)));
+}
+
+TEST_CASE("what is repaired of a shape is said in the file's lengths, and kept with the body",
+          "[describe][repair]") {
+  const test::ScratchFolder folder("repaired_shape");
+  std::string faces = pyramid(80, 60);
+  std::ofstream(folder.path() / "p.off") << faces;
+  std::string repair = "not yet";
+  (void)size_of_body(described(folder, "unit = 'mm'\n"), &repair);
+  CHECK(repair.empty());
+  // One face of the pyramid with its corners the other way round.
+  const std::size_t last = faces.rfind("\n3 ", faces.size() - 2);
+  std::istringstream words(faces.substr(last + 1));
+  int three = 0, a = 0, b = 0, c = 0;
+  words >> three >> a >> b >> c;
+  faces.resize(last + 1);
+  std::ofstream(folder.path() / "p.off") << faces << "3 " << a << ' ' << c << ' ' << b << '\n';
+  const BodyDescription turned = described(folder, "unit = 'mm'\n");
+  CHECK(size_of_body(turned, &repair) == 1e-3 * Vector3d(80, 80, 60));
+  CHECK_THAT(repair, Contains("repaired: 1 of 6 faces turned, which now enclose a volume of 128000 "
+                              "(in the file's lengths)"));
+  CHECK_THAT(make_body_mesh(turned).origin, Contains("p.off, repaired: 1 of 6 faces turned"));
 }
 
 TEST_CASE("a body of a kilometre or of a micron is refused", "[describe][size]") {

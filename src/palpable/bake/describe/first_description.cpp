@@ -39,9 +39,7 @@ bool is_surface_ending(std::string_view ending) {
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
-Eigen::Vector3d size_of(const Eigen::Matrix3Xd& points) {
-  return points.rowwise().maxCoeff() - points.rowwise().minCoeff();
-}
+Eigen::Vector3d size_of(const Eigen::Matrix3Xd& points) { return extent_of(points); }
 
 // To two digits, without an exponent.
 double rounded(double x) {

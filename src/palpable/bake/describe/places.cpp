@@ -4,11 +4,14 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/nearest_word.h"
+#include "palpable/common/geometry/size_text.h"
+#include "palpable/common/geometry/surface_distance.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <string>
@@ -18,6 +21,11 @@ namespace palpable {
 namespace {
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+// Number of mean edges of the skin that a named point may be away from the body. Nearest nodes are
+// within one edge of every point of the skin, a remeshed or wrapped skin within another one of the
+// surface that the user looked at.
+constexpr double kFarthestPoint = 3.0;
 
 // Runs `choose`; its errors begin with the place.
 template <class Choose>
@@ -107,8 +115,7 @@ struct NodesAt {
                         Eigen::Vector3d::Constant(kNoLimit));
   }
   std::vector<int> operator()(const Where::Plane& plane) const {
-    const Eigen::Vector3d size =
-        volume.mesh.nodes.rowwise().maxCoeff() - volume.mesh.nodes.rowwise().minCoeff();
+    const Eigen::Vector3d size = extent_of(volume.mesh.nodes);
     return nodes_on_plane(volume.mesh, plane.point, plane.normal,
                           plane.distance.value_or(1e-6 * size.norm()));
   }
@@ -116,6 +123,7 @@ struct NodesAt {
     return nodes_in_box(volume.mesh, box.low, box.high);
   }
   std::vector<int> operator()(const Where::Nearest& nearest) const {
+    refuse_far_points(volume.mesh, nearest.points, PointsMayLie::kAlsoInside);
     std::vector<int> nodes;
     for (const Eigen::Vector3d& point : nearest.points) {
       nodes.push_back(nearest_node(volume.mesh, point));
@@ -215,6 +223,23 @@ Eigen::Matrix3Xi of_skin(const Eigen::Matrix3Xi& skin, const std::vector<Eigen::
 }
 
 }  // namespace
+
+void refuse_far_points(const TetMesh& mesh, std::span<const Eigen::Vector3d> points,
+                       PointsMayLie where) {
+  const SurfaceDistance skin(boundary_of(mesh).surface);
+  const double edge = mean_edge_length(skin.surface());
+  for (const Eigen::Vector3d& point : points) {
+    const double distance = skin.nearest(point).distance;
+    const bool allowed = distance < 0.0 && where == PointsMayLie::kAlsoInside;
+    if (allowed || std::abs(distance) <= kFarthestPoint * edge) continue;
+    throw Error(fmt::format(
+        "the point ({:.4g}, {:.4g}, {:.4g}) m lies {:.4g} mm {} the body's skin, whose edges are "
+        "{:.3g} mm long: look at the unit of its lengths, and at the body frame (the body stands "
+        "on Z = 0, its middle above the origin)",
+        point[0], point[1], point[2], 1e3 * std::abs(distance),
+        distance < 0.0 ? "inside" : "outside", 1e3 * edge));
+  }
+}
 
 std::vector<int> nodes_at(const VolumeMesh& volume, const Where& where) {
   return at_place(where, [&] { return std::visit(NodesAt{volume}, where.what); });

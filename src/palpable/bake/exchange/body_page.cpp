@@ -1,9 +1,11 @@
 #include "palpable/bake/exchange/body_page.h"
 
 #include "palpable/bake/exchange/web_page.h"
+#include "palpable/common/base/base64.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/body_file/touch_text.h"
+#include "palpable/common/geometry/size_text.h"
 #include "palpable/common/reduced/spline.h"
 
 #include <fmt/format.h>
@@ -353,9 +355,7 @@ void add_provenance(const Provenance& provenance, Json& data) {
 }
 
 std::string lead_text(const ReducedBody& body) {
-  const Eigen::Vector3d size =
-      (body.surface.vertices.rowwise().maxCoeff() - body.surface.vertices.rowwise().minCoeff()) *
-      1e3;
+  const Eigen::Vector3d size = extent_of(body.surface.vertices) * 1e3;
   const std::string& method = body.method;
   std::string further;
   for (const FurtherParameter& p : body.further) {

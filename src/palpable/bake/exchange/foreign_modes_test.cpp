@@ -11,12 +11,15 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <array>
 #include <fstream>
 #include <functional>
+#include <hdf5.h>
 #include <iterator>
 #include <map>
 #include <pugixml.hpp>
 #include <string>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -220,7 +223,7 @@ TEST_CASE("a damaged PXDMF file says what is wrong with it", "[exchange][errors]
       {"\"Triangle\"", "\"Quadrilateral\"", "no grid of triangles"},
       {"Name=\"displacement_2\"", "Name=\"velocity_2\"", "there is no displacement_2"},
       {":/vertices", ":/corners", "'/corners' is missing"},
-      {"modes.pxdmf.h5:/triangles", "none.h5:/triangles", "none.h5: cannot be opened"},
+      {"modes.pxdmf.h5:/triangles", "none.h5:/triangles", "none.h5: no such file"},
       {"Dimensions=\"42 3\"", "Dimensions=\"43 3\"", "126 numbers where its Dimensions say 129"},
       {"Dimensions=\"42 3\"", "Dimensions=\"999999999 999999999\"", "claims the size"},
       {"Format=\"HDF\"", "Format=\"Binary\"", "the format 'Binary'"},
@@ -299,7 +302,13 @@ TEST_CASE("arrays that are missing or do not fit are named", "[exchange][errors]
 }
 
 TEST_CASE("presses are written as series for ParaView", "[exchange]") {
-  const ReducedBody ball = test::pressed_ball(0.05, 0.01, 1);
+  ReducedBody ball = test::pressed_ball(0.05, 0.01, 1);
+  // All six components of its stress differ.
+  Eigen::MatrixXf stress = ball.stress.modes();
+  for (Eigen::Index row = 0; row < stress.rows(); ++row) {
+    stress.row(row).array() += static_cast<float>(100 * (row % 6 + 1));
+  }
+  ball.stress = SeparatedField(stress, ball.stress.axes());
   const ReducedBody solid = settled(test::with_further(ball)).value();
   const ScratchFolder folder("modes_files");
   write_vtu_series(folder.path() / "all", ball);
@@ -317,6 +326,23 @@ TEST_CASE("presses are written as series for ParaView", "[exchange]") {
              Catch::Contains("ball.xdmf.h5:/displacement_3_4") &&
                  Catch::Contains("<Time Value=\"0.75\"/>"));
   CHECK(fs::exists(folder.path() / "ball.xdmf.h5"));
+  // XDMF's Tensor6 is xx xy xz yy yz zz; ours is xx yy zz xy yz zx.
+  const hid_t heavy =
+      H5Fopen((folder.path() / "ball.xdmf.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  REQUIRE(heavy >= 0);
+  const Eigen::VectorXf ours = field_at(ball.stress, {3, 1});
+  std::vector<float> theirs(static_cast<std::size_t>(ours.size()));
+  const hid_t table = H5Dopen2(heavy, "stress_3_4", H5P_DEFAULT);
+  REQUIRE(H5Dread(table, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, theirs.data()) >= 0);
+  H5Dclose(table);
+  H5Fclose(heavy);
+  constexpr std::array kXdmf{0, 3, 5, 1, 4, 2};
+  REQUIRE((ours[0] != ours[1] && ours[1] != ours[2] && ours[4] != ours[5]));
+  for (Eigen::Index v = 0; v < ours.size() / 6; ++v) {
+    for (std::size_t c = 0; c < kXdmf.size(); ++c) {
+      CHECK(theirs[static_cast<std::size_t>(6 * v) + c] == ours[6 * v + kXdmf[c]]);
+    }
+  }
   CHECK_THROWS_WITH(write_vtu_series(folder.path() / "none", ball, 6),
                     Catch::Contains("sites 0 to 5"));
 }

@@ -104,7 +104,7 @@ Eigen::VectorXd read_samples(const fs::path& file) {
 // The parameters with their samples, without functions.
 std::vector<ParameterAxis> read_parameters(const fs::path& folder) {
   const std::string file = (folder / "parameters.txt").string();
-  const Result<std::string> text = read_whole_file(file, kLongestNames);
+  const Result<std::string> text = read_text_file(file, {.most = kLongestNames});
   if (!text) throw Error(fmt::format("{}: {}", file, text.problem().message));
   std::istringstream names(text.value());
   std::vector<ParameterAxis> axes;

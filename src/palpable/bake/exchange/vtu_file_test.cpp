@@ -78,6 +78,31 @@ TEST_CASE("a grid's points, cells and fields come back from the file as they wer
   }
 }
 
+TEST_CASE("a ten-node tetrahedron has VTK's order: its edges 01 12 20 03 13 23",
+          "[exchange][vtu]") {
+  const test::ScratchFolder folder("vtu_order");
+  TetMesh one;
+  one.nodes.resize(3, 4);
+  one.nodes << 0, 2, 0, 0,  // x
+      0, 0, 4, 0,           // y
+      0, 0, 0, 6;           // z
+  one.tets.resize(4, 1);
+  one.tets << 0, 1, 2, 3;
+  const TetMesh mesh = with_edge_nodes(one);
+  write_vtu_file(folder.path() / "one.vtu", mesh, {});
+  const std::string file = content(folder.path() / "one.vtu");
+  const auto points = array<double>(file, "points");
+  const auto cells = array<std::int32_t>(file, "connectivity");
+  REQUIRE(cells.size() == 10);
+  const std::vector<Eigen::Vector3d> middles{{1, 0, 0}, {1, 2, 0}, {0, 2, 0},
+                                             {0, 0, 3}, {1, 0, 3}, {0, 2, 3}};
+  for (std::size_t k = 0; k < middles.size(); ++k) {
+    const auto node = static_cast<std::size_t>(cells[4 + k]);
+    CHECK(Eigen::Vector3d(points[3 * node], points[3 * node + 1], points[3 * node + 2]) ==
+          middles[k]);
+  }
+}
+
 TEST_CASE("a grid that cannot be written or whose fields do not fit is refused",
           "[exchange][vtu][errors]") {
   const TetMesh mesh = box_tets({0, 0, 0}, {1, 1, 1}, 1, 1, 1);

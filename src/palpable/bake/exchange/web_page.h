@@ -37,9 +37,6 @@ struct WebPage {
 ///         table
 [[nodiscard]] std::filesystem::path table_beside(const std::filesystem::path& page);
 
-/// Base64 of RFC 4648, with padding.
-[[nodiscard]] std::string base64(std::string_view bytes);
-
 /// A cell of a CSV file (RFC 4180), quoted if it holds a comma, a quote or a line end.
 [[nodiscard]] std::string csv_cell(std::string_view text);
 

@@ -13,15 +13,6 @@ namespace {
 
 using Catch::Matchers::Contains;
 
-TEST_CASE("base64 is that of RFC 4648", "[exchange][pages]") {
-  CHECK(base64("").empty());
-  CHECK(base64("f") == "Zg==");
-  CHECK(base64("fo") == "Zm8=");
-  CHECK(base64("foo") == "Zm9v");
-  CHECK(base64("foobar") == "Zm9vYmFy");
-  CHECK(base64(std::string("\xff\x00\xfe", 3)) == "/wD+");
-}
-
 TEST_CASE("the table of a page lies beside it, and never in its place", "[exchange][pages]") {
   CHECK(table_beside("out/report.html") == "out/report.csv");
   CHECK(table_beside("out.d/report") == "out.d/report.csv");

@@ -1,9 +1,11 @@
 #include "palpable/bake/intrusive/intrusive_bake.h"
 
+#include "palpable/bake/describe/material_warnings.h"
 #include "palpable/bake/intrusive/reduced_energy.h"
 #include "palpable/bake/intrusive/table_terms.h"
 #include "palpable/bake/intrusive/two_load_checks.h"
 #include "palpable/bake/separate/pod.h"
+#include "palpable/bake/solid/displacement_range.h"
 #include "palpable/bake/solid/stress.h"
 #include "palpable/bake/solid/stress_together.h"
 #include "palpable/common/base/contract.h"
@@ -299,6 +301,19 @@ SeriesPgd separate_series(const LoadSeries& series, const SeriesTable& table, in
   return recompressed(greedy, table, goal, std::min(modes, static_cast<int>(greedy.F.cols())));
 }
 
+// Refuses a load that leaves the range of the model. @param u  (3 x N) m, at the full load
+void refuse_far_travel(const BodyDescription& description, const BodyProblem& problem,
+                       Index position, const Eigen::Matrix3Xd& u) {
+  const BodyDescription::Intrusive& wanted = *description.intrusive;
+  const SolidModel& model = problem.model;
+  const double farthest = largest_movement(held_components(model), u);
+  if (farthest <= model.largest_displacement) return;
+  throw Error(fmt::format(
+      "{}: 'force' = {:.4g} N moves the body by {:.4g} mm at {}: {}. Young's modulus is {}",
+      wanted.place, wanted.force, 1e3 * farthest, site_text(problem, static_cast<int>(position)),
+      beyond_range_text(model.largest_displacement), young_words(description)));
+}
+
 // (J + 1 x S) the displacement conjugate to the force at each load size: f . u / |f|.
 MatrixXd press_depths(const SeriesTable& table, double force) {
   const Index S = table.positions(), J = table.levels.size();
@@ -361,6 +376,7 @@ IntrusiveBake bake_intrusive(const BodyDescription& description, const Intrusive
   SeriesTable table = solve_series(
       series, travelling.load, travelling.area, levels, kStressLevels,
       [&](Index s, const MatrixXd& fields) {
+        refuse_far_travel(description, problem, s, fields.col(2).reshaped(3, fields.rows() / 3));
         for (Index k = 0; k < 3; ++k) states.add(3 * s + k, fields.col(k));
       },
       progress, settings.all_residuals ? ResidualsAt::kAllLevels : ResidualsAt::kFullLoad);

@@ -91,7 +91,7 @@ TEST_CASE("what an intrusive bake cannot do is refused in one line", "[intrusive
   CHECK_THAT(refusal("[intrusive]\npositions = [\"TOP\"]\nforce = \"2 N\"\nclearance = 90\n"),
              Contains("no position is left") && Contains("clearance"));
   CHECK_THAT(refusal("[intrusive]\npositions = [\"TOP\"]\nforce = \"20 N\"\n"),
-             Contains("20 N") && Contains("beyond the range"));
+             Contains("20 N") && Contains("the range of the model"));
   CHECK_THAT(refusal("[intrusive]\npositions = [\"TOP\"]\n"), Contains("force"));
   CHECK_THAT(refusal("[intrusive]\npositions = [\"TOP\"]\nforce = \"2 N\"\nmods = 3\n"),
              Contains("modes"));

@@ -2,7 +2,9 @@
 
 #include "palpable/bake/mesh/field_text.h"
 #include "palpable/common/base/npy_file.h"
+#include "palpable/common/base/plain_text.h"
 #include "palpable/common/base/text_numbers.h"
+#include "palpable/common/base/whole_file.h"
 #include "palpable/common/body_file/foreign_hdf5.h"
 
 #include <fmt/format.h>
@@ -53,6 +55,7 @@ NodalFile parse_table(const std::string& bytes, const std::string& name) {
   for (const auto& [number, text] : lines_of(bytes)) {
     const std::vector<std::string_view> words = words_of(text, " \t,;");
     if (words.empty()) continue;
+    if (has_decimal_commas(text)) bad(name, fmt::format("line {}: {}", number, kDecimalCommas));
     std::vector<double> row;
     for (const std::string_view word : words) {
       const std::optional<double> value = to_any_number(word);
@@ -112,6 +115,37 @@ NodalFile read_hdf5(const std::filesystem::path& path, const std::string& datase
   } catch (const hdf5::Trouble& trouble) { bad(name, trouble.what); }
 }
 
+// Largest file of fields that is read, bytes: a mesh of ten million nodes as text.
+constexpr std::uintmax_t kLargestFields = 2'000'000'000;
+
+// A format: its reader, what reads its bytes and what judges the first of them (FileBound).
+struct FieldKind {
+  NodalFile (*parse)(const std::string&, const std::string&);
+  Result<std::string> (*read)(const std::filesystem::path&, const FileBound&);
+  std::string (*why_not)(std::string_view first, std::uintmax_t size) = nullptr;
+};
+
+std::string why_no_vtu(std::string_view first, std::uintmax_t /*size*/) {
+  if (is_utf16(first)) return why_no_text(first, TextPart::kFirst);
+  const std::string_view text = without_mark(first);
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin != std::string_view::npos && text[begin] == '<') return {};
+  return "not XML, which a .vtu file is";
+}
+
+std::string why_no_vtk(std::string_view first, std::uintmax_t /*size*/) {
+  if (is_utf16(first)) return why_no_text(first, TextPart::kFirst);
+  return without_mark(first).starts_with("# vtk DataFile") ? "" : "not a legacy file of VTK";
+}
+
+NodalFile read_field_file(const std::filesystem::path& path, const FieldKind& kind) {
+  FileBound bound{.most = kLargestFields};
+  if (kind.why_not != nullptr) bound.why_not = kind.why_not;
+  const Result<std::string> bytes = kind.read(path, bound);
+  if (!bytes) bad(path.string(), bytes.problem().message);
+  return kind.parse(bytes.value(), path.string());
+}
+
 }  // namespace
 
 NodalFile read_nodal_file(const std::filesystem::path& path) {
@@ -119,27 +153,30 @@ NodalFile read_nodal_file(const std::filesystem::path& path) {
   const std::size_t colon = text.rfind(':');
   if (colon != std::string::npos && colon > 0) {
     const std::filesystem::path file = text.substr(0, colon);
-    if (!std::filesystem::exists(file)) bad(file.string(), "no such file");
+    if (const std::string why = why_no_file(file); !why.empty()) bad(file.string(), why);
     return read_hdf5(file, text.substr(colon + 1));
   }
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) bad(text, "no such file");
+  if (const std::string why = why_no_file(path); !why.empty()) bad(text, why);
   const std::string ending = path.extension().string();
   if (ending == ".h5" || ending == ".hdf5") {
     bad(text, "name the dataset behind a colon: runs.h5:/u/level_3");
   }
-  static const std::map<std::string, NodalFile (*)(const std::string&, const std::string&)> readers{
-      {".vtu", parse_vtu},   {".vtk", parse_vtk},   {".frd", parse_frd},  {".npy", parse_npy},
-      {".csv", parse_table}, {".rpt", parse_table}, {".txt", parse_table}};
+  // .vtu and .vtk may hold bytes that are no text.
+  static const std::map<std::string, FieldKind> readers{
+      {".vtu", {parse_vtu, read_whole_file, why_no_vtu}},
+      {".vtk", {parse_vtk, read_whole_file, why_no_vtk}},
+      {".npy", {parse_npy, read_whole_file, why_no_npy}},
+      {".frd", {parse_frd, read_text_file}},
+      {".csv", {parse_table, read_text_file}},
+      {".rpt", {parse_table, read_text_file}},
+      {".txt", {parse_table, read_text_file}}};
   const auto reader = readers.find(ending);
   if (reader == readers.end()) {
     bad(text, fmt::format("'{}' is not known: .vtu, .vtk, .frd, .npy, .h5, .csv, .rpt and .txt are",
                           ending));
   }
   try {
-    return reader->second(hdf5::all_bytes(path), text);
-  } catch (const hdf5::Trouble& trouble) {
-    bad(text, trouble.what);
+    return read_field_file(path, reader->second);
   } catch (const std::bad_alloc&) { bad(text, "needs more memory than there is"); }
 }
 

@@ -30,8 +30,8 @@ struct NodalFile {
 /// Reads a file, whose format follows from the ending of its name. After a colon comes the path of
 /// a dataset within an HDF5 file: "runs.h5:/u/level_3".
 ///
-/// .vtu: ASCII, binary or appended, plain or with zlib. .vtk: legacy, version 5.0 and before, ASCII
-/// or binary. .frd: ASCII, the results of the last step under their names (DISP, STRESS). Tables:
+/// .vtu: ASCII, binary or appended, plain or with zlib. .vtk: legacy, up to version 5.1, ASCII or
+/// binary. .frd: ASCII, the results of the last step under their names (DISP, STRESS). Tables:
 /// columns separated by blanks or commas, the first with the node's number; each further column is
 /// a field, named by the header if one has as many words, else "1", "2" ... .npy and HDF5: n x c or
 /// n values, single or double precision.

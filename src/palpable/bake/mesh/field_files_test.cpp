@@ -98,6 +98,28 @@ TEST_CASE("a .vtu is read as text, binary, appended and packed", "[mesh][import]
                     Contains("cut short") || Contains("damaged"));
 }
 
+TEST_CASE("a .vtu whose base64 header is encoded apart from its data is read", "[mesh][import]") {
+  const std::string raw = bytes_of(kValues);
+  const auto size = static_cast<std::uint32_t>(raw.size());
+  const std::uint64_t wide = size;
+  const std::string long_header(reinterpret_cast<const char*>(&wide), sizeof wide);
+  const std::string wide_type = " header_type=\"UInt64\"";
+  const auto appended = [](const std::string& text) {
+    return "<AppendedData encoding=\"base64\">\n _" + text + "\n</AppendedData>";
+  };
+  const std::string apart = base64(size_header({size})) + base64(raw);
+  REQUIRE(apart.find('=') < apart.size() - 4);
+  check_u(parse_vtu(vtu("binary", "\n  " + apart + "\n"), "x"));
+  check_u(parse_vtu(vtu("binary", base64(long_header) + base64(raw), wide_type), "x"));
+  check_u(parse_vtu(vtu("binary", base64(long_header + raw), wide_type), "x"));
+  check_u(parse_vtu(vtu("appended", "", "", appended(apart)), "x"));
+  check_u(parse_vtu(vtu("appended", "", "", appended(base64(size_header({size}) + raw))), "x"));
+  check_u(
+      parse_vtu(vtu("appended", "", wide_type, appended(base64(long_header) + base64(raw))), "x"));
+  CHECK_THROWS_WITH(parse_vtu(vtu("binary", apart.substr(0, apart.size() - 8)), "a.vtu"),
+                    Contains("a.vtu: 'u' is cut short"));
+}
+
 TEST_CASE("a bad .vtu says what is wrong", "[mesh][import]") {
   CHECK_THROWS_WITH(parse_vtu("<VTKFile", "a.vtu"), Contains("a.vtu: line 1: not XML"));
   CHECK_THROWS_WITH(parse_vtu("<VTKFile type=\"PolyData\"/>", "a.vtu"),
@@ -133,6 +155,26 @@ TEST_CASE("a legacy .vtk is read as text and binary", "[mesh][import]") {
                         "\nCELL_TYPES 1\n" + big(std::vector<std::int32_t>{10}) +
                         "\nPOINT_DATA 4\nFIELD f 1\nu 3 4 double\n" + big(kValues) + "\n",
                     "x"));
+  // meshio#877: version 5.1, which VTK 9 and ParaView write; with the notes that they add.
+  const std::string newer = "# vtk DataFile Version 5.1\ntitle\n";
+  const std::string note =
+      "METADATA\nINFORMATION 1\nNAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 1\n\n";
+  const std::string text =
+      newer + "ASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 1 0 0 0 1 0\n0 0 1 \n" +
+      note +
+      "CELLS 2 4\nOFFSETS vtktypeint64\n0 4 \nCONNECTIVITY vtktypeint64\n0 1 2 3 \n\n"
+      "CELL_TYPES 1\n10\n\nPOINT_DATA 4\nVECTORS u double\n1 2 3 4 5 6\n7 8.5 -9e-7 10 11 12\n" +
+      note;
+  check_u(parse_vtk(text, "x"));
+  check_u(parse_vtk(newer + "BINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n" + big(kPoints) +
+                        "\n" + note + "CELLS 2 4\nOFFSETS vtktypeint64\n" +
+                        big(std::vector<std::int64_t>{0, 4}) + "\nCONNECTIVITY vtktypeint64\n" +
+                        big(std::vector<std::int64_t>{0, 1, 2, 3}) + "\nCELL_TYPES 1\n" +
+                        big(std::vector<std::int32_t>{10}) +
+                        "\nPOINT_DATA 4\nFIELD f 1\nu 3 4 double\n" + big(kValues) + "\n",
+                    "x"));
+  CHECK_THROWS_WITH(parse_vtk(test::replaced(text, "0 4 \nCONN", "0 5 \nCONN"), "x"),
+                    Contains("the OFFSETS of cell 0"));
   CHECK_THROWS_WITH(
       parse_vtk(head + "ASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 zero", "x"),
       Contains("x: line 6: 'zero'"));
@@ -164,6 +206,66 @@ TEST_CASE("an .frd gives the results of its last step by their names", "[mesh][i
   torn.erase(torn.rfind(" -1         7"), 50);
   CHECK_THROWS_WITH(parse_frd(torn, "a.frd"), Contains("a.frd: line") && Contains("for node 7"));
   CHECK_THROWS_WITH(parse_frd("\x01\x02", "a.frd"), Contains("not an ASCII .frd"));
+}
+
+// FreeCAD#29515: CalculiX for Windows; pyvista#8447: the short form.
+TEST_CASE("an .frd with exponents of three digits, or of the short form, is read",
+          "[mesh][import]") {
+  const auto frd = [](const std::string& first, const std::string& second, char form) {
+    const std::string head = "    1C\n    2C" + std::string(67, ' ') + form + "\n";
+    return head + first + " 0.00000E+00 0.00000E+00 1.00000E+00\n -3\n -4  DISP        4    1\n" +
+           " -5  D1          1    2    1    0\n -5  D2          1    2    2    0\n" +
+           " -5  D3          1    2    3    0\n" + second + "\n -3\n 9999\n";
+  };
+  const NodalFile windows = parse_frd(
+      frd(" -1         4", " -1         4-5.28012E-0033.06745E-003-7.70711E-003", '1'), "x");
+  CHECK(windows.numbers == std::vector<std::int64_t>{4});
+  CHECK(windows.fields[0].values.col(0) == Eigen::Vector3d(-5.28012e-3, 3.06745e-3, -7.70711e-3));
+  const NodalFile positive = parse_frd(
+      frd(" -1         4", " -1         45.28012E-0033.06745E+0027.70711E-003", '1'), "x");
+  CHECK(positive.fields[0].values.col(0) == Eigen::Vector3d(5.28012e-3, 306.745, 7.70711e-3));
+  const NodalFile brief =
+      parse_frd(frd(" -1    4", " -1    4 1.00000E+00-2.00000E+00 3.00000E+00", '0'), "x");
+  CHECK(brief.numbers == std::vector<std::int64_t>{4});
+  CHECK(brief.fields[0].values.col(0) == Eigen::Vector3d(1, -2, 3));
+  CHECK_THROWS_WITH(parse_frd(frd(" -1         4", " -1         4-5.2E", '1'), "a.frd"),
+                    Contains("'-5.2E' is not a number"));
+  CHECK_THROWS_WITH(parse_frd(frd("", "", '2'), "a.frd"), Contains("line 2: binary; only ASCII"));
+  // Nodes of the same kind, and an element of 20 nodes, which takes two lines.
+  const std::string whole =
+      "    1C\n    2C" + std::string(67, ' ') +
+      "1\n -1         45.28012E-0030.00000E+000-7.70711E-003\n"
+      " -3\n    3C                             1                                     1\n"
+      " -1         1    4    0    1\n -2         4         4         4         4         4         "
+      "4"
+      "         4         4         4         4\n -2         4         4         4         4       "
+      "  4"
+      "         4         4         4         4         4\n -3\n -4  NDTEMP      1    1\n"
+      " -5  T           1    1    0    0\n -1         41.00000E-300\n -3\n 9999\n";
+  const NodalFile solid = parse_frd(whole, "x");
+  CHECK(solid.points.col(0) == Eigen::Vector3d(5.28012e-3, 0, -7.70711e-3));
+  REQUIRE(solid.fields.size() == 1);
+  CHECK(solid.fields[0].values(0, 0) == 1e-300);
+}
+
+TEST_CASE("a .vtk is read with any line ends, and a .vtu whose blocks announce too much is refused",
+          "[mesh][import]") {
+  std::string text =
+      "\xef\xbb\xbf# vtk DataFile Version 3.0\rtitle\rASCII\rDATASET UNSTRUCTURED_GRID\rPOINTS 4 "
+      "float\r0 0 0 1 0 0\r0 1 0 0 0 1\rCELLS 1 5\r4 0 1 2 3\rCELL_TYPES 1\r10\rPOINT_DATA 4\r"
+      "VECTORS u double\r1 2 3 4 5 6\r7 8.5 -9e-7 10 11 12\r";
+  check_u(parse_vtk(text, "x"));
+  check_u(parse_vtk(text + '\0', "x"));
+  CHECK_THROWS_WITH(parse_vtk(text + std::string(2, '\0'), "a.vtk"),
+                    Contains("a.vtk: line 16: a zero byte"));
+  std::string zeros = vtu("ascii", "1 2 3 4 5 6 7 8.5 -9e-7 10 11 12");
+  check_u(parse_vtu(zeros, "x"));
+  CHECK_THROWS_WITH(parse_vtu(zeros + std::string(100, '\0'), "a.vtu"), Contains("a zero byte"));
+  std::string order = zeros;
+  order.replace(order.find("LittleEndian"), 12, "MiddleEndian");
+  CHECK_THROWS_WITH(parse_vtu(order, "a.vtu"), Contains("byte_order"));
+  CHECK_THROWS_WITH(parse_table("node;x;y\n1;0,5;0,25\n", "a.csv"),
+                    Contains("line 2: has decimal commas"));
 }
 
 TEST_CASE("a .npy is an array of nodes x components", "[mesh][import]") {

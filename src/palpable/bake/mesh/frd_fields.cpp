@@ -17,9 +17,28 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using namespace field_text;
 
+// The numbers of a word that is several numbers of one digit before the point: "1.0E+00-2.0E+00".
+// Where exponents have three digits, as CalculiX for Windows writes them, a positive number has no
+// blank before it, "-5.28012E-0033.06745E-003"; the digit before the point is then its own. Empty
+// for anything else.
+std::vector<double> glued_numbers(std::string_view word) {
+  std::vector<double> values;
+  while (!word.empty()) {
+    const std::size_t exponent = word.find_first_of("Ee");
+    if (exponent == std::string_view::npos || exponent + 2 >= word.size()) return {};
+    std::size_t end = std::min(word.find_first_not_of("0123456789", exponent + 2), word.size());
+    if (end < word.size() && word[end] == '.') --end;
+    const std::optional<double> value = to_any_number(word.substr(0, end));
+    if (!value) return {};
+    values.push_back(*value);
+    word.remove_prefix(end);
+  }
+  return values;
+}
+
 // CalculiX' results as text. Records by their first columns: "    2C" nodes follow, " -4" a
-// result's name, " -1" a node of it in (1X,"-1",I10,6E12.5), " -2" its continuation, " -3" the end
-// of a block.
+// result's name, " -1" a node of it in (1X,"-1",I10,6E12.5), or I5 in the short form, " -2" its
+// continuation, " -3" the end of a block.
 class FrdReader {
  public:
   explicit FrdReader(const std::string& name) : name_(name) {}
@@ -43,6 +62,7 @@ class FrdReader {
   void read_line(const Line& line) {
     const std::string_view text = line.text;
     const std::string_view key = text.substr(0, std::min<std::size_t>(text.size(), 3));
+    if (text.starts_with("    2C") || text.starts_with("  100C")) read_form(line);
     if (text.starts_with("    2C")) {
       inside_ = Inside::kNodes;
     } else if (key == " -3" || text.starts_with("    3C") || text.starts_with("  100C")) {
@@ -61,6 +81,17 @@ class FrdReader {
     }
   }
 
+  // The last figure of a block's record: 0, the short form; 1, the long one; above, binary.
+  void read_form(const Line& line) {
+    constexpr std::size_t kForm = 73;
+    if (line.text.size() <= kForm) return;
+    const std::string_view form = first_word(line.text.substr(kForm, 2));
+    if (form == "2" || form == "3") {
+      bad(name_, fmt::format("line {}: binary; only ASCII .frd is read", line.number));
+    }
+    label_width_ = form == "0" ? 5 : 10;
+  }
+
   // A node and its values, or their continuation.
   void read_values(const Line& line, bool begins) {
     const auto complain = [&](const std::string& what) {
@@ -72,17 +103,17 @@ class FrdReader {
     };
     std::int64_t node = 0;
     if (begins) {
-      const std::optional<double> label = to_any_number(field(3, 10));
+      const std::optional<double> label = to_any_number(field(3, label_width_));
       if (!label || *label < 1) complain("a node without its number (only ASCII .frd is read)");
       node = static_cast<std::int64_t>(*label);
     }
     std::vector<double> values;
-    for (std::size_t at = 13; at < line.text.size(); at += 12) {
-      const std::string_view word = field(at, 12);
-      if (word.empty()) continue;
+    const std::size_t begin = std::min(3 + label_width_, line.text.size());
+    for (const std::string_view word : words_of(line.text.substr(begin), " \t")) {
       const std::optional<double> value = to_any_number(word);
-      if (!value) complain(fmt::format("'{}' is not a number", word));
-      values.push_back(*value);
+      const std::vector<double> found = value ? std::vector{*value} : glued_numbers(word);
+      if (found.empty()) complain(fmt::format("'{}' is not a number", word));
+      values.insert(values.end(), found.begin(), found.end());
     }
     if (inside_ == Inside::kNodes) {
       if (values.size() != 3) complain("a node does not have three coordinates");
@@ -119,6 +150,7 @@ class FrdReader {
   std::map<std::string, Block> blocks_;
   std::vector<std::string> order_;
   Inside inside_ = Inside::kNothing;
+  std::size_t label_width_ = 10;  // columns of a node's number
   std::string result_;
 };
 

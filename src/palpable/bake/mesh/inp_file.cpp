@@ -1,6 +1,12 @@
 #include "palpable/bake/mesh/inp_file.h"
 
+#include "palpable/bake/mesh/inp_include.h"
+#include "palpable/bake/mesh/inp_keyword.h"
+#include "palpable/bake/mesh/inp_motion.h"
 #include "palpable/bake/mesh/mesh_text.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/base/text_numbers.h"
+#include "palpable/common/base/whole_file.h"
 
 #include <fmt/format.h>
 
@@ -18,46 +24,20 @@
 namespace palpable {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
+using inp::Keyword;
+using inp::split;
+using inp::trimmed;
+using inp::upper;
 
-// Names and keywords are case-insensitive.
-std::string upper(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) {
-    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+// The line with a blank for each comma before a blank: "1, 0,5, 2,5" as "1  0,5  2,5".
+std::string without_separators(std::string_view line) {
+  std::string text(line);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool ends_word = i + 1 == text.size() || text[i + 1] == ' ' || text[i + 1] == '\t';
+    if (text[i] == ',' && ends_word) text[i] = ' ';
   }
-  return result;
+  return text;
 }
-
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> words;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    words.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) break;
-    line.remove_prefix(comma + 1);
-  }
-  // A comma at the end of a line means that more follows; it adds no word here.
-  if (words.size() > 1 && words.back().empty()) words.pop_back();
-  return words;
-}
-
-// "*ELEMENT, TYPE=C3D4, ELSET=BODY"
-struct Keyword {
-  std::string name;                               // "*ELEMENT"
-  std::map<std::string, std::string> parameters;  // "TYPE" -> "C3D4" as written, without quotes
-  std::size_t line = 0;
-
-  [[nodiscard]] bool has(const char* key) const { return parameters.contains(key); }
-  [[nodiscard]] std::string get(const char* key) const {
-    const auto at = parameters.find(key);
-    return at == parameters.end() ? "" : at->second;
-  }
-};
 
 enum class Kind { kTet4, kTet10, kTriangle3, kTriangle6, kSkipped, kOtherSolid };
 
@@ -102,13 +82,20 @@ int nodes_of(Kind kind) {
   }
 }
 
+// What to do about parts and instances.
+constexpr std::string_view kSaveFlat =
+    "save the deck flat (in Abaqus: Model, Edit Attributes, \"Do not use parts and assemblies in "
+    "input files\")";
+
 // Faces S1 to S4 by corners.
 constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{
     {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}};
 
 class InpReader {
  public:
-  explicit InpReader(std::string_view text) : text_(text) {}
+  // @param deck  outlives the reader; @param name  of its file
+  InpReader(const inp::Deck& deck, std::string_view name)
+      : deck_(deck), name_(name), text_(deck.text) {}
 
   FileMesh read() {
     next();
@@ -138,30 +125,14 @@ class InpReader {
   }
 
   Keyword read_keyword() {
-    Keyword keyword;
-    keyword.line = text_.line();
+    const std::size_t line = text_.line();
     std::string all(*line_);
     next();
     while (all.ends_with(',') && line_ && !line_->starts_with('*')) {
       all += *line_;
       next();
     }
-    bool first = true;
-    for (const std::string_view word : split(all)) {
-      const std::size_t equals = word.find('=');
-      std::string key = upper(trimmed(word.substr(0, equals)));
-      if (std::exchange(first, false)) {
-        keyword.name = key;
-        continue;
-      }
-      std::string_view value =
-          equals == std::string_view::npos ? std::string_view{} : trimmed(word.substr(equals + 1));
-      if (value.size() >= 2 && value.front() == '"' && value.back() == '"') {
-        value = value.substr(1, value.size() - 2);
-      }
-      keyword.parameters[key] = std::string(value);
-    }
-    return keyword;
+    return inp::parse_keyword(all, line);
   }
 
   void read_data(const Keyword& keyword) {
@@ -171,29 +142,50 @@ class InpReader {
     if (name == "*NSET") return read_node_set(keyword);
     if (name == "*ELSET") return read_element_set(keyword);
     if (name == "*SURFACE") return read_surface(keyword);
-    if (name == "*PART") return count_part(keyword, parts_, "*PART");
-    if (name == "*INSTANCE") {
-      count_part(keyword, instances_, "*INSTANCE");
-      if (line_ && !line_->starts_with('*')) {
-        text_.bad("an *INSTANCE that is moved; save the deck flat, without parts and instances");
-      }
-      return;
-    }
-    if (is_one_of(name,
-                  {"*INCLUDE", "*SYSTEM", "*NCOPY", "*NGEN", "*NFILL", "*ELGEN", "*ELCOPY"})) {
+    if (name == "*PART") return count_part(keyword, part_);
+    if (name == "*INSTANCE") return read_instance(keyword);
+    if (name == "*END INSTANCE") return move_nodes();
+    if (name == "*INCLUDE") throw MeshDefect{keyword.line, "*INCLUDE names no file (INPUT=)"};
+    if (is_one_of(name, {"*SYSTEM", "*NCOPY", "*NGEN", "*NFILL", "*ELGEN", "*ELCOPY"})) {
       throw MeshDefect{keyword.line,
-                       fmt::format("{} is not read; save the deck as one file that lists all nodes "
-                                   "and elements",
+                       fmt::format("{} is not read; save the deck with a list of all nodes and "
+                                   "elements",
                                    name)};
     }
     // Other keywords do not concern the mesh; read() skips their data lines.
   }
 
-  void count_part(const Keyword& keyword, int& count, const char* what) {
-    if (++count == 1) return;
-    throw MeshDefect{keyword.line, fmt::format("a second {}; only one is read: save the deck flat, "
-                                               "without parts and instances",
-                                               what)};
+  void read_instance(const Keyword& keyword) {
+    count_part(keyword, instance_);
+    std::vector<std::string_view> lines;
+    for (; line_ && !line_->starts_with('*'); next()) lines.push_back(*line_);
+    motion_ = inp::instance_motion(lines);
+    if (motion_) return;
+    throw MeshDefect{
+        keyword.line,
+        fmt::format("the lines of the *INSTANCE '{}' are not a translation (3 numbers) "
+                    "and perhaps a rotation (two points and an angle)",
+                    instance_)};
+  }
+
+  // Puts the part, and the nodes of the instance itself, where the instance is.
+  void move_nodes() {
+    if (!motion_ || motion_->matrix().isIdentity(0.0)) return;
+    for (auto& [number, x] : mesh_.nodes) x = *motion_ * x;
+    motion_.reset();
+  }
+
+  // Keeps the name of the only *PART or *INSTANCE.
+  void count_part(const Keyword& keyword, std::string& only) const {
+    std::string name = keyword.get("NAME").substr(0, 40);
+    if (name.empty()) name = "without a name";
+    if (!only.empty()) {
+      throw MeshDefect{keyword.line,
+                       fmt::format("a second {}, '{}', beside '{}'; one body is read: delete the "
+                                   "others, or {}",
+                                   keyword.name, name, only, kSaveFlat)};
+    }
+    only = name;
   }
 
   template <class T>
@@ -223,6 +215,9 @@ class InpReader {
       const std::int64_t number = need_number(words[0], "a node's number");
       Eigen::Vector3d x = Eigen::Vector3d::Zero();
       if (words.size() < 4) text_.bad(fmt::format("node {} has no three coordinates", number));
+      if (words.size() > 4 && has_decimal_commas(without_separators(*line_))) {
+        text_.bad(fmt::format("node {} {}", number, kDecimalCommas));
+      }
       for (std::size_t k = 0; k < 3; ++k) {
         // Fortran's exponent is a D.
         std::string word(words[k + 1]);
@@ -468,7 +463,7 @@ class InpReader {
   // Records that a surface cannot be used. A deck may hold surfaces that the body does not need: of
   // shells, springs, rigid bodies.
   void leave_out(const std::string& surface, std::size_t line, const std::string& why) {
-    mesh_.unusable.try_emplace(surface, fmt::format("line {} of its file: {}", line, why));
+    mesh_.unusable.try_emplace(surface, fmt::format("{}: {}", deck_.place(line, name_), why));
   }
 
   // Called at the end, since a surface may come before its sets.
@@ -506,10 +501,13 @@ class InpReader {
     std::size_t face, line;
   };
 
+  const inp::Deck& deck_;
+  std::string_view name_;
   MeshText text_;
   std::optional<std::string_view> line_;  // the current line
   bool seen_keyword_ = false, skipped_elements_ = false;
-  int parts_ = 0, instances_ = 0;
+  std::string part_, instance_;
+  std::optional<Eigen::Isometry3d> motion_;  // of the instance that is being read
   FileMesh mesh_;
   std::unordered_map<std::int64_t, int> element_of_;  // number -> tetrahedron, -1: a triangle
   std::unordered_map<std::int64_t, std::array<std::int64_t, 3>> triangles_;  // corners by number
@@ -520,12 +518,62 @@ class InpReader {
 
 }  // namespace
 
+namespace {
+
+Result<VolumeMesh> parse_deck(const inp::Deck& deck, std::string_view name) {
+  return read_mesh_text(
+      deck.text, name, [&](std::string_view /*text*/) { return InpReader(deck, name).read(); },
+      [&](std::size_t line) { return deck.place(line, name); });
+}
+
+}  // namespace
+
 Result<VolumeMesh> parse_inp(std::string_view text, std::string_view name) {
-  return read_mesh_text(text, name, [](std::string_view t) { return InpReader(t).read(); });
+  return parse_deck({std::string(text)}, name);
 }
 
 Result<VolumeMesh> read_inp_file(const std::filesystem::path& path) {
-  return read_mesh_bytes(path, parse_inp);
+  const auto read = [](const std::filesystem::path& file, std::uintmax_t most) {
+    return read_text_file(file, {.most = most});
+  };
+  Result<std::string> text = read(path, kLargestMeshText);
+  if (!text) return Problem{fmt::format("{}: {}", path.string(), text.problem().message)};
+  const std::uintmax_t left = kLargestMeshText - text.value().size();
+  const Result<inp::Deck> deck = inp::with_includes(std::move(text).value(), path, left, read);
+  if (!deck) return Problem{deck.problem()};
+  return parse_deck(deck.value(), path.string());
+}
+
+void write_inp_file(const std::filesystem::path& path, const TetMesh& mesh) {
+  std::string text = "** palpable mesh\n*NODE\n";
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    const auto x = mesh.nodes.col(n);  // fmt's default is the shortest text that reads back exactly
+    text += fmt::format("{}, {}, {}, {}\n", n + 1, x[0], x[1], x[2]);
+  }
+  text += fmt::format("*ELEMENT, TYPE={}, ELSET=BODY\n", mesh.is_quadratic() ? "C3D10" : "C3D4");
+  // Each face by its sorted corners: those of the skin are of one tetrahedron only.
+  std::map<std::array<int, 3>, std::vector<std::pair<int, std::size_t>>> faces;
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    text += fmt::format("{}", e + 1);
+    for (int k = 0; k < 4; ++k) text += fmt::format(", {}", mesh.tets(k, e) + 1);
+    for (int k = 0; mesh.is_quadratic() && k < 6; ++k) {
+      text += fmt::format(", {}", mesh.edge_nodes(k, e) + 1);
+    }
+    text += '\n';
+    for (std::size_t f = 0; f < kFaces.size(); ++f) {
+      std::array<int, 3> corners{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        corners[k] = mesh.tets(static_cast<Eigen::Index>(kFaces[f][k]), e);
+      }
+      std::sort(corners.begin(), corners.end());
+      faces[corners].emplace_back(e, f);
+    }
+  }
+  text += "*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n";
+  for (const auto& [corners, of] : faces) {
+    if (of.size() == 1) text += fmt::format("{}, S{}\n", of[0].first + 1, of[0].second + 1);
+  }
+  write_whole_file(path, text);
 }
 
 }  // namespace palpable

@@ -1,7 +1,10 @@
 #include "palpable/bake/mesh/inp_file.h"
 
 #include "tests/support/replaced.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
+
+#include <fmt/format.h>
 
 #include <array>
 #include <filesystem>
@@ -159,10 +162,115 @@ TEST_CASE("one part with one instance may stand around a mesh", "[mesh][inp]") {
                "*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n"
                "*END INSTANCE\n*END ASSEMBLY\n*MATERIAL");
   CHECK(value_or_throw(parse_inp(part, "a.inp")).mesh.tet_count() == 2);
-  CHECK_THAT(complaint(replaced(part, "PART=P\n", "PART=P\n1., 0., 0.\n")),
-             Contains("an *INSTANCE that is moved; save the deck flat"));
-  CHECK_THAT(complaint(replaced(part, "*END PART\n", "*END PART\n*PART, NAME=Q\n")),
-             Contains("a second *PART"));
+  // Moved by (10, 0, 0), then turned by 90 degrees about the axis through (10, 0, 0) along z.
+  const Eigen::Matrix3Xd still = value_or_throw(parse_inp(part, "a.inp")).mesh.nodes;
+  const auto moved = [&](const std::string& lines) {
+    return value_or_throw(parse_inp(replaced(part, "PART=P\n", "PART=P\n" + lines), "a.inp"))
+        .mesh.nodes;
+  };
+  CHECK(moved("10., 0., 0.\n") == still.colwise() + Eigen::Vector3d(10, 0, 0));
+  const Eigen::Matrix3Xd turned = moved("10., 0., 0.\n10., 0., 0., 10., 0., 1., 90.\n");
+  for (Eigen::Index n = 0; n < still.cols(); ++n) {
+    const Eigen::Vector3d expected(10.0 - still(1, n), still(0, n), still(2, n));
+    CHECK((turned.col(n) - expected).norm() < tolerance(1e-14, "rounding of sine and cosine"));
+  }
+  for (const char* lines :
+       {"1., 0.\n", "1., 0., zero\n", "1., 0., 0.\n0., 0., 0., 0., 0., 0., 90.\n",
+        "1., 0., 0.\n0., 0., 0., 0., 0., 1.\n"}) {
+    CHECK_THAT(complaint(replaced(part, "PART=P\n", std::string("PART=P\n") + lines)),
+               Contains("line 28: the lines of the *INSTANCE 'I' are not a translation"));
+  }
+  CHECK_THAT(complaint(replaced(part, "*END PART\n", "*END PART\n*PART, NAME=Tool\n")),
+             Contains("a second *PART, 'Tool', beside 'P'; one body is read: delete the others"));
+  CHECK_THAT(complaint(replaced(part, "*END INSTANCE\n",
+                                "*END INSTANCE\n*INSTANCE, NAME=Second, PART=P\n")),
+             Contains("a second *INSTANCE, 'Second', beside 'I'"));
+}
+
+TEST_CASE("an element whose nodes have the other order is turned, and that is said",
+          "[mesh][inp][repair]") {
+  const VolumeMesh plain = value_or_throw(parse_inp(kDeck, "a.inp"));
+  CHECK(plain.repair.empty());
+  const VolumeMesh volume =
+      value_or_throw(parse_inp(replaced(kDeck, "10, 1, 2, 3, 4", "10, 1, 2, 4, 3"), "a.inp"));
+  CHECK(tet_volumes(volume.mesh).minCoeff() > 0.0);
+  // A corner of a cube, and what is between it and the opposite corner: 1/6 and 1/3.
+  CHECK(
+      volume.repair ==
+      "repaired: 1 of 2 tetrahedra turned, whose nodes had the other order; all now fill a volume "
+      "of 0.5 (in the file's lengths)");
+}
+
+// nschloe/meshio#1531: the deck of a mesher beside that of the model.
+TEST_CASE("a deck is read with the files that it includes", "[mesh][inp][include]") {
+  const test::ScratchFolder folder("inp_include");
+  const std::size_t split = kDeck.find("*ELEMENT");
+  const std::string sets = kDeck.substr(kDeck.find("*NSET"));
+  const VolumeMesh whole = value_or_throw(parse_inp(kDeck, "a.inp"));
+  const auto same = [&](const std::string& main) {
+    test::write_bytes(folder / "main.inp", main);
+    const VolumeMesh volume = value_or_throw(read_inp_file(folder / "main.inp"));
+    CHECK(volume.mesh.nodes == whole.mesh.nodes);
+    CHECK(volume.mesh.tets == whole.mesh.tets);
+    CHECK(volume.sets.nodes == whole.sets.nodes);
+    CHECK(volume.sets.tets == whole.sets.tets);
+    CHECK(volume.sets.faces.at("FOOT") == whole.sets.faces.at("FOOT"));
+  };
+  const std::string mesh = kDeck.substr(0, kDeck.size() - sets.size());
+  std::filesystem::create_directories(folder / "parts");
+  test::write_bytes(folder / "parts/mesh.inp", "*INCLUDE, INPUT=nodes.inp\n" + mesh.substr(split));
+  test::write_bytes(folder / "parts/nodes.inp", mesh.substr(0, split));
+  same("** a model\n*Include, input=parts/mesh.inp\n" + sets);
+  same("*INCLUDE,\r\n INPUT = \"parts\\mesh.inp\"\r\n" + sets);
+  // Lines of data in files of their own, with and without the end of the last line.
+  test::write_bytes(folder / "nodes.txt",
+                    "1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0., 0., 1.");
+  const std::string rest = "5, 1., 1., 1.\n50, 9., 9., 9.\n" + kDeck.substr(split);
+  same("*NODE, NSET=ALL, INPUT=nodes.txt\n" + rest);
+  same("*NODE, NSET=ALL\n*INCLUDE, INPUT=nodes.txt\n" + rest);
+}
+
+TEST_CASE(
+    "an included file that is bad is refused with its own line, or with that which includes it",
+    "[mesh][inp][include][errors]") {
+  const test::ScratchFolder folder("inp_include");
+  const auto complaint_of = [&](const std::string& main) {
+    test::write_bytes(folder / "main.inp", main);
+    const Result<VolumeMesh> result = read_inp_file(folder / "main.inp");
+    return result.ok() ? "" : result.problem().message;
+  };
+  CHECK_THAT(complaint_of("*HEADING\n*INCLUDE, INPUT=none.inp\n"),
+             Contains("main.inp: line 2: includes 'none.inp': no such file"));
+  test::write_bytes(folder / "a.inp", "*INCLUDE, INPUT=b.inp\n");
+  test::write_bytes(folder / "b.inp", "**\n*INCLUDE, INPUT=./a.inp\n");
+  CHECK_THAT(complaint_of("*INCLUDE, INPUT=a.inp\n"),
+             Contains("b.inp: line 2: includes './a.inp': which would include itself"));
+  CHECK_THAT(complaint_of("*INCLUDE, INPUT=main.inp\n"), Contains("would include itself"));
+  for (int k = 0; k < 12; ++k) {
+    test::write_bytes(folder / fmt::format("{}.inp", k),
+                      fmt::format("*INCLUDE, INPUT={}.inp\n", k + 1));
+  }
+  CHECK_THAT(complaint_of("*INCLUDE, INPUT=0.inp\n"), Contains("more than 10 files within"));
+  // Each of two files of 100 lines includes the next one: 10 000 in all.
+  std::string many = test::repeated("*INCLUDE, INPUT=q.inp\n", 100);
+  test::write_bytes(folder / "q.inp", test::repeated("*INCLUDE, INPUT=r.inp\n", 100));
+  test::write_bytes(folder / "r.inp", "** nothing\n");
+  CHECK_THAT(complaint_of(many), Contains("more than 1000 files"));
+  test::write_bytes(folder / "nodes.inp", "*NODE\n1, 0., 0., 0.\n2, one, 0., 0.\n");
+  CHECK_THAT(complaint_of("*HEADING\nx\n*INCLUDE, INPUT=nodes.inp\n"),
+             Contains("nodes.inp: line 3: a coordinate is 'one'"));
+  test::write_bytes(folder / "nodes.inp", "*NODE\n1, 0., 0., 0.\n");
+  CHECK_THAT(complaint_of("*HEADING\nx\n*INCLUDE, INPUT=nodes.inp\n*NODE\n2, two, 0, 0\n"),
+             Contains("main.inp: line 5: a coordinate is 'two'"));
+  CHECK_THAT(complaint_of("*INCLUDE, INPUT=.\n"), Contains("is a folder"));
+  test::write_bytes(folder / "wide.inp", std::string("\xff\xfe*\0", 4));
+  CHECK_THAT(complaint_of("*INCLUDE, INPUT=wide.inp\n"), Contains("is UTF-16"));
+}
+
+TEST_CASE("an element that is there twice under two numbers is refused with both", "[mesh][inp]") {
+  // The same corners in another order, still of positive volume.
+  CHECK_THAT(complaint(replaced(kDeck, "10, 1, 2, 3, 4\n", "10, 1, 2, 3, 4\n11, 2, 3, 1, 4\n")),
+             Contains("a.inp: line 13: tetrahedra 10 and 11 have the same corners (1, 2, 3, 4)"));
 }
 
 TEST_CASE("bad decks are refused with file, line and reason", "[mesh][inp]") {
@@ -174,7 +282,7 @@ TEST_CASE("bad decks are refused with file, line and reason", "[mesh][inp]") {
   CHECK_THAT(complaint(replaced(kDeck, "TYPE=C3D4,", "")), Contains("*ELEMENT without TYPE="));
   CHECK_THAT(complaint(replaced(kDeck, "10, 1, 2, 3, 4", "10, 1, 2, 3, 7")),
              Contains("line 12: tetrahedron 10 has a corner 7 that is not a node"));
-  CHECK_THAT(complaint(replaced(kDeck, "10, 1, 2, 3, 4", "10, 1, 2, 4, 3")),
+  CHECK_THAT(complaint(replaced(kDeck, "10, 1, 2, 3, 4", "10, 1, 2, 3, 3")),
              Contains("line 12: 1 of 2 tetrahedra is inverted or flat, the first is number 10"));
   CHECK_THAT(complaint(replaced(kDeck, "10, 1, 2, 3, 4\n", "10, 1, 2, 3\n")),
              Contains("line 12: element 10 has 3 nodes of 4; the file may have been cut off"));
@@ -205,8 +313,8 @@ TEST_CASE("bad decks are refused with file, line and reason", "[mesh][inp]") {
   };
   CHECK_THAT(unusable("20, S5"), Contains("'S5' is no face"));
   CHECK_THAT(unusable("LOST, S1"), Contains("'LOST' is neither"));
-  CHECK_THAT(complaint(replaced(kDeck, "*MATERIAL", "*INCLUDE, INPUT=x.inp\n*MATERIAL")),
-             Contains("line 25: *INCLUDE is not read"));
+  CHECK_THAT(complaint(replaced(kDeck, "*MATERIAL", "*INCLUDE\n*MATERIAL")),
+             Contains("line 25: *INCLUDE names no file"));
   CHECK_THAT(read_inp_file("no/such.inp").problem().message, Contains("no/such.inp: no such file"));
 }
 

@@ -2,6 +2,7 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/geometry/place_text.h"
 #include "palpable/common/geometry/shells.h"
 
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
@@ -74,10 +75,11 @@ void require_no_stray(const Eigen::Matrix3Xd& points, const std::string& name) {
       const Eigen::Vector3d rest = box_without(stray).sizes();
       if (rest.maxCoeff() * kStrayFactor >= whole) continue;
       const Eigen::Vector3d x = points.col(stray);
-      throw Error(fmt::format(
-          "{}: the vertex at ({:.4g}, {:.4g}, {:.4g}) lies far off all others, which span {:.3g} x "
-          "{:.3g} x {:.3g} in the file's unit: remove it in a mesh editor",
-          name, x[0], x[1], x[2], rest[0], rest[1], rest[2]));
+      throw Error(
+          fmt::format("{}: the vertex at {} lies far off all others, which span {:.3g} x {:.3g} x "
+                      "{:.3g} in the "
+                      "file's unit: remove it in a mesh editor",
+                      name, place_text(x, told_apart(points)), rest[0], rest[1], rest[2]));
     }
   }
 }
@@ -154,9 +156,10 @@ void require_gaps(const SurfaceMesh& surface, const std::string& name) {
         const double gap = to_part->from(x);
         if (gap >= smallest) continue;
         throw Error(fmt::format(
-            "{}: two closed shells come within {:.2g} m of each other at ({:.4g}, {:.4g}, {:.4g}), "
-            "too near to fill what is between them; move them apart or join them in a mesh editor",
-            name, gap, x[0], x[1], x[2]));
+            "{}: two closed shells come within {:.2g} m of each other at {}, too near to fill what "
+            "is between them; move them apart or join them in a mesh editor, or let 'wrap' in a "
+            "body's description join them",
+            name, gap, place_text(x, told_apart(surface.vertices))));
       }
     }
   }

@@ -1,10 +1,13 @@
 #include "palpable/bake/mesh/mesh_text.h"
 
+#include "palpable/bake/mesh/turned_tets.h"
 #include "palpable/common/base/whole_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <new>
 #include <utility>
 
@@ -43,7 +46,7 @@ void refuse_inverted(const TetMesh& mesh, const FileMesh& file) {
   throw MeshDefect{
       file.tets[first].line,
       fmt::format("{} of {} tetrahedra {} inverted or flat, the first is number {} with a "
-                  "volume of {:.3g}; mesh the surface again, or swap two of its nodes",
+                  "volume of {:.3g}, and not by its order alone; mesh the surface again",
                   bad_count, file.tets.size(), bad_count == 1 ? "is" : "are",
                   file.tets[first].number, volumes[static_cast<Eigen::Index>(first)])};
 }
@@ -87,6 +90,29 @@ VolumeMesh numbered_elements(const FileMesh& file, NewNumbers& number_of) {
     mesh.nodes.col(static_cast<Eigen::Index>(i)) = nodes[i];
   }
   return volume;
+}
+
+// The same corners in any order: such an element would count twice, with twice the stiffness.
+void refuse_twins(const FileMesh& file) {
+  using Corners = std::array<std::int64_t, 4>;
+  std::vector<std::pair<Corners, std::size_t>> all;
+  all.reserve(file.tets.size());
+  for (std::size_t e = 0; e < file.tets.size(); ++e) {
+    Corners corners{};
+    std::copy_n(file.tets[e].nodes.begin(), corners.size(), corners.begin());
+    std::sort(corners.begin(), corners.end());
+    all.emplace_back(corners, e);
+  }
+  std::sort(all.begin(), all.end());
+  const auto twin = std::adjacent_find(
+      all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first == b.first; });
+  if (twin == all.end()) return;
+  const FileMesh::Tet& first = file.tets[twin->second];
+  const FileMesh::Tet& second = file.tets[std::next(twin)->second];
+  throw MeshDefect{second.line,
+                   fmt::format("tetrahedra {} and {} have the same corners ({}): one would count "
+                               "twice; leave one of them out",
+                               first.number, second.number, fmt::join(twin->first, ", "))};
 }
 
 void sort_without_doubles(std::vector<int>& numbers) {
@@ -138,18 +164,27 @@ VolumeMesh number_anew(const FileMesh& file) {
   }
   NewNumbers number_of;
   VolumeMesh volume = numbered_elements(file, number_of);
+  if (const int turned = turn_inverted(volume.mesh); turned > 0) {
+    volume.repair = fmt::format(
+        "repaired: {} of {} tetrahedra turned, whose nodes had the other order; all now fill a "
+        "volume of {:.6g} (in the file's lengths)",
+        turned, volume.mesh.tet_count(), tet_volumes(volume.mesh).sum());
+  }
   refuse_inverted(volume.mesh, file);
+  refuse_twins(file);
   volume.sets = numbered_sets(file, number_of);
   return volume;
 }
 
 Result<VolumeMesh> read_mesh_text(std::string_view text, std::string_view name,
-                                  const std::function<FileMesh(std::string_view)>& reader) {
+                                  const std::function<FileMesh(std::string_view)>& reader,
+                                  const std::function<std::string(std::size_t)>& place) {
   try {
     return number_anew(reader(text));
   } catch (const MeshDefect& bad) {
     if (bad.line == 0) return Problem{fmt::format("{}: {}", name, bad.what)};
-    return Problem{fmt::format("{}: line {}: {}", name, bad.line, bad.what)};
+    const std::string where = place ? place(bad.line) : fmt::format("{}: line {}", name, bad.line);
+    return Problem{fmt::format("{}: {}", where, bad.what)};
   } catch (const std::bad_alloc&) {
     return Problem{fmt::format("{}: needs more memory than there is", name)};
   }
@@ -157,8 +192,10 @@ Result<VolumeMesh> read_mesh_text(std::string_view text, std::string_view name,
 
 Result<VolumeMesh> read_mesh_bytes(
     const std::filesystem::path& path,
-    const std::function<Result<VolumeMesh>(std::string_view, std::string_view)>& parse) {
-  const Result<std::string> text = read_whole_file(path);
+    const std::function<Result<VolumeMesh>(std::string_view, std::string_view)>& parse,
+    const std::function<std::string(std::string_view, std::uintmax_t)>& why_not) {
+  const Result<std::string> text =
+      read_text_file(path, {.most = kLargestMeshText, .why_not = why_not});
   if (!text) return Problem{fmt::format("{}: {}", path.string(), text.problem().message)};
   return parse(text.value(), path.string());
 }

@@ -68,18 +68,29 @@ struct FileMesh {
 
 /// Renumbers nodes and elements: nodes in the order in which tetrahedra use them; unused nodes are
 /// dropped.
+/// Tetrahedra whose order alone is inverted are turned (turn_inverted()), which VolumeMesh::repair
+/// says.
 /// @throws MeshDefect for no tetrahedra, tetrahedra of both kinds or with a corner that is not a
-///         node, inverted or flat ones (by their corners), a set with a node that does not exist
+///         node, others that are inverted or flat (by their corners), two with the same corners, a
+///         set with a node that does not exist
 [[nodiscard]] VolumeMesh number_anew(const FileMesh& file);
 
+/// Largest mesh text that is read, bytes: ten million elements of ten nodes, which no equilibrium
+/// path is computed on.
+inline constexpr std::uintmax_t kLargestMeshText = 1'000'000'000;
+
 /// Runs a reader on a text; its MeshDefect becomes a problem that names the file and the line.
+/// @param place  "file: line 12" of a line, where the text consists of several files
 [[nodiscard]] Result<VolumeMesh> read_mesh_text(
     std::string_view text, std::string_view name,
-    const std::function<FileMesh(std::string_view text)>& reader);
+    const std::function<FileMesh(std::string_view text)>& reader,
+    const std::function<std::string(std::size_t line)>& place = {});
 
-/// Reads a file and passes its bytes and its name to `parse`.
+/// Reads a text as plain_text() and passes it and its name to `parse`.
+/// @param why_not  judges the first bytes, see FileBound
 [[nodiscard]] Result<VolumeMesh> read_mesh_bytes(
     const std::filesystem::path& path,
-    const std::function<Result<VolumeMesh>(std::string_view text, std::string_view name)>& parse);
+    const std::function<Result<VolumeMesh>(std::string_view text, std::string_view name)>& parse,
+    const std::function<std::string(std::string_view first, std::uintmax_t size)>& why_not = {});
 
 }  // namespace palpable

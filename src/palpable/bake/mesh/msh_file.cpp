@@ -112,11 +112,22 @@ class MshReader {
       }
     }
     if (version_ == 0) text_.bad("not a Gmsh file: it has no $MeshFormat");
+    if (mesh_.tets.empty() && others_ > 0) refuse_surfaces();
     return std::move(mesh_);
   }
 
  private:
   Numbers numbers() { return {text_, text_.need_line()}; }
+
+  // Gmsh leaves out what is in no physical group, if there is any group.
+  void refuse_surfaces() const {
+    throw MeshDefect{
+        0,
+        fmt::format("holds no tetrahedra ({} triangles among its {} elements): where a model has "
+                    "physical groups, Gmsh saves nothing else; add a Physical Volume to the .geo "
+                    "file, or set Mesh.SaveAll = 1, and mesh it in 3D (gmsh -3)",
+                    triangles_, others_)};
+  }
 
   void need_format() const {
     if (version_ == 0) text_.bad("$MeshFormat does not come first");
@@ -204,6 +215,8 @@ class MshReader {
       nodes[type.dimension == 3 ? kGmshEdge[k] : k] = row.next<std::int64_t>("a node number");
     }
     if (type.dimension == 3) return add_tet(type, number, groups, nodes);
+    ++others_;
+    if (type.dimension == 2) ++triangles_;
     for (const std::int64_t group : groups) {
       const std::string name = group_name(type.dimension, group);
       if (type.dimension == 2) {
@@ -302,8 +315,19 @@ class MshReader {
   std::map<Key, std::string> names_;                 // of groups
   std::map<Key, std::vector<std::int64_t>> groups_;  // of entities
   std::unordered_map<std::int64_t, int> tet_of_;     // by the element's number
+  std::size_t others_ = 0, triangles_ = 0;           // elements that are no tetrahedra
   int version_ = 0;                                  // 2 or 4; 0 before $MeshFormat
 };
+
+// Binary files hold zero bytes; without this, they would be refused as damaged texts.
+std::string why_no_msh(std::string_view first, std::uintmax_t /*size*/) {
+  const std::size_t at = first.find("$MeshFormat");
+  if (at == std::string_view::npos) return {};
+  const std::string_view line = first.substr(std::min(first.find('\n', at), first.size() - 1) + 1);
+  const std::size_t kind = line.find_first_not_of(' ', line.find(' '));
+  const bool is_binary = kind < line.size() && line[kind] == '1';
+  return is_binary ? "line 2: a binary .msh file; save it as ASCII" : "";
+}
 
 }  // namespace
 
@@ -312,7 +336,7 @@ Result<VolumeMesh> parse_msh(std::string_view text, std::string_view name) {
 }
 
 Result<VolumeMesh> read_msh_file(const std::filesystem::path& path) {
-  return read_mesh_bytes(path, parse_msh);
+  return read_mesh_bytes(path, parse_msh, why_no_msh);
 }
 
 void write_msh_file(const std::filesystem::path& path, const TetMesh& mesh) {

@@ -188,14 +188,28 @@ TEST_CASE("an element in two groups of version 2 is one element", "[mesh][msh]")
              Contains("element 3 comes twice, with different nodes"));
 }
 
+// meshio#956: Gmsh 4.1 saves what is in a physical group alone, if there is any group.
+TEST_CASE("a mesh that lacks its volume for want of a group says which group", "[mesh][msh]") {
+  CHECK(complaint("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"skin\"\n"
+                  "$EndPhysicalNames\n$Entities\n0 0 1 1\n1 0 0 0 1 1 0 1 1 0\n1 0 0 0 1 1 1 0 0\n"
+                  "$EndEntities\n$Nodes\n1 3 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n"
+                  "$EndNodes\n$Elements\n1 1 1 1\n2 1 2 1\n1 1 2 3\n$EndElements\n") ==
+        "a.msh: holds no tetrahedra (1 triangles among its 1 elements): where a model has physical "
+        "groups, Gmsh saves nothing else; add a Physical Volume to the .geo file, or set "
+        "Mesh.SaveAll = 1, and mesh it in 3D (gmsh -3)");
+}
+
 TEST_CASE("line ends of Windows are read", "[mesh][msh]") {
   std::string text;
   for (const char c : kVersion2) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
   CHECK(parse_msh(text, "a.msh").ok());
 }
 
-TEST_CASE("an inverted tetrahedron is refused by its number and line", "[mesh][msh]") {
-  const std::string text = replaced(kVersion2, "1 2 7 9\n", "1 2 9 7\n");
+TEST_CASE("a flat tetrahedron is refused by its number and line", "[mesh][msh]") {
+  CHECK_THAT(
+      value_or_throw(parse_msh(replaced(kVersion2, "1 2 7 9\n", "1 2 9 7\n"), "a.msh")).repair,
+      Contains("1 of 1 tetrahedra turned"));
+  const std::string text = replaced(kVersion2, "1 2 7 9\n", "1 2 9 9\n");
   CHECK_THAT(complaint(text), Contains("a.msh: line 20: 1 of 1 tetrahedra is inverted or flat, the "
                                        "first is number 3"));
 }
@@ -224,7 +238,9 @@ TEST_CASE("bad meshes are refused with file, line and reason", "[mesh][msh]") {
              Contains("line 20: an element of Gmsh's type 5; only tetrahedra"));
   CHECK_THAT(complaint(replaced(kVersion2, "3 1 \"body\"", "3 1 body")), Contains("not in quotes"));
   CHECK_THAT(complaint(replaced(kVersion2, "3 4 3 1 1 0 1 2 7 9\n", "3 15 2 0 1 1\n")),
-             Contains("a.msh: holds no tetrahedra"));
+             Contains("a.msh: holds no tetrahedra (") && Contains("Physical Volume"));
+  CHECK_THAT(complaint("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"),
+             Contains("a.msh: holds no tetrahedra; make some"));
   CHECK_THAT(read_msh_file("no/such.msh").problem().message, Contains("no/such.msh: no such file"));
 }
 

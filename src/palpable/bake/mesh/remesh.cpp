@@ -3,6 +3,7 @@
 #include "palpable/bake/mesh/mesh_limits.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/geometry/place_text.h"
 #include "palpable/common/geometry/shells.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -58,7 +59,9 @@ Mesh to_cgal(const SurfaceMesh& surface, const std::string& name) {
   }
   if (!PMP::is_polygon_soup_a_polygon_mesh(triangles)) {
     throw Error(fmt::format(
-        "{}: two sheets of the surface meet in a single vertex; split it in a mesh editor", name));
+        "{}: two sheets of the surface meet in a single vertex; split it in a mesh editor, or let "
+        "'wrap' in a body's description build one surface around them",
+        name));
   }
   Mesh mesh;
   PMP::polygon_soup_to_polygon_mesh(points, triangles, mesh);
@@ -115,11 +118,13 @@ void refuse(const FacePairs& pairs, const Mesh& mesh, const SurfaceMesh& surface
     });
   };
   const std::string place =
-      fmt::format("{} pair{} of triangles, the first near ({:.4g}, {:.4g}, {:.4g})", pairs.size(),
-                  pairs.size() == 1 ? "" : "s", where[0], where[1], where[2]);
+      fmt::format("{} pair{} of triangles, the first near {}", pairs.size(),
+                  pairs.size() == 1 ? "" : "s", place_text(where, told_apart(surface.vertices)));
   if (shell_of(first) == shell_of(second)) {
-    throw Error(fmt::format("{}: the surface passes through itself: {}; repair it in a mesh editor",
-                            name, place));
+    throw Error(fmt::format(
+        "{}: the surface passes through itself: {}; repair it in a mesh editor, or let 'wrap' in a "
+        "body's description build one surface around it",
+        name, place));
   }
   throw Error(fmt::format(
       "{}: of {} closed shells two overlap: {}; join them (\"union\") or move them apart in a mesh "

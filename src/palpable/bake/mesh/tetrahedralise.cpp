@@ -5,6 +5,7 @@
 #include "palpable/bake/mesh/tetgen_process.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/geometry/place_text.h"
 #include "palpable/common/geometry/shells.h"
 #include "palpable/common/geometry/surface_mesh.h"
 
@@ -39,10 +40,8 @@ std::string place_of_trouble(const SurfaceMesh& surface) {
     thinnest = height / longest;
     where = (a + b + c) / 3.0;
   }
-  return fmt::format(
-      "its thinnest triangle, {:.2g} times as long as high, is at ({:.4g}, {:.4g}, "
-      "{:.4g}) m",
-      1.0 / thinnest, where[0], where[1], where[2]);
+  return fmt::format("its thinnest triangle, {:.2g} times as long as high, is at {} m",
+                     1.0 / thinnest, place_text(where, told_apart(surface.vertices)));
 }
 
 }  // namespace

@@ -30,6 +30,8 @@ struct VolumeMesh {
   MeshSets sets;
   /// (N) The number of each node in the file; none for nodes that with_edge_nodes() adds.
   std::vector<std::int64_t> numbers = {};
+  /// What was repaired while the file was read, one line with its figures; empty: nothing.
+  std::string repair = {};
 };
 
 /// The same body with 10-node tetrahedra, as with_edge_nodes(TetMesh); a set of nodes gets the

@@ -1,5 +1,6 @@
 #include "palpable/bake/mesh/field_files.h"
 #include "palpable/bake/mesh/field_text.h"
+#include "palpable/common/base/plain_text.h"
 #include "palpable/common/base/text_numbers.h"
 
 #include <fmt/format.h>
@@ -19,7 +20,8 @@ using namespace field_text;
 // The legacy format, ASCII or binary.
 class VtkReader {
  public:
-  VtkReader(const std::string& bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+  VtkReader(const std::string& bytes, const std::string& name)
+      : bytes_(bytes), name_(name), at_(bytes.size() - without_mark(bytes).size()) {}
 
   NodalFile read() {
     if (!line().starts_with("# vtk DataFile")) bad(name_, "not a legacy file of VTK");
@@ -27,6 +29,11 @@ class VtkReader {
     const std::string kind = word();
     if (kind != "ASCII" && kind != "BINARY") complain("neither ASCII nor BINARY");
     binary_ = kind == "BINARY";
+    if (!binary_) {
+      if (const std::string why = why_no_text(bytes_, TextPart::kAll); !why.empty()) {
+        bad(name_, why);
+      }
+    }
     if (word() != "DATASET" || word() != "UNSTRUCTURED_GRID") {
       complain("not a DATASET UNSTRUCTURED_GRID");
     }
@@ -47,9 +54,7 @@ class VtkReader {
       file_.points = as_columns(values, 3);
     } else if (key == "CELLS") {
       const std::int64_t count = whole(), size = whole();
-      if (peek() == "OFFSETS") complain("CELLS of version 5.1: save it as version 4.2 or as .vtu");
-      cells_ = numbers(size, "int");
-      (void)count;
+      cells_ = peek() == "OFFSETS" ? cells_by_offsets(count, size) : numbers(size, "int");
     } else if (key == "CELL_TYPES") {
       read_types(numbers(whole(), "int"));
     } else if (key == "POINT_DATA") {
@@ -61,10 +66,33 @@ class VtkReader {
       at_points_ = false;
       count_ = whole();
     } else if (key == "METADATA") {
+      (void)line();  // the rest of this line
       while (!line().empty()) {}
     } else {
       read_attribute(key);
     }
+  }
+
+  // Cells of version 5.1, where each one begins in a list of all nodes, as those of the versions
+  // before: the number of a cell's nodes, then these.
+  std::vector<double> cells_by_offsets(std::int64_t offsets, std::int64_t nodes) {
+    (void)word();
+    const std::vector<double> begin = numbers(offsets, word());
+    if (word() != "CONNECTIVITY") complain("OFFSETS without CONNECTIVITY");
+    const std::vector<double> all = numbers(nodes, word());
+    std::vector<double> cells;
+    for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
+      const double first = begin[c], last = begin[c + 1];
+      if (!(first >= 0 && last >= first && last <= static_cast<double>(all.size()))) {
+        complain(fmt::format("the OFFSETS of cell {} are not within the CONNECTIVITY", c));
+      }
+      cells.push_back(
+          static_cast<double>(static_cast<std::size_t>(last) - static_cast<std::size_t>(first)));
+      for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
+        cells.push_back(all[k]);
+      }
+    }
+    return cells;
   }
 
   void read_attribute(const std::string& key) {
@@ -138,16 +166,18 @@ class VtkReader {
     bad(name_, binary_ ? what : fmt::format("line {}: {}", line, what));
   }
 
+  // A line ends with "\n", "\r\n" or a lone "\r".
   std::string line() {
-    const std::size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
+    const std::size_t end = std::min(bytes_.find_first_of("\r\n", at_), bytes_.size());
     std::string text = bytes_.substr(at_, end - at_);
-    at_ = std::min(end + 1, bytes_.size());
-    if (!text.empty() && text.back() == '\r') text.pop_back();
+    at_ = std::min(end + (bytes_.compare(end, 2, "\r\n") == 0 ? 2 : 1), bytes_.size());
     return text;
   }
   std::string word() {
-    at_ = std::min(bytes_.find_first_not_of(" \t\r\n", at_), bytes_.size());
-    const std::size_t end = std::min(bytes_.find_first_of(" \t\r\n", at_), bytes_.size());
+    // A text may end with a zero byte.
+    const std::string_view between(" \t\r\n\0", binary_ ? 4 : 5);
+    at_ = std::min(bytes_.find_first_not_of(between, at_), bytes_.size());
+    const std::size_t end = std::min(bytes_.find_first_of(between, at_), bytes_.size());
     std::string text = bytes_.substr(at_, end - at_);
     at_ = end;
     return text;
@@ -178,18 +208,12 @@ class VtkReader {
       }
       return values;
     }
-    static const std::map<std::string, std::string> names{{"double", "Float64"},
-                                                          {"float", "Float32"},
-                                                          {"int", "Int32"},
-                                                          {"long", "Int64"},
-                                                          {"vtktypeint64", "Int64"},
-                                                          {"vtkIdType", "Int64"},
-                                                          {"unsigned_char", "UInt8"},
-                                                          {"char", "Int8"},
-                                                          {"unsigned_int", "UInt32"},
-                                                          {"short", "Int16"},
-                                                          {"unsigned_short", "UInt16"},
-                                                          {"unsigned_long", "UInt64"}};
+    static const std::map<std::string, std::string> names{
+        {"double", "Float64"},      {"float", "Float32"},       {"int", "Int32"},
+        {"long", "Int64"},          {"vtktypeint64", "Int64"},  {"vtktypeint32", "Int32"},
+        {"vtkIdType", "Int64"},     {"unsigned_char", "UInt8"}, {"char", "Int8"},
+        {"unsigned_int", "UInt32"}, {"short", "Int16"},         {"unsigned_short", "UInt16"},
+        {"unsigned_long", "UInt64"}};
     const auto known = names.find(type);
     if (known == names.end()) complain(fmt::format("numbers of type '{}' are not known", type));
     const NumberType number = *number_type(known->second);
@@ -205,7 +229,7 @@ class VtkReader {
 
   const std::string& bytes_;
   const std::string& name_;
-  std::size_t at_ = 0;
+  std::size_t at_;
   bool binary_ = false, at_points_ = false;
   std::int64_t count_ = 0;
   std::vector<double> cells_;

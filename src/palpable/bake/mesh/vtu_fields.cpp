@@ -1,6 +1,7 @@
 #include "palpable/bake/mesh/field_files.h"
 #include "palpable/bake/mesh/field_text.h"
 #include "palpable/common/base/bounded_text.h"
+#include "palpable/common/base/plain_text.h"
 #include "palpable/common/base/text_numbers.h"
 
 #include <fmt/format.h>
@@ -21,6 +22,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using namespace field_text;
+
+constexpr std::size_t kBestPacking = 1100;  // upper bound of zlib's compression ratio, 1032
 
 std::string base64(std::string_view text, const std::string& name) {
   std::string bytes;
@@ -53,7 +56,8 @@ class VtuReader {
  public:
   VtuReader(const std::string& bytes, const std::string& name) : name_(name) {
     // Appended raw bytes are no XML: they are cut out before it is parsed.
-    std::string xml = bytes;
+    std::string kept;
+    std::string_view xml = bytes;
     const std::size_t tag = bytes.find("<AppendedData");
     if (tag != std::string::npos) {
       const std::size_t open = bytes.find('>', tag), mark = bytes.find('_', open);
@@ -64,8 +68,9 @@ class VtuReader {
       }
       appended_ = std::string_view(bytes).substr(mark + 1, close - mark - 1);
       appended_is_base64_ = bytes.substr(tag, open - tag).find("base64") != std::string::npos;
-      xml = bytes.substr(0, open + 1) + bytes.substr(close);
+      xml = kept = bytes.substr(0, open + 1) + bytes.substr(close);
     }
+    if (const std::string why = why_no_text(xml, TextPart::kAll); !why.empty()) bad(name, why);
     if (const auto unparsable = why_not_parsed(xml, Notation::kXml)) {
       bad(name, fmt::format("line {}: {}", unparsable->line, unparsable->what));
     }
@@ -78,7 +83,11 @@ class VtuReader {
     if (std::string_view(root.attribute("type").value()) != "UnstructuredGrid") {
       bad(name, "not an UnstructuredGrid of VTK");
     }
-    swap_ = std::string_view(root.attribute("byte_order").value()) == "BigEndian";
+    const std::string order = root.attribute("byte_order").as_string("LittleEndian");
+    if (order != "LittleEndian" && order != "BigEndian") {
+      bad(name, fmt::format("its byte_order is '{}', neither LittleEndian nor BigEndian", order));
+    }
+    swap_ = order == "BigEndian";
     header_ = number_type(root.attribute("header_type").as_string("UInt32")).value_or(NumberType{});
     if (header_.size != 4 && header_.size != 8) bad(name, "its header_type is unknown");
     compressed_ = !root.attribute("compressor").empty();
@@ -228,8 +237,12 @@ class VtuReader {
 
   std::string unpacked(const Source& source) const {
     if (compressed_) return inflated(source);
-    const std::size_t size = checked(header(source, 1).first[0], source);
-    // In base64, header and data are one text here.
+    const auto [first, end] = header(source, 1);
+    const std::size_t size = checked(first[0], source);
+    // In base64, header and data are mostly one text; where the header was encoded apart, it ends
+    // with the sign that fills up its last letters.
+    const bool apart = source.encoded && size > 0 && source.letters[end - 1] == '=';
+    if (apart) return decode(source, end, size).first;
     return decode(source, 0, header_.size + size).first.substr(header_.size);
   }
 
@@ -247,9 +260,14 @@ class VtuReader {
     for (std::size_t b = 0; b < blocks; ++b) {
       const std::size_t size =
           checked(b + 1 == blocks && first[2] > 0 ? first[2] : first[1], source);
+      const auto length = static_cast<std::size_t>(sizes[3 + b]);
+      // A header may announce more than zlib can have packed: memory is taken only for the rest.
+      if (size > kBestPacking * (length + 1)) {
+        bad(name_, fmt::format("'{}' is damaged: a block of {} bytes announces {}", source.title,
+                               length, size));
+      }
       std::string block(size, '\0');
       uLongf made = size;
-      const auto length = static_cast<std::size_t>(sizes[3 + b]);
       if (::uncompress(reinterpret_cast<Bytef*>(block.data()), &made,
                        reinterpret_cast<const Bytef*>(packed.data() + at), length) != Z_OK ||
           made != size) {

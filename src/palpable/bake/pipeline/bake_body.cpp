@@ -8,6 +8,7 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/base/temporary_folder.h"
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/common/geometry/tet_mesh.h"
 
 #include <fmt/format.h>
@@ -435,6 +436,15 @@ double add_presses(const SnapshotStore& store, int point, const Boundary& bounda
   return farthest_rest;
 }
 
+// Snapshots of parts of a campaign (--shard) come here without that the campaign saw all of them.
+void refuse_if_none_reached(const SnapshotStore& store, const std::vector<SiteOutcome>& outcomes) {
+  const auto reached = [](const SiteOutcome& outcome) { return outcome.reached_press; };
+  if (std::any_of(outcomes.begin(), outcomes.end(), reached)) return;
+  throw Error(fmt::format(
+      "{}: none of the {} sites reaches the press that was asked for: {}; ask for a smaller one",
+      store.folder().string(), outcomes.size(), outcomes.front().shortfall));
+}
+
 // Completes the store's provenance by the outcome of the campaign and by the reduction.
 void complete_provenance(const ReductionSettings& wanted,
                          const std::optional<SparseCampaignSettings>& sparse, bool has_stress,
@@ -501,6 +511,7 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   body.method = method;
   BakeReport& made = baked.report;
   const double farthest_rest = add_presses(store, point, boundary, body, made.outcomes);
+  refuse_if_none_reached(store, made.outcomes);
   if (points.free()) add_further(store, point, body);
   made.displacement = std::move(fields.displacement.report);
   made.stress = std::move(fields.stress.report);
@@ -512,7 +523,7 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   const std::vector<double> values =
       points.free() ? std::vector<double>{} : content.values_at(point);
   for (std::size_t k = 0; k < values.size(); ++k) {
-    body.material += fmt::format("; {} {:.6g}", content.parameters[k].name, values[k]);
+    body.material += fmt::format("; {} {}", content.parameters[k].name, number_text(values[k]));
   }
   complete_provenance(wanted, sparse, fields.has_stress, farthest_rest, baked);
   state_between_sites(store, baked);

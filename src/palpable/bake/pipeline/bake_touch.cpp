@@ -10,7 +10,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <string>
 #include <utility>
 
 namespace palpable {
@@ -23,17 +25,17 @@ class Stages {
  public:
   // @param carries  whether `body` is on a coarser mesh that carries the skin
   Stages(const FullBody& body, bool carries, const SnapshotStore& store,
-         const std::function<void(const TouchTables&)>& use, const Progress& progress)
+         const std::function<void(const TouchTables&, BodyStage)>& use, const Progress& progress)
       : body_(body),
         carries_(carries),
         store_(store.touch_folder()),
         campaign_(campaign_key(store.content())),
         use_(use),
         progress_(progress) {}
-  TouchTables make(const TouchBakeSettings& settings) {
+  TouchTables make(const TouchBakeSettings& settings, BodyStage stage) {
     TouchTables tables = make_touch_tables(body_.skin, settings, progress_, &store_);
     keys_ = touch_keys(body_.skin, settings);
-    hand_over(tables);
+    hand_over(tables, stage);
     return tables;
   }
 
@@ -41,7 +43,7 @@ class Stages {
     keys_.held_out = held_out_key(keys_, tables, settings);
     tables.held_out = make_held_out(body_.solver, body_.skin, body_.presses.preloaded(), tables,
                                     settings, progress_, keys_, &store_);
-    hand_over(tables);
+    hand_over(tables, BodyStage::kFinished);
   }
 
   void end() { store_.remove_leftovers(); }
@@ -51,14 +53,14 @@ class Stages {
   bool carries_;
   TouchStore store_;
   std::uint64_t campaign_;
-  const std::function<void(const TouchTables&)>& use_;
+  const std::function<void(const TouchTables&, BodyStage)>& use_;
   const Progress& progress_;
   TouchKeys keys_;
 
-  void hand_over(TouchTables tables) {
+  void hand_over(TouchTables tables, BodyStage stage) {
     if (carries_) tables.coarse = {body_.skin.skin(), body_.skin.fixed()};
-    store_.keep_list(campaign_, keys_, tables);
-    use_(tables);
+    store_.keep_list(campaign_, keys_, tables, std::string(key_of(stage)));
+    use_(tables, stage);
   }
 };
 
@@ -69,12 +71,17 @@ TouchBakeSettings touch_settings(const BodyDescription::Touch& wanted, int threa
   settings.threads = threads;
   if (wanted.regions) settings.regions.most = *wanted.regions;
   if (wanted.cross_modes) settings.cross.modes = *wanted.cross_modes;
+  if (wanted.clusters) settings.compliance.most = *wanted.clusters;
+  if (wanted.cluster_modes) settings.compliance.rank = *wanted.cluster_modes;
+  if (wanted.region_modes) settings.regions.modes = *wanted.region_modes;
+  if (wanted.leading_modes) settings.regions.leading = *wanted.leading_modes;
+  settings.regions.leading = std::min(settings.regions.leading, settings.regions.modes);
   return settings;
 }
 
 std::string bake_touch(const BodyDescription& description, const CampaignPlan& plan,
                        const SnapshotStore& store, int threads,
-                       const std::function<void(const TouchTables&)>& use,
+                       const std::function<void(const TouchTables&, BodyStage)>& use,
                        const Progress& progress) {
   const BodyDescription::Touch& wanted = description.touch;
   if (wanted.tables == Tables::kNone) return {};
@@ -97,13 +104,23 @@ std::string bake_touch(const BodyDescription& description, const CampaignPlan& p
   TouchBakeSettings linear = settings;
   linear.regions.most = linear.cross.modes = 0;
   Stages stages(body, coarse.has_value(), store, use, progress);
-  TouchTables tables = stages.make(linear);
-  if (wanted.tables == Tables::kFull) tables = stages.make(settings);
+  const bool full = wanted.tables == Tables::kFull;
+  const BodyStage with_all = wanted.held_out > 0 ? BodyStage::kTables : BodyStage::kFinished;
+  TouchTables tables = stages.make(linear, full ? BodyStage::kLinear : with_all);
+  if (full) tables = stages.make(settings, with_all);
   if (wanted.held_out > 0) {
-    stages.hold_out(std::move(tables), {.count = wanted.held_out, .threads = threads});
+    const double range = body.solver.model().largest_displacement;
+    stages.hold_out(std::move(tables),
+                    {.count = wanted.held_out,
+                     .threads = threads,
+                     .own_range = description.press.has_usual_range() ? 0.0 : range});
   }
   stages.end();
   return {};
+}
+
+BodyStage kept_touch_stage(const SnapshotStore& store) {
+  return stage_of_key(TouchStore(store.touch_folder()).listed_stage(campaign_key(store.content())));
 }
 
 std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store) {

@@ -24,18 +24,22 @@ namespace palpable {
 /// @param plan  of the description; has one point if tables are requested
 /// @param store  of the plan
 /// @param use   called with the tables after each stage: with the linear ones, with all of them if
-///              they are requested, and with the held-out touches added
+///              they are requested, and with the held-out touches added. The last stage is
+///              kFinished
 /// @returns the reason why there are no tables, where they were not requested explicitly and no
 ///          coarser mesh could be made for a fine skin; empty otherwise
 /// @throws Error when the body has no equilibrium under its preload, no mesh can be made for
 ///         requested tables, or a table cannot be written
 std::string bake_touch(const BodyDescription& description, const CampaignPlan& plan,
                        const SnapshotStore& store, int threads,
-                       const std::function<void(const TouchTables&)>& use,
+                       const std::function<void(const TouchTables&, BodyStage)>& use,
                        const Progress& progress = {});
 
 /// How the full tables of a description are made. Linear ones have no regions and no cross modes.
 [[nodiscard]] TouchBakeSettings touch_settings(const BodyDescription::Touch& wanted, int threads);
+
+/// How far the bake of these tables had come: before kFinished, more of them were requested.
+[[nodiscard]] BodyStage kept_touch_stage(const SnapshotStore& store);
 
 /// The complete tables of an earlier bake of the same campaign; nothing if there are none.
 [[nodiscard]] std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store);

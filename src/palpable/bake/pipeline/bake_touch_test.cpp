@@ -54,7 +54,7 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
     return reduce_store(filled.store, {}).body;
   }();
   const auto write = [&](const char* name) {
-    return [&, name](const TouchTables& tables) {
+    return [&, name](const TouchTables& tables, BodyStage) {
       body.provenance.touch = touch_line(tables);
       write_touchable_body(folder / name, body, tables);
     };
@@ -98,7 +98,7 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
   // Everything is there: nothing is made, and `reduce` finds it.
   bool made = false;
   bake_touch(
-      egg, whole.plan, whole.store, 1, [](const TouchTables&) {},
+      egg, whole.plan, whole.store, 1, [](const TouchTables&, BodyStage) {},
       [&](const ProgressReport&) { made = true; });
   CHECK_FALSE(made);
   REQUIRE(kept_touch_tables(whole.store));
@@ -112,7 +112,11 @@ TEST_CASE("linear tables can be used before the others are there", "[pipeline][t
   BodyDescription egg = test::egg_body(folder.path(), 2);
   const FilledStore filled = fill(egg, folder / "egg.snapshots");
   std::vector<std::size_t> regions;
-  const auto use = [&](const TouchTables& tables) { regions.push_back(tables.regions.size()); };
+  std::vector<BodyStage> stages;
+  const auto use = [&](const TouchTables& tables, BodyStage stage) {
+    regions.push_back(tables.regions.size());
+    stages.push_back(stage);
+  };
   const auto bake = [&](const CampaignPlan& plan, const BodyDescription::Touch& wanted) {
     egg.touch = wanted;
     CHECK(bake_touch(egg, plan, filled.store, 2, use).empty());
@@ -129,6 +133,9 @@ TEST_CASE("linear tables can be used before the others are there", "[pipeline][t
   CHECK(kept_touch_tables(filled.store)->cross.cubic.variables == 0);
   bake(filled.plan, {.tables = Tables::kFull, .regions = 1, .held_out = 1});
   CHECK(regions == std::vector<std::size_t>{0, 0, 1, 1});  // the last with what is held out
+  CHECK(kept_touch_stage(filled.store) == BodyStage::kFinished);
+  CHECK(stages == std::vector<BodyStage>{BodyStage::kFinished, BodyStage::kLinear,
+                                         BodyStage::kTables, BodyStage::kFinished});
 }
 
 TEST_CASE("tables of a finer skin are made on a coarser mesh that carries it",
@@ -139,7 +146,7 @@ TEST_CASE("tables of a finer skin are made on a coarser mesh that carries it",
   ReducedBody body = reduce_store(filled.store, {}).body;
   const double edge = 1.7 * mean_edge_length(body.surface);
   egg.touch = {.tables = Tables::kLinear, .edge = edge, .held_out = 2};
-  bake_touch(egg, filled.plan, filled.store, 2, [&](const TouchTables& tables) {
+  bake_touch(egg, filled.plan, filled.store, 2, [&](const TouchTables& tables, BodyStage) {
     body.provenance.touch = touch_line(tables);
     write_touchable_body(folder / "egg.palpable", body, tables);
   });
@@ -169,7 +176,7 @@ TEST_CASE("where no coarser mesh can be made the body has no tables, and the rea
   int uses = 0;
   const auto why = [&](const BodyDescription::Touch& wanted) {
     egg.touch = wanted;
-    return bake_touch(egg, fine, filled.store, 2, [&](const TouchTables&) { ++uses; });
+    return bake_touch(egg, fine, filled.store, 2, [&](const TouchTables&, BodyStage) { ++uses; });
   };
   CHECK_THAT(why({}), Catch::Contains("10242 vertices") && Catch::Contains("no sets"));
   CHECK(why({.tables = Tables::kNone}).empty());

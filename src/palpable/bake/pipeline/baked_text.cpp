@@ -60,8 +60,8 @@ std::string text_of(const BakedBody& baked) {
   for (std::size_t s = 0; s < report.outcomes.size(); ++s) {
     const SiteOutcome& outcome = report.outcomes[s];
     if (outcome.reached_press) continue;
-    text +=
-        fmt::format("site {}: pressed {:.3g} m in only: {}\n", s, outcome.press, outcome.shortfall);
+    text += fmt::format("site {}: pressed {:.3g} m in only, by {:.3g} N: {}\n", s, outcome.press,
+                        baked.body.sites[s].full_load, outcome.shortfall);
   }
   const auto reached = std::count_if(report.outcomes.begin(), report.outcomes.end(),
                                      [](const SiteOutcome& o) { return o.reached_press; });

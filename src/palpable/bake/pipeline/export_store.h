@@ -5,21 +5,30 @@
 #include "palpable/bake/campaign/snapshot_store.h"
 
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <string>
 
 namespace palpable {
 
+struct WantedUnits {
+  std::optional<int> site = {};  ///< of this site only; nothing: of all sites
+  /// Values of parameters beyond site and level: of this combination only, with the middle value of
+  /// a parameter that is not named. Empty: of all combinations.
+  std::map<std::string, double> at = {};
+};
+
 /// Writes a grid for each unit and level: unit_00003_level_007.vtu.
-/// @param site    writes the units of this site only; nothing: all sites
+/// @param wanted  which of the store's units are written
 /// @param folder  created if absent
-/// @returns the number of units written: 0 if there is no such site
-/// @throws Error if a unit is missing or damaged, or a file cannot be written
-int export_store_to_vtu(const SnapshotStore& store, std::optional<int> site,
-                        const std::filesystem::path& folder);
+/// @throws Error if there is no such unit, a unit is missing or damaged, or a file cannot be
+/// written
+void export_store_to_vtu(const SnapshotStore& store, const WantedUnits& wanted,
+                         const std::filesystem::path& folder);
 
 /// Writes an array (levels x nodes x components) for each unit and field:
-/// unit_00003_displacement.npy; and nodes.npy, levels.npy. Parameters and result as above.
-int export_store_to_numpy(const SnapshotStore& store, std::optional<int> site,
-                          const std::filesystem::path& folder);
+/// unit_00003_displacement.npy; and nodes.npy, levels.npy. Parameters and errors as above.
+void export_store_to_numpy(const SnapshotStore& store, const WantedUnits& wanted,
+                           const std::filesystem::path& folder);
 
 }  // namespace palpable

@@ -2,6 +2,7 @@
 
 #include "palpable/bake/campaign/crew.h"
 #include "palpable/bake/campaign/held_out.h"
+#include "palpable/common/base/text_numbers.h"
 
 #include <fmt/format.h>
 
@@ -71,8 +72,8 @@ void check_between_values(const BodyDescription& description, FillSettings setti
       const HeldOutErrors errors =
           held_out_errors(there, solved.store, static_cast<int>(i), HeldOutAt::kDepth);
       const std::string line = fmt::format(
-          "against {} presses at {} = {:g}, solved afresh, at equal depth, on the skin: {}",
-          errors.displacement.size(), name, values[i], held_out_errors_text(errors));
+          "against {} presses at {} = {}, solved afresh, at equal depth, on the skin: {}",
+          errors.displacement.size(), name, number_text(values[i]), held_out_errors_text(errors));
       baked.body.provenance.held_out_values.push_back({name, values[i], line});
       baked.report.held_out += "\n" + line;
     }

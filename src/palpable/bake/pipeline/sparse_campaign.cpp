@@ -7,6 +7,7 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
+#include "palpable/common/geometry/size_text.h"
 
 #include <fmt/format.h>
 
@@ -167,7 +168,7 @@ SitePlaces site_places(const StoreContent& content) {
     points.col(s) = vertices.col(content.sites[s].vertex);
     turned = std::max(turned, (content.sites[s].direction - content.sites[0].direction).norm());
   }
-  const double size = (vertices.rowwise().maxCoeff() - vertices.rowwise().minCoeff()).maxCoeff();
+  const double size = extent_of(vertices).maxCoeff();
   std::vector<Index> varied;
   for (Index j = 0; j < 3; ++j) {
     if (points.row(j).maxCoeff() - points.row(j).minCoeff() > 1e-6 * size) varied.push_back(j);

@@ -1,11 +1,11 @@
 #include "palpable/bake/reproduce/paper_numbers.h"
 
+#include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/progress.h"
 #include "palpable/common/base/this_machine.h"
-#include "palpable/common/base/whole_file.h"
 #include "palpable/common/body_file/body_file.h"
 
 #include <fmt/format.h>
@@ -20,9 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Json read_json_file(const fs::path& file) {
-  const Result<std::string> text = read_whole_file(file);
-  if (!text.ok()) throw Error(fmt::format("{}: {}", file.string(), text.problem().message));
-  return value_or_throw(Json::parse(text.value()));
+  return value_or_throw(Json::parse(value_or_throw(read_bounded_text(file, Notation::kJson))));
 }
 
 std::string modes_of(const ReducedBody& body) {

@@ -1,9 +1,9 @@
 #include "palpable/bake/reproduce/paper_plan.h"
 
+#include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
-#include "palpable/common/base/whole_file.h"
 
 #include <fmt/format.h>
 
@@ -110,7 +110,7 @@ std::vector<PaperEntry> PaperPlan::entries(const char* list) const {
 void PaperPlan::write_inputs() const {
   if (!has(PaperExample::kBeams)) return;
   const fs::path scene = settings_.root / "scenes" / "crossed-beams.toml";
-  std::string text = value_or_throw(read_whole_file(scene));
+  std::string text = value_or_throw(read_bounded_text(scene, Notation::kToml));
   text = replaced(text, "\"../out/bodies/", "\"../bodies/");
   text = replaced(text, "\"../bodies/beam.toml\"",
                   fmt::format("\"{}\"", (settings_.root / "bodies" / "beam.toml").string()));

@@ -34,10 +34,12 @@ ChartLine line_of(const std::vector<ReportRow>& table, const std::string& quanti
   return line;
 }
 
+constexpr std::uintmax_t kLargestTable = 64'000'000;  // bytes; a report's table has thousands
+
 }  // namespace
 
 std::vector<ReportRow> read_report_table(const std::filesystem::path& csv) {
-  const Result<std::string> text = read_whole_file(csv);
+  const Result<std::string> text = read_text_file(csv, {.most = kLargestTable});
   if (!text.ok()) throw Error(fmt::format("{}: {}", csv.string(), text.problem().message));
   std::vector<ReportRow> rows;
   std::string_view rest = text.value();

@@ -1,10 +1,10 @@
 #include "palpable/bake/reproduce/step_list.h"
 
+#include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/progress.h"
-#include "palpable/common/base/whole_file.h"
 
 #include <fmt/format.h>
 
@@ -71,7 +71,8 @@ StepList::StepList(fs::path folder) : folder_(std::move(folder)) {
   make_folder(folder_ / "logs");
   const fs::path file = folder_ / "steps.json";
   if (!fs::exists(file)) return;
-  const Json all = value_or_throw(Json::parse(value_or_throw(read_whole_file(file))));
+  const Json all =
+      value_or_throw(Json::parse(value_or_throw(read_bounded_text(file, Notation::kJson))));
   for (const Json& one : all) {
     done_.push_back({one["command"].get<std::string>(), one["seconds"].get<double>()});
   }

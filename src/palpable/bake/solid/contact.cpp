@@ -2,6 +2,7 @@
 
 #include "palpable/bake/solid/conjugate_gradients.h"
 #include "palpable/bake/solid/contact_pairs.h"
+#include "palpable/bake/solid/displacement_range.h"
 #include "palpable/bake/solid/mutual_pairs.h"
 #include "palpable/bake/solid/quasi_newton.h"
 #include "palpable/bake/solid/solver_core.h"
@@ -359,6 +360,9 @@ struct ContactWalk::Work {
       }
       if (all_there && change <= settings.largest_entry * size && tolerance <= settings.tolerance) {
         if (swallows(gaps)) return Stop::kSwallowed;
+        if (largest_movement(core.held, u) > core.model.largest_displacement) {
+          return Stop::kBeyondRange;
+        }
         now.smallest_mutual_gap = detected.smallest_gap;
         keep(gaps, t, std::move(u), state);
         return Stop::kNone;
@@ -523,13 +527,14 @@ struct ContactWalk::Work {
   }
 
   [[nodiscard]] std::string describe(double t) const {
-    const char* reason = "";
+    std::string reason;
     switch (stop) {
       case Stop::kInversion:
         reason = "an element would be turned inside out; mesh the body finer there";
         break;
       case Stop::kNegativeCurvature:
-        reason = "the body loses its stiffness there: it buckles or collapses";
+        reason = expansion_text(core.model.mesh, now.displacement)
+                     .value_or("the body loses its stiffness there: it buckles or collapses");
         break;
       case Stop::kNoConvergence:
         reason = "Newton's method did not converge";
@@ -543,6 +548,9 @@ struct ContactWalk::Work {
         }
         if (!checked_begin) return "the obstacle lies inside the body where its way begins";
         reason = "it would get inside the body through its skin; go in smaller steps";
+        break;
+      case Stop::kBeyondRange:
+        reason = beyond_range_text(core.model.largest_displacement);
         break;
       case Stop::kNone:
         break;

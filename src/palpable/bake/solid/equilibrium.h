@@ -81,8 +81,9 @@ enum class Stop {
   kNegativeCurvature,  ///< the tangent is not positive definite: the body buckles or collapses
   kNoConvergence,      ///< Newton's method ran out of steps
   kLinearSolver,       ///< conjugate gradients ran out of iterations, with a fresh factor too
-  kSwallowed  ///< an obstacle, or another body, got inside the body, where nothing pushes it
-              ///< out (contact.h)
+  kSwallowed,   ///< an obstacle, or another body, got inside the body, where nothing pushes it
+                ///< out (contact.h)
+  kBeyondRange  ///< a node would move by more than SolidModel::largest_displacement
 };
 
 /// CPU time of the parts of a path, s.
@@ -129,6 +130,8 @@ struct PathOptions {
   /// The path starts from this state. Its force acts in full all along the path, and supports stay
   /// where they are. Levels and presses are counted from there. nullptr: the undeformed body.
   const Preloaded* preloaded = nullptr;
+  /// m: how far a node may move, instead of SolidModel::largest_displacement; 0: that.
+  double range = 0;
   /// Solves share each pass through the factor with other lanes (lockstep.h). nullptr: no sharing.
   Lane* lane = nullptr;
   /// press_path() calls this after each state with the fraction of its work that is done, 0 .. 1.

@@ -88,6 +88,9 @@ JoinedModel joined(std::span<const SolidModel> bodies, std::span<const Rigid3> w
     append_numbers(body.mesh.edge_nodes, nodes, model.mesh.edge_nodes);
     append_held(body, world_from_body[b], nodes, model);
     append_materials(body, tets, b == 0, model);
+    model.largest_displacement =
+        b == 0 ? body.largest_displacement
+               : std::max(model.largest_displacement, body.largest_displacement);
     result.first_node.push_back(nodes + body.mesh.node_count());
     result.first_tet.push_back(tets + body.mesh.tet_count());
   }

@@ -152,7 +152,9 @@ LoadSearch search_load(Walk& walk, const Matrix3Xd& unit_load, double wanted,
       search.why_stopped.clear();
       return search;
     }
-    if (!arrived) {
+    // A guess may leave the range before it arrives, and still bracket the wanted press.
+    const bool brackets = walk.failure().stop == Stop::kBeyondRange && search.press > wanted;
+    if (!arrived && !brackets) {
       stopped(walk.failure().stop, walk.describe_failure());
       return search;
     }
@@ -206,7 +208,13 @@ void walk_levels(Walk& walk, int levels, double tolerance, PressPath& path,
     if (good == levels) return;
     path.reached = false;
     // The last good level becomes the full load; if not even the first one is good, a part of it.
-    path.full_load *= good > 0 ? kBackOff * good / levels : 0.5 / levels;
+    // Up to the end of the model's range all loads are good, also between two levels.
+    const double reached = walk.now().level;
+    if (path.stop == Stop::kBeyondRange && reached > 0.0) {
+      path.full_load = kBackOff * reached;
+    } else {
+      path.full_load *= good > 0 ? kBackOff * good / levels : 0.5 / levels;
+    }
   }
   path.steps.clear();
   path.full_load = 0.0;

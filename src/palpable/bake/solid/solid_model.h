@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include <limits>
 #include <vector>
 
 namespace palpable {
@@ -40,6 +41,9 @@ struct SolidModel {
   /// fixed_nodes as well, if all that hold the same direction give it the same displacement.
   std::vector<Support> supports = {};
   std::vector<MaterialGroup> groups = {};  ///< an element is in one group at most
+  /// m, the largest displacement of a node for which the model is meant. A solve that would move a
+  /// node farther ends with Stop::kBeyondRange (displacement_range.h).
+  double largest_displacement = std::numeric_limits<double>::infinity();
 };
 
 /// (E) index into model.groups, -1: model.material.

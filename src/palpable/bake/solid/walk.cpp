@@ -1,5 +1,6 @@
 #include "palpable/bake/solid/walk.h"
 
+#include "palpable/bake/solid/displacement_range.h"
 #include "palpable/bake/solid/lockstep.h"
 #include "palpable/common/base/cpu_time.h"
 
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <variant>
 
 namespace palpable {
 
@@ -27,6 +29,15 @@ constexpr std::size_t kMostKnots = 9;  // states kept for it
 // errors.
 bool is_close(double a, double b) { return std::abs(a - b) < 1e-3 * std::max(a, b); }
 
+bool softens_under_compression(const SolidModel& model) {
+  const auto softens = [](const Material& material) {
+    return std::holds_alternative<SaintVenantKirchhoff>(material);
+  };
+  return softens(model.material) ||
+         std::any_of(model.groups.begin(), model.groups.end(),
+                     [&](const MaterialGroup& group) { return softens(group.material); });
+}
+
 Walk::Failure inverted(const BodyState& state) {
   return {.stop = Stop::kInversion,
           .element = state.most_compressed,
@@ -42,6 +53,7 @@ Walk::Walk(const EquilibriumSolver::Core& core, const Matrix3Xd& load, const Pat
       load_(load),
       preloaded_(options.preloaded),
       lane_(options.lane),
+      range_(options.range > 0.0 ? options.range : core.model.largest_displacement),
       supports_grow_(preloaded_ == nullptr && core.moves_supports()),
       factor_(&core.at_rest.factor),
       force_(3, assembly_.node_count()) {
@@ -109,8 +121,7 @@ std::string Walk::describe_failure() const {
           "there",
           failure_.element, failure_.volume_ratio);
     case Stop::kNegativeCurvature:
-      return "the body loses its stiffness there (negative curvature: it buckles or collapses); "
-             "press less, or use a law that stiffens under compression (neo-hookean)";
+      return describe_collapse();
     case Stop::kNoConvergence:
       return fmt::format(
           "Newton's method did not converge in {} steps (relative residual {:.2g}); try more "
@@ -122,11 +133,24 @@ std::string Walk::describe_failure() const {
           "conjugate gradients did not converge in {} iterations (relative residual {:.2g}): the "
           "body is too slender, too nearly incompressible or of too unlike materials for them",
           settings_.max_cg_iterations, failure_.residual);
+    case Stop::kBeyondRange:
+      return beyond_range_text(range_);
     case Stop::kSwallowed:  // with an obstacle only (contact.h)
     case Stop::kNone:
       break;
   }
   return {};
+}
+
+std::string Walk::describe_collapse() const {
+  if (auto text = expansion_text(core_.model.mesh, now_.displacement)) return *std::move(text);
+  std::string why =
+      "the body loses its stiffness there (negative curvature: it buckles or collapses); press "
+      "less";
+  if (softens_under_compression(core_.model)) {
+    why += ", or use a law that stiffens under compression (neo-hookean)";
+  }
+  return why;
 }
 
 void Walk::set_supports(double level, Matrix3Xd& u) const {
@@ -323,6 +347,7 @@ Walk::Failure Walk::solve(double level, double tolerance) {
     const double norm = r_.norm();
     // Where the load is so small that rounding exceeds the tolerance, rounding ends the iteration.
     if (norm <= std::max(tolerance * scale_, assembly_.force_noise())) {
+      if (largest_movement(core_.held, u) > range_) return {.stop = Stop::kBeyondRange};
       move_to(level, std::move(u), state, scale_ > 0.0 ? norm / scale_ : 0.0);
       return {};
     }

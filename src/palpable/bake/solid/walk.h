@@ -70,6 +70,7 @@ class Walk {
     Eigen::Matrix3Xd u;
   };
 
+  [[nodiscard]] std::string describe_collapse() const;
   void set_supports(double level, Eigen::Matrix3Xd& u) const;
   BodyState force_at(const Eigen::Matrix3Xd& u);
   BodyState evaluate(double level, const Eigen::Matrix3Xd& u);
@@ -91,6 +92,7 @@ class Walk {
   const Eigen::Matrix3Xd& load_;
   const Preloaded* preloaded_;  // nullptr: no other forces than the load
   Lane* lane_;                  // nullptr: alone
+  double range_;                // m, see PathOptions
   bool supports_grow_;          // some supports move in proportion to the level
 
   FactorWorkspace workspace_;

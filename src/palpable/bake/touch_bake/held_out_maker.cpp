@@ -74,13 +74,14 @@ HeldOutTouch not_followed(const Wanted& wanted) {
 
 std::uint64_t held_out_key(const TouchKeys& keys, const TouchTables& tables,
                            const HeldOutSettings& settings) {
-  const auto& [count, least_depth, largest_depth, seed, threads] = settings;
+  const auto& [count, least_depth, largest_depth, seed, threads, own_range] = settings;
   constexpr int kRevision = 2;  // 2: HeldOutTouch::unscaled_error was added
   Digest digest(keys.compliance);
   digest.add(kRevision);
   digest.add(seed);
   digest.add(count);
   for (const double depth : {least_depth, largest_depth}) digest.add(depth);
+  if (own_range > 0.0) digest.add(own_range);
   digest.add(tables.point_spacing);
   digest.add(tables.region_reach);
   if (!tables.regions.empty()) digest.add(keys.regions);

@@ -22,6 +22,9 @@ struct HeldOutSettings {
   double largest_depth = 0.008;  ///< m; depths are uniformly random between the two
   std::uint64_t seed = 20;
   int threads = 1;
+  /// m: SolidModel::largest_displacement, which some touches may leave, where the description gives
+  /// it; 0: the usual one. Enters the key.
+  double own_range = 0;
 };
 
 /// TouchKeys::held_out: identifies everything that the touches are computed from.

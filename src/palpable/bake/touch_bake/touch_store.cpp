@@ -28,6 +28,7 @@ using hdf5::Trouble;
 constexpr std::string_view kTableKind = "palpable table of touch";
 constexpr std::string_view kListKind = "palpable list of tables of touch";
 constexpr const char* kListFile = "tables.h5";
+constexpr const char* kStageName = "stage";
 constexpr const char* kHeldOutFile = "held_out.h5";
 constexpr double kMostHeldOut = 1e6;
 
@@ -71,10 +72,11 @@ bool read_file(const fs::path& file, std::string_view kind, std::uint64_t key,
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return false;
   try {
-    const std::string bytes = hdf5::all_bytes(file);
+    const hdf5::ImageKind of_file{kind, kTouchLayout, "a table of touch", "bake it again"};
+    const std::string bytes = hdf5::image_bytes(file, of_file);
     const std::scoped_lock turn(hdf5::turn());
     const hdf5::Quiet quiet;
-    const hdf5::Image image(bytes, kind, kTouchLayout, "a table of touch", "bake it again");
+    const hdf5::Image image(bytes, of_file);
     if (hdf5::read_text(image.file(), "key") != key_text(key)) return false;
     look(image.file());
     return true;
@@ -214,9 +216,10 @@ void TouchStore::keep(const TouchKeys& keys, const SolvedTouches& touches) const
   });
 }
 
-void TouchStore::keep_list(std::uint64_t of, const TouchKeys& keys,
-                           const TouchTables& tables) const {
+void TouchStore::keep_list(std::uint64_t of, const TouchKeys& keys, const TouchTables& tables,
+                           const std::string& stage) const {
   write_file(folder_ / kListFile, kListKind, of, [&](hid_t h) {
+    if (!stage.empty()) hdf5::write_text(h, kStageName, stage);
     hdf5::write_text(h, "compliance", key_text(keys.compliance));
     hdf5::write_text(h, "shell", key_text(keys.shell));
     hdf5::write_text(h, "regions", key_text(keys.regions));
@@ -230,6 +233,14 @@ void TouchStore::keep_list(std::uint64_t of, const TouchKeys& keys,
     hdf5::write_table(h, "middles", middles.data(), middles.size(), 1);
     if (tables.coarse) write_group(hdf5::make_group(h, "skin"), *tables.coarse);
   });
+}
+
+std::string TouchStore::listed_stage(std::uint64_t of) const {
+  std::string stage;
+  const bool listed = read_file(folder_ / kListFile, kListKind, of, [&](hid_t h) {
+    if (hdf5::has(h, kStageName)) stage = hdf5::read_text(h, kStageName);
+  });
+  return listed ? stage : std::string();
 }
 
 std::optional<TouchTables> TouchStore::find_listed(std::uint64_t of) const {

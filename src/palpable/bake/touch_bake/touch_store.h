@@ -63,8 +63,12 @@ class TouchStore {
 
   /// Writes a list that names the keys of a campaign's complete tables. `bake` writes it, so that
   /// `reduce`, which has only the key of the campaign, can find the tables.
-  /// @param of  the key of the campaign
-  void keep_list(std::uint64_t of, const TouchKeys& keys, const TouchTables& tables) const;
+  /// @param of     the key of the campaign
+  /// @param stage  of the bake, a word of its own; empty: it is finished
+  void keep_list(std::uint64_t of, const TouchKeys& keys, const TouchTables& tables,
+                 const std::string& stage = {}) const;
+  /// The stage of the list of a campaign; empty where there is no list, or it says none.
+  [[nodiscard]] std::string listed_stage(std::uint64_t of) const;
   /// The tables on the list of a campaign; nothing if there is no list, it belongs to another
   /// campaign, or one of its tables is missing.
   [[nodiscard]] std::optional<TouchTables> find_listed(std::uint64_t of) const;

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "palpable/bake/solid/contact.h"
-#include "palpable/bake/truth/clip_hands.h"
+#include "palpable/bake/truth/episodes.h"
 #include "palpable/common/base/progress.h"
 
 #include <Eigen/Core>

@@ -1,6 +1,7 @@
 #include "palpable/bake/truth/obstacle_way.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/quantity.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/geometry/mesh_file.h"
 #include "palpable/desk/clip_files/camera_paths.h"
@@ -8,7 +9,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -67,19 +68,11 @@ class Reader {
 
  private:
   [[nodiscard]] double length(std::string_view part) const {
-    constexpr std::array<std::pair<std::string_view, double>, 3> kUnits{
-        {{"mm", 1e-3}, {"cm", 1e-2}, {"m", 1.0}}};
-    double unit = 1.0;
-    std::string_view digits = part;
-    for (const auto& [name, size] : kUnits) {
-      if (!digits.ends_with(name)) continue;
-      digits.remove_suffix(name.size());
-      unit = size;
-      break;
-    }
-    const std::optional<double> value = to_number(digits);
-    if (!value) bad(fmt::format("'{}' is no length", part));
-    return *value * unit;
+    // A number without a unit is in m.
+    std::optional<double> value = to_number(part);
+    if (!value) value = to_quantity(part, Quantity::kLength);
+    if (!value || !std::isfinite(*value)) bad(fmt::format("'{}' is no length", part));
+    return *value;
   }
 
   const std::string& text_;

@@ -1,14 +1,16 @@
 #include "palpable/bake/truth/scene_skins.h"
 
 #include "palpable/bake/describe/body_problem.h"
+#include "palpable/bake/solid/displacement_range.h"
 #include "palpable/bake/solid/joined_model.h"
 #include "palpable/bake/solid/stress.h"
-#include "palpable/bake/truth/clip_hands.h"
+#include "palpable/bake/truth/episodes.h"
 #include "palpable/bake/truth/hand_walks.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/geometry/size_text.h"
 
 #include <fmt/core.h>
 
@@ -36,6 +38,7 @@ struct Part {
   SurfaceMesh skin;         // body frame, at rest
   std::vector<int> nodes;   // of the joined mesh, vertex by vertex
   int first = 0, last = 0;  // range of its nodes in the joined mesh
+  double range = 0;         // m, its SolidModel::largest_displacement
 };
 
 class SceneSkins {
@@ -84,11 +87,13 @@ class SceneSkins {
                         solid.name));
       }
       problem.model.mesh.nodes *= solid.scale;
+      problem.model.largest_displacement *= solid.scale;
       problem.mesh.boundary.surface.vertices *= solid.scale;
       Part& part = parts_.emplace_back();
       part.folder = clip_ / "truth" / "bodies" / solid.name / "deformed";
       part.skin = problem.mesh.boundary.surface;
       for (const int node : problem.mesh.boundary.node_of_vertex) part.nodes.push_back(node);
+      part.range = problem.model.largest_displacement;
       models.push_back(std::move(problem.model));
       poses.push_back(solid.scene_from_body);
     }
@@ -133,8 +138,7 @@ class SceneSkins {
   void check_filmed(const Part& part) const {
     const fs::path file = part.folder.parent_path() / kBodySkinFile;
     const SurfaceMesh there = value_or_throw(read_valued_ply(file, kVonMisesProperty)).surface;
-    const Eigen::Vector3d size =
-        part.skin.vertices.rowwise().maxCoeff() - part.skin.vertices.rowwise().minCoeff();
+    const Eigen::Vector3d size = extent_of(part.skin.vertices);
     double off = std::numeric_limits<double>::infinity();
     if (there.vertices.cols() == part.skin.vertices.cols() &&
         there.triangles.cols() == part.skin.triangles.cols() &&
@@ -188,6 +192,7 @@ class SceneSkins {
                  change > kPathMatters) {
         why = fmt::format("depends on the way: half the step changes it by {:.1f} %", 100 * change);
       }
+      if (why.empty()) why = beyond_range(solution->second);
       for (std::size_t b = 0; b < parts_.size(); ++b) {
         TrueSceneFrame found{.body = solids_[b].name};
         found.line.frame = frame;
@@ -205,6 +210,16 @@ class SceneSkins {
       }
       write_whole_file(parts_[b].folder / "deformed.jsonl", text);
     }
+  }
+
+  // Why a solution is beyond the range of a body; the solver knows that of the largest one only.
+  [[nodiscard]] std::string beyond_range(const WalkedFrame& solution) const {
+    for (std::size_t b = 0; b < parts_.size(); ++b) {
+      const Matrix3Xd u = solution.displacement(Eigen::all, parts_[b].nodes);
+      if (u.colwise().norm().maxCoeff() <= parts_[b].range) continue;
+      return fmt::format("{}: {}", solids_[b].name, beyond_range_text(parts_[b].range));
+    }
+    return {};
   }
 
   // Relative change of all skins together: that of a body that hardly moves would mean nothing.

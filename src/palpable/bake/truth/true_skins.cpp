@@ -5,20 +5,20 @@
 #include "palpable/bake/campaign/solid_file.h"
 #include "palpable/bake/describe/body_problem.h"
 #include "palpable/bake/solid/stress.h"
-#include "palpable/bake/truth/clip_hands.h"
+#include "palpable/bake/truth/episodes.h"
 #include "palpable/bake/truth/hand_walks.h"
+#include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/checksum.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/whole_file.h"
 #include "palpable/common/body_file/body_file.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -43,9 +43,13 @@ constexpr double kSurelyTouches = 2e-3;
 // equal to the bit.
 constexpr double kSameTrueSkin = 1e-6;
 
+// The content of a text file of the clip; empty if the file does not exist.
 std::string content_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  std::error_code error;
+  if (!fs::exists(path, error)) return {};
+  Result<std::string> bytes = read_whole_file(path, {.most = longest_text(Notation::kJson)});
+  if (!bytes) throw Error(fmt::format("{}: {}", path.string(), bytes.problem().message));
+  return std::move(bytes).value();
 }
 
 class TrueSkins {
@@ -57,7 +61,8 @@ class TrueSkins {
         progress_(progress),
         problem_(pose_body(description)),
         solver_(problem_.model),
-        presses_(solver_, problem_.preload) {
+        presses_(solver_, problem_.preload),
+        has_usual_range_(description.press.has_usual_range()) {
     for (const int node : problem_.mesh.boundary.node_of_vertex) skin_.push_back(node);
     if (!settings.baked.empty()) check_baked(settings.baked, description);
   }
@@ -188,6 +193,8 @@ class TrueSkins {
     add_numbers(model.mesh.tets);
     add_numbers(model.fixed_nodes);
     add_numbers(problem_.preload);
+    // Not the usual one: results of versions that had none stay valid.
+    if (!has_usual_range_) add(&model.largest_displacement, sizeof model.largest_displacement);
     std::string laws = law_name(model.material);
     add_numbers(constants_of(model.material));
     add_numbers(material_groups(model));
@@ -291,6 +298,7 @@ class TrueSkins {
   BodyProblem problem_;
   EquilibriumSolver solver_;
   PressSolver presses_;
+  bool has_usual_range_;
   std::vector<int> skin_;  // nodes of the skin
   ClipHands hands_;
   std::vector<Episode> episodes_;

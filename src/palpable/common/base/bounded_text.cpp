@@ -217,7 +217,7 @@ std::optional<Unparsable> why_not_parsed(std::string_view text, Notation notatio
 }
 
 Result<std::string> read_bounded_text(const std::filesystem::path& path, Notation notation) {
-  Result<std::string> text = read_whole_file(path, longest_text(notation));
+  Result<std::string> text = read_text_file(path, {.most = longest_text(notation)});
   if (!text) return Problem{fmt::format("{}: {}", path.string(), text.problem().message)};
   if (const auto unparsable = why_not_parsed(text.value(), notation)) {
     return Problem{

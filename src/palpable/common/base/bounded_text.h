@@ -34,8 +34,8 @@ struct Unparsable {
 /// in YAML it may be overestimated if brackets are closed within quotes.
 [[nodiscard]] std::optional<Unparsable> why_not_parsed(std::string_view text, Notation notation);
 
-/// The whole text of a file, or a problem that names the file (and line) if it cannot be read or
-/// must not be parsed.
+/// The whole text of a file as plain_text(), or a problem that names the file (and line) if it
+/// cannot be read or must not be parsed.
 [[nodiscard]] Result<std::string> read_bounded_text(const std::filesystem::path& path,
                                                     Notation notation);
 

@@ -66,7 +66,7 @@ TEST_CASE("a text that is nested too deep is refused with its line, before a par
 TEST_CASE("the text of a file is read whole, or the file is named", "[base][bounded_text]") {
   const test::ScratchFolder folder("bounded_text");
   test::write_bytes(folder / "a.toml", "a = 1\r\n");
-  CHECK(value_or_throw(read_bounded_text(folder / "a.toml", Notation::kToml)) == "a = 1\r\n");
+  CHECK(value_or_throw(read_bounded_text(folder / "a.toml", Notation::kToml)) == "a = 1\n");
   const auto problem = [&](const char* file, Notation notation) {
     return read_bounded_text(folder / file, notation).problem().message;
   };
@@ -76,9 +76,13 @@ TEST_CASE("the text of a file is read whole, or the file is named", "[base][boun
                                                                     "not read"));
   test::write_bytes(folder / "long.yml", std::string(2'500'000, ' '));
   CHECK_THAT(problem("long.yml", Notation::kYaml),
-             Catch::EndsWith("long.yml: 2 MB, where 1 are read at most"));
+             Catch::Contains("long.yml: 2.5 MB, where 1 are read at most; is it"));
   CHECK_THAT(problem("none.yml", Notation::kYaml), Catch::EndsWith("none.yml: no such file"));
-  CHECK_THAT(problem(".", Notation::kYaml), Catch::EndsWith(": no such file"));
+  CHECK_THAT(problem(".", Notation::kYaml), Catch::EndsWith(": is a folder, not a file"));
+  test::write_bytes(folder / "wide.toml", std::string("\xff\xfe"
+                                                      "a\0=\0",
+                                                      6));
+  CHECK_THAT(problem("wide.toml", Notation::kToml), Catch::EndsWith("is UTF-16: save it as UTF-8"));
 }
 
 }  // namespace

@@ -1,15 +1,16 @@
 #include "palpable/common/base/checksum.h"
 
+#include "palpable/common/base/whole_file.h"
+
 #include <fstream>
 #include <string>
-#include <system_error>
+#include <utility>
 
 namespace palpable {
 
 Result<std::uint64_t> file_checksum(const std::filesystem::path& path) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;  // bytes; another size, another checksum
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return Problem{"no such file"};
+  if (std::string why = why_no_file(path); !why.empty()) return Problem{std::move(why)};
   std::ifstream file(path, std::ios::binary);
   std::string piece(kPiece, '\0');
   WordHash hash;

@@ -81,7 +81,7 @@ TEST_CASE("a file's checksum changes with any of its bytes and with its length",
 
 TEST_CASE("a checksum of something that is not a file is refused", "[base][hash][errors]") {
   const test::ScratchFolder folder("no_checksum");
-  CHECK(file_checksum(folder.path()).problem().message == "no such file");
+  CHECK(file_checksum(folder.path()).problem().message == "is a folder, not a file");
   CHECK(file_checksum(folder / "none").problem().message == "no such file");
 }
 

@@ -30,11 +30,12 @@ std::vector<fs::path> missing_folders(const fs::path& folder) {
   return missing;
 }
 
-// Whether the opened folder still exists under its name: its previous holder may have removed it.
-bool is_still(int descriptor, const fs::path& folder) {
+// Whether the opened file or folder still exists under its name: its previous holder may have
+// removed it.
+bool is_still(int descriptor, const fs::path& path) {
   struct stat opened {};
   struct stat named {};
-  return ::fstat(descriptor, &opened) == 0 && ::stat(folder.c_str(), &named) == 0 &&
+  return ::fstat(descriptor, &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
          opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
@@ -68,6 +69,33 @@ FolderLock::FolderLock(const fs::path& folder, Holding holding) {
 FolderLock::~FolderLock() {
   std::error_code ignored;
   for (const fs::path& folder : made_) fs::remove(folder, ignored);  // only where it is empty
+  ::close(descriptor_);
+}
+
+fs::path lock_beside(const fs::path& file) {
+  fs::path beside = behind_links(file);
+  return beside += ".lock";
+}
+
+OutputLock::OutputLock(const fs::path& file) : beside_(lock_beside(file)) {
+  constexpr mode_t kAllMayReadAndWrite = 0666;
+  while (true) {
+    descriptor_ = ::open(beside_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kAllMayReadAndWrite);
+    if (descriptor_ < 0) return;  // whether the file can be written is checked elsewhere
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      ::close(descriptor_);
+      throw Error(fmt::format(
+          "{}: another run is making it; wait for its end, or name another file", file.string()));
+    }
+    if (is_still(descriptor_, beside_)) return;
+    ::close(descriptor_);
+  }
+}
+
+OutputLock::~OutputLock() {
+  if (descriptor_ < 0) return;
+  std::error_code ignored;
+  if (fs::file_size(beside_, ignored) == 0) fs::remove(beside_, ignored);
   ::close(descriptor_);
 }
 

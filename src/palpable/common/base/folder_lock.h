@@ -1,5 +1,6 @@
 /// @file
-/// A lock that lets one program at a time write into a folder, or several that cooperate.
+/// Locks that let one program at a time write into a folder, or several that cooperate, and one at
+/// a time make a file.
 #pragma once
 
 #include <filesystem>
@@ -28,6 +29,27 @@ class FolderLock {
  private:
   std::vector<std::filesystem::path> made_;  // innermost first
   int descriptor_ = -1;
+};
+
+/// "FILE.lock", which OutputLock makes beside a file.
+[[nodiscard]] std::filesystem::path lock_beside(const std::filesystem::path& file);
+
+/// Lets one program at a time make a file, by a locked empty file beside it. The operating system
+/// releases the lock when the program ends, even if it is killed; the empty file is then left
+/// behind, and the next holder takes it over. Programs on a file system that cannot lock (NFS) are
+/// not kept apart.
+class OutputLock {
+ public:
+  /// @throws Error "FILE: another run is making it ..." while another holds the lock
+  explicit OutputLock(const std::filesystem::path& file);
+  OutputLock(const OutputLock&) = delete;
+  OutputLock& operator=(const OutputLock&) = delete;
+  /// Removes the file beside, unless somebody's content is in it.
+  ~OutputLock();
+
+ private:
+  std::filesystem::path beside_;
+  int descriptor_ = -1;  // -1: nothing could be locked
 };
 
 }  // namespace palpable

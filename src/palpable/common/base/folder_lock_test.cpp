@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -75,6 +76,26 @@ TEST_CASE("a killed process holds no lock any more", "[base][folder_lock]") {
   ::waitpid(child, nullptr, 0);
   CHECK_NOTHROW(FolderLock(scratch.path()));
   for (const int end : held) ::close(end);
+}
+
+TEST_CASE("a file is made by one program at a time, and nothing is left beside it", "[base]") {
+  const test::ScratchFolder folder("output_lock");
+  const std::filesystem::path file = folder.path() / "a.palpable";
+  {
+    const OutputLock first(file);
+    CHECK(std::filesystem::exists(lock_beside(file)));
+    CHECK_THROWS_WITH(OutputLock(file), Catch::Contains("a.palpable: another run is making it"));
+    CHECK_NOTHROW(OutputLock(folder.path() / "b.palpable"));
+  }
+  CHECK_FALSE(std::filesystem::exists(lock_beside(file)));
+  CHECK_NOTHROW(OutputLock(file));
+  // What a killed program left is taken over, what somebody wrote is not removed.
+  std::ofstream(lock_beside(file)).close();
+  { const OutputLock second(file); }
+  CHECK_FALSE(std::filesystem::exists(lock_beside(file)));
+  std::ofstream(lock_beside(file)) << "mine";
+  { const OutputLock third(file); }
+  CHECK(std::filesystem::exists(lock_beside(file)));
 }
 
 }  // namespace

@@ -152,6 +152,26 @@ bool Json::is_integer() const {
          std::holds_alternative<std::uint64_t>(value_);
 }
 
+std::optional<double> Json::if_number() const {
+  if (const auto* number = std::get_if<double>(&value_)) return *number;
+  if (const auto* number = std::get_if<std::int64_t>(&value_)) {
+    return static_cast<double>(*number);
+  }
+  if (const auto* number = std::get_if<std::uint64_t>(&value_)) {
+    return static_cast<double>(*number);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::int64_t> Json::if_whole() const {
+  if (const auto* number = std::get_if<std::int64_t>(&value_)) return *number;
+  const auto* number = std::get_if<std::uint64_t>(&value_);
+  if (number != nullptr && std::in_range<std::int64_t>(*number)) {
+    return static_cast<std::int64_t>(*number);
+  }
+  return std::nullopt;
+}
+
 template <class T>
 T Json::get() const {
   return std::visit(

@@ -81,6 +81,15 @@ class Json {
   /// The value as double, int, std::string or bool. @throws Error if it is of another kind
   template <class T>
   [[nodiscard]] T get() const;
+  [[nodiscard]] bool is_array() const { return std::holds_alternative<Array>(value_); }
+  [[nodiscard]] bool is_object() const { return std::holds_alternative<Object>(value_); }
+  /// The value of `key`; null if this is not an object that holds it. Valid until a key is added.
+  [[nodiscard]] const Json* find(std::string_view key) const;
+  /// The value if it is a number, a whole number in 64 bits, a text; else nothing (null). For
+  /// readers that must not throw.
+  [[nodiscard]] std::optional<double> if_number() const;
+  [[nodiscard]] std::optional<std::int64_t> if_whole() const;
+  [[nodiscard]] const std::string* if_text() const { return std::get_if<std::string>(&value_); }
   /// The values of an array; empty if this is not an array.
   [[nodiscard]] Array::const_iterator begin() const { return values().begin(); }
   [[nodiscard]] Array::const_iterator end() const { return values().end(); }
@@ -93,7 +102,6 @@ class Json {
 
  private:
   [[nodiscard]] const Array& values() const;
-  [[nodiscard]] const Json* find(std::string_view key) const;
 
   std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, Array,
                Object>

@@ -71,6 +71,24 @@ TEST_CASE("JSON values are read as what they are, and refused as anything else",
   CHECK(Json(std::optional(0.25)).get<double>() == 0.25);
 }
 
+TEST_CASE("a reader that must not throw learns of a value of another kind", "[base][json]") {
+  const auto value = one_of_each<Json>();
+  REQUIRE(value.find("tenth") != nullptr);
+  CHECK(value.find("tenth")->if_number() == 0.1);
+  CHECK_FALSE(value.find("tenth")->if_whole());
+  CHECK(value.find("missing") == nullptr);
+  CHECK(Json(3).find("x") == nullptr);
+  CHECK(Json(-3).if_whole() == -3);
+  CHECK(Json(-3).if_number() == -3.0);
+  CHECK_FALSE(Json(std::uint64_t{1} << 63).if_whole());
+  CHECK(Json(std::uint64_t{1} << 63).if_number() == 9223372036854775808.0);
+  CHECK_FALSE(Json(true).if_number());
+  CHECK(Json(true).if_text() == nullptr);
+  CHECK(*Json("abc").if_text() == "abc");
+  CHECK(Json::array().is_array());
+  CHECK_FALSE(Json::array().is_object());
+}
+
 TEST_CASE("what was written is read again, numbers to the bit", "[base][json]") {
   auto value = one_of_each<Json>();
   value["infinite"] = nullptr;  // as which it is written

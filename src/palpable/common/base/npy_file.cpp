@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -44,14 +45,23 @@ Error refusal(const std::string& name, const std::string& what) {
   return Error(fmt::format("{}: {}", name, what));
 }
 
+// What is wrong with a header. Thrown within this file.
+struct NpyDefect {
+  std::string what;
+};
+
+// Largest file that is read, bytes: half a million vertices at 160 modes of single precision, six
+// components each.
+constexpr std::uintmax_t kLargestNpy = 2'000'000'000;
+
 // "(2, 3)" as numbers.
-std::vector<std::size_t> shape_of(const std::string& text, const std::string& name) {
+std::vector<std::size_t> shape_of(const std::string& text) {
   std::vector<std::size_t> shape;
   for (std::size_t i = 1; i < text.size();) {
     const std::size_t digits = text.find_first_of("0123456789", i);
     if (digits == std::string::npos) break;
     const std::size_t end = text.find_first_not_of("0123456789", digits);
-    if (end - digits > 9) throw refusal(name, "claims an absurd size");
+    if (end - digits > 9) throw NpyDefect{"claims an absurd size"};
     shape.push_back(std::stoul(text.substr(digits, end - digits)));
     i = end;
   }
@@ -77,6 +87,32 @@ void convert(const char* bytes, std::vector<double>& values) {
     std::memcpy(&value, bytes + i * sizeof(T), sizeof(T));
     values[i] = static_cast<double>(value);
   }
+}
+
+NpyHeader header_of(std::string_view bytes) {
+  if (bytes.size() < 12 || !bytes.starts_with(kMagic)) {
+    throw NpyDefect{"not a file of NumPy (.npy)"};
+  }
+  const auto byte = [&](std::size_t i) {
+    return static_cast<std::size_t>(static_cast<unsigned char>(bytes[i]));
+  };
+  const bool first_version = byte(6) == 1;
+  const std::size_t begin = first_version ? 10 : 12;
+  const std::size_t length = first_version
+                                 ? byte(8) + 256 * byte(9)
+                                 : byte(8) + 256 * (byte(9) + 256 * (byte(10) + 256 * byte(11)));
+  if (begin + length > bytes.size()) throw NpyDefect{"cut short"};
+  const std::string text(bytes.substr(begin, length));
+  const std::string type = entry(text, "descr"), shape = entry(text, "shape");
+  if (type.size() < 5 || shape.empty() || shape[0] != '(') {
+    throw NpyDefect{"its header is damaged"};
+  }
+  NpyHeader header;
+  header.shape = shape_of(shape);
+  header.type = type.substr(1, 3);
+  header.column_by_column = entry(text, "fortran_order") != "False";
+  header.begin = begin + length;
+  return header;
 }
 
 }  // namespace
@@ -117,29 +153,20 @@ std::size_t NpyHeader::number_size() const {
 }
 
 NpyHeader npy_header(const std::string& bytes, const std::string& name) {
-  if (bytes.size() < 12 || !bytes.starts_with(kMagic)) {
-    throw refusal(name, "not a file of NumPy (.npy)");
-  }
-  const auto byte = [&](std::size_t i) {
-    return static_cast<std::size_t>(static_cast<unsigned char>(bytes[i]));
-  };
-  const bool first_version = byte(6) == 1;
-  const std::size_t begin = first_version ? 10 : 12;
-  const std::size_t length = first_version
-                                 ? byte(8) + 256 * byte(9)
-                                 : byte(8) + 256 * (byte(9) + 256 * (byte(10) + 256 * byte(11)));
-  if (begin + length > bytes.size()) throw refusal(name, "cut short");
-  const std::string text = bytes.substr(begin, length);
-  const std::string type = entry(text, "descr"), shape = entry(text, "shape");
-  if (type.size() < 5 || shape.empty() || shape[0] != '(') {
-    throw refusal(name, "its header is damaged");
-  }
-  NpyHeader header;
-  header.shape = shape_of(shape, name);
-  header.type = type.substr(1, 3);
-  header.column_by_column = entry(text, "fortran_order") != "False";
-  header.begin = begin + length;
-  return header;
+  try {
+    return header_of(bytes);
+  } catch (const NpyDefect& defect) { throw refusal(name, defect.what); }
+}
+
+std::string why_no_npy(std::string_view first, std::uintmax_t size) {
+  try {
+    const NpyHeader header = header_of(first);
+    const std::size_t number = std::max<std::size_t>(header.number_size(), 1);
+    const std::uintmax_t room = (size - header.begin) / number;
+    if (header.count() <= room) return {};
+    return fmt::format("is cut short: its shape ({}) needs more numbers than the {} that it has",
+                       fmt::join(header.shape, ", "), room);
+  } catch (const NpyDefect& defect) { return defect.what; }
 }
 
 NpyArray npy_array(const NpyHeader& header, const std::string& bytes, const std::string& name) {
@@ -163,7 +190,8 @@ NpyArray npy_array(const NpyHeader& header, const std::string& bytes, const std:
 }
 
 NpyArray read_npy(const std::filesystem::path& path) {
-  const Result<std::string> bytes = read_whole_file(path);
+  const Result<std::string> bytes =
+      read_whole_file(path, {.most = kLargestNpy, .why_not = why_no_npy});
   if (!bytes) throw refusal(path.string(), bytes.problem().message);
   try {
     return npy_array(npy_header(bytes.value(), path.string()), bytes.value(), path.string());

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpable {
@@ -33,6 +35,10 @@ struct NpyArray {
 /// @param name  of the file, for messages
 /// @throws Error when the bytes do not begin with a header
 [[nodiscard]] NpyHeader npy_header(const std::string& bytes, const std::string& name);
+
+/// Why a file is not read, judged by its first bytes (FileBound::why_not): no header, or a shape
+/// that needs more bytes than the file has. Empty: nothing is wrong.
+[[nodiscard]] std::string why_no_npy(std::string_view first, std::uintmax_t size);
 
 /// The numbers behind the header: little-endian floats or integers of 4 or 8 bytes.
 /// @throws Error for numbers of another type, and if there are fewer than the shape requires

@@ -19,4 +19,14 @@ double percentile(std::vector<double> values, double share) {
   return values[below] + t * (values[above] - values[below]);
 }
 
+std::size_t percentile_bin(std::span<const std::uint32_t> bins, std::uint64_t count, double share) {
+  const double rank = share * static_cast<double>(count - 1);
+  std::uint64_t below = 0;
+  for (std::size_t bin = 0; bin + 1 < bins.size(); ++bin) {
+    below += bins[bin];
+    if (static_cast<double>(below) > rank) return bin;
+  }
+  return bins.size() - 1;
+}
+
 }  // namespace palpable

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,14 @@ namespace palpable {
 /// @param values  at least one, no NaN; any order
 /// @param share   in [0, 1]
 [[nodiscard]] double percentile(std::vector<double> values, double share);
+
+/// The bin of a histogram in which the value lies below which a share of all values are; the last
+/// bin for share 1. Allocates nothing.
+/// @param bins   number of values in each bin, in increasing order of the values; not empty
+/// @param count  of all values, > 0
+/// @param share  in [0, 1]
+[[nodiscard]] std::size_t percentile_bin(std::span<const std::uint32_t> bins, std::uint64_t count,
+                                         double share);
 
 /// The middle value; for an even number of values the larger of the middle two. Allocates nothing.
 /// @param values  at least one, no NaN; their order is changed

@@ -36,5 +36,15 @@ TEST_CASE("a percentile of no values is refused", "[base][errors]") {
   CHECK_THROWS_AS(percentile({1}, 1.1), ContractViolation);
 }
 
+TEST_CASE("a histogram gives the bin of a percentile, its ends included", "[base]") {
+  const std::array<std::uint32_t, 5> bins{0, 2, 0, 1, 1};  // of the values 1, 1, 3, 4
+  CHECK(percentile_bin(bins, 4, 0.0) == 1);
+  CHECK(percentile_bin(bins, 4, 0.5) == 1);  // rank 1.5: the lower of the middle two
+  CHECK(percentile_bin(bins, 4, 0.67) == 3);
+  CHECK(percentile_bin(bins, 4, 1.0) == 4);
+  const std::array<std::uint32_t, 5> odd{1, 0, 1, 0, 1};
+  CHECK(percentile_bin(odd, 3, 0.5) == 2);
+}
+
 }  // namespace
 }  // namespace palpable

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <limits>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -83,12 +84,38 @@ GrowingFile::GrowingFile(const fs::path& path, fs::path called) : called_(std::m
   if (descriptor_ < 0) refuse_unwritable(called_, errno);
 }
 
+GrowingFile::GrowingFile(const fs::path& path, Opening opening) : called_(path), opening_(opening) {
+  const int further = opening == Opening::kEmptied ? O_TRUNC
+                      : opening == Opening::kNew   ? O_EXCL
+                                                   : 0;
+  descriptor_ = ::open(behind_links(path).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | further,
+                       kAllMayReadAndWrite);
+  if (descriptor_ < 0 && errno == EEXIST) {
+    throw Error(fmt::format("{}: is there already", path.string()));
+  }
+  if (descriptor_ < 0) refuse_unwritable(called_, errno);
+  if (opening == Opening::kEmptied) return;
+  // File systems without locks (some of NFS) do not keep two runs apart.
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(std::exchange(descriptor_, -1));
+  throw Error(fmt::format("{}: another run is writing it; wait for its end, or name another file",
+                          path.string()));
+}
+
 GrowingFile::~GrowingFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (descriptor_ < 0) return;
+  if (opening_ == Opening::kNew && !has_piece_) ::unlink(behind_links(called_).c_str());
+  ::close(descriptor_);
 }
 
 void GrowingFile::append(std::string_view piece) {
   PALPABLE_EXPECT(descriptor_ >= 0, "nothing is appended to a file that was closed");
+  if (!std::exchange(has_piece_, true) && opening_ == Opening::kAlone) {
+    struct stat status {};
+    const bool is_file = ::fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
+    // A pipe has nothing to cut off.
+    if (is_file && ::ftruncate(descriptor_, 0) != 0) refuse_unwritable(called_, errno);
+  }
   if (write_all(descriptor_, std::as_bytes(std::span(piece)))) {
     size_ += std::ssize(piece);
     return;
@@ -205,6 +232,22 @@ void guard_output_folder(const fs::path& output, const std::vector<fs::path>& in
                       "that has nothing to do with it",
                       output.string(), input.string()));
     }
+  }
+}
+
+void refuse_among_inputs(const fs::path& folder, const std::vector<fs::path>& inputs) {
+  for (const fs::path& input : inputs) {
+    if (input.empty()) continue;
+    const bool by_name = input.filename().string().find_first_of("*?") != std::string::npos;
+    const fs::path read = by_name ? fs::absolute(input).parent_path() : input;
+    if (!lies_in(folder, read)) continue;
+    if (lies_in(read, folder)) {
+      throw Error(
+          fmt::format("{}: is read by this run; write into another folder", folder.string()));
+    }
+    if (by_name) continue;
+    throw Error(fmt::format("{}: lies in {}, which is read by this run; write into another folder",
+                            folder.string(), input.string()));
   }
 }
 

@@ -13,6 +13,15 @@
 
 namespace palpable {
 
+/// How a file that may be there already is opened.
+enum class Opening {
+  kEmptied,  ///< it is emptied
+  kNew,      ///< it is refused; a new one that gets no piece is removed again
+  /// It is emptied when the first piece comes, so that work that fails before replaces nothing; it
+  /// is refused while another process has it open as kNew or kAlone.
+  kAlone,
+};
+
 /// A file that grows piece by piece, and whose write errors, such as a full disk, are reported at
 /// once. A stream of the standard library reports them only when its buffer is full or when it is
 /// closed, and never if its destructor closes it. Each piece is written as a whole or not at all:
@@ -23,6 +32,8 @@ class GrowingFile {
   explicit GrowingFile(const std::filesystem::path& path) : GrowingFile(path, path) {}
   /// @param called  the file's name in messages: that to which it will be renamed later
   GrowingFile(const std::filesystem::path& path, std::filesystem::path called);
+  /// @throws Error also "FILE: is there already" and "FILE: another run is writing it ..."
+  GrowingFile(const std::filesystem::path& path, Opening opening);
   GrowingFile(const GrowingFile&) = delete;
   GrowingFile& operator=(const GrowingFile&) = delete;
   ~GrowingFile();
@@ -34,7 +45,9 @@ class GrowingFile {
 
  private:
   std::filesystem::path called_;
+  Opening opening_ = Opening::kEmptied;
   int descriptor_ = -1;  // -1: closed
+  bool has_piece_ = false;
   std::int64_t size_ = 0;
 };
 
@@ -74,6 +87,14 @@ void guard_output_file(const std::filesystem::path& output,
 /// The same for a folder, which need not exist; the one above it must.
 /// @throws Error when `output` is an input, holds one, is a folder in one, or is a file
 void guard_output_folder(const std::filesystem::path& output,
+                         const std::vector<std::filesystem::path>& inputs);
+
+/// Refuses a folder for results that is an input folder or lies in one: the next run would read
+/// them as input. A new file beside the inputs' folders, or beside input files, is none of that.
+/// @param inputs  files and folders; or "folder/*.png", files by name, which are in that folder but
+///                not in those within it. Empty ones are skipped
+/// @throws Error "FOLDER: is read by this run ..." or "FOLDER: lies in INPUT, which is ..."
+void refuse_among_inputs(const std::filesystem::path& folder,
                          const std::vector<std::filesystem::path>& inputs);
 
 /// FILE.part-1234: the name under which this process (number 1234) writes FILE until it is

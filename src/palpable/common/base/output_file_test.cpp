@@ -303,6 +303,40 @@ TEST_CASE("a write-protected file is kept", "[base][output_file][refusal]") {
   CHECK(test::file_bytes(file) == "mine");
 }
 
+TEST_CASE("a file that is opened alone is written by one at a time", "[base][refusal]") {
+  const test::ScratchFolder folder("growing_alone");
+  const fs::path file = folder / "a";
+  {
+    GrowingFile first(file, Opening::kNew);
+    first.append("first");
+    CHECK_THROWS_WITH(GrowingFile(file, Opening::kNew), file.string() + ": is there already");
+    CHECK_THROWS_WITH(GrowingFile(file, Opening::kAlone),
+                      Catch::Contains("another run is writing it"));
+    CHECK(test::file_bytes(file) == "first");  // the refused ones have not emptied it
+    first.append(" and more");
+    first.close();
+  }
+  CHECK(test::file_bytes(file) == "first and more");
+  CHECK_THROWS_WITH(GrowingFile(file, Opening::kNew), Catch::Contains("is there already"));
+  fs::create_symlink("a", folder / "link");
+  {
+    GrowingFile second(folder / "link", Opening::kAlone);
+    second.append("two");
+    CHECK_THROWS_WITH(GrowingFile(file, Opening::kAlone),
+                      Catch::Contains("another run is writing it"));
+  }
+  CHECK(test::file_bytes(file) == "two");
+  { const GrowingFile without_piece(file, Opening::kAlone); }
+  CHECK(test::file_bytes(file) == "two");
+  { const GrowingFile without_piece(folder / "new", Opening::kNew); }
+  CHECK_FALSE(fs::exists(folder / "new"));
+  CHECK(fs::is_symlink(folder / "link"));
+  GrowingFile(file, Opening::kEmptied).append("3");
+  CHECK(test::file_bytes(file) == "3");
+  CHECK_THROWS_WITH(GrowingFile(folder / "none" / "a", Opening::kAlone),
+                    Catch::Contains("cannot be written"));
+}
+
 }  // namespace
 
 }  // namespace palpable

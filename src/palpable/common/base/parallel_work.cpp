@@ -19,15 +19,15 @@ void work_in_parallel(int count, int threads, const std::string& task, const Pro
     for (int item = next++; item < count; item = next++) {
       try {
         work(item);
+        const std::scoped_lock lock(mutex);
+        ++done;
+        report(progress, {task, static_cast<double>(done), static_cast<double>(count), ""});
       } catch (...) {
         const std::scoped_lock lock(mutex);
         if (!failure) failure = std::current_exception();
         next = count;
         return;
       }
-      const std::scoped_lock lock(mutex);
-      ++done;
-      report(progress, {task, static_cast<double>(done), static_cast<double>(count), ""});
     }
   };
   std::vector<std::thread> others;

@@ -38,5 +38,18 @@ TEST_CASE("after an error no further item begins, and the error is thrown again"
   CHECK_THROWS_WITH(work_in_parallel(1000, 4, "failing", {}, work), "the fourth");
 }
 
+TEST_CASE("a report that throws ends the work like an error of the work", "[base]") {
+  for (const int threads : {1, 2, 4}) {
+    std::atomic<int> begun{0};
+    const auto stop_at_third = [](const ProgressReport& now) {
+      if (now.done == 3) throw Error("stopped");
+    };
+    CHECK_THROWS_WITH(
+        work_in_parallel(1000, threads, "stopping", stop_at_third, [&](int) { ++begun; }),
+        "stopped");
+    CHECK(begun < 1000);
+  }
+}
+
 }  // namespace
 }  // namespace palpable

@@ -71,7 +71,12 @@ HWY_ATTR inline hn::VFromD<Floats> load(const float* from) { return hn::LoadU(Fl
 HWY_ATTR inline hn::VFromD<Floats> load(const std::int16_t* from) {
   const hn::RebindToSigned<Floats> di;
   const hn::Rebind<std::int16_t, Floats> di16;
-  return hn::ConvertTo(Floats(), hn::PromoteTo(di, hn::LoadU(di16, from)));
+  auto wide = hn::PromoteTo(di, hn::LoadU(di16, from));
+#if HWY_ARCH_WASM
+  // Without this, Clang 14 converts number by number.
+  asm("" : "+r"(wide.raw));
+#endif
+  return hn::ConvertTo(Floats(), wide);
 }
 
 template <class Number>

@@ -49,13 +49,46 @@ TEST_CASE("numbers are separated by spaces, commas, semicolons and brackets", "[
   CHECK_FALSE(to_numbers("1 2 m"));
 }
 
+TEST_CASE("decimal commas are not taken for two numbers, and lists by commas are lists",
+          "[base][text]") {
+  for (const char* text : {"0,5 1,25", "3;0,5;-1,25", "1311870427,644555 0,000602 1", "1\t0,5\t2",
+                           "525,0 525,0 319,5 239,5", "1e3 0,5"}) {
+    INFO(text);
+    CHECK(has_decimal_commas(text));
+    CHECK_FALSE(to_numbers(text));
+  }
+  for (const char* text :
+       {"0.5 1.25", "1,2,3", "1, 2, 3", "[1,0,0;0,1,0]", "[1, 0, 0, 1]", "0,0.04,0.42,0,0,0", "5",
+        "1,5", "1,2.5 3,4.5", "a 1,5", "1403636579763555584,0.1,0.2", ""}) {
+    INFO(text);
+    CHECK_FALSE(has_decimal_commas(text));
+  }
+  CHECK(to_numbers("1, 2, 3") == std::vector<double>{1, 2, 3});
+}
+
 TEST_CASE("lines of a file come without comments, line ends and empty lines", "[base][text]") {
   const test::ScratchFolder folder("text_numbers");
   test::write_bytes(folder / "a.txt", "# all comment\n1 2 # and a word\r\n\n  \n3\n");
-  CHECK(read_lines(folder / "a.txt") == std::vector<std::string>{"1 2", "3"});
-  CHECK_FALSE(read_lines(folder / "none.txt"));
+  CHECK(value_or_throw(read_lines(folder / "a.txt")) == std::vector<std::string>{"1 2", "3"});
+  CHECK(read_lines(folder / "none.txt").problem().message == "no such file");
+  test::write_bytes(folder / "b.txt",
+                    "\xef\xbb\xbf"
+                    "1 2\r3\r");  // a mark, and lone returns
+  CHECK(value_or_throw(read_lines(folder / "b.txt")) == std::vector<std::string>{"1 2", "3"});
   CHECK(is_image_side(640));
   for (const double side : {0.0, 640.5, 16385.0, -1.0}) CHECK_FALSE(is_image_side(side));
+}
+
+TEST_CASE("a number is written with as few digits as tell it", "[base][text]") {
+  CHECK(number_text(60e3) == "6e+04");
+  CHECK(number_text(60001) == "60001");
+  CHECK(number_text(0.4) == "0.4");
+  CHECK(number_text(1.1 * 1e3) == "1100");  // 1100.0000000000002
+  CHECK(number_text(-2.5e-7) == "-2.5e-07");
+  CHECK(number_text(0) == "0");
+  CHECK(number_text(1.0 / 3.0) == "0.333333333");
+  CHECK(number_text(0.4999999999) == "0.5");
+  CHECK(number_text(0.4999999999, 1e-14) == "0.4999999999");
 }
 
 }  // namespace

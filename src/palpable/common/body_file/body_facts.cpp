@@ -70,13 +70,25 @@ std::string several_text(const ReducedBody& body) {
   return text;
 }
 
+constexpr double kTyped = 1e-14;  // accuracy of numbers that somebody typed, see number_text()
+
+struct LargerUnit {
+  double value;
+  const char* unit;
+};
+
 // A pressure in the largest of Pa, kPa, MPa and GPa in which it is 1 or more.
-std::string pressure_text(double pascals, int digits) {
+// @param thousand  what counts as 1000 kPa, so as 1 MPa: less than 1000 where the text is rounded
+LargerUnit in_larger_unit(double pascals, double thousand = 1e3) {
   constexpr const char* kUnits[] = {"Pa", "kPa", "MPa", "GPa"};
   int unit = 0;
-  // What rounds to 1000 kPa is 1 MPa.
-  for (; unit < 3 && std::abs(pascals) >= 999.95; ++unit) pascals /= 1e3;
-  return fmt::format("{:.{}g} {}", pascals, digits, kUnits[unit]);
+  for (; unit < 3 && std::abs(pascals) >= thousand; ++unit) pascals /= 1e3;
+  return {pascals, kUnits[unit]};
+}
+
+std::string largest_stress_text(double von_mises) {
+  const auto [value, unit] = in_larger_unit(von_mises, 999.5);
+  return fmt::format("{:.3g} {} (von Mises)", value, unit);
 }
 
 // Collects facts under headings.
@@ -111,7 +123,7 @@ void add_shape(const ReducedBody& body, const std::filesystem::path& file, FactL
                                                 body.volume->nodes.cols(), body.volume->tets.cols())
                                   : std::string("none, the boundary only"));
   facts.add("material", with_larger_pascals(body.material));
-  facts.add("largest stress", pressure_text(body.largest_von_mises, 3) + " (von Mises)");
+  facts.add("largest stress", largest_stress_text(body.largest_von_mises));
 }
 
 void add_loads(const ReducedBody& body, std::string_view setting, FactList& facts) {
@@ -126,9 +138,10 @@ void add_loads(const ReducedBody& body, std::string_view setting, FactList& fact
                                            1e3;
                                   }) + " mm");
   for (const FurtherParameter& p : body.further) {
-    facts.add("parameter",
-              fmt::format("{}: {:g} to {:g} from {} samples, {:g} unless {}", p.name, p.samples[0],
-                          p.samples[p.samples.size() - 1], p.samples.size(), p.value, setting));
+    facts.add("parameter", fmt::format("{}: {} to {} from {} samples, {} unless {}", p.name,
+                                       number_text(p.samples[0], kTyped),
+                                       number_text(p.samples[p.samples.size() - 1], kTyped),
+                                       p.samples.size(), number_text(p.value, kTyped), setting));
   }
   facts.add("between levels", "cubic splines of depth, displacement and stress");
   facts.add("between sites",
@@ -155,7 +168,8 @@ std::string with_larger_pascals(std::string_view text) {
     const std::optional<double> value = to_number(text.substr(begin, at - begin));
     if (is_word || !value || std::abs(*value) < 1e3 || begin < from) continue;
     result += text.substr(from, begin - from);
-    result += pressure_text(*value, 4);
+    const auto [larger, unit] = in_larger_unit(*value);
+    result += fmt::format("{} {}", number_text(larger), unit);
     from = end;
   }
   return result += text.substr(from);
@@ -213,6 +227,9 @@ Json json_of(const ReducedBody& body) {
   result["stress_error_worst"] = body.error.stress_worst;
   result["largest_von_mises_pa"] = body.largest_von_mises;
   result["material"] = body.material;
+  if (const std::string_view stage = key_of(body.provenance.stage); !stage.empty()) {
+    result["stage"] = stage;
+  }
   for (const auto& [key, value] : lines_of(body.provenance)) result["provenance"][key] = value;
   return result;
 }

@@ -72,7 +72,9 @@ TEST_CASE("pressures are told in the unit in which they are short", "[body_file]
   for (const char* same : {"", " Pa", "Pa", "no Pa here", "5000 Paths", "60 kPa"}) {
     CHECK(with_larger_pascals(same) == same);
   }
-  CHECK(with_larger_pascals("999999 Pa") == "1 MPa");
+  // Two materials that differ are told apart.
+  CHECK(with_larger_pascals("999999 Pa") == "999.999 kPa");
+  CHECK(with_larger_pascals("1e+06 Pa") == "1 MPa");
 }
 
 TEST_CASE("the facts of a body are available as JSON numbers", "[body_file][facts]") {

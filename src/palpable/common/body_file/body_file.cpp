@@ -16,11 +16,11 @@ namespace {
 
 using hdf5::Trouble;
 
-constexpr std::string_view kKind = "palpable body file";
+constexpr hdf5::ImageKind kBody{"palpable body file", kBodyFileVersion, "a body file of Palpable",
+                                "bake the body again"};
 
 ReducedBody from_bytes(const std::string& bytes, const ReadGroups& further = {}) {
-  const hdf5::Image image(bytes, kKind, kBodyFileVersion, "a body file of Palpable",
-                          "bake the body again");
+  const hdf5::Image image(bytes, kBody);
   ReducedBody body = body_file::read_content(image.file());
   if (further) further(image.file(), body);
   return body;
@@ -38,13 +38,10 @@ Result<ReducedBody> read_body_file(const std::filesystem::path& path, const Read
     return Problem{
         fmt::format("{}: no such body file; make one with 'palpable bake'", path.string())};
   }
-  if (!std::filesystem::is_regular_file(path, code)) {
-    return Problem{fmt::format("{}: not a file", path.string())};
-  }
   const std::lock_guard turn(hdf5::turn());
   const hdf5::Quiet quiet;
   try {
-    return from_bytes(hdf5::all_bytes(path), further);
+    return from_bytes(hdf5::image_bytes(path, kBody), further);
   } catch (const Trouble& trouble) {
     return Problem{fmt::format("{}: {}", path.string(), trouble.what)};
   } catch (const std::bad_alloc&) {
@@ -76,7 +73,7 @@ ReductionError write_body_file(const std::filesystem::path& path, const ReducedB
   const std::lock_guard turn(hdf5::turn());
   const hdf5::Quiet quiet;
   try {
-    const std::string bytes = hdf5::image_of(kKind, kBodyFileVersion, [&](hid_t file) {
+    const std::string bytes = hdf5::image_of(kBody.kind, kBody.layout, [&](hid_t file) {
       body_file::write_content(file, body, storage);
       if (further) further(file);
     });

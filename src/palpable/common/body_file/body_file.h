@@ -10,12 +10,16 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 
 namespace palpable {
 
 /// Version of the layout that this program writes. Every later program will read it. 0 was
 /// provisional.
 inline constexpr int kBodyFileVersion = 1;
+
+/// How the names of body files end.
+inline constexpr std::string_view kBodyFileEnding = ".palpable";
 
 enum class ModeStorage {
   kFloat32,  ///< as in evaluation

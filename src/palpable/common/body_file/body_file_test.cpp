@@ -125,7 +125,7 @@ ReducedBody written_and_read(const ReducedBody& body, ModeStorage storage = Mode
 void write_old_file(const fs::path& path, const ReducedBody& body) {
   constexpr std::string_view kKind = "palpable body file";
   write_body_file(path, body);
-  const hdf5::Image image(hdf5::all_bytes(path), kKind, kBodyFileVersion, "a body", "");
+  const hdf5::Image image(hdf5::all_bytes(path), {kKind, kBodyFileVersion, "a body", ""});
   const hdf5::Handle none(H5Pcreate(H5P_OBJECT_COPY), H5Pclose, "no memory");
   hdf5::write_durably(
       path, hdf5::image_of(kKind, kBodyFileVersion, [&](hid_t file) {

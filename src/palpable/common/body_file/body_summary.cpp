@@ -21,6 +21,12 @@ std::string kind_of(const BodyAndTouch& content) {
                      sites == 1 ? "site" : fmt::format("{} sites", sites));
 }
 
+// How far its bake has come; empty when finished.
+std::string stage_of(const ReducedBody& body) {
+  const std::string_view missing = missing_at(body.provenance.stage);
+  return missing.empty() ? "" : fmt::format("; its bake has not ended: {}", missing);
+}
+
 std::string error_text(const char* what, double typical, double worst) {
   return fmt::format("{} off by {} ({})", what, percent_text(typical), percent_text(worst));
 }
@@ -62,14 +68,13 @@ std::string accuracy_of(const BodyAndTouch& content) {
 
 std::string body_summary(const BodyAndTouch& content, double evaluation_ms, std::uintmax_t bytes) {
   const ReducedBody& body = content.body;
-  const Eigen::Vector3d size =
-      body.surface.vertices.rowwise().maxCoeff() - body.surface.vertices.rowwise().minCoeff();
+  const Eigen::Vector3d size = extent_of(body.surface.vertices);
   return fmt::format(
-      "body:     {}, {}; {}; {}\n"
+      "body:     {}, {}; {}; {}{}\n"
       "accuracy: {}\n"
       "speed:    {:.3g} ms to evaluate displacement and stress of the whole skin; {:.1f} MB file\n",
       body.name, kind_of(content), size_text(size), with_larger_pascals(body.material),
-      accuracy_of(content), evaluation_ms, static_cast<double>(bytes) / 1e6);
+      stage_of(body), accuracy_of(content), evaluation_ms, static_cast<double>(bytes) / 1e6);
 }
 
 }  // namespace palpable

@@ -17,6 +17,7 @@ namespace palpable {
 ///               (7 %) in the median (worst) of 3 against full finite elements; ...    (one line)
 ///     speed:    0.035 ms to evaluate displacement and stress of the whole skin; 12.3 MB file
 ///
+/// The first line ends with what is missing where the body's bake has not ended.
 /// Where no touches were compared, the second line has the errors of the reduced model alone.
 ///
 /// @param evaluation_ms  measured time of one evaluation, ms

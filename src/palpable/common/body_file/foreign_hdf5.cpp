@@ -3,14 +3,19 @@
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/whole_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstring>
 #include <exception>
 #include <fcntl.h>
+#include <fstream>
 #include <span>
+#include <string_view>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -48,7 +53,9 @@ class Descriptor {
   int number_;
 };
 
-std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& header) {
+// @param file_size  bytes of the whole file
+std::vector<double> numbers_of(hid_t set, const std::string& dataset, std::uintmax_t file_size,
+                               Header& header) {
   const Handle type(H5Dget_type(set), H5Tclose, fmt::format("dataset '{}' has no type", dataset));
   const H5T_class_t kind = H5Tget_class(type);
   require(kind == H5T_INTEGER || kind == H5T_FLOAT,
@@ -66,7 +73,8 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
   }
   // A damaged header may claim more than the file holds: memory is allocated only for stored data.
   const hsize_t claimed = count * H5Tget_size(type);
-  require(claimed <= kBestPacking * H5Dget_storage_size(set),
+  const hsize_t stored = H5Dget_storage_size(set);
+  require(stored <= file_size && claimed <= kBestPacking * stored,
           fmt::format("dataset '{}' is cut short", dataset));
   std::vector<double> values(count);
   if (count > 0) {
@@ -74,6 +82,41 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
           fmt::format("dataset '{}' is damaged", dataset));
   }
   return values;
+}
+
+template <class T>
+T number_at(std::string_view bytes, std::size_t at) {
+  T value{};
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
+
+// Why HDF5 does not open a file, by its superblock, which says how long the file is. It begins at
+// byte 0, or at 512 times a power of two.
+std::string why_not_opened(const std::filesystem::path& path) {
+  constexpr std::string_view kSignature = "\x89HDF\r\n\x1a\n";
+  constexpr std::size_t kLookedAt = 1 << 16, kLongestBlock = 64;
+  std::error_code code;
+  const std::uintmax_t size = std::filesystem::file_size(path, code);
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(kLookedAt + kLongestBlock, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  for (std::size_t at = 0; at < bytes.size(); at = at == 0 ? 512 : 2 * at) {
+    const std::string_view block = std::string_view(bytes).substr(at);
+    if (!block.starts_with(kSignature)) continue;
+    // Version; the width of addresses; where the address of the file's end is.
+    const int version = block.size() > 8 ? block[8] : 0;
+    const std::size_t width = version < 2 ? 13 : 9;
+    const std::size_t end = version == 0 ? 40 : version == 1 ? 44 : 28;
+    if (block.size() < end + sizeof(std::uint64_t)) return "is cut short within its header";
+    const std::uint64_t length = number_at<std::uint64_t>(block, end);
+    if (block[width] == 8 && at + length > size) {
+      return fmt::format("is cut short: it has {} of {} bytes; copy it again", size, at + length);
+    }
+    return "is a damaged HDF5 file";
+  }
+  return "not an HDF5 file";
 }
 
 // Reads the dataset in the child process and sends it; never returns.
@@ -93,13 +136,13 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
   std::vector<double> values;
   std::string wrong;
   try {
-    const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
-                      "not an HDF5 file");
+    const hid_t opened = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    const Handle file(opened, H5Fclose, opened < 0 ? why_not_opened(path) : std::string());
     header.missing = true;
     const Handle set(H5Dopen2(file, dataset.c_str(), H5P_DEFAULT), H5Dclose,
                      fmt::format("dataset '{}' is missing", dataset));
     header.missing = false;
-    values = numbers_of(set, dataset, header);
+    values = numbers_of(set, dataset, std::filesystem::file_size(path), header);
   } catch (const Trouble& trouble) { wrong = trouble.what; } catch (const std::exception&) {
     wrong = fmt::format("dataset '{}' needs more memory than there is", dataset);
   }
@@ -129,6 +172,7 @@ class Child {
 }  // namespace
 
 ForeignNumbers read_foreign(const std::filesystem::path& path, const std::string& dataset) {
+  if (const std::string why = why_no_file(path); !why.empty()) throw Trouble{why};
   if (::access(path.c_str(), R_OK) != 0) throw Trouble{"cannot be opened"};
   int ends[2];
   if (::pipe(ends) != 0) throw Trouble{std::strerror(errno)};

@@ -70,9 +70,35 @@ TEST_CASE("missing datasets, texts and files that are not HDF5 are refused with 
   CHECK(trouble_of(folder / "theirs.h5", "other") == "dataset 'other' is missing");
   CHECK(trouble_of(folder / "theirs.h5", "text") == "dataset 'text' does not hold numbers");
   CHECK(trouble_of(folder / "theirs.h5", "deep") == "dataset 'deep' is missing");
-  CHECK(trouble_of(folder / "none.h5", "table") == "cannot be opened");
+  CHECK(trouble_of(folder / "none.h5", "table") == "no such file");
   test::write_bytes(folder / "text.h5", "hello");
   CHECK(trouble_of(folder / "text.h5", "table") == "not an HDF5 file");
+}
+
+TEST_CASE("an HDF5 file that is cut short is called so, with its bytes", "[body_file][foreign]") {
+  const test::ScratchFolder folder("foreign_hdf5");
+  write_theirs(folder / "theirs.h5");
+  const std::string good = test::file_bytes(folder / "theirs.h5");
+  const std::string all = std::to_string(good.size());
+  for (const std::size_t size : {good.size() - 1, good.size() / 2, std::size_t{200}}) {
+    test::write_bytes(folder / "cut.h5", good.substr(0, size));
+    CHECK(trouble_of(folder / "cut.h5", "table") ==
+          "is cut short: it has " + std::to_string(size) + " of " + all + " bytes; copy it again");
+  }
+  for (const std::size_t size : {std::size_t{20}, std::size_t{8}}) {
+    test::write_bytes(folder / "cut.h5", good.substr(0, size));
+    CHECK(trouble_of(folder / "cut.h5", "table") == "is cut short within its header");
+  }
+  test::write_bytes(folder / "cut.h5", good.substr(0, 5));
+  CHECK(trouble_of(folder / "cut.h5", "table") == "not an HDF5 file");
+  // Behind a user block, and of the newer superblock that h5py writes with libver='latest'.
+  test::write_bytes(folder / "cut.h5", std::string(512, ' ') + good.substr(0, 300));
+  CHECK_THAT(trouble_of(folder / "cut.h5", "table"),
+             Catch::Contains("it has 812 of " + std::to_string(512 + good.size())));
+  std::string newer = good.substr(0, 8) + std::string("\2\x08\x08\0", 4) + std::string(16, '\0');
+  newer += good.substr(40, 8) + std::string(100, '\0');
+  test::write_bytes(folder / "cut.h5", newer);
+  CHECK_THAT(trouble_of(folder / "cut.h5", "table"), Catch::Contains("of " + all + " bytes"));
 }
 
 // Some of these damages end HDF5 1.10 by a signal; which ones is not known.

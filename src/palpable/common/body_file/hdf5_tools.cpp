@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <fcntl.h>
 #include <span>
 #include <unistd.h>
+#include <utility>
 
 namespace palpable::hdf5 {
 namespace {
@@ -24,21 +26,39 @@ std::string user_block(std::string_view kind, int layout, std::string_view conte
   return block;
 }
 
-void check_user_block(const std::string& bytes, std::string_view kind, int layout,
-                      std::string_view what, std::string_view remedy) {
-  const std::string magic = fmt::format("{}, layout ", kind);
-  if (bytes.substr(0, magic.size()) != magic) throw Trouble{fmt::format("not {}", what)};
-  const std::string version =
-      bytes.substr(magic.size(), bytes.find('\n', magic.size()) - magic.size());
-  if (version != std::to_string(layout)) {
-    throw Trouble{fmt::format("layout version '{}' where this program reads {}; {}",
-                              version.substr(0, 20), layout, remedy)};
+// Largest file that is read into memory, bytes: a site's snapshots on a million nodes at 26 levels,
+// with stress, have 2 GB. Larger models are split into sites anyway.
+constexpr std::uintmax_t kLargestImage = 4'000'000'000;
+
+// Why a file with these first bytes and this size is not read; empty: nothing is wrong so far.
+std::string why_no_image(std::string_view first, std::uintmax_t size, const ImageKind& kind) {
+  const std::string magic = fmt::format("{}, layout ", kind.kind);
+  if (!first.starts_with(magic)) return fmt::format("not {}", kind.what);
+  const std::string_view rest = first.substr(magic.size());
+  const std::string_view version = rest.substr(0, rest.find('\n'));
+  if (version != std::to_string(kind.layout)) {
+    return fmt::format("layout version '{}' where this program reads {}; {}", version.substr(0, 20),
+                       kind.layout, kind.remedy);
   }
-  if (bytes.size() <= kUserBlock ||
-      std::string_view(bytes).substr(0, kUserBlock) !=
-          user_block(kind, layout, std::string_view(bytes).substr(kUserBlock))) {
-    throw Trouble{
-        fmt::format("truncated or damaged (its checksum differs); copy it again or {}", remedy)};
+  // The block's beginning, up to the checksum, follows from the file's size.
+  const std::uintmax_t content = size - std::min<std::uintmax_t>(size, kUserBlock);
+  if (content == 0 ||
+      !first.starts_with(fmt::format("{}{}\nbytes {}\n", magic, version, content))) {
+    return fmt::format(
+        "truncated or damaged (it has {} bytes behind its header, which announces others); copy it "
+        "again or {}",
+        content, kind.remedy);
+  }
+  return {};
+}
+
+void check_user_block(std::string_view bytes, const ImageKind& kind) {
+  if (std::string why = why_no_image(bytes, bytes.size(), kind); !why.empty()) {
+    throw Trouble{std::move(why)};
+  }
+  if (bytes.substr(0, kUserBlock) != user_block(kind.kind, kind.layout, bytes.substr(kUserBlock))) {
+    throw Trouble{fmt::format("truncated or damaged (its checksum differs); copy it again or {}",
+                              kind.remedy)};
   }
 }
 
@@ -56,9 +76,8 @@ std::string room_on_disk() {
 
 Handle in_memory() { return Handle(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no memory"); }
 
-Handle open_image(const std::string& bytes, std::string_view kind, int layout,
-                  std::string_view what, std::string_view remedy) {
-  check_user_block(bytes, kind, layout, what, remedy);
+Handle open_image(const std::string& bytes, const ImageKind& kind) {
+  check_user_block(bytes, kind);
   const Handle access = in_memory();
   check(H5Pset_fapl_core(access, std::size_t{1} << 20, false), "no memory");
   check(H5Pset_file_image(access, const_cast<char*>(bytes.data()) + kUserBlock,
@@ -262,12 +281,19 @@ void write_file(const std::filesystem::path& path, const std::function<void(hid_
   }
 }
 
-Image::Image(const std::string& bytes, std::string_view kind, int layout, std::string_view what,
-             std::string_view remedy)
-    : file_(open_image(bytes, kind, layout, what, remedy)) {}
+Image::Image(const std::string& bytes, const ImageKind& kind) : file_(open_image(bytes, kind)) {}
+
+std::string image_bytes(const std::filesystem::path& path, const ImageKind& kind) {
+  const auto why_not = [&](std::string_view first, std::uintmax_t size) {
+    return why_no_image(first, size, kind);
+  };
+  Result<std::string> bytes = read_whole_file(path, {.most = kLargestImage, .why_not = why_not});
+  if (!bytes) throw Trouble{bytes.problem().message};
+  return std::move(bytes).value();
+}
 
 std::string all_bytes(const std::filesystem::path& path) {
-  Result<std::string> bytes = read_whole_file(path);
+  Result<std::string> bytes = read_whole_file(path, {.most = kLargestImage});
   if (!bytes) throw Trouble{bytes.problem().message};
   return std::move(bytes).value();
 }

@@ -162,19 +162,30 @@ void write_file(const std::filesystem::path& path, const std::function<void(hid_
 /// of HDF5 where other threads may use it, too.
 [[nodiscard]] std::mutex& turn();
 
+/// A kind of file that image_of() makes.
+struct ImageKind {
+  std::string_view kind;
+  int layout = 0;
+  std::string_view what;    ///< e.g. "a body file of Palpable", for messages
+  std::string_view remedy;  ///< e.g. "bake the body again", likewise
+};
+
 /// An HDF5 file in memory, opened from the bytes of image_of() after their checksum is verified.
 class Image {
  public:
-  /// @param what   e.g. "a body file of Palpable", for messages
-  /// @param remedy e.g. "bake the body again", likewise
-  Image(const std::string& bytes, std::string_view kind, int layout, std::string_view what,
-        std::string_view remedy);
+  Image(const std::string& bytes, const ImageKind& kind);
   [[nodiscard]] hid_t file() const { return file_; }
 
  private:
   Handle file_;
 };
 
+/// The bytes of a file that image_of() made. Its kind, layout and size are read from its user block
+/// before the rest; Image checks the checksum.
+/// @throws Trouble if it is of another kind, truncated, above kLargestImage or cannot be read
+[[nodiscard]] std::string image_bytes(const std::filesystem::path& path, const ImageKind& kind);
+
+/// The bytes of a file for a copy or comparison. @throws Trouble as image_bytes()
 [[nodiscard]] std::string all_bytes(const std::filesystem::path& path);
 
 /// Writes a file under another name, syncs it and renames it: a reader sees the old file or the

@@ -96,7 +96,7 @@ void check_same(const TouchTables& a, const TouchTables& b) {
 void write_spoilt(const fs::path& path, const TouchTables& tables,
                   const std::function<void(hid_t touch)>& spoil) {
   write_touchable_body(path, ball(), tables);
-  const hdf5::Image image(hdf5::all_bytes(path), "palpable body file", kBodyFileVersion, "", "");
+  const hdf5::Image image(hdf5::all_bytes(path), {"palpable body file", kBodyFileVersion, "", ""});
   write_body_file(path, ball(), ModeStorage::kFloat32, [&](hid_t file) {
     const hdf5::Handle none(H5Pcreate(H5P_OBJECT_COPY), H5Pclose, "no memory");
     REQUIRE(H5Ocopy(image.file(), "touch", file, "touch", none, H5P_DEFAULT) >= 0);

@@ -42,6 +42,10 @@ struct SkinPointSet {
   float coarsest = 0;  ///< m between the points that the flattest obstacle needs
   float finest = 0;    ///< m between those that the sharpest obstacle needs
   float between = 0;   ///< m between those that are searched on other bodies' skins
+  float spacing = 0;   ///< m between neighbouring points of all of them, at most
+  /// (3 x H) m, vertices that the support holds, which are no contact points and do not move; null:
+  /// none.
+  const Eigen::Matrix3Xf* held = nullptr;
 };
 
 /// How contact is solved on a body. Bodies that are solved together use the smallest lengths of all

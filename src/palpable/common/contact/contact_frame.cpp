@@ -23,8 +23,24 @@ constexpr double kUnsettled = 0.4;
 constexpr int kUnsettledSteps = 3;
 // Smallest share of an iteration that damping (ContactLimits::damped) leaves.
 constexpr float kLeastShare = 0.25f;
+// Largest number of sharp parts of obstacles near a body that are judged.
+constexpr std::size_t kMostSharpParts = 4096;
+
+// A frame has come nearer to its solution if obstacles are less deep inside than before by this
+// share of what is left, or by this much, m.
+constexpr double kNearerShare = 0.1, kNearer = 0.005;
 
 }  // namespace
+
+Reached ContactReport::reached() const {
+  if (stuck) return Reached::kNot;
+  if (left() <= kReached) return Reached::kYes;
+  if (std::max(held_inside, sharp_inside) > std::max(points_inside, kReached)) return Reached::kNot;
+  if (points_inside <= kReached) return Reached::kLater;  // only the way of the skin is left
+  // Iterations that find no way out move the skin to and fro by some mm.
+  const double enough = std::max(kReached, std::min(kNearerShare * points_inside, kNearer));
+  return inside_before - points_inside >= enough ? Reached::kLater : Reached::kNot;
+}
 
 ContactFrame::ContactFrame(std::span<ContactPart> parts, int most)
     : parts_(parts),
@@ -39,7 +55,10 @@ ContactFrame::ContactFrame(std::span<ContactPart> parts, int most)
     bodies_[k].tangents.reserve(most_);
     part.loads.reserve(most_ + 1);
     part.place_forces.reserve(most_ + 1);
+    // A body makes its surface when that is first queried: now, so that no frame allocates it.
+    if (!part.body->contact_points().points.empty()) static_cast<void>(part.body->surface());
   }
+  parts_near_.reserve(kMostSharpParts);
   pressed_.reserve(most_);
   of_pressed_.reserve(most_);
   forces_before_.resize(most_);
@@ -261,6 +280,7 @@ void ContactFrame::end_frame(double largest_move) {
   for (const int k : members_) part(k).body->end_frame(part(k).penetration);
   const bool settled =
       !is_stuck_ && !is_entered_ && report_.last_change <= kUnsettled * limits_.largest_step;
+  report_.stuck = is_stuck_;
   if (!settled) {
     largest_move = std::min(largest_move, kUnsettledSteps * limits_.largest_step);
     report_.left_to_move = report_.last_change;
@@ -286,6 +306,54 @@ void ContactFrame::end_frame(double largest_move) {
   }
 }
 
+// --- judgement
+
+// Finds the parts of obstacles near a body that are somewhere sharper than `radius`, m.
+bool ContactFrame::find_parts(const ContactPart& one, float radius) {
+  const auto find = [&](const Eigen::AlignedBox3f& box) {
+    parts_near_.clear();
+    one.obstacles->add_sharp_parts(box, radius, parts_near_);
+    return !parts_near_.empty();
+  };
+  // The bounds follow the shape only where there is something to judge.
+  constexpr float kFar = std::numeric_limits<float>::max();
+  const Eigen::AlignedBox3f anywhere(Vector3f::Constant(-kFar), Vector3f::Constant(kFar));
+  return find(anywhere) && find(one.body->bounds());
+}
+
+// m, how deep parts of obstacles are inside a skin that contact points do not judge: those that are
+// sharper than the distance of the points, and those that the skin has closed over.
+// @param may_be_enclosed  whether to look for the latter
+double ContactFrame::depth_of_parts(ContactPart& one, bool may_be_enclosed) {
+  const auto sharpest =
+      static_cast<float>(sharpest_radius(static_cast<double>(one.body->contact_points().spacing)));
+  constexpr float kAnyRadius = std::numeric_limits<float>::infinity();
+  if (!find_parts(one, may_be_enclosed ? kAnyRadius : sharpest)) return 0;
+  const MovingSurface& skin = one.body->surface();
+  double deepest = 0;
+  for (const SharpPart& part : parts_near_) {
+    if (std::min(part.radius_a, part.radius_b) < sharpest) {
+      deepest = std::max(deepest, depth_of(part, skin));
+    }
+    if (may_be_enclosed) deepest = std::max(deepest, depth_of_enclosed(part, skin));
+  }
+  return deepest;
+}
+
+void ContactFrame::judge() {
+  for (const int k : members_) {
+    ContactPart& one = part(k);
+    if (one.obstacles == nullptr || one.body->contact_points().points.empty()) continue;
+    const auto at_points = static_cast<double>(one.near.depth_of_points(*one.obstacles));
+    const auto at_held = static_cast<double>(one.near.depth_of_held(*one.obstacles));
+    report_.points_inside = std::max(report_.points_inside, at_points);
+    report_.held_inside = std::max(report_.held_inside, at_held);
+    // Where contact points are inside of an obstacle, the skin has not closed over it.
+    const bool may_be_enclosed = at_points <= kReached && one.obstacles->has_exact_parts();
+    report_.sharp_inside = std::max(report_.sharp_inside, depth_of_parts(one, may_be_enclosed));
+  }
+}
+
 ContactReport ContactFrame::solve(std::span<const int> members, std::span<const SkinPair> pairs,
                                   double largest_move) {
   begin(members, pairs);
@@ -294,6 +362,7 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
   for (const Contact& c : search_.contacts()) {
     if (c.by < 0) depth = std::max(depth, -static_cast<double>(c.distance));
   }
+  report_.inside_before = depth;
   const auto steps_of = [this](double way) {
     return static_cast<int>(
         std::ceil(std::min(way / limits_.largest_step, 1.0 * limits_.most_steps)));
@@ -326,6 +395,7 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
     end_step(last);
   }
   end_frame(largest_move);
+  judge();
   return report_;
 }
 

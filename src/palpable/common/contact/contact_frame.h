@@ -6,14 +6,28 @@
 #include "palpable/common/contact/contact_body.h"
 #include "palpable/common/contact/contact_problem.h"
 #include "palpable/common/contact/contact_search.h"
+#include "palpable/common/contact/sharp_part.h"
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 namespace palpable {
+
+/// m: fine contact points may be deeper by this than those that took part, where an obstacle that a
+/// camera sees is uneven.
+inline constexpr double kMissed = 1e-3;
+
+/// Whether a frame's state is that in which no obstacle is inside the skin.
+enum class Reached {
+  kYes,    ///< to within kReached
+  kLater,  ///< not yet: this frame came nearer to it, and later ones go on
+  kNot  ///< the frame came no nearer: the obstacle is sharper than the contact points, presses what
+        ///< the support holds, or the skin is so deep inside that the iterations find no way out
+};
 
 /// How a frame went, of all bodies, or of one and those that were solved with it.
 struct ContactReport {
@@ -29,6 +43,33 @@ struct ContactReport {
   /// m that a vertex has yet to move: beyond the step limit, or by the last iteration if the
   /// iterations have not converged.
   double left_to_move = 0;
+  bool stuck = false;  ///< the last iteration could make no step, so that left_to_move is not known
+
+  // Penetration depths of obstacles into the skin, m, measured after the step limit was applied.
+  // They include places at which no contact was solved: an obstacle that contains the whole body
+  // has no contact point near its surface, and a needle may stand between all contact points.
+  double inside_before = 0;  ///< of the contact points near obstacles, when the frame began
+  double points_inside = 0;  ///< of all contact points
+  double held_inside = 0;    ///< of the vertices that the support holds
+  /// Of obstacles that are sharper than the contact points, and of those that the skin encloses
+  /// (sharp_part.h).
+  double sharp_inside = 0;
+
+  /// m, the deepest of all.
+  [[nodiscard]] double inside() const {
+    return std::max({points_inside, held_inside, sharp_inside});
+  }
+  /// m, how far the state is from one in which nothing is inside.
+  [[nodiscard]] double left() const { return std::max(left_to_move, inside()); }
+  [[nodiscard]] Reached reached() const;
+  /// m, how deep an obstacle is inside where contact was not solved; 0 unless that is deeper than
+  /// at the contacts by more than kMissed. Then the state is not the solution for this obstacle.
+  [[nodiscard]] double missed() const {
+    const double deepest = std::max(points_inside, sharp_inside);
+    return deepest > penetration + kMissed ? deepest : 0;
+  }
+  /// m, how far the state is from equilibrium: left_to_move, or missed() if that is more.
+  [[nodiscard]] double unsolved() const { return std::max(left_to_move, missed()); }
 };
 
 /// Solves the contact of bodies that touch one another in one frame, by steps and iterations. The
@@ -67,6 +108,9 @@ class ContactFrame {
   void run_last_step(double shift, int most);
   void end_step(bool last);
   void end_frame(double largest_move);
+  void judge();
+  bool find_parts(const ContactPart& one, float radius);
+  [[nodiscard]] double depth_of_parts(ContactPart& one, bool may_be_enclosed);
 
   std::span<ContactPart> parts_;
   std::size_t most_;
@@ -83,7 +127,8 @@ class ContactFrame {
   std::vector<Contact> pressed_;         // contacts that take part in an iteration,
   std::vector<std::size_t> of_pressed_;  // and their indices among all contacts
   std::vector<Eigen::Vector3f> forces_before_;
-  std::vector<ProblemBody> bodies_;  // by their number
+  std::vector<ProblemBody> bodies_;    // by their number
+  std::vector<SharpPart> parts_near_;  // of obstacles near one body
 };
 
 }  // namespace palpable

@@ -1,6 +1,7 @@
 #include "palpable/common/contact/contact_problem.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/base/nth_element.h"
 #include "palpable/common/base/row_kernels.h"
 
 #include <algorithm>
@@ -115,8 +116,8 @@ void ContactProblem::find_turning(std::span<const Contact> contacts) {
     const Contact& c = contacts[t.contact];
     return c.pressing * static_cast<double>(c.curvature.trace());
   };
-  std::nth_element(turning_.begin(), turning_.begin() + kMostTurning, turning_.end(),
-                   [&](const Turning& a, const Turning& b) { return weight(a) > weight(b); });
+  select_nth(turning_.begin(), turning_.begin() + kMostTurning, turning_.end(),
+             [&](const Turning& a, const Turning& b) { return weight(a) > weight(b); });
   turning_.resize(kMostTurning);
 }
 

@@ -275,6 +275,11 @@ ContactReport ContactSolver::advance(std::span<const Near> near) {
     all.mutual_penetration = std::max(all.mutual_penetration, one.mutual_penetration);
     all.imbalance = std::max(all.imbalance, one.imbalance);
     all.left_to_move = std::max(all.left_to_move, one.left_to_move);
+    all.stuck |= one.stuck;
+    all.inside_before = std::max(all.inside_before, one.inside_before);
+    all.points_inside = std::max(all.points_inside, one.points_inside);
+    all.held_inside = std::max(all.held_inside, one.held_inside);
+    all.sharp_inside = std::max(all.sharp_inside, one.sharp_inside);
   }
   return all;
 }

@@ -1,6 +1,7 @@
 #include "palpable/common/contact/moving_surface.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/base/nth_element.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,10 +84,10 @@ int MovingSurface::build(int first, int count, const std::vector<Vector3f>& cent
   int axis = 0;
   around.sizes().maxCoeff(&axis);
   const int half = count / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + first + half,
-                   order_.begin() + first + count, [&](int a, int b) {
-                     return std::pair(centres[a][axis], a) < std::pair(centres[b][axis], b);
-                   });
+  select_nth(order_.begin() + first, order_.begin() + first + half, order_.begin() + first + count,
+             [&](int a, int b) {
+               return std::pair(centres[a][axis], a) < std::pair(centres[b][axis], b);
+             });
   build(first, half, centres);
   const int second = build(first + half, count - half, centres);
   boxes_[box].second = second;

@@ -49,6 +49,9 @@ NearPoints::NearPoints(ContactBody& body)
       between_.push_back(static_cast<int>(p));
     }
   }
+  if (points_.held != nullptr) {
+    for (const auto& x : points_.held->colwise()) held_.extend(Vector3f(x));
+  }
   if (points_.clusters != nullptr) arrange_clusters(points_.clusters->clusters());
 }
 
@@ -124,6 +127,38 @@ bool NearPoints::is_far(const Block& block, float band, const Obstacles& obstacl
 bool NearPoints::is_far(const SkinCluster& cluster, float band, const Obstacles& obstacles) const {
   return !obstacles.may_be_within(body_.shape_at_vertex(cluster.vertex),
                                   band + kStretch * cluster.radius);
+}
+
+float NearPoints::depth_of_points(const Obstacles& obstacles) const {
+  float deepest = 0;
+  for (const Block& block : blocks_) {
+    if (is_far(block, 0, obstacles)) continue;
+    for (int c = block.first; c < block.last; ++c) {
+      const SkinCluster& cluster = clusters_[static_cast<std::size_t>(c)];
+      // No point of the cluster is deeper than its middle by more than this.
+      const float around = kStretch * cluster.radius;
+      const Vector3f middle = body_.shape_at_vertex(cluster.vertex);
+      const bool may_be_deeper = around > deepest
+                                     ? obstacles.may_be_within(middle, around - deepest)
+                                     : obstacles.depth_at(middle) + around > deepest;
+      if (!may_be_deeper) continue;
+      for (int k = cluster.first; k < cluster.last; ++k) {
+        const int point = points_.clusters->order()[static_cast<std::size_t>(k)];
+        deepest = std::max(deepest, obstacles.depth_at(body_.shape_at(point)));
+      }
+    }
+  }
+  return deepest;
+}
+
+float NearPoints::depth_of_held(const Obstacles& obstacles) const {
+  if (held_.isEmpty()) return 0;
+  if (!obstacles.may_be_within(held_.center(), 0.5f * held_.diagonal().norm())) return 0;
+  float deepest = 0;
+  for (const auto& x : points_.held->colwise()) {
+    deepest = std::max(deepest, obstacles.depth_at(Vector3f(x)));
+  }
+  return deepest;
 }
 
 bool NearPoints::is_near(int point, float band, const Obstacles& obstacles, SurfaceGap& gap) {

@@ -70,6 +70,13 @@ class NearPoints {
     return is_point_needed(points_.levels[static_cast<std::size_t>(point)],
                            largest_curvature(curvature), entry, points_.coarsest, points_.finest);
   }
+  /// m, how deep the deepest contact point of the shape is inside an obstacle; 0: none is. Unlike
+  /// for_each(), which searches the points that a solution needs, it leaves no point out. Costs one
+  /// query for a block or cluster that is far, and Obstacles::depth_at() of each point near or
+  /// inside an obstacle.
+  [[nodiscard]] float depth_of_points(const Obstacles& obstacles) const;
+  /// The same of the vertices that the support holds.
+  [[nodiscard]] float depth_of_held(const Obstacles& obstacles) const;
   /// The contact points that are searched on the skins of other bodies.
   [[nodiscard]] std::span<const int> between() const { return between_; }
 
@@ -114,6 +121,7 @@ class NearPoints {
   std::vector<SkinCluster> clusters_;  // along a space-filling curve
   std::vector<Block> blocks_;
   std::vector<int> between_;
+  Eigen::AlignedBox3f held_;  // around the vertices that the support holds; empty: none
   std::vector<Known> known_;  // (C)
   int frame_ = 0;
   std::vector<Eigen::Vector3f> queried_;  // positions of one query,

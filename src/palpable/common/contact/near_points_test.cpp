@@ -1,5 +1,6 @@
 #include "palpable/common/contact/near_points.h"
 
+#include "palpable/common/contact/capsule_obstacles.h"
 #include "tests/support/ball_gap.h"
 #include "tests/support/test.h"
 #include "tests/support/touchable_ball.h"
@@ -195,6 +196,82 @@ TEST_CASE("a gap with NaN counts as no obstacle", "[contact]") {
     SurfaceGap seen;
     CHECK_FALSE(find_gap(near_points, 0, Vector3f::Zero(), gap, 0, seen));
   }
+}
+
+// The deepest contact point by querying every one.
+float deepest_of_all(Ball& ball, const Obstacles& obstacles) {
+  float deepest = 0;
+  for (int p = 0; p < static_cast<int>(ball.body->contact_points().points.size()); ++p) {
+    deepest = std::max(deepest, obstacles.depth_at(ball.body->shape_at(p)));
+  }
+  return deepest;
+}
+
+TEST_CASE("the deepest point is found for balls of any size and depth, and when the body is inside",
+          "[contact]") {
+  Ball ball;
+  ball.state.u.row(0).setConstant(0.003f);  // the shape has moved, too
+  const NearPoints near_points(*ball.body);
+  for (const double radius : {0.002, 0.008, 0.030, 1.0}) {
+    for (const double depth : {-0.01, 0.0001, 0.004, 0.02, 0.5, 1.0}) {
+      INFO(radius << " " << depth);
+      CapsuleObstacles obstacles;
+      const Eigen::Vector3d centre(0.003 + 0.01, -0.004, 0.08 + radius - depth);
+      obstacles.set(std::vector<Capsule>{{centre, centre, radius, radius}});
+      CHECK(near_points.depth_of_points(obstacles) == deepest_of_all(ball, obstacles));
+    }
+  }
+}
+
+TEST_CASE("the depth of the skin costs a query of each point near an obstacle, and few if none is",
+          "[contact]") {
+  struct Counting : CapsuleObstacles {
+    mutable std::size_t near = 0, depths = 0;
+    [[nodiscard]] bool may_be_within(const Vector3f& place, float reach) const override {
+      ++near;
+      return CapsuleObstacles::may_be_within(place, reach);
+    }
+    [[nodiscard]] float depth_at(const Vector3f& place) const override {
+      ++depths;
+      return CapsuleObstacles::depth_at(place);
+    }
+  } obstacles;
+  Ball ball;
+  const NearPoints near_points(*ball.body);
+  const std::size_t all = ball.body->contact_points().points.size();
+  const auto press = [&](double radius, double depth) {
+    const Eigen::Vector3d centre(0, 0, 0.08 + radius - depth);
+    obstacles.set(std::vector<Capsule>{{centre, centre, radius, radius}});
+    obstacles.near = obstacles.depths = 0;
+    return near_points.depth_of_points(obstacles);
+  };
+  CHECK(press(0.008, -0.1) == 0);
+  CHECK(obstacles.depths == 0);
+  CHECK(obstacles.near < all / 100);
+  CHECK(press(0.008, 0.004) > 0.0035f);  // a finger
+  CHECK(obstacles.depths > 4);
+  CHECK(obstacles.depths < all / 8);
+  // Around the whole body: one for each point and for the middle of each cluster at most.
+  CHECK(press(1, 0.6) == Approx(0.6).margin(tolerance(1e-3, "m: edges of 5 mm")));
+  CHECK(obstacles.depths <= all + ball.body->contact_points().clusters->clusters().size());
+}
+
+TEST_CASE("vertices that the support holds are judged, though they are no contact points",
+          "[contact]") {
+  Ball ball;
+  for (int v = 0; v < ball.surface.vertex_count(); ++v) {
+    ball.fixed[static_cast<std::size_t>(v)] = ball.surface.vertices(2, v) < 0.010;
+  }
+  ball.body = ball.made();
+  const NearPoints near_points(*ball.body);
+  CapsuleObstacles obstacles;
+  obstacles.set(std::vector<Capsule>{{{0, 0, -0.005}, {0, 0, -0.005}, 0.008, 0.008}});
+  // The lowest vertex is at (0, 0, 0) to within half an edge.
+  CHECK(near_points.depth_of_held(obstacles) == Approx(0.003).margin(tolerance(1e-3, "m: edges")));
+  CHECK(near_points.depth_of_points(obstacles) == 0);
+  obstacles.set(std::vector<Capsule>{{{0, 0, 0.085}, {0, 0, 0.085}, 0.008, 0.008}});
+  CHECK(near_points.depth_of_held(obstacles) == 0);
+  CHECK(near_points.depth_of_points(obstacles) > 0.002f);
 }
 
 }  // namespace

@@ -9,11 +9,16 @@
 /// in tests by functions.
 #pragma once
 
-#include <Eigen/Core>
+#include "palpable/common/contact/sharp_part.h"
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
+#include <vector>
 
 namespace palpable {
 
@@ -36,6 +41,8 @@ struct SurfaceGap {
   float softness = 0;
   Known known = Known::kMeasured;
   float unseen_for = 0;  ///< s since the obstacle was measured; 0: it is now
+  /// Which of several things the obstacle belongs to (CapsuleObstacles::set()); -1: not known.
+  int thing = -1;
 
   /// Whether there is an obstacle, and all numbers are finite.
   [[nodiscard]] bool is_known() const {
@@ -76,6 +83,26 @@ class Obstacles {
   /// Whether an obstacle may be nearer to a position than `reach` (m), which may exceed kGapReach:
   /// a cheaper query, made first. True if that is not known.
   [[nodiscard]] virtual bool may_be_within(const Eigen::Vector3f& place, float reach) const = 0;
+
+  /// m, how deep a position is inside an obstacle; 0 outside. Obstacles for which that is cheaper
+  /// than find_gaps() override it.
+  [[nodiscard]] virtual float depth_at(const Eigen::Vector3f& place) const {
+    SurfaceGap gap;
+    find_gaps({&place, 1}, {&gap, 1});
+    return std::isfinite(gap.distance) ? std::max(0.0f, -gap.distance) : 0.0f;
+  }
+
+  /// Whether add_sharp_parts() knows every part of the obstacle, as it is. A surface that a camera
+  /// sees is a sample with an assumed far side.
+  [[nodiscard]] virtual bool has_exact_parts() const { return false; }
+
+  /// Adds the parts whose radius is below `radius` (m) somewhere and that may be inside `box` (m),
+  /// as long as `parts` has capacity. Obstacles without sharp parts, and those that do not know
+  /// them, add none.
+  virtual void add_sharp_parts(const Eigen::AlignedBox3f& box, float radius,
+                               std::vector<SharpPart>& parts) const {
+    static_cast<void>(box), static_cast<void>(radius), static_cast<void>(parts);
+  }
 };
 
 /// The gap of one position.

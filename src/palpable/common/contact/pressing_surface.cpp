@@ -1,5 +1,6 @@
 #include "palpable/common/contact/pressing_surface.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace palpable {
@@ -24,6 +25,22 @@ void PressingSurface::find_gaps(std::span<const Eigen::Vector3f> places,
     gaps[k].softness = shape->sigma / kSigmaOfBody;
     gaps[k].known = shape->known;
     gaps[k].unseen_for = shape->unseen_for;
+  }
+}
+
+float PressingSurface::depth_at(const Eigen::Vector3f& place) const {
+  if (!bounds().contains(place)) return 0;
+  const std::optional<NearestOnObject> found = nearest(place, 0);
+  return found ? std::max(0.0f, -found->distance) : 0.0f;
+}
+
+void PressingSurface::add_sharp_parts(const Eigen::AlignedBox3f& box, float radius,
+                                      std::vector<SharpPart>& parts) const {
+  if (!bounds().intersects(box)) return;
+  for (const ObjectBall& ball : balls()) {
+    if (parts.size() == parts.capacity()) return;
+    if (!(ball.radius < radius) || !box.contains(ball.centre)) continue;
+    parts.push_back({ball.centre, ball.centre, ball.radius, ball.radius});
   }
 }
 

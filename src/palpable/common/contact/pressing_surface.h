@@ -60,6 +60,11 @@ class PressingSurface : public Obstacles {
   void find_gaps(std::span<const Eigen::Vector3f> places,
                  std::span<SurfaceGap> gaps) const override;
   [[nodiscard]] bool may_be_within(const Eigen::Vector3f& place, float reach) const override;
+  [[nodiscard]] float depth_at(const Eigen::Vector3f& place) const override;
+  /// The balls that are so small, each with its centre inside `box`: what one camera sees is too
+  /// uncertain for a judgement of balls beside the skin.
+  void add_sharp_parts(const Eigen::AlignedBox3f& box, float radius,
+                       std::vector<SharpPart>& parts) const override;
 
   [[nodiscard]] virtual std::span<const ObjectBall> balls() const = 0;
   /// Bounding box of the balls; empty without any.

@@ -4,6 +4,10 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
+#include <span>
+#include <utility>
+
 namespace palpable {
 
 /// One contact patch of a body, with its force. Body frame.
@@ -21,6 +25,18 @@ struct Touch {
   double assumed = 0;
   int body = 0;  ///< which of the scene's bodies (Scene::bodies)
   int by = -1;   ///< index of the other body that presses it; -1: an obstacle
+  /// Which of several obstacles presses it (SurfaceGap::thing); -1: not known, or another body.
+  int thing = -1;
 };
+
+/// Sorts touches by force, the largest first; equal ones keep their order. Few of them, so that an
+/// insertion sort will do: std::stable_sort would allocate.
+inline void sort_by_force(std::span<Touch> touches) {
+  for (std::size_t k = 1; k < touches.size(); ++k) {
+    for (std::size_t j = k; j > 0 && touches[j - 1].force < touches[j].force; --j) {
+      std::swap(touches[j - 1], touches[j]);
+    }
+  }
+}
 
 }  // namespace palpable

@@ -29,8 +29,9 @@ TouchPatches::TouchPatches(std::size_t most) {
 
 void TouchPatches::find(const Obstacles* seen, std::vector<Touch>& touches) {
   touches.clear();
-  join_neighbours();
+  places_.resize(points_.size());
   find_known(seen);
+  join_neighbours();
   for (int patch = 0; patch < patches_; ++patch) touches.push_back(touch_of(patch));
   std::sort(touches.begin(), touches.end(),
             [](const Touch& a, const Touch& b) { return a.force > b.force; });
@@ -38,11 +39,11 @@ void TouchPatches::find(const Obstacles* seen, std::vector<Touch>& touches) {
 
 // Whether two points may belong to one touch, apart from their distance.
 bool TouchPatches::are_alike(int i, int j) const {
-  return points_[i].by == points_[j].by && points_[i].force.dot(points_[j].force) > 0;
+  return points_[i].by == points_[j].by && places_[i].thing == places_[j].thing &&
+         points_[i].force.dot(points_[j].force) > 0;
 }
 
 void TouchPatches::find_spacings() {
-  places_.resize(points_.size());
   const int n = static_cast<int>(points_.size());
   for (int i = 0; i < n; ++i) {
     float nearest = kSparse * kSparse;
@@ -83,7 +84,7 @@ void TouchPatches::join_neighbours() {
   }
 }
 
-// Finds for each point whether its obstacle was measured, and how long ago.
+// Finds for each point which obstacle presses it, whether that was measured, and how long ago.
 void TouchPatches::find_known(const Obstacles* seen) {
   queried_.clear();
   for (const PressedPoint& point : points_) {
@@ -100,6 +101,7 @@ void TouchPatches::find_known(const Obstacles* seen) {
     const SurfaceGap at = points_[k].by < 0 ? gaps_[next++] : SurfaceGap();
     places_[k].known = at.known;
     places_[k].unseen_for = at.unseen_for;
+    places_[k].thing = at.thing;
   }
 }
 
@@ -116,6 +118,7 @@ Touch TouchPatches::touch_of(int patch) const {
     weight += w;
     touch.area += static_cast<double>(places_[k].spacing) * static_cast<double>(places_[k].spacing);
     touch.by = p.by;
+    touch.thing = places_[k].thing;
     if (places_[k].known != Known::kMeasured) assumed += w;
     touch.unseen_for = std::max(touch.unseen_for, static_cast<double>(places_[k].unseen_for));
   }

@@ -1,6 +1,6 @@
 /// @file
-/// Combines forces at points of a skin into touches: neighbouring points that are pushed in the
-/// same direction form one contact patch.
+/// Combines forces at points of a skin into touches: neighbouring points that the same thing pushes
+/// in the same direction form one contact patch.
 ///
 /// Near a flat obstacle few points take part (point_levels.h), each for a larger part of the skin.
 /// A pressed point whose nearest neighbour is s away stands for an area s^2, and points within 1.5
@@ -53,6 +53,7 @@ class TouchPatches {
     // Of the obstacle, as in SurfaceGap.
     Known known = Known::kMeasured;
     float unseen_for = 0;
+    int thing = -1;
   };
   [[nodiscard]] bool are_alike(int i, int j) const;
   void find_spacings();

@@ -1,6 +1,7 @@
 #include "palpable/common/geometry/surface_files.h"
 
 #include <cstdint>
+#include <utility>
 
 namespace palpable::surface_files {
 
@@ -74,11 +75,18 @@ void parse_3ds_chunks(std::string_view data, std::size_t offset, Soup& soup, int
 
 }  // namespace
 
-Soup parse_3ds(std::string_view data) {
-  if (data.size() < 6 || static_cast<unsigned char>(data[0]) != 0x4D ||
-      static_cast<unsigned char>(data[1]) != 0x4D) {
-    throw Bad{"byte 0", "not a 3DS file"};
+std::string why_no_3ds(std::string_view first, std::size_t size) {
+  if (first.size() < 6 || !first.starts_with("\x4D\x4D")) return "byte 0: not a 3DS file";
+  std::uint32_t length;
+  std::memcpy(&length, first.data() + 2, sizeof length);
+  if (length < 6 || length > size) {
+    return fmt::format("byte 0: chunk {:#06x} claims {} bytes of {}", kMain, length, size);
   }
+  return {};
+}
+
+Soup parse_3ds(std::string_view data) {
+  if (std::string why = why_no_3ds(data, data.size()); !why.empty()) throw Bad{"", std::move(why)};
   Soup soup;
   parse_3ds_chunks(data, 0, soup, 0);
   return soup;

@@ -32,7 +32,7 @@ std::vector<int> order_along_curve(const Eigen::Matrix3Xd& points) {
   std::vector<std::uint64_t> keys;
   keys.reserve(order.size());
   for (const auto& point : points.colwise()) keys.push_back(interleaved(cells * (point - low)));
-  std::ranges::stable_sort(order, {}, [&](int i) { return keys[i]; });
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return keys[i] < keys[j]; });
   return order;
 }
 

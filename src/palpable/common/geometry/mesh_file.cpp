@@ -2,13 +2,16 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/plain_text.h"
 #include "palpable/common/base/whole_file.h"
 #include "palpable/common/geometry/surface_files.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <cstdint>
 #include <iterator>
 #include <new>
 #include <string>
@@ -48,19 +51,52 @@ void add_triangles(std::string& bytes, const SurfaceMesh& surface) {
   }
 }
 
-Result<std::string> bytes_of(const std::filesystem::path& path) {
-  Result<std::string> bytes = read_whole_file(path);
+// Largest surface that is read, bytes: ten million triangles of a binary STL, of which a remesher
+// keeps a hundredth. While they are joined, they need six times as much memory.
+constexpr std::uintmax_t kLargestSurface = 500'000'000;
+
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return result;
+}
+
+// @param kind  the file's ending, in lower case
+Result<std::string> surface_bytes(const std::filesystem::path& path, const std::string& kind) {
+  FileBound bound{.most = kLargestSurface,
+                  .remedy = "reduce its triangles in a mesh program, to a million for example"};
+  bound.why_not = [&](std::string_view first, std::uintmax_t size) -> std::string {
+    if (kind == ".stl") return surface_files::why_no_stl(first, size);
+    if (kind == ".ply") return surface_files::why_no_ply(first, size);
+    if (kind == ".3ds") return surface_files::why_no_3ds(first, size);
+    return why_no_text(first, first.size() < size ? TextPart::kFirst : TextPart::kAll);
+  };
+  Result<std::string> bytes = read_whole_file(path, bound);
   if (!bytes) return Problem{fmt::format("{}: {}", path.string(), bytes.problem().message)};
   return bytes;
+}
+
+bool is_surface_ending(std::string_view kind) {
+  constexpr std::array<std::string_view, 5> kEndings{".stl", ".ply", ".obj", ".3ds", ".off"};
+  return std::find(kEndings.begin(), kEndings.end(), kind) != kEndings.end();
+}
+
+Problem unknown_ending(std::string_view name, std::string_view ending) {
+  return {fmt::format("{}: surfaces are read from .stl, .ply, .obj, .3ds or .off, not '{}'", name,
+                      ending)};
+}
+
+Problem problem_of(std::string_view name, const surface_files::Bad& bad) {
+  if (bad.where.empty()) return {fmt::format("{}: {}", name, bad.what)};
+  return {fmt::format("{}: {}: {}", name, bad.where, bad.what)};
 }
 
 }  // namespace
 
 Result<SurfaceMesh> parse_surface(std::string_view bytes, std::string_view extension,
                                   std::string_view name) {
-  std::string kind(extension);
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string kind = lower_case(extension);
   try {
     surface_files::Soup soup;
     if (kind == ".stl") {
@@ -74,28 +110,29 @@ Result<SurfaceMesh> parse_surface(std::string_view bytes, std::string_view exten
     } else if (kind == ".off") {
       soup = surface_files::parse_off(bytes);
     } else {
-      return Problem{fmt::format(
-          "{}: surfaces are read from .stl, .ply, .obj, .3ds or .off, not '{}'", name, extension)};
+      return unknown_ending(name, extension);
     }
     const Result<SurfaceMesh> surface = surface_of_soup(soup, name);
     if (!surface) return surface;
     return merge_equal_vertices(surface.value());
   } catch (const surface_files::Bad& bad) {
-    return Problem{fmt::format("{}: {}: {}", name, bad.where, bad.what)};
+    return problem_of(name, bad);
   } catch (const std::bad_alloc&) {
     return Problem{fmt::format("{}: needs more memory than there is", name)};
   }
 }
 
 Result<SurfaceMesh> read_surface_file(const std::filesystem::path& path) {
-  const Result<std::string> bytes = bytes_of(path);
+  const std::string ending = path.extension().string();
+  if (!is_surface_ending(lower_case(ending))) return unknown_ending(path.string(), ending);
+  const Result<std::string> bytes = surface_bytes(path, lower_case(ending));
   if (!bytes) return Problem{bytes.problem()};
-  return parse_surface(bytes.value(), path.extension().string(), path.string());
+  return parse_surface(bytes.value(), ending, path.string());
 }
 
 Result<ValuedSurface> read_valued_ply(const std::filesystem::path& path,
                                       std::string_view property) {
-  const Result<std::string> bytes = bytes_of(path);
+  const Result<std::string> bytes = surface_bytes(path, ".ply");
   if (!bytes) return Problem{bytes.problem()};
   const std::string name = path.string();
   try {
@@ -111,7 +148,7 @@ Result<ValuedSurface> read_valued_ply(const std::filesystem::path& path,
         soup.values.data(), static_cast<Eigen::Index>(soup.values.size()));
     return valued;
   } catch (const surface_files::Bad& bad) {
-    return Problem{fmt::format("{}: {}: {}", name, bad.where, bad.what)};
+    return problem_of(name, bad);
   } catch (const std::bad_alloc&) {
     return Problem{fmt::format("{}: needs more memory than there is", name)};
   }

@@ -3,21 +3,39 @@
 
 namespace palpable::surface_files {
 
-Soup parse_off(std::string_view text) {
-  Lines lines(text);
+namespace {
+
+// What stands in the first word behind "OFF": nothing, or the number of vertices (as in ModelNet).
+// Letters before it announce texture coordinates (ST), colours (C) and normals (N) behind those of
+// each vertex, which are skipped.
+std::string_view after_off(Lines& lines, std::string_view word) {
+  for (const std::string_view announced : {"ST", "C", "N"}) {
+    if (word.starts_with(announced)) word.remove_prefix(announced.size());
+  }
+  if (!word.starts_with("OFF")) {
+    lines.bad("an OFF file of three dimensions begins with the word OFF, COFF, NOFF or CNOFF");
+  }
+  return word.substr(3);
+}
+
+}  // namespace
+
+Soup parse_off(std::string_view bytes) {
+  std::string kept;
+  Lines lines(plain(bytes, kept));
   std::string_view line;
   if (!lines.next_content(line, '#')) lines.bad("the file is empty");
-  Words header(line);
-  if (header.next() != "OFF") lines.bad("an OFF file begins with the word OFF");
-  std::string_view first = header.next();
-  Words words = header;
+  Words words(line);
+  std::string_view first = after_off(lines, words.next());
+  if (first.empty()) first = words.next();
   if (first.empty()) {
     if (!lines.next_content(line, '#')) lines.bad("the counts are missing");
     words = Words(line);
     first = words.next();
   }
-  const std::size_t vertex_count = count_of(lines, first, "vertices");
-  const std::size_t face_count = count_of(lines, words.next(), "faces");
+  constexpr std::size_t kShortestVertex = 6, kShortestFace = 8;  // bytes: "0 0 0", "3 0 1 2"
+  const std::size_t vertex_count = count_of(lines, first, "vertices", kShortestVertex);
+  const std::size_t face_count = count_of(lines, words.next(), "faces", kShortestFace);
 
   Soup soup;
   soup.vertices.reserve(vertex_count);
@@ -41,12 +59,37 @@ Soup parse_off(std::string_view text) {
   return soup;
 }
 
-Soup parse_obj(std::string_view text) {
-  Lines lines(text);
+namespace {
+
+// A line that ends with a backslash, and those that continue it, as one. @param kept  holds it
+std::string_view with_continuations(Lines& lines, std::string_view line, std::string& kept) {
+  const auto continues = [](std::string_view text) {
+    const std::size_t last = text.find_last_not_of(" \t\r\v\f");
+    return last != std::string_view::npos && text[last] == '\\' ? last : std::string_view::npos;
+  };
+  std::size_t cut = continues(line);
+  if (cut == std::string_view::npos) return line;
+  kept.clear();
+  while (cut != std::string_view::npos) {
+    kept.append(line.substr(0, cut)) += ' ';
+    if (!lines.next(line)) return kept;
+    line = line.substr(0, line.find('#'));
+    cut = continues(line);
+  }
+  return kept.append(line);
+}
+
+}  // namespace
+
+Soup parse_obj(std::string_view bytes) {
+  std::string kept;
+  Lines lines(plain(bytes, kept));
   std::string_view line;
+  std::string joined;
   Soup soup;
   std::vector<int> polygon;
   while (lines.next_content(line, '#')) {
+    line = with_continuations(lines, line, joined);
     Words words(line);
     const std::string_view what = words.next();
     if (what == "v") {

@@ -1,8 +1,10 @@
+#include "palpable/common/base/plain_text.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/geometry/surface_files.h"
 
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace palpable::surface_files {
 
@@ -47,13 +49,23 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 };
 
+constexpr std::string_view kEndHeader = "end_header";
+
 enum class PlyCoding { kText, kLittle, kBig };
 
 struct PlyHeader {
   PlyCoding coding = PlyCoding::kText;
   std::vector<PlyElement> elements;
-  std::size_t lines = 0;
 };
+
+// The number of elements that a line of the header announces. @throws Bad for no whole number
+std::size_t announced_count(const Lines& lines, std::string_view word) {
+  const auto count = to_whole_number(word);
+  if (!count || *count < 0) {
+    lines.bad(fmt::format("'{}' is not a possible number of elements", word.substr(0, 40)));
+  }
+  return static_cast<std::size_t>(*count);
+}
 
 PlyHeader parse_ply_header(Lines& lines) {
   std::string_view line;
@@ -62,7 +74,7 @@ PlyHeader parse_ply_header(Lines& lines) {
   while (lines.next(line)) {
     Words words(line);
     const std::string_view what = words.next();
-    if (what == "end_header") return header;
+    if (what == kEndHeader) return header;
     if (what == "format") {
       const std::string_view coding = words.next();
       if (coding == "ascii") {
@@ -77,7 +89,7 @@ PlyHeader parse_ply_header(Lines& lines) {
     } else if (what == "element") {
       PlyElement element;
       element.name = words.next();
-      element.count = count_of(lines, words.next(), "elements");
+      element.count = announced_count(lines, words.next());
       header.elements.push_back(std::move(element));
     } else if (what == "property") {
       if (header.elements.empty()) lines.bad("a property before the first element");
@@ -94,6 +106,50 @@ PlyHeader parse_ply_header(Lines& lines) {
     }  // comments, obj_info: skipped
   }
   lines.bad("the header has no end");
+}
+
+std::size_t ply_type_size(PlyType type) {
+  switch (type) {
+    case PlyType::kInt8:
+    case PlyType::kUint8:
+      return 1;
+    case PlyType::kInt16:
+    case PlyType::kUint16:
+      return 2;
+    case PlyType::kInt32:
+    case PlyType::kUint32:
+    case PlyType::kFloat:
+      return 4;
+    case PlyType::kDouble:
+      return 8;
+  }
+  return 1;
+}
+
+// Fewest bytes of an element: a list may be empty, a number of a text has a digit and a separator.
+std::size_t shortest_row(const PlyElement& element, PlyCoding coding) {
+  std::size_t bytes = 0;
+  for (const PlyProperty& property : element.properties) {
+    const std::size_t size = ply_type_size(property.length_type.value_or(property.type));
+    bytes += coding == PlyCoding::kText ? 2 : size;
+  }
+  return bytes;
+}
+
+// Why elements that the header announces cannot be in `room` bytes; empty: they can be.
+std::string why_no_room(const PlyHeader& header, std::size_t room) {
+  for (const PlyElement& element : header.elements) {
+    const std::size_t row = shortest_row(element, header.coding);
+    if (row == 0) continue;
+    // The last line of a text may lack its end.
+    const std::size_t fits = (room + 1) / row;
+    if (element.count > fits) {
+      return fmt::format("{} of the element '{}' are announced, there is room for {}",
+                         element.count, element.name.substr(0, 40), fits);
+    }
+    room -= std::min(room, element.count * row);
+  }
+  return {};
 }
 
 // Reads one number after another, from text or from bytes.
@@ -160,11 +216,38 @@ class PlyValues {
   Words words_;
 };
 
+// Whether a line of the header, however lines end, says that the numbers are text.
+bool is_text_ply(std::string_view text) {
+  const std::string_view header = text.substr(0, text.find(kEndHeader));
+  return header.find("\nformat ascii") != std::string_view::npos ||
+         header.find("\rformat ascii") != std::string_view::npos;
+}
+
 }  // namespace
 
-Soup parse_ply(std::string_view text, std::string_view property_wanted) {
+std::string why_no_ply(std::string_view first, std::size_t size) {
+  try {
+    std::string_view text = without_mark(first);
+    std::string kept;
+    const std::string_view header_text = text.substr(0, text.find(kEndHeader));
+    // Line ends are unified in the header only: behind it, a text may be cut within a letter.
+    if (is_text_ply(text))
+      text = plain(text.substr(0, header_text.size() + kEndHeader.size() + 2), kept);
+    Lines lines(text);
+    const PlyHeader header = parse_ply_header(lines);
+    return why_no_room(header, size - header_text.size());
+  } catch (const Bad& bad) { return fmt::format("{}: {}", bad.where, bad.what); }
+}
+
+Soup parse_ply(std::string_view bytes, std::string_view property_wanted) {
+  std::string kept;
+  std::string_view text = without_mark(bytes);
+  if (is_text_ply(text)) text = plain(bytes, kept);
   Lines lines(text);
   const PlyHeader header = parse_ply_header(lines);
+  if (const std::string why = why_no_room(header, lines.rest().size()); !why.empty()) {
+    lines.bad(why);
+  }
   PlyValues values(header.coding, lines);
   Soup soup;
   std::size_t vertex_count = 0;

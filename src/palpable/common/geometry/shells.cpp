@@ -1,6 +1,7 @@
 #include "palpable/common/geometry/shells.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/place_text.h"
 
 #include <fmt/format.h>
 
@@ -141,8 +142,8 @@ std::string misplaced_shell(const SurfaceMesh& surface) {
     const long around = std::lround(wound);
     if (around == (faces_outwards ? 0 : 1)) continue;
     const std::string shell =
-        fmt::format("of {} closed shells the one at ({:.4g}, {:.4g}, {:.4g}), with {} triangles,",
-                    shells.size(), at[0], at[1], at[2], part.triangle_count());
+        fmt::format("of {} closed shells the one at {}, with {} triangles,", shells.size(),
+                    place_text(at, told_apart(surface.vertices)), part.triangle_count());
     if (around == 0) { return shell + " faces inwards but lies in no other: flip its orientation"; }
     return shell +
            (faces_outwards

@@ -18,6 +18,10 @@ std::string text_of(const Size& size) {
 
 }  // namespace
 
+Eigen::Vector3d extent_of(const Eigen::Matrix3Xd& points) {
+  return points.rowwise().maxCoeff() - points.rowwise().minCoeff();
+}
+
 std::string size_text(const Eigen::Vector3d& size) { return text_of(size); }
 
 std::string size_text(const Eigen::Vector2d& size) { return text_of(size); }

@@ -1,5 +1,5 @@
 /// @file
-/// Formats sizes for users.
+/// Sizes of bodies, and sizes as text for users.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,6 +7,9 @@
 #include <string>
 
 namespace palpable {
+
+/// m, the sides of the bounding box along the axes. @param points  (3 x N) m, N > 0
+[[nodiscard]] Eigen::Vector3d extent_of(const Eigen::Matrix3Xd& points);
 
 /// "80 x 76.1 x 68.1 mm": in m from 1 m on, else in mm.
 /// @param size  m, extents of the bounding box

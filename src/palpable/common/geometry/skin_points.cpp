@@ -147,6 +147,16 @@ std::vector<SkinPoint> skin_points(const SurfaceMesh& skin, std::span<const std:
   return points;
 }
 
+Eigen::Matrix3Xf held_vertices(const Eigen::Matrix3Xf& vertices,
+                               std::span<const std::uint8_t> fixed) {
+  Eigen::Matrix3Xf held(3, std::count(fixed.begin(), fixed.end(), std::uint8_t{1}));
+  Eigen::Index count = 0;
+  for (Eigen::Index v = 0; v < vertices.cols(); ++v) {
+    if (fixed[static_cast<std::size_t>(v)] == 1) held.col(count++) = vertices.col(v);
+  }
+  return held;
+}
+
 Eigen::Matrix3Xf places_of(std::span<const SkinPoint> points, const Eigen::Matrix3Xf& vertices) {
   Eigen::Matrix3Xf places(3, std::ssize(points));
   for (std::size_t p = 0; p < points.size(); ++p) {

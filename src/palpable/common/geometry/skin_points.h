@@ -64,6 +64,11 @@ struct SkinPoint {
                                                  std::span<const std::uint8_t> fixed,
                                                  double spacing);
 
+/// (3 x H) m, the vertices that the support holds, in their order. @param vertices  (3 x V) m
+/// @param fixed  (V) 1 where the support holds the vertex
+[[nodiscard]] Eigen::Matrix3Xf held_vertices(const Eigen::Matrix3Xf& vertices,
+                                             std::span<const std::uint8_t> fixed);
+
 /// (3 x C) m, positions of the points. @param vertices  (3 x V) m
 [[nodiscard]] Eigen::Matrix3Xf places_of(std::span<const SkinPoint> points,
                                          const Eigen::Matrix3Xf& vertices);

@@ -1,6 +1,7 @@
 #include "palpable/common/geometry/surface_distance.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/base/nth_element.h"
 
 #include <algorithm>
 #include <array>
@@ -84,9 +85,8 @@ int SurfaceDistance::build(int first, int count, const std::vector<Vector3d>& ce
   int axis = 0;
   of_centres.sizes().maxCoeff(&axis);
   const int half = count / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + first + half,
-                   order_.begin() + first + count,
-                   [&](int a, int b) { return centres[a][axis] < centres[b][axis]; });
+  select_nth(order_.begin() + first, order_.begin() + first + half, order_.begin() + first + count,
+             [&](int a, int b) { return centres[a][axis] < centres[b][axis]; });
   boxes_[number].count = 0;
   build(first, half, centres);
   const int second_half = build(first + half, count - half, centres);

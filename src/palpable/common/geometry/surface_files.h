@@ -3,6 +3,8 @@
 /// and words, bytes by numbers, and the triangles read so far.
 #pragma once
 
+#include "palpable/common/base/bit_cast.h"
+
 #include <Eigen/Core>
 #include <fmt/format.h>
 
@@ -22,9 +24,12 @@ static_assert(std::endian::native == std::endian::little, "binary meshes are rea
 
 /// Thrown by the readers of this folder only; parse_surface() turns it into a Problem.
 struct Bad {
-  std::string where;  // "line 12" or "byte 340"
+  std::string where;  // "line 12" or "byte 340"; empty: `what` says it
   std::string what;
 };
+
+/// The text as plain_text(); `kept` holds it if it differs from `bytes`. @throws Bad for no text
+std::string_view plain(std::string_view bytes, std::string& kept);
 
 /// A surface while it is being read.
 struct Soup {
@@ -94,7 +99,8 @@ class Lines {
 /// @throws Bad naming the line when the word is no finite number, count or index
 double coordinate(Lines& lines, std::string_view word);
 Eigen::Vector3d point(Lines& lines, Words& words);
-std::size_t count_of(Lines& lines, std::string_view word, const char* what);
+/// @param shortest  bytes that each of the things takes at least in the rest of the file
+std::size_t count_of(Lines& lines, std::string_view word, const char* what, std::size_t shortest);
 int index_in(Lines& lines, std::string_view word, std::size_t count);
 
 /// Reads numbers from the bytes of a file. @throws Bad naming the byte if the file is cut short
@@ -109,7 +115,7 @@ class Bytes {
     std::memcpy(raw.data(), bytes_.data() + at_, sizeof(T));
     if (swap) std::reverse(raw.begin(), raw.end());
     at_ += sizeof(T);
-    return std::bit_cast<T>(raw);
+    return bit_cast<T>(raw);
   }
 
   void skip(std::size_t count) {
@@ -135,12 +141,17 @@ class Bytes {
 /// @throws Bad if a coordinate is not a finite number
 Eigen::Vector3d finite_point(Bytes& bytes, double x, double y, double z);
 
+/// Why a file is not read, by its first bytes and its size; empty: nothing is wrong so far.
+std::string why_no_stl(std::string_view first, std::size_t size);
+std::string why_no_ply(std::string_view first, std::size_t size);
+std::string why_no_3ds(std::string_view first, std::size_t size);
+
 /// Parse the whole content of a file. @throws Bad with the position of an error
-Soup parse_off(std::string_view text);
-Soup parse_obj(std::string_view text);
+Soup parse_off(std::string_view bytes);
+Soup parse_obj(std::string_view bytes);
 Soup parse_stl(std::string_view data);  ///< text or binary
 /// Text or binary, either endianness. @param property  of the vertices; goes to Soup::values
-Soup parse_ply(std::string_view text, std::string_view property = {});
+Soup parse_ply(std::string_view bytes, std::string_view property = {});
 Soup parse_3ds(std::string_view data);
 
 }  // namespace palpable::surface_files

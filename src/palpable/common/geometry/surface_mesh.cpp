@@ -1,6 +1,7 @@
 #include "palpable/common/geometry/surface_mesh.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/place_text.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -58,9 +59,11 @@ std::string WatertightReport::describe() const {
     return "not watertight: the triangles face inwards; flip their orientation";
   }
   return fmt::format(
-      "not watertight: {}; the first at ({:.4g}, {:.4g}, {:.4g}); close the holes and remove the "
-      "duplicates in a mesh editor",
-      what, first_defect.x(), first_defect.y(), first_defect.z());
+      "not watertight: {}; the first at {}; {} in a mesh editor, or let 'wrap' in a body's "
+      "description build one closed surface around them",
+      what, place_text(first_defect, apart),
+      crowded_edges > 0 ? "separate what shares those edges, or join it to one solid,"
+                        : "close the holes and remove the duplicates");
 }
 
 WatertightReport check_watertight(const SurfaceMesh& surface) {
@@ -105,6 +108,7 @@ WatertightReport check_watertight(const SurfaceMesh& surface) {
     i = j;
   }
   if (surface.triangle_count() == 0) report.open_edges = 1;
+  if (found) report.apart = told_apart(surface.vertices);
   if (report.bad_triangles == 0) report.inside_out = enclosed_volume(surface) < 0.0;
   return report;
 }

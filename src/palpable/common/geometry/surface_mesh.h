@@ -29,6 +29,7 @@ struct WatertightReport {
   int bad_triangles = 0;    ///< with a repeated vertex, an index out of range, or no area
   bool inside_out = false;  ///< the enclosed volume is negative
   Eigen::Vector3d first_defect = Eigen::Vector3d::Zero();  ///< m, position of the first defect
+  double apart = 0.0;  ///< m, told_apart() of the surface, for the digits of that position
 
   [[nodiscard]] bool watertight() const {
     return open_edges == 0 && crowded_edges == 0 && flipped_edges == 0 && bad_triangles == 0 &&

@@ -1,13 +1,14 @@
 #include "palpable/common/material/material.h"
 
+#include "palpable/common/base/bit_cast.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/text_numbers.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <type_traits>
 
@@ -30,7 +31,7 @@ constexpr Law row() {
           [](std::span<const double> given) -> Material {
             Values values;
             std::copy_n(given.begin(), values.size(), values.begin());
-            return std::bit_cast<L>(values);
+            return bit_cast<L>(values);
           }};
 }
 template <class... Laws>
@@ -50,7 +51,7 @@ const Law& law_of(std::string_view name) {
 // The values of a law's constants.
 template <class L>
 std::array<double, L::kConstants.size()> values_of(const L& law) {
-  return std::bit_cast<std::array<double, L::kConstants.size()>>(law);
+  return bit_cast<std::array<double, L::kConstants.size()>>(law);
 }
 
 }  // namespace
@@ -107,6 +108,35 @@ LameConstants lame_constants(const Material& material) {
 YoungPoisson young_poisson(const Material& material) {
   const auto [lambda, mu] = lame_constants(material);
   return {mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu), 0.5 * lambda / (lambda + mu)};
+}
+
+std::string poisson_text(double poisson) {
+  const double from_half = std::abs(0.5 - poisson);
+  const double relative =
+      from_half > 0.0 ? std::min(1e-9, 1e-3 * from_half / std::abs(poisson)) : 1e-14;
+  return number_text(poisson, relative);
+}
+
+std::string stiffness_text(double young) {
+  struct Thing {
+    double below;  // Pa
+    const char* name;
+  };
+  // Orders of magnitude: for somebody who compares them with the body that was meant.
+  constexpr std::array kThings{Thing{3e3, "softer than a jelly"},
+                               Thing{3e4, "as of a jelly"},
+                               Thing{3e5, "as of a very soft rubber"},
+                               Thing{3e7, "as of rubber"},
+                               Thing{3e8, "as of a soft plastic"},
+                               Thing{8e9, "as of a hard plastic"},
+                               Thing{4e10, "as of concrete"},
+                               Thing{1e11, "as of glass or aluminium"},
+                               Thing{3e11, "as of steel"},
+                               Thing{kStiffest, "as of a ceramic"}};
+  const auto thing =
+      std::find_if(kThings.begin(), kThings.end(), [&](const Thing& t) { return young < t.below; });
+  return fmt::format("{} Pa, {}", number_text(young),
+                     thing == kThings.end() ? "stiffer than diamond" : thing->name);
 }
 
 void check_material(const Material& material) {

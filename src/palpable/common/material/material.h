@@ -57,6 +57,16 @@ struct YoungPoisson {
 /// Young's modulus and Poisson's ratio of the material at small strains.
 [[nodiscard]] YoungPoisson young_poisson(const Material& material);
 
+/// Poisson's ratio with as few digits as tell it and its distance from 0.5: "0.4", "0.49999".
+[[nodiscard]] std::string poisson_text(double poisson);
+
+/// Young's modulus with a thing of that stiffness: "6e+04 Pa, as of rubber". For messages about
+/// loads, where a wrong unit is the likely cause.
+[[nodiscard]] std::string stiffness_text(double young);
+
+/// Young's modulus of diamond, Pa: nothing is stiffer.
+inline constexpr double kStiffest = 1.2e12;
+
 /// @throws Error if a constant is negative or not finite, if one is 0 that must not be
 /// (LawConstant::may_be_zero), if mu <= 0 or if lambda < 0
 void check_material(const Material& material);

@@ -182,5 +182,23 @@ TEST_CASE("a material out of range is refused with the value and the limit", "[m
                     Contains("lambda = -1"));
 }
 
+TEST_CASE("Poisson's ratio is written so that its distance from 0.5 can be told", "[material]") {
+  CHECK(poisson_text(0.4) == "0.4");
+  CHECK(poisson_text(0) == "0");
+  CHECK(poisson_text(0.4999) == "0.4999");
+  CHECK(poisson_text(0.49999) == "0.49999");
+  CHECK(poisson_text(0.4999999999) == "0.4999999999");
+  // As constants return it, with an error of rounding.
+  const YoungPoisson law = young_poisson(material_from_young("mooney-rivlin", 60e3, 0.4));
+  CHECK(poisson_text(law.poisson) == "0.4");
+}
+
+TEST_CASE("stiffness is told by things of that stiffness", "[material]") {
+  CHECK(stiffness_text(60e3) == "6e+04 Pa, as of a very soft rubber");
+  CHECK(stiffness_text(69e9) == "6.9e+10 Pa, as of glass or aluminium");
+  CHECK(stiffness_text(210e9) == "2.1e+11 Pa, as of steel");
+  CHECK(stiffness_text(2.1e14) == "2.1e+14 Pa, stiffer than diamond");
+}
+
 }  // namespace
 }  // namespace palpable

@@ -1,6 +1,7 @@
 #include "palpable/common/reduced/loaded_body.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/size_text.h"
 #include "palpable/common/geometry/surface_distance.h"
 #include "palpable/common/reduced/mode_kernels.h"
 
@@ -36,9 +37,7 @@ std::string point_text(const Vector3d& X) {
 }
 
 // m, upper bound of the rounding of a body's coordinates.
-double rounding_of(const SurfaceMesh& skin) {
-  return 1e-6 * (skin.vertices.rowwise().maxCoeff() - skin.vertices.rowwise().minCoeff()).norm();
-}
+double rounding_of(const SurfaceMesh& skin) { return 1e-6 * extent_of(skin.vertices).norm(); }
 
 // m, from the patch's middle to its farthest vertex; more than 0 even for a patch of one vertex.
 double patch_radius(const ReducedBody& body, const Site& site) {
@@ -135,8 +134,10 @@ Result<PlacedLoad> load_at(const ReducedBody& body, const Vector3d& X, double fo
   };
   const double radius = patch_radius(body, load_place(body, place));
   if (skin.distance > 0.1 * radius) {
-    return Problem{fmt::format("a load at {} is {:.3g} mm off the body's surface; {}",
-                               point_text(X), 1e3 * skin.distance, nearest_text(place, least))};
+    const bool far = skin.distance > extent_of(body.surface.vertices).norm();
+    return Problem{fmt::format("a load at {} is {:.3g} mm off the body's surface{}; {}",
+                               point_text(X), 1e3 * skin.distance,
+                               far ? ": coordinates are metres" : "", nearest_text(place, least))};
   }
   if (facing < 0 || least_facing > patch_radius(body, load_place(body, facing))) {
     return Problem{fmt::format(

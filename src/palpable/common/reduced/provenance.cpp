@@ -40,6 +40,26 @@ constexpr TextMember kTexts[] = {
     {"held_out", &Provenance::held_out},
 };
 
+struct StageName {
+  BodyStage stage;
+  std::string_view key;  // in files
+  std::string_view missing;
+};
+
+constexpr StageName kStages[] = {
+    {BodyStage::kReduced, "reduced", "it is touched at its sites only: its tables are missing"},
+    {BodyStage::kLinear, "linear", "only small touches are right: further tables are missing"},
+    {BodyStage::kTables, "tables", "all tables are there, but their error was not measured yet"},
+};
+constexpr std::string_view kStage = "stage";  // the key
+
+// Null for kFinished.
+const StageName* name_of(BodyStage stage) {
+  const auto* found = std::find_if(std::begin(kStages), std::end(kStages),
+                                   [&](const StageName& s) { return s.stage == stage; });
+  return found != std::end(kStages) ? found : nullptr;
+}
+
 // How a line of held_out_values begins, before the parameter.
 constexpr std::string_view kHeldOutAt = "held out, ";
 
@@ -86,6 +106,7 @@ void add_line(const std::string& key, const std::string& text, Provenance& resul
 
 // Sets a member that is not a text: numbers, held_out_values, others.
 void set_member(std::string_view key, const Json& value, Provenance& result) {
+  if (key == kStage) result.stage = stage_of_key(value.get<std::string>());
   if (key == "preload_moves") result.preload_moves = value.get<double>();
   if (key == "scaled_by") result.scaled_by = value.get<double>();
   if (key == "sites_reached") {
@@ -109,6 +130,22 @@ void set_member(std::string_view key, const Json& value, Provenance& result) {
 
 }  // namespace
 
+std::string_view key_of(BodyStage stage) {
+  const StageName* named = name_of(stage);
+  return named != nullptr ? named->key : std::string_view();
+}
+
+BodyStage stage_of_key(std::string_view key) {
+  const auto* found = std::find_if(std::begin(kStages), std::end(kStages),
+                                   [&](const StageName& s) { return s.key == key; });
+  return found != std::end(kStages) ? found->stage : BodyStage::kFinished;
+}
+
+std::string_view missing_at(BodyStage stage) {
+  const StageName* named = name_of(stage);
+  return named != nullptr ? named->missing : std::string_view();
+}
+
 std::vector<std::pair<std::string, std::string>> lines_of(const Provenance& provenance) {
   std::vector<std::pair<std::string, std::string>> lines;
   for (const auto& [key, member] : kTexts) {
@@ -126,7 +163,11 @@ std::vector<std::pair<std::string, std::string>> lines_of(const Provenance& prov
     lines.emplace_back(label_of(key), std::move(text));
   }
   for (const auto& [parameter, value, errors] : provenance.held_out_values) {
-    lines.emplace_back(fmt::format("{}{} = {:g}", kHeldOutAt, parameter, value), errors);
+    lines.emplace_back(fmt::format("{}{} = {}", kHeldOutAt, parameter, number_text(value)), errors);
+  }
+  if (provenance.stage != BodyStage::kFinished) {
+    lines.emplace_back(kStage,
+                       fmt::format("the bake has not ended: {}", missing_at(provenance.stage)));
   }
   if (provenance.scaled_by)
     lines.emplace_back("scaled by", fmt::format("{}", *provenance.scaled_by));
@@ -140,6 +181,7 @@ Json json_of(const Provenance& provenance) {
     const std::string& text = provenance.*member;
     if (!text.empty()) result[key] = text;
   }
+  if (provenance.stage != BodyStage::kFinished) result[kStage] = key_of(provenance.stage);
   if (provenance.preload_moves) result["preload_moves"] = *provenance.preload_moves;
   if (provenance.sites_reached) result["sites_reached"] = *provenance.sites_reached;
   for (const auto& [parameter, value, errors] : provenance.held_out_values) {

@@ -13,6 +13,24 @@
 
 namespace palpable {
 
+/// How far the bake of a body file has come. A first bake writes its file after each stage, so that
+/// the body can be pressed early. Each stage is better than the one before.
+enum class BodyStage {
+  kReduced,   ///< at its sites only: the tables of touch are missing
+  kLinear,    ///< with the tables of small touches only
+  kTables,    ///< with all tables, whose error was not measured yet
+  kFinished,  ///< all that was asked for; also every file that does not state its stage
+};
+
+/// The word for a stage in files, "linear"; empty for kFinished.
+[[nodiscard]] std::string_view key_of(BodyStage stage);
+/// The stage of such a word; kFinished for any other, as a later program may have written it.
+[[nodiscard]] BodyStage stage_of_key(std::string_view key);
+
+/// What is missing at a stage, for people: "only small touches are right: ..."; empty when
+/// finished.
+[[nodiscard]] std::string_view missing_at(BodyStage stage);
+
 /// What a body was made of and how, and how far it is from what it was made of. The texts are for
 /// people. What is empty is not known, or does not apply to the body.
 struct Provenance {
@@ -35,6 +53,7 @@ struct Provenance {
   std::string modes = {};                      ///< another program's file
   std::string errors = {};                     ///< of another program's modes
   std::string touch = {};                      ///< the tables of touch
+  BodyStage stage = BodyStage::kFinished;
   std::string program = {}, command_line = {};
   std::string held_out = {};  ///< error at levels in between
   /// Errors at values of a free parameter in between.

@@ -30,6 +30,7 @@ Provenance full_provenance() {
           .modes = "p",
           .errors = "q",
           .touch = "r",
+          .stage = BodyStage::kTables,
           .program = "s",
           .command_line = "palpable bake \"\xc3\xa4\".toml",
           .held_out = "u",
@@ -47,6 +48,24 @@ TEST_CASE("a provenance survives JSON to the bit", "[reduced][provenance]") {
   CHECK(json_of(Provenance{}).dump() == "{}");
   CHECK(json_of(Provenance{.mesh = "fine", .sites_reached = 3}).dump() ==
         R"({"mesh":"fine","sites_reached":3})");
+}
+
+TEST_CASE("a body file states its stage unless its bake was finished", "[reduced][provenance]") {
+  CHECK(missing_at(BodyStage::kFinished).empty());
+  for (const auto& [stage, key] :
+       {std::pair{BodyStage::kReduced, "reduced"}, std::pair{BodyStage::kLinear, "linear"},
+        std::pair{BodyStage::kTables, "tables"}}) {
+    const Provenance provenance{.stage = stage};
+    CHECK(json_of(provenance).dump() == std::string(R"({"stage":")") + key + R"("})");
+    CHECK(value_or_throw(provenance_of_json(json_of(provenance).dump())) == provenance);
+    REQUIRE(lines_of(provenance).size() == 1);
+    CHECK(lines_of(provenance)[0].second ==
+          "the bake has not ended: " + std::string(missing_at(stage)));
+    CHECK_FALSE(missing_at(stage).empty());
+  }
+  // Of a later program.
+  CHECK(value_or_throw(provenance_of_json(R"({"stage":"polished"})")).stage ==
+        BodyStage::kFinished);
 }
 
 TEST_CASE("a provenance that is not as written is refused, further keys are not",
@@ -68,14 +87,15 @@ TEST_CASE("a provenance that is not as written is refused, further keys are not"
 TEST_CASE("a provenance is shown in one order, with what became of loads and preload",
           "[reduced][provenance]") {
   const Lines lines = lines_of(full_provenance());
-  REQUIRE(lines.size() == 26);
+  REQUIRE(lines.size() == 27);
   CHECK(lines[1] == std::pair<std::string, std::string>("mesh source", "b"));
   CHECK(lines[5].second ==
         "f: nodes move by up to 0.1 m. The surface is that of the body so loaded; displacement and "
         "stress are what a press adds");
   CHECK(lines[6] == std::pair<std::string, std::string>("loads", "g; 7 sites reach it"));
-  CHECK(lines[21].first == "held out, stiffness = 0.333333");
-  CHECK(lines[23] == std::pair<std::string, std::string>("scaled by", "0.7"));
+  CHECK(lines[21].first == "held out, stiffness = 0.333333333");
+  CHECK(lines[23].first == "stage");
+  CHECK(lines[24] == std::pair<std::string, std::string>("scaled by", "0.7"));
   CHECK(lines_of({.sites_reached = 7}).empty());
 }
 

@@ -113,6 +113,7 @@ ModalBody::ModalBody(const ModalMember& member, const ModalBody* twin,
       rest_(member.body->surface.vertices.cast<float>()),
       points_(skin_points(member.body->surface, member.body->fixed, member.tables->point_spacing)),
       points_at_rest_(places_of(points_, rest_)),
+      held_(held_vertices(rest_, member.body->fixed)),
       coarsest_(static_cast<float>(std::max(kCoarsest, 2 * member.tables->point_spacing))),
       finest_(static_cast<float>(std::max(kFinest, 0.5 * member.tables->point_spacing))),
       between_(static_cast<float>(kBetween) * coarsest_),
@@ -230,7 +231,14 @@ void ModalBody::begin_frame() {
 }
 
 SkinPointSet ModalBody::contact_points() const {
-  return {points_, levels_, &clusters_, coarsest_, finest_, between_};
+  return {points_,
+          levels_,
+          &clusters_,
+          coarsest_,
+          finest_,
+          between_,
+          static_cast<float>(member_.tables->point_spacing),
+          &held_};
 }
 
 // --- shape

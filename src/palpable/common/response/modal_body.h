@@ -143,6 +143,7 @@ class ModalBody final : public ContactBody {
   Eigen::Matrix3Xf rest_;
   std::vector<SkinPoint> points_;
   Eigen::Matrix3Xf points_at_rest_;  // (3 x C) m
+  Eigen::Matrix3Xf held_;            // (3 x H) m, vertices that the support holds
   float coarsest_, finest_, between_;
   std::vector<float> levels_;
   SkinClusters clusters_;

@@ -177,7 +177,9 @@ SkinPointSet TablesBody::contact_points() const {
           &work_->clusters,
           static_cast<float>(TouchSkin::kCoarsest),
           static_cast<float>(TouchSkin::kFinest),
-          kBetweenSkins};
+          kBetweenSkins,
+          static_cast<float>(work_->tables.point_spacing),
+          &work_->skin.held()};
 }
 const ContactLimits& TablesBody::limits() const { return work_->limits; }
 

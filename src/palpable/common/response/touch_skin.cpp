@@ -29,6 +29,7 @@ TouchSkin::TouchSkin(const SurfaceMesh& skin, std::span<const std::uint8_t> fixe
   points_ = skin_points(skin, fixed, tables.point_spacing);
   levels_ = point_levels(skin, points_, kCoarsest, kFinest);
   places_ = places_of(points_, skin_);
+  held_ = held_vertices(skin_, fixed);
   if (!tables.coarse) return;
 
   const SurfaceMesh& coarse = tables.coarse->surface;
@@ -46,6 +47,7 @@ TouchSkin::TouchSkin(const SurfaceMesh& skin, std::span<const std::uint8_t> fixe
     carried_.push_back(carrier.stand(skin.vertices.col(v), normals.col(v)));
   }
   const Matrix3Xf single_normals = normals.cast<float>();
+  std::vector<Eigen::Vector3f> held;
   std::size_t kept = 0;
   for (std::size_t p = 0; p < points_.size(); ++p) {
     const SkinPoint& point = points_[p];
@@ -57,7 +59,10 @@ TouchSkin::TouchSkin(const SurfaceMesh& skin, std::span<const std::uint8_t> fixe
     const bool can_move =
         std::any_of(carried.on.corners.begin(), carried.on.corners.end(),
                     [&](int v) { return tables.coarse->fixed[static_cast<std::size_t>(v)] == 0; });
-    if (!can_move) continue;
+    if (!can_move) {
+      held.emplace_back(places_.col(column));
+      continue;
+    }
     carried.on.area = point.area;
     points_[kept] = carried.on;
     levels_[kept] = levels_[p];
@@ -68,6 +73,11 @@ TouchSkin::TouchSkin(const SurfaceMesh& skin, std::span<const std::uint8_t> fixe
   points_.resize(kept);
   levels_.resize(kept);
   places_.conservativeResize(3, static_cast<Eigen::Index>(kept));
+  const Eigen::Index before = held_.cols();
+  held_.conservativeResize(3, before + std::ssize(held));
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    held_.col(before + static_cast<Eigen::Index>(k)) = held[k];
+  }
 }
 
 void TouchSkin::update_normals(const Matrix3Xf& u) {

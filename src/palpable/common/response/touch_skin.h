@@ -93,6 +93,9 @@ class TouchSkin {
   [[nodiscard]] std::span<const SkinPoint> points() const { return points_; }
   [[nodiscard]] const Eigen::Matrix3Xf& places() const { return places_; }  ///< (3 x C) m, at rest
   [[nodiscard]] std::span<const float> levels() const { return levels_; }   ///< (C) point_levels()
+  /// (3 x H) m, at rest: vertices of the body's skin that the support holds, and points of it that
+  /// cannot be displaced.
+  [[nodiscard]] const Eigen::Matrix3Xf& held() const { return held_; }
 
   /// Computes the vertex normals of the coarser skin for this displacement, (3 x W) m, or with no
   /// columns for the skin at rest. The functions below use them. Does nothing for a skin that is
@@ -130,6 +133,7 @@ class TouchSkin {
   std::vector<SkinPoint> points_;
   std::vector<float> levels_, heights_;
   Eigen::Matrix3Xf places_;
+  Eigen::Matrix3Xf held_;  // (3 x H) m
 };
 
 }  // namespace palpable

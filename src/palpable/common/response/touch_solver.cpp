@@ -7,12 +7,13 @@ namespace palpable {
 TouchReport report_of(const TablesBody& body, const ContactSolver& solver, int member) {
   TouchReport report;
   static_cast<ContactReport&>(report) = solver.report_of(member);
+  const bool is_solution = !(report.unsolved() > 0) && !report.stuck;
   report.penetration = solver.penetration_of(member);
   const TablesReport& tables = body.report();
   report.patches = tables.patches;
   report.last_share = tables.last_share;
   report.indicators = tables.indicators;
-  if (!(report.left_to_move > 0)) report.stated = tables.stated;
+  if (is_solution) report.stated = tables.stated;
   return report;
 }
 

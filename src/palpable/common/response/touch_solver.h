@@ -49,8 +49,8 @@ struct TouchReport : ContactReport {
   int patches = 0;             ///< patches of load
   double last_share = 0;       ///< NonlinearResponse::last_share()
   ErrorIndicators indicators;  ///< 0 without force
-  /// The error by these indicators; nothing without force, for a state at the step limit, or where
-  /// the tables' held-out touches give no factor.
+  /// The error by these indicators; nothing without force, for a state at the step limit, where an
+  /// obstacle was missed, or where the tables' held-out touches give no factor.
   std::optional<StatedError> stated;
 };
 /// The report of a body that was solved with others. @param member  its number in `solver`

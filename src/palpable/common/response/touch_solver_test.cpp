@@ -1,8 +1,7 @@
 #include "palpable/common/response/touch_solver.h"
 
 #include "tests/support/allocations.h"
-#include "tests/support/ball_gap.h"
-#include "tests/support/elastic_sheet.h"
+#include "tests/support/pressed_sheet.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Core>
@@ -23,18 +22,7 @@ using test::ElasticSheet;
 using test::GapFunction;
 using test::tolerance;
 
-// A ball above the sheet, its lowest point `depth` under the sheet's plane.
-GapFunction ball(float radius, float depth, const Vector3f& at = Vector3f::Zero()) {
-  return test::gap_to_ball(at + Vector3f(0, 0, radius - depth), radius);
-}
-
-struct Sheet {
-  ElasticSheet body;
-  TouchSettings settings;
-  Sheet() { settings.softness = 1e-6; }
-  [[nodiscard]] TouchSolver solver() const {
-    return {body.skin, body.fixed, body.tables, settings};
-  }
+struct Sheet : test::PressedSheet {
   // G f of a state's forces; contact points are the vertices.
   [[nodiscard]] Eigen::VectorXd linear_response(const TouchSolver& solver,
                                                 const TouchState& state) const {
@@ -59,7 +47,7 @@ TEST_CASE("a pressed sheet holds the conditions of unilateral contact", "[contac
   const Sheet sheet;
   TouchSolver solver = sheet.solver();
   TouchState state;
-  const GapFunction gap = ball(0.02f, 0.003f);
+  const GapFunction gap = test::ball_into_sheet(0.02f, 0.003f);
   const TouchReport report = solver.advance(state, gap);
   REQUIRE(state.forces.size() >= 4);
   SurfaceGap found;
@@ -121,7 +109,8 @@ TEST_CASE("nothing enters a fine skin that the elastic one carries", "[contact][
   solver.place(state, skin);
   CHECK(skin == fine.vertices.cast<float>());
 
-  const GapFunction gap = ball(0.02f, 0.003f, Vector3f(0.001f, 0, static_cast<float>(kHeight)));
+  const GapFunction gap =
+      test::ball_into_sheet(0.02f, 0.003f, Vector3f(0.001f, 0, static_cast<float>(kHeight)));
   for (int frame = 0; frame < 6; ++frame) solver.advance(state, gap);  // normals are a frame's old
   REQUIRE(state.forces.size() >= 4);
   solver.place(state, skin);
@@ -156,9 +145,9 @@ TEST_CASE("an obstacle that comes in one frame gives the same state as one that 
   TouchSolver slow = sheet.solver(), fast = sheet.solver();
   TouchState slowly, at_once;
   for (int frame = 1; frame <= 20; ++frame) {
-    slow.advance(slowly, ball(0.02f, 0.00025f * static_cast<float>(frame)));
+    slow.advance(slowly, test::ball_into_sheet(0.02f, 0.00025f * static_cast<float>(frame)));
   }
-  const TouchReport report = fast.advance(at_once, ball(0.02f, 0.005f));
+  const TouchReport report = fast.advance(at_once, test::ball_into_sheet(0.02f, 0.005f));
   CHECK(report.steps == 4);
   CHECK(apart(slowly.u, at_once.u) < tolerance(4e-5, "m: twice the last step's"));
 }
@@ -169,19 +158,19 @@ TEST_CASE("an object deeper than a frame's steps is reached in the frames after"
   const Sheet usual;
   TouchSolver solver = sheet.solver(), whole = usual.solver();
   TouchState state, wanted;
-  whole.advance(wanted, ball(0.02f, 0.005f));
-  const TouchReport first = solver.advance(state, ball(0.02f, 0.005f));
+  whole.advance(wanted, test::ball_into_sheet(0.02f, 0.005f));
+  const TouchReport first = solver.advance(state, test::ball_into_sheet(0.02f, 0.005f));
   CHECK(first.penetration == Approx(0.0025).margin(tolerance(2e-4, "m: two steps of four")));
-  solver.advance(state, ball(0.02f, 0.005f));
+  solver.advance(state, test::ball_into_sheet(0.02f, 0.005f));
   CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
 }
 
 TEST_CASE("an obstacle that leaves releases the skin at once, without pulling", "[contact]") {
   const Sheet sheet;
-  for (const GapFunction& gap : {test::nothing_near(), ball(0.02f, -0.005f)}) {
+  for (const GapFunction& gap : {test::nothing_near(), test::ball_into_sheet(0.02f, -0.005f)}) {
     TouchSolver solver = sheet.solver();
     TouchState state;
-    solver.advance(state, ball(0.02f, 0.004f));
+    solver.advance(state, test::ball_into_sheet(0.02f, 0.004f));
     REQUIRE(state.u.cwiseAbs().maxCoeff() > 0.003f);
     solver.advance(state, gap);
     CHECK(state.forces.empty());
@@ -193,10 +182,10 @@ TEST_CASE("a fast object that leaves stays the skin's obstacle", "[contact]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver(), other = sheet.solver();
   TouchState state, wanted;
-  solver.advance(state, ball(0.02f, 0.006f));
+  solver.advance(state, test::ball_into_sheet(0.02f, 0.006f));
   // Its points are farther from the ball than the search band, and would spring through it.
-  solver.advance(state, ball(0.02f, 0.0015f));
-  other.advance(wanted, ball(0.02f, 0.0015f));
+  solver.advance(state, test::ball_into_sheet(0.02f, 0.0015f));
+  other.advance(wanted, test::ball_into_sheet(0.02f, 0.0015f));
   REQUIRE(wanted.u.cwiseAbs().maxCoeff() > 0.001f);
   CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
 }
@@ -207,7 +196,7 @@ TEST_CASE("no vertex moves farther in a frame than it may, and the rest is made 
   TouchSolver solver = sheet.solver(), other = sheet.solver();
   constexpr double kMost = 0.002;  // m
   TouchState state, wanted;
-  other.advance(wanted, ball(0.02f, 0.005f));
+  other.advance(wanted, test::ball_into_sheet(0.02f, 0.005f));
   const auto goes_to = [&](const GapFunction& gap, const Matrix3Xf& target) {
     for (int frame = 0; frame < 4; ++frame) {
       const Matrix3Xf before = state.u.cols() > 0 ? state.u : Matrix3Xf::Zero(3, target.cols());
@@ -218,13 +207,13 @@ TEST_CASE("no vertex moves farther in a frame than it may, and the rest is made 
     }
     CHECK(apart(state.u, target) < tolerance(4e-5, "m: twice the last step's"));
   };
-  goes_to(ball(0.02f, 0.005f), wanted.u);
+  goes_to(test::ball_into_sheet(0.02f, 0.005f), wanted.u);
   goes_to(test::nothing_near(), Matrix3Xf::Zero(3, wanted.u.cols()));
   CHECK(state.forces.empty());
   // From side to side: the forces of both are remembered, and those of the first are let go.
-  goes_to(ball(0.01f, 0.002f, Vector3f(-0.012f, 0, 0)), [&] {
+  goes_to(test::ball_into_sheet(0.01f, 0.002f, Vector3f(-0.012f, 0, 0)), [&] {
     TouchState left;
-    other.advance(left, ball(0.01f, 0.002f, Vector3f(-0.012f, 0, 0)));
+    other.advance(left, test::ball_into_sheet(0.01f, 0.002f, Vector3f(-0.012f, 0, 0)));
     return left.u;
   }());
 }
@@ -236,13 +225,14 @@ TEST_CASE("a solution that a frame's iterations do not reach is reached in later
   const Sheet usual;
   TouchSolver solver = sheet.solver(), other = usual.solver();
   TouchState state, wanted;
-  other.advance(wanted, ball(0.02f, 0.001f));
-  const TouchReport first = solver.advance(state, ball(0.02f, 0.001f));
+  other.advance(wanted, test::ball_into_sheet(0.02f, 0.001f));
+  const TouchReport first = solver.advance(state, test::ball_into_sheet(0.02f, 0.001f));
   CHECK(first.iterations == 1);
   REQUIRE(first.last_change > 0.0005);
   CHECK(first.left_to_move > 0);
   CHECK_FALSE(first.stated.has_value());
-  for (int frame = 0; frame < 10; ++frame) solver.advance(state, ball(0.02f, 0.001f));
+  for (int frame = 0; frame < 10; ++frame)
+    solver.advance(state, test::ball_into_sheet(0.02f, 0.001f));
   CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
 }
 
@@ -269,19 +259,19 @@ TEST_CASE("the same frame and state give the same bytes, without allocating", "[
   TouchSolver one = sheet.solver(), other = sheet.solver();
   TouchState a, b;
   // The other has solved other frames before, which must not matter.
-  other.advance(b, ball(0.01f, 0.002f, Vector3f(0.012f, 0, 0)));
+  other.advance(b, test::ball_into_sheet(0.01f, 0.002f, Vector3f(0.012f, 0, 0)));
   other.advance(b, test::nothing_near());
   other.advance(b, test::nothing_near());
   for (int frame = 0; frame < 10; ++frame) {
     const auto x = 0.001f * static_cast<float>(frame);
-    const GapFunction gap = ball(0.02f, 0.003f, Vector3f(x, 0, 0));
+    const GapFunction gap = test::ball_into_sheet(0.02f, 0.003f, Vector3f(x, 0, 0));
     one.advance(a, gap);
     other.advance(b, gap);
     CHECK(a.u == b.u);
   }
-  const GapFunction gap = ball(0.02f, 0.004f, Vector3f(0.006f, 0.003f, 0));
+  const GapFunction gap = test::ball_into_sheet(0.02f, 0.004f, Vector3f(0.006f, 0.003f, 0));
   CHECK(test::allocations_during([&] { one.advance(a, gap); }) == 0);
-  const GapFunction leaving = ball(0.02f, 0.001f);
+  const GapFunction leaving = test::ball_into_sheet(0.02f, 0.001f);
   CHECK(test::allocations_during([&] { one.advance(a, leaving, 0.001); }) == 0);
 }
 
@@ -295,7 +285,7 @@ TEST_CASE("a state comes with a stated error, by the factors of the held-out tou
   TouchSolver solver = sheet.solver();
   TouchState state;
   CHECK_FALSE(solver.advance(state, test::nothing_near()).stated.has_value());
-  const TouchReport report = solver.advance(state, ball(0.02f, 0.003f));
+  const TouchReport report = solver.advance(state, test::ball_into_sheet(0.02f, 0.003f));
   REQUIRE(report.stated.has_value());
   const double largest = static_cast<double>(state.u.colwise().norm().maxCoeff());
   CHECK(report.indicators.entry == Approx(report.penetration / largest));
@@ -307,21 +297,22 @@ TEST_CASE("a state comes with a stated error, by the factors of the held-out tou
         Approx(kOnTheSafeSide * 1.5 * unscaled_error(report.indicators)));
   CHECK(report.stated->von_mises ==
         Approx(kOnTheSafeSide * 4.5 * unscaled_error(report.indicators)));
-  const GapFunction deeper = ball(0.02f, 0.0031f);
+  const GapFunction deeper = test::ball_into_sheet(0.02f, 0.0031f);
   CHECK(test::allocations_during([&] { solver.advance(state, deeper); }) == 0);
   // While the step limit holds, the state is not the solution yet.
-  CHECK_FALSE(solver.advance(state, ball(0.02f, 0.006f), 0.001).stated.has_value());
+  CHECK_FALSE(
+      solver.advance(state, test::ball_into_sheet(0.02f, 0.006f), 0.001).stated.has_value());
   CHECK_FALSE(solver.advance(state, test::nothing_near()).stated.has_value());
   sheet.body.tables.held_out.pop_back();
   TouchSolver too_few = sheet.solver();
   TouchState other;
-  CHECK_FALSE(too_few.advance(other, ball(0.02f, 0.003f)).stated.has_value());
+  CHECK_FALSE(too_few.advance(other, test::ball_into_sheet(0.02f, 0.003f)).stated.has_value());
 }
 
 TEST_CASE("two obstacles press at a time, and two coincident ones as one", "[contact]") {
   const Sheet sheet;
-  const GapFunction left = ball(0.008f, 0.002f, Vector3f(-0.014f, 0, 0));
-  const GapFunction right = ball(0.008f, 0.003f, Vector3f(0.014f, 0, 0));
+  const GapFunction left = test::ball_into_sheet(0.008f, 0.002f, Vector3f(-0.014f, 0, 0));
+  const GapFunction right = test::ball_into_sheet(0.008f, 0.003f, Vector3f(0.014f, 0, 0));
   const auto both = [](const GapFunction& a, const GapFunction& b) -> GapFunction {
     return [a, b](const Vector3f& x, SurfaceGap& gap) {
       SurfaceGap other;
@@ -354,7 +345,7 @@ TEST_CASE("of too many contact points the deepest are kept, and the others are c
   sheet.settings.entry = 1e-9;               // all of them
   TouchSolver solver = sheet.solver();
   TouchState state;
-  const TouchReport report = solver.advance(state, ball(0.5f, 0.001f));
+  const TouchReport report = solver.advance(state, test::ball_into_sheet(0.5f, 0.001f));
   CHECK(report.candidates <= TouchSolver::kMostPoints);
   CHECK(report.dropped > 0);
   CHECK(state.u.allFinite());
@@ -370,7 +361,7 @@ TEST_CASE("a flat obstacle presses fewer points, and enters between them no deep
   fine.settings.entry = 1e-9;
   coarse.settings.entry = 1e-4;
   TouchSolver all = fine.solver(), some = coarse.solver();
-  const GapFunction gap = ball(0.04f, 0.003f);
+  const GapFunction gap = test::ball_into_sheet(0.04f, 0.003f);
   TouchState with_all, with_some;
   const TouchReport dense = all.advance(with_all, gap);
   const TouchReport sparse = some.advance(with_some, gap);
@@ -390,7 +381,7 @@ TEST_CASE("a gap is not queried again where its normal and curvature give it", "
   TouchSolver solver = sheet.solver();
   TouchState state;
   int queried = 0;
-  const GapFunction there = ball(0.02f, 0.003f);
+  const GapFunction there = test::ball_into_sheet(0.02f, 0.003f);
   const GapFunction counting = [&](const Vector3f& x, SurfaceGap& gap) {
     ++queried;
     return there(x, gap);
@@ -400,17 +391,31 @@ TEST_CASE("a gap is not queried again where its normal and curvature give it", "
   const TouchReport report = solver.advance(state, counting);  // nothing has moved
   REQUIRE(report.candidates > 4);
   const int clusters = queried;
-  queried = 0;
-  int near = 0;
-  const GapFunction with_near(counting, [&](const Vector3f& x, float reach) {
-    SurfaceGap gap;
-    ++near;
-    return there(x, gap) && gap.distance < reach;
-  });
-  const TouchReport again = solver.advance(state, with_near);
-  CHECK(queried == again.candidates);  // once each, in several iterations
-  CHECK(near > 0);
-  CHECK(clusters > queried);
+  struct Counting : Obstacles {
+    const GapFunction& there;
+    mutable int queried = 0, near = 0, judged = 0;
+    explicit Counting(const GapFunction& gap) : there(gap) {}
+    void find_gaps(std::span<const Vector3f> places, std::span<SurfaceGap> gaps) const override {
+      queried += static_cast<int>(places.size());
+      there.find_gaps(places, gaps);
+    }
+    [[nodiscard]] bool may_be_within(const Vector3f& x, float reach) const override {
+      SurfaceGap gap;
+      ++near;
+      return there(x, gap) && gap.distance < reach;
+    }
+    [[nodiscard]] float depth_at(const Vector3f& x) const override {
+      ++judged;
+      return there.depth_at(x);
+    }
+  } counted(there);
+  const TouchReport again = solver.advance(state, counted);
+  CHECK(counted.queried == again.candidates);  // once each, in several iterations
+  CHECK(counted.near > 0);
+  CHECK(clusters > counted.queried);
+  // The state is judged at points near the obstacle, once each.
+  CHECK(counted.judged > 0);
+  CHECK(counted.judged <= static_cast<int>(solver.points().size()));
 }
 
 TEST_CASE("a query that found no obstacle does not hide one that comes near later", "[contact]") {
@@ -418,7 +423,7 @@ TEST_CASE("a query that found no obstacle does not hide one that comes near late
   TouchSolver one = sheet.solver(), other = sheet.solver();
   const GapFunction::Near always = [](const Vector3f&, float) { return true; };
   TouchState pressed, elsewhere;
-  one.advance(pressed, ball(0.02f, 0.006f));
+  one.advance(pressed, test::ball_into_sheet(0.02f, 0.006f));
   const auto far_away = [](const Vector3f&, SurfaceGap& gap) {
     gap.distance = 0.01f;
     return true;
@@ -437,7 +442,7 @@ TEST_CASE("a query that found no obstacle does not hide one that comes near late
 TEST_CASE("a surface that moves away does not come back by its curvature", "[contact]") {
   const Sheet sheet;
   // A ball presses the sheet down, away from a roof beside it that is near, too.
-  const GapFunction pressing = ball(0.005f, 0.00125f);
+  const GapFunction pressing = test::ball_into_sheet(0.005f, 0.00125f);
   const GapFunction with_roof = [&](const Vector3f& x, SurfaceGap& gap) {
     const float to_roof = 0.0024f - x.z();
     if (pressing(x, gap) && gap.distance <= to_roof) return true;
@@ -458,7 +463,7 @@ TEST_CASE("querying may_be_within() first does not change the result", "[contact
   TouchSolver with = sheet.solver(), without = sheet.solver();
   TouchState one, other;
   for (const float depth : {0.001f, 0.004f, 0.002f}) {
-    const GapFunction gap = ball(0.012f, depth);
+    const GapFunction gap = test::ball_into_sheet(0.012f, depth);
     const GapFunction near(gap, [&](const Vector3f& x, float reach) {
       SurfaceGap found;
       return gap(x, found) && found.distance < reach;

@@ -269,12 +269,14 @@ double TomlSection::in_range(const toml::node& node, const char* key, double val
 }
 
 double TomlSection::parse(const toml::node& node, const char* key, Quantity what) const {
-  const std::string wanted =
-      fmt::format("must be a text with a unit, such as \"{}\"", example_of(what));
   const auto text = node.value_exact<std::string>();
-  if (!text) bad(node, key, wanted);
+  if (!text) {
+    bad(node, key, fmt::format("must be a text with a unit, such as \"{}\"", example_of(what)));
+  }
   const std::optional<double> value = to_quantity(*text, what);
-  if (!value) bad(node, key, fmt::format("is \"{}\", {}", text->substr(0, 40), wanted));
+  if (!value) {
+    bad(node, key, fmt::format("is \"{}\", {}", text->substr(0, 40), why_no_quantity(*text, what)));
+  }
   return *value;
 }
 

@@ -1,7 +1,9 @@
 #include "palpable/desk/clip_files/camera_paths.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/order_statistics.h"
 #include "palpable/common/base/text_numbers.h"
+#include "palpable/common/base/time_stamps.h"
 #include "palpable/desk/clip_files/text_file.h"
 #include "palpable/live/sources/folder_layouts.h"
 #include "palpable/live/sources/natural_order.h"
@@ -10,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -19,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 StampedPose stamped_pose_of(const std::string& line) {
+  if (has_decimal_commas(line)) throw Error(std::string(kDecimalCommas));
   const std::optional<std::vector<double>> n = to_numbers(line);
   // to_numbers() also accepts brackets and semicolons, which this format does not have.
   if (!n || n->size() != 8 || line.find_first_of("[];") != std::string::npos) {
@@ -56,19 +61,29 @@ Rigid3 pose_of_rows(const std::vector<double>& n, const std::string& where) {
 }
 
 std::vector<std::string> lines_of(const fs::path& path) {
-  const auto lines = read_lines(path);
-  if (!lines) throw Error(fmt::format("{}: cannot be read", path.string()));
-  return *lines;
+  Result<std::vector<std::string>> lines = read_lines(path);
+  if (!lines) throw Error(fmt::format("{}: {}", path.string(), lines.problem().message));
+  return std::move(lines).value();
+}
+
+// @throws Error for a line that would be read as more numbers than it has
+void refuse_decimal_commas(const fs::path& path, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) {
+    if (!has_decimal_commas(line)) continue;
+    throw Error(fmt::format("{}: '{}' {}", path.string(), line.substr(0, 40), kDecimalCommas));
+  }
 }
 
 PublishedPoses kitti(const fs::path& file, const std::vector<std::string>& lines,
                      std::optional<double> rate) {
+  refuse_decimal_commas(file, lines);
   PublishedPoses published{"KITTI", "left camera", {}};
-  const auto times = rate ? std::nullopt : read_lines(file.parent_path() / "times.txt");
+  const fs::path clock = file.parent_path() / "times.txt";
+  std::optional<std::vector<std::string>> times;
+  if (std::error_code ignored; !rate && fs::exists(clock, ignored)) times = lines_of(clock);
   if (times && times->size() < lines.size()) {
     throw Error(fmt::format("{}: has {} times for the {} poses of {}; --fps takes their place",
-                            (file.parent_path() / "times.txt").string(), times->size(),
-                            lines.size(), file.string()));
+                            clock.string(), times->size(), lines.size(), file.string()));
   }
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const std::string where = fmt::format("{}: line {}", file.string(), k + 1);
@@ -78,10 +93,7 @@ PublishedPoses kitti(const fs::path& file, const std::vector<std::string>& lines
     }
     std::optional<double> time = static_cast<double>(k) / rate.value_or(kKittiRate);
     if (times) time = to_number((*times)[k]);
-    if (!time) {
-      throw Error(fmt::format("{}: line {}: is no time",
-                              (file.parent_path() / "times.txt").string(), k + 1));
-    }
+    if (!time) { throw Error(fmt::format("{}: line {}: is no time", clock.string(), k + 1)); }
     published.poses.push_back({*time, pose_of_rows(*n, where)});
   }
   return published;
@@ -103,7 +115,9 @@ PublishedPoses seven_scenes(const std::vector<fs::path>& files, std::optional<do
   PublishedPoses published{"7-Scenes", "depth camera", {}};
   for (const fs::path& file : files) {
     std::string text;
-    for (const std::string& line : lines_of(file)) text += line + "\n";
+    const std::vector<std::string> lines = lines_of(file);
+    refuse_decimal_commas(file, lines);
+    for (const std::string& line : lines) text += line + "\n";
     const auto n = to_numbers(text);
     if (!n || n->size() != 16) {
       throw Error(
@@ -135,6 +149,7 @@ PublishedPoses euroc(const fs::path& csv) {
       fs::is_directory(recording / "cam0/data", ignored)) {
     return of_recording(recording);
   }
+  refuse_decimal_commas(csv, lines_of(csv));
   PublishedPoses published{"EuRoC", "body", {}};
   for (const auto& [time, pose] : read_euroc_poses(csv, 0)) published.poses.push_back({time, pose});
   return published;
@@ -143,6 +158,9 @@ PublishedPoses euroc(const fs::path& csv) {
 PublishedPoses of_text(const fs::path& file, std::optional<double> rate) {
   const std::vector<std::string> lines = lines_of(file);
   const auto n = lines.empty() ? std::nullopt : to_numbers(lines.front());
+  if (!lines.empty() && has_decimal_commas(lines.front())) {
+    throw Error(fmt::format("{}: its first line {}", file.string(), kDecimalCommas));
+  }
   if (n && n->size() == 8) return {"TUM", "left camera", read_trajectory(file)};
   if (n && n->size() == 12) return kitti(file, lines, rate);
   throw Error(fmt::format(
@@ -150,6 +168,33 @@ PublishedPoses of_text(const fs::path& file, std::optional<double> rate) {
       "12 "
       "(KITTI), a *.pose.txt of 7-Scenes, EuRoC's data.csv, or a folder of one of these",
       file.string()));
+}
+
+std::vector<double> times_of(const std::vector<StampedPose>& poses) {
+  std::vector<double> times;
+  for (const StampedPose& pose : poses) times.push_back(pose.time);
+  return times;
+}
+
+// Whether a camera's path has whole times that are 10 to 1000 apart: milliseconds.
+bool look_like_milliseconds(const std::vector<double>& times) {
+  constexpr std::size_t kSome = 10;
+  if (times.size() < kSome) return false;
+  const bool whole =
+      std::all_of(times.begin(), times.end(), [](double t) { return t == std::floor(t); });
+  const double mean_step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  return whole && mean_step >= 10 && mean_step < 1000;
+}
+
+void expect_seconds(const fs::path& path, const std::vector<double>& times) {
+  const std::string wrong = what_is_wrong_with_times(times);
+  if (!wrong.empty()) throw Error(fmt::format("{}: {}", path.string(), wrong));
+  if (!look_like_milliseconds(times)) return;
+  throw Error(fmt::format(
+      "{}: the times are {} to {}, {} poses with {:.0f} from one to the next, which looks like "
+      "milliseconds: they should be seconds, so divide them by 1000",
+      path.string(), times.front(), times.back(), times.size(),
+      (times.back() - times.front()) / static_cast<double>(times.size() - 1)));
 }
 
 PublishedPoses read_any(const fs::path& path, std::optional<double> rate) {
@@ -162,7 +207,29 @@ PublishedPoses read_any(const fs::path& path, std::optional<double> rate) {
   if (path.filename().string().ends_with(kPoseEnding)) {
     return seven_scenes(pose_files_in(fs::absolute(path, ignored).parent_path()), rate);
   }
+  // Of phones: the poses of Stray Scanner and of Record3D, in their folders.
+  if (path.filename() == "odometry.csv" || path.filename() == "metadata.json") {
+    return of_recording(fs::absolute(path, ignored).parent_path());
+  }
   return path.extension() == ".csv" ? euroc(path) : of_text(path, rate);
+}
+
+// Refuses positions in millimetres: those whose median speed is above 200 m/s.
+void expect_metres(const fs::path& path, const std::vector<StampedPose>& poses) {
+  constexpr double kFastest = 200;  // m/s
+  std::vector<double> speeds;
+  for (std::size_t k = 1; k < poses.size(); ++k) {
+    const Eigen::Vector3d way =
+        poses[k].world_from_camera.translation() - poses[k - 1].world_from_camera.translation();
+    speeds.push_back(way.norm() / (poses[k].time - poses[k - 1].time));
+  }
+  if (speeds.empty()) return;
+  const double median = upper_median(speeds);
+  if (!(median > kFastest)) return;
+  throw Error(fmt::format(
+      "{}: the camera moves by {:.3g} m in a second (median): positions are to be in metres, times "
+      "in seconds",
+      path.string(), median));
 }
 
 }  // namespace
@@ -185,6 +252,9 @@ std::vector<StampedPose> read_trajectory(const std::filesystem::path& path) {
     }
     poses.push_back(pose);
   });
+  const std::string wrong = what_is_wrong_with_times(times_of(poses));
+  if (!wrong.empty()) throw Error(fmt::format("{}: {}", path.string(), wrong));
+  expect_metres(path, poses);
   return poses;
 }
 
@@ -201,6 +271,8 @@ PublishedPoses read_published_poses(const fs::path& path, std::optional<double> 
                               published.poses[k].time, before));
     }
   }
+  expect_seconds(path, times_of(published.poses));
+  expect_metres(path, published.poses);
   return published;
 }
 

@@ -27,8 +27,10 @@ inline constexpr std::string_view kTrajectoryRemark =
 /// One line, including its line end.
 [[nodiscard]] std::string trajectory_line(const StampedPose& pose);
 
-/// @throws Error naming file and line: not eight finite numbers, a quaternion whose length is not 1
-/// within 1 %, times that do not increase
+/// @throws Error naming file and line when a line does not hold eight finite numbers, when the
+/// length of a quaternion differs from 1 by more than 1 %, when times do not increase or cannot be
+/// seconds (time_stamps.h), or when the camera's median speed exceeds 200 m/s: then its positions
+/// are in mm
 [[nodiscard]] std::vector<StampedPose> read_trajectory(const std::filesystem::path& path);
 
 /// The path of a camera as data sets publish it. These formats are read:
@@ -43,6 +45,7 @@ inline constexpr std::string_view kTrajectoryRemark =
 ///               of the left camera if cam0/sensor.yaml beside its folder gives its pose in
 ///               the body, else of the body
 ///
+/// Stray Scanner's odometry.csv and Record3D's metadata.json are read with their folders.
 /// A folder of a recording with poses that sources/folder_layouts.h recognises is read, too.
 struct PublishedPoses {
   std::string format;              ///< "TUM", "KITTI", "7-Scenes" or "EuRoC"
@@ -52,7 +55,9 @@ struct PublishedPoses {
 
 /// @param path  a file or a folder
 /// @param rate  Hz, for files without times; nothing: the usual rate of the format
-/// @throws Error naming the file, and the line if there is one, that has none of these formats
+/// @throws Error naming the file, and the line if there is one, when the file has none of these
+/// formats, when its times cannot be seconds (steps of 10 to 1000 in whole numbers are
+/// milliseconds), or when its positions cannot be metres, as in read_trajectory()
 [[nodiscard]] PublishedPoses read_published_poses(const std::filesystem::path& path,
                                                   std::optional<double> rate = {});
 

@@ -78,10 +78,12 @@ void touch_fields(JsonFields& object, FeltTouch& touch, bool listed) {
   object.number("area", touch.area, 9, Invalid::kIgnored);
   object.number("assumed", touch.assumed, 4, Invalid::kIgnored);
   object.text("by", touch.by);
+  object.id("thing", touch.thing);
 }
 
 void fields(JsonFields& line, TouchesLine& felt) {
   line.text("body", felt.body);
+  line.text("answer", felt.answer);
   if (line.reads() && !line.has("touches")) {
     touch_fields(line, felt.touches.emplace_back(), false);
   } else {

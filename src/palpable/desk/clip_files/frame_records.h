@@ -13,6 +13,7 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -129,6 +130,8 @@ struct FeltTouch {
   /// Share of the force where the camera does not see the obstacle's surface and it is assumed.
   std::optional<double> assumed = {};
   std::string by = {};  ///< name of the body that presses; empty: a real obstacle
+  /// Id of what presses, in runs without a camera (`live --source hands.jsonl`).
+  std::optional<std::int64_t> thing = {};
 };
 
 /// touches.jsonl of a result: where and how hard the body is pressed, one line for each frame with
@@ -151,6 +154,9 @@ struct TouchesLine {
   /// Stated errors of displacement and stress, relative (1 = 100 %).
   std::optional<double> displacement_error = {}, stress_error = {};
   std::string body = {};  ///< name of the body; empty: there is only one
+  /// In runs without a camera, of all bodies: "reached", or "later" and "not reached", where forces
+  /// are not the answer.
+  std::string answer = {};
 };
 
 /// Unknown values are left out.

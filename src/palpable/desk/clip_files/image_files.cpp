@@ -156,9 +156,14 @@ DepthCounts body_counts(const DepthImage& full_size) {
   return half;
 }
 
-void write_measured_depth(const std::filesystem::path& path, const DepthImage& depth,
-                          const MaskImage& too_close) {
-  write_image(path, matrix_of(measured_counts(depth, too_close), CV_16UC1), kPngOfRuns);
+double write_measured_depth(const std::filesystem::path& path, const DepthImage& depth,
+                            const MaskImage& too_close) {
+  const DepthCounts counts = measured_counts(depth, too_close);
+  write_image(path, matrix_of(counts, CV_16UC1), kPngOfRuns);
+  const auto known = std::count_if(counts.begin(), counts.end(), [](std::uint16_t count) {
+    return count != kNoDepth && count != kTooClose;
+  });
+  return static_cast<double>(known) / static_cast<double>(std::max<std::size_t>(counts.size(), 1));
 }
 
 void write_true_depth(const std::filesystem::path& path, const DepthImage& depth) {

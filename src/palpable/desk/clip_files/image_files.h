@@ -47,8 +47,9 @@ inline constexpr double kBodyDepthUnit = 1e-4;  ///< m per count of body_depth/
 
 /// Writes an image of depth/ of a result. @throws Error when the file cannot be written, as the
 /// other writers do
-void write_measured_depth(const std::filesystem::path& path, const DepthImage& depth,
-                          const MaskImage& too_close);
+/// @return the share of the pixels that have a depth in the file: one beyond 16.4 m has none
+double write_measured_depth(const std::filesystem::path& path, const DepthImage& depth,
+                            const MaskImage& too_close);
 /// Writes an image of depth/ of a truth.
 void write_true_depth(const std::filesystem::path& path, const DepthImage& depth);
 /// Writes an image of body_depth/ of a result. @param full_size  twice as wide and high as the file

@@ -92,6 +92,12 @@ TEST_CASE("depth images read back as they were written", "[clip_files]") {
   CHECK(std::abs(metres(6, 5) - depth(6, 5)) <= 0.000126f);
   // The two kinds of file are compressed with different settings, so their sizes differ.
   write_measured_depth(folder / "m2.png", depth, MaskImage());
+  DepthImage half(4, 2, 0.5F);  // of which a half fits into the file
+  half(0, 0) = half(1, 0) = 20;
+  half(2, 0) = std::nanf("");
+  MaskImage close(4, 2, 0);
+  close(3, 0) = 255;
+  CHECK(write_measured_depth(folder / "h.png", half, close) == 0.5);
   CHECK(test::file_bytes(folder / "m2.png").size() != test::file_bytes(folder / "t.png").size());
 }
 

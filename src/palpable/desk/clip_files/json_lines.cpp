@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 namespace palpable {
 namespace {
@@ -121,6 +122,16 @@ void JsonFields::index(const char* key, int& value) {
     throw Error(fmt::format("{} is no whole number", key));
   }
   whole(key, value);
+}
+
+void JsonFields::id(const char* key, std::optional<std::int64_t>& value) {
+  if (!reads() && value) return add(key, std::to_string(*value));
+  if (!reads() || !has(key)) return;
+  const json& id = read_->at(key);
+  // get() would wrap a larger number silently.
+  const bool fits =
+      !id.is_number_unsigned() || std::in_range<std::int64_t>(id.get<std::uint64_t>());
+  if (id.is_number_integer() && fits) value = id.get<std::int64_t>();
 }
 
 void JsonFields::number(const char* key, double& value, int digits) {

@@ -16,6 +16,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -62,6 +63,9 @@ class JsonFields {
   void whole(const char* key, int& value);
   /// Left out if negative; unchanged if the key is missing. @throws Error if it is not whole
   void index(const char* key, int& value);
+
+  /// A whole number of 64 bits; left out if it is nothing, unchanged if it is of another type.
+  void id(const char* key, std::optional<std::int64_t>& value);
 
   /// What is done if an optional value that is read is not of its type.
   enum class Invalid { kRefused, kIgnored };

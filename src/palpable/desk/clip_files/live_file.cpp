@@ -39,7 +39,15 @@ Json map_of(const std::optional<LiveSummary::Map>& map) {
 }
 
 Json depth_json(const LiveSummary::Depth& depth) {
+  const bool any = depth.median > 0;
   return {{"median_density", depth.median_density},
+          {"median_measured", depth.measured},
+          {"median_kept", depth.kept},
+          {"median_written", depth.written ? Json(*depth.written) : Json()},
+          {"median_m", any ? Json(depth.median) : Json()},
+          {"range_m", any ? Json::array({depth.low, depth.high}) : Json()},
+          {"unit_m", depth.unit > 0 ? Json(depth.unit) : Json()},
+          {"unit_assumed", depth.unit_assumed},
           {"frames_sparse_depth", depth.frames_few_depths},
           {"frames_rows_misaligned", depth.frames_rows_off},
           {"row_misalignment_px", depth.rows_off_px}};

@@ -39,6 +39,17 @@ struct LiveSummary {
     /// Frame numbers; rows of the two views misaligned; "frames_rows_misaligned".
     std::vector<int> frames_rows_off;
     double rows_off_px = 0;  ///< largest misalignment, px; "row_misalignment_px"
+    /// Median shares of the pixels: those of which the sensor or the matcher measured a depth, and
+    /// those in whose depth image one is left; "median_measured", "median_kept".
+    double measured = 0, kept = 0;
+    /// m, of all depths that were measured; 0: none. "median_m", and the two in "range_m", between
+    /// which 90 % lie.
+    double median = 0, low = 0, high = 0;
+    double unit = 0;            ///< m, FrameFormat::depth_unit; 0 is null: "unit_m"
+    bool unit_assumed = false;  ///< nothing stated it
+    /// Median share of the pixels that have a depth in depth/, which ends at 16.4 m; nothing:
+    /// depth/ was not written. "median_written".
+    std::optional<double> written = std::nullopt;
   };
   struct Troubles {
     int back_in_time = 0;

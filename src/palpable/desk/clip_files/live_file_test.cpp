@@ -37,7 +37,7 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   body.camera_from_body = some_pose();
   summary.tracking = {3, {1}, 1, 0, 7, 500, {2}};
   summary.map = {12, 0, 2};
-  summary.depth = {0.5, {}, {2}, 0.75};
+  summary.depth = {0.5, {}, {2}, 0.75, 0.75, 0.25, 0.5, 0.25, 1.5, 0.001, true};
   summary.unreadable = 1;
   summary.source_troubles = {0, 1, 2, 3, {"a camera"}};
   summary.frames_touching = 1;
@@ -99,6 +99,16 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   },
   "depth": {
     "median_density": 0.5,
+    "median_measured": 0.75,
+    "median_kept": 0.25,
+    "median_written": null,
+    "median_m": 0.5,
+    "range_m": [
+      0.25,
+      1.5
+    ],
+    "unit_m": 0.001,
+    "unit_assumed": true,
     "frames_sparse_depth": [],
     "frames_rows_misaligned": [
       2

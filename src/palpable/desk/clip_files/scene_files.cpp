@@ -4,6 +4,7 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/nearest_word.h"
 #include "palpable/common/base/text_numbers.h"
+#include "palpable/common/geometry/body_scale.h"
 #include "palpable/common/toml/toml_section.h"
 #include "palpable/desk/clip_files/json_lines.h"
 #include "palpable/desk/clip_files/text_file.h"
@@ -166,7 +167,7 @@ DescribedBody body_in(TomlSection& section, const fs::path& folder,
   }
   if (section.has("method")) body.method = section.text("method");
   body.place = place_in(section, before);
-  body.scale = section.number("scale", {1e-3, 1e3}, 1);
+  body.scale = section.number("scale", {kLeastScale, kMostScale}, 1);
   if (section.has("set")) body.set = section.texts("set");
   body.color = color_in(section);
   section.refuse_unknown();
@@ -266,8 +267,8 @@ Rigid3 read_pose(const std::string& text, const std::string& option) {
     throw Error(fmt::format("{}: has no camera_from_body", text));
   }
   const auto lines = read_lines(text);
-  if (!lines) throw Error(fmt::format("{}: cannot be read", text));
-  const auto numbers = to_numbers(fmt::format("{}", fmt::join(*lines, " ")));
+  if (!lines) throw Error(fmt::format("{}: {}", text, lines.problem().message));
+  const auto numbers = to_numbers(fmt::format("{}", fmt::join(lines.value(), " ")));
   if (!numbers) throw Error(fmt::format("{}: holds what is no finite number", text));
   return pose_of_numbers(*numbers, text);
 }

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,23 @@ TEST_CASE("pitch is the downward tilt of the camera, yaw turns the body about it
   CHECK(apart(read_pose("0 0 1 0 0 90") * Vector3d(0.1, 0, 0), {0, 0, 1.1}) < 1e-15);
   CHECK(apart(read_pose("0 0 1 0 0 90") * Vector3d(0, 0, 0.1), {0, -0.1, 1}) < 1e-15);
   CHECK(apart(read_pose("0 0 1 90 0 0") * Vector3d(0, 0, 0.1), {0.1, 0, 1}) < 1e-15);
+}
+
+TEST_CASE("three different angles are applied in the order yaw, pitch, roll", "[clip_files]") {
+  // By hand: yaw about the body's upright axis, then upright before a level camera, then the
+  // camera's downward tilt about X, then its roll about Z (clockwise in the picture: Y is down).
+  const double degree = std::numbers::pi / 180;
+  const double cy = std::cos(20 * degree), sy = std::sin(20 * degree);
+  const double cp = std::cos(35 * degree), sp = std::sin(35 * degree);
+  const double cr = std::cos(10 * degree), sr = std::sin(10 * degree);
+  const Vector3d X(0.3, -0.2, 0.5);
+  const Vector3d turned(cy * X.x() - sy * X.y(), sy * X.x() + cy * X.y(), X.z());
+  const Vector3d upright(turned.x(), -turned.z(), turned.y());
+  const Vector3d tilted(upright.x(), cp * upright.y() - sp * upright.z(),
+                        sp * upright.y() + cp * upright.z());
+  const Vector3d rolled(cr * tilted.x() - sr * tilted.y(), sr * tilted.x() + cr * tilted.y(),
+                        tilted.z());
+  CHECK(apart(read_pose("0.1 0.2 0.7 10 35 20") * X, rolled + Vector3d(0.1, 0.2, 0.7)) < 1e-15);
 }
 
 TEST_CASE("sixteen numbers are the matrix, given as text or in a file", "[clip_files]") {

@@ -5,6 +5,7 @@
 #include "palpable/common/base/output_file.h"
 
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -33,9 +34,29 @@ class TextFile {
   std::string kept_;
 };
 
-/// Calls `read_line` for each line that is not empty, without its end (LF or CRLF).
-/// @throws Error "FILE: cannot be read"; an Error that `read_line` throws is rethrown with the
-/// prefix "FILE: line N: "
+/// The lines of a text file, one after the other. A file of any size may be read: one line is in
+/// memory at a time.
+class LineReader {
+ public:
+  /// @throws Error "FILE: no such file" and others of why_no_file(), "FILE: cannot be read"
+  explicit LineReader(const std::filesystem::path& path);
+
+  /// Reads the next line that is not empty, without its end (LF, CRLF or CR) and without UTF-8's
+  /// byte-order mark. @return false at the end of the file
+  /// @throws Error "FILE: line N: ..." for a line above 16 MB, a zero byte or UTF-16
+  bool next(std::string& line);
+  /// "FILE: line N: ", with the number of the last line, for messages about it.
+  [[nodiscard]] std::string where() const;
+
+ private:
+  std::filesystem::path path_;
+  std::ifstream in_;
+  int number_ = 0;  // of the last line, from 1 on
+};
+
+/// Calls `read_line` for each line that LineReader finds.
+/// @throws Error as LineReader; an Error that `read_line` throws is rethrown with the prefix
+/// "FILE: line N: "
 void for_each_line(const std::filesystem::path& path,
                    const std::function<void(const std::string& line)>& read_line);
 

@@ -1,11 +1,18 @@
 #include "palpable/desk/clip_files/text_file.h"
 
+#include "palpable/common/base/error.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace palpable {
 namespace {
+
+using namespace std::string_literals;
 
 namespace fs = std::filesystem;
 using test::ScratchFolder;
@@ -47,6 +54,38 @@ TEST_CASE("a text on a full disk ends with a whole line", "[clip_files][errors]"
   text.write("3,4\n5,6\n");
   CHECK_THROWS_WITH(text.flush(), Catch::EndsWith("a.csv: cannot be written: File too large"));
   CHECK(test::file_bytes(path) == "1,2\n");
+}
+
+std::vector<std::string> lines_of(const fs::path& path) {
+  std::vector<std::string> lines;
+  for_each_line(path, [&](const std::string& line) { lines.push_back(line); });
+  return lines;
+}
+
+TEST_CASE("lines are read with any ends, and with a zero byte that ends the file", "[clip_files]") {
+  const ScratchFolder folder("clip_files");
+  const fs::path path = folder / "a.jsonl";
+  for (const std::string& text : {"a\nb\n"s, "a\nb"s, "a\r\nb\r\n"s, "a\rb\r"s, "a\n\n\nb\n"s,
+                                  "\xef\xbb\xbf"
+                                  "a\nb\n"s,
+                                  "a\nb\n\0"s, "a\nb\0"s, "a\rb\r\0"s}) {
+    INFO(text);
+    test::write_bytes(path, text);
+    CHECK(lines_of(path) == std::vector<std::string>{"a", "b"});
+  }
+  test::write_bytes(path, "");
+  CHECK(lines_of(path).empty());
+  for (const auto& [text, line] : {std::pair{"\0"s, 1}, {"a\0b\n"s, 1}, {"a\nb\0\n"s, 2}}) {
+    test::write_bytes(path, text);
+    CHECK_THROWS_WITH(lines_of(path),
+                      Catch::Contains("line " + std::to_string(line) + ": a zero byte"));
+  }
+  test::write_bytes(path, "a\nb\n");
+  CHECK_THROWS_WITH(for_each_line(path,
+                                  [](const std::string& line) {
+                                    if (line == "b") throw Error("no number");
+                                  }),
+                    path.string() + ": line 2: no number");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "palpable/desk/clip_writer/kept_clip.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/folder_lock.h"
 #include "palpable/common/body_file/body_file.h"
 #include "palpable/live/render/gl_context.h"
 #include "tests/support/scratch_folder.h"
@@ -33,6 +34,23 @@ TEST_CASE("the clip of a live run is filmed once for a body, and anew for anothe
   std::ofstream(file, std::ios::app | std::ios::binary) << "more";
   (void)kept_clip(body, order, {});
   CHECK(fs::exists(picture));
+
+  // What somebody put into the folder stays when it is filmed again.
+  std::ofstream(order.folder / "frames" / "left" / "notes.txt") << "mine";
+  std::ofstream(file, std::ios::app | std::ios::binary) << "still more";
+  fs::remove(picture);
+  (void)kept_clip(body, order, {});
+  CHECK(fs::exists(picture));
+  CHECK(fs::exists(order.folder / "frames" / "left" / "notes.txt"));
+
+  // While another run films it, it is refused and nothing is removed.
+  std::ofstream(file, std::ios::app | std::ios::binary) << "even more";
+  {
+    const FolderLock other(order.folder);
+    CHECK_THROWS_WITH(kept_clip(body, order, {}), Catch::Contains("another run is writing"));
+    CHECK(fs::exists(picture));
+  }
+  (void)kept_clip(body, order, {});
 
   // A body file in the folder would be removed together with the clip.
   fs::copy_file(file, order.folder / "ball.palpable");

@@ -4,6 +4,8 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/own_files.h"
+#include "palpable/common/base/whole_file.h"
 #include "palpable/common/geometry/surface_distance.h"
 #include "palpable/desk/clip_files/camera_paths.h"
 #include "palpable/desk/clip_files/frame_records.h"
@@ -19,11 +21,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <fstream>
 #include <functional>
 #include <future>
-#include <iterator>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -153,18 +154,44 @@ bool is_unfinished(const fs::path& out) {
   const fs::path label = out / kUnfinished;
   std::error_code error;
   if (!fs::exists(fs::symlink_status(label, error))) return false;
-  std::ifstream in(label, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (text == kUnfinishedText) return true;
+  const Result<std::string> text = read_whole_file(label, {.most = kUnfinishedText.size()});
+  if (text && text.value() == kUnfinishedText) return true;
   throw Error(fmt::format("{}: is in the way of the film", label.string()));
 }
 
-void make_folders(const fs::path& out) {
-  const bool unfinished = is_unfinished(out);
+// All files of a film (base/own_files.h), with those that palpable truth adds.
+constexpr std::array<std::string_view, 25> kFilmFiles{"frames/left/#.jpg",
+                                                      "frames/right/#.jpg",
+                                                      "frames/calibration.yml",
+                                                      "frames/scene.toml",
+                                                      "truth/bodies/*/deformed/#.ply",
+                                                      "truth/bodies/*/deformed/rest.ply",
+                                                      "truth/bodies/*/deformed/deformed.jsonl",
+                                                      "truth/bodies/*/deformed/problem.txt",
+                                                      "truth/bodies/*/body.ply",
+                                                      "truth/bodies/*/contact.jsonl",
+                                                      "truth/bodies/*/scene.toml",
+                                                      "truth/deformed/#.ply",
+                                                      "truth/deformed/rest.ply",
+                                                      "truth/deformed/deformed.jsonl",
+                                                      "truth/deformed/problem.txt",
+                                                      "truth/depth/#.png",
+                                                      "truth/labels/#.png",
+                                                      "truth/body.ply",
+                                                      "truth/contact.jsonl",
+                                                      "truth/hand.jsonl",
+                                                      "truth/rig.jsonl",
+                                                      "truth/scene.toml",
+                                                      "truth/script.toml",
+                                                      "truth/trajectory.txt",
+                                                      "truth/camera.toml"};
+
+// @param replaces  a film in the folder is replaced even if it is complete
+void make_folders(const fs::path& out, bool replaces) {
+  replaces = is_unfinished(out) || replaces;
+  if (replaces) remove_own_files(out, kFilmFiles);
   for (const char* part : {"frames", "truth"}) {
-    std::error_code error;
-    if (unfinished) fs::remove_all(out / part, error);
-    if (fs::exists(out / part)) {
+    if (!replaces && fs::exists(out / part)) {
       throw Error(fmt::format("{}: exists; give another folder, or remove it first",
                               (out / part).string()));
     }
@@ -310,8 +337,8 @@ void write_sequence(std::span<const SequenceBody> wanted, const SequenceOrder& o
   const fs::path truth = folder / "truth";
   std::optional<FolderLock> lock;
   const auto begin = [&] {
-    lock.emplace(folder);
-    make_folders(folder);
+    if (!order.replaces) lock.emplace(folder);
+    make_folders(folder, order.replaces);
     write_stereo_calibration(folder / "frames" / "calibration.yml", {rig, kFramesPerSecond});
     write_texts(folder, sequence, desk_from_scene, several);
     for (const TruthBody& body : bodies) {

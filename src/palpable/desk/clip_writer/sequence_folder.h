@@ -21,6 +21,8 @@ struct SequenceOrder {
   std::uint64_t seed = 1;
   std::string body_name;  ///< written to the truth
   int threads = 0;        ///< 1 or 2, with equal results; 0: whichever is faster
+  /// The caller holds the lock of the folder (base/folder_lock.h), and a film in it is replaced.
+  bool replaces = false;
 };
 
 /// One body of a scene.
@@ -37,9 +39,10 @@ void write_sequence(std::span<const SequenceBody> bodies, const SequenceOrder& o
                     const std::filesystem::path& folder, const Progress& progress);
 
 /// Films `reduced` as ordered and writes frames/ and truth/ into `folder`, which must not exist or
-/// must hold neither; the remains of an interrupted film are replaced. The folder is locked during
-/// filming. @throws Error when the sequence cannot be planned for the body, when OpenGL is not
-/// available, or when the folder cannot be written
+/// must hold neither; the remains of an interrupted film are replaced, by the names of its files:
+/// what somebody else put there stays. The folder is locked during filming. @throws Error when the
+/// sequence cannot be planned for the body, when OpenGL is not available, or when the folder cannot
+/// be written
 void write_sequence(const ReducedBody& reduced, const SequenceOrder& order,
                     const std::filesystem::path& folder, const Progress& progress);
 

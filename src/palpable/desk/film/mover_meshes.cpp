@@ -1,8 +1,8 @@
 #include "palpable/desk/film/mover_meshes.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/capsule_mesh.h"
 #include "palpable/common/geometry/rigid.h"
-#include "palpable/desk/film/capsule_mesh.h"
 #include "palpable/desk/film/painted_shapes.h"
 #include "palpable/desk/film/texture_images.h"
 #include "palpable/desk/script/things.h"

@@ -1,6 +1,7 @@
 #include "palpable/desk/script/hand.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/common/geometry/tracked_hand.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -17,21 +18,19 @@ struct FingerShape {
   Vector3d root;                  ///< start of the bone in the palm, wrist frame
   Vector3d knuckle;               ///< wrist frame
   std::array<double, 3> lengths;  ///< bones beyond the knuckle; the last ends in the tip's sphere
-  std::array<double, 5> radii;    ///< root, knuckle, middle joint, last joint, tip
 };
 
 // clang-format off
 const std::array<FingerShape, 4> kFingers = {{
-    {{0.012,  0.013, 0.000}, {0.088,  0.0235, 0.000}, {0.044, 0.026, 0.0175}, {0.0145, 0.0112, 0.0094, 0.0083, 0.0070}},
-    {{0.010,  0.004, 0.001}, {0.090,  0.0030, 0.002}, {0.048, 0.030, 0.0185}, {0.0150, 0.0114, 0.0095, 0.0084, 0.0071}},
-    {{0.010, -0.006, 0.000}, {0.084, -0.0165, 0.000}, {0.045, 0.028, 0.0185}, {0.0150, 0.0108, 0.0090, 0.0079, 0.0067}},
-    {{0.011, -0.015, -0.002}, {0.075, -0.0345, -0.004}, {0.036, 0.020, 0.0165}, {0.0140, 0.0098, 0.0079, 0.0069, 0.0059}},
+    {{0.012,  0.013, 0.000}, {0.088,  0.0235, 0.000}, {0.044, 0.026, 0.0175}},
+    {{0.010,  0.004, 0.001}, {0.090,  0.0030, 0.002}, {0.048, 0.030, 0.0185}},
+    {{0.010, -0.006, 0.000}, {0.084, -0.0165, 0.000}, {0.045, 0.028, 0.0185}},
+    {{0.011, -0.015, -0.002}, {0.075, -0.0345, -0.004}, {0.036, 0.020, 0.0165}},
 }};
 // clang-format on
 
 const Vector3d kThumbRoot(0.018, 0.020, -0.008);
 constexpr std::array<double, 3> kThumbLengths = {0.046, 0.034, 0.0235};
-constexpr std::array<double, 4> kThumbRadii = {0.0155, 0.0120, 0.0098, 0.0083};
 
 /// The joints of a chain of bones. Each bone is rotated about the Y axis of the previous bone's
 /// frame (X along the bone, Z towards its back); a positive angle bends towards the palm.
@@ -145,21 +144,22 @@ std::vector<HandCapsule> hand_capsules(const HandPose& pose) {
 
   // The fingers come first, with three bones each; kIndexTip and kThumbTip depend on this order.
   for (std::size_t f = 0; f < 4; ++f) {
-    const FingerShape& shape = kFingers[f];
-    const Chain chain = finger_chain(shape, pose.gesture.fingers[f]);
+    const std::array<double, 5>& radii = kMeanFingerRadii[f];
+    const Chain chain = finger_chain(kFingers[f], pose.gesture.fingers[f]);
     for (std::size_t i = 0; i < 3; ++i)
-      add(chain.joints[i], chain.joints[i + 1], shape.radii[i + 1], shape.radii[i + 2],
+      add(chain.joints[i], chain.joints[i + 1], radii[i + 1], radii[i + 2],
           i == 2 ? HandPart::kFingerTip : HandPart::kBone, chain.back);
   }
   const Chain thumb = thumb_chain(pose.gesture.thumb);
   for (std::size_t i = 0; i < 3; ++i)
-    add(thumb.joints[i], thumb.joints[i + 1], kThumbRadii[i], kThumbRadii[i + 1],
+    add(thumb.joints[i], thumb.joints[i + 1], kMeanThumbRadii[i], kMeanThumbRadii[i + 1],
         i == 2 ? HandPart::kFingerTip : HandPart::kBone, thumb.back);
 
   // Palm: the four bones, webs between the knuckles, the pads and the wrist.
   const Vector3d up = Vector3d::UnitZ();
-  for (const FingerShape& shape : kFingers)
-    add(shape.root, shape.knuckle, shape.radii[0], shape.radii[1], HandPart::kPalm, up);
+  for (std::size_t f = 0; f < 4; ++f)
+    add(kFingers[f].root, kFingers[f].knuckle, kMeanFingerRadii[f][0], kMeanFingerRadii[f][1],
+        HandPart::kPalm, up);
   for (std::size_t f = 0; f < 3; ++f)
     add(kFingers[f].knuckle - Vector3d(0.014, 0, 0.0035),
         kFingers[f + 1].knuckle - Vector3d(0.014, 0, 0.0035), 0.0092, 0.0086, HandPart::kPalm, up);
@@ -211,12 +211,12 @@ Vector3d index_direction_in_wrist(const HandGesture& gesture) {
   return finger_chain(kFingers[0], gesture.fingers[0]).direction;
 }
 
-double index_tip_radius() { return kFingers[0].radii[4]; }
+double index_tip_radius() { return kMeanFingerRadii[0][4]; }
 
 Vector3d thumb_tip_in_wrist(const HandGesture& gesture) {
   return thumb_chain(gesture.thumb).joints[3];
 }
 
-double thumb_tip_radius() { return kThumbRadii[3]; }
+double thumb_tip_radius() { return kMeanThumbRadii[3]; }
 
 }  // namespace palpable

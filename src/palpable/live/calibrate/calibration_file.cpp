@@ -3,29 +3,60 @@
 #include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/live/calibrate/yaml_matrix.h"
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <fmt/core.h>
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstddef>
+#include <map>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace palpable {
 namespace {
 
-constexpr int kMostRows = 100;       // of a matrix; cameras have 3, lenses up to 14 numbers
-constexpr int kLargestSide = 16384;  // px; larger values are mistakes or attacks
+constexpr int kMostRows = 100;  // of a matrix; cameras have 3, lenses up to 14 numbers
 
 // Thrown and caught in this file only.
 struct Unusable {
   std::string why;
 };
+
+// A key of the first level that is there twice, with different values; empty if there is none.
+// OpenCV would take the first one.
+std::string stated_twice(const std::string& text) {
+  std::map<std::string, std::string> values;
+  std::string key, value;
+  const auto is_other = [&] {
+    if (key.empty()) return false;
+    const auto [found, is_new] = values.emplace(key, value);
+    return !is_new && found->second != value;
+  };
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    begin = end + 1;
+    const std::size_t colon = line.find(':');
+    const bool is_key =
+        colon != std::string::npos && std::isalpha(static_cast<unsigned char>(line[0]));
+    if (!is_key) {
+      value += line;
+      continue;
+    }
+    if (is_other()) return key;
+    key = line.substr(0, colon);
+    value = line.substr(colon);
+  }
+  return is_other() ? key : std::string();
+}
 
 cv::FileStorage open_yaml(const std::string& text) {
   // OpenCV guesses the format from the first bytes and also reads others; only YAML is accepted.
@@ -33,6 +64,9 @@ cv::FileStorage open_yaml(const std::string& text) {
     throw Unusable{"is not OpenCV YAML: its first line should be %YAML:1.0"};
   }
   if (text.find('\0') != std::string::npos) throw Unusable{"is not text"};
+  if (const std::string key = stated_twice(text); !key.empty()) {
+    throw Unusable{fmt::format("states '{}' twice, with different values", key)};
+  }
   return cv::FileStorage(
       text, cv::FileStorage::READ | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
 }
@@ -47,9 +81,9 @@ double read_number(const cv::FileStorage& file, const char* name,
 
 int size_px(const cv::FileStorage& file, const char* name) {
   const double value = read_number(file, name);
-  if (!(value >= 1 && value <= kLargestSide) || value != std::floor(value)) {
+  if (!(value >= 1 && value <= kLargestImageSide) || value != std::floor(value)) {
     throw Unusable{fmt::format("has {} = {}; it should be a whole number of pixels up to {}", name,
-                               value, kLargestSide)};
+                               value, kLargestImageSide)};
   }
   return static_cast<int>(value);
 }
@@ -131,6 +165,7 @@ StereoCalibration stereo_from(const cv::FileStorage& file) {
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data());
   calibration.rig.right_from_left.translation() = Eigen::Map<const Eigen::Vector3d>(T.data());
   calibration.frames_per_second = frame_rate(file);
+  calibration.rate_is_stated = !file["fps"].empty();
   const std::string wrong = what_is_wrong_with(calibration.rig);
   if (!wrong.empty()) throw Unusable{"cannot be used: " + wrong};
 
@@ -154,18 +189,22 @@ RectifiedCalibration rectified_from(const cv::FileStorage& file) {
   // d = x_L - x_R = f T / Z + (cx_L - cx_R), and Middlebury's doffs is cx_R - cx_L.
   calibration.stereo.disparity_at_infinity_px = -read_number(file, "doffs_px", 0.0);
   calibration.frames_per_second = frame_rate(file);
+  calibration.rate_is_stated = !file["fps"].empty();
   const std::string wrong = what_is_wrong_with(calibration.stereo);
   if (!wrong.empty()) throw Unusable{"cannot be used: " + wrong};
   return calibration;
 }
 
 template <class T>
-Result<T> read(const std::filesystem::path& path, T (*parse)(const cv::FileStorage&)) {
-  const Result<std::string> text = read_bounded_text(path, Notation::kYaml);
-  if (!text.ok()) return Problem{"calibration " + text.problem().message};
+Result<T> read(const std::string& text, const std::filesystem::path& path,
+               T (*parse)(const cv::FileStorage&)) {
+  if (const auto unparsable = why_not_parsed(text, Notation::kYaml)) {
+    return Problem{fmt::format("calibration {}: line {}: {}", path.string(), unparsable->line,
+                               unparsable->what)};
+  }
   std::string why;
   try {
-    return parse(open_yaml(text.value()));
+    return parse(open_yaml(text));
   } catch (const Unusable& unusable) { why = unusable.why; } catch (const cv::Exception& e) {
     why = "is damaged: " + e.err;
   } catch (const std::exception& e) { why = std::string("is damaged: ") + e.what(); }
@@ -175,165 +214,28 @@ Result<T> read(const std::filesystem::path& path, T (*parse)(const cv::FileStora
   return Problem{fmt::format("calibration {} {}", path.string(), why)};
 }
 
-// Formats a number so that YAML readers take it for a real number, with as many digits as it needs.
-std::string real(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
-}
-
-template <class Numbers>
-std::string yaml_matrix(std::string_view name, int rows, int columns, const Numbers& numbers) {
-  std::vector<std::string> texts;
-  for (const double value : numbers) texts.push_back(real(value));
-  return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: [ {} ]\n",
-                     name, rows, columns, fmt::join(texts, ", "));
-}
-
-std::vector<double> camera_matrix_rows(const PinholeCamera& c) {
-  return {c.fx_px, 0, c.cx_px, 0, c.fy_px, c.cy_px, 0, 0, 1};
-}
-
-std::string wrong_with(const PinholeCamera& camera, std::string_view name) {
-  if (camera.width < 1 || camera.height < 1 || camera.width > kLargestSide ||
-      camera.height > kLargestSide) {
-    return fmt::format("the {} image is {} x {} px", name, camera.width, camera.height);
-  }
-  for (const double value : {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px}) {
-    if (!std::isfinite(value)) return fmt::format("a number of the {} camera is not finite", name);
-  }
-  // Fields of view from 170 degrees to 0.1 degrees; otherwise the numbers have a wrong unit.
-  const double side = std::max(camera.width, camera.height);
-  for (const double focal : {camera.fx_px, camera.fy_px}) {
-    if (!(focal > 0.04 * side && focal < 600 * side)) {
-      return fmt::format("the {} focal length is {} px, for an image of {} x {}", name, focal,
-                         camera.width, camera.height);
-    }
-  }
-  for (const double centre : {camera.cx_px, camera.cy_px}) {
-    if (!(centre > -side && centre < 2 * side)) {
-      return fmt::format("the {} principal point ({}, {}) px is far outside of the image", name,
-                         camera.cx_px, camera.cy_px);
-    }
-  }
-  return {};
-}
-
-// Whether the distortion folds the image over: whether its radial part
-//
-//     r (1 + k1 r^2 + k2 r^4 + k3 r^6)
-//
-// has its maximum before it reaches the middle of the image's left and right border. (Many usable
-// calibrations fold in the corners, which does no harm.)
-bool folds_over(const DistortedCamera& read_lens) {
-  const double border = 0.5 * read_lens.pinhole.width / read_lens.pinhole.fx_px;
-  const double k1 = read_lens.distortion[0];
-  const double k2 = read_lens.distortion[1];
-  const double k3 = read_lens.distortion[4];
-  constexpr double kStep = 0.01;
-  for (double r = 0; r < 100; r += kStep) {
-    const double q = r * r;
-    if (r * (1 + q * (k1 + q * (k2 + q * k3))) >= border) return false;
-    if (1 + q * (3 * k1 + q * (5 * k2 + q * 7 * k3)) <= 0) return true;
-  }
-  return true;
-}
-
-constexpr double kShortestBaseline = 1e-3;  // m
-constexpr double kLongestBaseline = 10.0;   // m
-constexpr double kLargestAngle = 0.7;       // rad between the eyes; real rigs have a few hundredths
-
-// A hint for the message if the baseline is plausible (up to 10 m) when read in millimetres.
-const char* of_millimetres(double baseline) {
-  return baseline > kLongestBaseline && baseline <= 1000 * kLongestBaseline
-             ? " (this looks like millimetres: divide it by 1000)"
-             : "";
-}
-
-std::string wrong_with_eyes(const StereoRig& rig) {
-  for (const auto& [camera, name] :
-       {std::pair{&rig.left, "left"}, std::pair{&rig.right, "right"}}) {
-    std::string wrong = wrong_with(camera->pinhole, name);
-    if (!wrong.empty()) return wrong;
-    for (const double value : camera->distortion) {
-      if (!std::isfinite(value) || std::abs(value) > 1e4) {
-        return fmt::format("a distortion coefficient of the {} camera is {}", name, value);
-      }
-    }
-  }
-  for (const auto& [camera, name] :
-       {std::pair{&rig.left, "left"}, std::pair{&rig.right, "right"}}) {
-    if (folds_over(*camera)) {
-      return fmt::format("the distortion of the {} camera folds the image over inside the picture",
-                         name);
-    }
-  }
-  if (rig.left.pinhole.width != rig.right.pinhole.width ||
-      rig.left.pinhole.height != rig.right.pinhole.height) {
-    return fmt::format("the left image is {} x {} and the right one {} x {}; they should be equal",
-                       rig.left.pinhole.width, rig.left.pinhole.height, rig.right.pinhole.width,
-                       rig.right.pinhole.height);
-  }
-  return {};
-}
-
-// Describes a fault of the pose between the eyes; empty if there is none.
-std::string wrong_with_pose(const Rigid3& right_from_left) {
-  const Eigen::Matrix3d R = right_from_left.linear();
-  const Eigen::Vector3d T = right_from_left.translation();
-  if (!R.allFinite() || !T.allFinite()) return "a number of R or T is not finite";
-  const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(off <= 1e-3) || R.determinant() < 0) {
-    return fmt::format("R is not a rotation (R^T R differs from I by {:.2g}, det R = {:.3g})", off,
-                       R.determinant());
-  }
-  const double angle = Eigen::AngleAxisd(R).angle();
-  if (angle > kLargestAngle) {
-    return fmt::format("the eyes look {:.0f} degrees apart; they should see the same things",
-                       angle * 180 / EIGEN_PI);
-  }
-  if (!(T.norm() >= kShortestBaseline && T.norm() <= kLongestBaseline)) {
-    return fmt::format("the eyes are {:.4g} m apart; T should be in metres, {} to {}{}", T.norm(),
-                       kShortestBaseline, kLongestBaseline, of_millimetres(T.norm()));
-  }
-  // The right eye's centre in the left camera: x = -R^T T.
-  const Eigen::Vector3d right_eye = -R.transpose() * T;
-  if (std::abs(right_eye.x()) < std::max(std::abs(right_eye.y()), std::abs(right_eye.z()))) {
-    return "the eyes do not stand side by side: T should point along X";
-  }
-  if (right_eye.x() < 0) {
-    return "the right eye stands to the left of the left one: swap the images, or the signs of T";
-  }
-  return {};
-}
-
 }  // namespace
 
-std::string what_is_wrong_with(const StereoRig& rig) {
-  std::string wrong = wrong_with_eyes(rig);
-  return wrong.empty() ? wrong_with_pose(rig.right_from_left) : wrong;
+Result<StereoCalibration> stereo_calibration_of(const std::string& text,
+                                                const std::filesystem::path& path) {
+  return read(text, path, &stereo_from);
 }
 
-std::string what_is_wrong_with(const RectifiedStereo& stereo) {
-  std::string wrong = wrong_with(stereo.camera, "rectified");
-  if (!wrong.empty()) return wrong;
-  if (!(stereo.baseline >= kShortestBaseline && stereo.baseline <= kLongestBaseline)) {
-    return fmt::format("the baseline is {} m; it should be in metres, {} to {}{}", stereo.baseline,
-                       kShortestBaseline, kLongestBaseline, of_millimetres(stereo.baseline));
-  }
-  if (!(std::abs(stereo.disparity_at_infinity_px) < stereo.camera.width)) {
-    return fmt::format("the disparity at infinity is {} px, for an image {} wide",
-                       stereo.disparity_at_infinity_px, stereo.camera.width);
-  }
-  return {};
+Result<RectifiedCalibration> rectified_calibration_of(const std::string& text,
+                                                      const std::filesystem::path& path) {
+  return read(text, path, &rectified_from);
 }
 
 Result<StereoCalibration> read_stereo_calibration(const std::filesystem::path& path) {
-  return read(path, &stereo_from);
+  const Result<std::string> text = read_bounded_text(path, Notation::kYaml);
+  if (!text.ok()) return Problem{"calibration " + text.problem().message};
+  return stereo_calibration_of(text.value(), path);
 }
 
 Result<RectifiedCalibration> read_rectified_calibration(const std::filesystem::path& path) {
-  return read(path, &rectified_from);
+  const Result<std::string> text = read_bounded_text(path, Notation::kYaml);
+  if (!text.ok()) return Problem{"calibration " + text.problem().message};
+  return rectified_calibration_of(text.value(), path);
 }
 
 void write_stereo_calibration(const std::filesystem::path& path,
@@ -345,7 +247,7 @@ void write_stereo_calibration(const std::filesystem::path& path,
   const Eigen::Vector3d T = rig.right_from_left.translation();
   std::string text = "%YAML:1.0\n---\n";
   text += fmt::format("image_width: {}\nimage_height: {}\nfps: {}\n", rig.left.pinhole.width,
-                      rig.left.pinhole.height, real(calibration.frames_per_second));
+                      rig.left.pinhole.height, yaml_real(calibration.frames_per_second));
   text += yaml_matrix("K1", 3, 3, camera_matrix_rows(rig.left.pinhole));
   text += yaml_matrix("D1", 1, 5, rig.left.distortion);
   text += yaml_matrix("K2", 3, 3, camera_matrix_rows(rig.right.pinhole));
@@ -362,11 +264,12 @@ void write_rectified_calibration(const std::filesystem::path& path,
   PALPABLE_EXPECT(wrong.empty(), wrong.c_str());
   const PinholeCamera& c = stereo.camera;
   write_whole_file(
-      path, fmt::format("%YAML:1.0\n---\nwidth: {}\nheight: {}\nfps: {}\nfx: {}\nfy: {}\ncx: {}\n"
-                        "cy: {}\nbaseline_m: {}\ndoffs_px: {}\n",
-                        c.width, c.height, real(calibration.frames_per_second), real(c.fx_px),
-                        real(c.fy_px), real(c.cx_px), real(c.cy_px), real(stereo.baseline),
-                        real(-stereo.disparity_at_infinity_px)));
+      path,
+      fmt::format("%YAML:1.0\n---\nwidth: {}\nheight: {}\nfps: {}\nfx: {}\nfy: {}\ncx: {}\n"
+                  "cy: {}\nbaseline_m: {}\ndoffs_px: {}\n",
+                  c.width, c.height, yaml_real(calibration.frames_per_second), yaml_real(c.fx_px),
+                  yaml_real(c.fy_px), yaml_real(c.cx_px), yaml_real(c.cy_px),
+                  yaml_real(stereo.baseline), yaml_real(-stereo.disparity_at_infinity_px)));
 }
 
 }  // namespace palpable

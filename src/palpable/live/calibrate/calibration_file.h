@@ -9,6 +9,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/geometry/camera.h"
+#include "palpable/live/calibrate/calibration_check.h"
 
 #include <filesystem>
 #include <string>
@@ -19,27 +20,28 @@ namespace palpable {
 struct StereoCalibration {
   StereoRig rig;
   double frames_per_second = 30;
+  bool rate_is_stated = true;  ///< false: the file has no fps
 };
 
 /// The content of a file for images that are already rectified.
 struct RectifiedCalibration {
   RectifiedStereo stereo;
   double frames_per_second = 30;
+  bool rate_is_stated = true;  ///< false: the file has no fps
 };
 
-/// Describes the first fault of a rig, in one line without a file's name; empty if there is none.
-/// Faults are numbers that are not finite, sizes or focal lengths that are not positive, a
-/// distortion that no lens has, an R that is not a rotation (|R^T R - I| > 1e-3 in an entry, or
-/// det R < 0), a baseline that is not within 1 mm .. 10 m (a file in millimetres is a common
-/// mistake), cameras that do not stand side by side or whose axes differ by more than 40 degrees.
-[[nodiscard]] std::string what_is_wrong_with(const StereoRig& rig);
-[[nodiscard]] std::string what_is_wrong_with(const RectifiedStereo& stereo);
-
-/// Reads and checks a file. For any content, the result is a valid rig or a problem that names the
-/// file. R is replaced by the nearest rotation, so that rounding in the text has no effect.
+/// Reads and checks a file (calibration_check.h). For any content, the result is a valid rig or a
+/// problem that names the file. R is replaced by the nearest rotation, so that rounding in the text
+/// has no effect.
 [[nodiscard]] Result<StereoCalibration> read_stereo_calibration(const std::filesystem::path& path);
 [[nodiscard]] Result<RectifiedCalibration> read_rectified_calibration(
     const std::filesystem::path& path);
+
+/// The same for a text that was read already. @param path  of the file, for messages
+[[nodiscard]] Result<StereoCalibration> stereo_calibration_of(const std::string& text,
+                                                              const std::filesystem::path& path);
+[[nodiscard]] Result<RectifiedCalibration> rectified_calibration_of(
+    const std::string& text, const std::filesystem::path& path);
 
 /// These write all digits, so that reading gives the same numbers again.
 /// @throws ContractViolation if the calibration is not valid; Error if the file cannot be written

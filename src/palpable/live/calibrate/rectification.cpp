@@ -1,7 +1,7 @@
 #include "palpable/live/calibrate/rectification.h"
 
 #include "palpable/common/base/contract.h"
-#include "palpable/live/calibrate/calibration_file.h"
+#include "palpable/live/calibrate/calibration_check.h"
 #include "palpable/live/calibrate/opencv_views.h"
 #include "palpable/live/calibrate/yuyv_kernels.h"
 
@@ -28,6 +28,14 @@ cv::Vec<double, 5> distortion(const DistortedCamera& camera) {
 
 cv::Matx33d to_cv(const Eigen::Matrix3d& m) {
   return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};
+}
+
+// Whether the principal point is less than the longer side away from the picture. That of a file's
+// camera lies inside (calibration_check.h), but rectification may move it out.
+bool is_near_picture(const PinholeCamera& camera) {
+  const double side = std::max(camera.width, camera.height);
+  const auto is_near = [side](double centre) { return centre > -side && centre < 2 * side; };
+  return is_near(camera.cx_px) && is_near(camera.cy_px);
 }
 
 Eigen::Matrix3d to_eigen(const cv::Matx33d& m) {
@@ -66,8 +74,8 @@ Result<RectifiedGeometry> rectify_rig(const StereoRig& rig) {
   // no part of it is usable, and OpenCV returns an arbitrary focal length.
   constexpr double kLargestZoom = 4;
   const double zoom = geometry.stereo.camera.fx_px / rig.left.pinhole.fx_px;
-  if (!what_is_wrong_with(geometry.stereo).empty() || zoom > kLargestZoom ||
-      zoom < 1 / kLargestZoom) {
+  if (!is_near_picture(geometry.stereo.camera) || !(zoom <= kLargestZoom) ||
+      !(zoom >= 1 / kLargestZoom)) {
     const double angle = Eigen::AngleAxisd(rig.right_from_left.linear()).angle();
     return Problem{fmt::format(
         "rectified, the pictures of {} x {} px have no common part without blank pixels: the "

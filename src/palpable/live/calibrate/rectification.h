@@ -24,7 +24,7 @@ struct RectifiedGeometry {
 /// zero disparity at infinity and alpha = 0: the largest picture without blank pixels). The same
 /// calibration always gives the same result.
 ///
-/// Returns a problem if the rig is not valid (calibration_file.h) or there is no such picture.
+/// Returns a problem if the rig is not valid (calibration_check.h) or there is no such picture.
 [[nodiscard]] Result<RectifiedGeometry> rectify_rig(const StereoRig& rig);
 
 /// The same for a rig that is known to be valid.

@@ -5,6 +5,7 @@
 #include "palpable/live/capi/palpable.h"
 #include "palpable/live/session/frame_loop.h"
 #include "tests/support/allocations.h"
+#include "tests/support/c_calls.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/seen_capsules.h"
@@ -35,22 +36,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // A ball of 10 cm diameter that stands on Z = 0 and can be pressed anywhere.
 const std::string& body_file() {
   static const test::ScratchFolder folder("c_interface");
-  static const std::string path = [] {
-    const ReducedBody body = test::DentedSphere{}.body();
-    const std::string file = (folder / "ball.palpable").string();
-    TouchTables tables = test::yielding_tables(body.surface);
-    tables.point_spacing = 0.003;
-    write_touchable_body(file, body, tables);
-    return file;
-  }();
+  static const std::string path = test::write_ball_body(folder, "ball.palpable", 0.003);
   return path;
-}
-
-template <class Struct>
-Struct sized() {
-  Struct empty{};
-  empty.size = sizeof empty;
-  return empty;
 }
 
 // A body's handle, freed by the destructor.
@@ -99,13 +86,13 @@ struct Session {
 };
 
 palpable_frame frame_of(const palpable_session* session) {
-  auto frame = sized<palpable_frame>();
+  auto frame = test::sized<palpable_frame>();
   REQUIRE(palpable_get_frame(session, &frame) == PALPABLE_OK);
   return frame;
 }
 
 palpable_skin skin_of(const palpable_session* session) {
-  auto skin = sized<palpable_skin>();
+  auto skin = test::sized<palpable_skin>();
   REQUIRE(palpable_get_skin(session, 0, &skin) == PALPABLE_OK);
   return skin;
 }
@@ -116,7 +103,7 @@ Eigen::Matrix3Xf vertices_of(const palpable_session* session) {
 }
 
 palpable_touch touch_of(const palpable_session* session, int index = 0) {
-  auto touch = sized<palpable_touch>();
+  auto touch = test::sized<palpable_touch>();
   REQUIRE(palpable_get_touch(session, index, &touch) == PALPABLE_OK);
   return touch;
 }
@@ -135,7 +122,7 @@ palpable_capsule finger(double depth) {
   return {{0, 0, tip}, {0.01, 0, tip + 0.1}, 0.008, 0.008};
 }
 
-palpable_setup no_camera() { return sized<palpable_setup>(); }
+palpable_setup no_camera() { return test::sized<palpable_setup>(); }
 
 // A colour and depth camera like the one that sees the synthetic wall.
 palpable_setup depth_camera() {
@@ -309,7 +296,7 @@ TEST_CASE("frames fed through C give the bytes of the C++ loop", "[capi]") {
   CHECK((skin.contact_pressure == nullptr) ==
         (loop.session.body(0).response.contact() != ContactKind::kAnywhere));
   CHECK(skin.triangles[4] == loop.session.body().model().surface.triangles(1, 1));
-  auto depth = sized<palpable_depth>();
+  auto depth = test::sized<palpable_depth>();
   REQUIRE(palpable_get_depth(session, &depth) == PALPABLE_OK);
   CHECK(depth.width == 161);
   CHECK(depth.fx == 250);
@@ -399,7 +386,7 @@ TEST_CASE("a pair gives the wall's depth, whatever the order of its bytes and th
         {sizeof(palpable_image), l.data(), 320, 180, layout.format, layout.stride},
         {sizeof(palpable_image), r.data(), 320, 180, layout.format, layout.stride}};
     REQUIRE(palpable_feed_stereo(session, &images[0], &images[1], nullptr, 0) == PALPABLE_OK);
-    auto depth = sized<palpable_depth>();
+    auto depth = test::sized<palpable_depth>();
     REQUIRE(palpable_get_depth(session, &depth) == PALPABLE_OK);
     REQUIRE(depth.width == 160);
     int right_ones = 0;
@@ -443,7 +430,7 @@ TEST_CASE("raw pairs are rectified by the rig's calibration file", "[capi]") {
   const palpable_image l = image_of(left), r = image_of(right);
   REQUIRE(palpable_feed_stereo(raw, &l, &r, nullptr, 0) == PALPABLE_OK);
   REQUIRE(palpable_feed_stereo(rectified, &l, &r, nullptr, 0) == PALPABLE_OK);
-  auto from_raw = sized<palpable_depth>(), expected = sized<palpable_depth>();
+  auto from_raw = test::sized<palpable_depth>(), expected = test::sized<palpable_depth>();
   REQUIRE(palpable_get_depth(raw, &from_raw) == PALPABLE_OK);
   REQUIRE(palpable_get_depth(rectified, &expected) == PALPABLE_OK);
   const auto middle = static_cast<std::ptrdiff_t>(45 * 160 + 80);
@@ -558,10 +545,10 @@ TEST_CASE("null pointers are refused everywhere, and nothing crashes", "[capi][e
   CHECK(session == nullptr);
   CHECK(std::string(palpable_last_error()) == "session is null");
 
-  auto frame = sized<palpable_frame>();
-  auto touch = sized<palpable_touch>();
-  auto skin = sized<palpable_skin>();
-  auto depth = sized<palpable_depth>();
+  auto frame = test::sized<palpable_frame>();
+  auto touch = test::sized<palpable_touch>();
+  auto skin = test::sized<palpable_skin>();
+  auto depth = test::sized<palpable_depth>();
   const palpable_capsule c = finger(0.002);
   const Frame images = frame_with_finger(0, 0);
   const palpable_image z = image_of(images.depth), color = image_of(images.left);
@@ -596,9 +583,9 @@ TEST_CASE("what is asked of the wrong session, or of what is not there, is refus
   const palpable_capsule c = finger(0.002);
   const ColorImage left = eye(0);
   const palpable_image image = image_of(left);
-  auto touch = sized<palpable_touch>();
-  auto skin = sized<palpable_skin>();
-  auto depth = sized<palpable_depth>();
+  auto touch = test::sized<palpable_touch>();
+  auto skin = test::sized<palpable_skin>();
+  auto depth = test::sized<palpable_depth>();
   CHECK(palpable_press(sees, &c, 1) == PALPABLE_NOT_POSSIBLE);
   CHECK(feed(presses, frame_with_finger(0, 0)) == PALPABLE_NOT_POSSIBLE);
   CHECK(palpable_feed_stereo(sees, &image, &image, nullptr, 0) == PALPABLE_NOT_POSSIBLE);
@@ -673,6 +660,28 @@ TEST_CASE("files that are none, and the body's own cut off anywhere, are refused
   palpable_close(session);
   setup.width = setup.height = 100;
   CHECK(palpable_open(bodies, 1, &setup, &session) == PALPABLE_WRONG_ARGUMENT);
+  setup.width = setup.height = 0;
+  const auto opened_with = [&](const std::string& cx, const std::string& baseline) {
+    std::ofstream(rectified) << "%YAML:1.0\n---\nfx: 175.0\nfy: 175.0\ncx: " + cx +
+                                    "\ncy: 89.5\nwidth: 320\nheight: 180\nbaseline_m: " + baseline +
+                                    "\n";
+    const palpable_status status = palpable_open(bodies, 1, &setup, &session);
+    if (status == PALPABLE_OK) palpable_close(session);
+    return status;
+  };
+  const auto says = [](const char* part) {
+    return std::string(palpable_last_error()).find(part) != std::string::npos;
+  };
+  CHECK(opened_with("325.0", "0.063") == PALPABLE_WRONG_FILE);
+  CHECK(says("principal point"));
+  CHECK(opened_with("159.5", "-0.063") == PALPABLE_WRONG_FILE);
+  CHECK(says("the eyes are swapped"));
+  CHECK(opened_with("159.5", "2.52") == PALPABLE_WRONG_FILE);
+  CHECK(says("2.52 squares of 25 mm"));
+  CHECK(says("setup.baseline"));
+  setup.baseline = 2.5;
+  CHECK(opened_with("159.5", "2.52") == PALPABLE_OK);  // said twice, so it is meant
+  CHECK(opened_with("159.5", "6.3") == PALPABLE_WRONG_FILE);
 }
 
 TEST_CASE("setups that make no camera are refused", "[capi][errors]") {
@@ -713,8 +722,22 @@ TEST_CASE("setups that make no camera are refused", "[capi][errors]") {
     CHECK(refused(bad));
   }
   bad = stereo_camera();
-  bad.threads = 1000;
+  bad.threads = 65;
   CHECK(refused(bad));
+  bad.threads = 64;
+  CHECK_FALSE(refused(bad));
+}
+
+TEST_CASE("depths in millimetres are refused, far ones are not", "[capi][errors]") {
+  const Session session(depth_camera());
+  Frame frame = frame_with_finger(0, 0.002);
+  for (std::size_t i = 0; i < frame.depth.size(); ++i) frame.depth.data()[i] *= 1000;
+  CHECK(feed(session, frame) == PALPABLE_WRONG_ARGUMENT);
+  CHECK_THAT(palpable_last_error(), Catch::Contains("millimetres"));
+  CHECK(std::isnan(frame_of(session).time));
+  for (std::size_t i = 0; i < frame.depth.size(); ++i) frame.depth.data()[i] /= 1000;
+  for (int x = 0; x < frame.depth.width(); ++x) frame.depth(x, 0) = 500;  // the sky
+  CHECK(feed(session, frame) == PALPABLE_OK);
 }
 
 TEST_CASE("wrong images and times are refused, and the session goes on as if they had not come",
@@ -794,7 +817,7 @@ TEST_CASE("a session in which something was thrown half way is refused until it 
   const palpable_capsule c = finger(0.002);
   REQUIRE(palpable_press(session, &c, 1) == PALPABLE_OK);
   session.handle->is_broken = true;
-  auto frame = sized<palpable_frame>();
+  auto frame = test::sized<palpable_frame>();
   CHECK(palpable_press(session, &c, 1) == PALPABLE_BROKEN);
   CHECK(palpable_get_frame(session, &frame) == PALPABLE_BROKEN);
   CHECK(std::string(palpable_last_error()).find("reset") != std::string::npos);
@@ -873,8 +896,9 @@ TEST_CASE("structs of callers who know more members work as long as those are ze
   CHECK(frame.later == 0);
   CHECK(frame.behind == 6);
   CHECK(frame.known.size == sizeof(palpable_frame) + sizeof(double));
+  // `inside` and what follows came after 0.1, whose callers give the size without them.
   for (const std::size_t size :
-       {std::size_t{0}, sizeof(palpable_frame) - 1, std::size_t{1} << 40}) {
+       {std::size_t{0}, offsetof(palpable_frame, inside) - 1, std::size_t{1} << 40}) {
     frame.known.size = size;
     CHECK(palpable_get_frame(session, &frame.known) == PALPABLE_WRONG_ARGUMENT);
   }

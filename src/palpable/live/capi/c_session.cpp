@@ -1,32 +1,45 @@
 #include "palpable/live/capi/c_session.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/geometry/body_scale.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/common/response/touch_solver.h"
 #include "palpable/live/capi/guarded.h"
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <utility>
 
 using Eigen::Vector3d;
 using palpable::Failure;
-using palpable::Rigid3;
+
+namespace {
+
+palpable_answer answer_of(palpable::Reached reached) {
+  switch (reached) {
+    case palpable::Reached::kYes:
+      return PALPABLE_REACHED;
+    case palpable::Reached::kLater:
+      return PALPABLE_LATER;
+    case palpable::Reached::kNot:
+      break;
+  }
+  return PALPABLE_NOT_REACHED;
+}
+
+}  // namespace
 
 palpable_session::palpable_session(std::vector<palpable_body> the_bodies,
-                                   std::optional<palpable::CameraSetup> the_camera)
+                                   std::unique_ptr<palpable::SessionCamera> the_camera)
     : bodies(std::move(the_bodies)), camera(std::move(the_camera)) {
   if (!camera) {
-    if (bodies.size() != 1) {
-      throw Failure(PALPABLE_NOT_POSSIBLE, "a session without a camera has one body");
-    }
-    if (!bodies.front().body->touch) {
+    for (const palpable_body& body : bodies) {
+      if (body.body->touch) continue;
       throw Failure(PALPABLE_NOT_POSSIBLE,
                     fmt::format("body {} has no tables of touch: without a camera nothing else can "
                                 "press it; bake it with tables (docs/body.md)",
-                                bodies.front().body->body.name));
+                                body.body->body.name));
     }
   }
   reset();
@@ -34,66 +47,89 @@ palpable_session::palpable_session(std::vector<palpable_body> the_bodies,
 
 void palpable_session::reset() {
   is_broken = true;  // until the reset is complete
-  loop_.reset();
   press_.reset();
-  pressed_ = {};
-  images = {};
   if (camera) {
-    std::vector<palpable::PlacedBody> placed;
-    for (std::size_t k = 0; k < bodies.size(); ++k) {
-      placed.push_back({*bodies[k].body, bodies[k].world_from_body, fmt::format("{}", k)});
-    }
-    auto loop = palpable::FrameLoop::make(std::move(placed), camera->format, camera->session);
-    if (!loop.ok()) throw Failure(PALPABLE_WRONG_ARGUMENT, loop.problem().message);
-    loop_.emplace(std::move(loop).value());
-    loop_->session.keep({.contact_pressure = true});
-    show_rest(loop_->scene);
+    camera->restart(bodies);
   } else {
-    press_ = std::make_unique<palpable::CapsulePress>(bodies.front().body);
+    std::vector<palpable::PressedBodies::Member> members;
+    for (const palpable_body& body : bodies) members.push_back({body.body, body.world_from_body});
+    press_ = std::make_unique<palpable::PressedBodies>(std::move(members));
     press_->keep({.contact_pressure = true});
-    show_rest(pressed_);
+    palpable::show_rest(bodies, shown_);
   }
+  touches_.clear();
+  things.clear();
   frames = 0;
-  first_time = 0;
   time = std::numeric_limits<double>::quiet_NaN();
-  gives_poses = wrong_pair = false;
-  left_to_go = 0;
+  left_to_go = inside = 0;
+  answer = PALPABLE_NOT_JUDGED;
+  passed_through = 0;
+  arrays_are_kept = false;
   is_broken = false;
 }
 
-void palpable_session::show_rest(palpable::Scene& scene) const {
-  scene.bodies.resize(bodies.size());
+palpable_kept_frame palpable_session::keep_frame() {
+  std::vector<palpable::SceneBody>& from = camera ? camera->shown() : shown_;
+  palpable_kept_frame kept{bodies, std::move(from), {}};
+  if (camera) kept.depth = camera->take_depth();
+  arrays_are_kept = true;
+  from.clear();
+  for (const palpable::SceneBody& one : kept.shown) {
+    from.emplace_back().camera_from_body = one.camera_from_body;
+  }
+  return kept;
+}
+
+void palpable::require_scale(double scale) {
+  if (is_scale(scale)) return;
+  throw Failure(PALPABLE_WRONG_ARGUMENT,
+                fmt::format("scale is {}, not within {} and {}", scale, kLeastScale, kMostScale));
+}
+
+std::unique_ptr<palpable_body> palpable::handle_of(TouchableBody body, double scale) {
+  if (scale != 1) body = scaled(body, scale);
+  auto handle = std::make_unique<palpable_body>();
+  handle->body = std::make_shared<const TouchableBody>(std::move(body));
+  return handle;
+}
+
+void palpable::show_rest(std::span<const palpable_body> bodies, std::vector<SceneBody>& shown) {
+  shown.assign(bodies.size(), {});
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    const palpable::SurfaceMesh& skin = bodies[k].body->body.surface;
-    palpable::SceneBody& shown = scene.bodies[k];
-    shown.camera_from_body = bodies[k].world_from_body;
-    shown.vertices = skin.vertices.cast<float>();
-    shown.normals.resize(3, skin.vertex_count());
-    palpable::vertex_normals(shown.vertices, skin.triangles, shown.normals);
-    shown.von_mises.assign(static_cast<std::size_t>(skin.vertex_count()), 0.0f);
+    const SurfaceMesh& skin = bodies[k].body->body.surface;
+    SceneBody& one = shown[k];
+    one.camera_from_body = bodies[k].world_from_body;
+    one.vertices = skin.vertices.cast<float>();
+    one.normals.resize(3, skin.vertex_count());
+    vertex_normals(one.vertices, skin.triangles, one.normals);
+    one.von_mises.assign(static_cast<std::size_t>(skin.vertex_count()), 0.0f);
   }
 }
 
-void palpable_session::process_images(const std::optional<Rigid3>* pose) {
+void palpable_session::process_things(std::span<const palpable_thing> the_things, double at) {
   is_broken = true;
-  const palpable::Scene& scene =
-      pose != nullptr ? loop_->process(images, *pose) : loop_->process(images);
-  wrong_pair |= scene.seen.misfit.has_value();
-  is_broken = false;
-}
-
-void palpable_session::process_capsules(std::span<const palpable_capsule> capsules) {
-  is_broken = true;
-  const Rigid3 body_from_world = bodies.front().world_from_body.inverse();
-  in_body_.clear();
-  for (const palpable_capsule& c : capsules) {
-    in_body_.push_back(
-        {body_from_world * Vector3d(c.a), body_from_world * Vector3d(c.b), c.radius_a, c.radius_b});
+  capsules_.clear();
+  for (const palpable_thing& thing : the_things) {
+    for (std::size_t k = 0; k < thing.count; ++k) {
+      const palpable_capsule& c = thing.capsules[k];
+      capsules_.push_back({Vector3d(c.a), Vector3d(c.b), c.radius_a, c.radius_b});
+    }
   }
-  const palpable::TouchReport report =
-      press_->advance(in_body_, pressed_.bodies.front(), pressed_.touches);
-  left_to_go = std::max(report.left_to_move, report.penetration);
+  things.clear();
+  things_.clear();
+  std::span<const palpable::Capsule> rest = capsules_;
+  for (const palpable_thing& thing : the_things) {
+    things.push_back(thing.id);
+    things_.push_back({thing.id, rest.first(thing.count)});
+    rest = rest.subspan(thing.count);
+  }
+  const palpable::ContactReport report = press_->advance(things_, shown_, touches_);
+  left_to_go = report.left();
+  inside = report.inside();
+  answer = answer_of(report.reached());
+  passed_through = press_->passed_through();
   ++frames;
-  time = frames;
+  time = at;
+  arrays_are_kept = false;
   is_broken = false;
 }

@@ -2,20 +2,20 @@
 /// The objects behind the handles of palpable.h.
 #pragma once
 
+#include "palpable/common/contact/touch.h"
 #include "palpable/common/geometry/capsule.h"
-#include "palpable/common/geometry/frame.h"
+#include "palpable/common/geometry/image.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/common/response/touchable_body.h"
 #include "palpable/live/capi/palpable.h"
-#include "palpable/live/capi/setup.h"
-#include "palpable/live/session/capsule_press.h"
-#include "palpable/live/session/frame_loop.h"
-#include "palpable/live/session/scene.h"
+#include "palpable/live/capi/session_camera.h"
+#include "palpable/live/things/pressed_bodies.h"
+#include "palpable/live/things/scene_body.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,42 +25,78 @@ struct palpable_body {
   palpable::Rigid3 world_from_body = palpable::Rigid3::Identity();
 };
 
-/// Either the loop of a camera or capsules that press one body. Both fill a scene.
+namespace palpable {
+
+/// @throws Failure when is_scale() is false
+void require_scale(double scale);
+
+/// @param scale  factor of every length
+[[nodiscard]] std::unique_ptr<palpable_body> handle_of(TouchableBody body, double scale);
+
+}  // namespace palpable
+
+/// What palpable_keep_frame() takes out of a session.
+struct palpable_kept_frame {
+  std::vector<palpable_body> bodies;  // hold the triangles
+  std::vector<palpable::SceneBody> shown;
+  palpable::DepthImage depth;
+};
+
+/// A camera or capsules press the bodies.
 struct palpable_session {
-  /// @param camera  empty for a session without a camera
-  /// @throws Failure when the bodies do not suit the session or FrameLoop rejects the settings
-  palpable_session(std::vector<palpable_body> bodies, std::optional<palpable::CameraSetup> camera);
+  /// @param camera  null for a session without a camera
+  /// @throws Failure when the bodies do not suit the session or the camera rejects them
+  palpable_session(std::vector<palpable_body> bodies,
+                   std::unique_ptr<palpable::SessionCamera> camera);
   palpable_session(const palpable_session&) = delete;
   palpable_session& operator=(const palpable_session&) = delete;
 
   /// Back to the state before the first frame.
   void reset();
 
-  /// Processes the frame in `images`.
-  /// @param pose  null: the camera stands still or is followed. Else the pose of this frame, empty
-  ///              where it is unknown
-  void process_images(const std::optional<palpable::Rigid3>* pose);
   static constexpr std::size_t kMostCapsules = 4096;
-  void process_capsules(std::span<const palpable_capsule> capsules);
+  static constexpr std::size_t kMostThings = 256;
+  /// @param things  whose ids differ, with kMostCapsules together at most
+  /// @param at      s
+  void process_things(std::span<const palpable_thing> things, double at);
 
-  [[nodiscard]] const palpable::Scene& scene() const { return loop_ ? loop_->scene : pressed_; }
+  /// Moves the arrays of the last frame out. shown() has none until the next one.
+  [[nodiscard]] palpable_kept_frame keep_frame();
+
+  /// Of the last frame, the strongest first.
+  [[nodiscard]] const std::vector<palpable::Touch>& touches() const {
+    return camera ? camera->touches() : touches_;
+  }
+  /// One for each body.
+  [[nodiscard]] const std::vector<palpable::SceneBody>& shown() const {
+    return camera ? camera->shown() : shown_;
+  }
 
   const std::vector<palpable_body> bodies;
-  const std::optional<palpable::CameraSetup> camera;
+  const std::unique_ptr<palpable::SessionCamera> camera;
 
-  palpable::Frame images;  ///< the next frame, filled by the caller
-  int frames = 0;          ///< processed so far
-  double first_time = 0, time = std::numeric_limits<double>::quiet_NaN();  ///< s, caller's clock
-  bool gives_poses = false;  ///< the caller passes a pose with every frame
-  bool wrong_pair = false;
-  double left_to_go = 0;   ///< m, palpable_frame::left_to_go
-  bool is_broken = false;  ///< a call was interrupted by an exception
+  int frames = 0;                                          ///< processed so far
+  double time = std::numeric_limits<double>::quiet_NaN();  ///< s, caller's clock
+  double left_to_go = 0;                                   ///< m, palpable_frame::left_to_go
+  double inside = 0;                                       ///< m, palpable_frame::inside
+  palpable_answer answer = PALPABLE_NOT_JUDGED;
+  int passed_through = 0;            ///< palpable_frame::passed_through
+  std::vector<std::int64_t> things;  ///< ids of the last frame's, to which Touch::thing is an index
+  bool arrays_are_kept = false;      ///< by keep_frame(), since the last frame
+  bool is_broken = false;            ///< a call was interrupted by an exception
 
  private:
-  void show_rest(palpable::Scene& scene) const;
-
-  std::optional<palpable::FrameLoop> loop_;
-  std::unique_ptr<palpable::CapsulePress> press_;
-  std::vector<palpable::Capsule> in_body_;
-  palpable::Scene pressed_;
+  std::unique_ptr<palpable::PressedBodies> press_;
+  std::vector<palpable::Capsule> capsules_;
+  std::vector<palpable::CapsuleThing> things_;
+  std::vector<palpable::Touch> touches_;
+  std::vector<palpable::SceneBody> shown_;
 };
+
+namespace palpable {
+
+/// Shows bodies at rest: shape and normals, without stress.
+/// @param shown  overwritten, one for each body
+void show_rest(std::span<const palpable_body> bodies, std::vector<SceneBody>& shown);
+
+}  // namespace palpable

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 namespace palpable {
 namespace {
@@ -46,6 +47,29 @@ Rgb color_at(const std::uint8_t* pixel, int format) {
   }
 }
 
+std::optional<std::string> trouble_of_stride(const palpable_image& image, const char* what) {
+  const std::size_t row = bytes_of_row(image);
+  const std::size_t stride = image.stride > 0 ? image.stride : row;
+  const auto wrong = [&](std::string why) {
+    return fmt::format("the {} has a stride of {} bytes from row to row; {}", what, stride, why);
+  };
+  if (stride > std::numeric_limits<std::size_t>::max() / 2) {
+    return wrong(fmt::format("as a signed number that is {}: the top row is to come first",
+                             static_cast<std::ptrdiff_t>(stride)));
+  }
+  if (stride < row) return wrong(fmt::format("a row of {} px takes {}", image.width, row));
+  if (stride > kMostStride) return wrong(fmt::format("at most {} are possible", kMostStride));
+  if (image.format == PALPABLE_DEPTH_F32 && stride % sizeof(float) != 0) {
+    return wrong("floats take a multiple of 4");
+  }
+  const std::size_t all = static_cast<std::size_t>(image.height - 1) * stride + row;
+  const auto first = reinterpret_cast<std::uintptr_t>(image.pixels);
+  if (all > std::numeric_limits<std::uintptr_t>::max() - first) {
+    return wrong(fmt::format("with it {} rows end beyond the memory that there is", image.height));
+  }
+  return std::nullopt;
+}
+
 // A triangle wave: from 0 to 255 and back to 0 as x grows by 1.
 std::uint8_t rise_and_fall(float x) {
   const float within = x - std::floor(x);
@@ -65,11 +89,29 @@ std::optional<std::string> trouble_of(const palpable_image& image, const char* w
     return fmt::format("the {} has pixels of format {}, which is none of {}", what, image.format,
                        is_depth ? "depth" : "colour");
   }
-  if (image.stride > 0 && image.stride < bytes_of_row(image)) {
-    return fmt::format("the {} has {} bytes from row to row; a row takes {}", what, image.stride,
-                       bytes_of_row(image));
+  return trouble_of_stride(image, what);
+}
+
+std::optional<std::string> doubt_about_unit(const palpable_image& depth) {
+  // m. Depth cameras measure less than kFarAway; a room has at most kFarthest in mm. Larger numbers
+  // mark unknown pixels.
+  constexpr float kFarAway = 100, kFarthest = 1e5F;
+  std::size_t known = 0, far_away = 0;
+  for (int y = 0; y < depth.height; ++y) {
+    const std::uint8_t* bytes = row_of(depth, y);
+    for (int x = 0; x < depth.width; ++x) {
+      float Z = 0;  // rows need not be aligned
+      std::memcpy(&Z, bytes + static_cast<std::size_t>(x) * sizeof Z, sizeof Z);
+      known += std::isfinite(Z) && Z > 0;
+      far_away += Z > kFarAway && Z < kFarthest;
+    }
   }
-  return std::nullopt;
+  if (known == 0 || 2 * far_away <= known) return std::nullopt;
+  return fmt::format(
+      "the depth image: {} of {} depths are beyond {} m; PALPABLE_DEPTH_F32 is in metres: are "
+      "these "
+      "millimetres?",
+      far_away, known, kFarAway);
 }
 
 void copy_color(const palpable_image& image, ColorImage& into) {

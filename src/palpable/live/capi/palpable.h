@@ -7,7 +7,7 @@
  *       palpable_open            with a camera or without
  *         palpable_feed_stereo   a pair of images,  or
  *         palpable_feed_depth    a depth image,  or
- *         palpable_press         capsules, without a camera
+ *         palpable_press_at      things made of capsules, without a camera
  *           palpable_get_frame, palpable_get_touch, palpable_get_skin, palpable_get_depth
  *
  * Units     SI: m, N, Pa, s; px where stated. Pixel coordinates (0, 0) are the centre of the first
@@ -27,7 +27,8 @@
  *           time, also sessions on the same bodies. A call returns when its work is done; meanwhile
  *           a session may use threads of its own (to match stereo, to follow the camera).
  *
- * Memory    Pointers that a session returns are valid until its next feed, press, reset or close.
+ * Memory    Pointers that a session returns are valid until its next feed, press, reset or close;
+ *           palpable_keep_frame() makes them last longer.
  *           After the first frames a frame allocates nothing, except while the map of the room
  *           grows and where the camera is followed.
  *
@@ -79,14 +80,15 @@ PALPABLE_API const char* palpable_last_error(void);
 typedef struct palpable_body palpable_body;
 
 /** Reads a body file (palpable bake makes it).
- * @param scale  factor of every length, with the same material; 1: as it was baked
+ * @param scale  factor of every length, with the same material, 0.001 to 1000; 1: as it was baked
  * @param body   set to the new body, or to null */
 PALPABLE_API palpable_status palpable_load_body(const char* path, double scale,
                                                 palpable_body** body);
 
 /** Sets the pose of the body in sessions that are opened later. Without this call the body stands
  * at the world's origin.
- * @param world_from_body  rotation and translation (m), finite */
+ * @param world_from_body  rotation and translation (m, each coordinate within 10 km), finite.
+ *                         Entries of the rotation may be off by 0.001 */
 PALPABLE_API palpable_status palpable_place_body(palpable_body* body,
                                                  const double world_from_body[16]);
 
@@ -96,7 +98,7 @@ PALPABLE_API void palpable_free_body(palpable_body* body);
 /* ---- sessions ---- */
 
 typedef enum palpable_camera {
-  PALPABLE_NO_CAMERA = 0,  /**< capsules press, see palpable_press() */
+  PALPABLE_NO_CAMERA = 0,  /**< capsules press, see palpable_press_at() */
   PALPABLE_STEREO = 1,     /**< pairs, rectified or raw with a calibration file */
   PALPABLE_COLOR_DEPTH = 2 /**< depth images, optionally colour of the same view */
 } palpable_camera;
@@ -107,9 +109,14 @@ typedef struct palpable_setup {
   int32_t width;  /**< px, of each image; 0: the size in the calibration file */
   int32_t height;
   double fx, fy, cx, cy; /**< px, of a rectified eye or of the depth image */
-  double baseline;       /**< m, between rectified eyes; 1 mm to 10 m */
+  /** m, between rectified eyes; 1 mm to 10 m. With a calibration file it is needed only if the
+   * file's is below 10 mm or above 1 m: then it has to say the same, as such a number is nearly
+   * always in another unit. */
+  double baseline;
   /** Calibration file: OpenCV YAML of a rig (raw pairs) or of rectified pairs, a ZED's SN*.conf, or
-   * `fx fy cx cy width height` as text for depth. Null: the numbers above. */
+   * `fx fy cx cy width height` as text for depth, or one of another program
+   * (docs/recordings.md). Null: the numbers above. Beside a file these may repeat it, to 1 %, but
+   * not contradict it. */
   const char* calibration;
   int32_t follow_camera; /**< 1: the camera moves, and its pose is found from the images */
   /** 1: everything that the camera sees presses from the first frame on. 0: only things that came
@@ -125,9 +132,9 @@ typedef struct palpable_setup {
 typedef struct palpable_session palpable_session;
 
 /** Opens a session on bodies, at the poses that they have now.
- * @param bodies   `count` pointers. Several bodies also press each other. Without a camera exactly
- *                 one body is allowed, and it must have tables of touch (every body has, unless it
- *                 was baked without), else PALPABLE_NOT_POSSIBLE
+ * @param bodies   `count` pointers. Several bodies also press each other. Without a camera all must
+ *                 have tables of touch (every body has, unless it was baked without), else
+ *                 PALPABLE_NOT_POSSIBLE
  * @param session  set to the new session, or to null */
 PALPABLE_API palpable_status palpable_open(const palpable_body* const* bodies, size_t count,
                                            const palpable_setup* setup, palpable_session** session);
@@ -144,8 +151,10 @@ typedef enum palpable_pixels {
   PALPABLE_GRAY8 = 1, /**< one byte */
   PALPABLE_RGB8 = 2,  /**< three, sRGB */
   PALPABLE_BGR8 = 3,
-  PALPABLE_RGBA8 = 4,    /**< alpha is ignored */
-  PALPABLE_DEPTH_F32 = 5 /**< a float: Z in m; unknown where it is NaN, infinite or <= 0 */
+  PALPABLE_RGBA8 = 4, /**< alpha is ignored */
+  /** a float: Z in m; unknown where it is NaN, infinite or <= 0. An image with most depths beyond
+   * 100 m is refused: it is in mm */
+  PALPABLE_DEPTH_F32 = 5
 } palpable_pixels;
 
 typedef struct palpable_image {
@@ -154,14 +163,16 @@ typedef struct palpable_image {
   int32_t width;      /**< px, equal to that of the setup */
   int32_t height;
   int32_t format; /**< a palpable_pixels */
-  size_t stride;  /**< bytes from row to row; 0: no bytes between rows */
+  /** Bytes from row to row; 0: no bytes between rows. Else at least a row, at most 1048576, and a
+   * multiple of 4 for PALPABLE_DEPTH_F32. Pictures whose bottom row comes first are refused. */
+  size_t stride;
 } palpable_image;
 
 /** Processes one frame of a session with PALPABLE_STEREO.
  * @param world_from_camera  null: the camera stands still or is followed. Else the pose of the
  *                           camera, which then must be given with every frame. A pose whose first
  *                           number is NaN is unknown, and nothing presses in this frame
- * @param time               s, larger than that of the previous frame */
+ * @param time               s, larger than that of the previous frame, less than 1e12 from 0 */
 PALPABLE_API palpable_status palpable_feed_stereo(palpable_session* session,
                                                   const palpable_image* left,
                                                   const palpable_image* right,
@@ -186,11 +197,32 @@ typedef struct palpable_capsule {
   double radius_b;
 } palpable_capsule;
 
-/** Processes one frame of a session with PALPABLE_NO_CAMERA: the skin deforms, without friction,
- * until it no longer penetrates the capsules. From call to call a capsule should advance by less
- * than its radius: the skin may slip to the other side of one that jumps farther. Each call counts
- * as a frame; frame times are 1, 2, 3, ...
- * @param capsules  `count` of them, 4096 at most; with 0, nothing presses */
+/** Capsules that belong together, such as those of a hand (palpable/hands.h) or a tool. */
+typedef struct palpable_thing {
+  size_t size; /**< sizeof(palpable_thing), the same in all things of a call: their distance, too */
+  /** The caller's name for it: the same from call to call, another one for each other thing.
+   * Touches carry it. Not PALPABLE_NO_THING. */
+  int64_t id;
+  const palpable_capsule* capsules; /**< `count` of them; read during the call only */
+  size_t count;                     /**< with 0, the thing presses nothing */
+} palpable_thing;
+
+#define PALPABLE_NO_THING INT64_MIN /**< palpable_touch::thing where none is known */
+
+/** Processes one frame of a session with PALPABLE_NO_CAMERA: the skins deform, without friction,
+ * until they no longer penetrate the capsules. From call to call a capsule should advance by less
+ * than its radius: the skin may slip to the other side of one that jumps farther. PALPABLE_OK says
+ * that the call was processed, and palpable_frame::answer whether the skins give way to all
+ * capsules.
+ * @param things   `count` of them, 256 at most, with 4096 capsules together. A thing that is left
+ *                 out is gone; with 0 things nothing presses
+ * @param seconds  larger than that of the previous call, less than 1e12 from 0 */
+PALPABLE_API palpable_status palpable_press_at(palpable_session* session,
+                                               const palpable_thing* things, size_t count,
+                                               double seconds);
+
+/** palpable_press_at() with one thing whose id is 0, a second after the previous call; the first
+ * call is at 1 s. */
 PALPABLE_API palpable_status palpable_press(palpable_session* session,
                                             const palpable_capsule* capsules, size_t count);
 
@@ -203,6 +235,21 @@ typedef enum palpable_camera_state {
   PALPABLE_LOST = 3      /**< its pose is unknown: nothing presses */
 } palpable_camera_state;
 
+/** Whether the skin gives way to everything that presses. */
+typedef enum palpable_answer {
+  /** Not judged: before the first palpable_press_at(), with a camera (see inside), and by an older
+   * library. */
+  PALPABLE_NOT_JUDGED = 0,
+  PALPABLE_REACHED = 1, /**< yes: left_to_go is 0.3 mm at most */
+  PALPABLE_LATER =
+      2, /**< not yet: this call came nearer, the next ones with these capsules go on */
+  /** No, and this call came no nearer: forces and shape are no answer to these capsules. One of
+   * them is sharper than the distance of the contact points (radius below 2.2 mm times the scale)
+   * and stands between them, presses skin that the support holds, or contains so much of the body
+   * that the skin finds no way out. */
+  PALPABLE_NOT_REACHED = 3
+} palpable_answer;
+
 typedef struct palpable_frame {
   size_t size; /**< sizeof(palpable_frame) */
   double time; /**< s, of the frame processed last; NaN before the first */
@@ -211,10 +258,22 @@ typedef struct palpable_frame {
   int32_t camera;      /**< a palpable_camera_state */
   int32_t wrong_pair;  /**< 1: the images do not fit the calibration; depths are unreliable */
   double world_from_camera[16];
-  /** m, how far the skin still is from its solution after palpable_press(): the skin moves by at
-   * most 15 mm in one call, the rest follows in later calls. Below 0.3 mm the solution is reached.
-   * With a camera always 0. */
+  /** m, how far the skins still are from their solution after palpable_press_at(): the way that
+   * they have yet to move, or `inside` if that is more. A skin moves by at most 15 mm in one call,
+   * the rest follows in later calls. Up to 0.3 mm the solution is reached. With a camera always 0.
+   */
   double left_to_go;
+  /** m, how deep obstacles still are inside the skin, judged everywhere: at all contact points, at
+   * vertices that the support holds, and inside of triangles where an obstacle is sharper than the
+   * distance of the contact points. With a camera a few mm are usual while a hand comes fast. Other
+   * bodies are no obstacles. */
+  double inside;
+  int32_t answer; /**< a palpable_answer, of the last palpable_press_at() */
+  /** Capsules that came out of a skin in the last call after they had passed through it, from
+   * outside to outside, in one call or in several; only those that advanced by more than their
+   * radius in a call may, and those to which the skin did not give way. Of things that had equally
+   * many capsules in all of these calls, in the same order. */
+  int32_t passed_through;
 } palpable_frame;
 
 PALPABLE_API palpable_status palpable_get_frame(const palpable_session* session,
@@ -232,6 +291,7 @@ typedef struct palpable_touch {
   double area;       /**< m^2, pressed area of the skin; 0: unknown */
   double assumed;    /**< share of the force that comes from sides which the camera does not see */
   double unseen_for; /**< s since the obstacle was last measured; 0: measured in this frame */
+  int64_t thing;     /**< palpable_thing::id of what presses; PALPABLE_NO_THING: not known */
 } palpable_touch;
 
 /** Returns a touch of the frame processed last. Touches are sorted by force, the largest first. */
@@ -280,6 +340,20 @@ typedef struct palpable_depth {
  * without a camera. */
 PALPABLE_API palpable_status palpable_get_depth(const palpable_session* session,
                                                 palpable_depth* depth);
+
+/** The arrays of a frame, kept beyond the next one. */
+typedef struct palpable_kept_frame palpable_kept_frame;
+
+/** Keeps the arrays to which palpable_get_skin() and palpable_get_depth() have pointed since the
+ * last frame: they stay as they are, where they are, until palpable_free_kept_frame(), even when
+ * the session is closed and its bodies are freed. Nothing is copied; the next frame gets memory of
+ * its own. Until then the getters of skins and depth return PALPABLE_NOT_POSSIBLE.
+ * @param kept  set to the arrays, or to null */
+PALPABLE_API palpable_status palpable_keep_frame(palpable_session* session,
+                                                 palpable_kept_frame** kept);
+
+/** Null is allowed. */
+PALPABLE_API void palpable_free_kept_frame(palpable_kept_frame* kept);
 
 #ifdef __cplusplus
 }

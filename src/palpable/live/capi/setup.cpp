@@ -5,21 +5,19 @@
 #include "palpable/live/depth/depth_settings.h"
 #include "palpable/live/sources/source_calibration.h"
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
 namespace palpable {
 namespace {
 
+constexpr int kMostThreadsAsked = 64;
 constexpr int kLeastSide = 16, kMostSide = 16384;  // px
-constexpr double kFarthest = 1e4;                  // m, largest coordinate of a pose's translation
-
-using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
 [[noreturn]] void refuse(const std::string& why) { throw Failure(PALPABLE_WRONG_ARGUMENT, why); }
 
@@ -31,10 +29,44 @@ bool is_on(int value, const char* name) {
 
 bool is_stereo(const palpable_setup& setup) { return setup.camera == PALPABLE_STEREO; }
 
+// Whether a number of the setup repeats that of a file: to 1 %, since somebody writes two digits.
+bool repeats(double given, double of_file) {
+  return std::abs(given - of_file) <= 0.01 * std::abs(of_file);
+}
+
+// An unlikely baseline of the file is meant if setup has it, too.
+BaselineRule baseline_rule(const palpable_setup& setup, const FrameFormat& format) {
+  const std::optional<double> baseline = baseline_of(format);
+  return baseline && repeats(setup.baseline, *baseline) ? BaselineRule::kAnyPossible
+                                                        : BaselineRule::kUsual;
+}
+
+// Numbers beside a calibration file may repeat it, but not say something else.
+void expect_no_contradiction(const palpable_setup& setup, const FrameFormat& format) {
+  const auto expect = [&](const char* name, double given, double of_file) {
+    if (given == 0 || repeats(given, of_file)) return;
+    refuse(fmt::format("setup.{} is {}, and {} has {}: leave one of them out", name, given,
+                       setup.calibration, of_file));
+  };
+  if (const std::optional<double> baseline = baseline_of(format)) {
+    expect("baseline", setup.baseline, *baseline);
+  }
+  // Raw pairs have two lenses, which no setup describes.
+  if (is_stereo(setup) && !format.already_rectified) return;
+  const PinholeCamera& camera = is_stereo(setup) ? format.rectified.camera : format.depth_camera;
+  expect("fx", setup.fx, camera.fx_px);
+  expect("fy", setup.fy, camera.fy_px);
+  expect("cx", setup.cx, camera.cx_px);
+  expect("cy", setup.cy, camera.cy_px);
+}
+
 FrameFormat format_of_file(const palpable_setup& setup) {
-  const auto read = read_source_calibration(setup.calibration, setup.width, setup.height);
+  const auto read = read_source_calibration(
+      setup.calibration, setup.width, setup.height,
+      is_stereo(setup) ? FrameFormat::Kind::kStereo : FrameFormat::Kind::kColorDepth);
   if (!read.ok()) throw Failure(PALPABLE_WRONG_FILE, read.problem().message);
-  FrameFormat format = read.value().format;
+  SourceCalibration calibration = read.value();
+  FrameFormat format = calibration.format;
   if ((format.kind == FrameFormat::Kind::kStereo) != is_stereo(setup)) {
     throw Failure(PALPABLE_WRONG_FILE,
                   fmt::format("{} is of the other kind of camera: {}", setup.calibration,
@@ -48,12 +80,19 @@ FrameFormat format_of_file(const palpable_setup& setup) {
   }
   const bool knows_size = format.width > 0 && format.height > 0;
   if (!knows_size) set_size(format, setup.width, setup.height);
+  if (format.width <= 0 || format.height <= 0) return format;  // camera_setup() refuses it
+  calibration.format = format;
+  if (const auto problem = problem_with(calibration, baseline_rule(setup, format),
+                                        "if it is meant, set setup.baseline to it, too")) {
+    throw Failure(PALPABLE_WRONG_FILE, problem->message);
+  }
   if (setup.width != 0 || setup.height != 0) {
     if (setup.width != format.width || setup.height != format.height) {
       refuse(fmt::format("{} is of images of {} x {} px, and setup has {} x {}", setup.calibration,
                          format.width, format.height, setup.width, setup.height));
     }
   }
+  expect_no_contradiction(setup, format);
   return format;
 }
 
@@ -76,14 +115,18 @@ DepthSettings depth_settings(const palpable_setup& setup) {
   DepthSettings depth;
   if (setup.nearest != 0) depth.nearest = setup.nearest;
   if (setup.farthest != 0) depth.farthest = setup.farthest;
-  if (setup.threads != 0) depth.threads = setup.threads;
+  if (setup.threads < 0 || setup.threads > kMostThreadsAsked) {
+    refuse(
+        fmt::format("setup.threads is {}, not within 0 and {}", setup.threads, kMostThreadsAsked));
+  }
+  // The matcher has no use for more threads; how many there are changes no result.
+  if (setup.threads != 0) depth.threads = std::min<int>(setup.threads, kMostThreads);
   depth.full_resolution = is_on(setup.full_resolution, "full_resolution");
   const double farthest = depth.farthest.value_or(kUsualFarthest);
   if (!(depth.nearest >= 0.01 && depth.nearest < farthest && farthest <= 1000)) {
     refuse(fmt::format("setup: depths from {} to {} m; 0.01 to 1000 are possible", depth.nearest,
                        farthest));
   }
-  if (depth.threads < 1) refuse(fmt::format("setup.threads is {}", depth.threads));
   return depth;
 }
 
@@ -108,23 +151,5 @@ CameraSetup camera_setup(const palpable_setup& setup) {
   made.session.depth = depth_settings(setup);
   return made;
 }
-
-Rigid3 pose_of(const double* rows, const char* name) {
-  const auto wrong = [&](const char* what) { refuse(fmt::format("{}: {}", name, what)); };
-  if (rows == nullptr) wrong("is null");
-  const RowMajor m = Eigen::Map<const RowMajor>(rows);
-  if (!m.allFinite()) wrong("holds what is no number");
-  if (m.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) wrong("its last row is not 0 0 0 1");
-  if (m.topRightCorner<3, 1>().cwiseAbs().maxCoeff() > kFarthest) wrong("is farther than 10 km");
-  const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
-  const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(off <= 1e-3) || R.determinant() < 0) wrong("holds no rotation");
-  Rigid3 pose = Rigid3::Identity();
-  pose.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
-  pose.translation() = m.topRightCorner<3, 1>();
-  return pose;
-}
-
-void write_pose(const Rigid3& pose, double rows[16]) { Eigen::Map<RowMajor>{rows} = pose.matrix(); }
 
 }  // namespace palpable

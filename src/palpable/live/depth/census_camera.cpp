@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -16,8 +17,6 @@ namespace {
 
 // Smallest depth that the guard of the matcher searches, m: at 40 mm neither camera is in focus.
 constexpr double kGuardNearest = 0.05;
-
-constexpr int kMostThreads = 16;
 
 // px by which the searched range extends below the disparity of infinity. The ends of the range are
 // not trusted, so without this very distant things would not be matched and could not be used to
@@ -143,6 +142,7 @@ void CensusCamera::fill_depth(SeenFrame& seen) const {
   const auto f_T = static_cast<float>(kDisparitySteps * matched.camera.fx_px * matched.baseline);
   const auto infinity = static_cast<float>(kDisparitySteps * matched.disparity_at_infinity_px);
   const auto farthest = static_cast<float>(farthest_);
+  std::size_t measured = 0, kept = 0, too_close = 0;
   for (std::size_t i = 0; i < seen.depth.size(); ++i) {
     const std::int16_t d = pair_.disparity.data()[i];
     const float Z = f_T / (static_cast<float>(d) - infinity);
@@ -150,6 +150,19 @@ void CensusCamera::fill_depth(SeenFrame& seen) const {
     seen.depth.data()[i] = known ? Z : std::numeric_limits<float>::quiet_NaN();
     seen.confidence.data()[i] = known ? pair_.confidence.data()[i] : std::uint8_t{0};
     seen.too_close.data()[i] = d == kTooCloseDisparity ? 255 : 0;
+    measured += is_measured(d);
+    kept += known;
+    too_close += d == kTooCloseDisparity;
+  }
+  const auto pixels = static_cast<double>(std::max<std::size_t>(seen.depth.size(), 1));
+  seen.measured.measured = static_cast<double>(measured + too_close) / pixels;
+  seen.measured.too_far = static_cast<double>(measured - kept) / pixels;
+  const int height = seen.depth.height();
+  for (int y = 0; y < height; y += sample_step(height)) {
+    for (int x = 0; x < seen.depth.width(); ++x) {
+      const std::int16_t d = pair_.disparity(x, y);
+      if (is_measured(d)) seen.measured.sample(f_T / (static_cast<float>(d) - infinity));
+    }
   }
 }
 

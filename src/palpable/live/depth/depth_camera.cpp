@@ -39,6 +39,7 @@ Result<AnyCamera> camera_for(const FrameFormat& format, const DepthSettings& set
 
 // An image without colour and depth, for a frame that cannot be used.
 void blank(SeenFrame& seen) {
+  seen.measured.clear();
   seen.left.resize(0, 0);
   seen.left_half.resize(0, 0);
   seen.right.resize(0, 0);
@@ -48,12 +49,17 @@ void blank(SeenFrame& seen) {
   std::fill(seen.confidence.begin(), seen.confidence.end(), std::uint8_t{0});
 }
 
-double density_of(const SeenFrame& seen) {
-  if (seen.depth.empty()) return 0;
+// Fills the shares of the pixels whose depth is known, or that are too close.
+void find_density(SeenFrame& seen) {
+  seen.density = seen.measured.kept = seen.measured.too_close = 0;
+  if (seen.depth.empty()) return;
+  const auto pixels = static_cast<double>(seen.depth.size());
   const auto known = std::count_if(seen.depth.begin(), seen.depth.end(),
                                    [](float Z) { return Z > 0; });  // NaN is not
   const auto close = std::count(seen.too_close.begin(), seen.too_close.end(), std::uint8_t{255});
-  return static_cast<double>(known + close) / static_cast<double>(seen.depth.size());
+  seen.measured.kept = static_cast<double>(known) / pixels;
+  seen.measured.too_close = static_cast<double>(close) / pixels;
+  seen.density = static_cast<double>(known + close) / pixels;
 }
 
 }  // namespace
@@ -92,6 +98,7 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
   seen.row_error_px = std::numeric_limits<double>::quiet_NaN();
   seen.row_correction_px = 0;
   seen.misfit.reset();
+  seen.measured.clear();
   seen.color.resize(seen.camera.width, seen.camera.height);
   seen.depth.resize(seen.depth_camera.width, seen.depth_camera.height);
   bool usable = false;
@@ -99,7 +106,7 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
     usable = std::visit([&](auto& any) { return any.measure(frame, seen, p.times); }, p.any);
   } catch (const cv::Exception&) {}  // for instance out of memory: this frame has no depth
   if (!usable) blank(seen);
-  seen.density = density_of(seen);
+  find_density(seen);
   seen.trouble = p.watch.look(seen.density, seen.row_error_px);
 }
 

@@ -627,7 +627,12 @@ TEST_CASE("numbers that do not make a camera are refused with a reason", "[depth
   CHECK(contains(reason(format), "too small"));
   FrameFormat depth;
   depth.kind = FrameFormat::Kind::kColorDepth;
-  CHECK(contains(reason(depth), "positive"));
+  CHECK(contains(reason(depth), "the depth image is 0 x 0 px"));
+  depth.depth_camera = {0, 0, 30, 31, 30, 20};
+  set_size(depth, 64, 40);
+  CHECK(DepthCamera::make(depth).ok());
+  depth.depth_camera.cx_px = 64.5;
+  CHECK(contains(reason(depth), "principal point"));
 }
 
 }  // namespace

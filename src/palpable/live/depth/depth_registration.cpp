@@ -1,6 +1,7 @@
 #include "palpable/live/depth/depth_registration.h"
 
 #include "palpable/common/base/contract.h"
+#include "palpable/live/depth/depth_gaps.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -9,7 +10,6 @@
 namespace palpable {
 namespace {
 
-constexpr float kJump = 1.06F;          // largest ratio of neighbouring depths of one surface
 constexpr float kLeastInverse = 1e-4F;  // 1/m; excludes points behind the camera or beyond 10 km
 // Width by which a triangle is enlarged, as a share of its height. Without it, rounding could leave
 // pixels on a common side of two triangles to neither of them.
@@ -57,25 +57,37 @@ DepthRegistration::DepthRegistration(const PinholeCamera& depth_camera, const Co
 
 void DepthRegistration::project_row(const DepthImage& depth, int y,
                                     std::vector<Corner>& row) const {
-  const float* Z = depth.row(y);
+  const float* Z = bridged_.row(y);
   const Eigen::Vector3f start = M_.col(1) * static_cast<float>(y) + M_.col(2);
   for (int x = 0; x < width_; ++x) {
     Corner& corner = row[x];
     const Eigen::Vector3f p = Z[x] * (start + M_.col(0) * static_cast<float>(x)) + q_;
     const float w = 1 / p.z();
     const bool seen = w > kLeastInverse && Z[x] > 0;  // false for NaN
-    corner = {Z[x], p.x() * w, p.y() * w, seen ? w : 0.0F};
+    corner = {Z[x], p.x() * w, p.y() * w, seen ? w : 0.0F, depth(x, y) > 0};
   }
+}
+
+// The corner a has the right angle of the depth image's pixels, so that b is the nearest corner if
+// its share is above a half, and a if no other is. A point halfway is the unmeasured one's,
+// whatever the rounding.
+bool DepthRegistration::is_unmeasured(const Corner& a, const Corner& b, const Corner& c, float in_b,
+                                      float in_c, float area) {
+  const float low = (0.5F - kOverlap) * area, high = (0.5F + kOverlap) * area;
+  return (!a.measured && in_b <= high && in_c <= high) || (!b.measured && in_b >= low) ||
+         (!c.measured && in_c >= low);
 }
 
 void DepthRegistration::draw(const Corner& a, const Corner& b, const Corner& c, DepthImage& into) {
   if (!(a.w > 0 && b.w > 0 && c.w > 0)) return;
   const auto [least, most] = range_of(a.Z, b.Z, c.Z);
-  if (most > kJump * least) return;
+  if (most > kSurfaceJump * least) return;
   const float bu = b.u - a.u, bv = b.v - a.v;
   const float cu = c.u - a.u, cv = c.v - a.v;
   const float area = bu * cv - cu * bv;
   if (!(area > 0)) return;  // seen from behind
+  const bool all_measured = a.measured && b.measured && c.measured;
+  if (!(a.measured || b.measured || c.measured)) return;
   const Pixels us = pixels_between(range_of(a.u, b.u, c.u), into.width());
   const Pixels vs = pixels_between(range_of(a.v, b.v, c.v), into.height());
   for (int v = vs.first; v <= vs.last; ++v) {
@@ -86,6 +98,7 @@ void DepthRegistration::draw(const Corner& a, const Corner& b, const Corner& c, 
       const float in_c = bu * dv - du * bv;
       const float over = kOverlap * area;
       if (in_b < -over || in_c < -over || in_b + in_c > area + over) continue;
+      if (!all_measured && is_unmeasured(a, b, c, in_b, in_c, area)) continue;
       const float Z = area / (area * a.w + in_b * (b.w - a.w) + in_c * (c.w - a.w));
       if (!(row[u] <= Z)) row[u] = Z;  // also if row[u] is NaN: nothing was drawn yet
     }
@@ -98,6 +111,7 @@ void DepthRegistration::to_color(const DepthImage& depth, DepthImage& in_color) 
   in_color.resize(color_width_, color_height_);
   std::fill(in_color.begin(), in_color.end(), std::numeric_limits<float>::quiet_NaN());
   if (width_ < 2 || height_ < 2) return;
+  bridge_gaps(depth, bridged_);
   above_.resize(width_);
   below_.resize(width_);
   project_row(depth, 0, below_);

@@ -18,7 +18,7 @@ namespace palpable {
 /// values that are no depths, or beyond settings.farthest, become NaN.
 class DepthSensorCamera {
  public:
-  /// Returns a problem if a focal length is not positive or the colour camera is not valid.
+  /// Returns a problem if a camera or the pose between them is not valid (calibration_check.h).
   [[nodiscard]] static Result<DepthSensorCamera> make(const FrameFormat& format,
                                                       const DepthSettings& settings);
 
@@ -34,10 +34,14 @@ class DepthSensorCamera {
 
  private:
   DepthSensorCamera() = default;
+  void survey(const DepthImage& depth, MeasuredDepth& measured) const;
 
-  int width_ = 0;   // px, of a frame's images
-  int height_ = 0;  // px
+  int width_ = 0;         // px, of a frame's colour image
+  int height_ = 0;        // px
+  int depth_width_ = 0;   // px, of a frame's depth image
+  int depth_height_ = 0;  // px
   double farthest_ = 0;
+  double depth_unit_ = 0;  // m, FrameFormat::depth_unit
   PinholeCamera camera_;
   DepthNoise noise_ = time_of_flight_noise();
   std::optional<DepthRegistration> registration_;  // if colour and depth have different views

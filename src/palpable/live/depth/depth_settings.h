@@ -6,6 +6,9 @@
 
 namespace palpable {
 
+/// The largest number of threads on which a pair is matched.
+inline constexpr int kMostThreads = 16;
+
 struct DepthSettings {
   enum class Matcher {
     kCensus,  ///< stereo_matcher.h
@@ -23,14 +26,14 @@ struct DepthSettings {
   /// the path length of a camera that is tracked by such depths.
   std::optional<double> farthest = std::nullopt;
   /// Match stereo at full resolution instead of half: for scenes, small images and benchmarks.
-  /// Takes about 6 times as long.
+  /// Matching takes 3 to 4 times as long.
   bool full_resolution = false;
   /// Largest width of images, px, that are always matched at full resolution: at half their size
   /// there would be too little left to match.
   int full_up_to_px = 0;
   /// Connected patches of fewer pixels than this are noise and become unknown (kOpenCv).
   int speckle_size_px = 60;
-  int threads = 2;  ///< of kCensus; the depth does not depend on it
+  int threads = 2;  ///< of kCensus, kMostThreads at most; the depth does not depend on it
   /// Measure the row error of every frame, and correct it if it persists (row_watch.h; kCensus).
   bool watch_rows = true;
 };

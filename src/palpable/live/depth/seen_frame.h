@@ -5,6 +5,7 @@
 #include "palpable/common/geometry/camera.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/live/depth/depth_watch.h"
+#include "palpable/live/depth/measured_depth.h"
 #include "palpable/live/depth/pair_fit.h"
 
 #include <limits>
@@ -37,6 +38,7 @@ struct SeenFrame {
   double row_correction_px = 0;
   /// Share of the pixels that have a depth or are marked as too close.
   double density = 0;
+  MeasuredDepth measured;  ///< before limits left out a part
   /// A persistent trouble that degrades depth, including this frame (depth_watch.h).
   DepthTrouble trouble = DepthTrouble::kNone;
   /// Set in the first frame if its images do not fit the calibration (pair_fit.h; `rows_px` is of

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -120,6 +121,15 @@ bool SgbmCamera::measure(const Frame& frame, SeenFrame& seen, StageTimes& times)
   }
   const StageTimer timer(times, "depth");
   parts_->fill_depth(seen.depth);
+  // Its table has no depths beyond the limits: what was measured is what is kept.
+  const auto known =
+      std::count_if(seen.depth.begin(), seen.depth.end(), [](float Z) { return Z > 0; });
+  seen.measured.measured =
+      static_cast<double>(known) / static_cast<double>(std::max<std::size_t>(seen.depth.size(), 1));
+  const int height = seen.depth.height();
+  for (int y = 0; y < height; y += sample_step(height)) {
+    for (int x = 0; x < seen.depth.width(); ++x) seen.measured.sample(seen.depth(x, y));
+  }
   return true;
 }
 

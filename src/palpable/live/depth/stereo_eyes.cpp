@@ -1,6 +1,6 @@
 #include "palpable/live/depth/stereo_eyes.h"
 
-#include "palpable/live/calibrate/calibration_file.h"
+#include "palpable/live/calibrate/calibration_check.h"
 
 #include <fmt/core.h>
 

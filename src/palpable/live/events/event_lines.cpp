@@ -45,7 +45,7 @@ std::vector<EventBody> event_bodies(const Session& session) {
   return bodies;
 }
 
-std::string hello_line(const std::vector<EventBody>& bodies) {
+std::string hello_line(const std::vector<EventBody>& bodies, EventWorld world) {
   Json listed = Json::array();
   for (const EventBody& body : bodies) {
     listed.push_back(Json{{"name", body.name},
@@ -59,7 +59,9 @@ std::string hello_line(const std::vector<EventBody>& bodies) {
                    {"format", "palpable touch events"},
                    {"version", 1},
                    {"units", Json{{"length", "m"}, {"force", "N"}, {"time", "s"}, {"area", "m^2"}}},
-                   {"frames", Json{{"world", "the camera of the first frame"},
+                   {"frames", Json{{"world", world == EventWorld::kFirstCamera
+                                                 ? "the camera of the first frame"
+                                                 : "the frame in which what presses is given"},
                                    {"camera", "X right, Y down, Z forward"},
                                    {"body", "that of the body's file"}}},
                    {"bodies", listed}};
@@ -73,17 +75,23 @@ EventLines::EventLines(const std::vector<EventBody>& bodies) {
   }
 }
 
-std::string_view EventLines::line_of(const Scene& scene) {
+std::string_view EventLines::line_of(const Scene& scene, const EventExtras& extras) {
   PALPABLE_EXPECT(scene.bodies.size() == names_.size(), "a scene of these bodies");
   text_.clear();
   fmt::format_to(std::back_inserter(text_),
                  "{{\"type\":\"frame\",\"frame\":{},\"time\":", scene.number);
   add_number(scene.time, 6);
+  if (extras.skipped) fmt::format_to(std::back_inserter(text_), ",\"skipped\":{}", *extras.skipped);
+  if (const std::string_view answer = text_of(scene.answer); !answer.empty()) {
+    add(",\"answer\":\"");
+    add(answer);
+    add("\"");
+  }
   add_camera(scene.camera);
   add(",\"bodies\":[");
   for (std::size_t k = 0; k < names_.size(); ++k) {
     if (k > 0) add(",");
-    add_body(scene, static_cast<int>(k));
+    add_body(scene, static_cast<int>(k), extras.vertices);
   }
   add("]}\n");
   return text_;
@@ -99,7 +107,7 @@ std::string_view EventLines::tick_line(int frame, int tick, double time,
   for (std::size_t k = 0; k < names_.size(); ++k) {
     add(k > 0 ? ",{\"name\":" : "{\"name\":");
     add(names_[k]);
-    add_touches(touches, static_cast<int>(k));
+    add_touches(touches, {}, static_cast<int>(k));
     add("}");
   }
   add("]}\n");
@@ -141,7 +149,7 @@ void EventLines::add_camera(const TrackedPose& camera) {
   add(camera.new_world ? ",\"new_world\":true}" : ",\"new_world\":false}");
 }
 
-void EventLines::add_body(const Scene& scene, int number) {
+void EventLines::add_body(const Scene& scene, int number, bool vertices) {
   const auto k = static_cast<std::size_t>(number);
   const SceneBody& body = scene.bodies[k];
   add("{\"name\":");
@@ -150,7 +158,15 @@ void EventLines::add_body(const Scene& scene, int number) {
   add_rows(world_from_body_[k]);
   add(",\"camera_from_body\":");
   add_rows(body.camera_from_body);
-  add_touches(scene.touches, number);
+  add_touches(scene.touches, scene.things, number);
+  if (vertices) {
+    add(",\"vertices\":[");
+    for (Eigen::Index v = 0; v < body.vertices.cols(); ++v) {
+      if (v > 0) add(",");
+      add_vector(body.vertices.col(v).cast<double>());
+    }
+    add("]");
+  }
   if (body.stated_error) {
     add(",\"displacement_error\":");
     add_number(body.stated_error->displacement, 5);
@@ -161,19 +177,21 @@ void EventLines::add_body(const Scene& scene, int number) {
 }
 
 // Adds the touches on body `number` and skips those on other bodies.
-void EventLines::add_touches(std::span<const Touch> touches, int number) {
+void EventLines::add_touches(std::span<const Touch> touches, std::span<const std::int64_t> things,
+                             int number) {
   add(",\"touches\":[");
   bool first = true;
   for (const Touch& touch : touches) {
     if (touch.body != number) continue;
     if (!first) add(",");
     first = false;
-    add_touch(touch, world_from_body_[static_cast<std::size_t>(number)]);
+    add_touch(touch, things, world_from_body_[static_cast<std::size_t>(number)]);
   }
   add("]");
 }
 
-void EventLines::add_touch(const Touch& touch, const Rigid3& world_from_body) {
+void EventLines::add_touch(const Touch& touch, std::span<const std::int64_t> things,
+                           const Rigid3& world_from_body) {
   const Eigen::Vector3d force = touch.force * touch.direction;
   if (touch.site >= 0) {
     fmt::format_to(std::back_inserter(text_), "{{\"site\":{},\"level\":", touch.site);
@@ -198,6 +216,10 @@ void EventLines::add_touch(const Touch& touch, const Rigid3& world_from_body) {
       add(",\"by\":");
       add(names_[static_cast<std::size_t>(touch.by)]);
     }
+  }
+  if (touch.thing >= 0 && static_cast<std::size_t>(touch.thing) < things.size()) {
+    fmt::format_to(std::back_inserter(text_), ",\"thing\":{}",
+                   things[static_cast<std::size_t>(touch.thing)]);
   }
   add(",\"unseen_for\":");
   add_number(touch.unseen_for, 6);

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,7 +21,7 @@ namespace palpable {
 /// The properties of a body that stay constant during a session.
 struct EventBody {
   std::string name;
-  Rigid3 world_from_body = Rigid3::Identity();  ///< the world is the first frame's camera
+  Rigid3 world_from_body = Rigid3::Identity();  ///< EventWorld says which world
   int vertices = 0, triangles = 0;              ///< of the skin
   /// m, body frame: the corners of the box around the skin at rest
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
@@ -28,8 +30,22 @@ struct EventBody {
 /// The bodies of a session, in the session's order.
 [[nodiscard]] std::vector<EventBody> event_bodies(const Session& session);
 
+/// Where the poses of bodies hold.
+enum class EventWorld {
+  kFirstCamera,  ///< the camera of the first frame
+  kOfThings      ///< the frame in which what presses is given (session/things_line.h)
+};
+
 /// The first line, with its line break.
-[[nodiscard]] std::string hello_line(const std::vector<EventBody>& bodies);
+[[nodiscard]] std::string hello_line(const std::vector<EventBody>& bodies,
+                                     EventWorld world = EventWorld::kFirstCamera);
+
+/// What the line of a frame has in addition, in a run whose clients send what presses.
+struct EventExtras {
+  /// Lines of the client that were not solved, because this newer one had come.
+  std::optional<int> skipped = {};
+  bool vertices = false;  ///< the deformed skins
+};
 
 /// Formats the line of a frame. The text's memory is reused: after the first touches a line
 /// allocates nothing.
@@ -40,7 +56,7 @@ class EventLines {
   /// Returns one line with its line break, valid until the next call. Points and forces have as
   /// many digits as in touches.jsonl; a number that is not finite becomes null.
   /// @param scene  with the bodies given to the constructor, in their order
-  [[nodiscard]] std::string_view line_of(const Scene& scene);
+  [[nodiscard]] std::string_view line_of(const Scene& scene, const EventExtras& extras = {});
 
   /// The same for the touches computed between two frames (player/contact_ticks.h).
   /// @param frame    number of the frame before
@@ -56,9 +72,11 @@ class EventLines {
   void add_vector(const Eigen::Vector3d& v);
   void add_rows(const Rigid3& transform);
   void add_camera(const TrackedPose& camera);
-  void add_body(const Scene& scene, int number);
-  void add_touches(std::span<const Touch> touches, int number);
-  void add_touch(const Touch& touch, const Rigid3& world_from_body);
+  void add_body(const Scene& scene, int number, bool vertices);
+  void add_touches(std::span<const Touch> touches, std::span<const std::int64_t> things,
+                   int number);
+  void add_touch(const Touch& touch, std::span<const std::int64_t> things,
+                 const Rigid3& world_from_body);
 
   std::vector<std::string> names_;  // JSON strings, with quotes
   std::vector<Rigid3> world_from_body_;

@@ -122,6 +122,37 @@ TEST_CASE("a frame's line has poses, touches in both frames, and stated errors",
   CHECK(touch["world"]["force"] == json{2.0, 0.0, 0.0});
 }
 
+TEST_CASE("poses are row by row and vectors x y z, in a world that is turned about three axes",
+          "[events]") {
+  std::vector<EventBody> bodies = two_bodies();
+  Eigen::Matrix3d R;  // a cyclic turn: X to Y, Y to Z, Z to X
+  R << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  bodies[1].world_from_body.linear() = R;
+  Scene scene = some_scene();
+  scene.bodies[1].camera_from_body.linear() = R;
+  scene.bodies[1].camera_from_body.translation() = Eigen::Vector3d(4, 5, 6);
+  scene.touches[0].point_in_body = {0.5, 0.25, 0.125};
+  scene.touches[0].direction = Eigen::Vector3d(2, -3, 6) / 7;
+  scene.touches[0].force = 14;
+  EventLines lines(bodies);
+  const json frame = parsed(lines.line_of(scene));
+  const json& body = frame["bodies"][1];
+  CHECK(body["camera_from_body"] ==
+        json{0.0, 0.0, 1.0, 4.0, 1.0, 0.0, 0.0, 5.0, 0.0, 1.0, 0.0, 6.0, 0.0, 0.0, 0.0, 1.0});
+  CHECK(body["world_from_body"] ==
+        json{0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 2.0, 0.0, 1.0, 0.0, 3.0, 0.0, 0.0, 0.0, 1.0});
+  const json& touch = body["touches"][0];
+  CHECK(touch["point"] == json{0.5, 0.25, 0.125});
+  const auto near = [](const json& read, const Eigen::Vector3d& wanted) {
+    const Eigen::Vector3d v(read[0].get<double>(), read[1].get<double>(), read[2].get<double>());
+    INFO(v.transpose());
+    return (v - wanted).norm() < 1e-5;  // floats, and the digits of the line
+  };
+  CHECK(near(touch["force"], {4, -6, 12}));
+  CHECK(near(touch["world"]["point"], {1.125, 2.5, 3.25}));
+  CHECK(near(touch["world"]["force"], {12, 4, -6}));
+}
+
 TEST_CASE("a touch names its site, or the body that presses", "[events]") {
   EventLines lines(two_bodies());
   Scene scene = some_scene();

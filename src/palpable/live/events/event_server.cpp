@@ -1,5 +1,6 @@
 #include "palpable/live/events/event_server.h"
 
+#include "palpable/common/base/json.h"
 #include "palpable/common/base/text_numbers.h"
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
@@ -29,6 +31,7 @@ constexpr int kMostWaiting = 64;  // connections that the system queues until th
 // connection takes about 20 us, reading 4 KiB about 1 us.
 constexpr int kMostLetIn = 32;
 constexpr int kMostReads = 4;
+constexpr int kMostReadsOfLines = 16;  // 64 KiB
 // Bytes that the system buffers for a client that does not read. A larger buffer would only hold
 // lines that are outdated when they are read.
 constexpr int kSendBuffer = 64 * 1024;  // bytes
@@ -108,7 +111,7 @@ EventServer::EventServer(const EventAddress& address, const EventServerSettings&
 
 EventServer::~EventServer() {
   for (Client& client : clients_) {
-    throw_away_input(client);  // TCP discards unsent data on close() if input is unread
+    read_input(client, client.took);  // TCP discards unsent data on close() if input is unread
     send_rest(client, client.took);
     ::close(client.descriptor);
   }
@@ -175,12 +178,18 @@ void EventServer::greet_with(std::string hello) { hello_ = std::move(hello); }
 
 void EventServer::serve(Clock::time_point now) {
   for (Client& client : clients_) {
-    throw_away_input(client);
+    read_input(client, now);
     send_rest(client, now);
-    if (client.unsent.empty()) client.took = now;
+    if (client.refused && client.unsent.empty()) {
+      // It can read why; then its side ends, and it is closed once it has noticed.
+      ::shutdown(client.descriptor, SHUT_WR);
+      client.gone |= client.input_ended;
+    } else if (client.unsent.empty()) {
+      client.took = now;
+    }
     if (!client.gone && now - client.took > settings_.patience) {
       client.gone = true;
-      ++counts_.closed_behind;
+      if (!client.refused) ++counts_.closed_behind;
     }
   }
   close_gone();
@@ -193,6 +202,66 @@ void EventServer::send(std::string_view line, Clock::time_point now) {
   serve(now);
   for (Client& client : clients_) send_to(client, line);
   close_gone();
+}
+
+void EventServer::send(std::string_view line, std::uint64_t one, std::string_view line_of_one,
+                       Clock::time_point now) {
+  serve(now);
+  for (Client& client : clients_) send_to(client, client.number == one ? line_of_one : line);
+  close_gone();
+}
+
+std::optional<SentLine> EventServer::next_line() {
+  const std::size_t count = clients_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t index = (turn_ + i) % count;
+    Client& client = clients_[index];
+    if (!client.has_line || client.refused) continue;
+    client.has_line = false;
+    turn_ = index + 1;
+    return SentLine{client.number, client.line, std::exchange(client.skipped, 0)};
+  }
+  return std::nullopt;
+}
+
+const EventServer::Client* EventServer::find(std::uint64_t client) const {
+  const auto found = std::find_if(clients_.begin(), clients_.end(),
+                                  [&](const Client& other) { return other.number == client; });
+  return found != clients_.end() ? &*found : nullptr;
+}
+
+void EventServer::refuse(std::uint64_t client, std::string_view reason, Clock::time_point now) {
+  for (Client& other : clients_) {
+    if (other.number == client) refuse(other, reason, now);
+  }
+}
+
+void EventServer::refuse(Client& client, std::string_view reason, Clock::time_point now) {
+  if (client.refused || client.gone) return;
+  client.refused = true;
+  client.has_line = false;
+  client.input = {};
+  client.line = {};
+  client.took = now;  // from now on it has the usual patience to read
+  ++counts_.sent_away;
+  client.unsent += Json{{"type", "error"}, {"reason", std::string(reason)}}.dump() + "\n";
+  send_rest(client, now);
+}
+
+bool EventServer::may_send(std::uint64_t client) const {
+  const Client* found = find(client);
+  return found != nullptr && !found->gone && !found->refused &&
+         (found->has_line || !found->input_ended);
+}
+
+void EventServer::wait(std::chrono::milliseconds longest) {
+  polled_.clear();
+  polled_.push_back({listening_, POLLIN, 0});
+  for (const Client& client : clients_) {
+    const int events = (client.input_ended ? 0 : POLLIN) | (client.unsent.empty() ? 0 : POLLOUT);
+    if (events != 0) polled_.push_back({client.descriptor, static_cast<short>(events), 0});
+  }
+  std::ignore = ::poll(polled_.data(), polled_.size(), static_cast<int>(longest.count()));
 }
 
 void EventServer::let_in(Clock::time_point now) {
@@ -212,6 +281,7 @@ void EventServer::let_in(Clock::time_point now) {
     const int yes = 1;  // send small lines at once; fails harmlessly for a Unix socket
     ::setsockopt(opened.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
     Client& client = clients_.emplace_back();
+    client.number = next_number_++;
     client.descriptor = opened.keep();
     client.unsent = hello_;
     client.took = now;
@@ -223,15 +293,16 @@ void EventServer::let_in(Clock::time_point now) {
 // A client that has closed its sending side may still read, but most likely it has ended; only
 // sending to it would tell. It is disconnected when another client needs its slot.
 void EventServer::make_room() {
-  const auto quiet = std::find_if(clients_.begin(), clients_.end(),
-                                  [](const Client& client) { return client.input_ended; });
+  const auto quiet = std::find_if(clients_.begin(), clients_.end(), [](const Client& client) {
+    return client.refused || (client.input_ended && !client.has_line);
+  });
   if (quiet == clients_.end()) return;
   quiet->gone = true;
   close_gone();
 }
 
 void EventServer::send_to(Client& client, std::string_view line) {
-  if (client.gone) return;
+  if (client.gone || client.refused) return;
   if (!client.unsent.empty()) {
     ++client.dropped;
     ++counts_.dropped_lines;
@@ -254,17 +325,47 @@ void EventServer::send_to(Client& client, std::string_view line) {
   }
   client.dropped = 0;
   client.sent = count < 0 ? 0 : static_cast<std::size_t>(count);
-  if (client.sent == written.size + rest.size()) return;
+  if (client.sent == written.size + rest.size()) {
+    client.sent = 0;  // of `unsent`, which is empty
+    return;
+  }
   client.unsent.assign(begin.data(), written.size).append(rest);
 }
 
-void EventServer::throw_away_input(Client& client) {
+void EventServer::read_input(Client& client, Clock::time_point now) {
   std::array<char, 4096> input{};
-  for (int i = 0; i < kMostReads && !client.input_ended; ++i) {
+  const int most = settings_.takes_lines ? kMostReadsOfLines : kMostReads;
+  for (int i = 0; i < most && !client.input_ended; ++i) {
     const ssize_t count = ::recv(client.descriptor, input.data(), input.size(), MSG_DONTWAIT);
     if (count == 0) client.input_ended = true;
     if (count < 0 && (errno == ECONNRESET || errno == ETIMEDOUT)) client.gone = true;
     if (count <= 0) return;
+    if (settings_.takes_lines && !client.refused) {
+      keep_lines(client, {input.data(), static_cast<std::size_t>(count)}, now);
+    }
+  }
+}
+
+// Keeps the newest whole line, and the beginning of the next one.
+void EventServer::keep_lines(Client& client, std::string_view bytes, Clock::time_point now) {
+  const std::size_t end = bytes.rfind('\n');
+  if (end != std::string_view::npos) {
+    const std::string_view whole = bytes.substr(0, end);
+    const std::size_t before = whole.rfind('\n');
+    client.skipped += static_cast<int>(std::count(whole.begin(), whole.end(), '\n'));
+    client.skipped += client.has_line ? 1 : 0;
+    if (before == std::string_view::npos) {
+      client.line.assign(client.input).append(whole);
+    } else {
+      client.line.assign(whole.substr(before + 1));
+    }
+    client.has_line = true;
+    client.input.clear();
+    bytes.remove_prefix(end + 1);
+  }
+  client.input.append(bytes);
+  if (std::max(client.input.size(), client.line.size()) > settings_.longest_line) {
+    refuse(client, fmt::format("a line has more than {} bytes", settings_.longest_line), now);
   }
 }
 

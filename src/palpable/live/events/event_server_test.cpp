@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -86,6 +87,9 @@ class Client {
       sent += static_cast<std::size_t>(count);
     }
     return sent;
+  }
+  void say(const std::string& text) {
+    REQUIRE(::send(descriptor_, text.data(), text.size(), 0) == std::ssize(text));
   }
   void end_sending() { ::shutdown(descriptor_, SHUT_WR); }
 
@@ -423,6 +427,103 @@ TEST_CASE("an address is a port or a file", "[events][refusal]") {
     REQUIRE_FALSE(event_address(text).ok());
     CHECK_THAT(event_address(text).problem().message, Catch::Contains("unix:PATH"));
   }
+}
+
+TEST_CASE("of the lines that a client sends the newest is returned, whole", "[events]") {
+  Served served(true, {.takes_lines = true, .longest_line = 20'000});
+  EventServer& server = served.server;
+  Client one(server.name()), other(server.name());
+  server.serve();
+  CHECK_FALSE(server.next_line());
+  one.say("first\nsec");
+  server.serve();
+  const auto first = server.next_line();
+  REQUIRE(first);
+  CHECK(first->text == "first");
+  CHECK(first->skipped == 0);
+  CHECK_FALSE(server.next_line());
+  one.say("ond\nthird\nfourth\n");
+  other.say("hello\n");
+  one.say(std::string(10'000, 'z'));  // in several reads
+  server.serve();
+  std::vector<std::string> said;
+  while (const auto line = server.next_line()) {
+    CHECK(line->skipped == (line->client == first->client ? 2 : 0));
+    said.emplace_back(line->text);
+  }
+  std::sort(said.begin(), said.end());
+  CHECK(said == std::vector<std::string>{"fourth", "hello"});
+  one.say("\n");
+  server.serve();
+  CHECK(server.next_line()->text == std::string(10'000, 'z'));
+  // Its last line counts even if it cannot send another one.
+  one.say("last\n");
+  one.end_sending();
+  server.serve();
+  CHECK(server.may_send(first->client));
+  CHECK(server.next_line()->text == "last");
+  CHECK_FALSE(server.may_send(first->client));
+}
+
+TEST_CASE("a client whose lines are refused is told why and disconnected, others are not",
+          "[events][errors]") {
+  Served served(true, {.takes_lines = true, .longest_line = 5000});
+  EventServer& server = served.server;
+  const Time now = EventServer::Clock::now();
+  Client bad(server.name()), endless(server.name()), good(server.name());
+  server.serve(now);
+  bad.say("nonsense\n");
+  endless.say(std::string(6000, 'x'));
+  server.serve(now);
+  const std::string text = line(1);
+  const auto sent = server.next_line();
+  REQUIRE(sent);
+  server.refuse(sent->client, "is \"nonsense\"", now);
+  CHECK_FALSE(server.may_send(sent->client));
+  server.refuse(12345, "no such client", now);
+  bad.say("more\n");
+  server.send(text, now);
+  CHECK_FALSE(server.next_line());
+  const auto told = bad.lines();
+  REQUIRE(told.size() == 2);  // hello, and no frame any more
+  CHECK(json::parse(told[1])["type"] == "error");
+  CHECK(json::parse(told[1])["reason"] == "is \"nonsense\"");
+  CHECK_THAT(endless.lines().at(1), Catch::Contains("5000 bytes"));
+  bad.lines();
+  CHECK(bad.ended());
+  CHECK(good.lines().size() == 2);
+  CHECK(server.counts().sent_away == 2);
+  // They are closed when they end, or when they do not.
+  bad.end_sending();
+  server.serve(now);
+  CHECK(server.client_count() == 2);
+  server.serve(now + seconds(6));
+  server.serve(now + seconds(6));
+  CHECK(server.client_count() == 1);
+  CHECK(server.counts().closed_behind == 0);
+}
+
+TEST_CASE("without takes_lines what clients send is never a line", "[events]") {
+  Served served(true);
+  Client client(served.server.name());
+  served.server.serve();
+  client.say("line\n");
+  served.server.serve();
+  CHECK_FALSE(served.server.next_line());
+}
+
+TEST_CASE("one client may get another line than all others", "[events]") {
+  Served served(true, {.takes_lines = true});
+  Client one(served.server.name());
+  served.server.serve();
+  one.say("x\n");
+  served.server.serve();
+  const auto number = served.server.next_line()->client;
+  Client other(served.server.name());
+  served.server.serve();
+  served.server.send(line(1), number, line(2));
+  CHECK(json::parse(one.lines().at(1))["frame"] == 2);
+  CHECK(json::parse(other.lines().at(1))["frame"] == 1);
 }
 
 }  // namespace

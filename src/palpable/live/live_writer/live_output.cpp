@@ -2,6 +2,7 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/own_files.h"
 #include "palpable/desk/clip_files/camera_paths.h"
 #include "palpable/desk/clip_files/frame_records.h"
 #include "palpable/desk/clip_files/image_files.h"
@@ -46,6 +47,8 @@ TouchesLine felt_in(const FrameLines& scene, int body, const std::vector<std::st
       entry.assumed = touch.assumed;
       if (touch.by >= 0) entry.by = names[static_cast<std::size_t>(touch.by)];
     }
+    const auto thing = static_cast<std::size_t>(touch.thing);
+    if (touch.thing >= 0 && thing < scene.things.size()) entry.thing = scene.things[thing];
   }
   if (const auto& error = scene.bodies[static_cast<std::size_t>(body)].stated_error) {
     felt.displacement_error = error->displacement;
@@ -59,6 +62,8 @@ void copy_lines(const Scene& scene, FrameLines& lines) {
   lines.number = scene.number;
   lines.time = scene.time;
   lines.touches = scene.touches;
+  lines.things = scene.things;
+  lines.answer = scene.answer;
   lines.bodies.resize(scene.bodies.size());
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     lines.bodies[k] = {scene.bodies[k].camera_from_body, scene.bodies[k].stated_error};
@@ -72,24 +77,38 @@ void copy_lines(const Scene& scene, FrameLines& lines) {
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
 constexpr const char* kPictures = "pictures";
 constexpr std::string_view kTimingBegin = "frame,";  // the first bytes of a run's timing.csv
-// All files and folders of a run. The two that identify a run's output are first.
-constexpr std::array kOutputs{"timing.csv",
-                              "live.json",
-                              "touches.jsonl",
-                              "trajectory.txt",
-                              "pose.jsonl",
-                              "touch.mp4",
-                              "depth",
-                              "visible",
-                              "body_depth",
-                              "moving",
-                              "rectification.jsonl",
-                              kFigureNames[0],
-                              kFigureNames[1],
-                              kFigureNames[2],
-                              "touch.mp4.part",
-                              "meshes",
-                              kPictures};
+// All files of a run (base/own_files.h). The two that identify a run's output are first.
+constexpr std::array<std::string_view, 20> kOutputs{
+    "timing.csv",       "live.json",      "touches.jsonl",       "trajectory.txt",
+    "pose.jsonl",       "touch.mp4",      "depth/#.png",         "visible/#.png",
+    "body_depth/#.png", "moving/#.png",   "rectification.jsonl", kFigureNames[0],
+    kFigureNames[1],    kFigureNames[2],  "touch.mp4.part",      "meshes/#.ply",
+    "meshes/rest.ply",  "meshes/*/#.ply", "meshes/*/rest.ply",   "pictures/#.png"};
+
+// The files and folders of a run that are directly in its folder, each once, as far as they exist.
+// @throws Error where a folder has the name of a file of a run, or the other way round
+std::vector<fs::path> outputs_in(const fs::path& folder) {
+  std::vector<fs::path> there;
+  for (const std::string_view output : kOutputs) {
+    const std::size_t slash = output.find('/');
+    const fs::path path = folder / output.substr(0, slash);
+    std::error_code ignored;  // a dangling link counts as existing
+    if (!fs::exists(fs::symlink_status(path, ignored))) continue;
+    if (std::find(there.begin(), there.end(), path) != there.end()) continue;
+    const bool is_folder = fs::is_directory(path, ignored);
+    if (is_folder && fs::is_symlink(path, ignored)) {
+      throw Error(fmt::format(
+          "{}: is a link to a folder, whose files may be somebody's; write into another folder",
+          path.string()));
+    }
+    if (is_folder != (slash != std::string_view::npos)) {
+      throw Error(fmt::format("{}: is a {} and in the way of this run's; write into another folder",
+                              path.string(), is_folder ? "folder" : "file"));
+    }
+    there.push_back(path);
+  }
+  return there;
+}
 
 // Whether a run wrote the folder's files: it has a run's timing.csv, or, where the text files were
 // not wanted, the summary of a run. A run that was killed immediately leaves timing.csv empty.
@@ -122,19 +141,11 @@ std::optional<std::vector<int>> truly_touching_frames(const fs::path& images) {
   return frames;
 }
 
-std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
-                                  const std::vector<fs::path>& needed) {
-  std::vector<fs::path> there;
-  for (const char* name : kOutputs) {
-    std::error_code ignored;  // a dangling link counts as existing
-    if (fs::exists(fs::symlink_status(folder / name, ignored))) there.push_back(folder / name);
-  }
-  // A run's files beside its own input would be read as input by the next run.
-  for (const fs::path& input : needed) {
-    if (input.empty() || !lies_in(input, folder) || !lies_in(folder, input)) continue;
-    throw Error(fmt::format("{}: is read by this run; write into another folder", folder.string()));
-  }
-  if (there.empty()) return there;
+bool holds_earlier_run(const fs::path& folder, bool overwrite,
+                       const std::vector<fs::path>& needed) {
+  refuse_among_inputs(folder, needed);
+  const std::vector<fs::path> there = outputs_in(folder);
+  if (there.empty()) return false;
   // A folder depth/ alone may be a user's data, and so may one beside a timing.csv that is not a
   // run's.
   if (!is_of_run(folder)) {
@@ -156,36 +167,38 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
                     "another folder",
                     input.string(), folder.string()));
   }
-  return there;
+  return true;
 }
 
-void remove_earlier_run(const std::vector<fs::path>& there) {
-  // What identifies a run's output is removed last, so that an interrupted removal
-  // can be repeated.
-  for (auto path = there.rbegin(); path != there.rend(); ++path) {
-    std::error_code error;
-    fs::remove_all(*path, error);
-    if (error) {
-      throw Error(fmt::format("{}: cannot be removed: {}", path->string(), error.message()));
-    }
-  }
+// What identifies a run's output is removed last, so that an interrupted removal can be repeated.
+void remove_earlier_run(const fs::path& folder) { remove_own_files(folder, kOutputs); }
+
+LiveOutput::Texts::Texts(const fs::path& folder, bool has_camera)
+    : timing(folder / "timing.csv"), touches(folder / "touches.jsonl") {
+  if (has_camera) of_camera.emplace(folder);
 }
 
-LiveOutput::Texts::Texts(const fs::path& folder)
-    : timing(folder / "timing.csv"),
-      touches(folder / "touches.jsonl"),
-      trajectory(folder / "trajectory.txt"),
+LiveOutput::Texts::OfCamera::OfCamera(const fs::path& folder)
+    : trajectory(folder / "trajectory.txt"),
       poses(folder / "pose.jsonl"),
       corrections(folder / "rectification.jsonl") {
   trajectory.write(kTrajectoryRemark);
 }
 
 void LiveOutput::Texts::flush() {
-  for (TextFile* file : {&timing, &touches, &trajectory, &poses, &corrections}) file->flush();
+  for (TextFile* file : {&timing, &touches}) file->flush();
+  if (!of_camera) return;
+  for (TextFile* file : {&of_camera->trajectory, &of_camera->poses, &of_camera->corrections}) {
+    file->flush();
+  }
 }
 
 void LiveOutput::Texts::close() {
-  for (TextFile* file : {&timing, &touches, &trajectory, &poses, &corrections}) file->close();
+  for (TextFile* file : {&timing, &touches}) file->close();
+  if (!of_camera) return;
+  for (TextFile* file : {&of_camera->trajectory, &of_camera->poses, &of_camera->corrections}) {
+    file->close();
+  }
 }
 
 LiveOutput::LiveOutput(const LiveOutputSettings& settings)
@@ -193,7 +206,7 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
   const fs::path& folder = settings_.folder;
   make_folder(folder);
   // First: output without timing.csv, or live.json at the end, is not recognized as a run's.
-  if (settings_.files.data) texts_.emplace(folder);
+  if (settings_.files.data) texts_.emplace(folder, settings_.has_camera);
   if (settings_.all_pictures || !settings_.kept_pictures.empty()) make_folder(folder / kPictures);
   if (settings_.files.depth) make_folder(folder / "depth");
   if (settings_.files.masks) {
@@ -330,28 +343,34 @@ void LiveOutput::write_lines(const FrameLines& scene) {
     TouchesLine felt = felt_in(scene, static_cast<int>(k), settings_.bodies);
     if (felt.touches.empty()) continue;
     felt.body = name_of(k);
+    felt.answer = text_of(scene.answer);
     texts_->touches.write(touches_line(felt));
   }
+  if (texts_->of_camera) write_camera_lines(scene, *texts_->of_camera);
+}
+
+void LiveOutput::write_camera_lines(const FrameLines& scene, Texts::OfCamera& texts) {
   if (scene.camera.state != TrackState::kLost) {  // a fixed camera has a constant pose
-    texts_->trajectory.write(
+    texts.trajectory.write(
         trajectory_line({settings_.starts_at + scene.time, scene.camera.world_from_camera}));
   }
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-    texts_->poses.write(pose_line({scene.number, scene.bodies[k].camera_from_body, name_of(k)}));
+    texts.poses.write(pose_line({scene.number, scene.bodies[k].camera_from_body, name_of(k)}));
   }
   const double correction = scene.row_correction_px;
   if (last_correction_ != correction) {
     last_correction_ = correction;
     std::optional<double> error;
     if (!std::isnan(scene.row_error_px)) error = scene.row_error_px;
-    texts_->corrections.write(correction_line({scene.number, correction, error}));
+    texts.corrections.write(correction_line({scene.number, correction, error}));
   }
 }
 
 void LiveOutput::write_depth(const DrawnFrame& frame) {
   const Scene& scene = frame.scene;
-  write_measured_depth(settings_.folder / "depth" / frame_name(scene.number, ".png"),
-                       scene.seen.depth, scene.seen.too_close);
+  depth_written_.push_back(
+      write_measured_depth(settings_.folder / "depth" / frame_name(scene.number, ".png"),
+                           scene.seen.depth, scene.seen.too_close));
 }
 
 void LiveOutput::write_masks(const DrawnFrame& frame) {

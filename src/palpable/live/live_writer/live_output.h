@@ -36,6 +36,7 @@
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -61,6 +62,9 @@ struct RunFiles {
 struct LiveOutputSettings {
   std::filesystem::path folder;  ///< made if it does not exist
   RunFiles files = {};
+  /// False: no camera takes part; trajectory.txt, rectification.jsonl and pose.jsonl are not
+  /// written.
+  bool has_camera = true;
   double starts_at = 0;  ///< s, FrameFormat::starts_at, for trajectory.txt
   /// True: every frame is in all files, and the caller waits for the disk. False: the caller never
   /// waits; frames are left out and counted.
@@ -83,18 +87,18 @@ struct LiveOutputSettings {
 [[nodiscard]] std::optional<std::vector<int>> truly_touching_frames(
     const std::filesystem::path& images);
 
-/// Finds the output of an earlier run in `folder`: the files listed above and live.json, nothing
-/// else. Returns an empty list if there is none. Removes nothing.
-/// @param needed  paths that this run reads; empty ones are skipped
+/// Whether `folder` holds an earlier run: files listed above or live.json. Removes nothing.
+/// @param needed  files and folders that this run reads; empty ones are skipped
 /// @throws Error when there is an earlier run and `overwrite` is false; when a file with one of
 /// these names exists without a timing.csv or live.json of a run, and so is not the output of a
-/// run; when a needed path would be removed; or when `folder` itself is a needed path
-[[nodiscard]] std::vector<std::filesystem::path> earlier_run(
-    const std::filesystem::path& folder, bool overwrite,
-    const std::vector<std::filesystem::path>& needed);
+/// run; when a folder has the name of such a file; when a needed path would be removed; or when
+/// `folder` is a needed folder or lies in one, where the next run would read the results as input
+[[nodiscard]] bool holds_earlier_run(const std::filesystem::path& folder, bool overwrite,
+                                     const std::vector<std::filesystem::path>& needed);
 
-/// Removes the paths that earlier_run() returned. @throws Error when that is impossible
-void remove_earlier_run(const std::vector<std::filesystem::path>& there);
+/// Removes the files of an earlier run by their names, and folders of a run that are empty then.
+/// What somebody else put there stays. @throws Error when that is impossible
+void remove_earlier_run(const std::filesystem::path& folder);
 
 /// The content of one frame's lines in the text files.
 struct FrameLines {
@@ -105,6 +109,8 @@ struct FrameLines {
   int number = 0;
   double time = 0;  // s
   std::vector<Touch> touches;
+  std::vector<std::int64_t> things = {};  // Scene::things
+  Answer answer = Answer::kNotJudged;
   std::vector<Body> bodies;
   TrackedPose camera;
   double row_correction_px = 0;
@@ -146,6 +152,8 @@ class LiveOutput {
   [[nodiscard]] int left_out() const { return left_out_; }
   /// Number of frames that are in no file.
   [[nodiscard]] int lines_left_out() const { return lines_left_out_; }
+  /// The share of the pixels that have a depth in depth/, for each of its images.
+  [[nodiscard]] const std::vector<double>& depth_written() const { return depth_written_; }
   /// The film's codec, e.g. "avc1"; empty if there was no frame.
   [[nodiscard]] const std::string& codec() const { return codec_; }
   /// The files of the situations of Fig. 9 that occurred.
@@ -161,11 +169,28 @@ class LiveOutput {
     FrameLines lines;
     std::unique_ptr<DrawnFrame> drawn;  // null: not in the large files
   };
+  /// The text files, open from the constructor on.
+  struct Texts {
+    Texts(const std::filesystem::path& folder, bool has_camera);
+    void flush();
+    void close();
+    TextFile timing;
+    TextFile touches;
+    // What a camera's frames have in addition.
+    struct OfCamera {
+      explicit OfCamera(const std::filesystem::path& folder);
+      TextFile trajectory;
+      TextFile poses;
+      TextFile corrections;
+    };
+    std::optional<OfCamera> of_camera;
+  };
   void close_queues();
   void run();
   void write_frame(Written& frame);
   void write_pictures(const DrawnFrame& frame);
   void write_lines(const FrameLines& scene);
+  void write_camera_lines(const FrameLines& scene, Texts::OfCamera& texts);
   void write_depth(const DrawnFrame& frame);
   void write_masks(const DrawnFrame& frame);
   void write_meshes(const Scene& scene);
@@ -186,17 +211,6 @@ class LiveOutput {
   std::unique_ptr<DrawnFrame> spare_;  // not complete: the fifth frame
   int left_out_ = 0;
   int lines_left_out_ = 0;
-  /// The text files, open from the constructor on.
-  struct Texts {
-    explicit Texts(const std::filesystem::path& folder);
-    void flush();
-    void close();
-    TextFile timing;
-    TextFile touches;
-    TextFile trajectory;
-    TextFile poses;
-    TextFile corrections;
-  };
   std::optional<Texts> texts_;        // empty without RunFiles::data
   std::vector<ValuedSurface> drawn_;  // reused by write_meshes(), one per body
   std::optional<double> last_correction_;
@@ -208,6 +222,7 @@ class LiveOutput {
   std::chrono::steady_clock::time_point flushed_;
   std::array<ColorImage, 3> best_;
   std::array<double, 3> best_score_{};
+  std::vector<double> depth_written_;
   std::string codec_;
   std::vector<std::string> figures_;
   std::vector<std::pair<std::string, std::vector<double>>> times_;

@@ -210,7 +210,9 @@ TEST_CASE("pictures of the frames that are asked for are written as they were sh
                 ColorImage(kWidth, kHeight, Rgb{static_cast<std::uint8_t>(50 * number), 0, 0}));
       CHECK(test::file_bytes(file) == test::file_bytes(folder / "expected.png"));
     }
-    CHECK(earlier_run(out, true, {}).back() == out / "pictures");  // removed together with the run
+    CHECK(holds_earlier_run(out, true, {}));
+    remove_earlier_run(out);
+    CHECK_FALSE(fs::exists(out / "pictures"));  // removed together with the run
   }
 }
 
@@ -224,6 +226,30 @@ TEST_CASE("a run of one frame has a video, one without depth and masks no folder
   output.finish();
   CHECK(fs::exists(folder / "touch.mp4"));
   for (const char* name : {"depth", "visible", "body_depth", "moving", "touch.png"}) {
+    INFO(name);
+    CHECK_FALSE(fs::exists(folder / name));
+  }
+}
+
+TEST_CASE("a run without a camera has no files about one, and its touches name what pressed",
+          "[live_writer]") {
+  const test::ScratchFolder folder("live_output_things");
+  LiveOutput output({.folder = folder.path(),
+                     .files = {.film = false, .depth = false, .masks = false},
+                     .has_camera = false});
+  std::unique_ptr<DrawnFrame> drawn = output.blank();
+  fill(*drawn, 7);
+  drawn->scene.things = {5, -9'000'000'000'000'000'001};
+  drawn->scene.touches.resize(2);
+  drawn->scene.touches[0].thing = 1;
+  drawn->scene.touches[1].thing = -1;
+  output.write(std::move(drawn));
+  output.finish();
+  const std::vector<TouchesLine> touches = read_touches(folder / "touches.jsonl");
+  REQUIRE(touches.size() == 1);
+  CHECK(touches[0].touches[0].thing == -9'000'000'000'000'000'001);
+  CHECK_FALSE(touches[0].touches[1].thing);
+  for (const char* name : {"trajectory.txt", "pose.jsonl", "rectification.jsonl"}) {
     INFO(name);
     CHECK_FALSE(fs::exists(folder / name));
   }
@@ -299,40 +325,69 @@ TEST_CASE("an earlier run is replaced only when that is asked for, and only what
           "[live_writer][refusal]") {
   const test::ScratchFolder folder("earlier_run");
   const fs::path out = folder / "out";
-  CHECK(earlier_run(out, false, {}).empty());
+  CHECK_FALSE(holds_earlier_run(out, false, {}));
   test::write_bytes(out / "notes.txt", "mine");
-  CHECK(earlier_run(out, false, {folder / "notes.txt"}).empty());
-  CHECK_THROWS_WITH(earlier_run(out, false, {out}), Catch::Contains("is read by this run"));
+  CHECK_FALSE(holds_earlier_run(out, false, {folder / "notes.txt"}));
+  CHECK_THROWS_WITH(holds_earlier_run(out, false, {out}), Catch::Contains("is read by this run"));
   // Writing to a dangling link would create its target.
   fs::create_symlink(folder / "nowhere", out / "touch.mp4");
-  CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("touch.mp4: is in the way"));
+  CHECK_THROWS_WITH(holds_earlier_run(out, true, {}), Catch::Contains("touch.mp4: is in the way"));
   fs::remove(out / "touch.mp4");
   // A folder called depth alone may be a user's data.
   fs::create_directories(out / "depth");
-  CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("not of an earlier run"));
+  CHECK_THROWS_WITH(holds_earlier_run(out, true, {}), Catch::Contains("not of an earlier run"));
 
   test::write_bytes(out / "timing.csv", "lap,seconds\n");  // this timing.csv is not a run's
-  CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("timing.csv: is in the way"));
+  CHECK_THROWS_WITH(holds_earlier_run(out, true, {}), Catch::Contains("timing.csv: is in the way"));
   test::write_bytes(out / "timing.csv", "");  // left by a run killed before its first line
-  CHECK(earlier_run(out, true, {}).size() == 2);
+  CHECK(holds_earlier_run(out, true, {}));
   test::write_bytes(out / "timing.csv", "frame,total_ms\n");
-  CHECK_THROWS_WITH(earlier_run(out, false, {}), Catch::Contains("--overwrite"));
-  const std::vector<fs::path> there = earlier_run(out, true, {folder / "body.palpable"});
-  CHECK(there == std::vector<fs::path>{out / "timing.csv", out / "depth"});
+  CHECK_THROWS_WITH(holds_earlier_run(out, false, {}), Catch::Contains("--overwrite"));
+  CHECK(holds_earlier_run(out, true, {folder / "body.palpable"}));
   CHECK(fs::exists(out / "timing.csv"));  // nothing was removed
   // A path that this run reads must not be removed: neither a file inside the output nor the folder
   // itself, however it is named.
-  CHECK_THROWS_WITH(earlier_run(out, true, {out / "depth" / "000000.png"}),
+  CHECK_THROWS_WITH(holds_earlier_run(out, true, {out / "depth" / "000000.png"}),
                     Catch::Contains("is needed by this run"));
   for (const fs::path& needed : {out, out / "depth" / ".."}) {
     INFO(needed);
-    CHECK_THROWS_WITH(earlier_run(out, true, {needed}), Catch::Contains("is read by this run"));
+    CHECK_THROWS_WITH(holds_earlier_run(out, true, {needed}),
+                      Catch::Contains("is read by this run"));
   }
-  CHECK_NOTHROW(earlier_run(out, true, {out / "notes.txt", {}}));
+  CHECK_NOTHROW(holds_earlier_run(out, true, {out / "notes.txt", {}}));
 
-  remove_earlier_run(there);
-  CHECK_FALSE(fs::exists(out / "depth"));
+  // Files with these names in depth/ are a run's, others are somebody's.
+  test::write_bytes(out / "depth" / "000000.png", "");
+  test::write_bytes(out / "depth" / "mine.png", "mine");
+  test::write_bytes(out / "visible" / "000000.png", "");
+  remove_earlier_run(out);
+  CHECK_FALSE(fs::exists(out / "timing.csv"));
+  CHECK_FALSE(fs::exists(out / "depth" / "000000.png"));
+  CHECK(test::file_bytes(out / "depth" / "mine.png") == "mine");
+  CHECK_FALSE(fs::exists(out / "visible"));
   CHECK(test::file_bytes(out / "notes.txt") == "mine");
+}
+
+TEST_CASE("results are not written among what a run reads", "[live_writer][refusal]") {
+  const test::ScratchFolder folder("among_images");
+  const fs::path clip = folder / "clip";
+  test::write_bytes(clip / "left" / "000000.png", "");
+  for (const char* inside : {"", "left", "left/out", "out"}) {
+    INFO(inside);
+    CHECK_THROWS_WITH(holds_earlier_run(clip / inside, true, {folder / "a.palpable", clip}),
+                      Catch::Contains("is read by this run; write into another folder"));
+  }
+  CHECK_FALSE(holds_earlier_run(folder / "clip2", true, {clip}));
+  CHECK_FALSE(holds_earlier_run(folder.path(), true, {clip}));
+  // Files by name are read from their folder, but not from those within it.
+  CHECK_THROWS_WITH(holds_earlier_run(clip / "left", true, {clip / "left" / "*.png"}),
+                    Catch::Contains("is read by this run"));
+  CHECK_FALSE(holds_earlier_run(clip / "left" / "out", true, {clip / "left" / "*.png"}));
+  // A folder in the place of a file, which the end of the run could not write.
+  test::write_bytes(folder / "out" / "timing.csv", "");
+  fs::create_directories(folder / "out" / "touch.mp4");
+  CHECK_THROWS_WITH(holds_earlier_run(folder / "out", true, {}),
+                    Catch::Contains("touch.mp4: is a folder and in the way"));
 }
 
 TEST_CASE("of several bodies each has its lines and its meshes", "[live_writer]") {

@@ -50,11 +50,28 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
     result.map = {map->blocks(), map->refused(), session.slam().space()->blocked()};
   }
   const std::vector<double> densities(counts.densities.begin(), counts.densities.end());
-  result.depth = {densities.empty() ? 0 : percentile(densities, 0.5), counts.few_depths,
-                  counts.rows_off, counts.rows_off_px};
+  const DepthFigures depth = counts.depth.figures();
+  result.depth = {densities.empty() ? 0 : percentile(densities, 0.5),
+                  counts.few_depths,
+                  counts.rows_off,
+                  counts.rows_off_px,
+                  depth.measured,
+                  depth.kept,
+                  depth.median,
+                  depth.low,
+                  depth.high,
+                  depth.unit,
+                  depth.unit_assumed};
   result.unreadable = counts.troubles.unreadable;
   result.source_troubles = {counts.troubles.back_in_time, counts.troubles.dropped,
                             counts.troubles.stalls, counts.troubles.losses, counts.reports};
+  add_contact(counts, figures, output, result);
+  result.color_scale = stress_scale(session);
+  return result;
+}
+
+void add_contact(const LiveCounts& counts, const RunFigures& figures, const LiveOutput* output,
+                 LiveSummary& result) {
   result.frames_touching = counts.touching;
   result.first_touch_frame = counts.first_touch;
   result.deepest_press = counts.deepest;
@@ -65,17 +82,17 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
   result.frames_contacts_dropped = counts.dropped;
   result.site_changes = counts.site_changes;
   result.stats = stats_of(figures);
-  result.color_scale = stress_scale(session);
   result.processed = counts.processed;
-  if (output == nullptr) return result;
+  if (output == nullptr) return;
   result.video_codec = output->codec();
   result.pictures = output->figures();
+  const std::vector<double>& written = output->depth_written();
+  if (!written.empty()) result.depth.written = percentile(written, 0.5);
   result.left_out = output->left_out();
   result.lines_left_out = output->lines_left_out();
   for (const auto& [stage, values] : output->times()) {
     if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));
   }
-  return result;
 }
 
 }  // namespace palpable

@@ -17,4 +17,9 @@ namespace palpable {
 [[nodiscard]] LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts,
                                      const RunFigures& figures, const LiveOutput* output);
 
+/// Fills in what a run without a camera has, too: touches, speed, processed frames, pictures.
+/// @param counts, figures, output  as above
+void add_contact(const LiveCounts& counts, const RunFigures& figures, const LiveOutput* output,
+                 LiveSummary& result);
+
 }  // namespace palpable

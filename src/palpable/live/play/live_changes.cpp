@@ -40,10 +40,10 @@ std::vector<std::vector<std::string>> set_of(const LiveControls& controls, std::
 
 }  // namespace
 
-RunRecording::RunRecording(const fs::path& file, LiveSetUp& setup)
+RunRecording::RunRecording(const fs::path& file, LiveSetUp& setup, Opening opening)
     : file_(file),
       lines_(event_bodies(setup.run.loop.session)),
-      recorder_(file_, setup.run.source->format(), json_of_run(setup)),
+      recorder_(file_, setup.run.source->format(), json_of_run(setup), opening),
       refiner_(setup.run.loop.session.refiner()) {
   setup.run.source = recorded(std::move(setup.run.source), recorder_);
 }
@@ -60,11 +60,13 @@ LiveSummary::States RunRecording::finish() {
   counts_ = recorder_.finish();
   finished_ = true;
   trouble_ = recorder_.take_trouble().value_or("");
+  lost_ = lost_of_recording(file_, counts_);
   return {counts_.states.text(), counts_.states.count()};
 }
 
 std::string RunRecording::text() const {
   std::string text;
+  if (!lost_.empty()) return text;
   if (counts_.left_out > 0) {
     text = fmt::format("{} frames were left out of recording and run: the disk was behind\n",
                        counts_.left_out);
@@ -78,8 +80,8 @@ LiveChanges::LiveChanges(LiveSetUp& setup, const PlayUser& user) : setup_(setup)
   for (const DescribedBody& body : setup.bodies) set_at_first_.push_back(body.set);
 }
 
-void LiveChanges::begin_recording(const fs::path& file) {
-  recording_.emplace(file, setup_);
+void LiveChanges::begin_recording(const fs::path& file, Opening opening) {
+  recording_.emplace(file, setup_, opening);
   user_.print(fmt::format("recording {}: it holds pictures of your room\n", file.string()));
 }
 
@@ -106,6 +108,10 @@ LiveSummary::States LiveChanges::finish_recording() {
 // The source remains wrapped and passes frames on until the next recording.
 std::string LiveChanges::end_recording() {
   finish_recording();
+  if (!recording_->lost().empty()) {
+    user_.say(recording_->lost());
+    return fmt::format("{} is lost", recording_name());
+  }
   user_.print(recording_->text());
   return fmt::format("{} is written", recording_name());
 }
@@ -247,7 +253,7 @@ void LiveChanges::begin_recorded_session(const fs::path& file, LiveRun& run) {
     run.source = unrecorded(std::move(run.source));
     recording_.reset();
   }
-  begin_recording(file);
+  begin_recording(file, Opening::kNew);
 }
 
 }  // namespace palpable

@@ -24,8 +24,9 @@ namespace palpable {
 class RunRecording {
  public:
   /// Begins the file and wraps the run's source, so that its frames are recorded.
+  /// @param opening  what becomes of a file that is there
   /// @throws Error when the file cannot be written
-  RunRecording(const std::filesystem::path& file, LiveSetUp& setup);
+  RunRecording(const std::filesystem::path& file, LiveSetUp& setup, Opening opening);
   RunRecording(const RunRecording&) = delete;
   RunRecording& operator=(const RunRecording&) = delete;
 
@@ -36,8 +37,11 @@ class RunRecording {
   /// Why the recording ended early; empty if it did not, or if add() has returned the reason. To be
   /// called after finish().
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
-  /// A summary in readable lines; to be called after finish().
+  /// A summary in readable lines, empty if lost() is not; to be called after finish().
   [[nodiscard]] std::string text() const;
+  /// Why the file does not hold what was recorded, read back from it (player/recorder.h); empty: it
+  /// does. To be called after finish().
+  [[nodiscard]] const std::string& lost() const { return lost_; }
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] bool is_finished() const { return finished_; }
 
@@ -48,6 +52,7 @@ class RunRecording {
   const Refiner* refiner_;  // the session's; null: no refinement
   RecorderCounts counts_;
   std::string trouble_;
+  std::string lost_;
   bool finished_ = false;
 };
 
@@ -57,12 +62,14 @@ class LiveChanges : public StateWatch {
   LiveChanges(LiveSetUp& setup, const PlayUser& user);
 
   /// Begins a recording, before the run begins.
-  void begin_recording(const std::filesystem::path& file);
+  void begin_recording(const std::filesystem::path& file, Opening opening);
   /// Adds a state to the recording, if there is one.
   std::optional<std::string> add(const Scene& scene) override;
   std::optional<LiveSummary::States> end() override;
   /// A summary of a recording that lasted to the run's end; else empty.
   [[nodiscard]] std::string text() const { return ended_with_run_ ? recording_->text() : ""; }
+  /// Why that recording's file does not hold what was recorded; empty: it does, or there was none.
+  [[nodiscard]] std::string lost() const { return ended_with_run_ ? recording_->lost() : ""; }
 
   /// Applies the changes that need a frame; called after the frame was processed. The scene then
   /// has the results of the new session.

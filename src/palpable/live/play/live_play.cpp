@@ -3,7 +3,9 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/cpu_time.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/base/this_machine.h"
 #include "palpable/desk/clip_files/image_files.h"
@@ -66,6 +68,7 @@ fs::path checked_recording(const fs::path& record, const std::vector<fs::path>& 
   if (fs::exists(record, ignored) && !overwrite) {
     throw Error(fmt::format("--record {}: is there already; --overwrite replaces it", file));
   }
+  guard_format(record, FileFormat::kRecording);
   return record;
 }
 
@@ -94,6 +97,7 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
                     "--write film",
                     options.out.string()));
   }
+  require_folder_name(options.out);
   if (options.paused && !options.window) throw Error("--paused: a --window is paused");
   if (!options.out.empty()) return options;
   // Options about written files are an error without --out.
@@ -157,6 +161,22 @@ void warn_of_place(const LiveRun& run, const PlayUser& user) {
                                 outside_of_view(skin, world_from_body, run.loop.camera.camera())}) {
       if (warning) user.say(fmt::format("warning: {}", *warning));
     }
+  }
+}
+
+// Says of a body whose bake has not ended what is missing.
+void note_stages(const LiveSetUp& setup, const PlayUser& user) {
+  const Session& session = setup.run.loop.session;
+  for (int k = 0; k < session.body_count(); ++k) {
+    const Provenance& provenance = session.body(k).model().provenance;
+    if (provenance.stage == BodyStage::kFinished) continue;
+    const std::string& command = provenance.command_line;
+    user.say(fmt::format("{}: its bake has not ended: {}; {} goes on: {}",
+                         setup.bodies[static_cast<std::size_t>(k)].file.string(),
+                         missing_at(provenance.stage),
+                         command.find("--until") == std::string::npos ? "the same command"
+                                                                      : "the same without --until",
+                         command));
   }
 }
 
@@ -225,6 +245,7 @@ class PlayLoop {
       }
     }
     RunFigures figures = stats_.all(moment());
+    loop_.finish();
     Played played{loop_.counts(), std::move(figures), std::move(output_), user_ended(), {}};
     if (ticks_) played.ticks = ticks_->finish();
     return played;
@@ -325,25 +346,6 @@ std::optional<FolderLock> lock_of(const fs::path& out) {
   return std::optional<FolderLock>(std::in_place, out);
 }
 
-// --frame-pictures: the frames whose pictures are written.
-void read_frame_pictures(const std::vector<std::string>& words, LiveOutputSettings& settings) {
-  constexpr long long kMostFrames = 100'000'000;
-  for (const std::string& word : words) {
-    if (word == "all") {
-      settings.all_pictures = true;
-      continue;
-    }
-    const auto number = to_whole_number(word);
-    if (!number || *number < 0 || *number > kMostFrames) {
-      throw Error(fmt::format(
-          "--frame-pictures {}: must be numbers of frames, the first one is 0, or the word all",
-          word));
-    }
-    settings.kept_pictures.push_back(static_cast<int>(*number));
-  }
-  std::sort(settings.kept_pictures.begin(), settings.kept_pictures.end());
-}
-
 LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& run) {
   const Session& session = run.loop.session;
   LiveOutputSettings settings;
@@ -384,6 +386,18 @@ std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveS
       setup.run.loop);
 }
 
+// What depth/ cannot hold although it was measured; empty: hardly anything. A scene that is too
+// large, such as by a baseline in centimetres, leaves its images empty.
+std::string text_of_depth_files(const LiveSummary::Depth& depth) {
+  constexpr double kHardlyAny = 0.05;  // share of the pixels, as in depth_survey.h
+  if (!depth.written || *depth.written >= kHardlyAny || depth.kept < kHardlyAny) return {};
+  return fmt::format(
+      "warning: depth/ has a depth in {:.0f} % of the pixels, although {:.0f} % are known: its "
+      "numbers end at {:.3g} m, and the median is {:.3g} m; is the unit of the depth or of the "
+      "calibration right?\n",
+      100 * *depth.written, 100 * depth.kept, 65534 * kDepthUnit, depth.median);
+}
+
 // The files that a run has left.
 std::string text_of_files(const LiveOutput& output, const fs::path& out) {
   std::string text;
@@ -421,14 +435,31 @@ class ReplayWatch final : public StateWatch {
 
 }  // namespace
 
+void read_frame_pictures(const std::vector<std::string>& words, LiveOutputSettings& settings) {
+  constexpr long long kMostFrames = 100'000'000;
+  for (const std::string& word : words) {
+    if (word == "all") {
+      settings.all_pictures = true;
+      continue;
+    }
+    const auto number = to_whole_number(word);
+    if (!number || *number < 0 || *number > kMostFrames) {
+      throw Error(fmt::format(
+          "--frame-pictures {}: must be numbers of frames, the first one is 0, or the word all",
+          word));
+    }
+    settings.kept_pictures.push_back(static_cast<int>(*number));
+  }
+  std::sort(settings.kept_pictures.begin(), settings.kept_pictures.end());
+}
+
 LivePlay::LivePlay(const PlayOptions& options, const std::vector<fs::path>& inputs, PlayUser user,
                    const fs::path& record)
     : record_(checked_recording(record, inputs, options.overwrite)),
       options_(checked(options, !record.empty())),
       user_(std::move(user)),
       lock_(lock_of(options_.out)),
-      earlier_(lock_ ? earlier_run(options_.out, options_.overwrite, inputs)
-                     : std::vector<fs::path>()),
+      replaces_(lock_ && holds_earlier_run(options_.out, options_.overwrite, inputs)),
       events_(options_.events) {}
 
 void LivePlay::check(const LiveSetUp& setup) const {
@@ -446,11 +477,14 @@ void LivePlay::check(const LiveSetUp& setup) const {
 PlayResult LivePlay::play(LiveSetUp& setup, int frames) {
   check(setup);  // before an earlier recording is replaced
   LiveChanges changes(setup, user_);
-  if (!record_.empty()) changes.begin_recording(record_);
+  if (!record_.empty()) {
+    changes.begin_recording(record_, options_.overwrite ? Opening::kAlone : Opening::kNew);
+  }
   const bool may_change =
       options_.window && setup.options.refine.empty() && options_.contact_rate == 0;
   PlayResult result = run(setup, frames, changes, may_change ? &changes : nullptr);
   result.text += changes.text();
+  result.lost = changes.lost();
   return result;
 }
 
@@ -462,6 +496,7 @@ PlayResult LivePlay::replay(LiveSetUp& setup, StateComparison& comparison) {
 
 PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveChanges* changes) {
   LiveRun& run = setup.run;
+  note_stages(setup, user_);
   warn_of_place(run, user_);
   const LiveOutputSettings written = output_settings(options_, run);
   const std::unique_ptr<ScenePainter> painter =
@@ -473,7 +508,7 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
   if (!events_.name().empty()) user_.print(fmt::format("events: {}\n", events_.name()));
   const auto begin_output = [&]() -> std::unique_ptr<LiveOutput> {
     if (!lock_) return nullptr;
-    remove_earlier_run(earlier_);
+    if (replaces_) remove_earlier_run(options_.out);
     return std::make_unique<LiveOutput>(written);
   };
   const Played played =
@@ -497,8 +532,9 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
   text += events_.text();
   if (played.ticks) text += text_of(*played.ticks) + "\n";
   if (options_.stats) text += text_of(played.figures) + "\n";
+  text += text_of_depth_files(all.depth);
   if (played.output) text += text_of_files(*played.output, options_.out);
-  return {std::move(text), json_of(all), played.user_ended};
+  return {.text = std::move(text), .summary = json_of(all), .user_ended = played.user_ended};
 }
 
 }  // namespace palpable

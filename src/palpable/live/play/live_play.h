@@ -50,6 +50,10 @@ struct PlayOptions {
   bool paced = false;       ///< a replay at the recorded pace, without skipping frames
 };
 
+/// Sets which pictures are written by themselves. @param words  PlayOptions::frame_pictures
+/// @throws Error for a word that is neither the number of a frame nor "all"
+void read_frame_pictures(const std::vector<std::string>& words, LiveOutputSettings& settings);
+
 /// How a run speaks to its user, because the library prints nothing. All are called on the thread
 /// that plays; `progress` may be empty, and so may `keep_picture` where there is no window.
 struct PlayUser {
@@ -78,6 +82,8 @@ struct PlayResult {
   std::string text;         ///< a summary in readable lines
   Json summary;             ///< what live.json has
   bool user_ended = false;  ///< whether the user ended the run
+  /// Why the recording of the run is not as it was written; empty: it is, or there is none.
+  std::string lost = {};
 };
 
 class LiveChanges;
@@ -112,7 +118,7 @@ class LivePlay {
   PlayOptions options_;
   PlayUser user_;
   std::optional<FolderLock> lock_;
-  std::vector<std::filesystem::path> earlier_;
+  bool replaces_ = false;  // an earlier run in the output folder
   LiveEvents events_;
 };
 

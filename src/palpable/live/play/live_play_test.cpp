@@ -156,9 +156,12 @@ TEST_CASE("options that contradict each other or the bodies are refused before a
   }
   CHECK_THROWS_WITH(begin({}, folder / "touch.mp4"), Contains("should end in .palprec"));
   const fs::path there = folder / "there.palprec";
-  test::write_bytes(there, "an earlier one");
+  test::write_bytes(there, "PALPREC\nan earlier one");
   CHECK_THROWS_WITH(begin({}, there), Contains("is there already; --overwrite replaces it"));
   CHECK_NOTHROW(begin({.overwrite = true}, there));
+  test::write_bytes(there, "my notes");
+  CHECK_THROWS_WITH(begin({.overwrite = true}, there),
+                    Contains("is no recording") && Contains("somebody's"));
 
   LiveSetUp setup = set_up_sphere(folder / "sphere.palpable", {Act::kGood});
   LivePlay contact({.paint = "contact"}, {}, listener.user(), there.parent_path() / "new.palprec");

@@ -5,6 +5,7 @@
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/body_file/body_file.h"
 #include "palpable/common/body_file/touch_file.h"
+#include "palpable/common/geometry/body_scale.h"
 #include "palpable/live/sources/frame_format_json.h"
 #include "palpable/live/sources/paced_source.h"
 #include "palpable/live/sources/recording_file.h"
@@ -131,8 +132,9 @@ RecordedRun recorded_run_of(const Json& json) {
   if (run.bodies.empty()) throw Error("it says of no body where it stood");
   run.options = run_options_of(json);
   for (const RecordedRun::Body& body : run.bodies) {
-    if (!(body.body.scale > 0)) {
-      throw Error(fmt::format("the body '{}' has the scale {}", body.body.name, body.body.scale));
+    if (!is_scale(body.body.scale)) {
+      throw Error(fmt::format("the body '{}' has the scale {}, not within {} and {}",
+                              body.body.name, body.body.scale, kLeastScale, kMostScale));
     }
   }
   return run;

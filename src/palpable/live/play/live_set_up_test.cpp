@@ -7,6 +7,8 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <fmt/core.h>
+
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -96,10 +98,14 @@ TEST_CASE("a recording that does not say how its run was set up is refused",
   json["contact"] = "soft";
   CHECK_THROWS_WITH(recorded_run_of(json), Catch::StartsWith("its contact is 'soft'"));
   Json body = std::as_const(good)["bodies"][0];
-  body["scale"] = 0.0;
-  json = good;
-  json["bodies"] = Json::array({body});
-  CHECK_THROWS_WITH(recorded_run_of(json), "the body 'cup' has the scale 0");
+  for (const double scale : {0.0, 9e-4, 1001.0, 1e308}) {
+    body["scale"] = scale;
+    json = good;
+    json["bodies"] = Json::array({body});
+    CHECK_THROWS_WITH(
+        recorded_run_of(json),
+        fmt::format("the body 'cup' has the scale {}, not within 0.001 and 1000", scale));
+  }
   body["checksum"] = "12x";
   json["bodies"] = Json::array({body});
   CHECK_THROWS_WITH(recorded_run_of(json), "'12x' is no checksum");

@@ -1,8 +1,11 @@
 #include "palpable/live/play/preview.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/live/depth/depth_camera.h"
+#include "palpable/live/depth/depth_survey.h"
 #include "palpable/live/live_writer/video_file_writer.h"
 #include "palpable/live/render/window.h"
 #include "palpable/live/session/scene.h"
@@ -54,11 +57,13 @@ class PreviewOutput {
       : file_(settings.out.empty() ? std::filesystem::path() : settings.out / "preview.mp4"),
         opens_window_(settings.window) {
     if (file_.empty()) return;
+    require_folder_name(settings.out);
+    refuse_among_inputs(settings.out, settings.inputs);
+    lock_.emplace(settings.out);
     std::error_code ignored;
     if (std::filesystem::exists(file_, ignored) && !settings.overwrite) {
       throw Error(fmt::format("{}: is there already; --overwrite replaces it", file_.string()));
     }
-    make_folder(settings.out);
   }
 
   void show(const ColorImage& picture) {
@@ -97,6 +102,7 @@ class PreviewOutput {
  private:
   std::filesystem::path file_;
   bool opens_window_;
+  std::optional<FolderLock> lock_;  // against other runs that write into the folder
   std::optional<Window> window_;
   std::unique_ptr<VideoFileWriter> film_;
 };
@@ -116,6 +122,7 @@ PreviewResult preview(const PreviewSettings& settings, const PlayUser& user) {
   PreviewPicture picture;
   PreviewResult result;
   SourceGuard guard(*source);
+  DepthSurvey survey(name, source->format(), camera.rectified());
   Frame frame;
   Scene scene;
   const int total = settings.frames > 0 ? settings.frames : source->frame_count();
@@ -128,6 +135,8 @@ PreviewResult preview(const PreviewSettings& settings, const PlayUser& user) {
     if (status == FrameStatus::kEnd) break;
     if (status != FrameStatus::kFrame) continue;
     camera.see(frame, scene.seen);
+    survey.add(scene.seen);
+    for (const std::string& line : survey.take_warnings()) user.say(line);
     if (scene.seen.misfit) throw Error(name + ": " + scene.seen.misfit->message());
     const SlamFrame& found = slam.advance(scene.seen, scene.times);
     if (found.moving != nullptr) {
@@ -149,6 +158,9 @@ PreviewResult preview(const PreviewSettings& settings, const PlayUser& user) {
     throw Error(fmt::format("{}: no frame could be read ({} unreadable; {})", name,
                             result.unreadable, guard.last_trouble()));
   }
+  survey.finish();
+  for (const std::string& line : survey.take_warnings()) user.say(line);
+  result.depth = survey.figures();
   result.known /= result.frames;
   result.frames_per_second = result.frames / taken.count();
   result.film = output.finish();
@@ -162,6 +174,7 @@ std::string text_of(const PreviewResult& result) {
       result.frames, result.frames_per_second,
       result.unreadable > 0 ? fmt::format(", {} unreadable", result.unreadable) : "",
       100 * result.known);
+  text += text_of(result.depth);
   if (!result.film.empty()) text += result.film.string() + "\n";
   return text;
 }
@@ -170,6 +183,7 @@ Json json_of(const PreviewResult& result) {
   return {{"frames", result.frames},
           {"unreadable", result.unreadable},
           {"known_share", result.known},
+          {"median_m", result.depth.median > 0 ? Json(result.depth.median) : Json()},
           {"frames_per_s", result.frames_per_second},
           {"film", result.film.empty() ? Json() : Json(result.film.string())}};
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "palpable/live/depth/depth_settings.h"
+#include "palpable/live/depth/depth_survey.h"
 #include "palpable/live/play/live_play.h"
 #include "palpable/live/sources/camera_source.h"
 
@@ -19,7 +20,9 @@ struct PreviewSettings {
   bool window = false;        ///< Escape or Q ends the preview
   std::filesystem::path out;  ///< folder of the film preview.mp4; empty: none
   bool overwrite = false;     ///< replace an earlier film
-  int frames = -1;            ///< largest number; negative: up to the end
+  /// What `images` reads (refuse_among_inputs() of base/output_file.h).
+  std::vector<std::filesystem::path> inputs = {};
+  int frames = -1;  ///< largest number; negative: up to the end
 };
 
 struct PreviewResult {
@@ -27,6 +30,7 @@ struct PreviewResult {
   int unreadable = 0;
   double known = 0;  ///< mean share of pixels with a depth
   double frames_per_second = 0;
+  DepthFigures depth;
   std::filesystem::path film;  ///< empty: none
 };
 
@@ -37,7 +41,8 @@ struct PreviewResult {
 
 /// A summary in readable lines.
 [[nodiscard]] std::string text_of(const PreviewResult& result);
-/// {"frames", "unreadable", "known_share", "frames_per_s", "film"}; film null without one.
+/// {"frames", "unreadable", "known_share", "median_m", "frames_per_s", "film"}; film null without
+/// one, median_m null without a depth.
 [[nodiscard]] Json json_of(const PreviewResult& result);
 
 }  // namespace palpable

@@ -4,6 +4,7 @@
 #include "palpable/common/base/stage_clock.h"
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/desk/clip_files/scene_files.h"
+#include "palpable/live/depth/depth_survey.h"
 #include "palpable/live/map/plane_fit.h"
 #include "palpable/live/slam/slam.h"
 #include "palpable/live/sources/source_guard.h"
@@ -62,6 +63,16 @@ int see_first_frames(FrameSource& source, const std::string& name, DepthCamera& 
   return looked;
 }
 
+// What may be wrong with the depths, for the message of a search that has failed: the usual depth,
+// and warnings.
+std::string doubts_of(DepthSurvey& survey) {
+  survey.finish();
+  std::string text = "; " + text_of(survey.figures());
+  while (text.ends_with('\n')) text.pop_back();
+  for (const std::string& line : survey.take_warnings()) text += "; " + line;
+  return text;
+}
+
 // What was found in one frame.
 template <class Found>
 struct Sighting {
@@ -83,10 +94,12 @@ auto find_in_first_frames(FrameSource& source, const std::string& name,
   DepthCamera camera = std::move(made).value();
   Slam slam(camera, {.map = false});
   const bool live = source.is_live();
+  DepthSurvey survey("", source.format(), camera.rectified());
   std::vector<Sighting<Found>> sightings;  // with world_from_camera until the end
   Rigid3 world_from_start = Rigid3::Identity();
   StageTimes unused;
   const int looked = see_first_frames(source, name, camera, [&](const SeenFrame& seen) {
+    survey.add(seen);
     const TrackedPose pose = slam.advance(seen, unused).camera;
     if (pose.new_world) sightings.clear();
     if (pose.state == TrackState::kLost) return;
@@ -96,7 +109,8 @@ auto find_in_first_frames(FrameSource& source, const std::string& name,
     }
   });
   if (sightings.empty()) {
-    throw NoPlaceError(fmt::format("{}: its first {} frames show no {}", name, looked, missing));
+    throw NoPlaceError(fmt::format("{}: its first {} frames show no {}{}", name, looked, missing,
+                                   doubts_of(survey)));
   }
   for (auto& sighting : sightings) {
     sighting.start_from_camera = world_from_start.inverse() * sighting.start_from_camera;

@@ -130,8 +130,7 @@ std::optional<std::string> larger_than_view(const SurfaceMesh& body, const Rigid
                                             const PinholeCamera& camera) {
   const double depth = camera_from_body.translation().z();  // of the centre of its base
   if (!(depth > 0.0)) return std::nullopt;
-  const Eigen::Vector3d size =
-      body.vertices.rowwise().maxCoeff() - body.vertices.rowwise().minCoeff();
+  const Eigen::Vector3d size = extent_of(body.vertices);
   const Eigen::Vector2d seen(depth * camera.width / camera.fx_px,
                              depth * camera.height / camera.fy_px);
   if (size.maxCoeff() <= seen.maxCoeff()) return std::nullopt;

@@ -2,6 +2,7 @@
 /// Counts of the events of a live run, and its summary in readable lines.
 #pragma once
 
+#include "palpable/live/depth/depth_survey.h"
 #include "palpable/live/session/scene.h"
 #include "palpable/live/session/session.h"
 #include "palpable/live/sources/source_guard.h"
@@ -27,9 +28,11 @@ struct LiveCounts {
   double between = 0;    ///< m, largest penetration between bodies (Scene::mutual_penetration)
   double imbalance = 0;  ///< N, largest (Scene::imbalance)
 
-  int left_to_move = 0;  ///< frames with Scene::left_to_move
-  int dropped = 0;       ///< frames with Scene::contacts_dropped
+  int left_to_move = 0;            ///< frames with Scene::left_to_move
+  int later = 0, not_reached = 0;  ///< frames with these Scene::answer
+  int dropped = 0;                 ///< frames with Scene::contacts_dropped
 
+  DepthSurvey depth;                 ///< range of the depths, and what was kept of them
   std::vector<float> densities;      ///< of the processed frames (SeenFrame::density)
   std::vector<int> few_depths;       ///< frames with DepthTrouble::kFewDepths
   std::vector<int> rows_off;         ///< frames with DepthTrouble::kRowsOff
@@ -40,8 +43,12 @@ struct LiveCounts {
 
   /// Counts one processed frame.
   void add(const Scene& scene);
+  /// Counts one frame in which no camera took part: only what contact has found.
+  void add_contact(const Scene& scene);
 
  private:
+  void count_touches(const Scene& scene);
+
   int last_site_ = -1;  // of the previous touch; -1: there was none
   int last_body_ = 0;   // body of the previous touch
 };
@@ -50,5 +57,8 @@ struct LiveCounts {
 /// @param session  that processed the frames
 /// @param wall     s, wall-clock time of the run
 [[nodiscard]] std::string text_of(const LiveCounts& counts, const Session& session, double wall);
+
+/// The part of the summary that is about touches.
+[[nodiscard]] std::string text_of_contact(const LiveCounts& counts);
 
 }  // namespace palpable

@@ -34,6 +34,8 @@ LiveLoop::LiveLoop(LiveRun& run, int frames, std::function<void(const std::strin
       total_(total_of(*run.source, frames)),
       report_(std::move(report)),
       frames_(frames) {
+  counts_.depth =
+      DepthSurvey(run.images.string(), run.source->format(), run.loop.camera.rectified());
   begin_seeing();
 }
 
@@ -93,7 +95,17 @@ Scene* LiveLoop::process(std::unique_ptr<FrameInFlight> flight) {
     if (std::optional<std::string> trouble = refiner->take_trouble()) report(std::move(*trouble));
   }
   counts_.add(scene);
+  report_depth();
   return &scene;
+}
+
+void LiveLoop::finish() {
+  counts_.depth.finish();
+  report_depth();
+}
+
+void LiveLoop::report_depth() {
+  for (std::string& line : counts_.depth.take_warnings()) report(std::move(line));
 }
 
 void LiveLoop::report(std::string line) {

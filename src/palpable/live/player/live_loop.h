@@ -51,6 +51,9 @@ class LiveLoop {
   /// @throws exceptions of `change`; the loop continues in that case, too
   void begin_anew(const std::function<void(LiveRun&)>& change);
 
+  /// The run has ended: passes what a short run has shown of its depths to `report`.
+  void finish();
+
   /// The events up to now. Passes the source's new messages to `report`.
   const LiveCounts& counts();
 
@@ -58,6 +61,7 @@ class LiveLoop {
   void begin_seeing();
   Scene* process(std::unique_ptr<FrameInFlight> flight);
   void report(std::string line);
+  void report_depth();
   void recycle();
 
   LiveRun& run_;

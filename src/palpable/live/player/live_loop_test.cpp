@@ -6,6 +6,7 @@
 #include "tests/support/test.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <set>
 #include <string>
@@ -61,6 +62,46 @@ TEST_CASE("a run's loop answers every frame, and counts what happened", "[player
   CHECK(counts.last_trouble == "the picture is cut off");
   CHECK(counts.reports.size() == 1);  // of three unreadable frames in a row
   CHECK(reports == counts.reports);
+}
+
+// A depth camera that measures nothing, as a covered lens.
+class BlindCamera final : public FrameSource {
+ public:
+  explicit BlindCamera(int frames) : camera_(std::vector<Act>(frames, Act::kGood)) {}
+  const FrameFormat& format() const override { return camera_.format(); }
+  FrameStatus next(Frame& frame) override {
+    const FrameStatus status = camera_.next(frame);
+    std::fill(frame.depth.begin(), frame.depth.end(), std::numeric_limits<float>::quiet_NaN());
+    return status;
+  }
+  int frame_count() const override { return camera_.frame_count(); }
+  std::string last_trouble() const override { return camera_.last_trouble(); }
+
+ private:
+  test::MisbehavingCamera camera_;
+};
+
+TEST_CASE("a run without depth says so once: after 30 frames, or a shorter one when it ends",
+          "[player][threads][depth]") {
+  for (const int frames : {3, 40}) {
+    CAPTURE(frames);
+    LiveRun run = run_of({});
+    run.source = std::make_unique<BlindCamera>(frames);
+    std::vector<std::string> reports;
+    LiveLoop loop(run, -1, [&](const std::string& line) { reports.push_back(line); });
+    int answered = 0;
+    while (loop.next() != nullptr) {
+      ++answered;
+      CHECK(reports.size() == (answered < 30 ? 0U : 1U));
+    }
+    REQUIRE(answered == frames);
+    loop.finish();
+    loop.finish();
+    REQUIRE(reports.size() == 1);
+    CHECK_THAT(reports[0], Catch::Matchers::Contains(
+                               "warning: a camera: depth was measured in 0 % of the pixels"));
+    CHECK(loop.counts().reports == reports);
+  }
 }
 
 TEST_CASE("a run's loop ends after the frames that were asked for", "[player][threads]") {

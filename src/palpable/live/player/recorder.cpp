@@ -10,9 +10,29 @@
 
 namespace palpable {
 
-Recorder::Recorder(const std::filesystem::path& file, const FrameFormat& format, const Json& run)
+std::string lost_of_recording(const std::filesystem::path& file, const RecorderCounts& counts) {
+  const auto lost = [&](const std::string& why) {
+    return fmt::format("{}; {} frames were written to {}, which was changed while it was recorded",
+                       why, counts.frames, file.string());
+  };
+  if (counts.ended_early && counts.frames == 0) return {};  // nothing was written
+  const Result<RecordingContents> there = read_recording(file);
+  if (!there.ok()) return lost(there.problem().message);
+  const RecordingContents& found = there.value();
+  RunHash states;
+  for (const RecordedState& state : found.states) states.add(state.hash);
+  if (found.damaged) return lost(fmt::format("{}: {}", file.string(), found.ending));
+  if (found.frames == counts.frames && states.count() == counts.states.count() &&
+      states.text() == counts.states.text() && found.finished != counts.ended_early) {
+    return {};
+  }
+  return lost(fmt::format("{}: holds {} frames and other states", file.string(), found.frames));
+}
+
+Recorder::Recorder(const std::filesystem::path& file, const FrameFormat& format, const Json& run,
+                   Opening opening)
     : path_(file),
-      writer_(file, format, run),
+      writer_(file, format, run, opening),
       ready_(kFrames + kStates),
       free_(kFrames),
       free_states_(kStates) {
@@ -155,6 +175,7 @@ RecorderCounts Recorder::finish() {
   } catch (const Error& error) { end_early(error.what()); }
   counts_.left_out = left_out_;
   counts_.bytes = writer_.size();
+  counts_.ended_early = ended_early_;
   return counts_;
 }
 

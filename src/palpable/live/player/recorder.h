@@ -28,19 +28,28 @@
 namespace palpable {
 
 struct RecorderCounts {
-  int frames = 0;           ///< in the file
-  int left_out = 0;         ///< dropped, also for the loop, because the disk was too slow
-  std::uint64_t bytes = 0;  ///< of the file
-  RunHash states;           ///< of the frames in the file
+  int frames = 0;            ///< in the file
+  int left_out = 0;          ///< dropped, also for the loop, because the disk was too slow
+  std::uint64_t bytes = 0;   ///< of the file
+  RunHash states;            ///< of the frames in the file
+  bool ended_early = false;  ///< the disk refused data
 };
+
+/// What is wrong with a recording that was finished with these counts: it was removed, replaced or
+/// cut off by somebody else, so that the file does not hold what was written to it. Empty: nothing.
+/// Reads the heads of the file's chunks, not its pictures.
+[[nodiscard]] std::string lost_of_recording(const std::filesystem::path& file,
+                                            const RecorderCounts& counts);
 
 /// If the disk refuses data (it is full), the recording ends with its last complete chunk, and the
 /// run continues without it: take_trouble() reports that once.
 class Recorder {
  public:
   /// Begins the file. @param run data of the run that a replay needs
-  /// @throws Error when it cannot be written
-  Recorder(const std::filesystem::path& file, const FrameFormat& format, const Json& run);
+  /// @param opening  what becomes of a file that is there
+  /// @throws Error when it cannot be written, is there or is being written by another run
+  Recorder(const std::filesystem::path& file, const FrameFormat& format, const Json& run,
+           Opening opening = Opening::kAlone);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
   /// Ends the thread. Without finish() the file counts as truncated.

@@ -1,5 +1,7 @@
 #include "palpable/live/player/run_stats.h"
 
+#include "palpable/common/base/order_statistics.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -31,14 +33,8 @@ void DurationBins::clear() {
 
 double DurationBins::percentile(double share) const {
   if (count_ == 0) return 0;
-  const double rank = share * static_cast<double>(count_ - 1);
-  std::uint64_t below = 0;
-  std::size_t bin = 0;
-  for (; bin + 1 < kBins; ++bin) {
-    below += bins_[bin];
-    if (static_cast<double>(below) > rank) break;
-  }
-  return kShortest * std::pow(kWider, static_cast<double>(bin) + 0.5);  // centre of the bin
+  const auto bin = static_cast<double>(percentile_bin(bins_, count_, share));
+  return kShortest * std::pow(kWider, bin + 0.5);  // centre of the bin
 }
 
 void RunStats::add(const StageTimes& times, double age_ms) {

@@ -1,6 +1,7 @@
 #include "palpable/live/render/picture_file.h"
 
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/whole_file.h"
 
 #include <fmt/core.h>
 
@@ -132,6 +133,9 @@ bool read_rows(std::FILE* file, Raw& raw, std::vector<png_bytep>& rows, Complain
 }
 
 Result<Raw> read_image(const std::filesystem::path& path) {
+  if (const std::string why = why_no_file(path); !why.empty()) {
+    return Problem{fmt::format("cannot read {}: {}", path.string(), why)};
+  }
   const File file(std::fopen(path.c_str(), "rb"));
   if (!file) return Problem{fmt::format("cannot read {}: {}", path.string(), std::strerror(errno))};
   Raw raw;

@@ -5,10 +5,33 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace palpable {
+
+std::string Refiner::trouble_of_description(const RefinerSettings& settings) {
+  constexpr std::size_t kLongestLine = 4096;  // bytes
+  constexpr std::chrono::seconds kPatience(20);
+  std::vector<std::string> words{"refine", "--check-description", settings.description.string()};
+  if (!settings.body.empty()) words.insert(words.end(), {"--of", settings.body.string()});
+  Result<ChildProcess> child = ChildProcess::start(settings.program, words);
+  if (!child.ok()) return {};  // start() says so
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  std::string text;
+  while (text.size() < kLongestLine) {
+    const std::chrono::duration<double> left = until - std::chrono::steady_clock::now();
+    if (left.count() <= 0) return fmt::format("was not read within {} s", kPatience.count());
+    std::array<std::byte, 512> room{};
+    const auto count = child.value().receive(room, left.count());
+    if (!count) break;
+    text.append(reinterpret_cast<const char*>(room.data()), *count);
+  }
+  return text.substr(0, text.find('\n'));
+}
 
 Result<Refiner> Refiner::start(const RefinerSettings& settings) {
   PALPABLE_EXPECT(settings.latency >= 1,
@@ -77,7 +100,7 @@ void Refiner::end_frame(TouchSolver& solver, const TouchState& state, const Touc
     counts_.asked += requested_now_;
     return;
   }
-  if (stage_ != Stage::kIdle || report.left_to_move > 0 || !solver.request(state, load_)) return;
+  if (stage_ != Stage::kIdle || report.unsolved() > 0 || !solver.request(state, load_)) return;
   ++counts_.asked;
   requested_now_ = true;
   requested_at_ = frame_;

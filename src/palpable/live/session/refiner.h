@@ -30,6 +30,7 @@ namespace palpable {
 struct RefinerSettings {
   std::filesystem::path program = {};      ///< palpable-bake
   std::filesystem::path description = {};  ///< the body's, as text
+  std::filesystem::path body = {};         ///< its file, with which the text is compared; or empty
   int latency = 6;                         ///< frames, >= 1; 0.2 s
   bool waits = true;                       ///< false: a solution that is late is dropped
   double patience = 30;                    ///< s to wait for a solution, if `waits`
@@ -53,6 +54,12 @@ struct RefinerCounts {
 /// settings say that it waits.
 class Refiner {
  public:
+  /// What is wrong with the description, before a run begins: the line that `program refine
+  /// --check` prints; empty if it prints nothing. Without it a mistake would show at the first
+  /// touch only. The program reads the text, but makes no mesh. What it prints is bounded, and so
+  /// is the time that it may take.
+  [[nodiscard]] static std::string trouble_of_description(const RefinerSettings& settings);
+
   /// Starts the process. A problem when it cannot be started.
   [[nodiscard]] static Result<Refiner> start(const RefinerSettings& settings);
 

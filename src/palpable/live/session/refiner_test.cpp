@@ -257,6 +257,24 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("what is wrong with a description is said before the run begins", "[session][errors]") {
+  const test::ScratchFolder folder("refine_check");
+  const fs::path program = folder / "program";
+  const auto trouble = [&](const std::string& commands) {
+    std::ofstream(program)
+        << "#!/bin/sh\n[ \"$1 $2 $3\" = 'refine --check-description x.toml' ] || exit 9\n"
+        << commands << "\n";
+    fs::permissions(program, fs::perms::owner_all);
+    return Refiner::trouble_of_description({.program = program, .description = "x.toml"});
+  };
+  CHECK(trouble("exit 0").empty());
+  CHECK(trouble("exit 5").empty());  // that it does not work is said when it is started
+  CHECK(trouble("sleep 0.2; echo 'x.toml: line 3: none'; echo more") == "x.toml: line 3: none");
+  CHECK(trouble("yes x | head -c 100000 | tr -d '\\n'").size() > 4000);
+  CHECK(Refiner::trouble_of_description({.program = folder / "none", .description = "x.toml"})
+            .empty());
+}
+
 TEST_CASE("a program that does not start is a problem", "[session]") {
   const auto result = Refiner::start({.program = "/no/such/program", .description = "x.toml"});
   REQUIRE_FALSE(result.ok());

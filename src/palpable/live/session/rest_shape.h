@@ -6,7 +6,7 @@
 #pragma once
 
 #include "palpable/common/reduced/reduced_body.h"
-#include "palpable/live/session/scene.h"
+#include "palpable/live/things/scene_body.h"
 
 #include <Eigen/Core>
 

@@ -7,46 +7,34 @@
 #include "palpable/common/base/stage_clock.h"
 #include "palpable/common/contact/touch.h"
 #include "palpable/common/geometry/image.h"
-#include "palpable/common/geometry/rigid.h"
-#include "palpable/common/response/stated_error.h"
 #include "palpable/live/depth/depth_camera.h"
+#include "palpable/live/things/scene_body.h"
 #include "palpable/live/track/tracker.h"
 
-#include <Eigen/Core>
-
-#include <optional>
+#include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace palpable {
 
-/// Arrays of a scene's bodies that are filled only on request (Session::keep). Nothing else of a
-/// scene depends on them.
-struct SceneExtras {
-  bool components = false;        ///< SceneBody::cauchy
-  bool contact_pressure = false;  ///< SceneBody::contact_pressure
+/// Whether the bodies have given way to all that presses. Judged of capsules alone: what a camera
+/// sees has no exact surface.
+enum class Answer { kNotJudged, kReached, kLater, kNotReached };
 
-  friend bool operator==(const SceneExtras&, const SceneExtras&) = default;
-};
-
-/// One of a scene's bodies.
-struct SceneBody {
-  Rigid3 camera_from_body = Rigid3::Identity();  ///< the body's pose in the frame
-  Eigen::Matrix3Xf vertices;                     ///< (3 x V) m, body frame, deformed
-  Eigen::Matrix3Xf normals;                      ///< (3 x V) unit, outwards
-  std::vector<float> von_mises;                  ///< (V) Pa; at rest that of the preload
-  /// (6V) Pa, Cauchy stress xx yy zz xy yz zx of each vertex along the body frame's axes, from
-  /// which `von_mises` is computed. Empty unless SceneExtras::components are kept.
-  std::vector<float> cauchy;
-  /// (V) Pa, contact pressure (contact_pressure.h); 0 where nothing presses. Empty unless
-  /// SceneExtras::contact_pressure is kept, and for a body that is pressed at its sites only.
-  std::vector<float> contact_pressure;
-  /// The error of displacement and stress, for the obstacle as it is seen; nothing without a touch,
-  /// or where it is not known.
-  std::optional<StatedError> stated_error;
-  /// Share of the skin's vertices that have been hidden since the session began: their occluder
-  /// counts as part of the room, and its touches are not detected (hidden_at_start.h).
-  double hidden_since_start = 0;
-};
+/// "reached", "later", "not reached"; empty: not judged.
+[[nodiscard]] constexpr std::string_view text_of(Answer answer) {
+  switch (answer) {
+    case Answer::kReached:
+      return "reached";
+    case Answer::kLater:
+      return "later";
+    case Answer::kNotReached:
+      return "not reached";
+    case Answer::kNotJudged:
+      break;
+  }
+  return {};
+}
 
 /// Everything that is drawn, written or compared of one frame. Plain data without pointers: it may
 /// be kept, copied and passed to another thread.
@@ -60,13 +48,24 @@ struct Scene {
   int number = 0;              ///< the frame's: seen.number
   double time = 0;             ///< s, the frame's: seen.time
   std::vector<Touch> touches;  ///< of all bodies, the strongest first
+  /// Ids of the things that pressed (pressed_bodies.h), to which Touch::thing is an index; empty
+  /// where a camera sees what presses.
+  std::vector<std::int64_t> things = {};
   /// In the order of the session's bodies.
   std::vector<SceneBody> bodies;
   double mutual_penetration = 0;  ///< m, of bodies into each other, at contact points with force
   double imbalance = 0;  ///< N, by how much the forces between bodies do not cancel; 0 in theory
-  /// m that a body has yet to move, because its contact did not converge or the step limit held
-  /// (ContactReport::left_to_move); the largest of all bodies.
+  /// m that a body has yet to move, because its contact did not converge or the step limit held, or
+  /// by which an obstacle is inside it that contact missed (ContactReport::unsolved()); the largest
+  /// of all bodies.
   double left_to_move = 0;
+  /// m, how deep obstacles still are inside a body's skin anywhere (ContactReport::inside()); the
+  /// largest of all bodies. With a camera a few mm are usual while a hand comes fast, and fractions
+  /// of one where the depth is uncertain.
+  double inside = 0;
+  /// kLater: forces and shapes are on the way, and the next frame comes nearer. kNotReached: they
+  /// are not to be used.
+  Answer answer = Answer::kNotJudged;
   int contacts_dropped = 0;  ///< contact points near an obstacle for which there was no room
   TrackedPose camera;        ///< identity and kFixed when nothing is tracked
   /// 255 where something moves, of the depth's size. Empty if motion is not searched, or when the

@@ -273,7 +273,7 @@ void Session::Parts::find_touches(Scene& scene) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     bodies[k]->response.look(scene.seen, *shows, scene.bodies[k].camera_from_body);
   }
-  scene.mutual_penetration = scene.imbalance = scene.left_to_move = 0;
+  scene.mutual_penetration = scene.imbalance = scene.left_to_move = scene.inside = 0;
   scene.contacts_dropped = 0;
   if (together) {
     near.clear();
@@ -281,7 +281,8 @@ void Session::Parts::find_touches(Scene& scene) {
     const ContactReport report = together->advance(near);
     scene.mutual_penetration = report.mutual_penetration;
     scene.imbalance = report.imbalance;
-    scene.left_to_move = report.left_to_move;
+    scene.left_to_move = report.unsolved();
+    scene.inside = report.inside();
     scene.contacts_dropped = report.dropped;
   }
   for (std::size_t k = 0; k < bodies.size(); ++k) {
@@ -290,7 +291,8 @@ void Session::Parts::find_touches(Scene& scene) {
     body.response.find_touches(scene.time, others, by, body.touches);
     if (!together) {
       const ContactReport report = body.response.report();
-      scene.left_to_move = std::max(scene.left_to_move, report.left_to_move);
+      scene.left_to_move = std::max(scene.left_to_move, report.unsolved());
+      scene.inside = std::max(scene.inside, report.inside());
       scene.contacts_dropped += report.dropped;
     }
     for (Touch& touch : body.touches) {
@@ -298,13 +300,7 @@ void Session::Parts::find_touches(Scene& scene) {
       scene.touches.push_back(touch);
     }
   }
-  if (bodies.size() < 2) return;  // already in order
-  // An insertion sort of few items: std::stable_sort would allocate.
-  for (std::size_t k = 1; k < scene.touches.size(); ++k) {
-    for (std::size_t j = k; j > 0 && scene.touches[j - 1].force < scene.touches[j].force; --j) {
-      std::swap(scene.touches[j - 1], scene.touches[j]);
-    }
-  }
+  if (bodies.size() > 1) sort_by_force(scene.touches);
 }
 
 Session::Session(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace palpable {
@@ -14,6 +15,24 @@ namespace {
 
 // Returns world_from_camera of a frame if poses are given instead of tracked.
 using PoseOf = std::function<std::optional<Rigid3>(int index, const SeenFrame& seen)>;
+
+void append(std::vector<std::string>& lines, const std::vector<std::string>& more) {
+  lines.insert(lines.end(), more.begin(), more.end());
+}
+
+// Passes the reports of a second pass on only if the first has not had them.
+std::function<bool(const RoomScanStep&)> each_report_once(
+    const std::function<bool(const RoomScanStep&)>& go_on) {
+  return [&go_on, had = std::set<std::string>()](const RoomScanStep& step) mutable {
+    RoomScanStep news = step;
+    if (step.again) {
+      std::erase_if(news.reports, [&](const std::string& line) { return had.contains(line); });
+    } else {
+      had.insert(step.reports.begin(), step.reports.end());
+    }
+    return go_on(news);
+  };
+}
 
 // One pass through a source.
 // @param depth    settings for the depth of the frames
@@ -37,6 +56,7 @@ RoomScan play(FrameSource& source, const std::string& name, const DepthSettings&
   SeenFrame seen;
   SourceGuard guard(source);
   StageTimes times;
+  DepthSurvey survey(name, source.format(), camera.rectified());
   bool goes_on = true;
   while ((most < 0 || step.read < most) && (again || goes_on)) {
     const FrameStatus status = guard.next(frame);
@@ -46,6 +66,8 @@ RoomScan play(FrameSource& source, const std::string& name, const DepthSettings&
       scan.frames.push_back(pose_of
                                 ? scan.slam->advance(seen, pose_of(step.read, seen), times).camera
                                 : scan.slam->advance(seen, times).camera);
+      survey.add(seen);
+      append(step.reports, survey.take_warnings());
       ++step.read;
       step.blocks = scan.slam->map()->blocks();
     }
@@ -53,6 +75,10 @@ RoomScan play(FrameSource& source, const std::string& name, const DepthSettings&
     if (seen.misfit) throw Error(name + ": " + seen.misfit->message());
     if (status == FrameStatus::kEnd) break;
   }
+  survey.finish();
+  step.reports = survey.take_warnings();
+  if (!step.reports.empty()) go_on(step);
+  scan.depth = survey.figures();
   scan.troubles = guard.troubles();
   scan.last_trouble = guard.last_trouble();
   return scan;
@@ -89,6 +115,7 @@ void set_farthest(double farthest, RoomScanSettings& settings) {
 
 RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
                    const std::function<bool(const RoomScanStep&)>& go_on) {
+  const std::function<bool(const RoomScanStep&)> once = each_report_once(go_on);
   SlamSettings slam = settings.slam;
   slam.map = true;
   slam.track = !settings.pose_at;
@@ -98,7 +125,7 @@ RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
   }
   std::unique_ptr<FrameSource> source = open();
   RoomScan first = play(*source, settings.name, settings.depth, slam, settings.most_frames, pose_of,
-                        false, go_on);
+                        false, once);
   const Tracker* tracker = first.slam->tracker();
   if (tracker == nullptr) return first;
   first.keyframes = tracker->keyframes();
@@ -112,9 +139,10 @@ RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
   slam.track = false;
   source = open();
   RoomScan second = play(*source, settings.name, settings.depth, slam,
-                         static_cast<int>(first.frames.size()), pose_as_corrected, true, go_on);
+                         static_cast<int>(first.frames.size()), pose_as_corrected, true, once);
   second.keyframes = std::move(first.keyframes);
   second.loops = first.loops;
+  second.depth = first.depth;
   second.new_worlds = first.new_worlds;
   second.again = true;
   return second;
@@ -130,6 +158,7 @@ std::string text_of(const RoomScan& scan) {
   const SlamCounts& counts = scan.slam->counts();
   std::string text = fmt::format("{} frames, {} fused, {} without a pose\n", scan.frames.size(),
                                  counts.fused, counts.lost);
+  if (!scan.frames.empty()) text += text_of(scan.depth);
   if (scan.troubles.unreadable > 0) {
     text +=
         fmt::format("{} unreadable, the last: {}\n", scan.troubles.unreadable, scan.last_trouble);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "palpable/live/depth/depth_settings.h"
+#include "palpable/live/depth/depth_survey.h"
 #include "palpable/live/slam/slam.h"
 #include "palpable/live/sources/frame_source.h"
 #include "palpable/live/sources/source_guard.h"
@@ -52,6 +53,7 @@ struct RoomScan {
   bool again = false;                   ///< there was a second pass
   SourceTroubles troubles;              ///< of the last pass
   std::string last_trouble;             ///< message of the last trouble; empty: there was none
+  DepthFigures depth;                   ///< of the first pass
 };
 
 /// Opens the source at its beginning.

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -212,16 +213,17 @@ TEST_CASE("the summary of a scan lists frames, troubles and loops", "[slam][room
     return Rigid3::Identity();
   };
   RoomScan scanned = scan_room(wall_of(4), settings, always);
-  CHECK(text_of(scanned) == "4 frames, 3 fused, 1 without a pose\n");
+  const std::string depth = text_of(scanned.depth);  // a line, of its own test
+  CHECK(text_of(scanned) == "4 frames, 3 fused, 1 without a pose\n" + depth);
   scanned.troubles.unreadable = 2;
   scanned.last_trouble = "cut off";
   scanned.new_worlds = 1;
   scanned.loops = 1;
   CHECK(text_of(scanned) ==
-        "4 frames, 3 fused, 1 without a pose\n"
-        "2 unreadable, the last: cut off\n"
-        "1 new world began: the surface holds what was seen since the last\n"
-        "1 loop closed: the surface holds what was seen since the last\n");
+        "4 frames, 3 fused, 1 without a pose\n" + depth +
+            "2 unreadable, the last: cut off\n"
+            "1 new world began: the surface holds what was seen since the last\n"
+            "1 loop closed: the surface holds what was seen since the last\n");
   scanned.loops = 2;
   scanned.again = true;
   CHECK_THAT(text_of(scanned), Catch::Matchers::EndsWith(

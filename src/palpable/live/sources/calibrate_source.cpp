@@ -2,7 +2,9 @@
 
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/live/calibrate/calibration_check.h"
 #include "palpable/live/calibrate/calibration_file.h"
+#include "palpable/live/calibrate/exported_calibration.h"
 #include "palpable/live/sources/open_source.h"
 #include "palpable/live/sources/source_calibration.h"
 
@@ -41,9 +43,11 @@ fs::path kept_file(const CameraRequest& request, const FrameFormat& format, Vide
   return folder / calibration_name(info.name, format.width, format.height);
 }
 
-StereoRig rig_to_check(const fs::path& file, const FrameFormat& format) {
-  const FrameFormat checked =
-      value_or_throw(read_source_calibration(file, format.width, format.height)).format;
+StereoRig rig_to_check(const fs::path& file, const FrameFormat& format, BaselineRule baselines) {
+  const SourceCalibration read =
+      value_or_throw(read_source_calibration(file, format.width, format.height));
+  if (const auto problem = problem_with(read, baselines)) throw Error(problem->message);
+  const FrameFormat& checked = read.format;
   if (checked.kind != FrameFormat::Kind::kStereo || checked.already_rectified) {
     throw Error(
         fmt::format("{}: only the calibration of a raw stereo rig can be checked", file.string()));
@@ -65,6 +69,10 @@ CalibratedSource calibrate_source(const BoardOrder& order, const fs::path& file,
   CalibratedSource result;
   result.file = file.empty() ? kept_file(order.source, format, system) : file;
   expect_writable(result.file);  // fails before anybody shows boards
+  if (!order.export_folder.empty()) {
+    make_folder(order.export_folder);
+    for (const char* name : kExportedFiles) expect_writable(order.export_folder / name);
+  }
   result.seen = find_boards(*source, order.pattern, order.views, on_step);
   Result<BoardCalibration> found =
       calibrate_boards(result.seen.views, order.pattern, format.width, format.height, order.limits);
@@ -73,7 +81,17 @@ CalibratedSource calibrate_source(const BoardOrder& order, const fs::path& file,
         fmt::format("{}: no calibration: {}", order.source.device, found.problem().message));
   }
   result.found = std::move(found.value());
+  const StereoRig& rig = result.found.calibration.rig;
+  const std::string unlikely =
+      what_is_unlikely_about_baseline(rig.right_from_left.translation().norm());
+  if (order.source.baselines == BaselineRule::kUsual && !unlikely.empty()) {
+    throw Error(fmt::format(
+        "{}: no calibration: {}; --square {:g}mm was given: is that the side of a square? "
+        "--baseline-ok takes it as it is",
+        order.source.device, unlikely, 1e3 * order.pattern.square));
+  }
   write_stereo_calibration(result.file, result.found.calibration);
+  if (!order.export_folder.empty()) export_calibration(order.export_folder, rig);
   return result;
 }
 
@@ -81,7 +99,8 @@ CheckedCalibration check_calibration(const BoardOrder& order, const fs::path& fi
                                      VideoSystem& system,
                                      const std::function<void(const BoardSearchStep&)>& on_step) {
   const std::unique_ptr<FrameSource> source = open_raw_pairs(order.source, system);
-  const StereoRig rig = rig_to_check(file, source->format());  // fails before anybody shows boards
+  const StereoRig rig = rig_to_check(file, source->format(),
+                                     order.source.baselines);  // fails before anybody shows boards
   CheckedCalibration result;
   result.seen = find_boards(*source, order.pattern, order.views, on_step);
   const Result<double> error = row_error_px(result.seen.views, rig);
@@ -91,6 +110,7 @@ CheckedCalibration check_calibration(const BoardOrder& order, const fs::path& fi
                             order.pattern.rows));
   }
   result.row_error_px = error.value();
+  result.baseline = rig.right_from_left.translation().norm();
   return result;
 }
 

@@ -13,13 +13,24 @@
 namespace palpable {
 
 /// Kind of a device, judged by its formats and picture sizes.
-enum class CameraKind { kUnreadable, kSideBySide, kDepth, kOneEye };
+enum class CameraKind {
+  kUnreadable,
+  kSideBySide,
+  kInterleaved,  ///< both eyes' pixels in turn (is_interleaved_format())
+  kDepth,
+  kOneEye,
+  kGray16  ///< only Y16, which may be depth (is_gray16_format())
+};
 
 struct ListedCamera {
-  CameraInfo info;      ///< only the path if there is a problem
-  std::string trouble;  ///< why the device could not be queried; empty: no problem
+  CameraInfo info;       ///< only the path if there is a problem
+  std::string trouble;   ///< why the device could not be queried; empty: no problem
+  bool is_data = false;  ///< it is there for data about pictures, which is no fault
+  std::string users;     ///< other programs that have opened it (VideoSystem::users())
+  /// kDepth: the device of the same camera whose pictures are of the same view, if there is one.
+  std::string pictures;
   CameraKind kind = CameraKind::kUnreadable;
-  /// kSideBySide: the calibration file that open_camera() would use for its default mode;
+  /// Both eyes: the calibration file that open_camera() would use for its default mode;
   /// empty: none is known.
   std::filesystem::path calibration;
 };
@@ -30,7 +41,8 @@ struct ListedCamera {
     VideoSystem& system, const std::vector<std::filesystem::path>& folders);
 
 /// Readable lines: sizes, formats and rates, kind of pictures, whether exposure and gain can be
-/// fixed; or the problem.
+/// fixed, and what may disturb: a USB 2 port, another program, an exposure that may lower the rate;
+/// or the problem.
 [[nodiscard]] std::string text_of(const ListedCamera& camera);
 
 /// {"cameras": [...]}: the same as JSON.

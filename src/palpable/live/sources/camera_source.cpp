@@ -1,6 +1,8 @@
 #include "palpable/live/sources/camera_source.h"
 
 #include "palpable/common/base/this_machine.h"
+#include "palpable/live/sources/camera_choice.h"
+#include "palpable/live/sources/depth_unit.h"
 #include "palpable/live/sources/side_by_side.h"
 #include "palpable/live/sources/source_calibration.h"
 
@@ -16,37 +18,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kStall = 0.5;         // s without a picture until the state is kStalled
-constexpr double kReopen = 1.0;        // s between attempts to open a lost device
-constexpr double kTogether = 0.6;      // periods; unsynchronized cameras differ by up to 0.5
-constexpr double kLockAfter = 1.0;     // s, time in which an automatic exposure settles
-constexpr int kPreferredWidth = 2560;  // px, both eyes
-constexpr int kPreferredHeight = 720;  // px
-
-struct EyeSize {
-  int width = 0;
-  int height = 0;
-};
+constexpr double kStall = 0.5;      // s without a picture until the state is kStalled
+constexpr double kReopen = 1.0;     // s between attempts to open a lost device
+constexpr double kTogether = 0.6;   // periods; unsynchronized cameras differ by up to 0.5
+constexpr int kManyBad = 30;        // pictures
+constexpr double kLockAfter = 1.0;  // s, time in which an automatic exposure settles
 
 class CameraSource final : public FrameSource {
  public:
   // @param keeps_yuyv  pass YUYV pictures of both eyes on unconverted
-  CameraSource(VideoSystem& system, FrameFormat format, double depth_unit, bool lock,
+  CameraSource(VideoSystem& system, FrameFormat format, std::vector<std::string> notes, bool lock,
                bool keeps_yuyv, V4l2Camera first, std::optional<V4l2Camera> second)
       : system_(system),
         format_(std::move(format)),
-        depth_unit_(depth_unit),
         keeps_yuyv_(keeps_yuyv && format_.width % 2 == 0),
         is_locked_(!lock),
         wants_lock_(lock),
         first_(std::move(first)),
         second_(std::move(second)),
+        notes_(std::move(notes)),
         last_picture_(system.now()) {}
 
   const FrameFormat& format() const override { return format_; }
   int frame_count() const override { return -1; }
   std::string last_trouble() const override { return trouble_; }
-  std::vector<std::string> take_notes() override { return std::exchange(notes_, {}); }
+  std::vector<std::string> take_notes() override {
+    append_notes(first_);
+    if (second_) append_notes(*second_);
+    return std::exchange(notes_, {});
+  }
   bool is_live() const override { return true; }
   std::optional<double> taken() const override { return taken_; }
   SourceState state() const override { return state_; }
@@ -81,19 +81,32 @@ class CameraSource final : public FrameSource {
     std::swap(frame.depth, depth_);
     last_picture_ = system_.now();
     never_pair_ = false;
+    bad_row_ = 0;
     if (!running_from_) running_from_ = frame.time;
-    if (!is_locked_ && frame.time - *running_from_ > kLockAfter) lock();
+    if (!is_locked_ && frame.time - *running_from_ > kLockAfter && is_exposure_settled()) lock();
     return FrameStatus::kFrame;
   }
 
  private:
+  void append_notes(V4l2Camera& camera) {
+    for (std::string& note : camera.take_notes()) notes_.push_back(std::move(note));
+  }
+
+  // Whether exposures will no longer be shortened because they lower the rate. A lock before would
+  // keep the long ones.
+  bool is_exposure_settled() const {
+    return first_.is_rate_known() && (!second_ || second_->is_rate_known());
+  }
+
   std::string convert(const V4l2Camera& camera, bool is_first) {
     const RawPicture& raw = camera.picture();
     if (!is_first) {
-      return format_.kind == FrameFormat::Kind::kColorDepth ? to_depth(raw, depth_unit_, depth_)
-                                                            : to_color(raw, right_);
+      return format_.kind == FrameFormat::Kind::kColorDepth
+                 ? to_depth(raw, format_.depth_unit, depth_)
+                 : to_color(raw, right_);
     }
     if (second_) return to_color(raw, left_);
+    if (is_interleaved_format(raw.format)) return to_eyes(raw, left_, right_);
     const bool as_it_is = keeps_yuyv_ && raw.format == four_letters("YUYV");
     std::string trouble = as_it_is ? to_yuyv(raw, yuyv_) : to_color(raw, both_);
     if (!trouble.empty()) return trouble;
@@ -126,6 +139,12 @@ class CameraSource final : public FrameSource {
   FrameStatus leave_out(std::string trouble) {
     last_picture_ = system_.now();
     trouble_ = std::move(trouble);
+    if (++bad_row_ == kManyBad) {
+      notes_.push_back(
+          fmt::format("{} pictures in a row cannot be used, the last because {}: another cable or "
+                      "USB port, without a hub, or a lower --size or --fps",
+                      kManyBad, trouble_));
+    }
     return FrameStatus::kUnreadable;
   }
 
@@ -175,7 +194,6 @@ class CameraSource final : public FrameSource {
 
   VideoSystem& system_;
   FrameFormat format_;
-  double depth_unit_;
   bool keeps_yuyv_;
   bool is_locked_;  // or need not be
   bool wants_lock_;
@@ -188,6 +206,7 @@ class CameraSource final : public FrameSource {
   std::optional<double> begin_;         // the driver's time of the first frame
   std::optional<double> running_from_;  // Frame::time of the first frame since opening
   double last_picture_;                 // last frame or unreadable picture, system's clock
+  int bad_row_ = 0;                     // unusable pictures since the last frame
   bool never_pair_ = false;             // the pictures since then did not match in time
   double last_try_ = 0;
   bool has_first_ = false;  // left_ (or both eyes) is filled and not yet returned
@@ -198,67 +217,6 @@ class CameraSource final : public FrameSource {
   YuyvImage yuyv_;
   DepthImage depth_;
 };
-
-// The largest size of these modes with a height up to 720 px; if there is none, the smallest.
-EyeSize comfortable_size(const CameraInfo& info, bool depth, const CameraInfo* also) {
-  const auto has = [](const CameraInfo& other, const CameraMode& mode) {
-    return std::any_of(other.modes.begin(), other.modes.end(), [&](const CameraMode& m) {
-      return m.width == mode.width && m.height == mode.height;
-    });
-  };
-  EyeSize best;
-  for (const CameraMode& mode : info.modes) {
-    if (is_depth_format(mode.format) != depth || (also != nullptr && !has(*also, mode))) continue;
-    const bool fits = mode.height <= kPreferredHeight;
-    const bool best_fits = best.height <= kPreferredHeight;
-    const bool larger = mode.width * mode.height > best.width * best.height;
-    if (best.width == 0 || (fits && !best_fits) || (fits == best_fits && fits == larger)) {
-      best = {mode.width, mode.height};
-    }
-  }
-  return best;
-}
-
-// The second device: depth or right eye; empty if there is only one.
-const std::string& other_device(const CameraRequest& request) {
-  return request.depth.empty() ? request.right : request.depth;
-}
-
-// A size that both devices have.
-Result<EyeSize> common_size(const CameraRequest& request, const CameraInfo& first,
-                            VideoSystem& system) {
-  const bool has_depth = !request.depth.empty();
-  const Result<CameraInfo> second = query_camera(system, other_device(request));
-  if (!second.ok()) return second.problem();
-  const EyeSize size = comfortable_size(second.value(), has_depth, &first);
-  if (size.width > 0) return size;
-  return Problem{fmt::format("{} and {} have no {}picture size in common", request.device,
-                             other_device(request), has_depth ? "depth and " : "")};
-}
-
-// The size of one eye: the requested one, or the calibration's, or the camera's default.
-Result<EyeSize> eye_size(const CameraRequest& request, const CameraInfo& info,
-                         VideoSystem& system) {
-  const bool two = !other_device(request).empty();
-  const EyeSize asked{two ? request.width : request.width / 2, request.height};
-  if (asked.width > 0) return asked;
-  if (!request.calibration.empty() && request.calibration.extension() != ".conf") {
-    const Result<SourceCalibration> calibration =
-        read_source_calibration(request.calibration, 0, 0);
-    if (!calibration.ok()) return calibration.problem();
-    const FrameFormat& format = calibration.value().format;
-    if (format.width > 0) return EyeSize{format.width, format.height};
-  }
-  if (two) return common_size(request, info, system);
-  const CameraMode* mode = side_by_side_mode(info);
-  if (mode == nullptr) {
-    return Problem{fmt::format(
-        "{} ({}) gives one eye's pictures only: name the other eye's camera with --right, or the "
-        "depth of the same view with --depth-source",
-        request.device, info.name)};
-  }
-  return EyeSize{mode->width / 2, mode->height};
-}
 
 // The calibration file in the request, or the known one for a camera of this name.
 Result<SourceCalibration> calibration_of_camera(const CameraRequest& request,
@@ -280,7 +238,9 @@ Result<SourceCalibration> calibration_of_camera(const CameraRequest& request,
         request.device, camera, eye.width, eye.height,
         has_depth ? " (intrinsics.txt)" : ", or make it with palpable calibrate")};
   }
-  Result<SourceCalibration> read = read_source_calibration(path, eye.width, eye.height);
+  Result<SourceCalibration> read = read_source_calibration(
+      path, eye.width, eye.height,
+      has_depth ? FrameFormat::Kind::kColorDepth : FrameFormat::Kind::kStereo);
   if (!read.ok()) return read;
   FrameFormat& format = read.value().format;
   if ((format.kind == FrameFormat::Kind::kColorDepth) != has_depth) {
@@ -292,43 +252,26 @@ Result<SourceCalibration> calibration_of_camera(const CameraRequest& request,
     return Problem{fmt::format("the calibration {} is for eyes of {}x{} px, not {}x{}",
                                path.string(), format.width, format.height, eye.width, eye.height)};
   }
+  if (auto problem = problem_with(read.value(), request.baselines)) return *problem;
   return read;
 }
 
-CameraSettings first_settings(const CameraRequest& request, const EyeSize& eye) {
-  CameraSettings settings;
-  settings.width = other_device(request).empty() ? 2 * eye.width : eye.width;
-  settings.height = eye.height;
-  settings.frames_per_second = request.frames_per_second;
-  settings.exposure_ms = request.exposure_ms;
-  settings.gain = request.gain;
-  return settings;
-}
-
-// Exposure and gain apply to the colour camera; a depth device does not share these controls.
-CameraSettings second_settings(const CameraRequest& request, const EyeSize& eye) {
-  CameraSettings settings = first_settings(request, eye);
-  settings.depth = !request.depth.empty();
-  if (settings.depth) settings.exposure_ms = settings.gain = std::nullopt;
-  return settings;
+// Returns what the user should know of the unit.
+std::vector<std::string> decide_unit(const CameraRequest& request, const CameraInfo& depth,
+                                     SourceCalibration& calibration) {
+  const std::string& name = depth.product.empty() ? depth.name : depth.product;
+  std::vector<std::string> notes = decide_depth_unit({.asked = request.depth_unit,
+                                                      .calibration = calibration.depth_unit,
+                                                      .known = known_depth_unit(name),
+                                                      .known_of = name},
+                                                     depth.path, calibration.format);
+  if (calibration.format.depth_unit_assumed && name.find("RealSense") != std::string::npos) {
+    notes.back() += "; a RealSense D405 has 0.1mm, an L515 0.25mm";
+  }
+  return notes;
 }
 
 }  // namespace
-
-const CameraMode* side_by_side_mode(const CameraInfo& info) {
-  const CameraMode* best = nullptr;
-  for (const CameraMode& mode : info.modes) {
-    if (is_depth_format(mode.format) || !looks_side_by_side(mode.width, mode.height)) continue;
-    if (mode.width == kPreferredWidth && mode.height == kPreferredHeight) return &mode;
-    const bool fits = mode.width <= kPreferredWidth;
-    const bool best_fits = best != nullptr && best->width <= kPreferredWidth;
-    const bool larger = best != nullptr && mode.width > best->width;
-    if (best == nullptr || (fits && !best_fits) || (fits == best_fits && fits == larger)) {
-      best = &mode;
-    }
-  }
-  return best;
-}
 
 std::string calibration_name(const std::string& camera, int width, int height) {
   std::string name;
@@ -367,32 +310,39 @@ std::optional<fs::path> known_calibration(const std::string& camera, int width, 
 
 Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
                                                  VideoSystem& system) {
-  const Result<CameraInfo> info = query_camera(system, request.device);
-  if (!info.ok()) return info.problem();
-  if (request.lock && !info.value().has_exposure && !info.value().has_gain) {
+  Result<CameraChoice> choice = choose_camera(request, system);
+  if (!choice.ok()) return choice.problem();
+  const CameraInfo& info = choice.value().first;
+  if (request.lock && !info.has_exposure && !info.has_gain) {
     return Problem{
         fmt::format("{} has neither exposure nor gain that can be locked", request.device)};
   }
-  const Result<EyeSize> eye = eye_size(request, info.value(), system);
-  if (!eye.ok()) return eye.problem();
-  const Result<SourceCalibration> calibration =
-      calibration_of_camera(request, info.value().name, eye.value());
-  if (!calibration.ok()) return calibration.problem();
+  Result<SourceCalibration> calibration =
+      calibration_of_camera(request, info.name, choice.value().eye);
+  if (!calibration.ok()) {
+    // The camera's own size was taken: a calibration may be known for a larger one.
+    const bool own_size = request.width == 0 && request.calibration.empty();
+    return Problem{calibration.problem().message + (own_size ? usb_hint(info.usb) : "")};
+  }
+  std::vector<std::string> notes = std::move(choice.value().notes);
+  if (!request.depth.empty()) {
+    for (std::string& note : decide_unit(request, *choice.value().second, calibration.value())) {
+      notes.push_back(std::move(note));
+    }
+  }
 
-  Result<V4l2Camera> first =
-      V4l2Camera::open(system, request.device, first_settings(request, eye.value()));
+  Result<V4l2Camera> first = V4l2Camera::open(system, info.path, choice.value().first_settings);
   if (!first.ok()) return first.problem();
   std::optional<V4l2Camera> second;
-  if (!other_device(request).empty()) {
+  if (const auto& other = choice.value().second) {
     Result<V4l2Camera> opened =
-        V4l2Camera::open(system, other_device(request), second_settings(request, eye.value()));
+        V4l2Camera::open(system, other->path, choice.value().second_settings);
     if (!opened.ok()) return opened.problem();
     second = std::move(opened).value();
   }
-  constexpr double kMillimetre = 1e-3;  // usual step of depth devices
   return std::unique_ptr<FrameSource>(std::make_unique<CameraSource>(
-      system, calibration.value().format, calibration.value().depth_unit.value_or(kMillimetre),
-      request.lock, !request.without_calibration, std::move(first).value(), std::move(second)));
+      system, calibration.value().format, std::move(notes), request.lock,
+      !request.without_calibration, std::move(first).value(), std::move(second)));
 }
 
 std::vector<fs::path> calibration_folders() {

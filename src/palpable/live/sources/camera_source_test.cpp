@@ -1,7 +1,9 @@
 #include "palpable/live/sources/camera_source.h"
 
 #include "palpable/live/calibrate/calibration_file.h"
+#include "palpable/live/sources/camera_choice.h"
 #include "palpable/live/sources/source_guard.h"
+#include "tests/support/camera_request.h"
 #include "tests/support/fake_video.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
@@ -36,15 +38,8 @@ FakeDevice stereo_camera() {
   FakeDevice camera;
   camera.path = "/dev/video0";
   camera.card = "ZED-M: test";
-  camera.modes = {{kGrey, 2 * kWidth, kHeight, {60, 30}}, {kGrey, kWidth, kHeight, {30}}};
+  camera.modes = {{kGrey, 2 * kWidth, kHeight, {30}}, {kGrey, kWidth, kHeight, {30}}};
   return camera;
-}
-
-CameraRequest request() {
-  CameraRequest wanted;
-  wanted.device = "/dev/video0";
-  wanted.without_calibration = true;
-  return wanted;
 }
 
 constexpr std::size_t kBoth = 2 * kWidth * kHeight;
@@ -53,15 +48,6 @@ constexpr std::size_t kOne = kWidth * kHeight;
 bool contains(const std::string& text, const std::string& part) {
   UNSCOPED_INFO(text);
   return text.find(part) != std::string::npos;
-}
-
-std::string refusal(FakeVideo& video, const CameraRequest& wanted) {
-  const auto result = open_camera(wanted, video);
-  REQUIRE_FALSE(result.ok());
-  CHECK(result.problem().message.find('\n') == std::string::npos);
-  CHECK(video.opened == 0);
-  CHECK(video.mapped == 0);
-  return result.problem().message;
 }
 
 TEST_CASE("a stereo camera's pictures come as pairs with the driver's times", "[sources][camera]") {
@@ -76,7 +62,7 @@ TEST_CASE("a stereo camera's pictures come as pairs with the driver's times", "[
     video.cameras[0].shots.push_back({100.5 + i / 60.0, bytes});
   }
   {
-    const auto source = value_or_throw(open_camera(request(), video));
+    const auto source = value_or_throw(open_camera(test::camera_request(), video));
     CHECK(source->is_live());
     CHECK(source->frame_count() == -1);
     CHECK((source->format().width == kWidth && source->format().height == kHeight));
@@ -107,7 +93,7 @@ CameraRequest calibrated_request(const fs::path& folder) {
   StereoCalibration calibration;
   calibration.rig.left.pinhole = calibration.rig.right.pinhole = {kWidth, kHeight, 30, 30, 16, 5};
   calibration.rig.right_from_left.translation().x() = -0.06;
-  CameraRequest wanted = request();
+  CameraRequest wanted = test::camera_request();
   wanted.without_calibration = false;
   wanted.calibration = folder / "calibration.yml";
   write_stereo_calibration(wanted.calibration, calibration);
@@ -140,7 +126,7 @@ TEST_CASE("a calibrated camera's YUYV is handed over as it is", "[sources][camer
   again.cameras = {stereo_camera()};
   again.cameras[0].modes = {{kYuyv, 2 * kWidth, kHeight, {30}}};
   again.cameras[0].shots.push_back({100, bytes});
-  const auto uncalibrated = value_or_throw(open_camera(request(), again));
+  const auto uncalibrated = value_or_throw(open_camera(test::camera_request(), again));
   REQUIRE(uncalibrated->next(frame) == FrameStatus::kFrame);
   CHECK(frame.left.width() == kWidth);
 }
@@ -181,7 +167,7 @@ TEST_CASE("a late reader gets the newest picture, and what it missed counts as d
   FakeVideo video;
   video.cameras = {stereo_camera()};
   video.cameras[0].film(100, 40, 60, kBoth, 0);
-  const auto source = value_or_throw(open_camera(request(), video));
+  const auto source = value_or_throw(open_camera(test::camera_request(), video));
   SourceGuard guard(*source);
   Frame frame;
   REQUIRE(guard.next(frame) == FrameStatus::kFrame);
@@ -211,7 +197,7 @@ TEST_CASE("a camera that stalls, goes and comes back is followed through all of 
   camera.film(110, 50, 30, kBoth);
   camera.gone_from = 103;
   camera.gone_until = 108.5;
-  const auto source = value_or_throw(open_camera(request(), video));
+  const auto source = value_or_throw(open_camera(test::camera_request(), video));
   SourceGuard guard(*source);
   Frame frame;
   std::vector<std::string> reports;
@@ -243,7 +229,7 @@ TEST_CASE("torn and damaged pictures are left out, and the next one is good", "[
   camera.film(100, 6, 30, kBoth);
   camera.shots[1].bytes.resize(kBoth / 2);
   camera.shots[3].flags = V4L2_BUF_FLAG_ERROR;
-  const auto source = value_or_throw(open_camera(request(), video));
+  const auto source = value_or_throw(open_camera(test::camera_request(), video));
   Frame frame;
   std::vector<FrameStatus> answers;
   for (int i = 0; i < 6; ++i) {
@@ -267,7 +253,7 @@ TEST_CASE("the pictures of two cameras are paired by their times", "[sources][ca
   right.film(100.012, 20, 30, kOne, 100);  // a third of a period later
   left.shots.erase(left.shots.begin() + 5, left.shots.begin() + 8);
   video.cameras = {left, right};
-  CameraRequest wanted = request();
+  CameraRequest wanted = test::camera_request();
   wanted.right = "/dev/video2";
   const auto source = value_or_throw(open_camera(wanted, video));
   Frame frame;
@@ -290,7 +276,7 @@ TEST_CASE("two cameras whose pictures are never of one moment are stalled, and s
   left.film(100, 30, 10, kOne, 0);
   right.film(100.05, 30, 10, kOne, 100);  // 50 ms apart, 1.5 of the stated periods
   video.cameras = {left, right};
-  CameraRequest wanted = request();
+  CameraRequest wanted = test::camera_request();
   wanted.right = "/dev/video2";
   const auto source = value_or_throw(open_camera(wanted, video));
   Frame frame;
@@ -314,7 +300,7 @@ TEST_CASE("a camera that comes back is held again as it was asked for", "[source
   camera.film(110, 60, 30, kBoth);
   camera.gone_from = 103;
   camera.gone_until = 108;
-  CameraRequest wanted = request();
+  CameraRequest wanted = test::camera_request();
   wanted.lock = true;
   const auto source = value_or_throw(open_camera(wanted, video));
   Frame frame;
@@ -351,7 +337,7 @@ TEST_CASE("colour and depth of one view come as frames with depth in metres", "[
   CameraRequest wanted;
   wanted.device = "/dev/video0";
   wanted.depth = "/dev/video1";
-  CHECK(contains(refusal(video, wanted), "--calibration (intrinsics.txt)"));
+  CHECK(contains(test::camera_refusal(video, wanted), "--calibration (intrinsics.txt)"));
   wanted.calibration = folder / "intrinsics.txt";
   const auto source = value_or_throw(open_camera(wanted, video));
   CHECK(source->format().kind == FrameFormat::Kind::kColorDepth);
@@ -374,7 +360,7 @@ TEST_CASE("exposure and gain are set, or held as the camera has found them", "[s
                                                {V4L2_CID_GAIN, 5},
                                                {V4L2_CID_AUTO_WHITE_BALANCE, 1}};
   controls = automatic;
-  CameraRequest wanted = request();
+  CameraRequest wanted = test::camera_request();
   wanted.exposure_ms = 8.0;
   wanted.gain = 20;
   CHECK(open_camera(wanted, video).ok());
@@ -384,7 +370,7 @@ TEST_CASE("exposure and gain are set, or held as the camera has found them", "[s
 
   controls = automatic;
   video.cameras[0].film(100, 45, 30, kBoth);
-  wanted = request();
+  wanted = test::camera_request();
   wanted.lock = true;
   const auto source = value_or_throw(open_camera(wanted, video));
   Frame frame;
@@ -402,23 +388,24 @@ TEST_CASE("exposure and gain are set, or held as the camera has found them", "[s
               {V4L2_CID_EXPOSURE_ABSOLUTE, 50}};
   video.cameras[0].film(video.time + 1, 45, 30, kBoth);
   const auto poor = value_or_throw(open_camera(wanted, video));
-  for (int i = 0; i < 40; ++i) static_cast<void>(poor->next(frame));
+  for (int i = 0; i < 45; ++i) static_cast<void>(poor->next(frame));
   CHECK(controls[V4L2_CID_EXPOSURE_AUTO] == V4L2_EXPOSURE_MANUAL);
   CHECK(poor->take_notes() ==
         std::vector<std::string>{"the camera does not lock: gain, white balance"});
 
   controls.clear();
-  wanted = request();
+  wanted = test::camera_request();
   wanted.exposure_ms = 8.0;
   FakeVideo other;
   other.cameras = {stereo_camera()};
-  CHECK(contains(refusal(other, wanted), "has no exposure that can be set"));
+  CHECK(contains(test::camera_refusal(other, wanted), "has no exposure that can be set"));
   wanted.exposure_ms.reset();
   wanted.gain = 1;
-  CHECK(contains(refusal(other, wanted), "has no gain that can be set"));
-  wanted = request();
+  CHECK(contains(test::camera_refusal(other, wanted), "has no gain that can be set"));
+  wanted = test::camera_request();
   wanted.lock = true;
-  CHECK(contains(refusal(other, wanted), "neither exposure nor gain that can be locked"));
+  CHECK(contains(test::camera_refusal(other, wanted),
+                 "neither exposure nor gain that can be locked"));
 }
 
 TEST_CASE("what a camera can do is asked for, size by size", "[sources][camera]") {
@@ -479,40 +466,46 @@ TEST_CASE("a camera that cannot be used says why and what to do", "[sources][cam
   FakeVideo video;
   video.cameras = {stereo_camera()};
   FakeDevice& camera = video.cameras[0];
-  CameraRequest wanted = request();
+  CameraRequest wanted = test::camera_request();
 
   camera.open_error = EACCES;
-  CHECK(contains(refusal(video, wanted), "usermod -aG video"));
+  CHECK(contains(test::camera_refusal(video, wanted), "usermod -aG video"));
   camera.open_error = EBUSY;
-  CHECK(contains(refusal(video, wanted), "another program is using it"));
+  CHECK(contains(test::camera_refusal(video, wanted), "another program is using it"));
   camera.open_error = 0;
   wanted.device = "/dev/video7";
-  CHECK(contains(refusal(video, wanted), "there is no camera /dev/video7: palpable cameras"));
+  CHECK(contains(test::camera_refusal(video, wanted),
+                 "there is no camera /dev/video7: palpable cameras"));
   wanted.device = "/dev/video0";
   camera.capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING;
-  CHECK(contains(refusal(video, wanted), "gives no pictures"));
+  CHECK(contains(test::camera_refusal(video, wanted), "gives no pictures"));
   camera.capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
 
   wanted.without_calibration = false;
-  CHECK(contains(refusal(video, wanted), "no calibration is known of /dev/video0"));
+  CHECK(contains(test::camera_refusal(video, wanted), "no calibration is known of /dev/video0"));
   write_rectified_calibration(folder / "r.yml", {{{64, 40, 30, 30, 16, 5}, 0.06, 0}, 30});
   wanted.calibration = folder / "r.yml";
-  CHECK(contains(refusal(video, wanted),
+  CHECK(contains(test::camera_refusal(video, wanted),
                  "/dev/video0 has no pictures of 128x40 px; it has 64x10, 32x10"));
   wanted.width = 2 * kWidth;
   wanted.height = kHeight;
-  CHECK(contains(refusal(video, wanted), "is for eyes of 64x40 px, not 32x10"));
+  CHECK(contains(test::camera_refusal(video, wanted), "is for eyes of 64x40 px, not 32x10"));
   test::write_bytes(folder / "i.txt", "30 30 16 5");
   wanted.calibration = folder / "i.txt";
-  CHECK(contains(refusal(video, wanted), "is no calibration of a stereo rig"));
+  CHECK(contains(test::camera_refusal(video, wanted), "is no calibration of a stereo rig"));
 
   camera.modes = {{kGrey, 16, kHeight, {30}}};
-  CHECK(
-      contains(refusal(video, request()), "one eye's pictures only: name the other eye's camera"));
-  wanted = request();
+  CHECK(contains(test::camera_refusal(video, test::camera_request()),
+                 "one eye's pictures only: name the other eye's camera"));
+  wanted = test::camera_request();
   wanted.right = "/dev/video0";
-  camera.modes = {{kDepth, kWidth, kHeight, {30}}};
-  CHECK(contains(refusal(video, wanted), "no picture size in common"));
+  CHECK(contains(test::camera_refusal(video, wanted), "/dev/video0 is named twice"));
+  wanted.right = "/dev/video1";
+  FakeDevice depth = camera;
+  depth.path = "/dev/video1";
+  depth.modes = {{kDepth, 16, kHeight, {30}}};
+  video.cameras.push_back(depth);
+  CHECK(contains(test::camera_refusal(video, wanted), "no picture size in common"));
 }
 
 TEST_CASE("raw pictures become the colours that they hold", "[sources][camera]") {

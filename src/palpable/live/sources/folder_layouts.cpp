@@ -1,5 +1,6 @@
 #include "palpable/live/sources/folder_layouts.h"
 
+#include "palpable/common/base/text_numbers.h"
 #include "palpable/live/sources/layouts.h"
 #include "palpable/live/sources/name_pattern.h"
 #include "palpable/live/sources/video_file_source.h"
@@ -19,8 +20,9 @@ namespace fs = std::filesystem;
 // The layouts in the order in which they are tried: those of data sets with files or folders of
 // their own come before those that go by the names of images.
 constexpr std::array kLayouts{
-    &layouts::euroc,          &layouts::kitti,      &layouts::tum,        &layouts::seven_scenes,
-    &layouts::palpable_pairs, &layouts::middlebury, &layouts::ended_pairs};
+    &layouts::euroc,      &layouts::kitti,      &layouts::tum,          &layouts::openloris,
+    &layouts::stray,      &layouts::record3d,   &layouts::seven_scenes, &layouts::palpable_pairs,
+    &layouts::middlebury, &layouts::ended_pairs};
 
 void count_from_first(Recording& recording) {
   if (recording.frames.empty()) return;
@@ -67,19 +69,50 @@ void find_calibration_files(const fs::path& folder, Recording& recording) {
   }
 }
 
+// The texts of the layouts. One that is there but cannot be read, such as a text in UTF-16, is
+// refused: without it, frames would lose their times or poses.
+std::string unreadable_text(const fs::path& folder) {
+  constexpr std::array kTexts{"rgb.txt",           "depth.txt",         "groundtruth.txt",
+                              "times.txt",         "poses.txt",         "calib.txt",
+                              "color.txt",         "aligned_depth.txt", "sensors.yaml",
+                              "trans_matrix.yaml", "odometry.csv",      "camera_matrix.csv"};
+  constexpr std::array kOfEuroc{"cam0/sensor.yaml", "cam1/sensor.yaml",
+                                "state_groundtruth_estimate0/data.csv"};
+  std::vector<fs::path> paths;
+  for (const char* name : kTexts) paths.push_back(folder / name);
+  for (const char* name : kOfEuroc) {
+    paths.push_back(folder / name);
+    paths.push_back(folder / "mav0" / name);
+  }
+  for (const fs::path& path : paths) {
+    if (!layouts::is_there(path)) continue;
+    const Result<std::vector<std::string>> lines = read_lines(path);
+    if (!lines) return fmt::format("{}: {}", path.string(), lines.problem().message);
+    for (const std::string& line : lines.value()) {
+      if (has_decimal_commas(line)) {
+        return fmt::format("{}: '{}' {}", path.string(), line.substr(0, 40), kDecimalCommas);
+      }
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string_view known_layouts() {
   return "Read are: left/ and right/; left* and right*; imL and imR, im0 and im1, view1 and view5; "
          "*_0 and *_1, *_left and *_right, *_L and *_R; pairs side by side in one picture; color_* "
-         "or rgb_* with depth_* (16-bit images); folders of EuRoC, KITTI, TUM and 7-Scenes; or "
-         "name "
-         "images: --source \"a*.png\" --right \"b*.png\" (docs/recordings.md)";
+         "or rgb_* with depth_* (16-bit images), also as folders color/ or rgb/ with depth/; "
+         "folders of EuRoC, KITTI, TUM, Bonn, OpenLORIS, 7-Scenes, Stray Scanner and Record3D "
+         "(EXR + RGB); or name images: --source \"a*.png\" --right \"b*.png\" (docs/recordings.md)";
 }
 
 Result<Recording> recognise_folder(const fs::path& folder) {
   if (!layouts::is_there(folder)) {
     return Problem{fmt::format("there is no folder {}", folder.string())};
+  }
+  if (folder.extension() == ".r3d") {
+    return Problem{fmt::format("{} {}", folder.string(), layouts::kPackedRecord3d)};
   }
   if (!layouts::is_folder(folder)) {
     return Problem{
@@ -87,6 +120,7 @@ Result<Recording> recognise_folder(const fs::path& folder) {
                     "or an image's (.png .jpg .bmp .ppm .pgm .tif)",
                     folder.string(), fmt::join(kVideoEndings, " "))};
   }
+  if (const std::string why = unreadable_text(folder); !why.empty()) return Problem{why};
   Result<Recording> recognised = recognise(folder);
   if (!recognised.ok()) return recognised;
   Recording& recording = recognised.value();

@@ -139,6 +139,38 @@ TEST_CASE("colour and depth come in metres, 0 and 65535 as unknown", "[sources][
   }
 }
 
+TEST_CASE("the unit of depth images is the user's, the file's, or assumed and said",
+          "[sources][folder][depth_unit]") {
+  const ScratchFolder folder("folder_depth_unit");
+  write_image(folder / "color_0.png", 50);
+  write_depth(folder / "depth_0.png", 500);
+  write_bytes(folder / "intrinsics.txt", "30 30 20 12\n");
+  const auto first_depth = [](FrameSource& source) {
+    Frame frame;
+    CHECK(source.next(frame) == FrameStatus::kFrame);
+    return frame.depth(5, 5);
+  };
+  const auto assumed = opened(folder.path());
+  CHECK(first_depth(*assumed) == 0.5F);
+  CHECK(assumed->format().depth_unit == 1e-3);
+  CHECK(assumed->format().depth_unit_assumed);
+  const std::vector<std::string> notes = assumed->take_notes();
+  REQUIRE(notes.size() == 1);
+  CHECK(contains(notes[0], "nothing states the unit"));
+  CHECK(assumed->take_notes().empty());
+
+  const auto asked = value_or_throw(open_folder(folder.path(), {.depth_unit = 2e-4}));
+  CHECK(first_depth(*asked) == 500 * 2e-4F);
+  CHECK_FALSE(asked->format().depth_unit_assumed);
+  CHECK(asked->take_notes().empty());
+  write_bytes(folder / "intrinsics.txt", "30 30 20 12\nunit_m 0.0001\n");
+  const auto stated = opened(folder.path());
+  CHECK(first_depth(*stated) == 500 * 1e-4F);
+  CHECK(stated->take_notes().empty());
+  CHECK(first_depth(*value_or_throw(open_folder(folder.path(), {.depth_unit = 2e-4}))) ==
+        500 * 2e-4F);
+}
+
 TEST_CASE("an unreadable image in the middle is skipped and counted, and its neighbours are whole",
           "[sources][folder][threads][refusal]") {
   const ScratchFolder folder("folder_unreadable");
@@ -237,6 +269,7 @@ TEST_CASE("a folder that cannot be used says why and what to do", "[sources][fol
   write_two_folders(root / "garbage", 2);
   for (const char* name : {"0.png", "1.png"}) write_bytes(root / "garbage/left" / name, "x");
   CHECK(contains(refusal(root / "garbage"), "none of the 2 images"));
+  CHECK(contains(refusal(root / "garbage"), "0.png is no image"));
 }
 
 TEST_CASE("a colour and depth folder that cannot be used says why", "[sources][folder][refusal]") {
@@ -257,9 +290,18 @@ TEST_CASE("a colour and depth folder that cannot be used says why", "[sources][f
   const std::string size = refusal(folder);
   CHECK(contains(size, "320 x 240"));
   CHECK(contains(size, "40 x 24"));
-  write_bytes(folder / "intrinsics.txt", "275 275 160 120 40 24 1000");
+  write_bytes(folder / "intrinsics.txt", "27 27 20 12 40 24 1000");
   CHECK(contains(refusal(folder), "0.001"));
-  write_bytes(folder / "intrinsics.txt", "275 275 160 120");
+  write_bytes(folder / "intrinsics.txt", "27 27 20 12");
+  cv::imwrite((folder / "depth_0.png").string(), cv::Mat(15, 20, CV_16UC1, cv::Scalar(500)));
+  const std::string smaller = refusal(folder);
+  CHECK(contains(smaller, "depth_0.png is 20 x 15 px"));
+  CHECK(contains(smaller, "no two sizes of one view"));
+  write_depth(folder / "depth_0.png", 500);
+  write_two_folders(root / "stereo", 2);
+  const auto stereo = open_folder(root / "stereo", {.depth_unit = 1e-3});
+  REQUIRE_FALSE(stereo.ok());
+  CHECK(contains(stereo.problem().message, "--depth-unit is of depth images"));
   write_image(folder / "color_1.png", 1);
   CHECK(contains(refusal(folder), "2 colour and 1 depth"));
 }

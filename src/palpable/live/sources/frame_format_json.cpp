@@ -1,6 +1,8 @@
 #include "palpable/live/sources/frame_format_json.h"
 
-#include "palpable/live/calibrate/calibration_file.h"
+#include "palpable/live/calibrate/calibration_check.h"
+#include "palpable/live/sources/depth_unit.h"
+#include "palpable/live/sources/image_header.h"
 
 #include <fmt/core.h>
 
@@ -10,9 +12,8 @@
 namespace palpable {
 namespace {
 
-constexpr int kSide = 4;                           // rows and columns of a transform
-constexpr int kLongestSide = 32'768;               // px
-constexpr std::int64_t kMostPixels = 200'000'000;  // a limit far above any camera
+constexpr int kSide = 4;              // rows and columns of a transform
+constexpr int kLongestSide = 32'768;  // px
 
 Json json_of_pinhole(const PinholeCamera& camera) {
   return {{"width", camera.width}, {"height", camera.height}, {"fx_px", camera.fx_px},
@@ -32,13 +33,8 @@ int side_of(const Json& json, std::string_view key) {
 }
 
 PinholeCamera pinhole_of(const Json& json) {
-  const PinholeCamera camera{side_of(json, "width"),      side_of(json, "height"),
-                             json["fx_px"].get<double>(), json["fy_px"].get<double>(),
-                             json["cx_px"].get<double>(), json["cy_px"].get<double>()};
-  if (!(camera.fx_px > 0) || !(camera.fy_px > 0)) {
-    throw Error(fmt::format("a focal length of {} x {} px", camera.fx_px, camera.fy_px));
-  }
-  return camera;
+  return {side_of(json, "width"),      side_of(json, "height"),     json["fx_px"].get<double>(),
+          json["fy_px"].get<double>(), json["cx_px"].get<double>(), json["cy_px"].get<double>()};
 }
 
 DistortedCamera lens_of(const Json& json) {
@@ -59,18 +55,29 @@ void read_stereo(const Json& json, FrameFormat& format) {
   } else {
     format.rig = {lens_of(json["left"]), lens_of(json["right"]), rigid_of(json["right_from_left"])};
   }
-  const std::string wrong = format.already_rectified ? what_is_wrong_with(format.rectified)
-                                                     : what_is_wrong_with(format.rig);
+}
+
+// Recordings of 0.1 have no unit: it is not known of their depths, which are in metres.
+void read_depth_unit(const Json& json, FrameFormat& format) {
+  if (!json.contains("depth_unit_m")) return;
+  format.depth_unit = json["depth_unit_m"].get<double>();
+  format.depth_unit_assumed = json["depth_unit_assumed"].get<bool>();
+  const std::string wrong = what_is_wrong_with_depth_unit(format.depth_unit);
   if (!wrong.empty()) throw Error(wrong);
+}
+
+// @throws Error for a size whose images would take too much memory
+void bound_size(int width, int height) {
+  if (static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > kMostImagePixels) {
+    throw Error(fmt::format("{} x {} px are too many", width, height));
+  }
 }
 
 FrameFormat format_or_throw(const Json& json) {
   FrameFormat format;
   format.width = side_of(json, "width");
   format.height = side_of(json, "height");
-  if (std::int64_t{format.width} * format.height > kMostPixels) {
-    throw Error(fmt::format("{} x {} px are too many", format.width, format.height));
-  }
+  bound_size(format.width, format.height);
   if (json.contains("starts_at")) format.starts_at = json["starts_at"].get<double>();
   const std::string kind = json["kind"].get<std::string>();
   if (kind == "stereo") {
@@ -78,13 +85,17 @@ FrameFormat format_or_throw(const Json& json) {
   } else if (kind == "color and depth") {
     format.kind = FrameFormat::Kind::kColorDepth;
     format.depth_camera = pinhole_of(json["depth_camera"]);
+    bound_size(format.depth_camera.width, format.depth_camera.height);
     const Json& color = json["color_sensor"];
     if (!color.is_null()) {
       format.color_sensor = {pinhole_of(color["camera"]), rigid_of(color["color_from_depth"])};
     }
+    read_depth_unit(json, format);
   } else {
     throw Error(fmt::format("no camera is of the kind '{}'", kind));
   }
+  const std::string wrong = what_is_wrong_with(format);
+  if (!wrong.empty()) throw Error(wrong);
   return format;
 }
 
@@ -117,6 +128,10 @@ Json json_of(const FrameFormat& format) {
     if (const auto& color = format.color_sensor) {
       json["color_sensor"] = {{"camera", json_of_pinhole(color->camera)},
                               {"color_from_depth", json_of(color->color_from_depth)}};
+    }
+    if (format.depth_unit > 0) {
+      json["depth_unit_m"] = format.depth_unit;
+      json["depth_unit_assumed"] = format.depth_unit_assumed;
     }
     return json;
   }

@@ -29,6 +29,13 @@ class ImageFileReader {
   [[nodiscard]] Result<bool> read_16bit(const std::filesystem::path& path,
                                         Image<std::uint16_t>& image);
 
+  /// Reads 8-bit grey without conversion.
+  [[nodiscard]] Result<bool> read_8bit(const std::filesystem::path& path, MaskImage& image);
+
+  /// Reads depths in metres from an OpenEXR file (prepare_exr()); NaN where they are not positive
+  /// and finite.
+  [[nodiscard]] Result<bool> read_metres(const std::filesystem::path& path, DepthImage& image);
+
  private:
   struct Buffers;
   std::unique_ptr<Buffers> buffers_;

@@ -23,8 +23,9 @@ bool shows_two_eyes(const fs::path& image) {
 
 }  // namespace
 
-// *_0 and *_1, *_left and *_right, *_L and *_R: pairs, if every image of the folder has its partner
-// and does not have the size of two eyes side by side; else empty.
+// *_0 and *_1, *_left and *_right, *_L and *_R: pairs, if every image of the folder has its
+// partner; else empty. The numbers 0 and 1 may also be those of two frames with both eyes side by
+// side.
 Recognised ended_pairs(const fs::path& folder) {
   const std::vector<fs::path> images = images_in(folder);
   constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kEndings{
@@ -50,7 +51,8 @@ Recognised ended_pairs(const fs::path& folder) {
       if (partner != rights.end()) recording.frames.push_back({image, partner->second, {}, {}});
     }
     if (recording.frames.size() != lefts.size()) continue;
-    if (lefts.size() == 1 && shows_two_eyes(lefts.front().second)) continue;
+    recording.may_be_two_frames =
+        lefts.size() == 1 && left == "_0" && shows_two_eyes(lefts.front().second);
     return recording;
   }
   return std::nullopt;

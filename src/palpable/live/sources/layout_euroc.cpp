@@ -89,13 +89,14 @@ Result<SourceCalibration> euroc_calibration(const fs::path& folder) {
   const Result<EurocCamera> right = read_euroc_camera(folder / "cam1/sensor.yaml");
   if (!right.ok()) return right.problem();
   SourceCalibration calibration;
+  calibration.file = fmt::format("{} and {}", (folder / "cam0/sensor.yaml").string(),
+                                 (folder / "cam1/sensor.yaml").string());
   calibration.format.rig = {
       left.value().lens, right.value().lens,
       right.value().body_from_camera.inverse() * left.value().body_from_camera};
   const Result<RectifiedGeometry> geometry = rectify_rig(calibration.format.rig);
   if (!geometry.ok()) {
-    return Problem{fmt::format("{} and {}: {}", (folder / "cam0/sensor.yaml").string(),
-                               (folder / "cam1/sensor.yaml").string(), geometry.problem().message)};
+    return Problem{fmt::format("{}: {}", calibration.file, geometry.problem().message)};
   }
   calibration.format.width = left.value().lens.pinhole.width;
   calibration.format.height = left.value().lens.pinhole.height;

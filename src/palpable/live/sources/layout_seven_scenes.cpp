@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSevenScenes = "7-Scenes";
-const PinholeCamera kSevenScenesDepth{0, 0, 585, 585, 320, 240};
+const PinholeCamera kSevenScenesDepth{640, 480, 585, 585, 320, 240};
 
 // The data set does not give the pose of its Kinect's two sensors. The focal length, rotation and
 // translation here are those used by relocalisation papers (setup_7scenes.py of
@@ -38,31 +38,48 @@ Recognised seven_scenes(const fs::path& folder) {
               {images_in(folder, "frame-*.color.*"), "colour"}, {depth, "depth"});
   if (!pairs.ok()) return pairs;
   Recording& recording = pairs.value();
+  recording.depth_unit = 1e-3;
   for (RecordedFrame& frame : recording.frames) {
     std::string name = frame.first.filename().string();
     name = name.substr(0, name.find(".color"));
-    const std::string text =
-        fmt::format("{}", fmt::join(lines_in(folder / (name + ".pose.txt")), "\n"));
+    const fs::path pose = folder / (name + ".pose.txt");
+    const std::string text = fmt::format("{}", fmt::join(lines_in(pose), "\n"));
+    if (has_decimal_commas(text)) {
+      return Problem{fmt::format("{} {}", pose.string(), kDecimalCommas)};
+    }
     frame.world_from_camera = pose_of(to_numbers(text).value_or(std::vector<double>{}));
   }
   if (!is_there(folder / "camera-intrinsics.txt") && !is_there(folder / "intrinsics.txt")) {
     SourceCalibration& calibration = recording.calibration.emplace();
+    calibration.file = "of 7-Scenes as published";
     calibration.format.kind = FrameFormat::Kind::kColorDepth;
     calibration.format.depth_camera = kSevenScenesDepth;
     calibration.format.color_sensor = seven_scenes_color();
+    set_size(calibration.format, kSevenScenesDepth.width, kSevenScenesDepth.height);
+    calibration.guesses.push_back(fmt::format(
+        "{} has no intrinsics.txt: those of 7-Scenes are assumed (depth f = 585 px, colour f = 525 "
+        "px, 640 x 480)",
+        folder.string()));
   }
   return pairs;
 }
 
 }  // namespace layouts
 
-std::optional<ColorSensor> color_sensor_of(const Recording& recording,
-                                           const PinholeCamera& depth_camera) {
-  if (recording.layout == layouts::kSevenScenes &&
-      depth_camera.fx_px == layouts::kSevenScenesDepth.fx_px) {
-    return layouts::seven_scenes_color();
+void add_color_sensor(const Recording& recording, SourceCalibration& calibration) {
+  FrameFormat& format = calibration.format;
+  PinholeCamera published = layouts::kSevenScenesDepth;
+  published.width = published.height = 0;  // as in a file that has only the published numbers
+  if (recording.layout != layouts::kSevenScenes || format.color_sensor ||
+      !(format.depth_camera == published)) {
+    return;
   }
-  return std::nullopt;
+  format.color_sensor = layouts::seven_scenes_color();
+  calibration.guesses.push_back(fmt::format(
+      "{} has the numbers of 7-Scenes: its colour camera is assumed, too (f = 525 px, 26 mm beside "
+      "the depth's); a line `color fx fy cx cy` states another, `fx fy cx cy width height` one "
+      "view",
+      calibration.file));
 }
 
 }  // namespace palpable

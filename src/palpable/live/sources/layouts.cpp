@@ -1,5 +1,6 @@
 #include "palpable/live/sources/layouts.h"
 
+#include "palpable/common/base/order_statistics.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/live/sources/name_pattern.h"
 #include "palpable/live/sources/natural_order.h"
@@ -53,12 +54,13 @@ std::optional<fs::path> without_partner(const std::vector<fs::path>& first,
 
 std::vector<fs::path> images_in(const fs::path& folder, std::string_view pattern) {
   std::vector<fs::path> images;
+  const bool of_exr = pattern.ends_with(".exr");
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     std::error_code ignored;
     const std::string name = it->path().filename().string();
-    if (name.front() != '.' && matches_pattern(name, pattern) && is_image_name(it->path()) &&
-        it->is_regular_file(ignored)) {
+    if (name.front() != '.' && matches_pattern(name, pattern) &&
+        (of_exr || is_image_name(it->path())) && it->is_regular_file(ignored)) {
       images.push_back(it->path());
     }
   }
@@ -79,7 +81,8 @@ bool is_folder(const fs::path& path) {
 }
 
 std::vector<std::string> lines_in(const fs::path& path) {
-  return read_lines(path).value_or(std::vector<std::string>{});
+  Result<std::vector<std::string>> lines = read_lines(path);
+  return lines ? std::move(lines).value() : std::vector<std::string>{};
 }
 
 Result<Recording> pair_up(const fs::path& folder, std::string layout, ImagePair pair,
@@ -103,6 +106,51 @@ Result<Recording> pair_up(const fs::path& folder, std::string layout, ImagePair 
     recording.frames.push_back({first.images[i], second.images[i], std::nullopt, std::nullopt});
   }
   return recording;
+}
+
+std::map<long long, fs::path> numbered_files(const fs::path& folder, std::string_view ending) {
+  std::map<long long, fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    std::error_code ignored;
+    if (!name.ends_with(ending) || !it->is_regular_file(ignored)) continue;
+    const auto number =
+        to_whole_number(std::string_view(name).substr(0, name.size() - ending.size()));
+    if (number && *number >= 0) files.emplace(*number, it->path());
+  }
+  return files;
+}
+
+FrameLens median_lens(const std::vector<FrameLens>& lenses, std::string_view file,
+                      std::vector<std::string>& notes) {
+  const auto median = [&](double FrameLens::*number) {
+    std::vector<double> values;
+    values.reserve(lenses.size());
+    for (const FrameLens& lens : lenses) values.push_back(lens.*number);
+    return upper_median(values);
+  };
+  const FrameLens middle{median(&FrameLens::fx), median(&FrameLens::fy), median(&FrameLens::cx),
+                         median(&FrameLens::cy)};
+  const auto [least, most] =
+      std::minmax_element(lenses.begin(), lenses.end(),
+                          [](const FrameLens& a, const FrameLens& b) { return a.fx < b.fx; });
+  constexpr double kSteady = 0.002;  // of f: 1 mm at 0.5 m
+  if (most->fx - least->fx > kSteady * middle.fx) {
+    notes.push_back(
+        fmt::format("{}: the lens focuses while it films, f from {:.1f} to {:.1f} px; "
+                    "{:.1f} px, the middle of all frames, is taken",
+                    file, least->fx, most->fx, middle.fx));
+  }
+  return middle;
+}
+
+SourceCalibration lens_calibration(const FrameLens& lens, std::string file) {
+  SourceCalibration calibration;
+  calibration.file = std::move(file);
+  calibration.format.kind = FrameFormat::Kind::kColorDepth;
+  calibration.format.depth_camera = {0, 0, lens.fx, lens.fy, lens.cx, lens.cy};
+  return calibration;
 }
 
 Rigid3 pose_of(const Eigen::Vector3d& position, double qw, double qx, double qy, double qz) {

@@ -39,14 +39,23 @@ using Recognised = std::optional<Result<Recording>>;
 Recognised euroc(const std::filesystem::path& folder);
 Recognised kitti(const std::filesystem::path& folder);
 Recognised tum(const std::filesystem::path& folder);
+Recognised openloris(const std::filesystem::path& folder);
+Recognised stray(const std::filesystem::path& folder);
+Recognised record3d(const std::filesystem::path& folder);
+/// What a message says about a .r3d file, packed or unpacked.
+inline constexpr std::string_view kPackedRecord3d =
+    "is a recording of Record3D whose depth is packed by Apple's LZFSE, which is not read; export "
+    "the recording in the app as EXR + RGB";
 Recognised seven_scenes(const std::filesystem::path& folder);
-/// Palpable's own: left/ and right/; color_* or rgb_* with depth_*; left* and right*.
+/// Palpable's own: left/ and right/; color_* or rgb_* with depth_*, also as folders; left* and
+/// right*.
 Recognised palpable_pairs(const std::filesystem::path& folder);
 Recognised middlebury(const std::filesystem::path& folder);
 /// *_0 and *_1, *_left and *_right, *_L and *_R.
 Recognised ended_pairs(const std::filesystem::path& folder);
 
-/// The images directly in `folder` that match the pattern, in natural order.
+/// The images directly in `folder` that match the pattern, in natural order. Depth in OpenEXR files
+/// is meant by a pattern that ends with .exr only.
 [[nodiscard]] std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder,
                                                            std::string_view pattern = "*");
 
@@ -66,6 +75,31 @@ struct Side {
 /// @param folder  for messages
 [[nodiscard]] Result<Recording> pair_up(const std::filesystem::path& folder, std::string layout,
                                         ImagePair pair, const Side& first, const Side& second);
+
+/// Colour and depth of two lists in TUM's format, `stamp file` in each line, s: pairs of images
+/// less than kSameMoment apart, each of them in one pair; with the poses of groundtruth.txt. A
+/// problem when stamps are no seconds.
+/// @param color_list, depth_list  names in `folder`
+[[nodiscard]] Result<Recording> stamped_pairs(const std::filesystem::path& folder,
+                                              std::string layout, const char* color_list,
+                                              const char* depth_list);
+
+/// The files directly in `folder` whose name is a whole number and `ending` (".exr"), by number.
+[[nodiscard]] std::map<long long, std::filesystem::path> numbered_files(
+    const std::filesystem::path& folder, std::string_view ending);
+
+/// The pinhole camera of one frame.
+struct FrameLens {
+  double fx, fy, cx, cy;  ///< px
+};
+/// The medians of fx, fy, cx and cy of all frames, for lenses that focus while they film. A note
+/// says by how much f changes where that is more than 0.2 %.
+/// @param lenses  at least one
+[[nodiscard]] FrameLens median_lens(const std::vector<FrameLens>& lenses, std::string_view file,
+                                    std::vector<std::string>& notes);
+
+/// A calibration of colour and depth with these numbers of the colour camera and no size.
+[[nodiscard]] SourceCalibration lens_calibration(const FrameLens& lens, std::string file);
 
 /// A pose from its position (m) and quaternion, which need not be normalised.
 [[nodiscard]] Rigid3 pose_of(const Eigen::Vector3d& position, double qw, double qx, double qy,

@@ -34,6 +34,8 @@ constexpr std::array kColorFormats{
     ColorFormat{four_letters("BGR3"), CV_8UC3, cv::COLOR_BGR2RGB, 24}};
 constexpr std::uint32_t kMotionJpeg = four_letters("MJPG");
 constexpr std::uint32_t kJpeg = four_letters("JPEG");
+constexpr std::uint32_t kY8i = four_letters("Y8I ");
+constexpr std::uint32_t kY12i = four_letters("Y12I");
 
 const ColorFormat* color_format(std::uint32_t code) {
   for (const ColorFormat& format : kColorFormats) {
@@ -52,6 +54,27 @@ std::string row_trouble(const RawPicture& raw, int pixel_bytes) {
   if (raw.row_bytes >= least) return {};
   return fmt::format("the camera says that a row has {} bytes; {} px have {}", raw.row_bytes,
                      raw.width, least);
+}
+
+constexpr int kEyeBits = 12;           // of one eye in Y12I
+constexpr int kRealSenseEyeBits = 10;  // of those that a RealSense uses
+
+Rgb grey(int value) {
+  const auto level = static_cast<std::uint8_t>(std::min(value, 255));
+  return {level, level, level};
+}
+
+// Rows of both eyes from one row of Y12I.
+void split_y12i_row(const std::uint8_t* row, bool by_realsense, ColorImage& left, ColorImage& right,
+                    int y) {
+  const int surplus = (by_realsense ? kRealSenseEyeBits : kEyeBits) - 8;
+  ColorImage& low_eye = by_realsense ? right : left;
+  ColorImage& high_eye = by_realsense ? left : right;
+  for (int x = 0; x < left.width(); ++x) {
+    const int word = row[3 * x] | row[3 * x + 1] << 8 | row[3 * x + 2] << 16;
+    low_eye(x, y) = grey((word & 0xFFF) >> surplus);
+    high_eye(x, y) = grey((word >> kEyeBits) >> surplus);
+  }
 }
 
 std::string decode_jpeg(const RawPicture& raw, ColorImage& image) {
@@ -92,9 +115,11 @@ bool is_color_format(std::uint32_t format) {
   return color_format(format) != nullptr || format == kMotionJpeg || format == kJpeg;
 }
 
-bool is_depth_format(std::uint32_t format) {
-  return format == four_letters("Z16 ") || format == four_letters("Y16 ");
-}
+bool is_depth_format(std::uint32_t format) { return format == four_letters("Z16 "); }
+
+bool is_interleaved_format(std::uint32_t format) { return format == kY8i || format == kY12i; }
+
+bool is_gray16_format(std::uint32_t format) { return format == four_letters("Y16 "); }
 
 std::string to_color(const RawPicture& raw, ColorImage& image) {
   try {
@@ -124,6 +149,35 @@ std::string to_color(const RawPicture& raw, ColorImage& image) {
   } catch (const std::exception& e) {  // out of memory
     return fmt::format("the picture cannot be kept: {}", e.what());
   }
+}
+
+std::string to_eyes(const RawPicture& raw, ColorImage& left, ColorImage& right) {
+  if (!is_interleaved_format(raw.format)) {
+    return fmt::format("no two eyes in {}", letters_of(raw.format));
+  }
+  if (std::string trouble = row_trouble(raw, raw.format == kY8i ? 2 : 3); !trouble.empty()) {
+    return trouble;
+  }
+  const std::size_t wanted = raw.row_bytes * raw.height;
+  if (raw.size < wanted) return too_short(raw, wanted);
+  try {
+    left.resize(raw.width, raw.height);
+    right.resize(raw.width, raw.height);
+  } catch (const std::exception& e) {  // out of memory
+    return fmt::format("the picture cannot be kept: {}", e.what());
+  }
+  for (int y = 0; y < raw.height; ++y) {
+    const std::uint8_t* row = raw.data + raw.row_bytes * y;
+    if (raw.format == kY12i) {
+      split_y12i_row(row, raw.by_realsense, left, right, y);
+      continue;
+    }
+    for (int x = 0; x < raw.width; ++x) {
+      left(x, y) = grey(row[2 * x]);
+      right(x, y) = grey(row[2 * x + 1]);
+    }
+  }
+  return {};
 }
 
 std::string to_yuyv(const RawPicture& raw, YuyvImage& image) {

@@ -62,11 +62,11 @@ std::uint64_t longest_frame(const FrameFormat& format) {
          kLongestText;
 }
 
-// A file with random access.
+// A file with random access. It is opened without waiting, as a pipe would wait for its writer.
 class OpenFile {
  public:
   explicit OpenFile(const fs::path& path)
-      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
     struct stat status {};
     if (descriptor_ < 0) {
       why_ = std::strerror(errno);
@@ -295,15 +295,16 @@ class RecordingReader final : public FrameReader {
     if (!number || !time || !taken || !images) return {};
     frame.number = *number;
     frame.time = *time;
-    const auto unpack = [&](std::uint8_t which, auto& image) {
-      if ((*images & which) != 0) {
-        return unpacker_.unpack(rest, format.width, format.height, image);
-      }
+    const std::pair color_size{format.width, format.height};
+    const auto unpack = [&](std::uint8_t which, const std::pair<int, int>& size, auto& image) {
+      if ((*images & which) != 0) return unpacker_.unpack(rest, size.first, size.second, image);
       image.resize(0, 0);
       return true;
     };
-    const bool whole = unpack(kLeft, frame.left) && unpack(kRight, frame.right) &&
-                       unpack(kDepth, frame.depth) && unpack(kBoth, frame.both) && rest.empty();
+    const bool whole = unpack(kLeft, color_size, frame.left) &&
+                       unpack(kRight, color_size, frame.right) &&
+                       unpack(kDepth, depth_size_of(format), frame.depth) &&
+                       unpack(kBoth, color_size, frame.both) && rest.empty();
     if (!whole) return {};
     return FrameStatus::kFrame;
   }
@@ -338,12 +339,11 @@ class RecordingReader final : public FrameReader {
 
 bool is_recording_name(const fs::path& path) { return path.extension() == kRecordingEnding; }
 
-RecordingWriter::RecordingWriter(const fs::path& path, const FrameFormat& format, const Json& run)
-    : file_(path) {
-  chunk_ = kMagic;
-  put(chunk_, kVersion);
-  file_.append(chunk_);
-  size_ = chunk_.size();
+RecordingWriter::RecordingWriter(const fs::path& path, const FrameFormat& format, const Json& run,
+                                 Opening opening)
+    : file_(path, opening) {
+  pending_ = kMagic;
+  put(pending_, kVersion);
   begin(kAbout);
   chunk_ += Json{
       {"holds", "pictures of the room in which it was recorded"},
@@ -358,7 +358,16 @@ void RecordingWriter::begin(std::uint32_t kind) {
   std::memcpy(chunk_.data(), &kind, sizeof kind);
 }
 
-// Completes the chunk that was begun and appends it to the file.
+// Writes what came before the first frame, once.
+void RecordingWriter::write_pending() {
+  if (begun_) return;
+  file_.append(pending_);
+  size_ += pending_.size();
+  begun_ = true;
+  pending_ = {};
+}
+
+// Completes the chunk that was begun and appends it to the file, or to what is pending.
 void RecordingWriter::append() {
   std::uint32_t kind = 0;
   std::memcpy(&kind, chunk_.data(), sizeof kind);
@@ -366,11 +375,16 @@ void RecordingWriter::append() {
   const std::uint64_t checksum = checksum_of(kind, std::string_view(chunk_).substr(kHead));
   std::memcpy(chunk_.data() + sizeof kind, &size, sizeof size);
   std::memcpy(chunk_.data() + sizeof kind + sizeof size, &checksum, sizeof checksum);
+  if (!begun_) {
+    pending_ += chunk_;
+    return;
+  }
   file_.append(chunk_);
   size_ += chunk_.size();
 }
 
 void RecordingWriter::add_frame(const Frame& frame, std::optional<double> taken) {
+  write_pending();
   begin(kFrame);
   put(chunk_, std::int32_t{frame.number});
   put(chunk_, frame.time);
@@ -416,6 +430,7 @@ void RecordingWriter::add_state(const RecordedState& state) {
 }
 
 void RecordingWriter::finish() {
+  write_pending();
   begin(kEnd);
   append();
   file_.close();

@@ -49,9 +49,13 @@ struct RecordedRefinement {
 /// file then ends with the previous chunk, and nothing more may be added.
 class RecordingWriter {
  public:
-  /// Creates or overwrites the file.
+  /// The file is written with the first frame, or by finish(): until then a file that is there
+  /// stays as it is, unless it was opened as kEmptied.
   /// @param run  an object with data that a replay needs beside the frames' format
-  RecordingWriter(const std::filesystem::path& path, const FrameFormat& format, const Json& run);
+  /// @param opening  what becomes of a file that is there; two writers of one file at once exclude
+  ///                 each other unless it is kEmptied
+  RecordingWriter(const std::filesystem::path& path, const FrameFormat& format, const Json& run,
+                  Opening opening = Opening::kAlone);
 
   /// Adds a frame as returned by its source. @pre its images have the format's size (wrong_size())
   /// @param taken  FrameSource::taken()
@@ -70,10 +74,13 @@ class RecordingWriter {
  private:
   void begin(std::uint32_t kind);
   void append();
+  void write_pending();
 
   GrowingFile file_;
   std::uint64_t size_ = 0;
-  std::string chunk_;  // the chunk that is being composed
+  std::string chunk_;    // the chunk that is being composed
+  std::string pending_;  // what comes before the first frame
+  bool begun_ = false;   // the first frame or the end was written
   ImagePacker packer_;
 };
 

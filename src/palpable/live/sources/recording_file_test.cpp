@@ -47,10 +47,19 @@ FrameFormat depth_format(bool own_color) {
   format.width = kWidth;
   format.height = kHeight;
   format.depth_camera = {kWidth, kHeight, 9, 9.5, 5, 3};
+  format.depth_unit = own_color ? 2e-4 : 1e-3;
+  format.depth_unit_assumed = !own_color;
   if (own_color) {
     format.color_sensor = {{kWidth, kHeight, 8, 8.5, 5.5, 3.5}, Rigid3::Identity()};
     format.color_sensor->color_from_depth.translation() << 0.025, 0, 1e-3;
   }
+  return format;
+}
+
+// A phone's: half as many depths.
+FrameFormat phone_format() {
+  FrameFormat format = depth_format(true);
+  format.depth_camera = {kWidth / 2, kHeight / 2, 4.5, 4.75, 2, 1};
   return format;
 }
 
@@ -67,7 +76,8 @@ Frame some_frame(const FrameFormat& format, int number) {
   if (format.kind == FrameFormat::Kind::kStereo) {
     fill(frame.right);
   } else {
-    frame.depth = DepthImage(kWidth, kHeight, 0.4F + 0.001F * static_cast<float>(number));
+    const auto [width, height] = depth_size_of(format);
+    frame.depth = DepthImage(width, height, 0.4F + 0.001F * static_cast<float>(number));
     frame.depth(3, 2) = std::numeric_limits<float>::quiet_NaN();
   }
   return frame;
@@ -141,8 +151,8 @@ const std::vector<std::string> kAll{"frame 0",
 TEST_CASE("what was recorded is played: frames, what could not be read, silence, states",
           "[sources][recording]") {
   const test::ScratchFolder folder("recording");
-  for (const FrameFormat& format :
-       {rectified_format(), raw_format(), depth_format(false), depth_format(true)}) {
+  for (const FrameFormat& format : {rectified_format(), raw_format(), depth_format(false),
+                                    depth_format(true), phone_format()}) {
     const fs::path path = folder / "a.palprec";
     write_some(path, format);
     const RecordingContents contents = read_recording(path).value();
@@ -207,6 +217,13 @@ TEST_CASE("the format of a recording is the source's to the bit", "[sources][rec
   const FrameFormat depth = frame_format_of(json_of(depth_format(true))).value();
   CHECK(depth.kind == FrameFormat::Kind::kColorDepth);
   CHECK(depth.depth_camera == depth_format(true).depth_camera);
+  CHECK(depth.depth_unit == 2e-4);
+  CHECK_FALSE(depth.depth_unit_assumed);
+  CHECK(frame_format_of(json_of(depth_format(false))).value().depth_unit_assumed);
+  FrameFormat of_0_1 = depth_format(false);  // has no unit
+  of_0_1.depth_unit = 0;
+  CHECK_FALSE(json_of(of_0_1).contains("depth_unit_m"));
+  CHECK(frame_format_of(json_of(of_0_1)).value().depth_unit == 0);
   REQUIRE(depth.color_sensor);
   CHECK(depth.color_sensor->camera == depth_format(true).color_sensor->camera);
   FrameFormat own_clock = rectified_format();
@@ -242,6 +259,24 @@ TEST_CASE("numbers that make no camera are refused", "[sources][recording][error
   Json json = json_of(rectified_format());
   json["kind"] = "sonar";
   CHECK_FALSE(frame_format_of(json).ok());
+}
+
+TEST_CASE("a pose in a recording is its matrix row by row", "[sources][recording]") {
+  FrameFormat format = raw_format();
+  Eigen::Matrix3d R;  // a small turn about three axes
+  R = Eigen::AngleAxisd(0.02, Eigen::Vector3d(1, -2, 3).normalized()).toRotationMatrix();
+  format.rig.right_from_left.linear() = R;
+  format.rig.right_from_left.translation() << -0.063, 1e-4, 2e-4;
+  const Json json = json_of(format);
+  const Json& rows = json["right_from_left"];
+  REQUIRE(rows.size() == 16);
+  for (int k = 0; k < 3; ++k) {
+    for (int i = 0; i < 3; ++i) CHECK(rows[4 * k + i].get<double>() == R(k, i));
+    CHECK(rows[4 * k + 3].get<double>() == format.rig.right_from_left.translation()[k]);
+    CHECK(rows[12 + k].get<double>() == 0);
+  }
+  const FrameFormat back = value_or_throw(frame_format_of(json));
+  CHECK(back.rig.right_from_left.matrix() == format.rig.right_from_left.matrix());
 }
 
 TEST_CASE("a recording that was cut off anywhere is played up to its last whole chunk",

@@ -4,7 +4,11 @@
 
 #include "palpable/common/geometry/image.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <filesystem>
+#include <string>
 
 namespace palpable {
 
@@ -25,6 +29,13 @@ inline void split_side_by_side(const ColorImage& both, ColorImage& left, ColorIm
 /// of 2.4 times the height, two eyes of 4 : 3 side by side have 2.67 times.
 [[nodiscard]] inline bool looks_side_by_side(int width, int height) {
   return width % 2 == 0 && width >= 2.5 * height;
+}
+
+/// The note about pictures for which that aspect alone decided.
+[[nodiscard]] inline std::string guess_of_two_eyes(const std::filesystem::path& picture, int width,
+                                                   int height) {
+  return fmt::format("{} is {} x {} px, so wide that it is taken for both eyes side by side",
+                     picture.string(), width, height);
 }
 
 }  // namespace palpable

@@ -1,15 +1,22 @@
 #include "palpable/live/sources/source_guard.h"
 
+#include "palpable/live/calibrate/calibration_check.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace palpable {
 
-SourceGuard::SourceGuard(FrameSource& source) : source_(source) {}
+SourceGuard::SourceGuard(FrameSource& source) : source_(source) {
+  if (const std::optional<double> baseline = baseline_of(source.format())) {
+    reports_.push_back(fmt::format("the eyes are {} apart", baseline_text(*baseline)));
+  }
+}
 
 FrameStatus SourceGuard::next(Frame& frame) {
   const FrameStatus status = source_.next(frame);
@@ -52,18 +59,21 @@ std::string depth_trouble(DepthImage& depth) {
 }  // namespace
 
 std::string wrong_size(const Frame& frame, const FrameFormat& format) {
-  const auto trouble_of = [&](const char* what, const auto& image) -> std::string {
-    if (image.width() == format.width && image.height() == format.height) return {};
+  const std::pair color_size{format.width, format.height};
+  const auto trouble_of = [](const char* what, const auto& image,
+                             const std::pair<int, int>& size) -> std::string {
+    if (std::pair(image.width(), image.height()) == size) return {};
     return fmt::format("its {} image is {} x {} px, not {} x {}", what, image.width(),
-                       image.height(), format.width, format.height);
+                       image.height(), size.first, size.second);
   };
   const bool stereo = format.kind == FrameFormat::Kind::kStereo;
   // YUYV: as many pairs of pixels as one eye has pixels
   const bool together = stereo && !frame.both.empty();
-  if (together) return trouble_of("side-by-side", frame.both);
-  std::string trouble = trouble_of(stereo ? "left" : "colour", frame.left);
+  if (together) return trouble_of("side-by-side", frame.both, color_size);
+  std::string trouble = trouble_of(stereo ? "left" : "colour", frame.left, color_size);
   if (!trouble.empty()) return trouble;
-  return stereo ? trouble_of("right", frame.right) : trouble_of("depth", frame.depth);
+  return stereo ? trouble_of("right", frame.right, color_size)
+                : trouble_of("depth", frame.depth, depth_size_of(format));
 }
 
 std::string SourceGuard::what_is_wrong_with(Frame& frame) {

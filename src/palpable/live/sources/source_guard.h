@@ -53,7 +53,8 @@ class SourceGuard {
   [[nodiscard]] const SourceTroubles& troubles() const { return troubles_; }
   /// Why the last unusable frame was unusable; empty if there was none.
   [[nodiscard]] const std::string& last_trouble() const { return last_trouble_; }
-  /// Reports since the last call, one line each: the source's notes, the first bad frame of a
+  /// Reports since the last call, one line each: the baseline of a stereo source, by which all its
+  /// depths are scaled (in the first call), the source's notes, the first bad frame of a
   /// series, a stall, loss and return of a camera.
   [[nodiscard]] std::vector<std::string> take_reports();
 

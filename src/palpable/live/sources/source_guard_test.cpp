@@ -67,8 +67,9 @@ TEST_CASE("of a pair both images have to be there, each of its size", "[sources]
     INFO(says);
     const Run result = run({Act::kGood, act, Act::kGood}, test::Shows::kStereoRoom);
     CHECK(result.frames == std::vector<int>{0, 2});
-    REQUIRE(result.reports.size() == 1);
-    CHECK(contains(result.reports[0], says));
+    REQUIRE(result.reports.size() == 2);
+    CHECK(result.reports[0] == "the eyes are 60.0 mm apart");
+    CHECK(contains(result.reports[1], says));
   }
 }
 

@@ -1,5 +1,9 @@
 #include "palpable/live/sources/v4l2_camera.h"
 
+#include "palpable/live/sources/picture_clock.h"
+#include "palpable/live/sources/picture_rate.h"
+#include "palpable/live/sources/v4l2_calls.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -13,132 +17,26 @@
 namespace palpable {
 namespace {
 
-constexpr std::uint32_t kCapture = V4L2_BUF_TYPE_VIDEO_CAPTURE;
 constexpr std::uint32_t kBuffers = 4;
-constexpr std::uint32_t kMostEntries = 1000;  // of any list; a device's list may be endless
-
-std::string text_from(const __u8* text, std::size_t size) {
-  const auto* begin = reinterpret_cast<const char*>(text);
-  return {begin, std::find(begin, begin + size, '\0')};
-}
-
-std::string reason(int error) {
-  if (error == EBUSY) return "another program is using it";
-  return std::strerror(error);
-}
-
-Problem cannot_open(const std::string& path, int error) {
-  if (error == EACCES || error == EPERM) {
-    return Problem{
-        fmt::format("{} may not be opened: cameras belong to the group video; run "
-                    "'sudo usermod -aG video $USER' and log in again",
-                    path)};
-  }
-  if (error == ENOENT || error == ENODEV || error == ENXIO) {
-    return Problem{
-        fmt::format("there is no camera {}: palpable cameras lists those that are there", path)};
-  }
-  return Problem{fmt::format("{} cannot be opened: {}", path, reason(error))};
-}
-
-template <class T>
-T zeroed() {
-  T value;
-  std::memset(&value, 0, sizeof value);
-  return value;
-}
-
-bool has_control(VideoSystem& system, int device, std::uint32_t id) {
-  auto query = zeroed<v4l2_queryctrl>();
-  query.id = id;
-  return system.control(device, VIDIOC_QUERYCTRL, &query) == 0 &&
-         (query.flags & V4L2_CTRL_FLAG_DISABLED) == 0;
-}
-
-int set_control(VideoSystem& system, int device, std::uint32_t id, int value) {
-  auto control = zeroed<v4l2_control>();
-  control.id = id;
-  control.value = value;
-  return system.control(device, VIDIOC_S_CTRL, &control);
-}
-
-std::vector<double> rates_of(VideoSystem& system, int device, const CameraMode& mode) {
-  std::vector<double> rates;
-  for (std::uint32_t i = 0; i < kMostEntries; ++i) {
-    auto entry = zeroed<v4l2_frmivalenum>();
-    entry.index = i;
-    entry.pixel_format = mode.format;
-    entry.width = static_cast<std::uint32_t>(mode.width);
-    entry.height = static_cast<std::uint32_t>(mode.height);
-    if (system.control(device, VIDIOC_ENUM_FRAMEINTERVALS, &entry) != 0) break;
-    const bool steps = entry.type != V4L2_FRMIVAL_TYPE_DISCRETE;
-    const v4l2_fract& interval = steps ? entry.stepwise.min : entry.discrete;
-    if (interval.numerator > 0) {
-      rates.push_back(static_cast<double>(interval.denominator) / interval.numerator);
-    }
-    if (steps) break;
-  }
-  std::sort(rates.rbegin(), rates.rend());
-  return rates;
-}
-
-std::vector<CameraMode> modes_of(VideoSystem& system, int device) {
-  std::vector<CameraMode> modes;
-  for (std::uint32_t f = 0; f < kMostEntries; ++f) {
-    auto format = zeroed<v4l2_fmtdesc>();
-    format.index = f;
-    format.type = kCapture;
-    if (system.control(device, VIDIOC_ENUM_FMT, &format) != 0) break;
-    if (!is_color_format(format.pixelformat) && !is_depth_format(format.pixelformat)) continue;
-    for (std::uint32_t s = 0; s < kMostEntries; ++s) {
-      auto size = zeroed<v4l2_frmsizeenum>();
-      size.index = s;
-      size.pixel_format = format.pixelformat;
-      if (system.control(device, VIDIOC_ENUM_FRAMESIZES, &size) != 0) break;
-      const bool steps = size.type != V4L2_FRMSIZE_TYPE_DISCRETE;
-      CameraMode& mode = modes.emplace_back();
-      mode.format = format.pixelformat;
-      mode.width = static_cast<int>(steps ? size.stepwise.max_width : size.discrete.width);
-      mode.height = static_cast<int>(steps ? size.stepwise.max_height : size.discrete.height);
-      mode.rates = rates_of(system, device, mode);
-      if (steps) break;
-    }
-  }
-  return modes;
-}
-
-// Queries an open device.
-Result<CameraInfo> query(VideoSystem& system, int device, const std::string& path) {
-  auto capability = zeroed<v4l2_capability>();
-  if (system.control(device, VIDIOC_QUERYCAP, &capability) != 0) {
-    return Problem{fmt::format("{} is no video device", path)};
-  }
-  const std::uint32_t can = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0
-                                ? capability.device_caps
-                                : capability.capabilities;
-  if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0) {
-    return Problem{fmt::format("{} gives no pictures (it is there for data about them)", path)};
-  }
-  CameraInfo info;
-  info.path = path;
-  info.name = text_from(capability.card, sizeof capability.card);
-  info.bus = text_from(capability.bus_info, sizeof capability.bus_info);
-  info.modes = modes_of(system, device);
-  info.has_exposure = has_control(system, device, V4L2_CID_EXPOSURE_ABSOLUTE);
-  info.has_gain = has_control(system, device, V4L2_CID_GAIN);
-  return info;
-}
+constexpr double kShareOfPeriod = 0.6;  // of an exposure that leaves time to read the picture out
 
 // Order of preference of formats with equal size and rate: the cheapest conversion first.
 int rank(std::uint32_t format) {
   constexpr std::array kOrder{four_letters("YUYV"), four_letters("UYVY"), four_letters("RGB3"),
                               four_letters("BGR3"), four_letters("NV12"), four_letters("GREY"),
-                              four_letters("Z16 "), four_letters("Y16 ")};
+                              four_letters("Z16 "), four_letters("Y16 "), four_letters("Y8I "),
+                              four_letters("Y12I")};
   return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), format) - kOrder.begin());
 }
 
-// The mode for these settings; null if the camera does not have the size.
-const CameraMode* choose(const CameraInfo& info, const CameraSettings& settings) {
+// Whether a format is only taken where no other serves. Where a device has both, Z16 is its depth
+// and Y16 is not; a RealSense's Y8I is rectified and its Y12I is not.
+bool is_second_choice(std::uint32_t format) {
+  return is_gray16_format(format) || format == four_letters("Y12I");
+}
+
+// The mode for these settings, with their size; empty if the camera does not have the size.
+std::optional<CameraMode> choose(const CameraInfo& info, const CameraSettings& settings) {
   const double wanted = settings.frames_per_second;
   const auto rate = [&](const CameraMode& mode) {
     const double fastest = mode.rates.empty() ? 30 : mode.rates.front();
@@ -146,20 +44,32 @@ const CameraMode* choose(const CameraInfo& info, const CameraSettings& settings)
   };
   const CameraMode* best = nullptr;
   for (const CameraMode& mode : info.modes) {
-    if (is_depth_format(mode.format) != settings.depth) continue;
-    if (mode.width != settings.width || mode.height != settings.height) continue;
-    const bool better = best == nullptr || rate(mode) > rate(*best) + 0.1 ||
-                        (rate(mode) > rate(*best) - 0.1 && rank(mode.format) < rank(best->format));
+    if (!serves(mode.format, settings)) continue;
+    if (!has_size(mode, settings.width, settings.height)) continue;
+    const bool is_second = is_second_choice(mode.format);
+    const bool best_is_second = best != nullptr && is_second_choice(best->format);
+    const bool better =
+        best == nullptr || (best_is_second && !is_second) ||
+        (best_is_second == is_second &&
+         (rate(mode) > rate(*best) + 0.1 ||
+          (rate(mode) > rate(*best) - 0.1 && rank(mode.format) < rank(best->format))));
     if (better) best = &mode;
   }
-  return best;
+  if (best == nullptr) return std::nullopt;
+  CameraMode chosen = *best;
+  chosen.width = settings.width;
+  chosen.height = settings.height;
+  return chosen;
 }
 
-std::string sizes_of(const CameraInfo& info, bool depth) {
+std::string sizes_of(const CameraInfo& info, const CameraSettings& settings) {
   std::string text;
   for (const CameraMode& mode : info.modes) {
-    const std::string size = fmt::format("{}x{}", mode.width, mode.height);
-    if (is_depth_format(mode.format) != depth || text.find(size) != std::string::npos) continue;
+    std::string size = fmt::format("{}x{}", mode.width, mode.height);
+    if (mode.steps) {
+      size = fmt::format("{}x{} to {}", mode.steps->least_width, mode.steps->least_height, size);
+    }
+    if (!serves(mode.format, settings) || text.find(size) != std::string::npos) continue;
     text += (text.empty() ? "" : ", ") + size;
   }
   return text.empty() ? "none" : text;
@@ -167,12 +77,10 @@ std::string sizes_of(const CameraInfo& info, bool depth) {
 
 }  // namespace
 
-Result<CameraInfo> query_camera(VideoSystem& system, const std::string& path) {
-  const int device = system.open(path);
-  if (device < 0) return cannot_open(path, -device);
-  Result<CameraInfo> info = query(system, device, path);
-  system.close(device);
-  return info;
+bool serves(std::uint32_t format, const CameraSettings& settings) {
+  if (settings.interleaved) return is_interleaved_format(format);
+  if (!settings.depth) return is_color_format(format);
+  return is_depth_format(format) || (settings.y16_is_depth && is_gray16_format(format));
 }
 
 struct V4l2Camera::Parts {
@@ -188,8 +96,14 @@ struct V4l2Camera::Parts {
   std::vector<Buffer> buffers;
   std::optional<std::uint32_t> held;  // index of the buffer that holds `picture`
   RawPicture picture;
+  UsbLink usb;
   double rate = 30;
-  double time = 0;
+  PictureClock clock;
+  PictureRate measured;
+  bool is_rate_judged = false;
+  bool dynamic_rate_is_off = false;  // since it was switched off here
+  std::vector<std::string> notes;
+  std::string last_note;
   int sequence = -1;
   int before_loss = 0;                      // value of `sequence` when the device was last opened
   std::optional<std::uint32_t> first_seen;  // the device's number of its first picture
@@ -203,6 +117,9 @@ struct V4l2Camera::Parts {
 
   void close() {
     if (device < 0) return;
+    // Other programs find the camera as it was.
+    if (dynamic_rate_is_off) static_cast<void>(set_control(system, device, kDynamicRate, 1));
+    dynamic_rate_is_off = false;
     int type = kCapture;
     static_cast<void>(system.control(device, VIDIOC_STREAMOFF, &type));
     for (const Buffer& buffer : buffers) system.unmap(buffer.memory, buffer.length);
@@ -215,22 +132,25 @@ struct V4l2Camera::Parts {
 
   std::optional<Problem> start() {
     device = system.open(path);
-    if (device < 0) return cannot_open(path, -std::exchange(device, -1));
+    if (device < 0) return cannot_open(system, path, -std::exchange(device, -1));
     std::optional<Problem> problem = set_up();
     if (problem) close();
     return problem;
   }
 
   std::optional<Problem> set_up() {
-    const Result<CameraInfo> info = query(system, device, path);
+    const Result<CameraInfo> info = query_open_device(system, device, path);
     if (!info.ok()) return info.problem();
     if (settings.width == 0) { return Problem{fmt::format("{}: no size is asked for", path)}; }
-    const CameraMode* mode = choose(info.value(), settings);
-    if (mode == nullptr) {
-      return Problem{fmt::format("{} has no {} of {}x{} px; it has {}", path,
+    const std::optional<CameraMode> mode = choose(info.value(), settings);
+    if (!mode) {
+      return Problem{fmt::format("{} has no {} of {}x{} px; it has {}{}", path,
                                  settings.depth ? "depth" : "pictures", settings.width,
-                                 settings.height, sizes_of(info.value(), settings.depth))};
+                                 settings.height, sizes_of(info.value(), settings),
+                                 usb_hint(info.value().usb))};
     }
+    usb = info.value().usb;
+    picture.by_realsense = info.value().name.find("RealSense") != std::string::npos;
     for (const auto& set : {&Parts::set_format, &Parts::set_rate}) {
       if (auto problem = (this->*set)(*mode)) return problem;
     }
@@ -247,7 +167,7 @@ struct V4l2Camera::Parts {
     format.fmt.pix.field = V4L2_FIELD_NONE;
     if (const int error = system.control(device, VIDIOC_S_FMT, &format)) {
       return Problem{fmt::format("{} cannot be set to {}x{}: {}", path, mode.width, mode.height,
-                                 reason(error))};
+                                 reason(system, path, error))};
     }
     const v4l2_pix_format& got = format.fmt.pix;
     if (got.width != static_cast<std::uint32_t>(mode.width) ||
@@ -266,6 +186,9 @@ struct V4l2Camera::Parts {
   std::optional<Problem> set_rate(const CameraMode& mode) {
     // The nearest available rate; a camera that cannot set it keeps its own.
     rate = mode.rates.empty() ? 30 : mode.rates.front();
+    if (mode.has_rates_between && settings.frames_per_second > 0 && !mode.rates.empty()) {
+      rate = std::clamp(settings.frames_per_second, mode.rates.back(), mode.rates.front());
+    }
     for (const double r : mode.rates) {
       if (settings.frames_per_second > 0 &&
           std::abs(r - settings.frames_per_second) < std::abs(rate - settings.frames_per_second)) {
@@ -275,10 +198,17 @@ struct V4l2Camera::Parts {
     auto parameters = zeroed<v4l2_streamparm>();
     parameters.type = kCapture;
     parameters.parm.capture.timeperframe = {1000, static_cast<std::uint32_t>(1000 * rate + 0.5)};
-    if (system.control(device, VIDIOC_S_PARM, &parameters) != 0) return std::nullopt;
-    const v4l2_fract& got = parameters.parm.capture.timeperframe;
-    if (got.numerator > 0 && got.denominator > 0) {
-      rate = static_cast<double>(got.denominator) / got.numerator;
+    if (system.control(device, VIDIOC_S_PARM, &parameters) == 0) {
+      const v4l2_fract& got = parameters.parm.capture.timeperframe;
+      if (got.numerator > 0 && got.denominator > 0) {
+        rate = static_cast<double>(got.denominator) / got.numerator;
+      }
+    }
+    if (is_far_below(rate, settings.frames_per_second)) {
+      note(fmt::format(
+          "{} offers {:g} pictures a second of {}x{} px, not {:g}; a smaller --size "
+          "may have more{}",
+          path, rate, mode.width, mode.height, settings.frames_per_second, usb_hint(usb)));
     }
     return std::nullopt;
   }
@@ -311,7 +241,7 @@ struct V4l2Camera::Parts {
 
   std::optional<Problem> start_stream() {
     const auto refuse = [&](int error) {
-      return Problem{fmt::format("{} does not start: {}", path, reason(error))};
+      return Problem{fmt::format("{} does not start: {}", path, why_not_started(error))};
     };
     auto request = zeroed<v4l2_requestbuffers>();
     request.count = kBuffers;
@@ -330,11 +260,23 @@ struct V4l2Camera::Parts {
       if (const int error = give_back(i)) return refuse(error);
     }
     if (buffers.size() < 2) return refuse(ENOMEM);
+    clock.start(system.now());  // the first picture may come before the call returns
     int type = kCapture;
     if (const int error = system.control(device, VIDIOC_STREAMON, &type)) return refuse(error);
     before_loss = sequence + 1;
     first_seen.reset();
+    measured.restart();
+    is_rate_judged = dynamic_rate_is_off = false;
     return std::nullopt;
+  }
+
+  std::string why_not_started(int error) {
+    if (error != ENOSPC) return reason(system, path, error);
+    return fmt::format(
+        "USB has no bandwidth left for {}x{} {} at {:g} pictures a second: a lower --size or "
+        "--fps, "
+        "or another USB port, without a hub; two cameras may need ports of two controllers",
+        picture.width, picture.height, letters_of(picture.format), rate);
   }
 
   int give_back(std::uint32_t index) {
@@ -346,7 +288,7 @@ struct V4l2Camera::Parts {
   }
 
   Grab gone(int error) {
-    trouble = fmt::format("{}: {}", path, reason(error));
+    trouble = fmt::format("{}: {}", path, reason(system, path, error));
     close();
     return Grab::kGone;
   }
@@ -376,7 +318,10 @@ struct V4l2Camera::Parts {
     }
     if (!held) return Grab::kNothing;
     show(newest);
-    return (newest.flags & V4L2_BUF_FLAG_ERROR) != 0 ? Grab::kBroken : Grab::kPicture;
+    if (!trouble.empty()) return Grab::kBroken;
+    measured.add(clock.time(), sequence);
+    if (!is_rate_judged && measured.rate()) judge_rate(*measured.rate());
+    return Grab::kPicture;
   }
 
   // Points `picture` to the buffer's memory and sets its time and number.
@@ -390,8 +335,49 @@ struct V4l2Camera::Parts {
         std::max(before_loss + static_cast<int>(buffer.sequence - *first_seen), sequence + 1);
     const double stamp = static_cast<double>(buffer.timestamp.tv_sec) +
                          1e-6 * static_cast<double>(buffer.timestamp.tv_usec);
-    time = stamp > 0 ? stamp : system.now();
-    trouble = "the device says that the picture is damaged";
+    clock.add({.stamp = stamp,
+               .arrival = system.now(),
+               .is_system_clock = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) ==
+                                  V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC});
+    trouble = clock.trouble();
+    if ((buffer.flags & V4L2_BUF_FLAG_ERROR) != 0) {
+      trouble = "the device says that the picture is damaged";
+    }
+  }
+
+  void judge_rate(double found) {
+    is_rate_judged = true;
+    if (!is_far_below(found, rate)) return;
+    const std::string few =
+        fmt::format("{} takes {:.0f} pictures a second, not {:g}", path, found, rate);
+    const bool is_dynamic = value_of_control(system, device, kDynamicRate).value_or(0) != 0;
+    if (is_dynamic && !dynamic_rate_is_off && set_control(system, device, kDynamicRate, 0) == 0) {
+      dynamic_rate_is_off = true;
+      is_rate_judged = false;
+      measured.restart();
+      note(few +
+           ": in dim light its exposure is longer. exposure_dynamic_framerate was switched off; "
+           "if the picture is dark now, it needs more light");
+      return;
+    }
+    const double period_ms = 1e3 / rate;
+    if (settings.exposure_ms && *settings.exposure_ms > period_ms) {
+      note(fmt::format("{}: --exposure {:g} is longer than the {:.3g} ms between pictures", few,
+                       *settings.exposure_ms, period_ms));
+      return;
+    }
+    note(
+        fmt::format("{}: {}more light, or --exposure {:.2g}; if that does not help, another USB "
+                    "port, without a hub, or a lower --size; --fps {:.0f} asks for no more",
+                    few, dynamic_rate_is_off ? "" : "it may expose longer in dim light: ",
+                    kShareOfPeriod * period_ms, found));
+  }
+
+  // A camera that is lost and found again and again does not repeat what it said last.
+  void note(std::string text) {
+    if (text == last_note) return;
+    last_note = text;
+    notes.push_back(std::move(text));
   }
 };
 
@@ -409,9 +395,12 @@ Result<V4l2Camera> V4l2Camera::open(VideoSystem& system, const std::string& path
 
 V4l2Camera::Grab V4l2Camera::grab(double seconds) { return parts_->grab(seconds); }
 const RawPicture& V4l2Camera::picture() const { return parts_->picture; }
-double V4l2Camera::time() const { return parts_->time; }
+double V4l2Camera::time() const { return parts_->clock.time(); }
 int V4l2Camera::sequence() const { return parts_->sequence; }
 const std::string& V4l2Camera::trouble() const { return parts_->trouble; }
+std::vector<std::string> V4l2Camera::take_notes() { return std::exchange(parts_->notes, {}); }
+bool V4l2Camera::is_rate_known() const { return parts_->is_rate_judged; }
+std::optional<double> V4l2Camera::measured_rate() const { return parts_->measured.rate(); }
 double V4l2Camera::frames_per_second() const { return parts_->rate; }
 
 bool V4l2Camera::reopen() {

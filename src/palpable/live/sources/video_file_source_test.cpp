@@ -24,6 +24,7 @@ constexpr int kHeight = 48;
 
 // Motion JPEG in AVI by OpenCV's own writer, which does not need FFmpeg. Brightness base + 8 i.
 void write_video(const fs::path& path, int width, int frames, int base, int step_at = -1) {
+  fs::create_directories(path.parent_path());
   cv::VideoWriter writer(path.string(), cv::CAP_OPENCV_MJPEG,
                          cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20, cv::Size(width, kHeight));
   REQUIRE(writer.isOpened());
@@ -109,6 +110,49 @@ TEST_CASE("a video that is cut off ends there, and one that is none is refused",
   int frames = 0;
   while (cut.value()->next(frame) == FrameStatus::kFrame) ++frames;
   CHECK(frames < 20);
+}
+
+TEST_CASE("a calibration says whether a video shows both eyes, whatever its aspect",
+          "[sources][video]") {
+  const ScratchFolder folder("video_aspect");
+  // Two eyes of 40 x 48 px: 1.67 times as wide as high.
+  write_video(folder / "both.avi", 80, 3, 10, 40);
+  write_rectified_calibration(folder / "narrow.yml", {{{40, 48, 60, 60, 20, 24}, 0.06, 0}, 30});
+  const auto open = [&](const char* calibration) {
+    return open_video(folder / "both.avi", "", {.calibration = folder / calibration});
+  };
+  const auto source = value_or_throw(open("narrow.yml"));
+  CHECK(source->format().width == 40);
+  Frame frame;
+  REQUIRE(source->next(frame) == FrameStatus::kFrame);
+  CHECK(frame.left.width() == 40);
+  CHECK(frame.right(5, 5).r > frame.left(5, 5).r + 50);
+  CHECK(source->take_notes().empty());
+  // Beside the video it counts as well.
+  std::filesystem::copy_file(folder / "narrow.yml", folder / "both.yml");
+  CHECK(open_video(folder / "both.avi", "").ok());
+
+  const auto message = [](const auto& result) {
+    REQUIRE_FALSE(result.ok());
+    return result.problem().message;
+  };
+  // One eye's picture: its calibration says so, also where the aspect is that of two.
+  write_video(folder / "street.avi", 120, 3, 10);
+  write_rectified_calibration(folder / "street.yml", {{{120, 48, 60, 60, 60, 24}, 0.54, 0}, 30});
+  CHECK(contains(message(open_video(folder / "street.avi", "")), "name the other eye's file"));
+  CHECK(contains(message(open_video(folder / "street.avi", "")), "for eyes of 120 x 48 px"));
+  // Without one the aspect decides, and that is said.
+  const auto guessed = value_or_throw(open_video(folder / "street.avi", "", {{}, true}));
+  CHECK(guessed->format().width == 60);
+  CHECK(contains(guessed->take_notes().at(0), "taken for both eyes side by side"));
+  CHECK(contains(message(open_video(folder / "both.avi", "", {{}, true})), "no pair side by side"));
+  // Of two files beside a video neither is picked.
+  write_video(folder / "other/clip.avi", 80, 3, 10, 40);
+  for (const char* name : {"other/calibration.yml", "other/rectified.yml"}) {
+    std::filesystem::copy_file(folder / "narrow.yml", folder / name);
+  }
+  CHECK(contains(message(open_video(folder / "other/clip.avi", "")),
+                 "both calibration.yml and rectified.yml beside it"));
 }
 
 TEST_CASE("a video that is damaged on its way says so before it ends", "[sources][video]") {

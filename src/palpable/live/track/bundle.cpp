@@ -19,6 +19,9 @@ constexpr double kLargestDamping = 1e6;
 // Added to the diagonal of a point's 3 x 3 block, 1/m^2, as if its position were known to 1 km.
 // Without it, the block of a point that was seen once and without disparity is singular.
 constexpr double kPrior = 1e-6;
+// Share of the disparities' information on their error that must remain after the elimination;
+// less may be rounding.
+constexpr double kLeastInformation = 1e-9;
 
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -69,6 +72,7 @@ class Adjuster {
       }
     }
     result.last_cost = cost;
+    if (settings_.measure_disparity_error) measure_disparity_error(result);
     return result;
   }
 
@@ -138,9 +142,8 @@ class Adjuster {
     }
   }
 
-  // Solves the normal equations with `damping`, and fills new_poses_ and new_points_.
-  // @return their cost
-  double try_step(double damping) {
+  // Eliminates the points from the normal equations:  S_ (steps of the free poses) = g_.
+  void eliminate_points(double damping) {
     const Eigen::Index n = 6 * free_count_;
     S_.setZero(n, n);
     g_.setZero(n);
@@ -167,6 +170,13 @@ class Adjuster {
         }
       }
     }
+  }
+
+  // Solves the normal equations with `damping`, and fills new_poses_ and new_points_.
+  // @return their cost
+  double try_step(double damping) {
+    eliminate_points(damping);
+    const Eigen::Index n = 6 * free_count_;
     Eigen::VectorXd steps = Eigen::VectorXd::Zero(n);
     if (n > 0) steps = S_.selfadjointView<Eigen::Lower>().ldlt().solve(g_);
     if (!steps.allFinite()) return std::numeric_limits<double>::infinity();
@@ -186,6 +196,52 @@ class Adjuster {
       new_points_[j] += inverse_[j] * rhs;
     }
     return cost_of(new_poses_, new_points_);
+  }
+
+  // The disparity error e as one more unknown, with the points and then the poses eliminated:
+  //
+  //     h e = -b,   h = sum w - sum v^T H^-1 v - c^T S^-1 c,   and b alike from the residuals,
+  //
+  // with v the coupling of e to a point, c that to the free poses. Where depths and motion leave e
+  // undetermined (a camera that stands), h is 0 up to rounding.
+  void measure_disparity_error(BundleResult& result) {
+    linearise();
+    eliminate_points(0);
+    Eigen::VectorXd c = Eigen::VectorXd::Zero(6 * free_count_);
+    double all = 0, h = 0, b = 0;
+    for (std::size_t j = 0; j < p_.x_in_world.size(); ++j) {
+      Eigen::Vector3d v = Eigen::Vector3d::Zero();
+      for (std::size_t k = begin_[j]; k < begin_[j + 1]; ++k) {
+        const BundleSighting& s = p_.sightings[k];
+        const Eigen::Vector3d x = p_.camera_from_world[s.pose] * p_.x_in_world[j];
+        if (x.z() < kNearest || !s.seen.has_disparity()) continue;
+        const double r = p_.camera.disparity_at(x.z()) - s.seen.uvd.z();
+        const double s2 = s.seen.sigma_d * s.seen.sigma_d;
+        const double w = weight(r * r / s2) / s2;
+        const Eigen::Matrix3d D = p_.camera.derivative(x);
+        v += w * (D.row(2) * p_.camera_from_world[s.pose].linear()).transpose();
+        if (terms_[k].free >= 0) {
+          c.segment<6>(6 * terms_[k].free) += w * pose_derivative(D, x).row(2).transpose();
+        }
+        all += w;
+        b += w * r;
+      }
+      const Eigen::Vector3d Hv = inverse_[j] * v;
+      h -= v.dot(Hv);
+      b -= point_b_[j].dot(Hv);
+      for (std::size_t k = begin_[j]; k < begin_[j + 1]; ++k) {
+        if (terms_[k].free >= 0) c.segment<6>(6 * terms_[k].free) -= terms_[k].W * Hv;
+      }
+    }
+    h += all;
+    if (free_count_ > 0) {
+      const Eigen::VectorXd solved = S_.selfadjointView<Eigen::Lower>().ldlt().solve(c);
+      h -= c.dot(solved);
+      b += g_.dot(solved);
+    }
+    if (!(h > kLeastInformation * all) || !std::isfinite(b)) return;
+    result.disparity_error_px = p_.camera.disparity_error_px - b / h;
+    result.disparity_information = h;
   }
 
   BundleProblem& p_;

@@ -36,6 +36,7 @@ struct BundleSettings {
   /// c, sigma: a residual r has Cauchy's weight 1 / (1 + r^2 / c^2), which is 1/2 at c. Unlike
   /// Tukey's weight it is never 0, so a point that starts with a large error can still converge.
   double cauchy = 2.5;
+  bool measure_disparity_error = false;  ///< BundleResult::disparity_error_px; costs one step
   double converged = 1e-4;  ///< the adjustment ends when the relative decrease of cost is smaller
 };
 
@@ -43,6 +44,11 @@ struct BundleResult {
   int steps = 0;          ///< number of steps that lowered the cost
   double first_cost = 0;  ///< sum of Cauchy's c^2/2 log(1 + r^2/c^2) over u,v and d
   double last_cost = 0;
+  /// The disparity error (TrackCamera) that would fit best, estimated by one step from the result
+  /// with all poses and points free to follow, and its inverse variance, 1/px^2. 0: not determined,
+  /// or not asked for.
+  double disparity_error_px = 0;
+  double disparity_information = 0;
 };
 
 /// Improves the problem's free poses and all its points in place. Quantities that no sighting

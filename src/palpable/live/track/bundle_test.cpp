@@ -3,6 +3,7 @@
 #include "palpable/common/base/contract.h"
 #include "tests/support/test.h"
 
+#include <cmath>
 #include <limits>
 #include <random>
 #include <vector>
@@ -133,6 +134,38 @@ TEST_CASE("the depth of a point that is seen once without disparity stays as it 
   // It follows its pose across the line of sight; along it nothing is measured.
   CHECK((walk.start.x_in_world.back() - x).norm() <=
         tolerance(0.02, "the pose was wrong by 5 mm and 5 mrad"));
+}
+
+TEST_CASE("an error of all disparities is measured, where the camera has moved", "[track]") {
+  for (const double error : {-0.8, 0.0, 0.5}) {
+    INFO(error << " px");
+    Walk walk = some_walk(3, 0.1, 0);
+    for (BundleSighting& s : walk.start.sightings) s.seen.uvd.z() += error;
+    const BundleResult result =
+        adjust_bundle(walk.start, {.steps = 40, .measure_disparity_error = true});
+    REQUIRE(result.disparity_information > 0);
+    const double sigma = 1 / std::sqrt(result.disparity_information);
+    CHECK(std::abs(result.disparity_error_px - error) <=
+          tolerance(3, "sigma, of sightings whose noise is a third of their sigma") * sigma);
+    CHECK(sigma <= tolerance(0.25, "px, so that 0.8 px are more than noise"));
+    // Assumed from the start, it is not found once more.
+    walk.start.camera.disparity_error_px = result.disparity_error_px;
+    const BundleResult again =
+        adjust_bundle(walk.start, {.steps = 40, .measure_disparity_error = true});
+    CHECK(std::abs(again.disparity_error_px - result.disparity_error_px) <=
+          tolerance(0.05, "px; the first estimate was one linear step"));
+  }
+}
+
+TEST_CASE("a camera that has not moved says nothing about its disparities", "[track]") {
+  Walk walk = some_walk(4, 0.1, 0);
+  BundleProblem& p = walk.start;
+  p.camera_from_world.resize(1);
+  p.fixed.resize(1);
+  std::erase_if(p.sightings, [](const BundleSighting& s) { return s.pose != 0; });
+  const BundleResult result = adjust_bundle(p, {.measure_disparity_error = true});
+  CHECK(result.disparity_information <= tolerance(1e-5, "1/px^2, by the weak prior of the points"));
+  CHECK(adjust_bundle(p).disparity_information == 0);  // not asked for
 }
 
 TEST_CASE("sightings of nothing, or out of order, are refused", "[track]") {

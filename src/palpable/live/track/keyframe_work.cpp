@@ -35,7 +35,8 @@ KeyframeWork done(KeyframeWork work) {
 
 KeyframeWork work_for_newest(const TrackerSettings& settings, const LandmarkMap& map,
                              const GrayImage& image_at_half_size, const DepthImage& depth,
-                             std::optional<Loop> closing) {
+                             std::optional<Loop> closing,
+                             const std::optional<DisparityWatch>& watch) {
   KeyframeWork work;
   work.number = map.keyframes.back().number;
   work.image = image_at_half_size;
@@ -46,7 +47,10 @@ KeyframeWork work_for_newest(const TrackerSettings& settings, const LandmarkMap&
     work.graph = graph_of(settings.camera, map, *work.closing);
   }
   if (work.graph) return work;
-  if (settings.adjust && map.keyframes.size() > 1) work.window = window_of(settings.camera, map);
+  if (settings.adjust && map.keyframes.size() > 1) {
+    work.window = window_of(settings.camera, map);
+    work.window->watch = watch;
+  }
   if (settings.close_loops) {
     for (const int k : loop_candidates(map, kLoopCandidates)) {
       work.candidates.emplace_back(map.keyframes[k].number, map.keyframes[k].features);

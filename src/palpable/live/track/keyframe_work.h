@@ -44,9 +44,11 @@ struct KeyframeWork {
 /// Copies the input of the work from the map.
 /// @param image_at_half_size  of the newest keyframe
 /// @param closing  a loop to be closed; ignored if one of its keyframes was removed
+/// @param watch  of the disparity error; nothing for a camera without disparities
 [[nodiscard]] KeyframeWork work_for_newest(const TrackerSettings& settings, const LandmarkMap& map,
                                            const GrayImage& image_at_half_size,
-                                           const DepthImage& depth, std::optional<Loop> closing);
+                                           const DepthImage& depth, std::optional<Loop> closing,
+                                           const std::optional<DisparityWatch>& watch);
 
 /// Does one piece of work at a time, on a thread of its own.
 class KeyframeWorker {

@@ -56,7 +56,8 @@ struct Walk : LandmarkMap {
 KeyframeWork work_of(const TrackerSettings& settings, const LandmarkMap& map,
                      std::optional<Loop> closing = {}) {
   const WallView& view = test::first_wall_view();
-  return work_for_newest(settings, map, view.pyramid.level(1), view.depth, std::move(closing));
+  return work_for_newest(settings, map, view.pyramid.level(1), view.depth, std::move(closing),
+                         std::nullopt);
 }
 
 KeyframeWork done_by_worker(const KeyframeWork& work, bool on_thread) {

@@ -60,7 +60,8 @@ std::optional<Candidate> LandmarkSearch::expected(const TrackerFrame& frame, int
     return std::nullopt;
   }
   // An unknown depth (NaN) hides nothing.
-  if (static_cast<double>((*frame.depth)(dx, dy)) < kHides * x.z()) return std::nullopt;
+  const double hidden = settings.camera.measured_depth(kHides * x.z());
+  if (static_cast<double>((*frame.depth)(dx, dy)) < hidden) return std::nullopt;
   Candidate candidate;
   candidate.landmark = id;
   candidate.uv = uv;
@@ -151,13 +152,12 @@ Sighting LandmarkSearch::sighting_of(const TrackerFrame& frame, const Candidate&
                                      const Eigen::Vector2d& uv, int level) const {
   const TrackCamera& camera = settings.camera;
   Sighting seen;
-  const double f_T = camera.camera.fx_px * camera.baseline;
-  const double expected = f_T / candidate.depth;
+  const double expected = camera.disparity_at(candidate.depth);
   const double scale = (1 << level) * (1 + candidate.smear.norm() / (4 << level));
   seen.sigma = sigma_of_pixel() * scale;
   seen.uvd = {uv.x(), uv.y(), std::numeric_limits<double>::quiet_NaN()};
   if (const std::optional<double> d = disparity_at(frame, uv, expected);
-      d && *d > kLeastDisparity) {
+      d && *d - camera.disparity_error_px > kLeastDisparity) {
     seen.uvd.z() = *d;
     seen.sigma_d = sigma_of_disparity(frame, *d);
     if (frame.right != nullptr) seen.sigma_d *= std::max(1.0, 0.5 * scale);

@@ -50,7 +50,9 @@ void NewLandmarks::add(const LandmarkSearch& search, const TrackerFrame& frame,
     }
     const double expected = camera.camera.fx_px * camera.baseline / corner.depth;
     const std::optional<double> d = search.disparity_at(frame, uv, expected);
-    if (!d || *d < kLeastNewDisparity || std::abs(*d - expected) > kMostDisagreement) continue;
+    if (!d || *d - camera.disparity_error_px < kLeastNewDisparity ||
+        std::abs(*d - expected) > kMostDisagreement)
+      continue;
     if (is_old_landmark(search, frame, {uv.x(), uv.y(), *d}, frame_count, map)) continue;
     Landmark landmark = landmark_at(search, frame, corner, *d, map);
     landmark.last_frame = frame_count;
@@ -78,7 +80,6 @@ void NewLandmarks::find_unseen(const LandmarkSearch& search, const TrackerFrame&
 bool NewLandmarks::is_old_landmark(const LandmarkSearch& search, const TrackerFrame& frame,
                                    const Eigen::Vector3d& uvd, int frame_count, LandmarkMap& map) {
   const TrackCamera& camera = search.settings.camera;
-  const double f_T = camera.camera.fx_px * camera.baseline;
   Keyframe& keyframe = map.keyframes.back();
   for (Candidate& candidate : unseen_) {
     if ((candidate.uv - uvd.head<2>()).squaredNorm() > kSamePlacePx * kSamePlacePx) continue;
@@ -90,7 +91,7 @@ bool NewLandmarks::is_old_landmark(const LandmarkSearch& search, const TrackerFr
     int level = 0;
     const bool found = search.find(candidate, 1, 0, LandmarkSearch::kFineLikeness, uv, level);
     const Sighting seen = search.sighting_of(frame, candidate, found ? uv : candidate.uv, level);
-    const double off = std::abs(f_T / candidate.depth - uvd.z());
+    const double off = std::abs(camera.disparity_at(candidate.depth) - uvd.z());
     if (off > kSameDepthSigmas * std::max(seen.sigma_d, LandmarkSearch::kSigmaStereo)) {
       continue;  // another surface
     }

@@ -36,7 +36,7 @@ constexpr int kMostOutliers = 4, kMostMissed = 30, kMissedPerInlier = 4;
 
 }  // namespace
 
-PoseSearch::PoseSearch(const TrackerSettings& settings) : camera_(settings.camera) {
+PoseSearch::PoseSearch(const TrackerSettings& settings) {
   points_.reserve(settings.most_landmarks);
   point_candidate_.reserve(points_.capacity());
   fit_.inlier.reserve(points_.capacity());
@@ -55,7 +55,8 @@ std::optional<Rigid3> PoseSearch::find(const LandmarkSearch& search, const Track
   select(search, frame, pose, query);
   find_candidates(search, frame);
   if (static_cast<int>(points_.size()) < query.least_inliers) return std::nullopt;
-  fit_pose(camera_, points_, pose, {.tukey = 5, .first_width = 4, .steps = 12}, fit_);
+  fit_pose(search.settings.camera, points_, pose, {.tukey = 5, .first_width = 4, .steps = 12},
+           fit_);
   if (!fit_.solved || fit_.inliers < query.least_inliers ||
       fit_.inliers < kLeastShareAgreeing * static_cast<double>(points_.size())) {
     return std::nullopt;
@@ -77,7 +78,8 @@ void PoseSearch::select(const LandmarkSearch& search, const TrackerFrame& frame,
 bool PoseSearch::improve_coarsely(const LandmarkSearch& search, const TrackerFrame& frame,
                                   const PoseQuery& query, Rigid3& pose) {
   select(search, frame, pose, query);
-  const PinholeCamera& c = camera_.camera;
+  const TrackCamera& camera = search.settings.camera;
+  const PinholeCamera& c = camera.camera;
   std::array<int, kCoarseCells * kCoarseCells> used{};
   points_.clear();
   for (const Candidate& candidate : candidates_) {
@@ -101,7 +103,7 @@ bool PoseSearch::improve_coarsely(const LandmarkSearch& search, const TrackerFra
     points_.push_back(point);
   }
   if (points_.size() < kLeastCoarse) return false;
-  fit_pose(camera_, points_, pose, {.tukey = 4, .first_width = 16, .steps = 12}, fit_);
+  fit_pose(camera, points_, pose, {.tukey = 4, .first_width = 16, .steps = 12}, fit_);
   if (!fit_.solved || fit_.inliers < kCoarseInliers) return false;
   pose = fit_.camera_from_world;
   return true;

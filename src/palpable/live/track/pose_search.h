@@ -67,7 +67,6 @@ class PoseSearch {
                         const PoseQuery& query, Rigid3& pose);
   void find_candidates(const LandmarkSearch& search, const TrackerFrame& frame);
 
-  TrackCamera camera_;
   std::vector<Candidate> candidates_;  // landmarks that should be visible, the best first
   std::vector<PosePoint> points_;      // those of them that were found
   std::vector<int> point_candidate_;   // (points_) index into candidates_

@@ -16,20 +16,39 @@ namespace palpable {
 
 /// A pinhole camera and the baseline (m) with which it measures depth:
 ///
-///     u = fx X / Z + cx,   v = fy Y / Z + cy,   d = fx T / Z        (Sec. 3.3)
+///     u = fx X / Z + cx,   v = fy Y / Z + cy,   d = fx T / Z + error        (Sec. 3.3)
+///
+/// The error of the disparities is 0 for a rig whose calibration is right. If one eye has turned by
+/// a tenth of a degree since, all disparities are off by the same px, whatever the distance.
 struct TrackCamera {
   PinholeCamera camera;
-  double baseline = 0;  ///< T, m, > 0
+  double baseline = 0;            ///< T, m, > 0
+  double disparity_error_px = 0;  ///< of measured disparities, the same in the whole picture
 
   /// (u, v, d) of a point with Z > 0 (the caller checks).
   [[nodiscard]] Eigen::Vector3d see(const Eigen::Vector3d& x_in_camera) const {
     const Eigen::Vector2d uv = camera.project(x_in_camera);
-    return {uv.x(), uv.y(), camera.fx_px * baseline / x_in_camera.z()};
+    return {uv.x(), uv.y(), disparity_at(x_in_camera.z())};
   }
 
-  /// The point whose sighting is (u, v, d), camera frame; d > 0.
+  /// The disparity that is measured at a true depth Z in m, px.
+  [[nodiscard]] double disparity_at(double Z) const {
+    return camera.fx_px * baseline / Z + disparity_error_px;
+  }
+
+  /// The true depth at which a disparity is measured, m; d > disparity_error_px.
+  [[nodiscard]] double depth_at(double d) const {
+    return camera.fx_px * baseline / (d - disparity_error_px);
+  }
+
+  /// The depth that a depth image with that error shows at a true depth Z, m.
+  [[nodiscard]] double measured_depth(double Z) const {
+    return Z / (1 + Z * disparity_error_px / (camera.fx_px * baseline));
+  }
+
+  /// The point whose sighting is (u, v, d), camera frame; d > disparity_error_px.
   [[nodiscard]] Eigen::Vector3d point(const Eigen::Vector3d& uvd) const {
-    return camera.unproject(uvd.x(), uvd.y(), camera.fx_px * baseline / uvd.z());
+    return camera.unproject(uvd.x(), uvd.y(), depth_at(uvd.z()));
   }
 
   /// d(u, v, d) / dx at x_in_camera, (3 x 3) px/m.

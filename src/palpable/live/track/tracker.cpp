@@ -3,6 +3,7 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/cpu_time.h"
 #include "palpable/common/base/order_statistics.h"
+#include "palpable/live/track/disparity_watch.h"
 #include "palpable/live/track/exposure_estimate.h"
 #include "palpable/live/track/forgetting.h"
 #include "palpable/live/track/keyframe_work.h"
@@ -10,6 +11,7 @@
 #include "palpable/live/track/loop.h"
 #include "palpable/live/track/new_landmarks.h"
 #include "palpable/live/track/picture_shift.h"
+#include "palpable/live/track/picture_turn.h"
 #include "palpable/live/track/pose_search.h"
 #include "palpable/live/track/recent_poses.h"
 #include "palpable/live/track/start_watch.h"
@@ -32,8 +34,12 @@ constexpr int kLeastInliers = 12;  // landmarks that must agree with a pose near
 // Landmarks that must agree with the pose of a camera that was lost, and landmarks that the first
 // keyframe must have.
 constexpr int kLeastRecognisedLost = 20;
-constexpr double kSurePx = 2.0;    // largest prediction error after which the coarse search is
-                                   // omitted in the next frame
+constexpr double kSurePx = 2.0;  // largest prediction error after which the coarse search is
+                                 // omitted in the next frame
+// Share of the searched landmarks below which a pose is doubtful. Where a picture has moved far,
+// patches of repeated marks agree by chance with a wrong pose, and its motion would mislead the
+// next predictions; so other guesses are tried, and the pose with the most landmarks is used.
+constexpr double kDoubtfulShare = 0.3;
 constexpr double kMaskedPx = 4.0;  // prediction error above which the moving mask is ignored
 constexpr double kFastPx = 14.0;   // px per frame; above, the coarse search is always made and the
                                    // exposure is measured
@@ -108,7 +114,11 @@ struct Tracker::Parts {
   FrameEvidence follow(const TrackerFrame& frame, double dt);
   bool follow_motion(const TrackerFrame& frame, double dt);
   bool recognise_place(const TrackerFrame& frame);
+  std::optional<Rigid3> find_near(const TrackerFrame& frame, const Rigid3& guess, bool coarse_first,
+                                  int least);
   bool locate(const TrackerFrame& frame, const Rigid3& guess, bool coarse_first, int least);
+  void use_found(const Rigid3& guess, const Rigid3& found);
+  [[nodiscard]] std::optional<Rigid3> turned_pose();
   FrameEvidence use_pose(const TrackerFrame& frame, double dt, bool followed);
 
   // --- its keyframe, and the background work ---
@@ -140,6 +150,7 @@ struct Tracker::Parts {
   // Following the camera.
   Pyramid pyramid;
   PoseSearch pose_search;
+  PictureTurn picture_turn;  // since the last frame whose pose is known
   ExposureEstimate exposure;
   std::vector<double> depths;  // work space
 
@@ -156,6 +167,7 @@ struct Tracker::Parts {
   KeyframeWorker worker;
   int work_due = 0;       // frame count at which its result is used
   int next_compared = 0;  // keyframe with which a lost camera is compared, in turn
+  DisparityWatch disparity_watch;
   LoopConfirmation loops;
   std::vector<Correction> corrections;  // by the last closed loop
   TrackerCounts counts;
@@ -229,6 +241,7 @@ bool Tracker::Parts::fits(const TrackerFrame& frame) const {
 // Makes the first keyframe. False if the frame has too few landmarks to find the camera again.
 bool Tracker::Parts::begin_world(const TrackerFrame& frame) {
   pyramid.build(*frame.left);
+  picture_turn.keep(pyramid.level(3));
   pose_search.clear();
   loops.clear();
   keep(frame);
@@ -297,6 +310,7 @@ FrameEvidence Tracker::Parts::follow(const TrackerFrame& given, double dt) {
     recent_poses.clear();
     return FrameEvidence::kNoPose;
   }
+  picture_turn.keep(pyramid.level(3));
   hidden_s = 0;
   if (was_fixed && shift_px(held, camera_from_world) < kSamePosePx) {
     camera_from_world = previous_from_world = held;
@@ -307,7 +321,8 @@ FrameEvidence Tracker::Parts::follow(const TrackerFrame& given, double dt) {
   return use_pose(frame, dt, !was_lost);
 }
 
-// Finds the pose near the one that the last motion predicts, or else near the last pose.
+// Finds the pose near the one that the last motion predicts, or else near the last pose, or near
+// that one turned as the whole picture has moved.
 bool Tracker::Parts::follow_motion(const TrackerFrame& frame, double dt) {
   const double share = motion_time > 0 ? std::clamp(dt / motion_time, 0.0, kLongestPrediction) : 0;
   const Rigid3 predicted =
@@ -315,8 +330,34 @@ bool Tracker::Parts::follow_motion(const TrackerFrame& frame, double dt) {
   const bool sure =
       prediction_error_px < kSurePx && shift_px(camera_from_world, predicted) < kFastPx;
   if (sure && locate(frame, predicted, false, 2 * kLeastInliers)) return true;
-  if (locate(frame, predicted, true, kLeastInliers)) return true;
-  return locate(frame, camera_from_world, true, kLeastInliers);
+  std::optional<Rigid3> best, found;  // the guess that led to the most landmarks, and its pose
+  int most = 0;
+  bool is_last = false;  // whether pose_search holds the result of the best guess
+  for (int n = 0; n < 3 && most <= kDoubtfulShare * pose_search.tried(); ++n) {
+    const std::optional<Rigid3> guess = n == 0   ? predicted
+                                        : n == 1 ? camera_from_world
+                                                 : turned_pose();
+    if (!guess) continue;
+    const auto pose = find_near(frame, *guess, true, std::max(kLeastInliers, most + 1));
+    is_last = pose.has_value();
+    if (!pose) continue;
+    best = guess;
+    found = pose;
+    most = pose_search.inliers();
+  }
+  if (!best) return false;
+  if (!is_last) return locate(frame, *best, true, kLeastInliers);
+  use_found(*best, *found);
+  return true;
+}
+
+// The last pose, turned so that the whole picture moves as it has moved since then.
+std::optional<Rigid3> Tracker::Parts::turned_pose() {
+  const std::optional<Eigen::Matrix3d> turn = picture_turn.turn_to(pyramid.level(3), camera.camera);
+  if (!turn) return std::nullopt;
+  Rigid3 now_from_then = Rigid3::Identity();
+  now_from_then.linear() = *turn;
+  return moved_by(Twist::Zero(), now_from_then * camera_from_world);
 }
 
 // Finds the pose of a camera that was lost: near the last pose, near the keyframe with the most
@@ -335,6 +376,7 @@ bool Tracker::Parts::recognise_place(const TrackerFrame& frame) {
     return false;
   };
   if (try_near(held) || try_near(map.keyframes[order.front()].camera_from_world)) return true;
+  if (const auto turned = turned_pose(); turned && try_near(*turned)) return true;
 
   const PinholeCamera half = camera.camera.scaled_down(2);
   const Features features = find_features(pyramid.level(1), half, *frame.depth);
@@ -354,21 +396,32 @@ bool Tracker::Parts::recognise_place(const TrackerFrame& frame) {
   return false;
 }
 
+// Finds a pose near `guess`; the camera's pose does not change.
+std::optional<Rigid3> Tracker::Parts::find_near(const TrackerFrame& frame, const Rigid3& guess,
+                                                bool coarse_first, int least) {
+  return pose_search.find(search(), frame,
+                          {.guess = guess,
+                           .previous = camera_from_world,
+                           .coarse_first = coarse_first,
+                           .least_inliers = least,
+                           .exposure = exposure.share(),
+                           .frame_count = counts.frames});
+}
+
 // Finds a pose near `guess` and makes it the camera's; false if there is none.
 bool Tracker::Parts::locate(const TrackerFrame& frame, const Rigid3& guess, bool coarse_first,
                             int least) {
-  const std::optional<Rigid3> found = pose_search.find(search(), frame,
-                                                       {.guess = guess,
-                                                        .previous = camera_from_world,
-                                                        .coarse_first = coarse_first,
-                                                        .least_inliers = least,
-                                                        .exposure = exposure.share(),
-                                                        .frame_count = counts.frames});
+  const std::optional<Rigid3> found = find_near(frame, guess, coarse_first, least);
   if (!found) return false;
-  prediction_error_px = shift_px(guess, *found);
-  previous_from_world = camera_from_world;
-  camera_from_world = *found;
+  use_found(guess, *found);
   return true;
+}
+
+// Makes a pose that was found from `guess` the camera's.
+void Tracker::Parts::use_found(const Rigid3& guess, const Rigid3& found) {
+  prediction_error_px = shift_px(guess, found);
+  previous_from_world = camera_from_world;
+  camera_from_world = found;
 }
 
 // Uses a pose that was found: updates motion, median depth, exposure and landmarks, keeps the frame
@@ -450,8 +503,10 @@ void Tracker::Parts::keep(const TrackerFrame& frame) {
   if (!seen_depths.empty()) median_depth = kept.median_depth = upper_median(seen_depths);
   since_keyframe = 0;
   ++counts.keyframes;
+  const auto watch =
+      frame.right != nullptr ? std::optional(disparity_watch) : std::optional<DisparityWatch>();
   worker.begin(
-      work_for_newest(settings, map, pyramid.level(1), *frame.depth, loops.take_confirmed()),
+      work_for_newest(settings, map, pyramid.level(1), *frame.depth, loops.take_confirmed(), watch),
       settings.adjust_on_thread);
   work_due = counts.frames + kLatency;
 }
@@ -465,7 +520,11 @@ void Tracker::Parts::use_finished_work() {
   Keyframe& newest = map.keyframes.back();
   newest.features = std::move(work.features);
   const Rigid3 newest_from_old_world = newest.camera_from_world;
-  if (work.window) put_back(*work.window, map);
+  if (work.window) {
+    put_back(*work.window, map);
+    settings.camera = camera = work.window->problem.camera;  // with its disparity error
+    disparity_watch = work.window->watch.value_or(disparity_watch);
+  }
   if (work.graph && work.graph_is_solved) {
     corrections = close_loop(camera, *work.closing, *work.graph, map);
     prediction_error_px = kUnknownError;  // makes the next search for old landmarks a coarse one
@@ -509,6 +568,7 @@ TrackerCounts Tracker::counts() const {
   TrackerCounts counts = parts_->counts;
   counts.kept_keyframes = static_cast<int>(parts_->map.keyframes.size());
   counts.landmarks = parts_->map.count_alive();
+  counts.disparity_error_px = parts_->camera.disparity_error_px;
   return counts;
 }
 

@@ -98,16 +98,17 @@ struct TrackerSettings {
 /// Statistics of the tracker since its construction, for benchmarks.
 struct TrackerCounts {
   int frames = 0;
-  int keyframes = 0;        ///< keyframes made
-  int kept_keyframes = 0;   ///< keyframes that are still in the map
-  int lost = 0;             ///< frames without a pose
-  int stood = 0;            ///< frames that needed only the patches of still_watch.h
-  int recognised = 0;       ///< times that a lost camera found its pose again
-  int new_worlds = 0;       ///< worlds begun after the camera was lost (TrackedPose::new_world)
-  int loops = 0;            ///< loops closed
-  int landmarks = 0;        ///< landmarks in the map that are alive
-  double cpu_s = 0;         ///< of track(), on the calling thread
-  double adjust_cpu_s = 0;  ///< of the background work (keyframe_work.h)
+  int keyframes = 0;       ///< keyframes made
+  int kept_keyframes = 0;  ///< keyframes that are still in the map
+  int lost = 0;            ///< frames without a pose
+  int stood = 0;           ///< frames that needed only the patches of still_watch.h
+  int recognised = 0;      ///< times that a lost camera found its pose again
+  int new_worlds = 0;      ///< worlds begun after the camera was lost (TrackedPose::new_world)
+  int loops = 0;           ///< loops closed
+  int landmarks = 0;       ///< landmarks in the map that are alive
+  double disparity_error_px = 0;  ///< that was found in all disparities (disparity_watch.h)
+  double cpu_s = 0;               ///< of track(), on the calling thread
+  double adjust_cpu_s = 0;        ///< of the background work (keyframe_work.h)
 };
 
 class Tracker {

@@ -7,9 +7,10 @@
 namespace palpable {
 namespace {
 
-constexpr std::size_t kHeld = 5;    // largest number of older keyframes that are held fixed
-constexpr int kLeastShared = 5;     // landmarks that each of them must share with the window
-constexpr double kBadSquared = 16;  // (4 sigma)^2; sightings with a larger residual are dropped
+constexpr std::size_t kHeld = 5;        // largest number of older keyframes that are held fixed
+constexpr int kLeastShared = 5;         // landmarks that each of them must share with the window
+constexpr int kStepsToNewLengths = 20;  // all points and keyframes are off by the same share
+constexpr double kBadSquared = 16;      // (4 sigma)^2; sightings with a larger residual are dropped
 
 // Indices of the landmarks seen in keyframes `first` and later, without duplicates, in rising
 // order.
@@ -61,11 +62,30 @@ void add_landmarks(const std::vector<int>& ids, const std::vector<int>& slot,
   }
 }
 
+// Moves the landmarks that were not adjusted to where their measured disparities put them, if the
+// adjustment assumed another disparity error than the one with which they were placed. Their
+// anchors have not moved yet.
+void place_by_disparity(const AdjustmentWindow& window, LandmarkMap& map) {
+  const TrackCamera& now = window.problem.camera;
+  for (const int k : window.keyframes) {
+    const Rigid3& camera_from_world = map.keyframes[k].camera_from_world;
+    for (const int id : map.keyframes[k].landmarks) {
+      Landmark& landmark = map.landmarks[id];
+      if (landmark.anchor != k) continue;
+      const Eigen::Vector3d x = camera_from_world * landmark.x_in_world;
+      const double d = window.map_camera.disparity_at(x.z());
+      if (!(x.z() > 0 && d > now.disparity_error_px)) continue;
+      landmark.x_in_world =
+          camera_from_world.inverse(Eigen::Isometry) * (now.depth_at(d) / x.z() * x);
+    }
+  }
+}
+
 }  // namespace
 
 AdjustmentWindow window_of(const TrackCamera& camera, const LandmarkMap& map) {
   AdjustmentWindow window;
-  window.problem.camera = camera;
+  window.problem.camera = window.map_camera = camera;
   const int keyframes = static_cast<int>(map.keyframes.size());
   const int first = keyframes - std::min(kWindow, keyframes);
   const std::vector<int> ids = landmarks_since(first, map);
@@ -84,7 +104,14 @@ AdjustmentWindow window_of(const TrackCamera& camera, const LandmarkMap& map) {
 }
 
 void adjust(AdjustmentWindow& window) {
-  adjust_bundle(window.problem);
+  BundleProblem& problem = window.problem;
+  const BundleResult result =
+      adjust_bundle(problem, {.measure_disparity_error = window.watch.has_value()});
+  if (window.watch) {
+    const std::optional<double> error = window.watch->add(
+        result.disparity_error_px, result.disparity_information, problem.camera.disparity_error_px);
+    if (error) adjust_with_error(window, *error);
+  }
   for (const BundleSighting& s : window.problem.sightings) {
     if (squared_residual(window.problem, s) > kBadSquared) {
       window.bad.emplace_back(window.landmarks[s.point], window.keyframes[s.pose]);
@@ -92,7 +119,17 @@ void adjust(AdjustmentWindow& window) {
   }
 }
 
+void adjust_with_error(AdjustmentWindow& window, double disparity_error_px) {
+  BundleProblem& problem = window.problem;
+  problem.camera.disparity_error_px = disparity_error_px;
+  const auto oldest = std::min_element(window.keyframes.begin(), window.keyframes.end());
+  std::fill(problem.fixed.begin(), problem.fixed.end(), 0);
+  problem.fixed[oldest - window.keyframes.begin()] = 1;
+  adjust_bundle(problem, {.steps = kStepsToNewLengths});
+}
+
 void put_back(const AdjustmentWindow& window, LandmarkMap& map) {
+  if (window.problem.camera != window.map_camera) place_by_disparity(window, map);
   std::vector<std::optional<Rigid3>> world_from_old_world(map.keyframes.size());
   for (std::size_t i = 0; i < window.keyframes.size(); ++i) {
     if (window.problem.fixed[i] != 0) continue;

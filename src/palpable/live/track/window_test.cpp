@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -151,6 +152,42 @@ TEST_CASE("a sighting that does not agree is dropped; a landmark that keeps too 
   CHECK_FALSE(walk.landmarks[anchored].alive);
   CHECK_FALSE(walk.landmarks[two].alive);
   CHECK(walk.count_alive() == kCount * kOwn - 2);
+}
+
+TEST_CASE("with another disparity error all lengths of the window change, older ones' too",
+          "[track]") {
+  // Disparities are 1 px too small, at 16 to 22 px. The map was made without knowing that.
+  constexpr double kError = -1, kLonger = 1.05;
+  Walk walk;
+  for (Keyframe& keyframe : walk.keyframes) { keyframe.camera_from_world.translation() *= kLonger; }
+  for (Landmark& landmark : walk.landmarks) {
+    for (KeyframeSighting& s : landmark.sightings) { s.seen.uvd.z() += kError; }
+    const Rigid3& anchor = walk.keyframes[landmark.anchor].camera_from_world;
+    landmark.x_in_world =
+        anchor.inverse(Eigen::Isometry) * kCamera.point(landmark.sightings.front().seen.uvd);
+  }
+  AdjustmentWindow window = window_of(kCamera, walk);
+  adjust_with_error(window, kError);
+  TrackCamera mended = kCamera;
+  mended.disparity_error_px = kError;
+  CHECK(window.problem.camera == mended);
+  put_back(window, walk);
+  const auto way = [](const Rigid3& a, const Rigid3& b) {
+    return (a * b.inverse(Eigen::Isometry)).translation().norm();
+  };
+  // From the oldest keyframe of the window, which is held, to the newest.
+  const double true_way = way(truth(5), truth(kCount - 1));
+  CHECK(std::abs(
+            way(walk.keyframes[5].camera_from_world, walk.keyframes[kCount - 1].camera_from_world) -
+            true_way) <= tolerance(1e-3, "where the adjustment counts as converged") * true_way);
+  // Landmarks that only the newest keyframe has seen were not adjusted.
+  for (int i = 0; i < kOwn; ++i) {
+    const Landmark& landmark = walk.landmarks[(kCount - 1) * kOwn + i];
+    REQUIRE(landmark.sightings.size() == 1);
+    const Eigen::Vector3d x = walk.keyframes[kCount - 1].camera_from_world * landmark.x_in_world;
+    CHECK((mended.see(x) - landmark.sightings.front().seen.uvd).norm() <=
+          tolerance(1e-9, "px, rounding"));
+  }
 }
 
 TEST_CASE("landmarks move with their anchor, unless they have a place already", "[track]") {

@@ -1,5 +1,6 @@
 #include "palpable/live/view/body_pictures.h"
 
+#include "palpable/common/geometry/size_text.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/live/render/picture_sheet.h"
 
@@ -143,7 +144,7 @@ ColorImage draw_modes(const ReducedBody& body, const std::vector<ModeShape>& sha
   OrbitCamera above = usual;
   above.elevation = 0.9;
   const Eigen::Matrix3Xd& X = body.surface.vertices;
-  const double body_size = (X.rowwise().maxCoeff() - X.rowwise().minCoeff()).norm();
+  const double body_size = extent_of(X).norm();
   PaintedBody painted(body);
   std::vector<ColorImage> cells;
   draw_shapes(shapes, body_size, usual, scene, painted, cells);

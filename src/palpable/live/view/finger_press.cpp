@@ -24,7 +24,7 @@ const std::shared_ptr<const TouchableBody>& with_tables(
 
 FingerPress::FingerPress(const std::shared_ptr<const TouchableBody>& body)
     : body_(with_tables(body)),
-      solver_(body),
+      solver_({{body}}),
       deepest_(std::min(kDeepest, kOfHeight * box_of(body->body.surface).sizes().z())),
       scale_(stress_scale(body->body)),
       normals_at_rest_(3, body->body.surface.vertex_count()) {
@@ -57,7 +57,8 @@ void FingerPress::rest() {
 }
 
 void FingerPress::advance(std::span<const Capsule> capsules) {
-  const TouchReport report = solver_.advance(capsules, shown_, touches_);
+  const CapsuleThing finger{.capsules = capsules};
+  const ContactReport report = solver_.advance({&finger, 1}, {&shown_, 1}, touches_);
   left_to_move_ = report.left_to_move > kSettled ? report.left_to_move : 0;
 }
 

@@ -5,8 +5,8 @@
 
 #include "palpable/common/response/touchable_body.h"
 #include "palpable/live/render/scene_renderer.h"
-#include "palpable/live/session/capsule_press.h"
 #include "palpable/live/session/scene.h"
+#include "palpable/live/things/pressed_bodies.h"
 
 #include <Eigen/Core>
 
@@ -67,7 +67,7 @@ class FingerPress {
   void advance(std::span<const Capsule> capsules);
 
   std::shared_ptr<const TouchableBody> body_;
-  CapsulePress solver_;
+  PressedBodies solver_;
   double deepest_;  // m, at level 1
   double scale_;    // Pa
   Eigen::Matrix3Xf normals_at_rest_;

@@ -55,14 +55,12 @@ bool any_knows_contact(const Session& session) {
   return for_any_body(session, [&](int k) { return knows_contact(session, k); });
 }
 
-bool stands_on_first_ground(const Session& session, int number) {
-  const Rigid3 first_from_body =
-      session.body().world_from_body.inverse() * session.body(number).world_from_body;
+}  // namespace
+
+bool stands_on_first_ground(const Rigid3& first_from_body) {
   return std::abs(first_from_body.translation().z()) < kSameGround &&
          first_from_body.linear()(2, 2) > 0.999;
 }
-
-}  // namespace
 
 BodyLook look_of_body(const Scene& scene, const Session& session, int number, double scale,
                       ColorScale colors) {
@@ -76,7 +74,9 @@ BodyLook look_of_body(const Scene& scene, const Session& session, int number, do
   look.colors = colors;
   look.camera_from_body = shown.camera_from_body;
   look.material = session.body(number).color.value_or(kRubber);
-  if (!stands_on_first_ground(session, number)) look.shadow = 0;
+  const Rigid3 first_from_body =
+      session.body().world_from_body.inverse() * session.body(number).world_from_body;
+  if (!stands_on_first_ground(first_from_body)) look.shadow = 0;
   return look;
 }
 
@@ -88,6 +88,8 @@ std::string caption_of(const Scene& scene) {
   if (hidden >= kWorthTelling) {
     text += fmt::format("   {:.0f} % hidden since the start, not felt there", 100 * hidden);
   }
+  if (scene.answer == Answer::kLater) text += "   not the answer yet";
+  if (scene.answer == Answer::kNotReached) text += "   not an answer";
   if (scene.touches.empty()) return text;
   text += "   " + caption_of(scene.touches);
   if (const std::optional<StatedError> error = worst_stated_error(scene)) {

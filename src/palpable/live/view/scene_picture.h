@@ -14,6 +14,9 @@
 
 namespace palpable {
 
+/// Whether a body's floor, its plane Z = 0, is that of the first body, on which shadows fall.
+[[nodiscard]] bool stands_on_first_ground(const Rigid3& first_from_body);
+
 /// A body of a scene at its pose in the camera's picture, with pointers into both arguments. A body
 /// that does not stand on the first body's ground throws no shadow.
 /// @param session  the one that made the scene

@@ -10,14 +10,12 @@
 #include <cmath>
 
 namespace palpable {
-namespace {
-
-constexpr double kViewAngle = 0.55;  // rad, vertical
-
-}  // namespace
 
 OrbitCamera usual_camera(const ReducedBody& body, double aspect) {
-  const Eigen::Matrix3Xd& x = body.surface.vertices;
+  return usual_camera(body.surface.vertices, aspect);
+}
+
+OrbitCamera usual_camera(const Eigen::Matrix3Xd& x, double aspect) {
   const Eigen::Vector3d low = x.rowwise().minCoeff(), high = x.rowwise().maxCoeff();
   OrbitCamera camera;
   camera.target = 0.5 * (low + high);
@@ -25,7 +23,7 @@ OrbitCamera usual_camera(const ReducedBody& body, double aspect) {
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     radius = std::max(radius, (x.col(i) - camera.target).norm());
   }
-  camera.distance = 1.12 * radius / std::sin(0.5 * kViewAngle * std::min(aspect, 1.0));
+  camera.distance = 1.12 * radius / std::sin(0.5 * kStudioView * std::min(aspect, 1.0));
   // Looks along the horizontal direction in which the body extends least.
   const Eigen::Matrix2Xd flat = x.topRows<2>().colwise() - camera.target.head<2>();
   const Eigen::Matrix2d spread = flat * flat.transpose();
@@ -51,7 +49,7 @@ StudioScene::StudioScene(const ReducedBody& body, PictureSize size)
 }
 
 void StudioScene::resize(PictureSize size) {
-  view_.camera = camera_of_view(size.width, size.height, kViewAngle);
+  view_.camera = camera_of_view(size.width, size.height, kStudioView);
   studio_is_old_ = true;
 }
 

@@ -32,9 +32,14 @@ struct PictureSize {
   [[nodiscard]] double aspect() const { return static_cast<double>(width) / height; }
 };
 
+/// The vertical field of view of pictures in the studio, rad.
+inline constexpr double kStudioView = 0.55;
+
 /// A viewpoint that shows the whole body from its broad side.
 /// @param aspect  width of the picture / height
 [[nodiscard]] OrbitCamera usual_camera(const ReducedBody& body, double aspect);
+/// The same for points, such as those of several bodies. @param x  (3 x N) m, N > 0, Z up
+[[nodiscard]] OrbitCamera usual_camera(const Eigen::Matrix3Xd& x, double aspect);
 
 /// Turns a viewpoint to the side of a site, 0.75 rad beside its load so that the dent is seen in
 /// profile.

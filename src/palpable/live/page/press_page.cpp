@@ -1,0 +1,153 @@
+#include "palpable/live/page/press_page.h"
+
+#include "palpable/common/base/base64.h"
+#include "palpable/common/base/json.h"
+#include "palpable/common/base/output_file.h"
+#include "palpable/common/base/whole_file.h"
+#include "palpable/common/web_file/web_file.h"
+#include "palpable/live/view/stress_scale.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <set>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kLargestPart = 50'000'000;  // bytes; a bundle has some 2 MB
+constexpr std::string_view kHowToBuild =
+    "in the source folder, web/build.sh and then 'npm ci && npm run page' in web/ build it";
+
+std::string read_part(const fs::path& file) {
+  auto read = read_whole_file(file, {.most = kLargestPart});
+  if (!read.ok()) {
+    throw Error(fmt::format("{}: {}; {}", file.string(), read.problem().message, kHowToBuild));
+  }
+  return std::move(read).value();
+}
+
+std::string file_name_of(std::string_view name) {
+  std::string file;
+  for (const char c : name) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
+    file += is_plain && static_cast<unsigned char>(c) < 128 ? c : '-';
+  }
+  return file.empty() ? "body" : file;
+}
+
+Json facts_of(const PageBody& body) {
+  Json facts{{"name", body.name},
+             {"file", body.file},
+             {"bytes", body.bytes.size()},
+             {"material", body.material},
+             {"stressTop", body.stress_top}};
+  if (body.credit) {
+    facts["credit"] = {
+        {"text", body.credit->text}, {"url", body.credit->url}, {"terms", body.credit->terms}};
+  }
+  return facts;
+}
+
+// JSON within <script>: "</script>" in a name would end it.
+std::string safe_in_html(const std::string& json) {
+  std::string text;
+  for (const char c : json) {
+    if (c == '<') {
+      text += "\\u003c";
+    } else {
+      text += c;
+    }
+  }
+  return text;
+}
+
+std::string base64_element(std::string_view id, std::string_view bytes) {
+  return fmt::format("<script type=\"application/octet-stream\" id=\"{}\">{}</script>\n", id,
+                     base64(bytes));
+}
+
+void replace_mark(std::string& html, std::string_view mark, std::string_view text) {
+  const std::size_t at = html.find(mark);
+  if (at == std::string::npos) {
+    throw Error(fmt::format("the page's bundle lacks {}; {}", mark, kHowToBuild));
+  }
+  html.replace(at, mark.size(), text);
+}
+
+}  // namespace
+
+PageBundle read_page_bundle(const fs::path& folder) {
+  return {.html = read_part(folder / "index.html"),
+          .script = read_part(folder / "page.js"),
+          .classic = read_part(folder / "page-classic.js"),
+          .core = read_part(folder / "palpable.wasm")};
+}
+
+std::optional<ShapeCredit> known_credit(std::string_view mesh_source) {
+  constexpr std::array<std::string_view, 2> kStanford{"bunny", "dragon"};
+  const bool is_stanfords = std::any_of(
+      kStanford.begin(), kStanford.end(),
+      [&](std::string_view name) { return mesh_source.find(name) != std::string_view::npos; });
+  if (!is_stanfords) return std::nullopt;
+  return ShapeCredit{"Shape: Stanford Computer Graphics Laboratory",
+                     "https://graphics.stanford.edu/data/3Dscanrep/",
+                     "(research use, free to pass on with credit, not commercial)"};
+}
+
+PageBody page_body(const TouchableBody& body) {
+  const ReducedBody& reduced = body.body;
+  return {.name = reduced.name,
+          .file = file_name_of(reduced.name) + std::string(kWebFileEnding),
+          .bytes = web_file_bytes(body),
+          .material = reduced.material,
+          .stress_top = stress_scale(reduced),
+          .credit = known_credit(reduced.provenance.mesh_source)};
+}
+
+void name_files_apart(std::span<PageBody> bodies) {
+  std::set<std::string> taken;
+  for (PageBody& body : bodies) {
+    const std::string stem = fs::path(body.file).stem().string();
+    for (int k = 2; !taken.insert(body.file).second; ++k) {
+      body.file = fmt::format("{}-{}{}", stem, k, kWebFileEnding);
+    }
+  }
+}
+
+std::string page_text(const PageBundle& bundle, std::span<const PageBody> bodies, bool holds_all) {
+  Json facts{{"inline", holds_all}, {"bodies", Json::array()}};
+  std::string scripts;
+  if (holds_all) scripts += base64_element("palpable.wasm", bundle.core);
+  for (const PageBody& body : bodies) {
+    facts["bodies"].push_back(facts_of(body));
+    if (holds_all) scripts += base64_element(body.file, body.bytes);
+  }
+  // esbuild writes "</script" in a script as "<\/script".
+  scripts += holds_all ? fmt::format("<script>{}</script>", bundle.classic)
+                       : "<script type=\"module\" src=\"page.js\"></script>";
+  std::string html = bundle.html;
+  // The later mark first: a body's name may hold the other one.
+  replace_mark(html, kPageScripts, scripts);
+  replace_mark(html, kPageFacts, safe_in_html(facts.dump()));
+  return html;
+}
+
+void write_page(const fs::path& folder, const PageBundle& bundle, std::span<const PageBody> bodies,
+                bool holds_all) {
+  const std::string html = page_text(bundle, bodies, holds_all);
+  make_folder(folder);
+  if (!holds_all) {
+    write_whole_file(folder / "palpable.wasm", bundle.core);
+    write_whole_file(folder / "page.js", bundle.script);
+    for (const PageBody& body : bodies) write_whole_file(folder / body.file, body.bytes);
+  }
+  write_whole_file(folder / "index.html", html);
+}
+
+}  // namespace palpable

@@ -1,0 +1,87 @@
+#include "palpable/live/page/press_page.h"
+
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using test::file_bytes;
+using test::ScratchFolder;
+
+PageBundle small_bundle() {
+  return {.html = "<html>/*palpable:page*/<!-- palpable:scripts --></html>",
+          .script = "module",
+          .classic = "classic",
+          .core = "core"};
+}
+
+PageBody small_body(const std::string& name) {
+  return {.name = name,
+          .file = "bunny.palpweb",
+          .bytes = "bytes",
+          .material = "soft",
+          .stress_top = 1500};
+}
+
+TEST_CASE("a page of one file has core, body and script in it", "[page]") {
+  const std::vector<PageBody> bodies{small_body("bunny")};
+  const std::string html = page_text(small_bundle(), bodies, true);
+  CHECK(html.find(R"({"inline":true,"bodies":[{"name":"bunny","file":"bunny.palpweb","bytes":5,)"
+                  R"("material":"soft","stressTop":1500.0}]})") != std::string::npos);
+  CHECK(html.find(R"(id="palpable.wasm">Y29yZQ==</script>)") != std::string::npos);
+  CHECK(html.find(R"(id="bunny.palpweb">Ynl0ZXM=</script>)") != std::string::npos);
+  CHECK(html.find("<script>classic</script>") != std::string::npos);
+}
+
+TEST_CASE("a page for a server has its parts beside it", "[page]") {
+  const ScratchFolder folder("page");
+  const std::vector<PageBody> bodies{small_body("bunny")};
+  write_page(folder / "page", small_bundle(), bodies, false);
+  CHECK(file_bytes(folder / "page/palpable.wasm") == "core");
+  CHECK(file_bytes(folder / "page/page.js") == "module");
+  CHECK(file_bytes(folder / "page/bunny.palpweb") == "bytes");
+  const std::string html = file_bytes(folder / "page/index.html");
+  CHECK(html.find(R"(<script type="module" src="page.js">)") != std::string::npos);
+  CHECK(html.find("Ynl0ZXM=") == std::string::npos);
+}
+
+TEST_CASE("a body's name cannot end the page's script", "[page]") {
+  const std::vector<PageBody> bodies{small_body("</script><!-- palpable:scripts -->")};
+  const std::string html = page_text(small_bundle(), bodies, false);
+  CHECK(html.find("</script><!--") == std::string::npos);
+  CHECK(html.find("\\u003c/script>") != std::string::npos);
+}
+
+TEST_CASE("bodies of the same name get files that differ", "[page]") {
+  std::vector<PageBody> bodies{small_body("a"), small_body("b"), small_body("c")};
+  name_files_apart(bodies);
+  CHECK(bodies[0].file == "bunny.palpweb");
+  CHECK(bodies[1].file == "bunny-2.palpweb");
+  CHECK(bodies[2].file == "bunny-3.palpweb");
+}
+
+TEST_CASE("Stanford's shapes carry its credit and terms, ours none", "[page]") {
+  const auto credit = known_credit("bunny.off, CGAL isotropic remeshing to 0.0075 m, TetGen 1.5");
+  REQUIRE(credit.has_value());
+  CHECK(credit->text.find("Stanford") != std::string::npos);
+  CHECK(credit->terms.find("not commercial") != std::string::npos);
+  CHECK_FALSE(
+      known_credit("post.off, CGAL isotropic remeshing to 0.008 m, TetGen 1.5").has_value());
+}
+
+TEST_CASE("a bundle that was not built names the command that builds it", "[page]") {
+  const ScratchFolder folder("page");
+  CHECK_THROWS_WITH(read_page_bundle(folder / "none"), Catch::Contains("web/build.sh"));
+  PageBundle old = small_bundle();
+  old.html = "<html></html>";
+  CHECK_THROWS_WITH(page_text(old, {}, true), Catch::Contains("lacks"));
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,67 @@
+// What the page costs: node web/page/bench.mjs BODY.palpweb. Prints one JSON object: ms from opening the page to its
+// first picture, from a disk with everything in it and from a server, and frames a second while a finger presses.
+// WebGL is drawn in software here; a machine with graphics draws at the rate of its screen.
+import { mkdtempSync, rmSync, statSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { basename, join } from 'node:path';
+import { launch, serve } from './browser.mjs';
+import { writePage } from './write_page.mjs';
+
+const kLargestInline = 50e6; // bytes of a body; a larger one is only served
+const kPressed = 4;          // s, how long the finger stays
+
+async function firstPicture(browser, url) {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+  await page.goto(url, { waitUntil: 'commit' });
+  const ms = await page.evaluate(async () => {
+    while (!globalThis.palpablePage) await new Promise((done) => setTimeout(done, 5));
+    await palpablePage;
+    return performance.getEntriesByName('palpable: first picture')[0].startTime; // since the page was asked for
+  });
+  return { page, ms: Math.round(ms) };
+}
+
+// Of frames that press at full depth, and the ms of the core's call in them.
+async function pressed(page) {
+  await page.mouse.move(640, 380);
+  await page.mouse.down();
+  const result = await page.evaluate(async (seconds) => {
+    const shown = await palpablePage, wait = (s) => new Promise((done) => setTimeout(done, 1000 * s));
+    await wait(1.5);
+    const before = shown.frames, start = performance.now();
+    await wait(seconds);
+    const elapsed = (performance.now() - start) / 1000, fingers = shown.body.shown.length, frames = shown.frames - before;
+    const times = [];
+    for (let k = 0; k < 20; ++k) {
+      const from = performance.now();
+      shown.body.step(from / 1000, true);
+      times.push(performance.now() - from);
+    }
+    return { frames_a_second: frames / elapsed, core_ms: times.sort((a, b) => a - b)[10], fingers };
+  }, kPressed);
+  await page.mouse.up();
+  if (result.fingers !== 1) throw new Error('the middle of the picture shows no body to press');
+  return { frames_a_second: Number(result.frames_a_second.toFixed(1)), core_ms: Number(result.core_ms.toFixed(2)) };
+}
+
+const file = process.argv[2];
+if (!file) {
+  console.error('node web/page/bench.mjs BODY.palpweb');
+  process.exit(2);
+}
+const folder = mkdtempSync(join(tmpdir(), 'palpable-page-')), browser = await launch();
+writePage(join(folder, 'served'), [file], false);
+const server = await serve(join(folder, 'served'));
+const result = { body: basename(file), body_bytes: statSync(file).size };
+if (result.body_bytes <= kLargestInline) {
+  writePage(join(folder, 'inline'), [file], true);
+  const path = join(folder, 'inline/index.html');
+  result.page_bytes = statSync(path).size;
+  result.from_disk_ms = (await firstPicture(browser, `file://${path}`)).ms;
+}
+const { page, ms } = await firstPicture(browser, server.url);
+Object.assign(result, { from_server_ms: ms }, await pressed(page));
+console.log(JSON.stringify(result, null, 2));
+await browser.close();
+server.close();
+rmSync(folder, { recursive: true });

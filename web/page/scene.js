@@ -1,0 +1,133 @@
+// The picture: a body in a room, and the fingers on it. Metres, Z up.
+import * as three from 'three';
+import { CurvedSkin } from './curved_skin.js';
+import { bodyMaterial, fingerMaterial } from './materials.js';
+import { Room } from './room.js';
+import { kView } from './orbit.js';
+import { kRadius } from './fingers.js';
+
+const kMostPixels = 2; // a screen with more for each unit of CSS is drawn with this many
+
+export class Scene {
+  #renderer;
+  #scene = new three.Scene();
+  #camera = new three.PerspectiveCamera(kView * 180 / Math.PI);
+  #room = new Room();
+  #body = new three.Mesh(new three.BufferGeometry());
+  #curved;
+  #fingers = [];
+  #marker;
+  #ray = new three.Raycaster();
+
+  /** @param {HTMLCanvasElement} canvas  @throws Error where the browser has no WebGL */
+  constructor(canvas) {
+    this.#renderer = new three.WebGLRenderer({ canvas, antialias: true });
+    this.#renderer.shadowMap.enabled = true;
+    this.#renderer.shadowMap.type = three.PCFShadowMap;
+    this.#renderer.shadowMap.autoUpdate = false;
+    this.#body.castShadow = this.#body.receiveShadow = true;
+    this.#body.frustumCulled = false;
+    this.#marker = new three.Mesh(new three.TorusGeometry(kRadius, kRadius / 9, 10, 40),
+                                  new three.MeshBasicMaterial({ color: 0xd8480a }));
+    this.#marker.visible = false;
+    this.#scene.add(...this.#room.parts, this.#body, this.#marker);
+  }
+
+  /** @param {boolean} dark  the colours of the room */
+  set dark(dark) { this.#room.paint(this.#scene, this.#renderer, dark); }
+
+  /** @param {import('./pressed_body.js').PressedBody} body */
+  show(body) {
+    const skin = body.skin, curved = this.#curved = new CurvedSkin(skin.triangles);
+    const geometry = new three.BufferGeometry();
+    geometry.setIndex(new three.BufferAttribute(curved.indices, 1));
+    for (const [name, array, size] of [['position', curved.vertices, 3], ['normal', curved.normals, 3],
+                                       ['stress', curved.stress, 1]]) {
+      geometry.setAttribute(name, new three.BufferAttribute(array, size).setUsage(three.DynamicDrawUsage));
+    }
+    this.#body.geometry.dispose();
+    this.#body.geometry = geometry;
+    this.#body.material = bodyMaterial(body.facts.stressTop);
+    this.#room.fit(body.shape);
+    this.update(body);
+  }
+
+  /** Takes shape, stress and fingers of the body's last frame. */
+  update(body) {
+    this.#curved.update(body.skin);
+    for (const attribute of Object.values(this.#body.geometry.attributes)) attribute.needsUpdate = true;
+    while (this.#fingers.length < body.shown.length) this.#addFinger();
+    this.#fingers.forEach((finger, k) => {
+      const shown = body.shown[k];
+      finger.visible = shown !== undefined;
+      if (shown) lay(finger, shown.tip, shown.inwards);
+    });
+    this.#renderer.shadowMap.needsUpdate = true;
+  }
+  #addFinger() {
+    const length = 5 * kRadius;
+    const shape = new three.CapsuleGeometry(kRadius, length, 12, 24).translate(0, -kRadius - length / 2, 0);
+    const finger = new three.Mesh(shape, fingerMaterial(length));
+    finger.renderOrder = 1; // it is translucent: after the body
+    this.#fingers.push(finger);
+    this.#scene.add(finger);
+  }
+
+  /** Shows where a press by keyboard would begin. @param {import('./pick.js').Place | null} place */
+  mark(place) {
+    this.#marker.visible = place !== null;
+    if (place) lay(this.#marker, place.point.map((x, k) => x - 0.0006 * place.inwards[k]), place.inwards, 'z');
+  }
+
+  /** @param {{width: number, height: number, left: number, top: number, right: number, bottom: number}} frame
+   *    px of CSS: of the picture, and the strips at its edges that words cover */
+  resize(frame) {
+    this.#renderer.setPixelRatio(Math.min(globalThis.devicePixelRatio ?? 1, kMostPixels));
+    this.#renderer.setSize(frame.width, frame.height, false);
+    this.#frame = frame;
+  }
+  #frame;
+
+  /** @param {import('./orbit.js').Orbit} orbit */
+  draw(orbit) {
+    this.place(orbit);
+    this.#renderer.render(this.#scene, this.#camera);
+  }
+
+  /** The camera's pose alone. */
+  place(orbit) {
+    const { width, height, left, top, right, bottom } = this.#frame;
+    const free = { width: Math.max(width - left - right, 1), height: Math.max(height - top - bottom, 1) };
+    // The view of the free part alone would have the angle kView; the picture's is wider by its strips.
+    this.#camera.fov = 2 * Math.atan(Math.tan(kView / 2) * height / free.height) * 180 / Math.PI;
+    this.#camera.aspect = width / height;
+    this.#camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
+    orbit.place(this.#camera, free.width / free.height);
+    this.#camera.updateProjectionMatrix();
+    this.#camera.updateMatrixWorld();
+  }
+
+  /** The ray of a pixel. @returns {{origin: number[], direction: number[]}} */
+  rayAt(x, y) {
+    const { width, height } = this.#frame;
+    this.#ray.setFromCamera(new three.Vector2(2 * x / width - 1, 1 - 2 * y / height), this.#camera);
+    return { origin: this.#ray.ray.origin.toArray(), direction: this.#ray.ray.direction.toArray() };
+  }
+  /** Where a point (m) is in the picture, px of CSS. */
+  pixelOf(point) {
+    const { width, height } = this.#frame, p = new three.Vector3(...point).project(this.#camera);
+    return [(p.x + 1) / 2 * width, (1 - p.y) / 2 * height];
+  }
+  /** Unit vectors of the picture, right and up, in the room. */
+  get sides() {
+    const m = this.#camera.matrixWorld.elements;
+    return { right: [m[0], m[1], m[2]], up: [m[4], m[5], m[6]], eye: [m[12], m[13], m[14]] };
+  }
+}
+
+const kAxes = { y: new three.Vector3(0, 1, 0), z: new three.Vector3(0, 0, 1) };
+// Puts a mesh with its origin to a point and its axis along a direction.
+function lay(mesh, at, along, axis = 'y') {
+  mesh.position.set(...at);
+  mesh.quaternion.setFromUnitVectors(kAxes[axis], new three.Vector3(...along));
+}
