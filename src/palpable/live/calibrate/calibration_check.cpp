@@ -15,7 +15,6 @@ constexpr double kShortestBaseline = 1e-3;  // m
 constexpr double kLongestBaseline = 10.0;   // m
 constexpr double kLargestAngle = 0.7;       // rad between the eyes; real rigs have a few hundredths
 constexpr double kFarthestColor = 1;        // m between colour and depth sensor of one device
-constexpr double kLargestOff = 1e-3;        // of R^T R from I; files have few digits
 
 // The likely unit of a focal length that is no number of pixels.
 const char* focal_unit(double focal) {
@@ -103,7 +102,7 @@ std::string wrong_with_pose(const Rigid3& right_from_left) {
   const Eigen::Matrix3d R = right_from_left.linear();
   const Eigen::Vector3d T = right_from_left.translation();
   if (!R.allFinite() || !T.allFinite()) return "a number of R or T is not finite";
-  if (!(off_a_rotation(R) <= kLargestOff)) {
+  if (!(off_a_rotation(R) <= kLargestRotationError)) {
     return fmt::format("R is not a rotation (R^T R differs from I by {:.2g}, det R = {:.3g})",
                        (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(),
                        R.determinant());
@@ -141,7 +140,7 @@ std::string wrong_with_depth(const FrameFormat& format) {
   if (!color_from_depth.matrix().allFinite()) {
     return "how the colour camera stands to the depth camera is not finite";
   }
-  if (!(off_a_rotation(color_from_depth.linear()) <= kLargestOff)) {
+  if (!(off_a_rotation(color_from_depth.linear()) <= kLargestRotationError)) {
     return "color_from_depth holds no rotation";
   }
   const double apart = color_from_depth.translation().norm();

@@ -14,13 +14,16 @@ namespace palpable {
 
 inline constexpr int kLargestImageSide = 16384;  ///< px; larger values are mistakes or attacks
 
+/// Largest entry of |R^T R - I| of a rotation; files have few digits.
+inline constexpr double kLargestRotationError = 1e-3;
+
 /// Faults of a camera: sides that are not 1 to 16384 px, numbers that are not finite, a focal
 /// length outside 0.04 to 600 times the longer side, a principal point outside the picture.
 /// @param name  in the message: "the NAME image", "the NAME focal length"
 [[nodiscard]] std::string what_is_wrong_with(const PinholeCamera& camera, std::string_view name);
 
 /// Further faults of a rig: a distortion that no lens has, an R that is not a rotation
-/// (|R^T R - I| > 1e-3 in an entry, or det R < 0), a baseline that is not within 1 mm .. 10 m
+/// (kLargestRotationError, or det R < 0), a baseline that is not within 1 mm .. 10 m
 /// (a file in millimetres is a common mistake), cameras that do not stand side by side, in the
 /// wrong order, or whose axes differ by more than 40 degrees.
 [[nodiscard]] std::string what_is_wrong_with(const StereoRig& rig);

@@ -1,6 +1,7 @@
 #include "palpable/live/calibrate/foreign_lens.h"
 
 #include "palpable/common/base/text_numbers.h"
+#include "palpable/live/calibrate/calibration_check.h"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -110,10 +111,9 @@ Result<Rigid3> pose_of_rows(const std::vector<double>& n, std::string_view name)
 }
 
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& R) {
-  constexpr double kLargestOff = 1e-3;  // as in calibration_check.cpp
   constexpr double kRounding = 1e-12;
   const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(off <= kLargestOff) || R.determinant() < 0 || off <= kRounding) return R;
+  if (!(off <= kLargestRotationError) || R.determinant() < 0 || off <= kRounding) return R;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return svd.matrixU() * svd.matrixV().transpose();
 }
