@@ -200,6 +200,9 @@ StoreContent content_of(const BodyDescription& description, const BodyProblem& p
   content.provenance = {
       .description = description.source.filename().string(),
       .mesh_source = mesh.origin,
+      .credit = description.shape.credit,
+      .credit_url = description.shape.credit_url,
+      .terms = description.shape.terms,
       .mesh = fmt::format("{} nodes, {} {}-node tetrahedra, boundary {} vertices, {} triangles; "
                           "dihedral angles {:.1f} to {:.1f} degrees, volume {:.4g} m^3",
                           mesh.mesh.node_count(), mesh.mesh.tet_count(),

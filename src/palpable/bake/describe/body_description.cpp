@@ -41,6 +41,21 @@ UpAxis up_axis(const std::string& text) {
   return text == "x" ? UpAxis::kX : text == "y" ? UpAxis::kY : UpAxis::kZ;
 }
 
+// Who made the shape, for pages that show it. Its address becomes a link.
+void read_credit(TomlSection& section, BodyDescription::Shape& shape) {
+  if (section.has("credit")) shape.credit = section.text("credit");
+  for (const auto& [key, text] :
+       {std::pair{"credit_url", &shape.credit_url}, std::pair{"terms", &shape.terms}}) {
+    if (!section.has(key)) continue;
+    *text = section.text(key);
+    if (shape.credit.empty()) section.bad(key, "belongs to a 'credit', and there is none");
+  }
+  const std::string& url = shape.credit_url;
+  if (!url.empty() && !url.starts_with("https://") && !url.starts_with("http://")) {
+    section.bad("credit_url", "is the address of a page: it begins with https:// or http://");
+  }
+}
+
 void read_shape(TomlSection section, const std::string& file, BodyDescription& body) {
   BodyDescription::Shape& shape = body.shape;
   const bool surface = section.has("surface");
@@ -78,6 +93,7 @@ void read_shape(TomlSection section, const std::string& file, BodyDescription& b
     section.bad("wrap",
                 "leaves triangles of all sizes: give an 'edge', to which they are remeshed");
   }
+  read_credit(section, shape);
   shape.place = section.place();
   shape.order_place = section.place("order");
   if (section.has("order")) shape.order = section.integer("order", 1, 2);

@@ -64,6 +64,8 @@ struct BodyDescription {
     std::optional<double> inner_edge = {};  ///< m, edge far inside; none: as on the skin
     std::optional<double> wrap = {};        ///< m, size of a wrap (wrap_surface()); none: no wrap
     double unit = 1.0;                      ///< m, of lengths in the file
+    /// Who made the shape, a page about it (http, https), and its terms; empty: not stated.
+    std::string credit = {}, credit_url = {}, terms = {};
     /// Order of the elements: 1 (four nodes) or 2 (ten nodes). None: as in the file, 1 for a
     /// surface.
     std::optional<int> order = {};

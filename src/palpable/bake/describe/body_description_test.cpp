@@ -188,6 +188,22 @@ TEST_CASE("a shape is either a surface or a mesh", "[describe][description]") {
   CHECK(body.shape.inner_edge.value() == Approx(0.02).margin(1e-15));
 }
 
+TEST_CASE("a shape's credit has a text, and may have an address and terms",
+          "[describe][description]") {
+  const BodyDescription body = parse_body_description(
+      with("up =",
+           "credit = \"A. Carver\"\ncredit_url = \"https://example.org\"\nterms = \"CC0\"\nup ="),
+      "cube.toml");
+  CHECK(body.shape.credit == "A. Carver");
+  CHECK(body.shape.credit_url == "https://example.org");
+  CHECK(body.shape.terms == "CC0");
+  CHECK(parse_body_description(kBody, "cube.toml").shape.credit.empty());
+  CHECK_THAT(complaint(with("up =", "terms = \"CC0\"\nup =")),
+             Contains("'terms'") && Contains("there is none"));
+  CHECK_THAT(complaint(with("up =", "credit = \"a\"\ncredit_url = \"javascript:x()\"\nup =")),
+             Contains("'credit_url'") && Contains("https://"));
+}
+
 TEST_CASE("sites are chosen far apart, or where the skin is curved most",
           "[describe][description]") {
   CHECK_FALSE(parse_body_description(kBody, "dir/cube.toml").sites.salient);

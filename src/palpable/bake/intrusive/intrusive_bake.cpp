@@ -420,6 +420,9 @@ IntrusiveBake bake_intrusive(const BodyDescription& description, const Intrusive
                    .several = std::move(several)};
   body.provenance.description = description.source.string();
   body.provenance.mesh_source = problem.mesh.origin;
+  body.provenance.credit = description.shape.credit;
+  body.provenance.credit_url = description.shape.credit_url;
+  body.provenance.terms = description.shape.terms;
   body.provenance.material = body.material;
   body.provenance.program = settings.version;
   body.provenance.command_line = settings.command_line;

@@ -19,6 +19,9 @@ struct TextMember {
 constexpr TextMember kTexts[] = {
     {"description", &Provenance::description},
     {"mesh_source", &Provenance::mesh_source},
+    {"credit", &Provenance::credit},
+    {"credit_url", &Provenance::credit_url},
+    {"terms", &Provenance::terms},
     {"mesh", &Provenance::mesh},
     {"material", &Provenance::material},
     {"support", &Provenance::support},

@@ -34,8 +34,10 @@ enum class BodyStage {
 /// What a body was made of and how, and how far it is from what it was made of. The texts are for
 /// people. What is empty is not known, or does not apply to the body.
 struct Provenance {
-  std::string description = {};              ///< the file that describes the body
-  std::string mesh_source = {};              ///< the surface or mesh, and what was done to it
+  std::string description = {};  ///< the file that describes the body
+  std::string mesh_source = {};  ///< the surface or mesh, and what was done to it
+  /// Who made the shape, where it is from, and its terms, for whoever shows it; empty: not stated.
+  std::string credit = {}, credit_url = {}, terms = {};
   std::string mesh = {};                     ///< its size and quality
   std::string material = {};                 ///< laws and constants
   std::string support = {};                  ///< what is held

@@ -12,6 +12,9 @@ using Lines = std::vector<std::pair<std::string, std::string>>;
 Provenance full_provenance() {
   return {.description = "a",
           .mesh_source = "b",
+          .credit = "x",
+          .credit_url = "y",
+          .terms = "z",
           .mesh = "c",
           .material = "d",
           .support = "e",
@@ -87,15 +90,16 @@ TEST_CASE("a provenance that is not as written is refused, further keys are not"
 TEST_CASE("a provenance is shown in one order, with what became of loads and preload",
           "[reduced][provenance]") {
   const Lines lines = lines_of(full_provenance());
-  REQUIRE(lines.size() == 27);
+  REQUIRE(lines.size() == 30);
   CHECK(lines[1] == std::pair<std::string, std::string>("mesh source", "b"));
-  CHECK(lines[5].second ==
+  CHECK(lines[3].first == "credit url");
+  CHECK(lines[8].second ==
         "f: nodes move by up to 0.1 m. The surface is that of the body so loaded; displacement and "
         "stress are what a press adds");
-  CHECK(lines[6] == std::pair<std::string, std::string>("loads", "g; 7 sites reach it"));
-  CHECK(lines[21].first == "held out, stiffness = 0.333333333");
-  CHECK(lines[23].first == "stage");
-  CHECK(lines[24] == std::pair<std::string, std::string>("scaled by", "0.7"));
+  CHECK(lines[9] == std::pair<std::string, std::string>("loads", "g; 7 sites reach it"));
+  CHECK(lines[24].first == "held out, stiffness = 0.333333333");
+  CHECK(lines[26].first == "stage");
+  CHECK(lines[27] == std::pair<std::string, std::string>("scaled by", "0.7"));
   CHECK(lines_of({.sites_reached = 7}).empty());
 }
 

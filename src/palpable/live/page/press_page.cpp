@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kLargestPart = 50'000'000;  // bytes; a bundle has some 2 MB
 constexpr std::string_view kHowToBuild =
-    "in the source folder, web/build.sh and then 'npm ci && npm run page' in web/ build it";
+    "in the source folder, web/build.sh and then web/page/build.sh build it";
 
 std::string read_part(const fs::path& file) {
   auto read = read_whole_file(file, {.most = kLargestPart});
@@ -41,6 +41,12 @@ std::string file_name_of(std::string_view name) {
   return file.empty() ? "body" : file;
 }
 
+// As base64, in the byte order of this machine: little-endian, as the page reads it.
+template <typename Number>
+std::string base64_of(const std::vector<Number>& numbers) {
+  return base64({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)});
+}
+
 Json facts_of(const PageBody& body) {
   Json facts{{"name", body.name},
              {"file", body.file},
@@ -50,6 +56,10 @@ Json facts_of(const PageBody& body) {
   if (body.credit) {
     facts["credit"] = {
         {"text", body.credit->text}, {"url", body.credit->url}, {"terms", body.credit->terms}};
+  }
+  if (!body.vertices.empty()) {
+    facts["skin"] = {{"vertices", base64_of(body.vertices)},
+                     {"triangles", base64_of(body.triangles)}};
   }
   return facts;
 }
@@ -89,11 +99,16 @@ PageBundle read_page_bundle(const fs::path& folder) {
           .core = read_part(folder / "palpable.wasm")};
 }
 
-std::optional<ShapeCredit> known_credit(std::string_view mesh_source) {
+std::optional<ShapeCredit> credit_of(const Provenance& provenance) {
+  if (!provenance.credit.empty()) {
+    return ShapeCredit{provenance.credit, provenance.credit_url,
+                       provenance.terms.empty() ? "" : fmt::format("({})", provenance.terms)};
+  }
   constexpr std::array<std::string_view, 2> kStanford{"bunny", "dragon"};
-  const bool is_stanfords = std::any_of(
-      kStanford.begin(), kStanford.end(),
-      [&](std::string_view name) { return mesh_source.find(name) != std::string_view::npos; });
+  const bool is_stanfords =
+      std::any_of(kStanford.begin(), kStanford.end(), [&](std::string_view name) {
+        return provenance.mesh_source.find(name) != std::string::npos;
+      });
   if (!is_stanfords) return std::nullopt;
   return ShapeCredit{"Shape: Stanford Computer Graphics Laboratory",
                      "https://graphics.stanford.edu/data/3Dscanrep/",
@@ -102,12 +117,21 @@ std::optional<ShapeCredit> known_credit(std::string_view mesh_source) {
 
 PageBody page_body(const TouchableBody& body) {
   const ReducedBody& reduced = body.body;
-  return {.name = reduced.name,
-          .file = file_name_of(reduced.name) + std::string(kWebFileEnding),
-          .bytes = web_file_bytes(body),
-          .material = reduced.material,
-          .stress_top = stress_scale(reduced),
-          .credit = known_credit(reduced.provenance.mesh_source)};
+  PageBody result{.name = reduced.name,
+                  .file = file_name_of(reduced.name) + std::string(kWebFileEnding),
+                  .bytes = web_file_bytes(body),
+                  .material = reduced.material,
+                  .stress_top = stress_scale(reduced),
+                  .credit = credit_of(reduced.provenance),
+                  .vertices = {},
+                  .triangles = {}};
+  for (const double x : reduced.surface.vertices.reshaped()) {
+    result.vertices.push_back(static_cast<float>(x));
+  }
+  for (const int vertex : reduced.surface.triangles.reshaped()) {
+    result.triangles.push_back(static_cast<std::uint32_t>(vertex));
+  }
+  return result;
 }
 
 void name_files_apart(std::span<PageBody> bodies) {
@@ -122,15 +146,16 @@ void name_files_apart(std::span<PageBody> bodies) {
 
 std::string page_text(const PageBundle& bundle, std::span<const PageBody> bodies, bool holds_all) {
   Json facts{{"inline", holds_all}, {"bodies", Json::array()}};
+  for (const PageBody& body : bodies) facts["bodies"].push_back(facts_of(body));
   std::string scripts;
-  if (holds_all) scripts += base64_element("palpable.wasm", bundle.core);
-  for (const PageBody& body : bodies) {
-    facts["bodies"].push_back(facts_of(body));
-    if (holds_all) scripts += base64_element(body.file, body.bytes);
+  if (holds_all) {
+    scripts += base64_element("palpable.wasm", bundle.core);
+    // esbuild writes "</script" in a script as "<\/script".
+    scripts += fmt::format("<script>{}</script>\n", bundle.classic);
+    for (const PageBody& body : bodies) scripts += base64_element(body.file, body.bytes);
+  } else {
+    scripts += "<script type=\"module\" src=\"page.js\"></script>";
   }
-  // esbuild writes "</script" in a script as "<\/script".
-  scripts += holds_all ? fmt::format("<script>{}</script>", bundle.classic)
-                       : "<script type=\"module\" src=\"page.js\"></script>";
   std::string html = bundle.html;
   // The later mark first: a body's name may hold the other one.
   replace_mark(html, kPageScripts, scripts);

@@ -10,13 +10,16 @@
 ///     NAME.palpweb    each body, fetched when it is chosen
 ///
 /// A page that holds everything is index.html alone, with core and bodies as base64 and a classic
-/// script: browsers neither fetch nor load modules from a disk (file://).
+/// script: browsers neither fetch nor load modules from a disk (file://). The script comes before
+/// the bodies: a browser runs it while it still reads them, and it shows the skin at rest.
 #pragma once
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/reduced/provenance.h"
 #include "palpable/common/response/touchable_body.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -50,9 +53,10 @@ inline constexpr std::size_t kMostInline = 16'000'000;
 struct ShapeCredit {
   std::string text, url, terms;
 };
-/// The credit for a surface, by the file it came from (Provenance::mesh_source): the bunny's and
-/// the dragon's is Stanford's. Nothing for other shapes.
-[[nodiscard]] std::optional<ShapeCredit> known_credit(std::string_view mesh_source);
+/// The credit that the body's description states ([shape] credit). Bodies of before that key have
+/// none: those of a file whose name holds "bunny" or "dragon" are Stanford's then. Nothing for
+/// other shapes.
+[[nodiscard]] std::optional<ShapeCredit> credit_of(const Provenance& provenance);
 
 /// A body as a page has it.
 struct PageBody {
@@ -62,6 +66,9 @@ struct PageBody {
   std::string material;
   double stress_top = 1;  ///< Pa, top of the colours' scale: stress_scale()
   std::optional<ShapeCredit> credit;
+  /// The skin at rest, which the page shows while the body arrives; empty: it shows none.
+  std::vector<float> vertices;           ///< m, x0 y0 z0 x1 ...
+  std::vector<std::uint32_t> triangles;  ///< three vertices for each
 };
 
 /// @param body  settled, with tables of touch

@@ -26,7 +26,10 @@ PageBody small_body(const std::string& name) {
           .file = "bunny.palpweb",
           .bytes = "bytes",
           .material = "soft",
-          .stress_top = 1500};
+          .stress_top = 1500,
+          .credit = std::nullopt,
+          .vertices = {},
+          .triangles = {}};
 }
 
 TEST_CASE("a page of one file has core, body and script in it", "[page]") {
@@ -66,13 +69,44 @@ TEST_CASE("bodies of the same name get files that differ", "[page]") {
   CHECK(bodies[2].file == "bunny-3.palpweb");
 }
 
-TEST_CASE("Stanford's shapes carry its credit and terms, ours none", "[page]") {
-  const auto credit = known_credit("bunny.off, CGAL isotropic remeshing to 0.0075 m, TetGen 1.5");
+TEST_CASE("a shape's credit is that of its description", "[page]") {
+  const auto credit = credit_of({.mesh_source = "bunny.off",
+                                 .credit = "Scan: A. Carver",
+                                 .credit_url = "https://example.org/hare",
+                                 .terms = "CC BY 4.0"});
+  REQUIRE(credit.has_value());
+  CHECK(credit->text == "Scan: A. Carver");
+  CHECK(credit->url == "https://example.org/hare");
+  CHECK(credit->terms == "(CC BY 4.0)");
+  CHECK(credit_of({.credit = "me"})->terms.empty());
+}
+
+TEST_CASE("bodies of before that key: Stanford's shapes carry its credit, ours none", "[page]") {
+  const auto credit =
+      credit_of({.mesh_source = "bunny.off, CGAL isotropic remeshing to 0.0075 m, TetGen 1.5"});
   REQUIRE(credit.has_value());
   CHECK(credit->text.find("Stanford") != std::string::npos);
   CHECK(credit->terms.find("not commercial") != std::string::npos);
   CHECK_FALSE(
-      known_credit("post.off, CGAL isotropic remeshing to 0.008 m, TetGen 1.5").has_value());
+      credit_of({.mesh_source = "post.off, CGAL isotropic remeshing to 0.008 m, TetGen 1.5"})
+          .has_value());
+}
+
+TEST_CASE("the script of a page of one file, and the skin at rest, come before the bodies",
+          "[page]") {
+  std::vector<PageBody> bodies{small_body("bunny")};
+  CHECK(page_text(small_bundle(), bodies, true).find("\"skin\"") == std::string::npos);
+  bodies[0].vertices = {1, -2, 0.5};
+  bodies[0].triangles = {7, 258, 0};
+  const std::string html = page_text(small_bundle(), bodies, true);
+  const std::size_t skin =
+      html.find(R"("skin":{"vertices":"AACAPwAAAMAAAAA/","triangles":"BwAAAAIBAAAAAAAA"})");
+  const std::size_t script = html.find("<script>classic</script>");
+  REQUIRE(skin != std::string::npos);
+  REQUIRE(script != std::string::npos);
+  CHECK(html.find("Y29yZQ==") < script);
+  CHECK(skin < script);
+  CHECK(script < html.find("Ynl0ZXM="));
 }
 
 TEST_CASE("a bundle that was not built names the command that builds it", "[page]") {
