@@ -1,5 +1,5 @@
 // The page: joins the body, its picture, and what the visitor does.
-import { loadFacts, readPage, startCore } from './bodies.js';
+import { loadFacts, readPage, restingBody, startCore } from './bodies.js';
 import { Keyboard } from './keyboard.js';
 import { Orbit } from './orbit.js';
 import { Pointers } from './pointers.js';
@@ -55,11 +55,12 @@ class Page {
     };
   }
 
-  /** @param {import('./pressed_body.js').PressedBody} body */
+  /** @param {import('./pressed_body.js').PressedBody | import('./resting_body.js').RestingBody} body */
   show(body) {
+    const isSame = this.#body?.facts === body.facts; // it was shown at rest: the view that was chosen stays
     this.#body?.close();
     this.#body = body;
-    this.#orbit = new Orbit(body.shape);
+    if (!isSame) this.#orbit = new Orbit(body.shape);
     words.showFacts(body);
     words.showReading(body.reading(), body.facts.stressTop);
     this.#keyboard.hide(true);
@@ -157,8 +158,20 @@ class Page {
 
 const now = () => performance.now() / 1000;
 
+/** When what was drawn is on the screen; a page that is not visible draws nothing, and does not wait long. */
+const onScreen = () => new Promise((done) => {
+  requestAnimationFrame(() => requestAnimationFrame(done));
+  setTimeout(done, 500);
+});
+
 async function choose(page, content, facts) {
   words.showProgress(`Fetching the ${facts.name}`, content.inline ? undefined : 0);
+  const resting = restingBody(facts);
+  if (resting) {
+    page.show(resting);
+    await onScreen();
+    performance.mark('palpable: first picture');
+  }
   const body = await loadFacts(content, facts, (share) => words.showProgress(`Fetching the ${facts.name}`, share));
   page.show(body);
   words.endProgress();
@@ -199,7 +212,7 @@ async function begin() {
   offerChoice(page, content);
   // Both at once: the body arrives while the core is compiled.
   await Promise.all([startCore(content), choose(page, content, content.bodies[0])]);
-  performance.mark('palpable: first picture');
+  performance.mark('palpable: ready');
   return page;
 }
 
