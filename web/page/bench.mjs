@@ -1,11 +1,11 @@
-// What the page costs: node web/page/bench.mjs BODY.palpweb. Prints one JSON object: ms from opening the page to its
-// first picture, from a disk with everything in it and from a server, and frames a second while a finger presses.
+// What the page costs: node web/page/bench.mjs BODY.palpable. Prints one JSON object: ms from opening the page to its
+// first picture, the body at rest, and until it can be pressed, from a disk with everything in it and from a server;
+// and frames a second while a finger presses. PALPABLE names the program that writes the pages (build/release/bin/palpable).
 // WebGL is drawn in software here; a machine with graphics draws at the rate of its screen.
-import { mkdtempSync, rmSync, statSync } from 'node:fs';
+import { mkdtempSync, readdirSync, rmSync, statSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { basename, join } from 'node:path';
-import { launch, serve } from './browser.mjs';
-import { writePage } from './write_page.mjs';
+import { launch, serve, writePage } from './browser.mjs';
 
 const kLargestInline = 50e6; // bytes of a body; a larger one is only served
 const kPressed = 4;          // s, how long the finger stays
@@ -13,12 +13,12 @@ const kPressed = 4;          // s, how long the finger stays
 async function firstPicture(browser, url) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
   await page.goto(url, { waitUntil: 'commit' });
-  const ms = await page.evaluate(async () => {
+  const [picture, ready] = await page.evaluate(async () => {
     while (!globalThis.palpablePage) await new Promise((done) => setTimeout(done, 5));
     await palpablePage;
-    return performance.getEntriesByName('palpable: first picture')[0].startTime; // since the page was asked for
+    return ['first picture', 'ready'].map((name) => performance.getEntriesByName(`palpable: ${name}`)[0].startTime);
   });
-  return { page, ms: Math.round(ms) };
+  return { page, ms: { first_picture: Math.round(picture), ready: Math.round(ready) } }; // since the page was asked for
 }
 
 // Of frames that press at full depth, and the ms of the core's call in them.
@@ -46,15 +46,17 @@ async function pressed(page) {
 
 const file = process.argv[2];
 if (!file) {
-  console.error('node web/page/bench.mjs BODY.palpweb');
+  console.error('node web/page/bench.mjs BODY.palpable');
   process.exit(2);
 }
 const folder = mkdtempSync(join(tmpdir(), 'palpable-page-')), browser = await launch();
-writePage(join(folder, 'served'), [file], false);
-const server = await serve(join(folder, 'served'));
-const result = { body: basename(file), body_bytes: statSync(file).size };
+const served = join(folder, 'served');
+writePage(served, [file], 'never');
+const delivered = readdirSync(served).find((name) => name.endsWith('.palpweb'));
+const server = await serve(served);
+const result = { body: basename(file), body_bytes: statSync(join(served, delivered)).size };
 if (result.body_bytes <= kLargestInline) {
-  writePage(join(folder, 'inline'), [file], true);
+  writePage(join(folder, 'inline'), [file], 'always');
   const path = join(folder, 'inline/index.html');
   result.page_bytes = statSync(path).size;
   result.from_disk_ms = (await firstPicture(browser, `file://${path}`)).ms;

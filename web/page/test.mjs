@@ -1,36 +1,31 @@
 // Presses the page in headless Chromium, and compares force and largest stress with those of the same capsules in Node:
 // node --test web/page/test.mjs. web/test.mjs compares Node with the C library, byte by byte.
 //
-//   PALPABLE_WEB_BODY   a delivery file; left out: what PALPABLE (build/release/bin/palpable) exports of
-//                       tests/data/touched_ball_v1.palpable
-//   PALPABLE_SHOTS      a folder for pictures of each test; left out: none
+//   PALPABLE         the program, which writes the pages; left out: build/release/bin/palpable
+//   PALPABLE_BODY    a body file; left out: tests/data/touched_ball_v1.palpable
+//   PALPABLE_SHOTS   a folder for pictures of each test, in full size; left out: none, and coarser pixels, of which
+//                    software draws more in a second
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { fileURLToPath } from 'node:url';
 import { loadBody, Session } from '../index.js';
-import { chromiumPath, launch, serve } from './browser.mjs';
-import { writePage } from './write_page.mjs';
+import { chromiumPath, launch, root, serve, writePage } from './browser.mjs';
 
-const root = fileURLToPath(new URL('../..', import.meta.url));
-const program = process.env.PALPABLE ?? join(root, 'build/release/bin/palpable');
-const kDesktop = { viewport: { width: 1280, height: 800 } };
-const kPhone = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true };
+const given = process.env.PALPABLE_BODY ?? join(root, 'tests/data/touched_ball_v1.palpable');
+const shots = process.env.PALPABLE_SHOTS;
+const kDesktop = { viewport: { width: 1280, height: 800 }, deviceScaleFactor: shots ? 1 : 0.4 };
+const kPhone = { viewport: { width: 390, height: 844 }, deviceScaleFactor: shots ? 2 : 0.6, hasTouch: true, isMobile: true };
 const skip = chromiumPath() ? false : 'there is no Chromium: apt-get install chromium, or set PALPABLE_CHROMIUM';
 
 let folder, file, browser, server;
 before(async () => {
   if (skip) return;
   folder = mkdtempSync(join(tmpdir(), 'palpable-page-'));
-  file = process.env.PALPABLE_WEB_BODY ?? join(folder, 'ball.palpweb');
-  if (!process.env.PALPABLE_WEB_BODY) {
-    execFileSync(program, ['export', join(root, 'tests/data/touched_ball_v1.palpable'), '--to', 'web', '-o', file]);
-  }
-  writePage(join(folder, 'served'), [file], false);
-  writePage(join(folder, 'inline'), [file, file], true);
+  writePage(join(folder, 'served'), [given], 'never');
+  writePage(join(folder, 'inline'), [given, given], 'always');
+  file = join(folder, 'served', readdirSync(join(folder, 'served')).find((name) => name.endsWith('.palpweb')));
   server = await serve(join(folder, 'served'));
   browser = await launch();
 });
@@ -62,9 +57,9 @@ async function visit(kind, doWith, url = server.url) {
 }
 
 async function shoot(page, name) {
-  if (!process.env.PALPABLE_SHOTS) return;
-  mkdirSync(process.env.PALPABLE_SHOTS, { recursive: true });
-  await page.screenshot({ path: join(process.env.PALPABLE_SHOTS, `${name}.png`) });
+  if (!shots) return;
+  mkdirSync(shots, { recursive: true });
+  await page.screenshot({ path: join(shots, `${name}.png`) });
 }
 
 /** Pixels of `count` points of the skin that face the visitor, far from each other: [[x, y], ...]. */
@@ -238,9 +233,42 @@ test('the page of a disk holds everything, with several bodies to choose from', 
   }, `file://${join(folder, 'inline')}/index.html`);
 });
 
-test('the smallest page has 5 MB at most', { skip }, async () => {
+/** The share of a picture's pixels that are yellowish, as rubber is and the room is not. */
+const rubberIn = (page, png) => page.evaluate(async (base64) => {
+  const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+  const picture = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
+  const context = new OffscreenCanvas(picture.width, picture.height).getContext('2d');
+  context.drawImage(picture, 0, 0);
+  const { data } = context.getImageData(0, 0, picture.width, picture.height);
+  let count = 0;
+  for (let k = 0; k < data.length; k += 4) count += data[k] - data[k + 2] > 22;
+  return count / (data.length / 4);
+}, png.toString('base64'));
+
+test('the body is shown at rest while its tables arrive', { skip }, async () => {
+  const context = await browser.newContext(kDesktop), page = await context.newPage();
+  let release;
+  const held = new Promise((done) => { release = done; });
+  await page.route('**/*.palpweb', async (route) => { await held; await route.continue(); });
+  try {
+    await page.goto(server.url);
+    await page.waitForFunction(() => performance.getEntriesByName('palpable: first picture').length > 0, null, kPatience);
+    assert.equal(await page.locator('#loading').isVisible(), true);
+    const early = await rubberIn(page, await page.screenshot());
+    assert.equal(await page.evaluate(() => performance.getEntriesByName('palpable: ready').length), 0);
+    release();
+    await page.evaluate(() => palpablePage.then(() => null));
+    const late = await rubberIn(page, await page.screenshot());
+    assert.ok(late > 0.02 && early > 0.5 * late, `${early} and then ${late} of the picture is rubber`);
+  } finally {
+    release();
+    await context.close();
+  }
+});
+
+test('the smallest page has 5 MB at most', { skip }, () => {
   const alone = join(folder, 'alone');
-  writePage(alone, [join(folder, 'served', file.split('/').at(-1))], true);
+  writePage(alone, [given], 'always');
   const { size } = statSync(join(alone, 'index.html'));
-  if (!process.env.PALPABLE_WEB_BODY || readFileSync(file).length < 2e6) assert.ok(size <= 5e6, `${size} bytes`);
+  if (!process.env.PALPABLE_BODY || readFileSync(file).length < 2e6) assert.ok(size <= 5e6, `${size} bytes`);
 });
