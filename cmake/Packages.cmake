@@ -32,8 +32,9 @@ install(FILES web/index.js web/core.js web/index.d.ts web/package.json web/READM
         DESTINATION ${CMAKE_INSTALL_DATADIR}/palpable/npm COMPONENT palpable)
 install(FILES web/dist/palpable.wasm DESTINATION ${CMAKE_INSTALL_DATADIR}/palpable/npm/dist COMPONENT palpable)
 
-# The bundle of `palpable export --to page`, if it was built: web/build.sh, then npm --prefix web run page.
-install(DIRECTORY web/dist/page/ DESTINATION ${CMAKE_INSTALL_DATADIR}/palpable/web COMPONENT palpable OPTIONAL)
+# The bundle of `palpable export --to page`, which web/page/build.sh makes.
+install(FILES web/dist/page/index.html web/dist/page/page.js web/dist/page/page-classic.js web/dist/page/palpable.wasm
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/palpable/web COMPONENT palpable)
 
 # The Python package, where Debian's Python looks for those of packages. It finds the library by its name.
 # Elsewhere a wheel is made (docs/python.md).

@@ -32,6 +32,7 @@ for tool in cmake ninja dpkg-shlibdeps file python3; do
     fail "$tool is missing: run tools/package.sh without PALPABLE_SETUP=skip, or install what tools/packages-package.txt lists"
 done
 web/build.sh
+web/page/build.sh || fail "the page was not bundled, see above"
 [ -s build/meshes/post.off ] || python3 tools/make_post.py build/meshes/post.off
 
 # Files in the packages and manual pages bear the date of the last change in packaging/changelog.

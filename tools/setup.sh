@@ -48,11 +48,14 @@ install_packages() {
 }
 [ "${#missing[@]}" = 0 ] || install_packages "${missing[@]}" || fail "apt-get could not install the packages above"
 
-# The compiler for web pages is large (805 MB): where it cannot be installed, ./check skips the tests of web/.
+# The compiler for web pages and the browser are large (1.1 GB): where they cannot be installed, ./check skips the
+# tests of web/, or those of its page.
 if [ "${1:-}" = check ]; then
-  mapfile -t missing < <(missing_of tools/packages-web.txt)
-  [ "${#missing[@]}" = 0 ] || (install_packages "${missing[@]}") ||
-    echo "palpable: apt-get could not install the packages above; the tests of web/ will be skipped" >&2
+  for list in web page; do
+    mapfile -t missing < <(missing_of tools/packages-$list.txt)
+    [ "${#missing[@]}" = 0 ] || (install_packages "${missing[@]}") ||
+      echo "palpable: apt-get could not install the packages above; what needs them in web/ will be skipped" >&2
+  done
 fi
 
 # uPlot (MIT), the charts of the pages that `palpable report` writes: two files, compiled in.

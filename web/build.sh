@@ -81,6 +81,7 @@ keep() {  # writes stdin to a file, unless it has that content
   cat > "$1.next"
   if cmp -s "$1.next" "$1"; then rm "$1.next"; else mv "$1.next" "$1"; fi
 }
+echo "$exports" | keep "$objects/exports"
 { em++ --version | sed -n 1p; printf '%s\n' "${flags[@]}"; } | keep "$objects/flags"
 
 # unit NAME FILE...: several files as one, whose headers are read once; compiled when one of them, or a header, is newer.
@@ -93,6 +94,11 @@ unit() {
   echo "web: $name"
   nice -n "${WEB_NICE:-15}" em++ "${flags[@]}" -MD -MF "$objects/$name.d" -c "$objects/$name.cpp" -o "$object.next"
   mv "$object.next" "$object"
+}
+is_newer() {  # is_newer MADE FILE...: whether one of the files is newer, or missing
+  local made=$1 file; shift
+  for file in "$@"; do [[ -e $file && ! $file -nt $made ]] || return 0; done
+  return 1
 }
 is_older() {  # is_older OBJECT DEPENDENCIES FILE...
   local object=$1 dependencies=$2 file; shift 2
@@ -121,6 +127,8 @@ unit interface $(sources_of $common/web_file web_file_writer) $(sources_of src/p
 
 unit memory web/src/aligned_new.cpp
 
+# Not linked again where nothing changed: tools/package.sh packs anew what is newer than the packages.
+if [[ -s web/dist/palpable.wasm ]] && ! is_newer web/dist/palpable.wasm "${linked[@]}" "$objects/exports"; then exit 0; fi
 echo "web: palpable.wasm"
 nice -n "${WEB_NICE:-15}" em++ "${flags[@]}" --no-entry -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH \
   -sEXPORTED_FUNCTIONS="$exports" "${linked[@]}" -o "$objects/palpable.wasm"

@@ -211,6 +211,12 @@ def _(programs, folder):
     assert {"/usr/bin/palpable", POST, "/usr/share/bash-completion/completions/palpable",
             "/usr/share/zsh/vendor-completions/_palpable", "/usr/share/palpable/npm/index.js",
             "/usr/share/palpable/npm/dist/palpable.wasm"} <= set(held["palpable"])
+    # What package.json names is in the package for npm, and the page's bundle is whole.
+    npm = json.loads((base.ROOT / "web/package.json").read_text())
+    for file in (*npm["files"], "package.json"):
+        assert f"/usr/share/palpable/npm/{file}" in held["palpable"], file
+    for file in ("index.html", "page.js", "page-classic.js", "palpable.wasm"):
+        assert f"/usr/share/palpable/web/{file}" in held["palpable"], file
     # Each command has its page in the package of the program that has it.
     for name, of in (("palpable", ("palpable", "palpable-live", "palpable-synth", "palpable-doctor")),
                      ("palpable-bake", ("palpable-bake", "palpable-mesh", "palpable-truth", "palpable-export"))):
@@ -243,6 +249,10 @@ def _(programs, folder):
                 sections = run("readelf", "-SW", path)
                 assert ".symtab" not in sections and ".debug" not in sections, f"{file} was not stripped"
                 assert "RUNPATH" not in run("readelf", "-d", path), file
+    for script in ("page.js", "page-classic.js"):  # the notice that its licence asks for
+        text = (folder / f"palpable/usr/share/palpable/web/{script}").read_text()
+        assert "Three.js Authors" in text and "SPDX-License-Identifier: MIT" in text, script
+    assert "three.js" in terms["palpable"]
     for licence in ("Apache", "MPL-2.0"):
         assert all(licence in text for text in terms.values()), licence
     for licence in ("GNU AFFERO GENERAL PUBLIC LICENSE", "TetGen", "CGAL", "CHOLMOD", "GPL-3", "LGPL-3"):
@@ -325,6 +335,13 @@ def _(programs, folder):
     frames, force = check_run(out, ("touch.png", "hand_nearer.png", "body_nearer.png", "pictures/000120.png"))
     print(f"apt install: {installed:.0f} s; to the first picture: {found['at'] - begin:.0f} s; "
           f"{frames} frames touched, {force:.1f} N at most")
+    # A page by the bundle that is installed, of the body that ships.
+    root.run("palpable", "export", "post", "--to", "page", "-o", "/tmp/page", user=user, cwd="/tmp")
+    page = (root / "tmp/page/index.html").read_text()
+    assert page.startswith("<!doctype html>") and "palpable:page" not in page, page[:300]
+    facts = json.loads(re.search(r'id="page">(.*?)</script>', page)[1])
+    assert facts["inline"] is True and [body["name"] for body in facts["bodies"]] == ["post"], str(facts)[:300]
+    assert "credit" not in facts["bodies"][0] and facts["bodies"][0]["skin"]["vertices"], str(facts)[:300]
     # The default body is the shipped one.
     root.run("palpable", "synth", "press", "--frames", "2", "-o", "/tmp/clip", user=user, cwd="/tmp")
     assert (root / "tmp/clip/frames").is_dir()
