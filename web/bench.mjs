@@ -1,59 +1,37 @@
-// What the core costs: node web/bench.mjs BODY.palpweb. Prints one JSON object.
+// What the core costs: node web/bench.mjs BODY.palpweb [--browser]. Prints one JSON object: in Node, and with --browser
+// in headless Chromium (web/page/build.sh installs playwright-core), there without the 10,000 frames.
 import { readFile } from 'node:fs/promises';
-import { performance } from 'node:perf_hooks';
-import { load, loadBody, memoryBytes, Session, version } from './index.js';
-import { thingsOf } from './test/frames.mjs';
+import { measure } from './bench/measure.js';
 
-const kWarm = 60, kFrames = 600, kLong = 10000;
-
-const timed = async (work) => {
-  const start = performance.now();
-  const value = await work();
-  return [value, performance.now() - start];
-};
-const short = (x) => Number(x.toPrecision(3));
-const share = (sorted, part) => sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))];
-
-/** ms a frame of one kind of thing: the call, and reading touches and views. */
-function pressing(body, kind) {
-  const session = new Session(body), rest = session.skin().vertices.slice(), times = [];
-  let touches = 0;
-  for (let k = 0; k < kWarm + kFrames; ++k) {
-    const things = thingsOf(kind, k, rest), start = performance.now();
-    session.pressAt(things, k + 1);
-    touches += session.touches.length;
-    session.skin().vertices;
-    if (k >= kWarm) times.push(performance.now() - start);
-  }
-  session.close();
-  times.sort((a, b) => a - b);
-  return { median_ms: short(share(times, 0.5)), p99_ms: short(share(times, 0.99)), most_ms: short(times.at(-1)),
-           touches_a_frame: short(touches / (kWarm + kFrames)) };
-}
-
-/** Bytes of the module's memory after the first frames, and after 10,000. */
-function growth(body) {
-  const session = new Session(body), rest = session.skin().vertices.slice();
-  const press = (from, to) => {
-    for (let k = from; k < to; ++k) session.pressAt(thingsOf('all', k, rest), k + 1);
-    return memoryBytes();
-  };
-  const before = press(0, 300), after = press(300, 300 + kLong);
-  session.close();
-  return { frames: kLong, before_bytes: before, grown_bytes: after - before };
-}
-
-const file = process.argv[2];
+const words = process.argv.slice(2), file = words.find((word) => word !== '--browser');
 if (!file) {
-  console.error('node web/bench.mjs BODY.palpweb');
+  console.error('node web/bench.mjs BODY.palpweb [--browser]');
   process.exit(2);
 }
-const wasm = await readFile(new URL('./dist/palpable.wasm', import.meta.url));
-const [, startMs] = await timed(() => load(wasm));
-const bytes = await readFile(file);
-const [body, loadMs] = await timed(() => loadBody(bytes));
-const result = { version: version(), node: process.version, wasm_bytes: wasm.length, start_ms: short(startMs), body_bytes: bytes.length,
-                 load_ms: short(loadMs), memory_bytes: memoryBytes() };
-for (const kind of ['finger', 'palm', 'eight fingers']) result[kind.replace(' ', '_')] = pressing(body, kind);
-result.memory = growth(body);
+const [wasm, bytes] = [await readFile(new URL('./dist/palpable.wasm', import.meta.url)), await readFile(file)];
+
+async function inBrowser() {
+  const { launch, root, serve } = await import('./page/browser.mjs');
+  const server = await serve(`${root}web`), browser = await launch();
+  try {
+    const page = await browser.newPage();
+    await page.route('**/bench/body', (route) => route.fulfill({ body: bytes, contentType: 'application/octet-stream' }));
+    await page.route('**/bench/', (route) => route.fulfill({
+      body: '<!doctype html>', contentType: 'text/html',
+      headers: { 'cross-origin-opener-policy': 'same-origin', 'cross-origin-embedder-policy': 'require-corp' },
+    }));
+    await page.goto(`${server.url}bench/`);
+    return await page.evaluate(async () => {
+      const fetched = async (url) => new Uint8Array(await (await fetch(url)).arrayBuffer());
+      const { measure } = await import('/bench/measure.js');
+      const result = await measure(await fetched('/dist/palpable.wasm'), await fetched('/bench/body'), false);
+      return { browser: navigator.userAgent.match(/Chrome\/[\d.]+/)[0], ...result };
+    });
+  } finally {
+    await browser.close();
+    server.close();
+  }
+}
+
+const result = words.includes('--browser') ? await inBrowser() : { node: process.version, ...await measure(wasm, bytes, true) };
 console.log(JSON.stringify(result, null, 2));

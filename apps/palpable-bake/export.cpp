@@ -31,7 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportOptions {
-  std::string holds_all = "auto";  // --inline
   std::string input, to, output;
   int site = -1;  // -1: all
   std::vector<std::string> set;
@@ -157,16 +156,9 @@ void add_export(Command app) {
   command.add_option("--site", options->site, "vtu, xdmf, and snapshots: this site only")
       .not_negative()
       .default_is("all");
-  // Of palpable, which shows this help.
-  command
-      .add_option("--inline", options->holds_all,
-                  "page: whether it is one file with everything in it, which opens from a disk; "
-                  "auto: if its bodies have 16 MB at most")
-      .one_of({"auto", "always", "never"})
-      .show_default();
   add_set_option(command, options->set);
   command.footer(
-      "docs/exchange.md describes the files.\n"
+      "docs/exchange.md describes the files. Options of a page: palpable export --to page --help\n"
       "Example: palpable export bunny.palpable --to vtu --site 4 -o bunny_site_4");
   command.callback([options] { export_as_asked(*options); });
 }

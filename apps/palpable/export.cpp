@@ -111,7 +111,7 @@ void add_export(Command app) {
       .type_name("FILE|DIR");
   command
       .add_option("--inline", options->holds_all,
-                  "Whether the page is one file with everything in it, which opens from a disk; "
+                  "page: whether it is one file with everything in it, which opens from a disk; "
                   "auto: if its bodies have 16 MB at most")
       .one_of({"auto", "always", "never"})
       .show_default();
