@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Delivery files: palpable export --to web, and what reads them."""
+import base64
 import json
 import shutil
 import struct
@@ -94,16 +95,21 @@ def _(programs, folder):
     assert not (folder / "a.palpweb").exists()
 
 
+def write_bundle(folder):
+    """A bundle of the page, where a build leaves it, relative to the source folder."""
+    bundle = folder / "web/dist/page"
+    bundle.mkdir(parents=True)
+    (bundle / "index.html").write_text("/*palpable:page*/<!-- palpable:scripts -->")
+    for name in ("page.js", "page-classic.js", "palpable.wasm"):
+        (bundle / name).write_text(name)
+
+
 @case("export --to page writes a page of one file or of several, and says how to build what it lacks")
 def _(programs, folder):
     body = touched_ball(programs)
     page = ("--to", "page", "-o")
     programs.refuses("export", body, *page, "a", cwd=folder, says=["index.html", "web/build.sh"])
-    bundle = folder / "web/dist/page"  # where a build leaves it, relative to the source folder
-    bundle.mkdir(parents=True)
-    (bundle / "index.html").write_text("/*palpable:page*/<!-- palpable:scripts -->")
-    for name in ("page.js", "page-classic.js", "palpable.wasm"):
-        (bundle / name).write_text(name)
+    write_bundle(folder)
     result = programs.succeeds("export", body, *page, "one", cwd=folder)
     assert result.stdout.startswith("one/index.html\n"), result.stdout
     assert [file.name for file in (folder / "one").iterdir()] == ["index.html"]
@@ -114,9 +120,32 @@ def _(programs, folder):
     assert facts["inline"] is False and len(facts["bodies"]) == 2, facts
     for fact in facts["bodies"]:
         assert (folder / "two" / fact["file"]).stat().st_size == fact["bytes"] and fact["stressTop"] > 0, fact
+        # The skin at rest, as base64 of float32 and uint32.
+        vertices, triangles = (base64.b64decode(fact["skin"][name]) for name in ("vertices", "triangles"))
+        stated = json.loads(programs.succeeds("inspect", body, "--json").stdout)
+        assert len(vertices) == 12 * stated["vertices"] and len(triangles) == 12 * stated["triangles"], stated
+        assert max(struct.unpack(f"<{len(triangles) // 4}I", triangles)) == stated["vertices"] - 1
+        assert "credit" not in fact, fact
     programs.refuses("export", body, body, "--to", "web", "-o", "a.palpweb", cwd=folder, says=["--to page takes several"])
     programs.refuses("export", body, *page, "a.html", cwd=folder, says=["a.html"])
     programs.refuses("serve", folder, "--port", "0", says=["holds no index.html"])
+
+
+@case("the credit of a shape goes from its description through the body file and the delivery file into the page")
+def _(programs, folder):
+    credit = 'credit = "Scan: A. Carver"\ncredit_url = "https://example.org/ball"\nterms = "CC BY 4.0"\n'
+    described = base.TOUCHED_BALL.replace('up = "z"\n', f'up = "z"\n{credit}')
+    body = programs.baked_ball(programs.work / "credited", described)
+    programs.succeeds("export", body, "--to", "web", "-o", "ball.palpweb", cwd=folder)
+    for file in (body, "ball.palpweb"):
+        said = json.loads(programs.succeeds("inspect", file, "--json", cwd=folder).stdout)["provenance"]
+        assert (said["credit"], said["credit url"], said["terms"]) == ("Scan: A. Carver", "https://example.org/ball", "CC BY 4.0"), said
+    write_bundle(folder)
+    programs.succeeds("export", body, "--to", "page", "-o", "page", "--inline", "never", cwd=folder)
+    facts = json.loads((folder / "page/index.html").read_text().split("<script")[0])
+    assert facts["bodies"][0]["credit"] == {"text": "Scan: A. Carver", "url": "https://example.org/ball", "terms": "(CC BY 4.0)"}, facts
+    bad = base.write_ball(folder / "bad", described.replace("https://example.org/ball", "javascript:alert(1)"))
+    programs.refuses("bake", bad, "-o", "bad.palpable", cwd=folder, says=["'credit_url'", "https://"])
 
 
 if __name__ == "__main__":

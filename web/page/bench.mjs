@@ -59,7 +59,9 @@ if (result.body_bytes <= kLargestInline) {
   writePage(join(folder, 'inline'), [file], 'always');
   const path = join(folder, 'inline/index.html');
   result.page_bytes = statSync(path).size;
-  result.from_disk_ms = (await firstPicture(browser, `file://${path}`)).ms;
+  const { page, ms } = await firstPicture(browser, `file://${path}`);
+  await page.close();
+  result.from_disk_ms = ms;
 }
 const { page, ms } = await firstPicture(browser, server.url);
 Object.assign(result, { from_server_ms: ms }, await pressed(page));
