@@ -101,7 +101,10 @@ PageBundle read_page_bundle(const fs::path& folder) {
 
 std::optional<ShapeCredit> credit_of(const Provenance& provenance) {
   if (!provenance.credit.empty()) {
-    return ShapeCredit{provenance.credit, provenance.credit_url,
+    // The address becomes a link, and a body file may come from anybody.
+    const std::string& url = provenance.credit_url;
+    const bool is_web = url.starts_with("https://") || url.starts_with("http://");
+    return ShapeCredit{provenance.credit, is_web ? url : "",
                        provenance.terms.empty() ? "" : fmt::format("({})", provenance.terms)};
   }
   constexpr std::array<std::string_view, 2> kStanford{"bunny", "dragon"};

@@ -79,6 +79,7 @@ TEST_CASE("a shape's credit is that of its description", "[page]") {
   CHECK(credit->url == "https://example.org/hare");
   CHECK(credit->terms == "(CC BY 4.0)");
   CHECK(credit_of({.credit = "me"})->terms.empty());
+  CHECK(credit_of({.credit = "me", .credit_url = "javascript:alert(1)"})->url.empty());
 }
 
 TEST_CASE("bodies of before that key: Stanford's shapes carry its credit, ours none", "[page]") {
