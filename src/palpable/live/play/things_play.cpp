@@ -96,11 +96,6 @@ LiveSummary summary_before(const ThingsSetUp& setup) {
   return summary;
 }
 
-Answer answer_of(Reached reached) {
-  if (reached == Reached::kYes) return Answer::kReached;
-  return reached == Reached::kLater ? Answer::kLater : Answer::kNotReached;
-}
-
 // The bodies of a run, and what presses them now.
 class ThingsPress {
  public:
@@ -133,7 +128,7 @@ class ThingsPress {
     scene.imbalance = report.imbalance;
     scene.left_to_move = report.unsolved();
     scene.inside = report.inside();
-    scene.answer = answer_of(report.reached());
+    scene.answer = report.reached();
     scene.contacts_dropped = report.dropped;
   }
 

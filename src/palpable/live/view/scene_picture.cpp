@@ -88,8 +88,8 @@ std::string caption_of(const Scene& scene) {
   if (hidden >= kWorthTelling) {
     text += fmt::format("   {:.0f} % hidden since the start, not felt there", 100 * hidden);
   }
-  if (scene.answer == Answer::kLater) text += "   not the answer yet";
-  if (scene.answer == Answer::kNotReached) text += "   not an answer";
+  if (scene.answer == Reached::kLater) text += "   not the answer yet";
+  if (scene.answer == Reached::kNot) text += "   not an answer";
   if (scene.touches.empty()) return text;
   text += "   " + caption_of(scene.touches);
   if (const std::optional<StatedError> error = worst_stated_error(scene)) {
