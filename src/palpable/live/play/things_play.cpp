@@ -147,8 +147,8 @@ class ThingsLines {
   enum class Next { kLine, kWaiting, kEnd };
 
   virtual ~ThingsLines() = default;
-  // Waits at most FrameSource::kLongestWait. A line that cannot be read ends a file: see lost().
-  virtual Next next(ThingsLine& line) = 0;
+  // Waits at most so long (s). A line that cannot be read ends a file: see lost().
+  virtual Next next(ThingsLine& line, double longest) = 0;
   // Why the last line was not read; empty: the lines have ended.
   [[nodiscard]] virtual std::string lost() const { return {}; }
 };
@@ -158,7 +158,7 @@ class FileLines final : public ThingsLines {
  public:
   FileLines(const fs::path& file, bool paced) : file_(file), paced_(paced) {}
 
-  Next next(ThingsLine& line) override {
+  Next next(ThingsLine& line, double longest) override {
     if (!has_line_) {
       try {
         if (!file_.next(line)) return Next::kEnd;
@@ -171,8 +171,8 @@ class FileLines final : public ThingsLines {
     }
     if (paced_) {
       const double wait = due_ - system_clock().now();
-      if (wait > 0) system_clock().sleep(std::min(wait, FrameSource::kLongestWait));
-      if (wait > FrameSource::kLongestWait) return Next::kWaiting;
+      if (wait > 0) system_clock().sleep(std::min(wait, longest));
+      if (wait > longest) return Next::kWaiting;
     }
     has_line_ = false;
     return Next::kLine;
@@ -198,8 +198,8 @@ class ClientLines final : public ThingsLines {
  public:
   explicit ClientLines(LiveEvents& events) : events_(events) {}
 
-  Next next(ThingsLine& line) override {
-    switch (events_.next_things(line, FrameSource::kLongestWait)) {
+  Next next(ThingsLine& line, double longest) override {
+    switch (events_.next_things(line, longest)) {
       case LiveEvents::News::kNone:
         return Next::kWaiting;
       case LiveEvents::News::kThings:
@@ -252,20 +252,23 @@ class ThingsLoop {
   void play(int frames, const std::function<std::unique_ptr<LiveOutput>()>& begin_output) {
     while ((frames < 0 || frames_ < frames) && !user_.asked_to_end() && !window_ended()) {
       report_stats();
-      if (show_) show_->handle_events();
+      // Drawn once a turn: with the next line, or at once if none is there.
+      const bool turned = show_ && show_->handle_events();
       scene_.times.clear();
       const auto next = [&] {
         const StageTimer timer(scene_.times, "read");
-        return lines_->next(line_);
+        return lines_->next(line_, turned ? 0 : FrameSource::kLongestWait);
       }();
       if (next == ThingsLines::Next::kEnd) break;
       if (next == ThingsLines::Next::kWaiting) {
+        if (turned) draw();
         events_.serve();
         continue;
       }
       const double taken = system_clock().now();
       scene_.number = frames_++;
       press_.press(line_, scene_);
+      pressing_.assign(line_.capsules.begin(), line_.capsules.end());
       passed_through_ += press_.passed_through();
       counts_.add_contact(scene_);
       events_.send(scene_);
@@ -291,13 +294,17 @@ class ThingsLoop {
   const ColorImage* draw() {
     if (!show_) return nullptr;
     const StageTimer timer(scene_.times, "draw");
-    return &show_->draw(scene_, line_.capsules);
+    return &show_->draw(scene_, pressing_);
   }
 
   void write(const ColorImage* picture) {
     std::unique_ptr<DrawnFrame> drawn = output_->blank();
     if (picture != nullptr && drawn->in_files) drawn->picture = *picture;
-    std::swap(drawn->scene, scene_);
+    if (show_ && show_->in_window()) {
+      drawn->scene = scene_;  // needed again if the user turns the view before the next line
+    } else {
+      std::swap(drawn->scene, scene_);
+    }
     output_->write(std::move(drawn));
   }
 
@@ -313,7 +320,8 @@ class ThingsLoop {
   LiveEvents& events_;
   std::unique_ptr<ThingsLines> lines_;
   ThingsPress press_;
-  ThingsLine line_;
+  ThingsLine line_;                // while a file's next line waits for its time, that one
+  std::vector<Capsule> pressing_;  // those of scene_
   Scene scene_;
   std::optional<ThingsShow> show_;
   int frames_ = 0, passed_through_ = 0;

@@ -189,7 +189,7 @@ void SceneViews::show_legend(const Scene& scene, const Session& session, const S
   view_.stated_error_of.clear();
   switch (show.field) {
     case Field::kVonMises:
-      view_.legend_title = "von Mises";
+      if (any_knows_stress(session)) view_.legend_title = "von Mises";
       break;
     case Field::kPressure:
     case Field::kComponent:
