@@ -48,21 +48,21 @@ std::string_view name_of(FileFormat format) {
 bool begins_as(std::string_view first, FileFormat format) {
   switch (format) {
     case FileFormat::kBody:
-      return first.starts_with("palpable body file");
+      return first.starts_with(kBodyMark);
     case FileFormat::kHdf5:
-      return first.starts_with("\x89HDF\r\n\x1a\n");
+      return first.starts_with(kHdf5Mark);
     case FileFormat::kNpy:
-      return first.starts_with("\x93NUMPY");
+      return first.starts_with(kNpyMark);
     case FileFormat::kXml:
       return after_blanks(first).starts_with('<');
     case FileFormat::kGmsh:
-      return after_blanks(first).starts_with("$MeshFormat");
+      return after_blanks(first).starts_with(kGmshMark);
     case FileFormat::kDeck:
       return after_blanks(first).starts_with('*');
     case FileFormat::kRecording:
-      return first.starts_with("PALPREC\n");
+      return first.starts_with(kRecordingMark);
     case FileFormat::kWebFile:
-      return first.starts_with("PALPWEB\n");
+      return first.starts_with(kWebFileMark);
   }
   return false;
 }
