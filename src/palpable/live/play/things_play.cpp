@@ -330,6 +330,11 @@ class ThingsLoop {
   std::unique_ptr<LiveOutput> output_;
 };
 
+const fs::path& checked_folder(const PlayOptions& options) {
+  require_folder_name(options.out);
+  return options.out;
+}
+
 std::string text_of_run(const LiveCounts& counts, int passed_through, double wall) {
   const std::size_t frames = counts.processed.size();
   std::string text = fmt::format("{} frames in {:.1f} s ({:.0f} ms each)\n", frames, wall,
@@ -351,12 +356,9 @@ ThingsPlay::ThingsPlay(const PlayOptions& options, const std::vector<fs::path>& 
     : from_(from),
       options_(options),
       user_(std::move(user)),
+      folder_(checked_folder(options_), options_.overwrite, inputs),
       events_(options.events, from == ThingsFrom::kClient) {
   PALPABLE_EXPECT(from == ThingsFrom::kFile || options.events != kNoEvents, "clients need events");
-  require_folder_name(options_.out);
-  if (options_.out.empty()) return;
-  lock_.emplace(options_.out);
-  replaces_ = holds_earlier_run(options_.out, options_.overwrite, inputs);
 }
 
 PlayResult ThingsPlay::play(ThingsSetUp& setup, int frames) {
@@ -370,11 +372,7 @@ PlayResult ThingsPlay::play(ThingsSetUp& setup, int frames) {
   user_.begin();
   events_.begin(bodies, EventWorld::kOfThings);
   if (!events_.name().empty()) user_.print(fmt::format("events: {}\n", events_.name()));
-  loop.play(frames, [&]() -> std::unique_ptr<LiveOutput> {
-    if (!lock_) return nullptr;
-    if (replaces_) remove_earlier_run(options_.out);
-    return std::make_unique<LiveOutput>(written);
-  });
+  loop.play(frames, [&] { return folder_.begin(written); });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   if (loop.counts().processed.empty()) {
     if (!loop.lost().empty()) throw Error(loop.lost());
@@ -386,10 +384,11 @@ PlayResult ThingsPlay::play(ThingsSetUp& setup, int frames) {
   const RunFigures figures = loop.figures();
   add_contact(loop.counts(), figures, loop.output(), all);
   all.wall = wall.count();
-  if (loop.output() != nullptr) write_live_summary(options_.out / "live.json", all);
+  if (loop.output() != nullptr) folder_.write(all);
   PlayResult result;
   result.text = text_of_run(loop.counts(), loop.passed_through(), wall.count()) + events_.text();
   if (options_.stats) result.text += text_of(figures) + "\n";
+  if (loop.output() != nullptr) result.text += folder_.text_of(*loop.output());
   result.summary = json_of(all);
   result.user_ended = user_.asked_to_end() || loop.window_ended();
   result.lost = loop.lost();
