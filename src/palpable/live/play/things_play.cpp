@@ -6,6 +6,7 @@
 #include "palpable/common/base/output_name.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/live/live_writer/live_summary.h"
+#include "palpable/live/play/nearest_approach.h"
 #include "palpable/live/play/things_show.h"
 #include "palpable/live/player/body_place.h"
 #include "palpable/live/player/live_counts.h"
@@ -237,6 +238,7 @@ class ThingsLoop {
       : user_(user),
         events_(events),
         lines_(lines_of(setup, from, events)),
+        approach_(setup.standing),
         press_(std::move(setup.standing)) {
     if (!draws(options, from)) return;
     show_.emplace(options, press_.drawn(), scale,
@@ -268,6 +270,7 @@ class ThingsLoop {
       const double taken = system_clock().now();
       scene_.number = frames_++;
       press_.press(line_, scene_);
+      if (!counts_.first_touch) approach_.add(line_);  // told if nothing is touched
       pressing_.assign(line_.capsules.begin(), line_.capsules.end());
       passed_through_ += press_.passed_through();
       counts_.add_contact(scene_);
@@ -283,6 +286,8 @@ class ThingsLoop {
   [[nodiscard]] bool window_ended() const { return show_ && show_->ended(); }
 
   [[nodiscard]] const LiveCounts& counts() const { return counts_; }
+  // Of the frames before the first touch.
+  [[nodiscard]] const NearestApproach& approach() const { return approach_; }
   [[nodiscard]] LiveOutput* output() { return output_.get(); }
   [[nodiscard]] std::string lost() const { return lines_->lost(); }
   [[nodiscard]] RunFigures figures() const { return stats_.all(moment()); }
@@ -319,6 +324,7 @@ class ThingsLoop {
   const PlayUser& user_;
   LiveEvents& events_;
   std::unique_ptr<ThingsLines> lines_;
+  NearestApproach approach_;
   ThingsPress press_;
   ThingsLine line_;                // while a file's next line waits for its time, that one
   std::vector<Capsule> pressing_;  // those of scene_
@@ -335,16 +341,18 @@ const fs::path& checked_folder(const PlayOptions& options) {
   return options.out;
 }
 
-std::string text_of_run(const LiveCounts& counts, int passed_through, double wall) {
+std::string text_of_run(const ThingsLoop& loop, double wall) {
+  const LiveCounts& counts = loop.counts();
   const std::size_t frames = counts.processed.size();
   std::string text = fmt::format("{} frames in {:.1f} s ({:.0f} ms each)\n", frames, wall,
                                  1e3 * wall / static_cast<double>(frames));
   text += text_of_contact(counts);
-  if (passed_through > 0) {
+  if (!counts.first_touch) text += loop.approach().text();
+  if (loop.passed_through() > 0) {
     text += fmt::format(
         "{} times a capsule went through a skin: from line to line it should advance by less than "
         "its radius\n",
-        passed_through);
+        loop.passed_through());
   }
   return text;
 }
@@ -386,7 +394,7 @@ PlayResult ThingsPlay::play(ThingsSetUp& setup, int frames) {
   all.wall = wall.count();
   if (loop.output() != nullptr) folder_.write(all);
   PlayResult result;
-  result.text = text_of_run(loop.counts(), loop.passed_through(), wall.count()) + events_.text();
+  result.text = text_of_run(loop, wall.count()) + events_.text();
   if (options_.stats) result.text += text_of(figures) + "\n";
   if (loop.output() != nullptr) result.text += folder_.text_of(*loop.output());
   result.summary = json_of(all);
