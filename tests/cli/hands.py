@@ -77,9 +77,22 @@ def _(programs, folder):
     (folder / "headset.csv").write_text("time,wrist and so on\n" + "".join(";".join(f"{c:.4f}" for c in row) + "\n" for row in turned))
     told = programs.succeeds("hands", folder / "joints.csv", "-o", folder / "a.jsonl").stdout
     assert f"{len(example)} lines over " in told, told
+    assert "joints: openxr (26 joints without radii, by the number of columns), right hand; coordinates in m, times in s, Z up" in told
+    assert re.search(r"they are within X \S+ to \S+, Y \S+ to \S+, Z \S+ to \S+ m", told), told
+    # Whose table it is decides whether it may be replaced: a hands file may, anything else is somebody's.
+    programs.succeeds("hands", folder / "joints.csv", "-o", folder / "a.jsonl")
+    (folder / "notes.jsonl").write_text("my notes\n")
+    programs.refuses("hands", folder / "joints.csv", "-o", folder / "notes.jsonl", says=["is there already and is no hands file"])
+    programs.refuses("hands", folder / "joints.csv", "-o", folder / "joints.csv", says=["is read as input"])
+    programs.refuses("hands", folder / "joints.csv", "-o", folder / "a.json", says=[".jsonl"])
+    # What was probably forgotten is named.
+    result = programs.run("hands", folder / "joints.csv", "--time-unit", "ms", "-o", folder / "quick.jsonl")
+    assert result.returncode == 0 and "warning: " in result.stderr and "--time-unit" in result.stderr, result.stderr
     told = json.loads(programs.succeeds("hands", folder / "headset.csv", "--up", "y", "--unit", "mm", "--time-unit", "ms", "-o",
                                         folder / "b.jsonl", "--json").stdout)
     assert told["lines"] == told["lines_with_things"] == len(example), told
+    assert told["joints"] == "openxr" and told["right"] and not told["left"] and not told["radii"], told
+    assert all(low < high for low, high in zip(told["low_m"], told["high_m"])) and 0.005 < told["step_s"] < 0.2, told
     for one, other in zip(*((folder / name).read_text().splitlines() for name in ("a.jsonl", "b.jsonl"))):
         one, other = json.loads(one), json.loads(other)
         assert len(one["things"][0]["capsules"]) == 26

@@ -21,6 +21,10 @@ std::string_view after_blanks(std::string_view text) {
   return at == std::string_view::npos ? std::string_view{} : text.substr(at);
 }
 
+bool has_word(std::string_view text, std::string_view word) {
+  return text.find(word) != std::string_view::npos;
+}
+
 std::string_view name_of(FileFormat format) {
   switch (format) {
     case FileFormat::kBody:
@@ -39,6 +43,8 @@ std::string_view name_of(FileFormat format) {
       return "recording of palpable live --record";
     case FileFormat::kWebFile:
       return "delivery file of palpable export --to web";
+    case FileFormat::kHands:
+      return "hands file, a line of JSON with a time and things";
   }
   return {};
 }
@@ -63,6 +69,9 @@ bool begins_as(std::string_view first, FileFormat format) {
       return first.starts_with(kRecordingMark);
     case FileFormat::kWebFile:
       return first.starts_with(kWebFileMark);
+    case FileFormat::kHands:
+      return after_blanks(first).starts_with('{') && has_word(first, "\"time\"") &&
+             has_word(first, "\"things\"");
   }
   return false;
 }

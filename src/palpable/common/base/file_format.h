@@ -26,6 +26,7 @@ enum class FileFormat {
   kDeck,       ///< .inp of Abaqus and CalculiX
   kRecording,  ///< of `live --record`
   kWebFile,    ///< delivery files of `export --to web`
+  kHands,      ///< hands files of `palpable hands`
 };
 
 /// Whether bytes at the beginning of a file are those of the format. A deck is recognised by a line

@@ -14,7 +14,7 @@ constexpr double kFarForMetres = 5;     // m; a hand beside a body is nearer
 constexpr double kClearlyNearer = 0.3;  // ratio of distances
 constexpr std::size_t kMostThingsTold = 4;
 
-Capsule turned(const Capsule& capsule, double sign) {
+Capsule turned_capsule(const Capsule& capsule, double sign) {
   const auto turn = [sign](const Eigen::Vector3d& x) {
     return Eigen::Vector3d(x.x(), -sign * x.z(), sign * x.y());
   };
@@ -60,8 +60,8 @@ void NearestApproach::measure(const Capsule& capsule, double time, Approach& nea
 }
 
 void NearestApproach::measure_turned(const Capsule& capsule) {
-  const Eigen::AlignedBox3d y_was_up = box_of(turned(capsule, 1));
-  const Eigen::AlignedBox3d z_was_up = box_of(turned(capsule, -1));
+  const Eigen::AlignedBox3d y_was_up = box_of(turned_capsule(capsule, 1));
+  const Eigen::AlignedBox3d z_was_up = box_of(turned_capsule(capsule, -1));
   for (const Body& body : bodies_) {
     y_was_up_ = std::min(y_was_up_, body.box.exteriorDistance(y_was_up));
     z_was_up_ = std::min(z_was_up_, body.box.exteriorDistance(z_was_up));
