@@ -166,6 +166,7 @@ def _(programs, folder):
         hands.write_text(text + "\n")
         programs.refuses(*run, says=["hands.jsonl: ", *says])
     programs.refuses("live", body, "--source", folder / "none.jsonl", says=["none.jsonl", "no such file"])
+    programs.refuses("live", body, "--source", folder / "joints.csv", says=["joints.csv: is a table", "palpable hands ", "joints.jsonl"])
     write_lines(hands, [finger(0, 0)])
     programs.refuses("live", programs.small_body(), "--source", hands, says=["ball.palpable: has no tables of touch"])
 

@@ -116,8 +116,9 @@ std::string caption_of(std::span<const Touch> touches) {
   }
   std::string text;
   if (touches.front().site >= 0) text = fmt::format("site {}   ", touches.front().site);
-  if (touches.size() > 1) text = fmt::format("{} touches   ", touches.size());
-  return text + fmt::format("{:.1f} mm   {:.2f} N", deepest * 1e3, force);
+  if (touches.size() == 1) return text + fmt::format("{:.1f} mm   {:.2f} N", deepest * 1e3, force);
+  return fmt::format("{} touches   deepest {:.1f} mm   {:.2f} N in all", touches.size(),
+                     deepest * 1e3, force);
 }
 
 std::string warning_of(const Scene& scene) {
