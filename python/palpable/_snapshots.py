@@ -7,6 +7,7 @@ import json
 import os
 import re
 import tempfile
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -100,8 +101,10 @@ class Snapshots:
             raise WrongArgument(f"tetrahedra of the mesh have the shape {cells.shape}, not (E, 4) or (E, 10)")
         _check_finite(nodes, "nodes of the mesh", "node")
         extent = float(np.ptp(nodes, axis=0).max())
-        if not 1e-3 <= extent <= 10:
-            raise WrongArgument(f"the mesh is {extent:.3g} m large, not 1 mm to 10 m: nodes are in metres")
+        if not 1e-4 <= extent <= 100:
+            raise WrongArgument(f"the mesh is {extent:.3g} m large; bodies are from 0.1 mm to 100 m: nodes are in metres")
+        if not 3e-3 <= extent <= 3:
+            warnings.warn(f"the mesh is {extent:.3g} m large: are its nodes in metres?", stacklevel=4)
         for name, indices in (("tetrahedra", cells), ("sites", self.sites), ("held", self.held)):
             if indices is not None and indices.size and not 0 <= indices.min() <= indices.max() < len(nodes):
                 raise WrongArgument(f"{name} name nodes that are not among the {len(nodes)} of the mesh, counted from 0")

@@ -165,7 +165,7 @@ def test_what_does_not_fit_is_named_at_once_by_its_argument():
         ({"u": [["a"]]}, "u is no array of numbers"),
         ({"u": 1000 * u}, "u is in metres"),
         ({"nodes": nodes[:, :2]}, "nodes of the mesh have the shape"),
-        ({"nodes": 1000 * nodes}, "nodes are in metres"),
+        ({"nodes": 1e4 * nodes}, "nodes are in metres"),
         ({"nodes": np.where(nodes > 0.04, np.inf, nodes)}, "nodes of the mesh"),
         ({"cells": cells[:, :3]}, "tetrahedra of the mesh have the shape"),
         ({"cells": cells + 1}, "tetrahedra name nodes that are not among the 8"),
@@ -195,6 +195,8 @@ def test_what_does_not_fit_is_named_at_once_by_its_argument():
         parameters = good | {name: value for name, value in change.items() if name not in ("u", "nodes", "cells", "stress")}
         with pytest.raises(palpable.WrongArgument, match=says):
             palpable.snapshots(given["u"], (given["nodes"], given["cells"]), parameters, stress=given["stress"])
+    with pytest.warns(UserWarning, match="are its nodes in metres"):  # millimetres
+        palpable.snapshots(1000 * u, (1000 * nodes, cells), good)
     with pytest.raises(palpable.WrongArgument, match="pair"):
         palpable.snapshots(u, nodes, good)
     with pytest.raises(palpable.WrongArgument, match="sites and forces"):

@@ -506,7 +506,7 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
   if (played.ticks) text += text_of(*played.ticks) + "\n";
   if (options_.stats) text += text_of(played.figures) + "\n";
   text += text_of_depth_files(all.depth);
-  if (played.output) text += folder_.text_of(*played.output);
+  if (played.output) text += folder_.text_of(*played.output, "--every-frame waits for it");
   return {.text = std::move(text), .summary = json_of(all), .user_ended = played.user_ended};
 }
 

@@ -22,13 +22,12 @@ void RunFolder::write(const LiveSummary& summary) const {
   write_live_summary(folder_ / "live.json", summary);
 }
 
-std::string RunFolder::text_of(const LiveOutput& output) const {
+std::string RunFolder::text_of(const LiveOutput& output, std::string_view remedy) const {
   std::string text;
   if (output.left_out() > 0) {
     text = fmt::format(
-        "{} of these frames are in the texts only, {} not even there: the disk was behind; "
-        "--every-frame waits for it\n",
-        output.left_out(), output.lines_left_out());
+        "{} of these frames are in the texts only, {} not even there: the disk was behind{}{}\n",
+        output.left_out(), output.lines_left_out(), remedy.empty() ? "" : "; ", remedy);
   }
   if (output.files().film) text += fmt::format("{}\n", (folder_ / "touch.mp4").string());
   for (const std::string& name : output.figures()) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpable {
@@ -32,7 +33,8 @@ class RunFolder {
   void write(const LiveSummary& summary) const;
 
   /// The files that the run has left, in lines; and what the disk was too slow for.
-  [[nodiscard]] std::string text_of(const LiveOutput& output) const;
+  /// @param remedy  against a slow disk, such as "--every-frame waits for it"; empty: none
+  [[nodiscard]] std::string text_of(const LiveOutput& output, std::string_view remedy = {}) const;
 
  private:
   std::filesystem::path folder_;
