@@ -13,7 +13,7 @@ import weakref
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -115,6 +115,8 @@ class _Record:
     wait for their vectors. A thread that reads them twice, beside another one, does no harm."""
 
     _bytes: bytes
+    #: Arrays among the fields, read one by one: where they begin in the struct, and their shape.
+    _arrays: ClassVar[dict[str, tuple[int, tuple[int, ...]]]] = {}
 
     @classmethod
     def _of(cls: type[_Kind], got: ctypes.Structure) -> _Kind:
@@ -132,7 +134,10 @@ class _Record:
             """Called where `name` is not in __dict__."""
             values = self.__dict__
             if "_bytes" in values and name in self.__dataclass_fields__:
-                values.update(self._read(values["_bytes"]))
+                if name in self._arrays:
+                    values[name] = _doubles(values["_bytes"], *self._arrays[name])
+                else:
+                    values.update(self._read(values["_bytes"]))
                 return values[name]
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
@@ -151,6 +156,8 @@ class Frame(_Record):
     wrong_pair: bool  #: the images do not fit the calibration
     world_from_camera: npt.NDArray[np.float64]  #: (4, 4)
 
+    _arrays = {"world_from_camera": (c.Frame.world_from_camera.offset, (4, 4))}
+
     @staticmethod
     def _read(got: bytes) -> dict[str, Any]:
         _, time, _, touch_count, camera, wrong_pair, *_, left_to_go, inside, answer, passed_through = _FRAME.unpack(got)
@@ -163,7 +170,6 @@ class Frame(_Record):
             "passed_through": passed_through,
             "camera": CameraState(camera),
             "wrong_pair": bool(wrong_pair),
-            "world_from_camera": _doubles(got, c.Frame.world_from_camera.offset, (4, 4)),
         }
 
     def to_dict(self) -> dict[str, Any]:
@@ -186,17 +192,15 @@ class Touch(_Record):
     assumed: float  #: share of the force from sides which the camera does not see
     unseen_for: float  #: s since the obstacle was last measured; 0: in this frame
 
+    _arrays = {name: (getattr(c.Touch, name).offset, (3,)) for name in ("point", "normal", "force")}
+
     @staticmethod
     def _read(got: bytes) -> dict[str, Any]:
         _, body, by, *_, depth, area, assumed, unseen_for, thing = _TOUCH.unpack(got)
-        point, normal, force = _doubles(got, c.Touch.point.offset, (3, 3))
         return {
             "body": body,
             "by": None if by < 0 else by,
             "thing": None if thing == c.NO_THING else thing,
-            "point": point,
-            "normal": normal,
-            "force": force,
             "depth": depth,
             "area": area or None,
             "assumed": assumed,
@@ -525,6 +529,7 @@ class Session:
         self.close()
 
 
-def _doubles(got: bytes, offset: int, shape: tuple[int, int]) -> npt.NDArray[np.float64]:
+def _doubles(got: bytes, offset: int, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
     """A read-only array over numbers in a copy of a struct; faster than np.array() of the member."""
-    return np.frombuffer(got, np.float64, shape[0] * shape[1], offset).reshape(shape)
+    numbers = np.frombuffer(got, np.float64, math.prod(shape), offset)
+    return numbers if len(shape) == 1 else numbers.reshape(shape)
