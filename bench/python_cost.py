@@ -3,7 +3,7 @@
 
     PYTHONPATH=python PALPABLE_LIBRARY=build/release/lib/libpalpable.so.0 /usr/bin/python3 bench/python_cost.py BODY [--calls N]
 
-Presses the body's top by a finger of radius 8 mm and reads frame, touches and a skin with three arrays. Prints medians and the
+Presses the body's top by a finger of radius 8 mm and reads touches, their forces and a skin with three arrays. Prints medians and the
 quickest tenth. The bar is 50 us; the physical limit is the time of the calls themselves, a few us.
 """
 import argparse
@@ -37,7 +37,8 @@ def main():
 
     def whole(k):
         session.press(capsules, k)
-        session.touches
+        for touch in session.touches:
+            touch.force
         got = session.skin()
         return got.vertices, got.normals, got.von_mises
 

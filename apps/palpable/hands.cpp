@@ -4,16 +4,24 @@
 #include "apps/common/printing.h"
 #include "apps/palpable/commands.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/common/base/output_name.h"
 #include "palpable/common/base/quantity.h"
 #include "palpable/common/geometry/tracked_hand.h"
 #include "palpable/live/play/hands_conversion.h"
 
+#include <Eigen/Core>
+#include <fmt/core.h>
+
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -34,31 +42,79 @@ const std::map<std::string, double> kTimeUnits{{"s", 1}, {"ms", 1e-3}, {"us", 1e
 
 std::vector<std::string> time_unit_names() { return {"s", "ms", "us", "ns"}; }
 
-std::vector<ThingsLine> lines_of(const HandsOptions& options) {
-  if (std::filesystem::is_directory(options.input)) {
-    return read_clip_things(options.input, options.body);
-  }
+JointsTable table_of(const HandsOptions& options) {
   JointsTable table;
   if (!options.joints.empty()) table.layout = hand_layout_named(options.joints);
   table.side = hand_side_named(options.side).value_or(HandSide::kRight);
   table.metres = length_unit(options.unit).value_or(1);
   table.seconds = kTimeUnits.at(options.time_unit);
   table.has_y_up = options.up == "y";
-  return read_joints_table(options.input, table);
+  return table;
 }
 
+const char* sides_of(const JointsFound& found) {
+  if (found.has_left && found.has_right) return "left and right hand";
+  return found.has_left ? "left hand" : "right hand";
+}
+
+// "openxr (26 joints with radii, as the columns say), right hand; coordinates in mm, times in ms,
+// Y up".
+std::string text_of_found(const JointsFound& found, const HandsOptions& options) {
+  if (!found.has_left && !found.has_right) return "no hand in any row";
+  return fmt::format("{} ({} joints {} radii{}), {}; coordinates in {}, times in {}, {} up",
+                     name_of(found.layout), joint_count(found.layout),
+                     found.has_radii ? "with" : "without",
+                     found.is_counted ? ", by the number of columns" : "", sides_of(found),
+                     options.unit, options.time_unit, options.up == "y" ? "Y" : "Z");
+}
+
+Json json_of_point(const Eigen::Vector3d& x) { return Json{x.x(), x.y(), x.z()}; }
+
 void convert(const HandsOptions& options) {
-  const HandsText made = hands_text(lines_of(options));
+  guard_output_file(options.out, {options.input});
+  require_ending(options.out, {".jsonl"}, "a hands file");
+  guard_format(options.out, FileFormat::kHands);
+  std::optional<JointsFound> found;
+  std::vector<ThingsLine> lines;
+  const JointsTable table = table_of(options);
+  if (std::filesystem::is_directory(options.input)) {
+    lines = read_clip_things(options.input, options.body);
+  } else {
+    JointsRead read = read_joints_table(options.input, table);
+    lines = std::move(read.lines);
+    found = std::move(read.found);
+  }
+  const HandsText made = hands_text(lines);
+  std::vector<std::string> warnings;
+  if (found) warnings = joints_warnings(made, table, *found);
+  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
   write_whole_file(options.out, made.text);
   if (options.json) {
-    print_json({{"out", options.out.string()},
-                {"lines", made.lines},
-                {"lines_with_things", made.pressing},
-                {"seconds", made.seconds}});
+    Json told{{"out", options.out.string()},
+              {"lines", made.lines},
+              {"lines_with_things", made.pressing},
+              {"seconds", made.seconds},
+              {"step_s", made.step}};
+    if (found && (found->has_left || found->has_right)) {
+      told["joints"] = std::string(name_of(found->layout));
+      told["radii"] = found->has_radii;
+      told["left"] = found->has_left;
+      told["right"] = found->has_right;
+    }
+    if (!made.box.isEmpty()) {
+      told["low_m"] = json_of_point(made.box.min());
+      told["high_m"] = json_of_point(made.box.max());
+    }
+    print_json(told);
     return;
   }
   print_text("{}: {} lines over {:.3g} s, {} of them with things that may press\n",
              options.out.string(), made.lines, made.seconds, made.pressing);
+  if (found) print_text("joints: {}\n", text_of_found(*found, options));
+  if (made.box.isEmpty()) return;
+  const Eigen::Vector3d &low = made.box.min(), &high = made.box.max();
+  print_text("they are within X {:.2f} to {:.2f}, Y {:.2f} to {:.2f}, Z {:.2f} to {:.2f} m, Z up\n",
+             low.x(), high.x(), low.y(), high.y(), low.z(), high.z());
 }
 
 }  // namespace
@@ -73,7 +129,9 @@ void add_hands(Command app) {
           "A table of a hand tracker's joints (.csv), or a folder that palpable synth wrote")
       .required()
       .existing_path();
-  command.add_option("-o,--out", options->out, "Hands file to write, a .jsonl").required();
+  command.add_option("-o,--out", options->out, "Hands file to write")
+      .type_name("FILE.jsonl")
+      .required();
   command.add_json(options->json);
   command.begin_group("Of a table of joints");
   command

@@ -107,6 +107,7 @@ void run_command(Command command, Options& options) {
   } else {
     options.live.body = find_body(options.live.body);
   }
+  refuse_table_source(options.live.input.source);
   const bool has_camera = !is_things_source(options.live.input.source);
   if (!has_camera) refuse_camera_options(options.live, options.play, command.given_options());
   if (options.print_config) {

@@ -166,8 +166,9 @@ void add_view_options(Command command, PlayOptions& options) {
       .one_of({"camera", "depth", "moving", "surface", "map", "mask", "truth"})
       .default_is("camera");
   add_paint_options(command, options.paint, options.colors);
-  command.add_flag("--forces", options.forces,
-                   "Draw where bodies are pressed, and an arrow with the force there");
+  command.add_flag(
+      "--forces", options.forces,
+      "Draw where bodies are pressed, and an arrow with the force there. Needs a camera");
   command.begin_expert_group("Display, more");
   command.add_flag("--opaque", options.opaque,
                    "Paint all of a body, also where it is hardly stressed");
@@ -237,7 +238,8 @@ void add_file_options(Command command, PlayOptions& options) {
           },
           "What is written: film (touch.mp4), data (the text files), depth, masks (of bodies and "
           "of what moves), meshes (the deformed skin with its stress), stills (three pictures that "
-          "best show a touch). \"--write film\" writes the film and live.json alone; "
+          "best show a touch). Without a camera there are film, data and meshes. \"--write film\" "
+          "writes the film and live.json alone; "
           "\"--write +meshes,-depth\" changes the default")
       .type_name("LIST")
       .words(1, 1)

@@ -94,6 +94,16 @@ bool is_things_source(const std::string& source) {
   return source == kSocketSource || fs::path(source).extension() == ".jsonl";
 }
 
+void refuse_table_source(const std::string& source) {
+  fs::path file = source;
+  if (file.extension() != ".csv" && file.extension() != ".tsv") return;
+  file.replace_extension(".jsonl");
+  throw Error(
+      fmt::format("--source {0}: is a table, which is not played; of the joints of hands `palpable "
+                  "hands {0} -o {1}` makes a hands file, and --source {1} plays it (docs/hands.md)",
+                  source, file.string()));
+}
+
 void refuse_camera_options(const LiveOptions& options, const PlayOptions& play,
                            const std::vector<Command::GivenOption>& given) {
   const std::string& source = options.input.source;

@@ -14,6 +14,9 @@ namespace palpable::app {
 /// Whether --source names a hands file, *.jsonl, or is kSocketSource.
 [[nodiscard]] bool is_things_source(const std::string& source);
 
+/// @throws Error for a table (.csv, .tsv), which is to become a hands file first
+void refuse_table_source(const std::string& source);
+
 /// @param given  the options of the call
 /// @throws Error that names an option which means nothing without a camera, or one that is missing
 void refuse_camera_options(const LiveOptions& options, const PlayOptions& play,

@@ -29,27 +29,32 @@ def placed(file):
 
 
 def main(file, joints, picture):
-    lines, rows, most = np.loadtxt(joints, delimiter=","), [], -1.0
+    lines, count, forces, most = np.loadtxt(joints, delimiter=","), 0, [], -1.0
     with placed(file) as body, palpable.Session(body) as session:
         for time, *numbers in lines:
             hand = palpable.Hand(np.reshape(numbers, (26, 3)), layout="openxr", side="right")
             session.press(hand, time)
-            force = sum(-touch.force[2] for touch in session.touches)
-            rows += [{"time": time, **touch.to_dict()} for touch in session.touches]
+            if session.frame.answer is not palpable.Answer.REACHED:
+                forces.append(np.nan)  # the skin has not given way: forces are not to be used
+                continue
+            touches = session.touches
+            count += len(touches)
+            force = sum(-touch.force[2] for touch in touches)
+            forces.append(force)
             if force > most:
                 most, skin = force, session.skin()
                 moment = time, hand.capsules, skin.vertices + skin.world_from_body[:3, 3], skin.triangles.copy()
-    draw(lines[:, 0], rows, *moment, picture)
-    print(f"{len(rows)} touches in {len(lines)} frames, at most {most:.2f} N")
+    draw(lines[:, 0], forces, *moment, picture)
+    missing = np.count_nonzero(np.isnan(forces))
+    print(f"{count} touches in {len(lines)} frames, at most {most:.2f} N; {missing} frames without an answer")
     return most
 
 
-def draw(times, rows, moment, capsules, vertices, triangles, picture):
+def draw(times, forces, moment, capsules, vertices, triangles, picture):
     """The force over time, and hand and skin at one moment."""
-    force = [sum(-row["force_z"] for row in rows if row["time"] == time) for time in times]
     figure = plt.figure(figsize=(9, 4))
     left = figure.add_subplot(1, 2, 1)
-    left.plot(times, force)
+    left.plot(times, forces)  # nan, where there is no answer, is a gap
     left.set(xlabel="time, s", ylabel="force downwards, N")
     left.grid(alpha=0.3)
     right = figure.add_subplot(1, 2, 2, projection="3d", computed_zorder=False)

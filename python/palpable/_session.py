@@ -13,7 +13,7 @@ import weakref
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,11 @@ from ._views import FrameMemory, View
 
 # palpable_thing, packed: faster than an array of ctypes' structs.
 _THING = struct.Struct("@NqNN")
+# palpable_touch and palpable_frame, unpacked in one call, which is faster than member by member.
+_TOUCH = struct.Struct("@N2i9d4dq")
+_FRAME = struct.Struct("@Nd4i16d2d2i")
+# Types of the library's arrays, as NumPy's protocol for foreign memory names them.
+_FLOATS, _INTS = np.dtype(np.float32).str, np.dtype(np.int32).str
 
 # palpable_place_body() and palpable_open() of one body must not meet.
 _PLACING = threading.Lock()
@@ -102,8 +107,43 @@ class CameraState(enum.IntEnum):
     LOST = 3  #: its pose is unknown: nothing presses
 
 
+_Kind = TypeVar("_Kind", bound="_Record")
+
+
+class _Record:
+    """Fields that are read from the bytes of C's struct when the first of them is used: who only counts touches does not
+    wait for their vectors. A thread that reads them twice, beside another one, does no harm."""
+
+    _bytes: bytes
+    #: Arrays among the fields, read one by one: where they begin in the struct, and their shape.
+    _arrays: ClassVar[dict[str, tuple[int, tuple[int, ...]]]] = {}
+
+    @classmethod
+    def _of(cls: type[_Kind], got: ctypes.Structure) -> _Kind:
+        record = cls.__new__(cls)
+        record.__dict__["_bytes"] = bytes(got)
+        return record
+
+    @staticmethod
+    def _read(got: bytes) -> dict[str, Any]:
+        raise NotImplementedError
+
+    if not TYPE_CHECKING:  # or else any name would be right
+
+        def __getattr__(self, name: str) -> Any:
+            """Called where `name` is not in __dict__."""
+            values = self.__dict__
+            if "_bytes" in values and name in self.__dataclass_fields__:
+                if name in self._arrays:
+                    values[name] = _doubles(values["_bytes"], *self._arrays[name])
+                else:
+                    values.update(self._read(values["_bytes"]))
+                return values[name]
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+
 @dataclass(frozen=True, eq=False)
-class Frame:
+class Frame(_Record):
     """The frame that was processed last."""
 
     time: float  #: s; NaN before the first
@@ -116,13 +156,29 @@ class Frame:
     wrong_pair: bool  #: the images do not fit the calibration
     world_from_camera: npt.NDArray[np.float64]  #: (4, 4)
 
+    _arrays = {"world_from_camera": (c.Frame.world_from_camera.offset, (4, 4))}
+
+    @staticmethod
+    def _read(got: bytes) -> dict[str, Any]:
+        _, time, _, touch_count, camera, wrong_pair, *_, left_to_go, inside, answer, passed_through = _FRAME.unpack(got)
+        return {
+            "time": time,
+            "touch_count": touch_count,
+            "answer": Answer(answer),
+            "left_to_go": left_to_go,
+            "inside": inside,
+            "passed_through": passed_through,
+            "camera": CameraState(camera),
+            "wrong_pair": bool(wrong_pair),
+        }
+
     def to_dict(self) -> dict[str, Any]:
         """Name -> value."""
         return _dict_of(self)
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
+class Touch(_Record):
     """One contact patch; vectors in the body frame."""
 
     body: int  #: index of the pressed body in the session
@@ -135,6 +191,21 @@ class Touch:
     area: float | None  #: m^2, pressed area of the skin; None: unknown
     assumed: float  #: share of the force from sides which the camera does not see
     unseen_for: float  #: s since the obstacle was last measured; 0: in this frame
+
+    _arrays = {name: (getattr(c.Touch, name).offset, (3,)) for name in ("point", "normal", "force")}
+
+    @staticmethod
+    def _read(got: bytes) -> dict[str, Any]:
+        _, body, by, *_, depth, area, assumed, unseen_for, thing = _TOUCH.unpack(got)
+        return {
+            "body": body,
+            "by": None if by < 0 else by,
+            "thing": None if thing == c.NO_THING else thing,
+            "depth": depth,
+            "area": area or None,
+            "assumed": assumed,
+            "unseen_for": unseen_for,
+        }
 
     def to_dict(self) -> dict[str, Any]:
         """Name -> number; vectors as point_x, point_y, ...: a row of a table."""
@@ -153,6 +224,10 @@ def _dict_of(record: Any) -> dict[str, Any]:
     return row
 
 
+_IN_USE = "this session is used by another thread right now; open one for each thread"
+_STALE = "this belongs to an earlier frame, or its session was reset or closed: take a new one from the session"
+
+
 class _Core:
     """The session's handle and the frame whose arrays are given out."""
 
@@ -169,8 +244,8 @@ class _Core:
 
     def __enter__(self) -> int | None:
         """The handle's address, for this thread alone. A class is faster than contextlib here."""
-        if not self.lock.acquire(blocking=False):
-            raise InUse("this session is used by another thread right now; open one for each thread")
+        if not self.lock.acquire(False):
+            raise InUse(_IN_USE)
         if self.handle is None:
             self.lock.release()
             raise Closed("the session is closed")
@@ -198,20 +273,22 @@ class _Core:
             if handle is not None:
                 handle.free()
 
-    def array(self, number: int, address: int, shape: tuple[int, ...], dtype: npt.DTypeLike) -> View:
+    def array(self, number: int, address: int, shape: tuple[int, ...], typestr: str) -> View:
         """An array of frame `number`, if that is still the present one."""
-        self._check_is_present(number)  # also where the session is closed
-        with self:
-            self._check_is_present(number)  # another thread may have begun a frame meanwhile
+        if self.number != number:  # also where the session is closed
+            raise StaleFrame(_STALE)
+        if not self.lock.acquire(False):  # as in __enter__, which would take a third of the time of all this
+            raise InUse(_IN_USE)
+        try:
+            if self.number != number:  # another thread may have begun a frame meanwhile
+                raise StaleFrame(_STALE)
             memory = self._memory()
             if memory is None:
                 memory = FrameMemory(self.handle)
                 self._memory = weakref.ref(memory)
-            return memory.array(address, shape, dtype)
-
-    def _check_is_present(self, number: int) -> None:
-        if self.number != number:
-            raise StaleFrame("this belongs to an earlier frame, or its session was reset or closed: take a new one from the session")
+            return memory.array(address, shape, typestr)
+        finally:
+            self.lock.release()
 
     def skin(self, address: int | None, body: int) -> c.Skin:
         if body not in self._skins:
@@ -265,39 +342,39 @@ class Skin:
     @property
     def vertices(self) -> npt.NDArray[np.float32]:
         """(V, 3) m, body frame, deformed."""
-        return self._array(self._skin.vertices, (self._skin.vertex_count, 3), np.float32)
+        return self._array(self._skin.vertices, (self._skin.vertex_count, 3), _FLOATS)
 
     @property
     def normals(self) -> npt.NDArray[np.float32]:
         """(V, 3) unit, outwards."""
-        return self._array(self._skin.normals, (self._skin.vertex_count, 3), np.float32)
+        return self._array(self._skin.normals, (self._skin.vertex_count, 3), _FLOATS)
 
     @property
     def von_mises(self) -> npt.NDArray[np.float32]:
         """(V,) Pa, von Mises stress of the true stress; 0 before the first frame."""
-        return self._array(self._skin.von_mises, (self._skin.vertex_count,), np.float32)
+        return self._array(self._skin.von_mises, (self._skin.vertex_count,), _FLOATS)
 
     @property
     def contact_pressure(self) -> npt.NDArray[np.float32] | None:
         """(V,) Pa; None before the first frame, and for a body without tables of touch."""
         if not self._skin.contact_pressure:
             return None
-        return self._array(self._skin.contact_pressure, (self._skin.vertex_count,), np.float32)
+        return self._array(self._skin.contact_pressure, (self._skin.vertex_count,), _FLOATS)
 
     @property
     def triangles(self) -> npt.NDArray[np.int32]:
         """(T, 3) indices of vertices, counterclockwise from outside; the same in every frame."""
-        return self._array(self._skin.triangles, (self._skin.triangle_count, 3), np.int32)
+        return self._array(self._skin.triangles, (self._skin.triangle_count, 3), _INTS)
 
     @property
     def world_from_body(self) -> npt.NDArray[np.float64]:
         """(4, 4), a copy."""
-        return _doubles(self._skin, c.Skin.world_from_body.offset, (4, 4))
+        return _doubles(bytes(self._skin), c.Skin.world_from_body.offset, (4, 4))
 
     @property
     def camera_from_body(self) -> npt.NDArray[np.float64]:
         """(4, 4), a copy."""
-        return _doubles(self._skin, c.Skin.camera_from_body.offset, (4, 4))
+        return _doubles(bytes(self._skin), c.Skin.camera_from_body.offset, (4, 4))
 
     @property
     def stated_displacement_error(self) -> float:
@@ -309,8 +386,8 @@ class Skin:
         """Largest error of a vertex / largest stress, as the library estimates it; NaN: as above."""
         return float(self._skin.stated_stress_error)
 
-    def _array(self, address: int, shape: tuple[int, ...], dtype: npt.DTypeLike) -> View:
-        return self._core.array(self._number, address, shape, dtype)
+    def _array(self, address: int, shape: tuple[int, ...], typestr: str) -> View:
+        return self._core.array(self._number, address, shape, typestr)
 
 
 class DepthImage:
@@ -323,7 +400,7 @@ class DepthImage:
     @property
     def depth(self) -> npt.NDArray[np.float32]:
         """(height, width) m, Z; NaN where unknown. Read-only, without a copy."""
-        return self._core.array(self._number, self._depth.depth, (self._depth.height, self._depth.width), np.float32)
+        return self._core.array(self._number, self._depth.depth, (self._depth.height, self._depth.width), _FLOATS)
 
 
 class Session:
@@ -411,17 +488,7 @@ class Session:
         with self._core as session:
             got = self._core.frame
             check(library().palpable_get_frame(session, ctypes.byref(got)))
-            return Frame(
-                time=got.time,
-                touch_count=got.touch_count,
-                answer=Answer(got.answer),
-                left_to_go=got.left_to_go,
-                inside=got.inside,
-                passed_through=got.passed_through,
-                camera=CameraState(got.camera),
-                wrong_pair=bool(got.wrong_pair),
-                world_from_camera=_doubles(got, c.Frame.world_from_camera.offset, (4, 4)),
-            )
+            return Frame._of(got)
 
     @property
     def touches(self) -> list[Touch]:
@@ -432,7 +499,7 @@ class Session:
             check(library().palpable_get_frame(session, ctypes.byref(frame)))
             for index in range(frame.touch_count):
                 check(library().palpable_get_touch(session, index, ctypes.byref(got)))
-                found.append(_touch_of(got))
+                found.append(Touch._of(got))
         return found
 
     def skin(self, body: int = 0) -> Skin:
@@ -462,25 +529,7 @@ class Session:
         self.close()
 
 
-def _doubles(struct: ctypes.Structure, offset: int, shape: tuple[int, int]) -> npt.NDArray[np.float64]:
-    """A read-only copy of numbers in a struct; faster than np.array() of the member."""
-    return np.frombuffer(bytes(struct), np.float64, shape[0] * shape[1], offset).reshape(shape)
-
-
-def _touch_of(got: c.Touch) -> Touch:
-    point, normal, force = _doubles(got, c.Touch.point.offset, (3, 3))
-    touch = Touch.__new__(Touch)
-    # What __init__ of a frozen dataclass does, in a third of the time.
-    touch.__dict__.update(
-        body=got.body,
-        by=None if got.by < 0 else got.by,
-        thing=None if got.thing == c.NO_THING else got.thing,
-        point=point,
-        normal=normal,
-        force=force,
-        depth=got.depth,
-        area=got.area or None,
-        assumed=got.assumed,
-        unseen_for=got.unseen_for,
-    )
-    return touch
+def _doubles(got: bytes, offset: int, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
+    """A read-only array over numbers in a copy of a struct; faster than np.array() of the member."""
+    numbers = np.frombuffer(got, np.float64, math.prod(shape), offset)
+    return numbers if len(shape) == 1 else numbers.reshape(shape)

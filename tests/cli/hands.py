@@ -77,9 +77,22 @@ def _(programs, folder):
     (folder / "headset.csv").write_text("time,wrist and so on\n" + "".join(";".join(f"{c:.4f}" for c in row) + "\n" for row in turned))
     told = programs.succeeds("hands", folder / "joints.csv", "-o", folder / "a.jsonl").stdout
     assert f"{len(example)} lines over " in told, told
+    assert "joints: openxr (26 joints without radii, by the number of columns), right hand; coordinates in m, times in s, Z up" in told
+    assert re.search(r"they are within X \S+ to \S+, Y \S+ to \S+, Z \S+ to \S+ m", told), told
+    # Whose table it is decides whether it may be replaced: a hands file may, anything else is somebody's.
+    programs.succeeds("hands", folder / "joints.csv", "-o", folder / "a.jsonl")
+    (folder / "notes.jsonl").write_text("my notes\n")
+    programs.refuses("hands", folder / "joints.csv", "-o", folder / "notes.jsonl", says=["is there already and is no hands file"])
+    programs.refuses("hands", folder / "joints.csv", "-o", folder / "joints.csv", says=["is read as input"])
+    programs.refuses("hands", folder / "joints.csv", "-o", folder / "a.json", says=[".jsonl"])
+    # What was probably forgotten is named.
+    result = programs.run("hands", folder / "joints.csv", "--time-unit", "ms", "-o", folder / "quick.jsonl")
+    assert result.returncode == 0 and "warning: " in result.stderr and "--time-unit" in result.stderr, result.stderr
     told = json.loads(programs.succeeds("hands", folder / "headset.csv", "--up", "y", "--unit", "mm", "--time-unit", "ms", "-o",
                                         folder / "b.jsonl", "--json").stdout)
     assert told["lines"] == told["lines_with_things"] == len(example), told
+    assert told["joints"] == "openxr" and told["right"] and not told["left"] and not told["radii"], told
+    assert all(low < high for low, high in zip(told["low_m"], told["high_m"])) and 0.005 < told["step_s"] < 0.2, told
     for one, other in zip(*((folder / name).read_text().splitlines() for name in ("a.jsonl", "b.jsonl"))):
         one, other = json.loads(one), json.loads(other)
         assert len(one["things"][0]["capsules"]) == 26
@@ -131,7 +144,8 @@ def _(programs, folder):
     programs.succeeds(*run, moved, "--place", "0.5 -0.25 1 0 0 0", "--out", folder / "b")
     a, b = (read_touches(folder / name)[-1]["touches"][0] for name in "ab")
     assert max(abs(p - q) for p, q in zip(a["force"], b["force"])) < 1e-3 * abs(a["force"][2]), (a, b)
-    assert "never touched" in programs.succeeds(*run, moved).stdout
+    said = programs.succeeds(*run, moved).stdout
+    assert re.search(r"never touched\nthing 1 came no nearer than 1\d\d\d\.\d mm to ball, at 0 s\n.*--place", said), said
     scene = folder / "two.toml"
     scene.write_text("".join(f'[[body]]\nname = "{name}"\nfile = "{body}"\n{at}' for name, at in (
         ("one", ""), ("two", 'at = ["500 mm", "-250 mm", "1000 mm"]\n'))))
@@ -152,6 +166,7 @@ def _(programs, folder):
         hands.write_text(text + "\n")
         programs.refuses(*run, says=["hands.jsonl: ", *says])
     programs.refuses("live", body, "--source", folder / "none.jsonl", says=["none.jsonl", "no such file"])
+    programs.refuses("live", body, "--source", folder / "joints.csv", says=["joints.csv: is a table", "palpable hands ", "joints.jsonl"])
     write_lines(hands, [finger(0, 0)])
     programs.refuses("live", programs.small_body(), "--source", hands, says=["ball.palpable: has no tables of touch"])
 

@@ -142,19 +142,106 @@ def test_snapshots_without_stress_and_by_other_methods(tmp_path):
     assert last["pod"] <= last["pgd"] * 1.01
 
 
-def test_shapes_of_snapshots_that_do_not_fit_are_named():
-    nodes, cells = np.zeros((5, 3)), np.array([[0, 1, 2, 3]])
-    good = {"sites": [0, 1], "forces": 1}
-    for u, mesh, parameters, says in (
-        (np.zeros((2, 3, 4, 3)), (nodes, cells), good, r"u has the shape \(2, 3, 4, 3\), not \(2, 3, 5, 3\)"),
-        (np.zeros((2, 5, 3)), (nodes, cells), good, "u has the shape"),
-        (np.zeros((2, 3, 5, 3)), (nodes, cells[:, :3]), good, "tetrahedra"),
-        (np.zeros((2, 3, 5, 3)), (nodes, cells), {"sites": [0, 5], "forces": 1}, "sites name nodes"),
+def cube():
+    """A cube of 5 tetrahedra, its nodes, and two snapshots of two sites that cannot be told from right ones without solving."""
+    nodes = 0.05 * np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
+    cells = np.array([[0, 1, 2, 4], [1, 3, 2, 7], [1, 4, 5, 7], [2, 4, 7, 6], [1, 2, 4, 7]])
+    u = np.zeros((2, 2, 8, 3))
+    for site, node in enumerate((5, 6)):
+        for k, level in enumerate((0.5, 1)):
+            u[site, k, 4:, 2] = -0.001 * level
+            u[site, k, node, 2] -= 0.001 * level + 0.0002 * level**2
+    return nodes, cells, u, {"sites": [5, 6], "forces": 1, "direction": [0, 0, -1], "patch": 0, "held": [0, 1, 2, 3]}
+
+
+def test_what_does_not_fit_is_named_at_once_by_its_argument():
+    nodes, cells, u, good = cube()
+    nan = u.copy()
+    nan[1, 0, 3, 2] = np.nan
+    for change, says in (
+        ({"u": u[:, :, :4]}, r"u has the shape \(2, 2, 4, 3\), not \(2, 2, 8, 3\): sites, levels, nodes, 3"),
+        ({"u": u[0]}, "u has the shape"),
+        ({"u": nan}, r"u\[1, 0, 3, 2\] is nan"),
+        ({"u": [["a"]]}, "u is no array of numbers"),
+        ({"u": 1000 * u}, "u is in metres"),
+        ({"nodes": nodes[:, :2]}, "nodes of the mesh have the shape"),
+        ({"nodes": 1e4 * nodes}, "nodes are in metres"),
+        ({"nodes": np.where(nodes > 0.04, np.inf, nodes)}, "nodes of the mesh"),
+        ({"cells": cells[:, :3]}, "tetrahedra of the mesh have the shape"),
+        ({"cells": cells + 1}, "tetrahedra name nodes that are not among the 8"),
+        ({"cells": cells + 0.5}, "whole numbers"),
+        ({"stress": u}, "stress has the shape"),
+        ({"stress": np.full((2, 2, 8, 6), np.inf)}, r"stress\[0, 0, 0, 0\] is inf"),
+        ({"sites": [5, 8]}, "sites name nodes"),
+        ({"sites": [5, 5]}, "different nodes"),
+        ({"sites": [5, 0]}, "sites name a node that is held"),
+        ({"held": []}, "held names no node"),
+        ({"forces": [1, 2, 3]}, r"forces have the shape \(3,\)"),
+        ({"forces": -1}, "forces are -1.0 N"),
+        ({"levels": [1, 0.5]}, "levels are"),
+        ({"levels": [0.5, 0.9]}, "the last one 1"),
+        ({"direction": "up"}, "direction is 'up'"),
+        ({"direction": [0, 0]}, "direction is"),
+        ({"patch": -1}, "patch is -1"),
+        ({"young": 0}, "young is 0 Pa"),
+        ({"poisson": 0.5}, "poisson is 0.5"),
+        ({"range": 0}, "range is 0 m"),
+        ({"stiffness": {"level": [1, 2]}}, "'level'"),
+        ({"stiffness": {"hard": [2, 1]}}, "two factors or more"),
+        ({"stiffness": {"hard": [1, 2]}}, "not .*sites, levels, hard, nodes, 3"),
+        ({"colour": "red"}, "parameters have no colour"),
     ):
+        given = {"u": u, "nodes": nodes, "cells": cells, "stress": None} | change
+        parameters = good | {name: value for name, value in change.items() if name not in ("u", "nodes", "cells", "stress")}
         with pytest.raises(palpable.WrongArgument, match=says):
-            palpable.snapshots(u, mesh, parameters)
-    with pytest.raises(palpable.WrongArgument, match="stress"):
-        palpable.snapshots(np.zeros((2, 3, 5, 3)), (nodes, cells), good, stress=np.zeros((2, 3, 5, 3)))
+            palpable.snapshots(given["u"], (given["nodes"], given["cells"]), parameters, stress=given["stress"])
+    with pytest.warns(UserWarning, match="are its nodes in metres"):  # millimetres
+        palpable.snapshots(1000 * u, (1000 * nodes, cells), good)
+    with pytest.raises(palpable.WrongArgument, match="pair"):
+        palpable.snapshots(u, nodes, good)
+    with pytest.raises(palpable.WrongArgument, match="sites and forces"):
+        palpable.snapshots(u, (nodes, cells), {"sites": [5, 6]})
+
+
+def test_what_a_program_refuses_is_told_in_the_names_of_the_arguments(tmp_path):
+    nodes, cells, u, good = cube()
+    held_moves = u.copy()
+    held_moves[1, 1, 2] = 0.001
+    for change, says in (
+        ({"u": -u}, r"^u\[0, 0\]: at level 0.5 the patch of site 0 .* order of u's axes"),
+        ({"u": held_moves}, r"^u\[1, 1\]: node 2 is held"),
+        ({"u": 9 * u}, r"^u\[0, 1\]: a node moves by .* is u in metres\? If so, a larger `range` in the parameters"),
+        ({"held": [0]}, "^held does not hold the body"),
+        ({"young": 1e15}, r"^young is 1e\+15 Pa"),
+    ):
+        given = palpable.snapshots(change.get("u", u), (nodes, cells), good | {name: value for name, value in change.items() if name != "u"})
+        with pytest.raises(palpable.ProgramFailed, match=says) as caught:
+            given.reduce(tmp_path / "x.palpable")
+        assert not any(word in str(caught.value) for word in ("toml", "/tmp", "[[", "npy")), caught.value
+    with pytest.raises(palpable.ProgramFailed, match="^method: foo not in"):
+        palpable.snapshots(u, (nodes, cells), good).reduce(tmp_path / "x.palpable", method="foo")
+    (tmp_path / "notes.palpable").write_text("my notes")
+    with pytest.raises(palpable.WrongArgument, match="is there already and is no body file"):
+        palpable.snapshots(u, (nodes, cells), good).reduce(tmp_path / "notes.palpable")
+    assert (tmp_path / "notes.palpable").read_text() == "my notes"
+
+
+@pytest.mark.parametrize("stress", [False, True])
+def test_snapshots_with_a_further_parameter_keep_it_free(tmp_path, stress):
+    h5py()
+    nodes, cells, u, good = cube()
+    factors = [0.5, 1.0, 2.0]
+    varied = np.stack([u / factor for factor in factors], axis=2)
+    sigma = np.full((2, 2, 3, 8, 6), 100.0) * np.array([0.5, 1])[None, :, None, None, None] if stress else None
+    given = palpable.snapshots(varied, (nodes, cells), good | {"stiffness": {"hardness": factors}}, stress=sigma)
+    given.reduce(tmp_path / "x.palpable", tolerance=1e-4)
+    body = palpable.read_body(tmp_path / "x.palpable")
+    assert [axis.name for axis in body.displacement.axes] == ["site", "level", "hardness"]
+    assert body.parameters["hardness"].tolist() == factors
+    soft, hard = (np.abs(body.displacement.at(0, -1, k)).max() for k in (0, 2))
+    assert soft == pytest.approx(4 * hard, rel=1e-2)
+    if stress:
+        assert np.abs(body.stress.at(1, -1, 1)).max() == pytest.approx(100, rel=1e-2)
 
 
 def test_a_film_is_made_played_and_scored(ball, tmp_path):

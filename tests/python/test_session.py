@@ -1,4 +1,8 @@
 """Bodies, sessions, things that press, cameras, and how errors are reported."""
+import copy
+import dataclasses
+import pickle
+
 import numpy as np
 import palpable
 import pytest
@@ -14,6 +18,27 @@ def test_a_finger_is_pushed_back(session):
     assert touch.to_dict()["force_z"] == touch.force[2] and "area" in touch.to_dict()
     session.press([])
     assert session.touches == []
+
+
+def test_records_are_whole_whenever_they_are_read(session):
+    """Their fields are read from C's struct when one is used first."""
+    session.press(finger(0.004))
+    (early,), frame = session.touches, session.frame
+    force, again, pickled = early.force.copy(), session.touches[0], pickle.dumps(session.touches[0])
+    copied = copy.deepcopy(session.touches[0])
+    session.press([])
+    session.close()
+    for touch in (again, copied, pickle.loads(pickled)):
+        assert np.array_equal(touch.force, force) and touch.by is None and touch.thing == 0 and touch.body == 0
+        assert touch.to_dict()["point_z"] == early.point[2] and "depth=" in repr(touch)
+    assert dataclasses.replace(again, depth=0.5).depth == 0.5
+    assert frame.touch_count == 1 and frame.world_from_camera.shape == (4, 4) and frame.camera is palpable.CameraState.STANDS
+    for wrong in ("forces", "__length_hint__", "_nothing"):
+        assert not hasattr(again, wrong)
+    with pytest.raises(AttributeError):
+        early.depth = 1.0
+    with pytest.raises(ValueError):
+        early.force[0] = 1.0
 
 
 def test_touches_carry_the_ids_of_things(session):

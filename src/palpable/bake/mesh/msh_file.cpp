@@ -1,6 +1,7 @@
 #include "palpable/bake/mesh/msh_file.h"
 
 #include "palpable/bake/mesh/mesh_text.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/base/output_file.h"
 
 #include <fmt/format.h>
@@ -89,7 +90,7 @@ class MshReader {
 
   FileMesh read() {
     while (const auto line = text_.next_line()) {
-      if (*line == "$MeshFormat") {
+      if (*line == kGmshMark) {
         read_format();
       } else if (*line == "$PhysicalNames") {
         read_names();
@@ -321,7 +322,7 @@ class MshReader {
 
 // Binary files hold zero bytes; without this, they would be refused as damaged texts.
 std::string why_no_msh(std::string_view first, std::uintmax_t /*size*/) {
-  const std::size_t at = first.find("$MeshFormat");
+  const std::size_t at = first.find(kGmshMark);
   if (at == std::string_view::npos) return {};
   const std::string_view line = first.substr(std::min(first.find('\n', at), first.size() - 1) + 1);
   const std::size_t kind = line.find_first_not_of(' ', line.find(' '));

@@ -318,12 +318,11 @@ void require_complete(const SnapshotStore& store, const Points& points, const Pr
   }
 }
 
-// A zero field, for snapshots without stress.
-SeparatedField zero_field(Index values, int sites, const VectorXd& levels) {
-  return {Eigen::MatrixXf::Zero(values, 1),
-          {{"site", VectorXd::LinSpaced(sites, 0.0, sites - 1.0), MatrixXd::Zero(sites, 1),
-            Between::kNothing},
-           {"level", levels, MatrixXd::Zero(levels.size(), 1), Between::kSmooth}}};
+// A zero field of the same parameters, for snapshots without stress.
+SeparatedField zero_field(Index values, const SeparatedField& displacement) {
+  std::vector<ParameterAxis> axes = displacement.axes();
+  for (ParameterAxis& axis : axes) axis.functions = MatrixXd::Zero(axis.samples.size(), 1);
+  return {Eigen::MatrixXf::Zero(values, 1), std::move(axes)};
 }
 
 // Adds the parameters that stay free, and the presses at all their values.
@@ -377,12 +376,13 @@ ReducedFields reduce_fields(const SnapshotStore& store, const Boundary& boundary
   std::future<ReducedField> beside = std::async(std::launch::async, [&] {
     return reduce_one(*moved, stressed == nullptr ? progress : Progress{});
   });
-  ReducedField sigma = stressed != nullptr
-                           ? reduce_one(*stressed, progress)
-                           : ReducedField{zero_field(6 * boundary.surface.vertices.cols(),
-                                                     content.site_count(), content.levels),
-                                          {}};
-  return {beside.get(), std::move(sigma), stressed != nullptr};
+  if (stressed != nullptr) {
+    ReducedField sigma = reduce_one(*stressed, progress);
+    return {beside.get(), std::move(sigma), true};
+  }
+  ReducedField u = beside.get();
+  ReducedField none{zero_field(6 * boundary.surface.vertices.cols(), u.field), {}};
+  return {std::move(u), std::move(none), false};
 }
 
 // The body without its presses, with the store's provenance. Moves the fields, but not their

@@ -21,6 +21,10 @@ std::string_view after_blanks(std::string_view text) {
   return at == std::string_view::npos ? std::string_view{} : text.substr(at);
 }
 
+bool has_word(std::string_view text, std::string_view word) {
+  return text.find(word) != std::string_view::npos;
+}
+
 std::string_view name_of(FileFormat format) {
   switch (format) {
     case FileFormat::kBody:
@@ -39,6 +43,8 @@ std::string_view name_of(FileFormat format) {
       return "recording of palpable live --record";
     case FileFormat::kWebFile:
       return "delivery file of palpable export --to web";
+    case FileFormat::kHands:
+      return "hands file, a line of JSON with a time and things";
   }
   return {};
 }
@@ -48,21 +54,24 @@ std::string_view name_of(FileFormat format) {
 bool begins_as(std::string_view first, FileFormat format) {
   switch (format) {
     case FileFormat::kBody:
-      return first.starts_with("palpable body file");
+      return first.starts_with(kBodyMark);
     case FileFormat::kHdf5:
-      return first.starts_with("\x89HDF\r\n\x1a\n");
+      return first.starts_with(kHdf5Mark);
     case FileFormat::kNpy:
-      return first.starts_with("\x93NUMPY");
+      return first.starts_with(kNpyMark);
     case FileFormat::kXml:
       return after_blanks(first).starts_with('<');
     case FileFormat::kGmsh:
-      return after_blanks(first).starts_with("$MeshFormat");
+      return after_blanks(first).starts_with(kGmshMark);
     case FileFormat::kDeck:
       return after_blanks(first).starts_with('*');
     case FileFormat::kRecording:
-      return first.starts_with("PALPREC\n");
+      return first.starts_with(kRecordingMark);
     case FileFormat::kWebFile:
-      return first.starts_with("PALPWEB\n");
+      return first.starts_with(kWebFileMark);
+    case FileFormat::kHands:
+      return after_blanks(first).starts_with('{') && has_word(first, "\"time\"") &&
+             has_word(first, "\"things\"");
   }
   return false;
 }

@@ -8,6 +8,15 @@
 
 namespace palpable {
 
+/// The first bytes of files, which their readers and writers know, too.
+inline constexpr std::string_view kBodyMark = "palpable body file";
+inline constexpr std::string_view kHdf5Mark = "\x89HDF\r\n\x1a\n";
+inline constexpr std::string_view kNpyMark = "\x93NUMPY";
+inline constexpr std::string_view kRecordingMark = "PALPREC\n";
+inline constexpr std::string_view kWebFileMark = "PALPWEB\n";
+/// After blanks.
+inline constexpr std::string_view kGmshMark = "$MeshFormat";
+
 enum class FileFormat {
   kBody,       ///< body files
   kHdf5,       ///< the numbers beside XDMF
@@ -17,6 +26,7 @@ enum class FileFormat {
   kDeck,       ///< .inp of Abaqus and CalculiX
   kRecording,  ///< of `live --record`
   kWebFile,    ///< delivery files of `export --to web`
+  kHands,      ///< hands files of `palpable hands`
 };
 
 /// Whether bytes at the beginning of a file are those of the format. A deck is recognised by a line

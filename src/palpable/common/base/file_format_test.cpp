@@ -25,7 +25,8 @@ TEST_CASE("an output replaces a file of its own format, and no other", "[base]")
       {FileFormat::kGmsh, "$MeshFormat\n4.1"},
       {FileFormat::kDeck, "** a comment\n*NODE\n"},
       {FileFormat::kRecording, "PALPREC\n...."},
-      {FileFormat::kWebFile, "PALPWEB\n...."}};
+      {FileFormat::kWebFile, "PALPWEB\n...."},
+      {FileFormat::kHands, "{\"time\":0.000000,\"things\":[]}\n"}};
   const std::filesystem::path file = folder.path() / "mine";
   for (const auto& [format, text] : kBeginnings) {
     INFO(text);

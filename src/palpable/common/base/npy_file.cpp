@@ -2,6 +2,7 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/whole_file.h"
 
@@ -18,8 +19,6 @@
 
 namespace palpable {
 namespace {
-
-constexpr std::string_view kMagic = "\x93NUMPY";
 
 std::size_t count_of(const std::vector<std::size_t>& shape) {
   std::size_t count = 1;
@@ -90,7 +89,7 @@ void convert(const char* bytes, std::vector<double>& values) {
 }
 
 NpyHeader header_of(std::string_view bytes) {
-  if (bytes.size() < 12 || !bytes.starts_with(kMagic)) {
+  if (bytes.size() < 12 || !bytes.starts_with(kNpyMark)) {
     throw NpyDefect{"not a file of NumPy (.npy)"};
   }
   const auto byte = [&](std::size_t i) {
@@ -131,7 +130,7 @@ void write_npy(const std::filesystem::path& path, const std::vector<std::size_t>
   header += '\n';
   const char first[] = {'\x01', '\0', static_cast<char>(header.size() % 256),
                         static_cast<char>(header.size() / 256)};
-  write_whole_file(path, {kMagic,
+  write_whole_file(path, {kNpyMark,
                           std::string_view(first, sizeof first),
                           header,
                           {reinterpret_cast<const char*>(values.data()), values.size_bytes()}});

@@ -1,5 +1,6 @@
 #include "palpable/common/body_file/body_file.h"
 
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/body_file/body_file_groups.h"
 #include "palpable/common/body_file/hdf5_tools.h"
 
@@ -16,7 +17,7 @@ namespace {
 
 using hdf5::Trouble;
 
-constexpr hdf5::ImageKind kBody{"palpable body file", kBodyFileVersion, "a body file of Palpable",
+constexpr hdf5::ImageKind kBody{kBodyMark, kBodyFileVersion, "a body file of Palpable",
                                 "bake the body again"};
 
 ReducedBody from_bytes(const std::string& bytes, const ReadGroups& further = {}) {

@@ -1,5 +1,6 @@
 #include "palpable/common/body_file/foreign_hdf5.h"
 
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/whole_file.h"
 
@@ -94,7 +95,6 @@ T number_at(std::string_view bytes, std::size_t at) {
 // Why HDF5 does not open a file, by its superblock, which says how long the file is. It begins at
 // byte 0, or at 512 times a power of two.
 std::string why_not_opened(const std::filesystem::path& path) {
-  constexpr std::string_view kSignature = "\x89HDF\r\n\x1a\n";
   constexpr std::size_t kLookedAt = 1 << 16, kLongestBlock = 64;
   std::error_code code;
   const std::uintmax_t size = std::filesystem::file_size(path, code);
@@ -104,7 +104,7 @@ std::string why_not_opened(const std::filesystem::path& path) {
   bytes.resize(static_cast<std::size_t>(file.gcount()));
   for (std::size_t at = 0; at < bytes.size(); at = at == 0 ? 512 : 2 * at) {
     const std::string_view block = std::string_view(bytes).substr(at);
-    if (!block.starts_with(kSignature)) continue;
+    if (!block.starts_with(kHdf5Mark)) continue;
     // Version; the width of addresses; where the address of the file's end is.
     const int version = block.size() > 8 ? block[8] : 0;
     const std::size_t width = version < 2 ? 13 : 9;

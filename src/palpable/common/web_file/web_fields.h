@@ -26,7 +26,6 @@
 
 namespace palpable::web {
 
-inline constexpr std::string_view kMagic = "PALPWEB\n";
 inline constexpr std::string_view kFormat = "palpable web body";
 inline constexpr std::size_t kPrefix = 32;      ///< bytes before the header
 inline constexpr std::size_t kHashedFrom = 24;  ///< the first byte that the checksum covers

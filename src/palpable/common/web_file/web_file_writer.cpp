@@ -1,5 +1,6 @@
 #include "palpable/common/base/checksum.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/base/whole_file.h"
@@ -211,7 +212,7 @@ std::string Writer::file(const ReducedBody& body) && {
   header["provenance"] = json_of(body.provenance);
   header["arrays"] = std::move(arrays_);
   const std::string text = padded_to_alignment(header.dump(), ' ');
-  std::string bytes(kMagic);
+  std::string bytes(kWebFileMark);
   bytes.resize(kPrefix, '\0');
   put_number(bytes, kHashedFrom, text.size());
   bytes += text;
@@ -277,7 +278,7 @@ Result<TouchableBody> load_web_file(const std::filesystem::path& path) {
     return Problem{fmt::format("{}: {}", path.string(), problem.message)};
   };
   const auto foreign = [](std::string_view first, std::uintmax_t /*size*/) {
-    const bool ours = first.starts_with(web::kMagic) || web::kMagic.starts_with(first);
+    const bool ours = first.starts_with(kWebFileMark) || kWebFileMark.starts_with(first);
     return ours ? std::string() : std::string("is no delivery file of Palpable");
   };
   const Result<std::string> bytes =

@@ -2,6 +2,7 @@
 
 #include "palpable/common/base/checksum.h"
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/common/reduced/body_check.h"
 #include "palpable/common/web_file/web_file.h"
 
@@ -41,8 +42,8 @@ std::size_t size_of_type(std::string_view type) {
 
 // What is wrong with the bytes before the header; empty: nothing.
 std::string trouble_of_prefix(std::span<const std::byte> file) {
-  const std::string_view begin = as_text(file.first(std::min(file.size(), kMagic.size())));
-  if (begin.empty() || !kMagic.starts_with(begin)) {
+  const std::string_view begin = as_text(file.first(std::min(file.size(), kWebFileMark.size())));
+  if (begin.empty() || !kWebFileMark.starts_with(begin)) {
     return "is no delivery file of Palpable, which palpable export BODY --to web writes";
   }
   if (file.size() < kPrefix) return fmt::format("is cut short: it has {} bytes", file.size());

@@ -3,9 +3,9 @@
 #include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/output_file.h"
+#include "palpable/live/calibrate/foreign_lens.h"
 #include "palpable/live/calibrate/yaml_matrix.h"
 
-#include <Eigen/SVD>
 #include <fmt/core.h>
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -123,28 +123,13 @@ std::vector<double> matrix(const cv::FileStorage& file, const char* name, std::s
 DistortedCamera read_lens(const cv::FileStorage& file, char eye, int width, int height) {
   const std::string k_name = {'K', eye};
   const std::string d_name = {'D', eye};
-  const std::vector<double> K = matrix(file, k_name.c_str(), 9);
-  if (std::abs(K[1]) > 1e-9 * std::abs(K[0]) || K[3] != 0 || K[6] != 0 || K[7] != 0 || K[8] != 1) {
-    throw Unusable{fmt::format("has {} that is not fx 0 cx / 0 fy cy / 0 0 1", k_name)};
-  }
-  const std::vector<double> D = matrix(file, d_name.c_str());
-  if (D.size() != 4 && D.size() != 5 && D.size() != 8 && D.size() != 12 && D.size() != 14) {
-    throw Unusable{
-        fmt::format("has {} of {} numbers; k1 k2 p1 p2 [k3] are 4 or 5", d_name, D.size())};
-  }
-  DistortedCamera camera;
-  camera.pinhole = {width, height, K[0], K[4], K[2], K[5]};
-  for (std::size_t i = 0; i < D.size(); ++i) {
-    if (i < camera.distortion.size()) {
-      camera.distortion[i] = D[i];
-    } else if (D[i] != 0) {
-      throw Unusable{fmt::format(
-          "has {} with a rational or thin-prism lens model; only k1 k2 p1 p2 k3 are supported, so "
-          "calibrate without CALIB_RATIONAL_MODEL",
-          d_name)};
-    }
-  }
-  return camera;
+  const Result<PinholeCamera> pinhole =
+      camera_of_matrix(matrix(file, k_name.c_str(), 9), k_name, width, height);
+  if (!pinhole.ok()) throw Unusable{pinhole.problem().message};
+  const Result<DistortedCamera> lens =
+      lens_of_model(pinhole.value(), matrix(file, d_name.c_str()), {});
+  if (!lens.ok()) throw Unusable{fmt::format("{} ({})", lens.problem().message, d_name)};
+  return lens.value();
 }
 
 double frame_rate(const cv::FileStorage& file) {
@@ -168,15 +153,8 @@ StereoCalibration stereo_from(const cv::FileStorage& file) {
   calibration.rate_is_stated = !file["fps"].empty();
   const std::string wrong = what_is_wrong_with(calibration.rig);
   if (!wrong.empty()) throw Unusable{"cannot be used: " + wrong};
-
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(calibration.rig.right_from_left.linear(),
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();
-  // A matrix that is a rotation except for rounding is not changed, so that writing and reading
-  // preserve every bit.
-  if ((nearest - calibration.rig.right_from_left.linear()).cwiseAbs().maxCoeff() > 1e-12) {
-    calibration.rig.right_from_left.linear() = nearest;
-  }
+  calibration.rig.right_from_left.linear() =
+      nearest_rotation(calibration.rig.right_from_left.linear());
   return calibration;
 }
 

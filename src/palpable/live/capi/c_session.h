@@ -54,9 +54,7 @@ struct palpable_session {
   /// Back to the state before the first frame.
   void reset();
 
-  static constexpr std::size_t kMostCapsules = 4096;
-  static constexpr std::size_t kMostThings = 256;
-  /// @param things  whose ids differ, with kMostCapsules together at most
+  /// @param things  within the limits of thing_limits.h; their ids differ
   /// @param at      s
   void process_things(std::span<const palpable_thing> things, double at);
 

@@ -8,6 +8,7 @@
 #include "palpable/live/capi/palpable.h"
 #include "palpable/live/capi/poses.h"
 #include "palpable/live/capi/session_camera.h"
+#include "palpable/live/things/thing_limits.h"
 
 #include <fmt/core.h>
 
@@ -50,19 +51,27 @@ palpable_session& opened_without_camera(palpable_session* session, const char* f
 }
 
 void check_capsule(const palpable_capsule& capsule, std::size_t index) {
-  constexpr double kFarthest = 1000, kLeastRadius = 1e-4, kMostRadius = 100;  // m
-  const auto refuse = [&](const char* what, double value, const char* bounds) {
+  const auto refuse = [&](const char* what, double value, const std::string& bounds) {
     throw Failure(PALPABLE_WRONG_ARGUMENT,
                   fmt::format("capsule {}: {} is {} m, not within {}", index, what, value, bounds));
   };
   for (int k = 0; k < 3; ++k) {  // the comparisons are false for NaN
     for (const double x : {capsule.a[k], capsule.b[k]}) {
-      if (!(std::abs(x) <= kFarthest)) refuse("a coordinate", x, "1000 m from 0");
+      if (std::abs(x) <= palpable::kFarthestThing) continue;
+      refuse("a coordinate", x, fmt::format("{:g} m from 0", palpable::kFarthestThing));
     }
   }
   for (const double r : {capsule.radius_a, capsule.radius_b}) {
-    if (!(r >= kLeastRadius && r <= kMostRadius)) refuse("a radius", r, "0.1 mm and 100 m");
+    if (r >= palpable::kLeastThingRadius && r <= palpable::kMostThingRadius) continue;
+    refuse("a radius", r,
+           fmt::format("{:g} mm and {:g} m", 1e3 * palpable::kLeastThingRadius,
+                       palpable::kMostThingRadius));
   }
+}
+
+void require_at_most(std::size_t most, std::size_t count, const char* what) {
+  if (count <= most) return;
+  throw Failure(PALPABLE_WRONG_ARGUMENT, fmt::format("more than {} {}", most, what));
 }
 
 // A thing of a caller's list, whose structs may be larger or smaller than ours.
@@ -81,8 +90,9 @@ palpable_thing checked_thing(const palpable_thing* things, std::size_t index) {
   if (thing.capsules == nullptr && thing.count > 0) {
     throw Failure(PALPABLE_WRONG_ARGUMENT, name + ": capsules is null");
   }
-  if (thing.count > palpable_session::kMostCapsules) {
-    throw Failure(PALPABLE_WRONG_ARGUMENT, name + ": more than 4096 capsules");
+  if (thing.count > palpable::kMostThingCapsules) {
+    throw Failure(PALPABLE_WRONG_ARGUMENT,
+                  fmt::format("{}: more than {} capsules", name, palpable::kMostThingCapsules));
   }
   for (std::size_t k = 0; k < thing.count; ++k) check_capsule(thing.capsules[k], k);
   return thing;
@@ -98,7 +108,7 @@ void check_together(std::span<const palpable_thing> things) {
                     fmt::format("things {} and {} have the same id {}", j, k, things[k].id));
     }
   }
-  require(capsules <= palpable_session::kMostCapsules, "more than 4096 capsules together");
+  require_at_most(palpable::kMostThingCapsules, capsules, "capsules together");
 }
 
 void write(const Eigen::Vector3d& from, double to[3]) { Eigen::Vector3d::Map(to) = from; }
@@ -124,7 +134,7 @@ palpable_status palpable_open(const palpable_body* const* bodies, size_t count,
     require(session != nullptr, "session is null");
     *session = nullptr;
     require(bodies != nullptr && count > 0, "a session has a body");
-    require(count <= kMostBodies, "more than 64 bodies");
+    require_at_most(kMostBodies, count, "bodies");
     std::vector<palpable_body> standing;
     for (std::size_t k = 0; k < count; ++k) {
       require(bodies[k] != nullptr, "one of the bodies is null");
@@ -151,7 +161,7 @@ palpable_status palpable_press(palpable_session* session, const palpable_capsule
   return guarded([&] {
     palpable_session& open = opened_without_camera(session, "palpable_press");
     require(capsules != nullptr || count == 0, "capsules is null");
-    require(count <= palpable_session::kMostCapsules, "more than 4096 capsules");
+    require_at_most(palpable::kMostThingCapsules, count, "capsules");
     for (std::size_t k = 0; k < count; ++k) check_capsule(capsules[k], k);
     const palpable_thing thing{sizeof(palpable_thing), 0, capsules, count};
     open.process_things({&thing, 1}, open.frames == 0 ? 1 : open.time + 1);
@@ -164,8 +174,8 @@ palpable_status palpable_press_at(palpable_session* session, const palpable_thin
     palpable_session& open = opened_without_camera(session, "palpable_press_at");
     palpable::check_time(open, seconds);
     require(things != nullptr || count == 0, "things is null");
-    require(count <= palpable_session::kMostThings, "more than 256 things");
-    std::array<palpable_thing, palpable_session::kMostThings> taken;
+    require_at_most(palpable::kMostThings, count, "things");
+    std::array<palpable_thing, palpable::kMostThings> taken;
     for (std::size_t k = 0; k < count; ++k) taken[k] = checked_thing(things, k);
     const std::span<const palpable_thing> checked = std::span(taken).first(count);
     check_together(checked);

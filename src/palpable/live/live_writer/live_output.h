@@ -110,7 +110,7 @@ struct FrameLines {
   double time = 0;  // s
   std::vector<Touch> touches;
   std::vector<std::int64_t> things = {};  // Scene::things
-  Answer answer = Answer::kNotJudged;
+  std::optional<Reached> answer = {};     // Scene::answer
   std::vector<Body> bodies;
   TrackedPose camera;
   double row_correction_px = 0;

@@ -1,6 +1,7 @@
 #include "palpable/live/play/hands_conversion.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/base/order_statistics.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/desk/clip_files/clip_hands.h"
 #include "palpable/desk/clip_files/text_file.h"
@@ -53,6 +54,13 @@ struct Row {
   std::vector<double> numbers;   // empty: the hand was not tracked
 };
 
+std::string in_small_letters(std::string_view text) {
+  std::string word(text);
+  std::transform(word.begin(), word.end(), word.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return word;
+}
+
 Row row_of(const std::vector<std::string_view>& cells) {
   Row row;
   const auto time = to_number(cells[0]);
@@ -60,10 +68,7 @@ Row row_of(const std::vector<std::string_view>& cells) {
   row.time = *time;
   std::size_t first = 1;
   if (cells.size() > 1 && !cells[1].empty() && !to_any_number(cells[1])) {
-    std::string word(cells[1]);
-    std::transform(word.begin(), word.end(), word.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    row.side = hand_side_named(word);
+    row.side = hand_side_named(in_small_letters(cells[1]));
     if (!row.side) {
       throw Error(fmt::format(
           "'{}' is neither a number nor left or right; a row is time, side, coordinates",
@@ -109,8 +114,8 @@ Shape shape_of(std::size_t numbers, const std::optional<HandLayout>& layout) {
                           expected_numbers(kLayouts[2])));
 }
 
-TrackedHand hand_of(const Row& row, const JointsTable& table) {
-  const auto [layout, a_joint] = shape_of(row.numbers.size(), table.layout);
+TrackedHand hand_of(const Row& row, const Shape& shape, const JointsTable& table) {
+  const auto& [layout, a_joint] = shape;
   std::vector<Eigen::Vector3d> joints;
   std::vector<double> radii;
   for (std::size_t k = 0; k < row.numbers.size(); k += a_joint) {
@@ -121,6 +126,16 @@ TrackedHand hand_of(const Row& row, const JointsTable& table) {
   const auto hand = tracked_hand(layout, row.side.value_or(table.side), joints, radii);
   if (!hand.ok()) throw Error(hand.problem().message + " (--unit says in what they are)");
   return hand.value();
+}
+
+// Notes what the first hand's row says of the table.
+void note_first_hand(const Row& row, const Shape& shape, const std::vector<std::string>& names,
+                     const JointsTable& table, JointsFound& found) {
+  found.layout = shape.layout;
+  found.is_counted = !table.layout;
+  found.has_radii = shape.a_joint == 4;
+  const std::size_t column = row.side ? 2 : 1;
+  if (names.size() > column) found.first_name = names[column];
 }
 
 // Adds a hand to the things of a line.
@@ -139,15 +154,21 @@ void add_hand(const TrackedHand& hand, HandSide side, ThingsLine& line) {
 
 }  // namespace
 
-std::vector<ThingsLine> read_joints_table(const fs::path& path, const JointsTable& table) {
-  std::vector<ThingsLine> lines;
+JointsRead read_joints_table(const fs::path& path, const JointsTable& table) {
+  JointsRead read;
+  std::vector<ThingsLine>& lines = read.lines;
+  std::vector<std::string> names;
   std::optional<double> first_time, time_before;  // in the table's unit
   bool may_be_names = true;
   for_each_line(path, [&](const std::string& text) {
     if (text.starts_with('#')) return;
     const std::vector<std::string_view> cells = cells_of(text);
     const bool may_skip = std::exchange(may_be_names, false);
-    if (cells.empty() || (may_skip && !to_number(cells[0]))) return;
+    if (cells.empty()) return;
+    if (may_skip && !to_number(cells[0])) {
+      names.assign(cells.begin(), cells.end());
+      return;
+    }
     if (has_decimal_commas(text)) throw Error(std::string(kDecimalCommas));
     const Row row = row_of(cells);
     if (!first_time) first_time = row.time;
@@ -159,10 +180,15 @@ std::vector<ThingsLine> read_joints_table(const fs::path& path, const JointsTabl
     }
     time_before = row.time;
     if (row.numbers.empty()) return;
-    add_hand(hand_of(row, table), row.side.value_or(table.side), lines.back());
+    const Shape shape = shape_of(row.numbers.size(), table.layout);
+    const HandSide side = row.side.value_or(table.side);
+    JointsFound& found = read.found;
+    if (!found.has_left && !found.has_right) note_first_hand(row, shape, names, table, found);
+    (side == HandSide::kLeft ? found.has_left : found.has_right) = true;
+    add_hand(hand_of(row, shape, table), side, lines.back());
   });
   if (lines.empty()) throw Error(fmt::format("{}: has no row of joints", path.string()));
-  return lines;
+  return read;
 }
 
 std::vector<ThingsLine> read_clip_things(const fs::path& clip, const std::string& body) {
@@ -179,12 +205,55 @@ std::vector<ThingsLine> read_clip_things(const fs::path& clip, const std::string
 
 HandsText hands_text(const std::vector<ThingsLine>& lines) {
   HandsText all{.lines = lines.size()};
+  std::vector<double> steps;
+  std::optional<double> before;
   for (const ThingsLine& line : lines) {
+    if (before) steps.push_back(line.time - *before);
+    before = line.time;
     all.text += things_line(line);
     if (!line.things.empty()) ++all.pressing;
+    for (const Capsule& capsule : line.capsules) all.box.extend(capsule.a).extend(capsule.b);
   }
   if (!lines.empty()) all.seconds = lines.back().time - lines.front().time;
+  if (!steps.empty()) all.step = percentile(std::move(steps), 0.5);
   return all;
+}
+
+std::vector<std::string> joints_warnings(const HandsText& made, const JointsTable& table,
+                                         const JointsFound& found) {
+  constexpr double kLongestStep = 1, kShortestStep = 1e-3;  // s, of any tracker
+  std::vector<std::string> warnings;
+  if (found.is_counted && found.layout == HandLayout::kWebXr && !found.first_name.empty() &&
+      in_small_letters(found.first_name).find("wrist") == std::string::npos) {
+    warnings.push_back(fmt::format(
+        "25 joints were taken for WebXR's, the first one for the wrist; the table names "
+        "it {}, and names are not read: --joints webxr says that they are WebXR's; a "
+        "tracker with other joints has to be brought into one of the orders of "
+        "docs/hands.md",
+        found.first_name));
+  }
+  if (made.step > kLongestStep || (made.step > 0 && made.step < kShortestStep)) {
+    warnings.push_back(fmt::format(
+        "there are {:.3g} s from line to line, a tracker has 8 to 40 ms: is the time in "
+        "another unit? --time-unit says in which",
+        made.step));
+  }
+  if (made.box.isEmpty()) return warnings;
+  // Bodies stand on Z = 0, and so do the floors of most trackers.
+  const Eigen::Vector3d &low = made.box.min(), &high = made.box.max();
+  if (!table.has_y_up && high.z() < 0 && low.y() > 0) {
+    warnings.push_back(
+        fmt::format("all joints are below the floor: Z ends at {:.2f} m, while Y begins at {:.2f} "
+                    "m; does Y point up in the table? --up y says so",
+                    high.z(), low.y()));
+  }
+  if (table.has_y_up && high.z() < 0 && high.y() < 0) {
+    warnings.push_back(
+        fmt::format("all joints are below the floor: the table's Y ends at {:.2f} m, while its Z "
+                    "begins at {:.2f} m; does Z point up in the table? Then leave out --up y",
+                    high.z(), -high.y()));
+  }
+  return warnings;
 }
 
 }  // namespace palpable

@@ -6,6 +6,8 @@
 #include "palpable/common/geometry/tracked_hand.h"
 #include "palpable/live/session/things_line.h"
 
+#include <Eigen/Geometry>
+
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -23,6 +25,19 @@ struct JointsTable {
   bool has_y_up = false;                  ///< (x, y, z) is turned to (x, -z, y): Z up
 };
 
+/// What was found in a table of joints.
+struct JointsFound {
+  HandLayout layout = HandLayout::kOpenXr;  ///< of the first hand
+  bool is_counted = false;                  ///< the number of columns said which layout it is
+  bool has_radii = false;
+  bool has_left = false, has_right = false;
+  std::string first_name;  ///< of the first joint's first column; empty: there are no names
+};
+struct JointsRead {
+  std::vector<ThingsLine> lines;
+  JointsFound found;
+};
+
 /// The lines of a table of joints. One row is one hand at one time:
 ///
 ///     time,side,x0,y0,z0,x1,...           side: left or right; the column may be left out
@@ -34,8 +49,8 @@ struct JointsTable {
 /// Times begin at 0.
 /// @throws Error naming file and row of what cannot be read, and of what is no hand
 /// (tracked_hand())
-[[nodiscard]] std::vector<ThingsLine> read_joints_table(const std::filesystem::path& path,
-                                                        const JointsTable& table);
+[[nodiscard]] JointsRead read_joints_table(const std::filesystem::path& path,
+                                           const JointsTable& table);
 
 /// The true hand of a clip (clip_files/clip_hands.h), a line for each frame, in the frame of the
 /// body: without --place the body stands where it stood in the film. The capsules of everything
@@ -51,7 +66,14 @@ struct HandsText {
   std::size_t lines = 0;
   std::size_t pressing = 0;  ///< lines with something that may press
   double seconds = 0;        ///< from the first line to the last
+  double step = 0;           ///< s, the usual one from line to line; 0: there are not two lines
+  Eigen::AlignedBox3d box;  ///< m, of the axes of all capsules: little more than that of the joints
 };
 [[nodiscard]] HandsText hands_text(const std::vector<ThingsLine>& lines);
+
+/// What in a table seems to be something else than what it was taken for; each names the option.
+[[nodiscard]] std::vector<std::string> joints_warnings(const HandsText& made,
+                                                       const JointsTable& table,
+                                                       const JointsFound& found);
 
 }  // namespace palpable

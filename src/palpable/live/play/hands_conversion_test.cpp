@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,15 @@ std::string cells(const std::vector<Vector3d>& joints, double scale, const char*
 std::vector<ThingsLine> lines_of(const std::string& text, const JointsTable& table = {}) {
   const test::ScratchFolder folder("joints_table");
   write_whole_file(folder / "joints.csv", text);
-  return read_joints_table(folder / "joints.csv", table);
+  return read_joints_table(folder / "joints.csv", table).lines;
+}
+
+// What is said of a table.
+std::vector<std::string> warnings_of(const std::string& text, const JointsTable& table = {}) {
+  const test::ScratchFolder folder("joints_warnings");
+  write_whole_file(folder / "joints.csv", text);
+  const JointsRead read = read_joints_table(folder / "joints.csv", table);
+  return joints_warnings(hands_text(read.lines), table, read.found);
 }
 
 void check_capsules(const ThingsLine& line, const ThingsLine::Thing& thing, HandSide side,
@@ -124,6 +133,62 @@ TEST_CASE("what is no table of joints is refused with its row and the reason", "
   refuses(row + "2,3,x\n", "line 2: column 3: 'x' is no number");
   refuses("1" + cells(flat_hand({0, 0, 0}), 1e3) + "\n", "(--unit says in what they are)");
   refuses("1;0,5;1,25\n2;0,5;1,25\n", "has decimal commas");
+}
+
+TEST_CASE("what was found in a table is told", "[play]") {
+  const test::ScratchFolder folder("joints_found");
+  const auto read = [&](const std::string& text, const JointsTable& table = {}) {
+    write_whole_file(folder / "joints.csv", text);
+    return read_joints_table(folder / "joints.csv", table);
+  };
+  const std::vector<Vector3d> joints = flat_hand({0.1, 0.2, 0.3});
+  const JointsRead one = read("time,side,x0\n1,Left" + cells(joints, 1) + "\n");
+  CHECK(one.found.layout == HandLayout::kMediaPipe);
+  CHECK(one.found.is_counted);
+  CHECK_FALSE(one.found.has_radii);
+  CHECK((one.found.has_left && !one.found.has_right));
+  CHECK(one.found.first_name == "x0");
+  const HandsText made =
+      hands_text(read("0" + cells(joints, 1) + "\n0.02" + cells(joints, 1) + "\n").lines);
+  CHECK(made.step == Approx(0.02));
+  CHECK(made.box.contains(Vector3d(0.1, 0.2, 0.3)));
+  CHECK(made.box.sizes().maxCoeff() < 0.25);
+  CHECK(hands_text({}).box.isEmpty());
+}
+
+TEST_CASE("a table that is probably something else than what it was taken for is warned of",
+          "[play]") {
+  const auto rows = [](const std::vector<Vector3d>& joints, double step) {
+    return fmt::format("0{0}\n{1}{0}\n", cells(joints, 1), step);
+  };
+  const std::vector<Vector3d> hand = flat_hand({0.1, 0.2, 0.3});
+  CHECK(warnings_of(rows(hand, 0.02)).empty());
+  const auto has = [](const std::vector<std::string>& warnings, const std::string& says) {
+    INFO(says);
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings.front(), Contains(says));
+  };
+  has(warnings_of(rows(hand, 20)), "--time-unit");
+  has(warnings_of(rows(hand, 2e-5)), "--time-unit");
+  std::vector<Vector3d> headset;  // 1 m above the floor along Y, before the user along -Z
+  for (const Vector3d& x : flat_hand({0, 0, 0}))
+    headset.emplace_back(x.x(), 1 + x.z(), -0.5 - x.y());
+  has(warnings_of(rows(headset, 0.02)), "--up y says so");
+  CHECK(warnings_of(rows(headset, 0.02), {.has_y_up = true}).empty());
+  const std::vector<Vector3d> behind = flat_hand({0, -0.5, 0.3});  // Z up
+  CHECK(warnings_of(rows(behind, 0.02)).empty());
+  has(warnings_of(rows(behind, 0.02), {.has_y_up = true}), "leave out --up y");
+  // 25 joints: WebXR's order is assumed.
+  std::vector<Vector3d> webxr = hand;
+  for (const std::size_t metacarpal : {5, 10, 15, 20}) {
+    webxr.insert(webxr.begin() + static_cast<std::ptrdiff_t>(metacarpal),
+                 hand[0] + Vector3d(0.03, 0, 0));
+  }
+  REQUIRE(webxr.size() == 25);
+  CHECK(warnings_of(rows(webxr, 0.02)).empty());
+  CHECK(warnings_of("time,Wrist_x\n" + rows(webxr, 0.02)).empty());
+  has(warnings_of("time,palm.x\n" + rows(webxr, 0.02)), "palm.x");
+  CHECK(warnings_of("time,palm.x\n" + rows(webxr, 0.02), {.layout = HandLayout::kWebXr}).empty());
 }
 
 TEST_CASE("the hand of a clip stands in the frame of its body", "[play]") {

@@ -340,12 +340,6 @@ LiveSummary summary(const PlayOptions& options, const LiveSetUp& setup, const Pl
   return result;
 }
 
-// Locks the output folder against other runs; empty if nothing is written.
-std::optional<FolderLock> lock_of(const fs::path& out) {
-  if (out.empty()) return std::nullopt;
-  return std::optional<FolderLock>(std::in_place, out);
-}
-
 LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& run) {
   const Session& session = run.loop.session;
   LiveOutputSettings settings;
@@ -398,22 +392,6 @@ std::string text_of_depth_files(const LiveSummary::Depth& depth) {
       100 * *depth.written, 100 * depth.kept, 65534 * kDepthUnit, depth.median);
 }
 
-// The files that a run has left.
-std::string text_of_files(const LiveOutput& output, const fs::path& out) {
-  std::string text;
-  if (output.left_out() > 0) {
-    text = fmt::format(
-        "{} of these frames are in the texts only, {} not even there: the disk was behind; "
-        "--every-frame waits for it\n",
-        output.left_out(), output.lines_left_out());
-  }
-  if (output.files().film) text += fmt::format("{}\n", (out / "touch.mp4").string());
-  for (const std::string& name : output.figures()) {
-    text += fmt::format("{}\n", (out / name).string());
-  }
-  return text;
-}
-
 // Compares the states of a replay with those of the live run.
 class ReplayWatch final : public StateWatch {
  public:
@@ -458,8 +436,7 @@ LivePlay::LivePlay(const PlayOptions& options, const std::vector<fs::path>& inpu
     : record_(checked_recording(record, inputs, options.overwrite)),
       options_(checked(options, !record.empty())),
       user_(std::move(user)),
-      lock_(lock_of(options_.out)),
-      replaces_(lock_ && holds_earlier_run(options_.out, options_.overwrite, inputs)),
+      folder_(options_.out, options_.overwrite, inputs),
       events_(options_.events) {}
 
 void LivePlay::check(const LiveSetUp& setup) const {
@@ -506,11 +483,7 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
   user_.begin();
   events_.begin(run.loop.session);
   if (!events_.name().empty()) user_.print(fmt::format("events: {}\n", events_.name()));
-  const auto begin_output = [&]() -> std::unique_ptr<LiveOutput> {
-    if (!lock_) return nullptr;
-    if (replaces_) remove_earlier_run(options_.out);
-    return std::make_unique<LiveOutput>(written);
-  };
+  const auto begin_output = [&] { return folder_.begin(written); };
   const Played played =
       PlayLoop({options_, user_, run, painter.get(), events_, watch, changes, begin_output}, frames)
           .play();
@@ -524,7 +497,7 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
   if (played.output) played.output->finish();
   LiveSummary all = summary(options_, setup, played, wall.count());
   all.states = states;
-  if (played.output) write_live_summary(options_.out / "live.json", all);
+  if (played.output) folder_.write(all);
   if (painter) painter->throw_gl_errors();
 
   std::string text = text_of(counts, run.loop.session, wall.count());
@@ -533,7 +506,7 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
   if (played.ticks) text += text_of(*played.ticks) + "\n";
   if (options_.stats) text += text_of(played.figures) + "\n";
   text += text_of_depth_files(all.depth);
-  if (played.output) text += text_of_files(*played.output, options_.out);
+  if (played.output) text += folder_.text_of(*played.output, "--every-frame waits for it");
   return {.text = std::move(text), .summary = json_of(all), .user_ended = played.user_ended};
 }
 

@@ -7,7 +7,6 @@
 ///     const PlayResult result = play.play(setup);
 #pragma once
 
-#include "palpable/common/base/folder_lock.h"
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/progress.h"
 #include "palpable/common/geometry/image.h"
@@ -15,6 +14,7 @@
 #include "palpable/live/events/live_events.h"
 #include "palpable/live/live_writer/live_output.h"
 #include "palpable/live/play/live_set_up.h"
+#include "palpable/live/play/run_output.h"
 #include "palpable/live/player/state_hash.h"
 #include "palpable/live/view/show_names.h"
 
@@ -117,8 +117,7 @@ class LivePlay {
   std::filesystem::path record_;
   PlayOptions options_;
   PlayUser user_;
-  std::optional<FolderLock> lock_;
-  bool replaces_ = false;  // an earlier run in the output folder
+  RunFolder folder_;
   LiveEvents events_;
 };
 

@@ -6,6 +6,7 @@
 #include "palpable/common/base/output_name.h"
 #include "palpable/common/geometry/surface_mesh.h"
 #include "palpable/live/live_writer/live_summary.h"
+#include "palpable/live/play/nearest_approach.h"
 #include "palpable/live/play/things_show.h"
 #include "palpable/live/player/body_place.h"
 #include "palpable/live/player/live_counts.h"
@@ -96,11 +97,6 @@ LiveSummary summary_before(const ThingsSetUp& setup) {
   return summary;
 }
 
-Answer answer_of(Reached reached) {
-  if (reached == Reached::kYes) return Answer::kReached;
-  return reached == Reached::kLater ? Answer::kLater : Answer::kNotReached;
-}
-
 // The bodies of a run, and what presses them now.
 class ThingsPress {
  public:
@@ -133,7 +129,7 @@ class ThingsPress {
     scene.imbalance = report.imbalance;
     scene.left_to_move = report.unsolved();
     scene.inside = report.inside();
-    scene.answer = answer_of(report.reached());
+    scene.answer = report.reached();
     scene.contacts_dropped = report.dropped;
   }
 
@@ -152,8 +148,8 @@ class ThingsLines {
   enum class Next { kLine, kWaiting, kEnd };
 
   virtual ~ThingsLines() = default;
-  // Waits at most FrameSource::kLongestWait. A line that cannot be read ends a file: see lost().
-  virtual Next next(ThingsLine& line) = 0;
+  // Waits at most so long (s). A line that cannot be read ends a file: see lost().
+  virtual Next next(ThingsLine& line, double longest) = 0;
   // Why the last line was not read; empty: the lines have ended.
   [[nodiscard]] virtual std::string lost() const { return {}; }
 };
@@ -163,7 +159,7 @@ class FileLines final : public ThingsLines {
  public:
   FileLines(const fs::path& file, bool paced) : file_(file), paced_(paced) {}
 
-  Next next(ThingsLine& line) override {
+  Next next(ThingsLine& line, double longest) override {
     if (!has_line_) {
       try {
         if (!file_.next(line)) return Next::kEnd;
@@ -176,8 +172,8 @@ class FileLines final : public ThingsLines {
     }
     if (paced_) {
       const double wait = due_ - system_clock().now();
-      if (wait > 0) system_clock().sleep(std::min(wait, FrameSource::kLongestWait));
-      if (wait > FrameSource::kLongestWait) return Next::kWaiting;
+      if (wait > 0) system_clock().sleep(std::min(wait, longest));
+      if (wait > longest) return Next::kWaiting;
     }
     has_line_ = false;
     return Next::kLine;
@@ -203,8 +199,8 @@ class ClientLines final : public ThingsLines {
  public:
   explicit ClientLines(LiveEvents& events) : events_(events) {}
 
-  Next next(ThingsLine& line) override {
-    switch (events_.next_things(line, FrameSource::kLongestWait)) {
+  Next next(ThingsLine& line, double longest) override {
+    switch (events_.next_things(line, longest)) {
       case LiveEvents::News::kNone:
         return Next::kWaiting;
       case LiveEvents::News::kThings:
@@ -242,6 +238,7 @@ class ThingsLoop {
       : user_(user),
         events_(events),
         lines_(lines_of(setup, from, events)),
+        approach_(setup.standing),
         press_(std::move(setup.standing)) {
     if (!draws(options, from)) return;
     show_.emplace(options, press_.drawn(), scale,
@@ -257,20 +254,24 @@ class ThingsLoop {
   void play(int frames, const std::function<std::unique_ptr<LiveOutput>()>& begin_output) {
     while ((frames < 0 || frames_ < frames) && !user_.asked_to_end() && !window_ended()) {
       report_stats();
-      if (show_) show_->handle_events();
+      // Drawn once a turn: with the next line, or at once if none is there.
+      const bool turned = show_ && show_->handle_events();
       scene_.times.clear();
       const auto next = [&] {
         const StageTimer timer(scene_.times, "read");
-        return lines_->next(line_);
+        return lines_->next(line_, turned ? 0 : FrameSource::kLongestWait);
       }();
       if (next == ThingsLines::Next::kEnd) break;
       if (next == ThingsLines::Next::kWaiting) {
+        if (turned) draw();
         events_.serve();
         continue;
       }
       const double taken = system_clock().now();
       scene_.number = frames_++;
       press_.press(line_, scene_);
+      if (!counts_.first_touch) approach_.add(line_);  // told if nothing is touched
+      pressing_.assign(line_.capsules.begin(), line_.capsules.end());
       passed_through_ += press_.passed_through();
       counts_.add_contact(scene_);
       events_.send(scene_);
@@ -285,6 +286,8 @@ class ThingsLoop {
   [[nodiscard]] bool window_ended() const { return show_ && show_->ended(); }
 
   [[nodiscard]] const LiveCounts& counts() const { return counts_; }
+  // Of the frames before the first touch.
+  [[nodiscard]] const NearestApproach& approach() const { return approach_; }
   [[nodiscard]] LiveOutput* output() { return output_.get(); }
   [[nodiscard]] std::string lost() const { return lines_->lost(); }
   [[nodiscard]] RunFigures figures() const { return stats_.all(moment()); }
@@ -296,13 +299,17 @@ class ThingsLoop {
   const ColorImage* draw() {
     if (!show_) return nullptr;
     const StageTimer timer(scene_.times, "draw");
-    return &show_->draw(scene_, line_.capsules);
+    return &show_->draw(scene_, pressing_);
   }
 
   void write(const ColorImage* picture) {
     std::unique_ptr<DrawnFrame> drawn = output_->blank();
     if (picture != nullptr && drawn->in_files) drawn->picture = *picture;
-    std::swap(drawn->scene, scene_);
+    if (show_ && show_->in_window()) {
+      drawn->scene = scene_;  // needed again if the user turns the view before the next line
+    } else {
+      std::swap(drawn->scene, scene_);
+    }
     output_->write(std::move(drawn));
   }
 
@@ -317,8 +324,10 @@ class ThingsLoop {
   const PlayUser& user_;
   LiveEvents& events_;
   std::unique_ptr<ThingsLines> lines_;
+  NearestApproach approach_;
   ThingsPress press_;
-  ThingsLine line_;
+  ThingsLine line_;                // while a file's next line waits for its time, that one
+  std::vector<Capsule> pressing_;  // those of scene_
   Scene scene_;
   std::optional<ThingsShow> show_;
   int frames_ = 0, passed_through_ = 0;
@@ -327,16 +336,23 @@ class ThingsLoop {
   std::unique_ptr<LiveOutput> output_;
 };
 
-std::string text_of_run(const LiveCounts& counts, int passed_through, double wall) {
+const fs::path& checked_folder(const PlayOptions& options) {
+  require_folder_name(options.out);
+  return options.out;
+}
+
+std::string text_of_run(const ThingsLoop& loop, double wall) {
+  const LiveCounts& counts = loop.counts();
   const std::size_t frames = counts.processed.size();
   std::string text = fmt::format("{} frames in {:.1f} s ({:.0f} ms each)\n", frames, wall,
                                  1e3 * wall / static_cast<double>(frames));
   text += text_of_contact(counts);
-  if (passed_through > 0) {
+  if (!counts.first_touch) text += loop.approach().text();
+  if (loop.passed_through() > 0) {
     text += fmt::format(
         "{} times a capsule went through a skin: from line to line it should advance by less than "
         "its radius\n",
-        passed_through);
+        loop.passed_through());
   }
   return text;
 }
@@ -348,12 +364,9 @@ ThingsPlay::ThingsPlay(const PlayOptions& options, const std::vector<fs::path>& 
     : from_(from),
       options_(options),
       user_(std::move(user)),
+      folder_(checked_folder(options_), options_.overwrite, inputs),
       events_(options.events, from == ThingsFrom::kClient) {
   PALPABLE_EXPECT(from == ThingsFrom::kFile || options.events != kNoEvents, "clients need events");
-  require_folder_name(options_.out);
-  if (options_.out.empty()) return;
-  lock_.emplace(options_.out);
-  replaces_ = holds_earlier_run(options_.out, options_.overwrite, inputs);
 }
 
 PlayResult ThingsPlay::play(ThingsSetUp& setup, int frames) {
@@ -367,11 +380,7 @@ PlayResult ThingsPlay::play(ThingsSetUp& setup, int frames) {
   user_.begin();
   events_.begin(bodies, EventWorld::kOfThings);
   if (!events_.name().empty()) user_.print(fmt::format("events: {}\n", events_.name()));
-  loop.play(frames, [&]() -> std::unique_ptr<LiveOutput> {
-    if (!lock_) return nullptr;
-    if (replaces_) remove_earlier_run(options_.out);
-    return std::make_unique<LiveOutput>(written);
-  });
+  loop.play(frames, [&] { return folder_.begin(written); });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   if (loop.counts().processed.empty()) {
     if (!loop.lost().empty()) throw Error(loop.lost());
@@ -383,10 +392,11 @@ PlayResult ThingsPlay::play(ThingsSetUp& setup, int frames) {
   const RunFigures figures = loop.figures();
   add_contact(loop.counts(), figures, loop.output(), all);
   all.wall = wall.count();
-  if (loop.output() != nullptr) write_live_summary(options_.out / "live.json", all);
+  if (loop.output() != nullptr) folder_.write(all);
   PlayResult result;
-  result.text = text_of_run(loop.counts(), loop.passed_through(), wall.count()) + events_.text();
+  result.text = text_of_run(loop, wall.count()) + events_.text();
   if (options_.stats) result.text += text_of(figures) + "\n";
+  if (loop.output() != nullptr) result.text += folder_.text_of(*loop.output());
   result.summary = json_of(all);
   result.user_ended = user_.asked_to_end() || loop.window_ended();
   result.lost = loop.lost();

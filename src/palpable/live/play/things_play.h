@@ -53,8 +53,7 @@ class ThingsPlay {
   ThingsFrom from_;
   PlayOptions options_;
   PlayUser user_;
-  std::optional<FolderLock> lock_;
-  bool replaces_ = false;  // an earlier run in the output folder
+  RunFolder folder_;
   LiveEvents events_;
 };
 

@@ -33,31 +33,23 @@ ThingsShow::ThingsShow(const PlayOptions& options, std::vector<ThingsPicture::Bo
 
 const ColorImage& ThingsShow::draw(const Scene& scene, std::span<const Capsule> things) {
   if (!window_) return picture_->draw(scene, things);
-  scene_ = scene;
-  things_.assign(things.begin(), things.end());
-  return draw_again();
-}
-
-const ColorImage& ThingsShow::draw_again() {
   picture_->camera = controls_.camera;
-  const ColorImage& picture = picture_->draw(scene_, things_);
+  picture_->legend = controls_.legend_shown;
+  const ColorImage& picture = picture_->draw(scene, things);
   window_->show(picture);
+  if (std::exchange(controls_.picture_wanted, false) && keep_) keep_(picture);
   return picture;
 }
 
-void ThingsShow::handle_events() {
-  if (!window_) return;
+bool ThingsShow::handle_events() {
+  if (!window_) return false;
   const auto on_body = [](double, double) -> std::optional<int> { return std::nullopt; };
   bool changed = false;
   for (const WindowEvent& event : window_->events()) {
     controls_.handle(event, system_clock().now(), on_body);
     changed = true;
   }
-  if (!changed || ended() || scene_.bodies.empty()) return;
-  const ColorImage& picture = draw_again();
-  if (!controls_.picture_wanted) return;
-  controls_.picture_wanted = false;
-  if (keep_) keep_(picture);
+  return changed && !ended();
 }
 
 void ThingsShow::throw_gl_errors() const {

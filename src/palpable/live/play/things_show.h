@@ -19,8 +19,9 @@
 
 namespace palpable {
 
-/// Main thread only. In the window any button of the mouse turns the view and the wheel zooms; R
-/// resets the view, P keeps a picture, Escape and Q end the run.
+/// Main thread only. In the window any button of the mouse turns the view and the wheel zooms; L
+/// shows and hides the legend, R resets the view, P keeps a picture, Escape and Q end the run. The
+/// other keys of ViewControls do nothing here.
 class ThingsShow {
  public:
   /// @param options  of these window, colors and opaque
@@ -31,11 +32,15 @@ class ThingsShow {
   ThingsShow(const ThingsShow&) = delete;  // what it draws with belongs to its context
   ThingsShow& operator=(const ThingsShow&) = delete;
 
-  /// Draws a scene, and shows it if there is a window. @return valid until the next call
+  /// Draws a scene as the user has turned it, and shows it if there is a window.
+  /// @return valid until the next call
   const ColorImage& draw(const Scene& scene, std::span<const Capsule> things);
 
-  /// Handles the input of a window; what the user turns is drawn with the last scene again.
-  void handle_events();
+  /// Handles the input of a window. @return whether the next picture will be another one or is to
+  /// be kept: then the caller draws soon
+  [[nodiscard]] bool handle_events();
+
+  [[nodiscard]] bool in_window() const { return window_.has_value(); }
 
   /// Whether the user has closed the window or pressed Escape or Q.
   [[nodiscard]] bool ended() const { return controls_.quit || (window_ && window_->closed()); }
@@ -44,15 +49,11 @@ class ThingsShow {
   void throw_gl_errors() const;
 
  private:
-  const ColorImage& draw_again();
-
   std::optional<GlContext> offscreen_;
   std::optional<Window> window_;
   std::optional<ThingsPicture> picture_;
   ViewControls controls_{OrbitCamera{}};
   std::function<std::string(const ColorImage&)> keep_;
-  Scene scene_;  // of the window: drawn last
-  std::vector<Capsule> things_;
 };
 
 }  // namespace palpable

@@ -31,8 +31,8 @@ void LiveCounts::add_contact(const Scene& scene) {
 void LiveCounts::count_touches(const Scene& scene) {
   left_to_move += scene.left_to_move > 0;
   dropped += scene.contacts_dropped > 0;
-  later += scene.answer == Answer::kLater;
-  not_reached += scene.answer == Answer::kNotReached;
+  later += scene.answer == Reached::kLater;
+  not_reached += scene.answer == Reached::kNot;
   if (scene.touches.empty()) return;
   ++touching;
   if (!first_touch) first_touch = scene.number;

@@ -158,6 +158,12 @@ bool wants_outlines(const SceneView& view) {
          view.camera.height / 2 == view.real_depth->height();
 }
 
+bool is_translucent(const BodyLook& look) { return look.opacity < 1.0f; }
+
+bool has_translucent(const SceneView& view) {
+  return std::any_of(view.bodies.begin(), view.bodies.end(), is_translucent);
+}
+
 void check(const SceneView& view) {
   const PinholeCamera& camera = view.camera;
   PALPABLE_EXPECT(camera.width > 0 && camera.height > 0, "the picture has a size");
@@ -173,6 +179,9 @@ void check(const SceneView& view) {
     PALPABLE_EXPECT(body.scalar.empty() || body.scalar.size() == count, "one scalar per vertex");
     PALPABLE_EXPECT(body.marks.empty() || body.marks.size() == count, "one mark per vertex");
     PALPABLE_EXPECT(body.scalar_max > 0.0f, "the colour scale has a length");
+    PALPABLE_EXPECT(body.opacity == 1.0f ||
+                        (body.opacity > 0.0f && body.opacity < 1.0f && !view.hard_occlusion),
+                    "a translucent body has an opacity from 0 to 1, and soft occlusion");
   }
 }
 
@@ -183,6 +192,7 @@ struct SceneRenderer::State {
   GlProgram two_sided_body_program;
   GlProgram compose_fine_program;  // where fine_depth reaches wherever a body may be
   GlProgram compose_hard_program;
+  GlProgram compose_translucent_program;
   FullScreenTriangle triangle;
   std::vector<BodyBuffers> buffers;
   std::unique_ptr<Targets> targets;
@@ -214,6 +224,8 @@ struct SceneRenderer::State {
   void draw_shadows(const SceneView& view, const PixelBox& box, const RealSurface& real);
   void shade_bodies(const SceneView& view, const RealSurface& real);
   void draw_bodies(const SceneView& view);
+  void draw_translucent(const SceneView& view);
+  void draw_body(const SceneView& view, std::size_t number);
   void compose_picture(const SceneView& view, const Boxes& boxes,
                        const Eigen::Vector2f& depth_per_picture);
   void read_back(const PixelBox& box, ColorImage& picture, MaskImage* visible, DepthImage* depth);
@@ -225,41 +237,44 @@ SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
 SceneRenderer::~SceneRenderer() = default;
 
 Result<SceneRenderer> SceneRenderer::make() {
-  constexpr std::array<ProgramSource, 7> kSources = {
+  constexpr std::array<ProgramSource, 8> kSources = {
       {{"body.vert", "body.frag"},
        {"dot.vert", "dot.frag"},
        {"full_screen.vert", "shadow.frag"},
        {"full_screen.vert", "compose.frag"},
        {"full_screen.vert", "compose.frag", "#define ALL_FINE\n"},
        {"full_screen.vert", "compose.frag", "#define HARD\n"},
-       {"body.vert", "body.frag", "#define TWO_SIDED\n"}}};
+       {"body.vert", "body.frag", "#define TWO_SIDED\n"},
+       {"full_screen.vert", "compose.frag", "#define TRANSLUCENT\n"}}};
   Result<std::vector<GlProgram>> made = make_programs(render_shader_files(), kSources);
   if (!made.ok()) return made.problem();
   std::vector<GlProgram> programs = std::move(made).value();
-  auto state = std::unique_ptr<State>(new State{.body_program = std::move(programs[0]),
-                                                .dot_program = std::move(programs[1]),
-                                                .shadow_program = std::move(programs[2]),
-                                                .compose_program = std::move(programs[3]),
-                                                .two_sided_body_program = std::move(programs[6]),
-                                                .compose_fine_program = std::move(programs[4]),
-                                                .compose_hard_program = std::move(programs[5]),
-                                                .triangle = {},
-                                                .buffers = {},
-                                                .targets = {},
-                                                .real_box = {},
-                                                .fine_box = {},
-                                                .outlines = {},
-                                                .shade_on_real = {},
-                                                .shade_on_body = {},
-                                                .zeros = {},
-                                                .filled = {},
-                                                .body_z = {},
-                                                .dot_values = {},
-                                                .shade_values = {},
-                                                .z_rows = {},
-                                                .nearest_in_row = {},
-                                                .rgba = {},
-                                                .mask_rows = {}});
+  auto state =
+      std::unique_ptr<State>(new State{.body_program = std::move(programs[0]),
+                                       .dot_program = std::move(programs[1]),
+                                       .shadow_program = std::move(programs[2]),
+                                       .compose_program = std::move(programs[3]),
+                                       .two_sided_body_program = std::move(programs[6]),
+                                       .compose_fine_program = std::move(programs[4]),
+                                       .compose_hard_program = std::move(programs[5]),
+                                       .compose_translucent_program = std::move(programs[7]),
+                                       .triangle = {},
+                                       .buffers = {},
+                                       .targets = {},
+                                       .real_box = {},
+                                       .fine_box = {},
+                                       .outlines = {},
+                                       .shade_on_real = {},
+                                       .shade_on_body = {},
+                                       .zeros = {},
+                                       .filled = {},
+                                       .body_z = {},
+                                       .dot_values = {},
+                                       .shade_values = {},
+                                       .z_rows = {},
+                                       .nearest_in_row = {},
+                                       .rgba = {},
+                                       .mask_rows = {}});
   const float unknown = 0.0f;
   state->nothing_real.upload(0, 0, 1, 1, GL_RED, GL_FLOAT, &unknown);
   return SceneRenderer(std::move(state));
@@ -517,35 +532,59 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
   glFrontFace(GL_CW);  // counter-clockwise in a frame whose Y points down the rows
   glEnable(GL_PROGRAM_POINT_SIZE);
   for (std::size_t i = 0; i < view.bodies.size(); ++i) {
-    const BodyLook& look = view.bodies[i];
-    const Light light = light_on(look, view.light);
-    const auto set_common = [&](const GlProgram& program) {
-      set_camera(program, view.camera);
-      program.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
-      program.set("key", light.key);
-      program.set("up", light.up);
-      program.set("lamp", view.light.lamp);
-      program.set("light_color", view.light.color);
-      program.use();
-    };
-    const GlProgram& program = look.two_sided ? two_sided_body_program : body_program;
-    set_common(program);
-    program.set("scalar_max", look.scalar_max);
-    program.set("material", shader_color(look.material));
-    if (!look.two_sided) program.set("scale", static_cast<int>(look.colors));
-    program.set("opaque", look.opaque_share());
-    program.set("mark_color", shader_color(look.mark_color));
-    buffers[i].inputs.bind();
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
-                   nullptr);
-    if (!look.dots.empty()) {
-      set_common(dot_program);
-      buffers[i].dot_inputs.bind();
-      glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(look.dots.size()));
-    }
+    if (!is_translucent(view.bodies[i])) draw_body(view, i);
   }
+  if (has_translucent(view)) draw_translucent(view);
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);
+}
+
+// Puts translucent bodies over the opaque ones. Their depth is drawn first, so that of the surfaces
+// at a pixel only the nearest is mixed in.
+void SceneRenderer::State::draw_translucent(const SceneView& view) {
+  const auto draw_all = [&] {
+    for (std::size_t i = 0; i < view.bodies.size(); ++i) {
+      if (is_translucent(view.bodies[i])) draw_body(view, i);
+    }
+  };
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  draw_all();
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthFunc(GL_EQUAL);
+  glEnablei(GL_BLEND, 0);  // the colour, not the depth in attachment 1
+  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  draw_all();
+  glDisablei(GL_BLEND, 0);
+}
+
+// Draws one body with its dots.
+void SceneRenderer::State::draw_body(const SceneView& view, std::size_t number) {
+  const BodyLook& look = view.bodies[number];
+  const Light light = light_on(look, view.light);
+  const auto set_common = [&](const GlProgram& program) {
+    set_camera(program, view.camera);
+    program.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
+    program.set("key", light.key);
+    program.set("up", light.up);
+    program.set("lamp", view.light.lamp);
+    program.set("light_color", view.light.color);
+    program.use();
+  };
+  const GlProgram& program = look.two_sided ? two_sided_body_program : body_program;
+  set_common(program);
+  program.set("scalar_max", look.scalar_max);
+  program.set("material", shader_color(look.material));
+  if (!look.two_sided) program.set("scale", static_cast<int>(look.colors));
+  program.set("opaque", look.opaque_share());
+  program.set("opacity", look.opacity);
+  program.set("mark_color", shader_color(look.mark_color));
+  buffers[number].inputs.bind();
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
+                 nullptr);
+  if (look.dots.empty()) return;
+  set_common(dot_program);
+  buffers[number].dot_inputs.bind();
+  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(look.dots.size()));
 }
 
 void SceneRenderer::State::draw_shadows(const SceneView& view, const PixelBox& box,
@@ -586,9 +625,11 @@ void SceneRenderer::State::compose_picture(const SceneView& view, const Boxes& b
   glClearNamedFramebufferfv(targets->composed.get(), GL_COLOR, 1, kNone.data());
   const PixelBox& bodies = boxes.bodies;
   if (bodies.empty()) return;
-  const bool all_fine = fine_box.x <= bodies.x && fine_box.y <= bodies.y &&
+  const bool translucent = has_translucent(view);
+  const bool all_fine = !translucent && fine_box.x <= bodies.x && fine_box.y <= bodies.y &&
                         fine_box.right() >= bodies.right() && fine_box.bottom() >= bodies.bottom();
   const GlProgram& program = view.hard_occlusion ? compose_hard_program
+                             : translucent       ? compose_translucent_program
                              : all_fine          ? compose_fine_program
                                                  : compose_program;
   glScissor(bodies.x, bodies.y, bodies.width, bodies.height);

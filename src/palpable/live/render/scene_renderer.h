@@ -76,6 +76,10 @@ struct BodyLook {
   Rgb mark_color{250, 208, 60};
   std::span<const Dot> dots;
   Rigid3 camera_from_body = Rigid3::Identity();
+  /// 1: nothing is visible through it. Below 1 its nearest surface is mixed with what is behind it,
+  /// in this share; bodies behind it are visible, other surfaces of such bodies are not. Not with
+  /// SceneView::hard_occlusion.
+  float opacity = 1;
   /// Darkness of the shadow on the body's plane Z = 0 and on real things that stand on it, from 0
   /// (none) to 1. Pixels whose real depth is unknown are taken to show the plane.
   float shadow = 0.5f;

@@ -96,6 +96,38 @@ struct Renderer {
   Renderer name;                      \
   if (!name.ready()) PALPABLE_SKIP(name.context.problem().message)
 
+TEST_CASE("of translucent bodies the nearest surface is mixed with what is behind all of them",
+          "[render]") {
+  PALPABLE_NEEDS_RENDERER(gl);
+  const Skin skin = plate();
+  const ColorImage background(kCamera.width, kCamera.height, {90, 130, 60});
+  const auto middle_of = [&](std::vector<BodyLook> bodies) {
+    const SceneView view{.background = &background, .camera = kCamera, .bodies = std::move(bodies)};
+    return draw(*gl.renderer, view).picture(150, 100);
+  };
+  BodyLook red = skin.look(), blue = skin.look();
+  red.material = {200, 30, 30};
+  blue.material = {30, 30, 200};
+  blue.camera_from_body.translation().z() = 0.05;  // behind
+  BodyLook clear_red = red, clear_blue = blue;
+  clear_red.opacity = clear_blue.opacity = 0.4f;
+
+  const auto is_mix = [](const Rgb& mixed, const Rgb& above, const Rgb& below) {
+    const auto channel = [](int m, int a, int b) {
+      return std::abs(m - (0.4 * a + 0.6 * b)) < 2.5;
+    };
+    return channel(mixed.r, above.r, below.r) && channel(mixed.g, above.g, below.g) &&
+           channel(mixed.b, above.b, below.b);
+  };
+  const Rgb red_alone = middle_of({red}), blue_alone = middle_of({blue});
+  const Rgb over_background = middle_of({clear_red});
+  CHECK(is_mix(over_background, red_alone, background(150, 100)));
+  CHECK(is_mix(middle_of({clear_red, blue}), red_alone, blue_alone));
+  CHECK(is_mix(middle_of({blue, clear_red}), red_alone, blue_alone));
+  CHECK(middle_of({red, clear_blue}) == red_alone);
+  CHECK(middle_of({clear_red, clear_blue}) == over_background);
+}
+
 TEST_CASE("a real surface nearer than the body hides it", "[render][Fig9]") {
   PALPABLE_NEEDS_RENDERER(gl);
   const Skin skin = plate();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "palpable/common/base/stage_clock.h"
+#include "palpable/common/contact/contact_frame.h"
 #include "palpable/common/contact/touch.h"
 #include "palpable/common/geometry/image.h"
 #include "palpable/live/depth/depth_camera.h"
@@ -12,26 +13,22 @@
 #include "palpable/live/track/tracker.h"
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 namespace palpable {
 
-/// Whether the bodies have given way to all that presses. Judged of capsules alone: what a camera
-/// sees has no exact surface.
-enum class Answer { kNotJudged, kReached, kLater, kNotReached };
-
 /// "reached", "later", "not reached"; empty: not judged.
-[[nodiscard]] constexpr std::string_view text_of(Answer answer) {
-  switch (answer) {
-    case Answer::kReached:
+[[nodiscard]] constexpr std::string_view text_of(std::optional<Reached> answer) {
+  if (!answer) return {};
+  switch (*answer) {
+    case Reached::kYes:
       return "reached";
-    case Answer::kLater:
+    case Reached::kLater:
       return "later";
-    case Answer::kNotReached:
+    case Reached::kNot:
       return "not reached";
-    case Answer::kNotJudged:
-      break;
   }
   return {};
 }
@@ -63,9 +60,10 @@ struct Scene {
   /// largest of all bodies. With a camera a few mm are usual while a hand comes fast, and fractions
   /// of one where the depth is uncertain.
   double inside = 0;
-  /// kLater: forces and shapes are on the way, and the next frame comes nearer. kNotReached: they
-  /// are not to be used.
-  Answer answer = Answer::kNotJudged;
+  /// Whether the bodies have given way to all that presses. kLater: forces and shapes are on the
+  /// way, and the next frame comes nearer. kNot: they are not to be used. Judged of capsules alone:
+  /// what a camera sees has no exact surface.
+  std::optional<Reached> answer = {};
   int contacts_dropped = 0;  ///< contact points near an obstacle for which there was no room
   TrackedPose camera;        ///< identity and kFixed when nothing is tracked
   /// 255 where something moves, of the depth's size. Empty if motion is not searched, or when the

@@ -16,9 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFarthestThing = 1000;                             // m
-constexpr double kLatestTime = 1e11;                                // s; ns since 1970 are 1e18
-constexpr double kLeastThingRadius = 1e-4, kMostThingRadius = 100;  // m
+constexpr double kLatestTime = 1e11;  // s; ns since 1970 are 1e18
 
 // Nothing: all is well.
 using Complaint = std::optional<Problem>;

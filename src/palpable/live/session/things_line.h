@@ -13,6 +13,7 @@
 #include "palpable/common/geometry/capsule.h"
 #include "palpable/common/geometry/tracked_hand.h"
 #include "palpable/live/things/pressed_bodies.h"
+#include "palpable/live/things/thing_limits.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -23,10 +24,8 @@
 
 namespace palpable {
 
-/// Limits of one line.
-inline constexpr std::size_t kMostThings = 256;
-inline constexpr std::size_t kMostThingCapsules = 4096;                  ///< of all things together
-inline constexpr std::size_t kLongestThingsLine = std::size_t{1} << 20;  ///< bytes
+/// Of one line, in bytes; what is in it has the limits of things/thing_limits.h.
+inline constexpr std::size_t kLongestThingsLine = std::size_t{1} << 20;
 
 struct ThingsLine {
   struct Thing {

@@ -1,6 +1,7 @@
 #include "palpable/live/sources/recording_file.h"
 
 #include "palpable/common/base/checksum.h"
+#include "palpable/common/base/file_format.h"
 #include "palpable/live/sources/frame_format_json.h"
 #include "palpable/live/sources/little_endian.h"
 #include "palpable/live/sources/raw_picture.h"
@@ -22,9 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMagic = "PALPREC\n";
 constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kStart = kMagic.size() + sizeof kVersion;
+constexpr std::size_t kStart = kRecordingMark.size() + sizeof kVersion;
 // Bytes of a chunk before its payload: kind, length of the payload, checksum of kind,
 // length and payload.
 constexpr std::size_t kHead = sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t);
@@ -231,10 +231,10 @@ Result<Index> index_of(const fs::path& path) {
   const OpenFile& file = index.file;
   if (!file.why().empty()) return problem(file.why());
   std::string start(kStart, '\0');
-  if (!file.read(0, start.data(), start.size()) || !start.starts_with(kMagic)) {
+  if (!file.read(0, start.data(), start.size()) || !start.starts_with(kRecordingMark)) {
     return problem("is no recording of palpable live --record");
   }
-  std::string_view rest = std::string_view(start).substr(kMagic.size());
+  std::string_view rest = std::string_view(start).substr(kRecordingMark.size());
   if (const auto version = *take<std::uint32_t>(rest); version != kVersion) {
     return problem(fmt::format("has layout {}; this program reads layout {}", version, kVersion));
   }
@@ -342,7 +342,7 @@ bool is_recording_name(const fs::path& path) { return path.extension() == kRecor
 RecordingWriter::RecordingWriter(const fs::path& path, const FrameFormat& format, const Json& run,
                                  Opening opening)
     : file_(path, opening) {
-  pending_ = kMagic;
+  pending_ = kRecordingMark;
   put(pending_, kVersion);
   begin(kAbout);
   chunk_ += Json{

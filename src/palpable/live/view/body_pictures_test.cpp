@@ -48,6 +48,23 @@ TEST_CASE("presses are drawn under different names, and then on one sheet",
   CHECK(context.value().errors().count() == 0);
 }
 
+TEST_CASE("a body without stress is pressed without legend, colours or a stress of 0",
+          "[view][studio_scene]") {
+  const Result<GlContext> context = GlContext::offscreen();
+  if (!context.ok()) PALPABLE_SKIP(context.problem().message);
+  ReducedBody body = test::pressed_ball();
+  const auto pressed_with = [&](bool legend) {
+    StudioScene scene(body, kSize);
+    scene.pressed().press(0, 1.0);
+    scene.legend_shown = legend;
+    CHECK((scene.reading().find("kPa") != std::string::npos) == (body.largest_von_mises > 0));
+    return scene.draw(usual_camera(body, kSize.aspect()));
+  };
+  CHECK_FALSE(pressed_with(true) == pressed_with(false));
+  body.largest_von_mises = 0;  // as modes of another program without stress
+  CHECK(pressed_with(true) == pressed_with(false));
+}
+
 TEST_CASE("a pixel of the picture leads back to the body's skin, one beside it to nothing",
           "[view][studio_scene]") {
   const Result<GlContext> context = GlContext::offscreen();

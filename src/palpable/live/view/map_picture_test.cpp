@@ -131,7 +131,7 @@ TEST_CASE("the caption says how deep and how hard, and how many touches there ar
   CHECK(caption_of(scene) == "2.00 s   4.0 mm   1.50 N");
   touch.press_depth = 0.006;
   scene.touches.push_back(touch);
-  CHECK(caption_of(scene) == "2.00 s   2 touches   6.0 mm   3.00 N");
+  CHECK(caption_of(scene) == "2.00 s   2 touches   deepest 6.0 mm   3.00 N in all");
   touch.site = 7;
   scene.touches = {touch};
   CHECK(caption_of(scene) == "2.00 s   site 7   6.0 mm   1.50 N");

@@ -88,8 +88,8 @@ std::string caption_of(const Scene& scene) {
   if (hidden >= kWorthTelling) {
     text += fmt::format("   {:.0f} % hidden since the start, not felt there", 100 * hidden);
   }
-  if (scene.answer == Answer::kLater) text += "   not the answer yet";
-  if (scene.answer == Answer::kNotReached) text += "   not an answer";
+  if (scene.answer == Reached::kLater) text += "   not the answer yet";
+  if (scene.answer == Reached::kNot) text += "   not an answer";
   if (scene.touches.empty()) return text;
   text += "   " + caption_of(scene.touches);
   if (const std::optional<StatedError> error = worst_stated_error(scene)) {
@@ -116,8 +116,9 @@ std::string caption_of(std::span<const Touch> touches) {
   }
   std::string text;
   if (touches.front().site >= 0) text = fmt::format("site {}   ", touches.front().site);
-  if (touches.size() > 1) text = fmt::format("{} touches   ", touches.size());
-  return text + fmt::format("{:.1f} mm   {:.2f} N", deepest * 1e3, force);
+  if (touches.size() == 1) return text + fmt::format("{:.1f} mm   {:.2f} N", deepest * 1e3, force);
+  return fmt::format("{} touches   deepest {:.1f} mm   {:.2f} N in all", touches.size(),
+                     deepest * 1e3, force);
 }
 
 std::string warning_of(const Scene& scene) {
@@ -189,7 +190,7 @@ void SceneViews::show_legend(const Scene& scene, const Session& session, const S
   view_.stated_error_of.clear();
   switch (show.field) {
     case Field::kVonMises:
-      view_.legend_title = "von Mises";
+      if (any_knows_stress(session)) view_.legend_title = "von Mises";
       break;
     case Field::kPressure:
     case Field::kComponent:

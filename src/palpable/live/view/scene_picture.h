@@ -27,8 +27,8 @@ namespace palpable {
 
 /// One line about a scene: its time, touches and model error.
 [[nodiscard]] std::string caption_of(const Scene& scene);
-/// The depth of the deepest touch and the sum of their forces, with the site or the number of
-/// touches; "not touched" without any.
+/// "4.0 mm   1.50 N", with its site if it has one; of several touches the depth of the deepest and
+/// the sum of the forces' magnitudes, which say so; "not touched" without any.
 [[nodiscard]] std::string caption_of(std::span<const Touch> touches);
 /// "model error ±2.1 %, stress ±7 %"; "> 100 %" for errors above 1. The error is that of the
 /// reduced model against full finite elements; the camera's is not in it.

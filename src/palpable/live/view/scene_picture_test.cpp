@@ -137,6 +137,9 @@ TEST_CASE("a body whose file holds no stress says so instead of a pressure of 0"
   const SceneView& view = views.of(loop.process(test::frame_of_wall(0, 0)), loop.session, show);
   CHECK(view.bodies.front().scalar.empty());
   CHECK(view.legend_title == kNoStressKnown);
+  // Usually the von Mises stress is painted: a scale of zeros would show nothing.
+  const SceneView& usual = views.of(loop.process(test::frame_of_wall(1, 0)), loop.session, {});
+  CHECK(usual.legend_title.empty());
 }
 
 TEST_CASE("occlusion is soft, hard or none, and gets what is known to move", "[view]") {

@@ -84,7 +84,11 @@ void StudioScene::paint(BodyLook& look) {
   view_.legend_scale = 1e-3;
   switch (field) {
     case SceneShow::Field::kVonMises:
-      if (legend_shown) view_.legend_title = "von Mises stress";
+      if (finger_ == nullptr && !knows_stress(body_)) {
+        look.scalar = {};  // a legend would show a scale of zeros
+      } else if (legend_shown) {
+        view_.legend_title = "von Mises stress";
+      }
       break;
     case SceneShow::Field::kPressure:
     case SceneShow::Field::kComponent:
@@ -164,10 +168,11 @@ std::string StudioScene::reading() const {
     if (const auto& stated = finger_->stated_error()) { text += "   " + caption_of(*stated); }
     return text;
   }
-  return fmt::format(
-      "site {}   level {:.2f}   force {:.2f} N   depth {:.1f} mm   largest stress {:.1f} kPa",
-      pressed_.site(), pressed_.level(), pressed_.force(), 1e3 * pressed_.press_depth(),
-      1e-3 * pressed_.largest_von_mises());
+  std::string text =
+      fmt::format("site {}   level {:.2f}   force {:.2f} N   depth {:.1f} mm", pressed_.site(),
+                  pressed_.level(), pressed_.force(), 1e3 * pressed_.press_depth());
+  if (!knows_stress(body_)) return text;
+  return text + fmt::format("   largest stress {:.1f} kPa", 1e-3 * pressed_.largest_von_mises());
 }
 
 }  // namespace palpable

@@ -76,7 +76,8 @@ class StudioScene {
 
   /// Name of the body, and its numbers of vertices and sites.
   [[nodiscard]] std::string title() const;
-  /// A line about the press: site, level and depth, or the finger's push; force and stress.
+  /// A line about the press: site, level and depth, or the finger's push; force, and stress if it
+  /// is known.
   [[nodiscard]] std::string reading() const;
 
  private:

@@ -3,10 +3,12 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/geometry/capsule_mesh.h"
-#include "palpable/live/render/mix_color.h"
 #include "palpable/live/view/scene_picture.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -16,8 +18,9 @@ namespace {
 constexpr double kRoomForHands =
     1.35;  // distance of the camera, ratio to that for the bodies alone
 constexpr double kChordError = 0.0003;  // m, of the capsules' triangles: below a pixel
-constexpr float kThingsShare = 0.45f;   // of the capsules' colour in the picture
-constexpr float kThingsShadow = 0.25f;  // BodyLook::shadow
+constexpr double kSameSize = 1e-4;  // m, by which a capsule may differ from its mesh: below a pixel
+constexpr float kThingsOpacity = 0.45f;  // BodyLook::opacity
+constexpr float kThingsShadow = 0.11f;   // BodyLook::shadow
 constexpr Rgb kThings{92, 124, 170};
 
 Eigen::Matrix3Xd vertices_of(const std::vector<ThingsPicture::Body>& bodies,
@@ -53,29 +56,58 @@ ThingsPicture::ThingsPicture(std::vector<Body> bodies, PictureSize size, double 
   camera.distance *= kRoomForHands;
   view_.camera = camera_of_view(size.width, size.height, kStudioView);
   view_.light.color.setConstant(1.12f);  // brighter than a room, as in studio_scene.cpp
-  view_.legend_title = "von Mises";
 }
 
-// Rebuilds the mesh of all capsules.
+// Meshes a capsule anew if its sizes are others than those of its part. @return whether it did
+bool ThingsPicture::fit(Part& part, const Capsule& capsule) {
+  const double length = (capsule.b - capsule.a).norm();
+  const auto is_same = [](double a, double b) { return std::abs(a - b) <= kSameSize; };
+  if (is_same(part.length, length) && is_same(part.ra, capsule.ra) && is_same(part.rb, capsule.rb))
+    return false;
+  const Capsule upright{Eigen::Vector3d::Zero(), {0, 0, length}, capsule.ra, capsule.rb};
+  CapsuleMesh made = tessellate(upright, Eigen::Vector3d::UnitX(), kChordError);
+  part = {length,
+          capsule.ra,
+          capsule.rb,
+          made.vertices.cast<float>(),
+          made.normals.cast<float>(),
+          std::move(made.triangles)};
+  return true;
+}
+
+// Moves the meshes of all capsules to their places, in one mesh.
 void ThingsPicture::mesh(std::span<const Capsule> things) {
-  const Rigid3 first_from_world = bodies_.front().world_from_body.inverse();
-  std::vector<CapsuleMesh> parts;
+  bool others = parts_.size() != things.size();
+  parts_.resize(things.size());
   Eigen::Index vertices = 0, triangles = 0;
-  for (Capsule capsule : things) {
-    capsule.a = first_from_world * capsule.a;
-    capsule.b = first_from_world * capsule.b;
-    parts.push_back(tessellate(capsule, Eigen::Vector3d::UnitZ(), kChordError));
-    vertices += parts.back().vertices.cols();
-    triangles += parts.back().triangles.cols();
+  for (std::size_t k = 0; k < things.size(); ++k) {
+    others |= fit(parts_[k], things[k]);
+    vertices += parts_[k].vertices.cols();
+    triangles += parts_[k].triangles.cols();
   }
-  vertices_.resize(3, vertices);
-  normals_.resize(3, vertices);
-  triangles_.resize(3, triangles);
+  if (others) {
+    vertices_.resize(3, vertices);
+    normals_.resize(3, vertices);
+    triangles_.resize(3, triangles);
+  }
+  const Rigid3 first_from_world = bodies_.front().world_from_body.inverse();
   Eigen::Index v = 0, t = 0;
-  for (const CapsuleMesh& part : parts) {
-    vertices_.middleCols(v, part.vertices.cols()) = part.vertices.cast<float>();
-    normals_.middleCols(v, part.normals.cols()) = part.normals.cast<float>();
-    triangles_.middleCols(t, part.triangles.cols()) = part.triangles.array() + static_cast<int>(v);
+  for (std::size_t k = 0; k < things.size(); ++k) {
+    const Part& part = parts_[k];
+    const Eigen::Vector3d a = first_from_world * things[k].a, b = first_from_world * things[k].b;
+    const Eigen::Matrix3f turn = part.length > kSameSize ? Eigen::Quaterniond::FromTwoVectors(
+                                                               Eigen::Vector3d::UnitZ(), b - a)
+                                                               .toRotationMatrix()
+                                                               .cast<float>()
+                                                               .eval()
+                                                         : Eigen::Matrix3f::Identity();
+    vertices_.middleCols(v, part.vertices.cols()) =
+        (turn * part.vertices).colwise() + a.cast<float>().eval();
+    normals_.middleCols(v, part.normals.cols()) = turn * part.normals;
+    if (others) {
+      triangles_.middleCols(t, part.triangles.cols()) =
+          part.triangles.array() + static_cast<int>(v);
+    }
     v += part.vertices.cols();
     t += part.triangles.cols();
   }
@@ -103,6 +135,7 @@ BodyLook ThingsPicture::look_of_things() const {
   look.triangles = &triangles_;
   look.material = kThings;
   look.camera_from_body = camera_from_first_;
+  look.opacity = kThingsOpacity;
   look.shadow = kThingsShadow;
   return look;
 }
@@ -124,15 +157,13 @@ const ColorImage& ThingsPicture::draw(const Scene& scene, std::span<const Capsul
     if (!body.stated_error) continue;
     view_.stated_error = std::max(view_.stated_error, body.stated_error->von_mises);
   }
+  view_.legend_title = legend ? "von Mises" : "";
   view_.caption = {caption_of(scene)};
-  renderer_.draw(view_, picture_);
-  if (things.empty()) return picture_;
-  mesh(things);
-  view_.bodies.push_back(look_of_things());
-  renderer_.draw(view_, with_things_);
-  for (std::size_t i = 0; i < picture_.size(); ++i) {
-    mix_color(picture_.data()[i], with_things_.data()[i], kThingsShare);
+  if (!things.empty()) {
+    mesh(things);
+    view_.bodies.push_back(look_of_things());
   }
+  renderer_.draw(view_, picture_);
   return picture_;
 }
 

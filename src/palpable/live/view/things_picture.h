@@ -40,6 +40,7 @@ class ThingsPicture {
   OrbitCamera camera;
   ColorScale colors = ColorScale::kBlueYellow;
   bool blended = true;  ///< as BodyLook::blended
+  bool legend = true;
 
   /// @param scene   whose bodies are drawn, with its caption and legend
   /// @param things  m, world frame
@@ -47,7 +48,16 @@ class ThingsPicture {
   const ColorImage& draw(const Scene& scene, std::span<const Capsule> things);
 
  private:
+  // A capsule from the origin along +Z. Hands keep the sizes of their capsules from frame to frame:
+  // they are meshed once.
+  struct Part {
+    double length = -1, ra = 0, rb = 0;  // m
+    Eigen::Matrix3Xf vertices, normals;
+    Eigen::Matrix3Xi triangles;
+  };
+
   void mesh(std::span<const Capsule> things);
+  static bool fit(Part& part, const Capsule& capsule);
   [[nodiscard]] BodyLook look_of_body(const SceneBody& shown, std::size_t number) const;
   [[nodiscard]] BodyLook look_of_things() const;
 
@@ -57,8 +67,9 @@ class ThingsPicture {
   Studio studio_;
   SceneRenderer renderer_;
   SceneView view_;
-  ColorImage background_, picture_, with_things_;
+  ColorImage background_, picture_;
   Rigid3 camera_from_first_ = Rigid3::Identity();  // of background_
+  std::vector<Part> parts_;
   // All capsules as one mesh, frame of the first body.
   Eigen::Matrix3Xf vertices_, normals_;
   Eigen::Matrix3Xi triangles_;

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include <cstddef>
 #include <cstdlib>
 #include <memory>
 #include <vector>
@@ -40,6 +41,13 @@ int difference(const Rgb& p, const Rgb& q) {
   return std::abs(p.r - q.r) + std::abs(p.g - q.g) + std::abs(p.b - q.b);
 }
 
+// The number of pixels in which two pictures differ.
+int others(const ColorImage& a, const ColorImage& b) {
+  int count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += difference(a.data()[i], b.data()[i]) > 6;
+  return count;
+}
+
 // The pixel of a point of the world, in a picture of bodies whose first one stands at the origin.
 Eigen::Vector2i pixel_of(const OrbitCamera& orbit, const Eigen::Vector3d& x) {
   const PinholeCamera camera = camera_of_view(kSize.width, kSize.height, kStudioView);
@@ -69,6 +77,32 @@ TEST_CASE("what presses is drawn where it is, and the body is visible through it
   CHECK(difference(with(on_body.x(), on_body.y()), with(on_floor.x(), on_floor.y())) > 10);
   CHECK(picture.draw(scene, {}) == alone);
   CHECK(context.value().errors().count() == 0);
+}
+
+TEST_CASE("a capsule that moved, turned or grew is drawn as in a picture of its own", "[view]") {
+  const Result<GlContext> context = GlContext::offscreen();
+  if (!context.ok()) PALPABLE_SKIP(context.problem().message);
+  const std::vector<ThingsPicture::Body> bodies{{ball()}};
+  const Scene scene = scene_of(bodies);
+  ThingsPicture kept(bodies, kSize, 1e4);
+  const Eigen::Vector3d above = kept.camera.target + Eigen::Vector3d(0, 0, 0.07);
+  const Capsule capsule{above, above + Eigen::Vector3d(0, 0, 0.02), 0.006, 0.004};
+  std::vector<std::vector<Capsule>> frames(6, {capsule});
+  frames[1][0].b = above + Eigen::Vector3d(0.02, 0, 0);   // turned
+  frames[2][0].b = above + Eigen::Vector3d(0, 0, -0.02);  // upside down
+  frames[3][0].b = above;                                 // a ball
+  frames[4][0].ra = 0.009;                                // grown
+  frames[5].push_back({above + Eigen::Vector3d(0.03, 0, 0), above, 0.003, 0.003});
+  for (const std::vector<Capsule>& things : frames) {
+    ThingsPicture fresh(bodies, kSize, 1e4);
+    const ColorImage picture = kept.draw(scene, things);
+    CHECK(others(picture, fresh.draw(scene, things)) < 5);  // a length may differ in its last bit
+    CHECK(others(picture, fresh.draw(scene, {})) > 50);
+  }
+  kept.legend = false;
+  const ColorImage bare = kept.draw(scene, {});
+  kept.legend = true;
+  CHECK_FALSE(bare == kept.draw(scene, {}));
 }
 
 TEST_CASE("all bodies are in the picture, each where it stands", "[view]") {

@@ -17,8 +17,9 @@ uniform vec3 material;     // sRGB
 uniform int scale;         // of colours, for fields with one sign (color_map.glsl)
 uniform float opaque;      // share of the scale from which its colours cover the material
 uniform vec3 mark_color;   // sRGB
+uniform float opacity;     // 1: nothing is visible through it
 
-layout(location = 0) out vec4 color;  // sRGB
+layout(location = 0) out vec4 color;  // sRGB, premultiplied
 layout(location = 1) out float z;     // m
 
 void main() {
@@ -31,6 +32,6 @@ void main() {
   albedo = mix(albedo, mark_color, smoothstep(0.5 - soft, 0.5 + soft, marked));
   color = vec4(lit(albedo, normalize(n_in_camera), key, up, normalize(-x_in_camera),
                    lamp * (1.0 - shaded), light_color),
-               1.0);
+               1.0) * opacity;
   z = x_in_camera.z;
 }

@@ -3,13 +3,21 @@
 // both metric. Blended as premultiplied colour.
 #include "depth.glsl"
 
-layout(binding = 0) uniform sampler2D body_color;  // sRGB
+layout(binding = 0) uniform sampler2D body_color;  // sRGB; premultiplied if TRANSLUCENT
 layout(binding = 1) uniform sampler2D body_depth;  // m, 0 without a body
 layout(binding = 2) uniform sampler2D real_depth;  // m, 0 unknown; often coarser than the picture
 layout(binding = 3) uniform sampler2D fine_depth;  // m, 0 unknown, one texel per pixel
 uniform vec4 fine_box;  // x0 y0 x1 y1 of the picture, px: here fine_depth is used, not real_depth
 uniform vec2 depth_per_picture;  // texels of real_depth per pixel of the picture
 uniform ivec2 last;              // the last pixel of the picture
+
+#ifdef TRANSLUCENT
+#define PAINT vec4
+#define PAINT_OF(texel) (texel)
+#else
+#define PAINT vec3
+#define PAINT_OF(texel) (texel).rgb
+#endif
 
 layout(location = 0) out vec4 color;
 layout(location = 1) out float visible_mask;
@@ -76,13 +84,13 @@ void main() {
   float cover = 0.0;
   float z_sum = 0.0;
   float jump = 0.0;
-  vec3 paint_sum = vec3(0.0);
-  vec3 paint = vec3(0.0);
+  PAINT paint_sum = PAINT(0.0);
+  PAINT paint = PAINT(0.0);
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
       ivec2 q = clamp(p + ivec2(dx, dy), ivec2(0), last);
       float z = texelFetch(body_depth, q, 0).r;
-      vec3 paint_here = texelFetch(body_color, q, 0).rgb;
+      PAINT paint_here = PAINT_OF(texelFetch(body_color, q, 0));
       float weight = float((2 - abs(dx)) * (2 - abs(dy))) / 16.0;
       if (dx == 0 && dy == 0) paint = paint_here;
       if (z > 0.0) {
@@ -100,6 +108,10 @@ void main() {
   if (own == 0.0 || jump > 0.01 * own) paint = paint_sum / cover;
   float visible = 1.0 - hidden(p, z);
   float alpha = smoothstep(0.1, 0.9, cover) * visible;
+#ifdef TRANSLUCENT
+  color = paint * alpha;
+#else
   color = vec4(paint * alpha, alpha);
+#endif
   visible_mask = own > 0.0 && visible >= 0.5 ? 1.0 : 0.0;
 }
