@@ -30,10 +30,9 @@ TEST_CASE("lines go first, then the skin, and the picture when nothing else wait
   queue.add_line(shared("{\"a\":1}"));
   queue.add_line(shared("{\"a\":2}"));
   queue.add_greeting(shared("{\"type\":\"hello\"}"));
-  CHECK(drained(queue) == std::vector<std::string>{"{\"type\":\"hello\"}",
-                                                   "{\"dropped\":0,\"a\":1}",
-                                                   "{\"dropped\":0,\"a\":2}", "mesh", "skin",
-                                                   "picture"});
+  CHECK(drained(queue) ==
+        std::vector<std::string>{"{\"type\":\"hello\"}", "{\"dropped\":0,\"a\":1}",
+                                 "{\"dropped\":0,\"a\":2}", "mesh", "skin", "picture"});
   CHECK(drained(queue).empty());
 }
 
@@ -44,10 +43,9 @@ TEST_CASE("a slow client gets the newest picture and skin, and every line", "[li
     queue.set_skin(shared(std::string("skin ") + number));
     queue.add_line(shared(std::string("{\"a\":") + number + "}"));
   }
-  CHECK(drained(queue) == std::vector<std::string>{"{\"dropped\":0,\"a\":1}",
-                                                   "{\"dropped\":0,\"a\":2}",
-                                                   "{\"dropped\":0,\"a\":3}", "skin 3",
-                                                   "picture 3"});
+  CHECK(drained(queue) ==
+        std::vector<std::string>{"{\"dropped\":0,\"a\":1}", "{\"dropped\":0,\"a\":2}",
+                                 "{\"dropped\":0,\"a\":3}", "skin 3", "picture 3"});
   CHECK(queue.lost_pictures() == 2);
   CHECK(queue.lost_lines() == 0);
 }
