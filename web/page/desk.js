@@ -58,6 +58,8 @@ export class Desk {
   }
   #ready;
   get body() { return this.#body; }
+  /** Ends the connection as if it were lost; for tests. */
+  drop() { this.#socket.drop(); }
 
   #prepareWords() {
     document.title = 'The live desk';
@@ -163,7 +165,7 @@ export class Desk {
   }
   #takeSkin(skin) {
     if (this.#body.setSkin(skin)) {
-      this.#orbit ??= new Orbit(this.#body.shape); // the view stays after a reconnection
+      this.#orbit ??= this.#firstView(); // it stays after a reconnection
       words.showFacts(this.#body);
       this.#scene.show(this.#body);
       words.endProgress();
@@ -174,6 +176,13 @@ export class Desk {
     }
     ++this.frames;
     this.#ask();
+  }
+
+  // From the camera's side, so that left is left in the picture, too.
+  #firstView() {
+    const { shape, eye } = this.#body;
+    if (this.#hasPicture && eye) shape.azimuth = Math.atan2(eye[0] - shape.target[0], shape.target[1] - eye[1]);
+    return new Orbit(shape);
   }
 
   // The newest picture; those that come while one is decoded are left out.

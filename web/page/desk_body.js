@@ -108,12 +108,16 @@ export class DeskBody {
 
   /** Takes the touches of a line `frame`. */
   setFrame(line) {
+    const pose = line.bodies[0]?.camera_from_body;
+    if (pose) this.eye = [3, 7, 11].map((k) => between(pose, kRest)[k]);
     this.errors = line.bodies.map((body) => body.stress_error).filter((error) => error > 0);
     this.touches = line.bodies.flatMap((body, k) => body.touches.map(({ point, force, press_depth }) => ({
       point: moved(this.#places[k] ?? kRest, point), force: turned(this.#places[k] ?? kRest, force), depth: press_depth ?? 0,
     })));
   }
   errors = [];
+  /** m, where the camera stands, in the frame of the first body; null before the first frame. */
+  eye = null;
 
   /** As PressedBody.reading(): N, the sizes of the touches' forces, added; m, the deepest; Pa; relative or NaN. */
   reading() {

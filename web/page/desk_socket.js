@@ -22,6 +22,8 @@ export class DeskSocket {
     if (this.#socket.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify({ want: words }));
   }
 
+  drop() { this.#socket.close(); }
+
   #open() {
     this.#on.state('connecting');
     const socket = this.#socket = new WebSocket(this.#url);
