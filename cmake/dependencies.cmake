@@ -33,6 +33,9 @@ find_package(PNG 1.6 REQUIRED)                           # libpng licence: pictu
 find_path(STB_INCLUDE_DIR stb/stb_truetype.h REQUIRED)
 find_file(DEJAVU_FONT DejaVuSans.ttf PATHS /usr/share/fonts/truetype/dejavu REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)                # MIT: JSON of results, benches and pages
+# BSL-1.0, headers alone: HTTP and WebSocket of `live --serve` (Boost.Beast on Boost.Asio), in one file. Frames, masks, pings
+# and time limits of a protocol that strangers speak are better kept by many than by us.
+find_package(Boost 1.74 REQUIRED)
 find_package(CLI11 2.1 REQUIRED)                         # BSD: command lines
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)  # MIT: body and scene texts
 

@@ -26,6 +26,7 @@ THIRD_PARTIES = {
     r"nlohmann/": "nlohmann-json", r"toml\+\+/": "tomlplusplus", r"CGAL/": "CGAL",
     r"tetgen\.h$": "TetGen", r"cholmod\.h$": "CHOLMOD", r"cblas\.h$": "OpenBLAS", r"catch2/": "Catch2", r"CLI/": "CLI11",
     r"ceres/": "Ceres", r"hwy/": "Highway", r"mpi\.h$": "MPI", r"zlib\.h$": "zlib", r"zstd\.h$": "zstd",
+    r"boost/": "Boost",
 }
 SYSTEM = re.compile(r"^(unistd|fcntl|spawn|sys/\w+|netinet/\w+|poll|signal|cpuid|pthread|sched|time|linux/videodev2|immintrin|stddef|stdint)\.h$")
 STANDARD = re.compile(r"^[a-z_0-9]+$")  # <vector>, <cmath>; of C's <stdio.h> only what palpable.h needs

@@ -38,7 +38,7 @@ struct Options {
 // Whether nothing would come out of the run.
 bool is_silent(const Options& options) {
   return options.play.out.empty() && options.record.empty() && options.play.events == kNoEvents &&
-         !options.play.window && !options.json;
+         !options.play.serve && !options.play.window && !options.json;
 }
 
 // Opens a window where the user asked for nothing else, and a screen is there.

@@ -1,6 +1,7 @@
 #include "apps/palpable/live_options.h"
 
 #include "apps/common/command_line.h"
+#include "apps/palpable/installed.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/geometry/body_scale.h"
 #include "palpable/live/view/tiles.h"
@@ -253,6 +254,23 @@ void add_file_options(Command command, PlayOptions& options) {
                   "user's alone, or a port of 127.0.0.1, 0: any free one")
       .type_name("ADDRESS")
       .show_default();
+  command
+      .add_option(
+          "--serve",
+          [&options](const std::vector<std::string>& words) -> std::string {
+            const auto port = to_whole_number(words.front());
+            if (!port || *port < 0 || *port > 65535) {
+              return fmt::format("'{}' is no port from 0 (any free one) to 65535", words.front());
+            }
+            options.serve = LivePageSettings{static_cast<int>(*port), shipped_page()};
+            return {};
+          },
+          "Show the run on a page in a browser of this machine, at this port of 127.0.0.1, 0: any "
+          "free one: picture, pressed body, touches and forces (docs/web.md). The address is "
+          "printed; whoever has it sees your room")
+      .type_name("PORT")
+      .words(1, 1)
+      .default_is("none");
   command.begin_expert_group("Files, more");
   command
       .add_option("--frame-pictures", options.frame_pictures,

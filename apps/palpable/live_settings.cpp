@@ -222,6 +222,9 @@ PreviewSettings preview_settings(const LiveOptions& options, const PlayOptions& 
   if (options.input.source == kSynthetic) {
     throw Error("--preview shows what a camera delivers: give it as --source /dev/video0");
   }
+  if (play.serve) {
+    throw Error("--serve: a preview has no body to show on a page; --window shows what it sees");
+  }
   RunOptions run = options.run;
   run.depth = options.input.stereo_size;
   run.farthest = options.input.farthest;

@@ -1,5 +1,6 @@
 // The page: joins the body, its picture, and what the visitor does.
 import { loadFacts, readPage, restingBody, startCore } from './bodies.js';
+import { Desk } from './desk.js';
 import { Keyboard } from './keyboard.js';
 import { Orbit } from './orbit.js';
 import { Pointers } from './pointers.js';
@@ -205,6 +206,7 @@ async function begin() {
   const content = readPage();
   let page;
   try {
+    if (content.live) return await new Desk(canvas, content.live).ready; // of palpable live --serve
     page = new Page();
   } catch {
     throw new Error('this browser draws no three-dimensional pictures (WebGL is off).');

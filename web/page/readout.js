@@ -7,6 +7,8 @@ const kStops = 24; // colours of the bar
 const at = (id) => document.getElementById(id);
 const write = (id, text) => { if (at(id).textContent !== text) at(id).textContent = text; };
 
+const kOfFingers = { many: 'fingers', none: 'force of your finger' };
+
 /** Name, material, size, credit and the colours' scale of a body. */
 export function showFacts({ facts, shape }) {
   document.title = `${facts.name}: a body to press`;
@@ -35,12 +37,13 @@ function showCredit(credit) {
   at('credit').append(place, credit.terms ? ` ${credit.terms}` : '');
 }
 
-/** The numbers of a frame. @param {ReturnType<import('./pressed_body.js').PressedBody['reading']>} reading */
-export function showReading(reading, top) {
+/** The numbers of a frame. @param {ReturnType<import('./pressed_body.js').PressedBody['reading']>} reading
+ *  @param {number} top  Pa, of the colours @param {{many: string, none: string}} of  what presses */
+export function showReading(reading, top, of = kOfFingers) {
   write('newtons', reading.force.toFixed(reading.force < 99.95 ? 2 : 0));
-  write('weight', weightWords(reading.force));
+  write('weight', weightWords(reading.force, of.none));
   write('push', reading.fingers === 0 ? '\u00a0'
-    : `${reading.fingers > 1 ? `${reading.fingers} fingers, ` : ''}${(1000 * reading.push).toFixed(1)} mm${reading.fingers > 1 ? '' : ' deep'}`);
+    : `${reading.fingers > 1 ? `${reading.fingers} ${of.many}, ` : ''}${(1000 * reading.push).toFixed(1)} mm${reading.fingers > 1 ? '' : ' deep'}`);
   const any = reading.fingers > 0 && reading.stress >= 50; // less would be written as 0.0
   at('mark').hidden = !any;
   at('mark').style.setProperty('--at', Math.min(reading.stress / top, 1));
@@ -79,8 +82,9 @@ export function showTrouble(text) {
 /** The strips at the picture's edges that words cover. */
 export function coveredStrips() {
   const { width, height } = at('view').getBoundingClientRect();
-  const low = at('legend').getBoundingClientRect();
-  if (width > 640) return { width, height, left: 0, top: 0, right: Math.min(0.12 * width, 140), bottom: 56 };
+  const low = at('legend').getBoundingClientRect(), seen = at('seen').getBoundingClientRect(); // empty while it is hidden
+  if (width > 640) return { width, height, left: seen.right, top: 0, right: Math.min(0.12 * width, 140), bottom: 56 };
+  if (seen.height > 0) return { width, height, left: 0, right: 0, top: seen.bottom, bottom: Math.max(0, height - low.top) };
   const top = Math.max(at('about').getBoundingClientRect().bottom, at('force').getBoundingClientRect().bottom);
   return { width, height, left: 0, right: 0, top: Math.min(top, 0.4 * height), bottom: Math.max(0, height - low.top) };
 }

@@ -6,6 +6,7 @@ import { Room } from './room.js';
 import { kView } from './orbit.js';
 import { kRadius } from './fingers.js';
 
+const kArrow = 0.22;   // of the body's radius, length of a small force's arrow; at most three times as long
 const kMostPixels = 2; // a screen with more for each unit of CSS is drawn with this many
 
 export class Scene {
@@ -49,6 +50,7 @@ export class Scene {
     this.#body.geometry = geometry;
     this.#body.material = bodyMaterial(body.facts.stressTop);
     this.#room.fit(body.shape);
+    this.#radius = body.shape.radius;
     this.update(body);
   }
 
@@ -72,6 +74,25 @@ export class Scene {
     this.#fingers.push(finger);
     this.#scene.add(finger);
   }
+
+  /** Shows forces as arrows that end where they press. @param {{point: number[], force: number[]}[]} forces  m, N */
+  showForces(forces) {
+    while (this.#arrows.length < forces.length) {
+      const arrow = arrowOfOne();
+      this.#arrows.push(arrow);
+      this.#scene.add(arrow);
+    }
+    this.#arrows.forEach((arrow, k) => {
+      const size = forces[k] ? Math.hypot(...forces[k].force) : 0;
+      arrow.visible = size > 0;
+      if (!arrow.visible) return;
+      const along = forces[k].force.map((x) => x / size), length = kArrow * this.#radius * (1 + 2 * size / (size + 1));
+      lay(arrow, forces[k].point, along);
+      arrow.scale.setScalar(length);
+    });
+  }
+  #arrows = [];
+  #radius = 0.1; // m, of the body
 
   /** Shows where a press by keyboard would begin. @param {import('./pick.js').Place | null} place */
   mark(place) {
@@ -123,6 +144,14 @@ export class Scene {
     const m = this.#camera.matrixWorld.elements;
     return { right: [m[0], m[1], m[2]], up: [m[4], m[5], m[6]], eye: [m[12], m[13], m[14]] };
   }
+}
+
+// An arrow of length 1 along y that ends at the origin.
+function arrowOfOne() {
+  const material = new three.MeshBasicMaterial({ color: 0xd8480a }), arrow = new three.Group();
+  arrow.add(new three.Mesh(new three.CylinderGeometry(0.035, 0.035, 0.7, 12).translate(0, -0.65, 0), material),
+            new three.Mesh(new three.ConeGeometry(0.11, 0.35, 20).translate(0, -0.175, 0), material));
+  return arrow;
 }
 
 const kAxes = { y: new three.Vector3(0, 1, 0), z: new three.Vector3(0, 0, 1) };

@@ -25,9 +25,9 @@ export function sizeWords(height, width) {
 }
 
 /** "as heavy as 120 g" of 1.2 N. */
-export function weightWords(newtons) {
+export function weightWords(newtons, none = 'force of your finger') {
   const grams = newtons / 9.81 * 1000;
-  if (grams < 0.5) return 'force of your finger';
+  if (grams < 0.5) return none;
   if (grams < 1000) return `as heavy as ${grams < 10 ? grams.toFixed(0) : Number(grams.toPrecision(2))} g`;
   return `as heavy as ${Number((grams / 1000).toPrecision(2))} kg`;
 }

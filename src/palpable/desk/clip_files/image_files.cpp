@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -215,6 +216,12 @@ std::optional<GrayImage> read_labels(const std::filesystem::path& path) {
   GrayImage gray(colors.width(), colors.height());
   std::transform(colors.begin(), colors.end(), gray.begin(), [](Rgb c) { return c.r; });
   return gray;
+}
+
+void encode_jpeg(const ColorImage& picture, int quality, std::vector<std::uint8_t>& bytes) {
+  try {
+    cv::imencode(".jpg", bgr_of(picture), bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  } catch (const std::exception&) { bytes.clear(); }
 }
 
 void write_jpeg(const std::filesystem::path& path, const ColorImage& picture) {

@@ -11,10 +11,12 @@
 
 #include "palpable/common/geometry/image.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace palpable {
 
@@ -74,6 +76,11 @@ void write_labels(const std::filesystem::path& path, const GrayImage& labels);
 
 /// Nothing when there is no such file. @throws Error naming the file when it cannot be read
 [[nodiscard]] std::optional<GrayImage> read_labels(const std::filesystem::path& path);
+
+/// The bytes of a JPEG file in colour. @param picture  not empty
+/// @param quality  1 .. 100
+/// @param bytes    overwritten; left empty when there is no memory
+void encode_jpeg(const ColorImage& picture, int quality, std::vector<std::uint8_t>& bytes);
 
 /// @throws Error when the file cannot be written
 void write_jpeg(const std::filesystem::path& path, const ColorImage& picture);

@@ -162,6 +162,14 @@ void send_file(int connection, const fs::path& path, bool with_content) {
 
 }  // namespace
 
+bool names_this_machine(std::string_view host, int port) {
+  const std::string asked = lower(host);
+  const auto is_us = [&](std::string_view name) {
+    return asked == fmt::format("{}:{}", name, port) || (port == 80 && asked == name);
+  };
+  return is_us("127.0.0.1") || is_us("localhost");
+}
+
 std::variant<FileRequest, Refusal> read_file_request(std::string_view head, int port) {
   const std::size_t end = head.find("\r\n\r\n"), first = head.find("\r\n");
   if (end == std::string_view::npos) return Refusal{400};
@@ -173,11 +181,7 @@ std::variant<FileRequest, Refusal> read_file_request(std::string_view head, int 
   const std::string_view method = line.substr(0, one), target = line.substr(one + 1, two - one - 1);
   if (target.empty() || target.front() != '/') return Refusal{400};
   const auto host = only_header(head.substr(first + 2, end - first), "host");
-  const auto is_us = [&](std::string_view name) {
-    const std::string asked = lower(*host);
-    return asked == fmt::format("{}:{}", name, port) || (port == 80 && asked == name);
-  };
-  if (!host || !(is_us("127.0.0.1") || is_us("localhost"))) return Refusal{403};
+  if (!host || !names_this_machine(*host, port)) return Refusal{403};
   if (method != "GET" && method != "HEAD") return Refusal{405};
   return FileRequest{method == "GET", std::string(target)};
 }

@@ -18,6 +18,10 @@
 
 namespace palpable {
 
+/// Whether the value of a header Host names this machine and a port of it: "127.0.0.1:PORT" or
+/// "localhost:PORT", of port 80 also without it.
+[[nodiscard]] bool names_this_machine(std::string_view host, int port);
+
 /// What a request asks for.
 struct FileRequest {
   bool with_content = true;  ///< GET; false: HEAD

@@ -90,6 +90,15 @@ void replace_mark(std::string& html, std::string_view mark, std::string_view tex
   html.replace(at, mark.size(), text);
 }
 
+constexpr std::string_view kModuleScript = "<script type=\"module\" src=\"page.js\"></script>";
+
+// The later mark first: a body's name may hold the other one.
+std::string filled(std::string html, std::string_view scripts, const Json& facts) {
+  replace_mark(html, kPageScripts, scripts);
+  replace_mark(html, kPageFacts, safe_in_html(facts.dump()));
+  return html;
+}
+
 }  // namespace
 
 PageBundle read_page_bundle(const fs::path& folder) {
@@ -157,13 +166,15 @@ std::string page_text(const PageBundle& bundle, std::span<const PageBody> bodies
     scripts += fmt::format("<script>{}</script>\n", bundle.classic);
     for (const PageBody& body : bodies) scripts += base64_element(body.file, body.bytes);
   } else {
-    scripts += "<script type=\"module\" src=\"page.js\"></script>";
+    scripts += kModuleScript;
   }
-  std::string html = bundle.html;
-  // The later mark first: a body's name may hold the other one.
-  replace_mark(html, kPageScripts, scripts);
-  replace_mark(html, kPageFacts, safe_in_html(facts.dump()));
-  return html;
+  return filled(bundle.html, scripts, facts);
+}
+
+std::string live_page_text(const PageBundle& bundle, std::string_view socket) {
+  Json facts = Json::object();
+  facts["live"] = Json(socket);
+  return filled(bundle.html, kModuleScript, facts);
 }
 
 void write_page(const fs::path& folder, const PageBundle& bundle, std::span<const PageBody> bodies,

@@ -82,6 +82,11 @@ void name_files_apart(std::span<PageBody> bodies);
 [[nodiscard]] std::string page_text(const PageBundle& bundle, std::span<const PageBody> bodies,
                                     bool holds_all);
 
+/// The text of index.html for a running session, which a server of its own sends with page.js
+/// (live_page/live_page.h). @param socket  where the page finds the session, relative to its own
+/// address. @throws Error as page_text()
+[[nodiscard]] std::string live_page_text(const PageBundle& bundle, std::string_view socket);
+
 /// Writes a page into a folder, which is made if it is missing. index.html comes last, so that a
 /// reader never finds one whose files are not there. @throws Error
 void write_page(const std::filesystem::path& folder, const PageBundle& bundle,

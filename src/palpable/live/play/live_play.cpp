@@ -24,6 +24,7 @@
 #include "palpable/live/view/scene_painter.h"
 #include "palpable/live/view/scene_picture.h"
 #include "palpable/live/view/show_names.h"
+#include "palpable/live/view/stress_scale.h"
 #include "palpable/live/view/tiles.h"
 
 #include <fmt/core.h>
@@ -47,12 +48,17 @@ namespace fs = std::filesystem;
 
 constexpr double kPauseWait = 0.05;  // s, wait for window events while a recording is paused
 
-// Whether pictures are needed.
-[[nodiscard]] bool has_pictures(const PlayOptions& options) {
+// Whether files or the window need the picture of every frame.
+[[nodiscard]] bool needs_pictures(const PlayOptions& options) {
   const RunFiles& files = options.files;
   const bool in_files =
       files.film || files.masks || files.stills || !options.frame_pictures.empty();
   return options.window || (!options.out.empty() && in_files);
+}
+
+// Whether pictures are drawn at all: those of a page alone only while somebody looks at it.
+[[nodiscard]] bool has_pictures(const PlayOptions& options) {
+  return needs_pictures(options) || options.serve.has_value();
 }
 
 // Fails before bodies are read if the recording cannot be written.
@@ -182,15 +188,25 @@ void note_stages(const LiveSetUp& setup, const PlayUser& user) {
 
 // Computes touches between frames; null if that is not wanted.
 std::unique_ptr<ContactTicks> ticks_of(const PlayOptions& options, const LiveRun& run,
-                                       LiveEvents& events) {
+                                       LiveEvents& events, LivePage& page) {
   if (options.contact_rate == 0) return nullptr;
   return std::make_unique<ContactTicks>(
       run.loop.session,
       ContactTicks::Settings{.rate = options.contact_rate,
                              .when_due = run.source->is_live() || options.paced},
-      [&events](const ContactTick& tick) {
+      [&events, &page](const ContactTick& tick) {
         events.send(tick.frame, tick.number, tick.time, *tick.touches);
+        page.send(tick.frame, tick.number, tick.time, *tick.touches);
       });
+}
+
+// Greets clients, who connect from now on, with a session.
+void begin_clients(LiveEvents& events, LivePage& page, const Session& session) {
+  events.begin(session);
+  if (!page.is_served()) return;
+  page.begin(live_page_bodies(session), {.world = EventWorld::kFirstCamera,
+                                         .stress_top = stress_scale(session),
+                                         .has_picture = true});
 }
 
 // What a frame loop works with; must outlive it.
@@ -200,6 +216,7 @@ struct LoopParts {
   LiveRun& run;
   ScenePainter* painter;  // null: nothing is drawn
   LiveEvents& events;
+  LivePage& page;
   StateWatch& watch;
   LiveChanges* changes;  // null: the run cannot be changed
   // Makes the output, or null; called after the first frame was processed, so that a run that
@@ -221,13 +238,13 @@ class PlayLoop {
   PlayLoop(const LoopParts& parts, int frames)
       : with_(parts),
         loop_(parts.run, frames, parts.user.say),
-        ticks_(ticks_of(parts.options, parts.run, parts.events)) {}
+        ticks_(ticks_of(parts.options, parts.run, parts.events, parts.page)) {}
 
   // Plays until the source or the user ends the run. To be called once.
   Played play() {
     while ((!loop_.ended() || waits()) && !user_ended()) {
       if (with_.changes != nullptr && with_.changes->record(*with_.painter, loop_)) {
-        with_.events.begin(session_);
+        begin_clients(with_.events, with_.page, session_);
       }
       if (waits()) {
         hold(kPauseWait);
@@ -277,7 +294,7 @@ class PlayLoop {
   void report_stats() {
     // Without pictures and without a known number of frames, statistics are the only sign of
     // progress.
-    const bool wanted = with_.options.stats || (with_.painter == nullptr && loop_.total() <= 0);
+    const bool wanted = with_.options.stats || (!needs_pictures_ && loop_.total() <= 0);
     if (wanted && stats_.is_second_over(system_clock().now())) {
       with_.user.say(text_of(stats_.end_stretch(moment())));
     }
@@ -287,10 +304,11 @@ class PlayLoop {
   // frames and to the recording.
   void publish(Scene& scene) {
     if (with_.changes != nullptr && with_.changes->apply(*with_.painter, scene)) {
-      with_.events.begin(session_);
+      begin_clients(with_.events, with_.page, session_);
     }
     if (ticks_) ticks_->end_frame();
     with_.events.send(scene);
+    with_.page.send(scene);
     if (ticks_) ticks_->begin_frame(session_, scene);
     if (const auto line = with_.watch.add(scene)) with_.user.say(*line);
   }
@@ -300,7 +318,9 @@ class PlayLoop {
     std::unique_ptr<DrawnFrame> drawn = output_ ? output_->blank() : std::move(kept_);
     std::swap(drawn->scene, scene);
     if (with_.painter != nullptr) {
-      with_.painter->draw(*drawn, session_);
+      const bool for_page = with_.page.wants_picture();
+      const bool is_drawn = with_.painter->draw(*drawn, session_, needs_pictures_ || for_page);
+      if (is_drawn && for_page) with_.page.send_picture(drawn->picture);
       with_.painter->show(drawn->picture);
     }
     stats_.add(drawn->scene.times, 1e3 * (system_clock().now() - loop_.taken()));
@@ -320,6 +340,7 @@ class PlayLoop {
   LoopParts with_;
   const Session& session_ = with_.run.loop.session;
   bool is_live_ = with_.run.source->is_live();
+  bool needs_pictures_ = needs_pictures(with_.options);
   RunStats stats_{{.now = system_clock().now(), .cpu = process_cpu_seconds()}};
   LiveLoop loop_;
   std::unique_ptr<ContactTicks> ticks_;  // null: none between frames
@@ -437,7 +458,8 @@ LivePlay::LivePlay(const PlayOptions& options, const std::vector<fs::path>& inpu
       options_(checked(options, !record.empty())),
       user_(std::move(user)),
       folder_(options_.out, options_.overwrite, inputs),
-      events_(options_.events) {}
+      events_(options_.events),
+      page_(options_.serve) {}
 
 void LivePlay::check(const LiveSetUp& setup) const {
   const Session& session = setup.run.loop.session;
@@ -481,11 +503,13 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
 
   const auto begin = std::chrono::steady_clock::now();
   user_.begin();
-  events_.begin(run.loop.session);
+  begin_clients(events_, page_, run.loop.session);
   if (!events_.name().empty()) user_.print(fmt::format("events: {}\n", events_.name()));
+  if (page_.is_served()) user_.print(fmt::format("page: {}\n", page_.url()));
   const auto begin_output = [&] { return folder_.begin(written); };
   const Played played =
-      PlayLoop({options_, user_, run, painter.get(), events_, watch, changes, begin_output}, frames)
+      PlayLoop({options_, user_, run, painter.get(), events_, page_, watch, changes, begin_output},
+               frames)
           .play();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   const LiveCounts& counts = played.counts;
@@ -503,6 +527,7 @@ PlayResult LivePlay::run(LiveSetUp& setup, int frames, StateWatch& watch, LiveCh
   std::string text = text_of(counts, run.loop.session, wall.count());
   if (states) text += fmt::format("states: {} of {} frames\n", states->hash, states->frames);
   text += events_.text();
+  text += page_.text();
   if (played.ticks) text += text_of(*played.ticks) + "\n";
   if (options_.stats) text += text_of(played.figures) + "\n";
   text += text_of_depth_files(all.depth);

@@ -12,6 +12,7 @@
 #include "palpable/common/geometry/image.h"
 #include "palpable/desk/clip_files/live_file.h"
 #include "palpable/live/events/live_events.h"
+#include "palpable/live/live_page/live_page.h"
 #include "palpable/live/live_writer/live_output.h"
 #include "palpable/live/play/live_set_up.h"
 #include "palpable/live/play/run_output.h"
@@ -29,8 +30,9 @@ namespace palpable {
 /// What is shown, sent and written of a run, in the words of the command line. Does not change
 /// results.
 struct PlayOptions {
-  std::filesystem::path out;       ///< empty: no files
-  std::string events = kNoEvents;  ///< LiveEvents
+  std::filesystem::path out;                   ///< empty: no files
+  std::string events = kNoEvents;              ///< LiveEvents
+  std::optional<LivePageSettings> serve = {};  ///< LivePage
   /// One of kViewNames (view/live_controls.h), or up to seven of kTileNames (view/tiles.h) side by
   /// side.
   std::vector<std::string> view = {"camera"};
@@ -88,12 +90,12 @@ struct PlayResult {
 
 class LiveChanges;
 
-/// One run. The constructor acquires the output folder and the socket, before bodies are read.
+/// One run. The constructor acquires the output folder and the sockets, before bodies are read.
 class LivePlay {
  public:
   /// @param inputs  files and folders that the run reads; it removes none of them
   /// @param record  the recording to be written (play()); empty: none
-  /// @throws Error when the options contradict each other, or the folder, the socket or the
+  /// @throws Error when the options contradict each other, or the folder, a socket or the
   /// recording's file is not available
   LivePlay(const PlayOptions& options, const std::vector<std::filesystem::path>& inputs,
            PlayUser user, const std::filesystem::path& record = {});
@@ -119,6 +121,7 @@ class LivePlay {
   PlayUser user_;
   RunFolder folder_;
   LiveEvents events_;
+  LivePage page_;
 };
 
 }  // namespace palpable

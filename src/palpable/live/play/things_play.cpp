@@ -48,6 +48,16 @@ std::vector<EventBody> event_bodies_of(const std::vector<PlacedBody>& standing) 
   return bodies;
 }
 
+std::vector<LivePageBody> page_bodies_of(const std::vector<PlacedBody>& standing) {
+  std::vector<EventBody> events = event_bodies_of(standing);
+  std::vector<LivePageBody> bodies;
+  for (std::size_t k = 0; k < standing.size(); ++k) {
+    const ReducedBody& body = standing[k].body.body;
+    bodies.push_back({std::move(events[k]), body.material, body.surface.triangles});
+  }
+  return bodies;
+}
+
 void check_bodies(const ThingsSetUp& setup) {
   for (std::size_t k = 0; k < setup.standing.size(); ++k) {
     if (setup.standing[k].body.touch) continue;
@@ -233,21 +243,24 @@ bool draws(const PlayOptions& options, ThingsFrom from) {
 class ThingsLoop {
  public:
   // @param scale  Pa, top of the colours
-  ThingsLoop(const PlayOptions& options, const PlayUser& user, LiveEvents& events,
+  ThingsLoop(const PlayOptions& options, const PlayUser& user, LiveEvents& events, LivePage& page,
              ThingsSetUp& setup, ThingsFrom from, double scale)
       : user_(user),
         events_(events),
+        page_(page),
         lines_(lines_of(setup, from, events)),
         approach_(setup.standing),
         press_(std::move(setup.standing)) {
+    if (options.window || page_.is_served()) {
+      press_.press({}, scene_);  // at rest, until something presses
+      page_.send_at_rest(scene_);
+    }
     if (!draws(options, from)) return;
     show_.emplace(options, press_.drawn(), scale,
                   [this, body = setup.bodies.front().file](const ColorImage& picture) {
                     return user_.keep_picture(body, picture);
                   });
-    if (!options.window) return;
-    press_.press({}, scene_);  // at rest, until something presses
-    show_->draw(scene_, {});
+    if (options.window) show_->draw(scene_, {});
   }
 
   // @param begin_output  makes the output, or null; called before the first frame is written
@@ -275,6 +288,7 @@ class ThingsLoop {
       passed_through_ += press_.passed_through();
       counts_.add_contact(scene_);
       events_.send(scene_);
+      page_.send(scene_);
       const ColorImage* picture = draw();
       stats_.add(scene_.times, 1e3 * (system_clock().now() - taken));
       if (frames_ == 1) output_ = begin_output();
@@ -323,6 +337,7 @@ class ThingsLoop {
 
   const PlayUser& user_;
   LiveEvents& events_;
+  LivePage& page_;
   std::unique_ptr<ThingsLines> lines_;
   NearestApproach approach_;
   ThingsPress press_;
@@ -365,7 +380,8 @@ ThingsPlay::ThingsPlay(const PlayOptions& options, const std::vector<fs::path>& 
       options_(options),
       user_(std::move(user)),
       folder_(checked_folder(options_), options_.overwrite, inputs),
-      events_(options.events, from == ThingsFrom::kClient) {
+      events_(options.events, from == ThingsFrom::kClient),
+      page_(options.serve) {
   PALPABLE_EXPECT(from == ThingsFrom::kFile || options.events != kNoEvents, "clients need events");
 }
 
@@ -374,12 +390,15 @@ PlayResult ThingsPlay::play(ThingsSetUp& setup, int frames) {
   const LiveOutputSettings written = output_of_things(options_, setup, from_);
   LiveSummary all = summary_before(setup);
   const std::vector<EventBody> bodies = event_bodies_of(setup.standing);
-  ThingsLoop loop(options_, user_, events_, setup, from_, all.color_scale);
+  const std::vector<LivePageBody> page_bodies = page_bodies_of(setup.standing);
+  ThingsLoop loop(options_, user_, events_, page_, setup, from_, all.color_scale);
 
   const auto begin = std::chrono::steady_clock::now();
   user_.begin();
   events_.begin(bodies, EventWorld::kOfThings);
   if (!events_.name().empty()) user_.print(fmt::format("events: {}\n", events_.name()));
+  page_.begin(page_bodies, {.world = EventWorld::kOfThings, .stress_top = all.color_scale});
+  if (page_.is_served()) user_.print(fmt::format("page: {}\n", page_.url()));
   loop.play(frames, [&] { return folder_.begin(written); });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   if (loop.counts().processed.empty()) {
@@ -394,7 +413,7 @@ PlayResult ThingsPlay::play(ThingsSetUp& setup, int frames) {
   all.wall = wall.count();
   if (loop.output() != nullptr) folder_.write(all);
   PlayResult result;
-  result.text = text_of_run(loop, wall.count()) + events_.text();
+  result.text = text_of_run(loop, wall.count()) + events_.text() + page_.text();
   if (options_.stats) result.text += text_of(figures) + "\n";
   if (loop.output() != nullptr) result.text += folder_.text_of(*loop.output());
   result.summary = json_of(all);

@@ -31,13 +31,13 @@ struct ThingsSetUp {
   bool paced = false;
 };
 
-/// One run. The constructor acquires the output folder and the socket, before bodies are read.
+/// One run. The constructor acquires the output folder and the sockets, before bodies are read.
 class ThingsPlay {
  public:
   /// @param options  of files, RunFiles::data and meshes are written, and of a hands file the film;
   ///                 of what is shown, window, colors and opaque count (ThingsShow)
   /// @param inputs   files that the run reads; it removes none of them
-  /// @throws Error when the folder or the socket is not available
+  /// @throws Error when the folder or a socket is not available
   ThingsPlay(const PlayOptions& options, const std::vector<std::filesystem::path>& inputs,
              PlayUser user, ThingsFrom from = ThingsFrom::kFile);
 
@@ -55,6 +55,7 @@ class ThingsPlay {
   PlayUser user_;
   RunFolder folder_;
   LiveEvents events_;
+  LivePage page_;
 };
 
 }  // namespace palpable

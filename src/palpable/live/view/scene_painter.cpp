@@ -89,12 +89,12 @@ SceneExtras ScenePainter::wants() const {
   return extras_for(controls_.show.field);
 }
 
-void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
+bool ScenePainter::draw(DrawnFrame& drawn, const Session& session, bool wanted) {
   drawn_for_window_ = window_ && !holds();
-  const bool is_unused = !drawn_for_window_ && !drawn.in_files;
+  const bool is_unused = !drawn_for_window_ && !(drawn.in_files && wanted);
   const bool draws_map = controls_.view == LiveView::kMap || has_tile(Tile::kMap);
   if (map_ && (is_unused || !draws_map)) map_->follow(drawn.scene);
-  if (is_unused) return;
+  if (is_unused) return false;
   {
     const StageTimer timer(drawn.scene.times, "draw");
     const bool masks = masks_ && drawn.in_files;
@@ -105,17 +105,18 @@ void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
                 masks ? &drawn.body_depth : nullptr);
     }
   }
-  if (!drawn_for_window_) return;
+  if (!drawn_for_window_) return true;
   panel_.add(drawn.scene);
   if (!controls_.paused) {
     held_.reset();
-    return;
+    return true;
   }
   controls_.step_wanted = false;
   held_ = drawn.scene;
   held_picture_ = drawn.picture;
   held_view_ = controls_.view;
   held_show_ = controls_.show;
+  return true;
 }
 
 void ScenePainter::draw_look(const Scene& scene, const Session& session, ColorImage& picture,

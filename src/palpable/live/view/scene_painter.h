@@ -59,7 +59,9 @@ class ScenePainter {
   /// Fills in everything of `drawn` except the scores; the time is added to the stage "draw".
   /// `visible` and `body_depth` are left unchanged without masks, and for frames that are not
   /// in_files. A frame that is neither written to files nor shown in the window is not drawn.
-  void draw(DrawnFrame& drawn, const Session& session);
+  /// @param wanted  whether anybody wants pictures of frames that are in_files
+  /// @return whether it was drawn
+  bool draw(DrawnFrame& drawn, const Session& session, bool wanted = true);
 
   /// Shows the picture drawn last in the window, unless the user has paused it, and handles the
   /// user's input. Does nothing without a window.
