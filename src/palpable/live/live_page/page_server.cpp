@@ -412,8 +412,9 @@ void PageServer::Shared::Request::answer(Trouble trouble) {
   if (access.status != 200) return refuse(access.status);
   if (access.name == kLiveSocket) return upgrades ? upgrade() : refuse(400);
   const auto& files = server_.settings.files;
-  const auto file = std::find_if(files.begin(), files.end(),
-                                 [&](const ServedFile& other) { return other.name == access.name; });
+  const auto file = std::find_if(files.begin(), files.end(), [&](const ServedFile& other) {
+    return other.name == access.name;
+  });
   if (upgrades || file == files.end()) return refuse(404);
   send(200, file->type, file->bytes, asked.method == "GET");
 }
