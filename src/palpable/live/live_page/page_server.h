@@ -71,7 +71,7 @@ class PageServer {
   /// @param mesh       a binary message for clients that want skins (skin_message.h)
   void begin(std::vector<std::string> greetings, std::string mesh);
 
-  // From any thread. They copy; nobody waits, and after the first calls nothing is allocated.
+  // From any thread. They copy and do not wait; memory is reused from call to call.
 
   [[nodiscard]] bool has_clients() const;
   [[nodiscard]] bool wants_pictures() const;  ///< some client does

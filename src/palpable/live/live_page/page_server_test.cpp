@@ -220,7 +220,7 @@ TEST_CASE("a client gets the greeting and the lines, and what it asks for", "[li
   CHECK(served.server.has_clients());
   CHECK_FALSE(served.server.wants_pictures());
   served.server.send_line("{\"a\":1}\n");
-  served.server.send_picture("of nobody's wish");
+  served.server.send_picture("that no client wants");
   CHECK(client.read_message() == "{\"dropped\":0,\"a\":1}");
   client.send_frame("{\"want\":[\"picture\",\"skin\"]}");
   CHECK(client.read_message() == "MESH");
@@ -316,7 +316,7 @@ TEST_CASE("as many clients as are served keep others out, until one goes", "[liv
   CHECK(soon([&] { return PageClient(served).head().starts_with("HTTP/1.1 101"); }));
 }
 
-TEST_CASE("hundreds of silent connections keep nobody out for long", "[live_page][server]") {
+TEST_CASE("hundreds of silent connections end, and then pages are served", "[live_page][server]") {
   const Served served;
   std::vector<std::unique_ptr<PageClient>> silent;
   for (int k = 0; k < 600; ++k)

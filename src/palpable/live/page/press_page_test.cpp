@@ -110,6 +110,13 @@ TEST_CASE("the script of a page of one file, and the skin at rest, come before t
   CHECK(script < html.find("Ynl0ZXM="));
 }
 
+TEST_CASE("a live page holds no body, but where its session is", "[page]") {
+  const std::string html = live_page_text(small_bundle(), "live");
+  CHECK(html.find("{\"live\":\"live\"}") != std::string::npos);
+  CHECK(html.find("src=\"page.js\"") != std::string::npos);
+  CHECK(html.find(kPageScripts) == std::string::npos);
+}
+
 TEST_CASE("a bundle that was not built names the command that builds it", "[page]") {
   const ScratchFolder folder("page");
   CHECK_THROWS_WITH(read_page_bundle(folder / "none"), Catch::Contains("web/build.sh"));
