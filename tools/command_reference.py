@@ -57,13 +57,8 @@ def reference_of(programs, files):
     for program, declaration in declared_by(programs, files):
         for command in declaration["commands"]:
             name = command["name"]
-            if name in HIDDEN:
-                continue
-            # palpable lists the other program's commands without their options. Of `export` each program has formats:
-            # to the user it is one command, with the options of both.
-            if name in commands and options_of(commands[name]):
-                known = {option["names"][-1] for option in options_of(commands[name])}
-                commands[name]["options"] += [option for option in options_of(command) if option["names"][-1] not in known]
+            # palpable lists the other program's commands without their options.
+            if name in HIDDEN or (name in commands and len(command["options"]) < len(commands[name]["options"])):
                 continue
             commands[name] = command | {"program": program}
     missed = sorted(set(commands) ^ set(NAMES))

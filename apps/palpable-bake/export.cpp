@@ -1,6 +1,7 @@
 // palpable export bunny.palpable --to pxdmf -o bunny.pxdmf
 
 #include "apps/common/command_line.h"
+#include "apps/common/export_options.h"
 #include "apps/common/interruption.h"
 #include "apps/common/printing.h"
 #include "apps/palpable-bake/commands.h"
@@ -31,7 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportOptions {
-  std::string input, to, output;
+  std::string input, to, output, holds_all = "auto";
   int site = -1;  // -1: all
   std::vector<std::string> set;
 };
@@ -127,6 +128,9 @@ void export_as_asked(const ExportOptions& options) {
                     "--to {0} -o {2}",
                     options.to, quoted_for_shell(options.input), quoted_for_shell(options.output)));
   }
+  if (options.holds_all != "auto") {
+    throw Error(fmt::format("--inline is for --to page; --to {} has no page", options.to));
+  }
   check_output(options);
   fs::is_directory(options.input) ? export_snapshots(options) : export_body(options);
   print_text("{}\n", options.output);
@@ -157,8 +161,9 @@ void add_export(Command app) {
       .not_negative()
       .default_is("all");
   add_set_option(command, options->set);
+  add_inline_option(command, options->holds_all);
   command.footer(
-      "docs/exchange.md describes the files. Options of a page: palpable export --to page --help\n"
+      "docs/exchange.md describes the files.\n"
       "Example: palpable export bunny.palpable --to vtu --site 4 -o bunny_site_4");
   command.callback([options] { export_as_asked(*options); });
 }

@@ -4,6 +4,7 @@
 // The other formats are written by palpable-bake, to which main.cpp passes them.
 
 #include "apps/common/command_line.h"
+#include "apps/common/export_options.h"
 #include "apps/common/printing.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/installed.h"
@@ -109,12 +110,7 @@ void add_export(Command app) {
       .add_option("-o,--out", options->output, "File to write, NAME.palpweb, or the page's folder")
       .required()
       .type_name("FILE|DIR");
-  command
-      .add_option("--inline", options->holds_all,
-                  "page: whether it is one file with everything in it, which opens from a disk; "
-                  "auto: if its bodies have 16 MB at most")
-      .one_of({"auto", "always", "never"})
-      .show_default();
+  add_inline_option(command, options->holds_all);
   add_set_option(command, options->set);
   command.footer(
       "docs/body_file.md describes the file, docs/web.md the page.\n"

@@ -254,6 +254,7 @@ void add_file_options(Command command, PlayOptions& options) {
                   "user's alone, or a port of 127.0.0.1, 0: any free one")
       .type_name("ADDRESS")
       .show_default();
+  command.begin_expert_group("Files, more");
   command
       .add_option(
           "--serve",
@@ -271,7 +272,6 @@ void add_file_options(Command command, PlayOptions& options) {
       .type_name("PORT")
       .words(1, 1)
       .default_is("none");
-  command.begin_expert_group("Files, more");
   command
       .add_option("--frame-pictures", options.frame_pictures,
                   "Also write the pictures of these frames, or of all, as pictures/000098.png; the "

@@ -385,7 +385,7 @@ def _(programs, folder):
 
 
 # Of ./check, tools and other programs, and of what an older version had.
-OF_DOCUMENTS = OF_OTHERS | {"--only", "--long", "--describes", "--fresh", "--films", "--keep", "--install"}
+OF_DOCUMENTS = OF_OTHERS | {"--only", "--long", "--describes", "--fresh", "--films", "--keep", "--install", "--browser"}
 
 
 @case("each option that a document names is one that a command has")

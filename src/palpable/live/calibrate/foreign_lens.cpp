@@ -80,6 +80,9 @@ Result<PinholeCamera> camera_of_matrix(const std::vector<double>& K, std::string
       K[7] != 0 || K[8] != 1) {
     return Problem{fmt::format("has {} that is not fx 0 cx / 0 fy cy / 0 0 1", name)};
   }
+  if (!std::isfinite(K[0]) || !std::isfinite(K[4])) {
+    return Problem{fmt::format("has a focal length in {} that is not finite", name)};
+  }
   if (!(K[0] > 0 && K[4] > 0)) {
     return Problem{fmt::format("has focal lengths of {} and {} px in {}: was it calibrated?", K[0],
                                K[4], name)};
