@@ -88,6 +88,7 @@ void LivePage::begin(const std::vector<LivePageBody>& bodies, const LivePageFact
   }
   server_->begin({hello_line(events, facts.world), page_line(bodies, facts)},
                  mesh_message(corners));
+  sent_skin_.clear();  // the server has forgotten it
   if (facts.has_picture && !encoder_.joinable()) encoder_ = std::thread([this] { encode(); });
 }
 
@@ -104,10 +105,22 @@ void LivePage::send_at_rest(const Scene& scene) {
   if (server_) send_skins(scene);
 }
 
+bool LivePage::send_missed(const Scene* scene) {
+  if (!is_any_new()) return false;
+  arrivals_ = server_->arrivals();
+  if (scene == nullptr) return false;
+  {
+    const std::lock_guard lock(lines_mutex_);
+    if (lines_) server_->send_missed_line(lines_->line_of(*scene));
+  }
+  if (server_->wants_skins()) send_skins(*scene);
+  return wants_picture();
+}
+
 void LivePage::send(int frame, int tick, double time, std::span<const Touch> touches) {
   if (!server_ || !server_->has_clients()) return;
   const std::lock_guard lock(lines_mutex_);
-  if (lines_) server_->send_line(lines_->tick_line(frame, tick, time, touches));
+  if (lines_) server_->send_line(lines_->tick_line(frame, tick, time, touches), false);
 }
 
 void LivePage::send_skins(const Scene& scene) {
