@@ -51,6 +51,21 @@ std::vector<LivePageBody> live_page_bodies(const Session& session) {
   return bodies;
 }
 
+void keep_for_page(const Scene& scene, Scene& kept) {
+  kept.number = scene.number;
+  kept.time = scene.time;
+  kept.touches = scene.touches;
+  kept.things = scene.things;
+  kept.bodies = scene.bodies;
+  kept.mutual_penetration = scene.mutual_penetration;
+  kept.imbalance = scene.imbalance;
+  kept.left_to_move = scene.left_to_move;
+  kept.inside = scene.inside;
+  kept.answer = scene.answer;
+  kept.contacts_dropped = scene.contacts_dropped;
+  kept.camera = scene.camera;
+}
+
 LivePage::LivePage(const std::optional<LivePageSettings>& settings) {
   if (!settings) return;
   try {

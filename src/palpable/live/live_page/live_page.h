@@ -47,6 +47,9 @@ struct LivePageBody {
 /// The bodies of a session, in its order.
 [[nodiscard]] std::vector<LivePageBody> live_page_bodies(const Session& session);
 
+/// Copies what a page is sent of a scene, which is all but its images. Memory is reused.
+void keep_for_page(const Scene& scene, Scene& kept);
+
 /// What a page is told beside the bodies.
 struct LivePageFacts {
   EventWorld world = EventWorld::kFirstCamera;

@@ -170,6 +170,13 @@ std::string ask(const Served& served, const std::string& request) {
   return client.read_rest();
 }
 
+// For tests whose clients answer no pings while others are read.
+PageServerSettings patient() {
+  PageServerSettings settings = settings_of(new_page_token());
+  settings.patience = milliseconds(20'000);
+  return settings;
+}
+
 // Waits until the server's thread has done something.
 template <class Condition>
 bool soon(Condition is_so) {
@@ -248,7 +255,7 @@ TEST_CASE("a client that wants skins gets the last one at once", "[live_page][se
 TEST_CASE(
     "clients that are there are greeted with another session, and get its triangles and skins",
     "[live_page][server]") {
-  Served served;
+  Served served(patient());
   PageClient client(served), without_skins(served);
   CHECK(client.read_message() == kGreeting);
   CHECK(without_skins.read_message() == kGreeting);
@@ -283,7 +290,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a session gives a client no skin of the one before", "[live_page][server]") {
-  Served served;
+  Served served(patient());
   PageClient client(served);
   CHECK(client.read_message() == kGreeting);
   client.send_frame("{\"want\":[\"skin\"]}");
@@ -303,7 +310,7 @@ TEST_CASE("a session gives a client no skin of the one before", "[live_page][ser
 
 TEST_CASE("a client gets the triangles once, however often it asks for skins",
           "[live_page][server]") {
-  Served served;
+  Served served(patient());
   PageClient client(served);
   CHECK(client.read_message() == kGreeting);
   client.send_frame("{\"want\":[\"skin\"]}");
@@ -317,7 +324,7 @@ TEST_CASE("a client gets the triangles once, however often it asks for skins",
 
 TEST_CASE("the line of a frame that was missed goes to those alone who have none",
           "[live_page][server]") {
-  Served served;
+  Served served(patient());
   CHECK(served.server.arrivals() == 0);
   PageClient early(served);
   CHECK(early.read_message() == kGreeting);
