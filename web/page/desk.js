@@ -203,14 +203,16 @@ export class Desk {
       return;
     }
     picture.isBusy = true;
-    const image = at('picture'), before = image.src;
+    // Another element: one that gets another source is empty until it is read.
+    const before = at('picture'), image = before.cloneNode();
     image.src = URL.createObjectURL(new Blob([buffer], { type: 'image/jpeg' }));
     image.decode().then(() => {
+      before.replaceWith(image);
+      URL.revokeObjectURL(before.src);
       ++this.pictures;
       picture.isShown = true;
       this.#showPlaceOfPicture();
-    }, () => {}).finally(() => {
-      if (before) URL.revokeObjectURL(before);
+    }, () => URL.revokeObjectURL(image.src)).finally(() => {
       picture.isBusy = false;
       const next = picture.next;
       picture.next = null;

@@ -125,7 +125,7 @@ struct Outbox {
 
   // Forgets what belongs to the session before, but for its lines.
   void open(SessionGreeting with) {
-    if (opening) {  // nobody has seen that session
+    if (opening) {  // no client was greeted with that session
       lost += static_cast<std::int64_t>(ends.size() - opens_before);
       ends.resize(opens_before);
       lines.resize(ends.empty() ? 0 : ends.back().end);
