@@ -189,6 +189,19 @@ def _(programs, folder):
     assert "page: 1 clients" in end(process)
 
 
+@case("a page shows several views side by side, without files")
+def _(programs, folder):
+    write_bundle(folder)
+    write_long_clip(folder / "clip")
+    process = programs.start("live", programs.small_body(), "--source", "clip", "--place", "0 0.04 0.42 0 0 0", "--serve", "0",
+                             "--view", "camera", "depth", cwd=folder)
+    client = Page(*address(process), "picture")
+    picture = client.until(lambda message: isinstance(message, bytes))[-1]
+    assert jpeg_size(picture) == (base.WIDTH // 2, base.HEIGHT // 4), jpeg_size(picture)  # two tiles, each half as wide and high
+    client.connection.close()
+    assert "page: 1 clients" in end(process)
+
+
 @case("a run's results do not depend on who looks at it")
 def _(programs, folder):
     write_bundle(folder)
@@ -298,7 +311,7 @@ def _(programs, folder):
     assert b'"by"' in touches and touches == (folder / "served/touches.jsonl").read_bytes()
 
 
-@case("a page that is opened while nobody sends gets the last touches and the skins of them, and nobody gets them twice")
+@case("a page that is opened while no client sends gets the last touches and skins, and each page gets them once")
 def _(programs, folder):
     write_bundle(folder)
     process = begin_socket_run(programs, folder, "--serve", "0")

@@ -629,8 +629,8 @@ void PageServer::Shared::close_all() {
   news.close(ignored);
   to_all([](Client& client) { client.end(websocket::close_code::going_away); });
   // Those that have asked nothing would hold the end up until their time is over.
-  const std::vector<Request*> open(requests.begin(), requests.end());
-  for (Request* request : open) request->end();
+  const std::vector<Request*> waiting(requests.begin(), requests.end());
+  for (Request* request : waiting) request->end();
 }
 
 void PageServer::Shared::wake() const {
