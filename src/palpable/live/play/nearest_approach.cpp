@@ -45,7 +45,7 @@ NearestApproach::Approach& NearestApproach::approach_of(std::int64_t id) {
   const auto found = std::find_if(things_.begin(), things_.end(),
                                   [id](const Approach& one) { return one.id == id; });
   if (found != things_.end()) return *found;
-  if (things_.size() < kMostThings) return things_.emplace_back(Approach{.id = id});
+  if (things_.size() < kMostToldApart) return things_.emplace_back(Approach{.id = id});
   return others_;
 }
 
@@ -130,8 +130,8 @@ std::string NearestApproach::text() const {
     text += fmt::format("{} more things stayed farther away\n", told.size() - kMostThingsTold);
   }
   if (any_others) {
-    text += fmt::format("further things, beyond {}, came no nearer than {:.1f} mm\n", kMostThings,
-                        1e3 * others_.distance);
+    text += fmt::format("further things, beyond {}, came no nearer than {:.1f} mm\n",
+                        kMostToldApart, 1e3 * others_.distance);
   }
   const Approach& nearest = *nearest_of_all;
   if (nearest.distance > kFarForMetres) {

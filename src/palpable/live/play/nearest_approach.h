@@ -22,13 +22,13 @@ namespace palpable {
 ///
 /// A capsule is measured only where its nearest approach may have become nearer by kNoticed: not if
 /// the bodies' boxes are farther away, and not if it has moved too little since it was measured
-/// last. The first kMostThings things are told apart, all further ones count as one.
+/// last. The first kMostToldApart things are told apart, all further ones count as one.
 class NearestApproach {
  public:
   /// @param standing  the bodies; their skins are copied
   explicit NearestApproach(const std::vector<PlacedBody>& standing);
 
-  static constexpr std::size_t kMostThings = 64;
+  static constexpr std::size_t kMostToldApart = 64;
   static constexpr double kNoticed = 1e-3;  ///< m
 
   /// Measures one line. Allocates for a thing that was not there before, or has more capsules.
