@@ -145,7 +145,7 @@ def _(programs, folder):
     a, b = (read_touches(folder / name)[-1]["touches"][0] for name in "ab")
     assert max(abs(p - q) for p, q in zip(a["force"], b["force"])) < 1e-3 * abs(a["force"][2]), (a, b)
     said = programs.succeeds(*run, moved).stdout
-    assert re.search(r"never touched\nthing 1 came no nearer than 1\d\d\d\.\d mm to ball, at 0 s\n.*--place", said), said
+    assert re.search(r"never touched\nthing 1 came no nearer than 1\d\d\d\.\d mm to a vertex of ball, at 0 s\n.*--place", said), said
     scene = folder / "two.toml"
     scene.write_text("".join(f'[[body]]\nname = "{name}"\nfile = "{body}"\n{at}' for name, at in (
         ("one", ""), ("two", 'at = ["500 mm", "-250 mm", "1000 mm"]\n'))))

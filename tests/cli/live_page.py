@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Browsers at a run of `palpable live --serve`, among them silent, slow and malformed ones."""
 import json
+import os
 import re
 import socket
 import struct
@@ -10,7 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 import programs as base
 from events import end, start, touched_body, written_touches
-from hands import finger, write_lines
+from hands import begin_socket_run, connect, finger, write_lines
 from interruptions import write_long_clip
 from with_wall_clip import SCENE
 
@@ -63,6 +64,7 @@ class Page:
         assert status.startswith(b"HTTP/1.1 101 "), status
         while self.coming.readline().strip():
             pass
+        self.code = None  # with which the other side has closed
         if wishes:
             self.send(json.dumps({"want": wishes}))
 
@@ -73,7 +75,7 @@ class Page:
         self.connection.sendall(bytes([0x80 | kind, 0x80 | len(data)]) + bytes(4) + data)
 
     def read(self):
-        """The next message: an object for a text, bytes; None: the run has ended."""
+        """The next message: an object for a text, bytes; None: the connection has ended, with `code` if it was closed in order."""
         while True:
             begin = self.coming.read(2)
             if len(begin) < 2:
@@ -85,10 +87,24 @@ class Page:
             if kind == 9:
                 self.send(data, 10)
             elif kind == 8:
-                assert struct.unpack(">H", data[:2])[0] == 1001, data
+                (self.code,) = struct.unpack(">H", data[:2])
                 return None
             else:
                 return json.loads(data) if kind == 1 else data
+
+    def read_to_the_end(self):
+        """What comes until the run says that it ends."""
+        while self.read() is not None:
+            pass
+        assert self.code == 1001, self.code
+
+    def await_close(self):
+        """Waits until the other side has ended the connection; fails if it does not."""
+        try:
+            while self.coming.read(65536):
+                pass
+        except ConnectionError:
+            pass
 
     def until(self, happened):
         """Reads until it has; returns all messages."""
@@ -143,8 +159,7 @@ def _(programs, folder):
             kinds[message[:4]].append(message)
     printed = end(process)
     assert "page: 1 clients, 0 refused" in printed, printed
-    while client.read() is not None:  # the run says that it ends
-        pass
+    client.read_to_the_end()
     (body,) = hello["bodies"]
     assert hello["type"] == "hello" and facts["type"] == "page" and facts["picture"] is True, (hello, facts)
     assert facts["stress_top"] > 100 and "neo-hookean" in facts["bodies"][0]["material"], facts
@@ -174,6 +189,19 @@ def _(programs, folder):
     assert "page: 1 clients" in end(process)
 
 
+@case("a page shows several views side by side, without files")
+def _(programs, folder):
+    write_bundle(folder)
+    write_long_clip(folder / "clip")
+    process = programs.start("live", programs.small_body(), "--source", "clip", "--place", "0 0.04 0.42 0 0 0", "--serve", "0",
+                             "--view", "camera", "depth", cwd=folder)
+    client = Page(*address(process), "picture")
+    picture = client.until(lambda message: isinstance(message, bytes))[-1]
+    assert jpeg_size(picture) == (base.WIDTH // 2, base.HEIGHT // 4), jpeg_size(picture)  # two tiles, each half as wide and high
+    client.connection.close()
+    assert "page: 1 clients" in end(process)
+
+
 @case("a run's results do not depend on who looks at it")
 def _(programs, folder):
     write_bundle(folder)
@@ -183,8 +211,7 @@ def _(programs, folder):
     programs.succeeds(*run, "alone", cwd=folder)
     process = programs.start(*run, "served", "--serve", "0", cwd=folder)
     client = Page(*address(process), "picture", "skin")
-    while client.read() is not None:
-        pass
+    client.read_to_the_end()
     printed = process.communicate()
     assert process.returncode == 0, printed
     touches = (folder / "alone/touches.jsonl").read_text()
@@ -223,7 +250,10 @@ def _(programs, folder):
     port, token = address(process)
     reader = Page(port, token)
     slow = [Page(port, token, "picture", "skin") for _ in range(2)]  # they never read
-    malformed = []
+    binary = Page(port, token)
+    binary.send('{"want":[]}', 2)
+    binary.await_close()
+    malformed = [binary]
     for text, first, masked in ((b"{}", 0x81, True), (b"x" * 70000, 0x81, True), (b"[]", 0x81, False), (b"{}", 0xF3, True), (b"", 0x80, True)):
         malformed.append(Page(port, token))
         size = struct.pack(">BQ", (0x80 if masked else 0) | 127, len(text))
@@ -231,6 +261,7 @@ def _(programs, folder):
             malformed[-1].connection.sendall(bytes([first]) + size + (bytes(4) if masked else b"") + text)
         except OSError:
             pass  # it was ended before all was sent
+        malformed[-1].await_close()
     silent = [socket.create_connection(("127.0.0.1", port)) for _ in range(200)]
     for connection in silent[:3]:
         connection.sendall(f"GET /{token}/live HTTP/1.1\r\nHo".encode())
@@ -261,6 +292,64 @@ def _(programs, folder):
     assert touch["thing"] == 77 and touch["force"][2] < 0, touch
     client.connection.close()
     assert "page: 1 clients" in end(process)
+
+
+@case("without a camera, too, results do not depend on who looks: not even those of bodies that press each other")
+def _(programs, folder):
+    write_bundle(folder)
+    body = base.ROOT / "tests/data/touched_ball_v1.palpable"
+    (folder / "two.toml").write_text("".join(f'[[body]]\nname = "{name}"\nfile = "{body}"\n{at}' for name, at in (
+        ("one", ""), ("two", 'at = ["89 mm", "0 mm", "0 mm"]\n'))))
+    # A fingertip pushes the first one from the side against the second.
+    tips = [-0.056 + 0.001 * k for k in range(20)]
+    write_lines(folder / "hands.jsonl", [{"time": 0.1 * k, "things": [{"id": 1, "capsules": [[x, 0, 0.05, x - 0.05, 0, 0.05, 0.008, 0.008]]}]}
+                                         for k, x in enumerate(tips)])
+    run = ("live", "two.toml", "--source", "hands.jsonl", "--write", "data", "--out")
+    programs.succeeds(*run, "alone", cwd=folder)
+    programs.succeeds(*run, "served", "--serve", "0", cwd=folder)
+    touches = (folder / "alone/touches.jsonl").read_bytes()
+    assert b'"by"' in touches and touches == (folder / "served/touches.jsonl").read_bytes()
+
+
+@case("a page that is opened while no client sends gets the last touches and skins, and each page gets them once")
+def _(programs, folder):
+    write_bundle(folder)
+    process = begin_socket_run(programs, folder, "--serve", "0")
+    line = process.stdout.readline()
+    assert line.startswith("events: "), line
+    port, token = address(process)
+    at = os.open(folder, os.O_RDONLY)
+    presser, answers = connect(at)
+
+    def press(time, depth):
+        presser.sendall(json.dumps(finger(time, depth, id=5)).encode() + b"\n")
+        return json.loads(next(answers))
+
+    press(0, 0.002)
+    pressed = press(1, 0.004)
+    assert pressed["frame"] == 1 and pressed["bodies"][0]["touches"], pressed
+
+    def is_skin(message):
+        return isinstance(message, bytes) and message[:4] == b"SKIN" and struct.unpack("<I", message[4:8])[0] == 1
+
+    pages, came = [], []
+    for _ in range(2):
+        pages.append(Page(port, token, "skin"))
+        came.append([])
+        while not (any(map(is_frame, came[-1])) and any(map(is_skin, came[-1]))):
+            came[-1].append(pages[-1].read())
+            assert came[-1][-1] is not None, came
+    press(2, 0.003)
+    for page, messages in zip(pages, came):
+        messages += page.until(lambda message: is_frame(message) and message["frame"] == 2)
+        frames = list(filter(is_frame, messages))
+        assert [frame["frame"] for frame in frames] == [1, 2], frames
+        assert frames[0]["bodies"] == pressed["bodies"], (frames[0], pressed)
+        assert sum(map(is_skin, messages)) == 1
+    for page in pages:
+        page.connection.close()
+    assert "page: 2 clients" in end(process)
+    os.close(at)
 
 
 @case("--serve names a port that is taken, the command that builds the page, and what it cannot show")

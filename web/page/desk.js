@@ -2,10 +2,9 @@
 // with their stress, touches and forces; nothing is computed here.
 import { DeskBody, kindOf, readMesh, readSkin } from './desk_body.js';
 import { DeskSocket } from './desk_socket.js';
-import { Orbit } from './orbit.js';
+import { differ, Orbit } from './orbit.js';
 import { Pointers } from './pointers.js';
 import * as words from './readout.js';
-import { Scene } from './scene.js';
 
 const kSpeakAfter = 1300; // ms from the first touch
 const kTurn_px = 24;      // of one arrow key, as of a mouse
@@ -29,6 +28,7 @@ export class Desk {
   #socket;
   #orbit = null;
   #body = null;
+  #isNew = false; // whether the body is to be shown anew, with its first skin
   #hello = null;
   #hasPicture = false;
   #asked = false;
@@ -41,10 +41,11 @@ export class Desk {
   state = 'connecting';
   lines = 0;
 
-  /** @param {HTMLCanvasElement} canvas, @param {string} socket  address relative to the page's */
-  constructor(canvas, socket) {
+  /** @param {HTMLCanvasElement} canvas, @param {import('./scene.js').Scene} scene  in it
+   *  @param {string} socket  address relative to the page's */
+  constructor(canvas, scene, socket) {
     this.#canvas = canvas;
-    this.#scene = new Scene(canvas);
+    this.#scene = scene;
     this.ready = new Promise((done) => { this.#ready = done; });
     this.#prepareWords();
     this.#listen();
@@ -107,7 +108,7 @@ export class Desk {
   #showState(state) {
     this.state = state;
     at('state').textContent = kStates[state];
-    at('state').dataset.state = state;
+    at('state').dataset.state = this.#canvas.dataset.state = state; // the body is dim while it may be another one
     if (state === 'lost' || state === 'ended') this.#forgetTouches();
   }
   // What is shown no longer holds.
@@ -115,6 +116,7 @@ export class Desk {
     if (!this.#body) return;
     this.#body.touches = [];
     this.#scene.showForces([]);
+    this.#speakOnce(); // no more
     this.#ask();
   }
 
@@ -131,7 +133,10 @@ export class Desk {
     else if (line.type === 'frame') this.#takeFrame(line);
     else if (line.type === 'error') console.error(line.reason);
   }
+  // Also for another session of the run: its bodies may stand elsewhere, or be of another material.
   #begin(page) {
+    this.#forgetTouches();
+    this.#isNew = false;
     this.#body = new DeskBody(this.#hello, page);
     this.#hasPicture = page.picture;
     this.#showPlaceOfPicture();
@@ -140,6 +145,7 @@ export class Desk {
   #takeFrame(line) {
     if (!this.#body) return;
     this.#body.setFrame(line);
+    if (this.#isNew) this.#showBody();
     const lost = line.camera?.state === 'lost' ? 'live; the camera does not know where it is' : kStates.connected;
     if (at('state').textContent !== lost) at('state').textContent = lost;
     this.#scene.showForces(this.#body.touches);
@@ -164,18 +170,22 @@ export class Desk {
     else if (kind === 'SKIN' && this.#body) this.#takeSkin(readSkin(buffer));
   }
   #takeSkin(skin) {
-    if (this.#body.setSkin(skin)) {
-      this.#orbit ??= this.#firstView(); // it stays after a reconnection
-      words.showFacts(this.#body);
-      this.#scene.show(this.#body);
-      words.endProgress();
-      this.#resize();
-      this.#ready(this);
-    } else {
-      this.#scene.update(this.#body);
-    }
+    this.#isNew = this.#body.setSkin(skin) || this.#isNew;
+    if (this.#isNew) this.#showBody();
+    else this.#scene.update(this.#body);
     ++this.frames;
     this.#ask();
+  }
+  #showBody() {
+    if (this.#hasPicture && !this.#body.hasFrame) return; // which says where the camera stands
+    this.#isNew = false;
+    // The view stays after a reconnection.
+    if (!this.#orbit || differ(this.#orbit.shape, this.#body.shape)) this.#orbit = this.#firstView();
+    words.showFacts(this.#body);
+    this.#scene.show(this.#body);
+    words.endProgress();
+    this.#resize();
+    this.#ready(this);
   }
 
   // From the camera's side, so that left is left in the picture, too.
@@ -193,14 +203,16 @@ export class Desk {
       return;
     }
     picture.isBusy = true;
-    const image = at('picture'), before = image.src;
+    // Another element: one that gets another source is empty until it is read.
+    const before = at('picture'), image = before.cloneNode();
     image.src = URL.createObjectURL(new Blob([buffer], { type: 'image/jpeg' }));
     image.decode().then(() => {
+      before.replaceWith(image);
+      URL.revokeObjectURL(before.src);
       ++this.pictures;
       picture.isShown = true;
       this.#showPlaceOfPicture();
-    }, () => {}).finally(() => {
-      if (before) URL.revokeObjectURL(before);
+    }, () => URL.revokeObjectURL(image.src)).finally(() => {
       picture.isBusy = false;
       const next = picture.next;
       picture.next = null;

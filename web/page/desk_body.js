@@ -1,6 +1,7 @@
 // What a running session sends (docs/web.md, the live desk): its messages, and the bodies that they describe. No page and
 // no network here.
 import { shapeOf } from './orbit.js';
+import { materialWords } from './words.js';
 
 /** The words of a binary message: "MESH", "SKIN", or "JPEG" of a picture's file. */
 export function kindOf(buffer) {
@@ -62,7 +63,8 @@ export class DeskBody {
   constructor(hello, page) {
     const poses = hello.bodies.map(({ world_from_body }) => world_from_body ?? kRest);
     this.#places = poses.map((pose) => between(poses[0], pose));
-    this.facts = { name: hello.bodies.map(({ name }) => name).join(', '), material: page.bodies[0]?.material ?? '',
+    const materials = new Set(page.bodies.map(({ material }) => materialWords(material ?? '')));
+    this.facts = { name: hello.bodies.map(({ name }) => name).join(', '), material: [...materials].filter(Boolean).join('; '),
                    stressTop: Math.max(page.stress_top, 1e-9) };
   }
 
@@ -106,25 +108,30 @@ export class DeskBody {
     this.#old = false;
   }
 
-  /** Takes the touches of a line `frame`. */
+  /** Takes the touches of a line `frame`. What one body presses another with is marked as `mutual`. */
   setFrame(line) {
+    this.hasFrame = true;
     const pose = line.bodies[0]?.camera_from_body;
     if (pose) this.eye = [3, 7, 11].map((k) => between(pose, kRest)[k]);
     this.errors = line.bodies.map((body) => body.stress_error).filter((error) => error > 0);
-    this.touches = line.bodies.flatMap((body, k) => body.touches.map(({ point, force, press_depth }) => ({
+    this.touches = line.bodies.flatMap((body, k) => body.touches.map(({ point, force, press_depth, by }) => ({
       point: moved(this.#places[k] ?? kRest, point), force: turned(this.#places[k] ?? kRest, force), depth: press_depth ?? 0,
+      mutual: by !== undefined,
     })));
   }
   errors = [];
+  hasFrame = false;
   /** m, where the camera stands, in the frame of the first body; null before the first frame. */
   eye = null;
 
-  /** As PressedBody.reading(): N, the sizes of the touches' forces, added; m, the deepest; Pa; relative or NaN. */
+  /** As PressedBody.reading(): N, the sizes of the touches' forces, added; m, the deepest; Pa; relative or NaN. What one body
+   *  presses another with is the answer to what presses from outside: it is not counted. */
   reading() {
+    const touches = this.touches.filter(({ mutual }) => !mutual);
     let stress = 0;
     for (const x of this.skin?.stress ?? []) stress = Math.max(stress, x);
-    return { force: this.touches.reduce((sum, { force }) => sum + Math.hypot(...force), 0),
-             push: this.touches.reduce((most, { depth }) => Math.max(most, depth), 0), stress,
-             error: this.errors.length > 0 ? Math.max(...this.errors) : NaN, fingers: this.touches.length };
+    return { force: touches.reduce((sum, { force }) => sum + Math.hypot(...force), 0),
+             push: touches.reduce((most, { depth }) => Math.max(most, depth), 0), stress,
+             error: this.errors.length > 0 ? Math.max(...this.errors) : NaN, fingers: touches.length };
   }
 }

@@ -14,6 +14,7 @@ import { fileURLToPath } from 'node:url';
 import { deflateSync } from 'node:zlib';
 import { chromiumPath, launch } from './browser.mjs';
 import { between, DeskBody, kindOf, moved, readMesh, readSkin } from './desk_body.js';
+import { differ } from './orbit.js';
 
 const root = fileURLToPath(new URL('../..', import.meta.url));
 const program = process.env.PALPABLE ?? join(root, 'build/release/bin/palpable');
@@ -48,6 +49,7 @@ test('messages are read, and bodies joined in the frame of the first', () => {
   assert.equal(kindOf(kMesh), 'MESH');
   assert.equal(kindOf(Uint8Array.of(0xff, 0xd8, 0xff, 0xe0).buffer), 'JPEG');
   const desk = new DeskBody(kHello, { stress_top: 10, bodies: [{ material: 'rubber' }, {}] });
+  assert.equal(desk.facts.material, 'rubber');
   assert.throws(() => desk.setSkin(readSkin(skinOf(3))), /triangles/);
   desk.setMesh(readMesh(kMesh));
   assert.equal(desk.setSkin(readSkin(skinOf(3))), true);
@@ -64,6 +66,33 @@ test('messages are read, and bodies joined in the frame of the first', () => {
   assert.deepEqual([reading.force, reading.push, reading.stress, reading.error, reading.fingers], [6, 0.002, 9, 0.1, 2]);
   near(desk.touches[1].force, [1, 0, 0]);
   near(desk.eye, [0, -0.4, 0.1]); // of a body upright before the camera
+});
+
+test('what bodies press each other with is drawn, and not counted', () => {
+  const desk = new DeskBody(kHello, { stress_top: 10, bodies: [{ material: 'rubber' }, { material: 'rubber' }] });
+  assert.equal(desk.hasFrame, false);
+  const at = { point: [0, 0, 0], press_depth: 0.003 };
+  desk.setFrame({ bodies: [{ touches: [{ ...at, force: [0, 0, -2], press_depth: 0.001 }, { ...at, force: [0, 0, 1.5], by: 'b' }] },
+                           { touches: [{ ...at, force: [0, 0, -1.5], by: 'a' }] }] });
+  assert.equal(desk.hasFrame, true);
+  assert.equal(desk.touches.length, 3);
+  const { force, push, fingers } = desk.reading();
+  assert.deepEqual([force, push, fingers], [2, 0.001, 1]);
+});
+
+test('the materials of all bodies are named, each once', () => {
+  const of = (...materials) => new DeskBody(kHello, { stress_top: 10, bodies: materials.map((material) => ({ material })) }).facts.material;
+  const soft = "neo-Hookean: Young's modulus 2e+04 Pa", hard = "neo-Hookean: Young's modulus 2e+06 Pa";
+  assert.equal(of(soft, soft), of(soft));
+  assert.equal(of(soft, hard), `${of(soft)}; ${of(hard)}`);
+  assert.notEqual(of(soft), of(hard));
+});
+
+test('a view is kept for a body that is pressed, not for one of another size or place', () => {
+  const shape = { target: [0, 0, 0.05], radius: 0.06 };
+  assert.equal(differ(shape, { target: [0, 0, 0.048], radius: 0.059 }), false);
+  assert.equal(differ(shape, { target: [0, 0.02, 0.05], radius: 0.06 }), true);
+  assert.equal(differ(shape, { target: [0, 0, 0.05], radius: 0.03 }), true);
 });
 
 // ---- with a run and a browser --------------------------------------------------------------------------------------
@@ -208,11 +237,18 @@ test('a run without a camera is shown without a picture, on a phone in the dark'
 });
 
 test('a page that lost its run says so, and one with another token sees nothing', { skip }, async () => {
-  const live = await run('--source', join(folder, 'hands.jsonl'), '--paced');
+  const live = await run('--source', writeFinger(join(folder, 'lost.jsonl'), 5000), '--paced');
   await visit(kDesktop, live.url, async (page) => {
-    await page.evaluate(() => { desk.drop(); });
-    await page.waitForFunction(() => desk.state === 'lost', null, kPatience);
-    await page.waitForFunction(() => desk.state === 'connected', null, kPatience); // it has opened it again
+    await page.evaluate(() => {
+      globalThis.states = [];
+      new MutationObserver(() => states.push([desk.state, Number(getComputedStyle(document.getElementById('view')).opacity)]))
+        .observe(document.getElementById('state'), { attributeFilter: ['data-state'] });
+      desk.drop();
+    });
+    await page.waitForFunction(() => states.some(([state]) => state === 'connected'), null, kPatience); // it has opened it again
+    const states = await page.evaluate(() => globalThis.states);
+    assert.deepEqual(states.map(([state]) => state), ['lost', 'connecting', 'connected']);
+    assert.ok(states[0][1] < 1 && states[2][1] === 1, `opacities ${states}`);
     const frames = await page.evaluate(() => desk.lines);
     await page.waitForFunction((before) => desk.lines > before, frames, kPatience);
   });

@@ -13,7 +13,7 @@ const stillness = prefers('reduced-motion: reduce'), darkness = prefers('color-s
 const kSpeakAfter = 1.3; // s from the start of a press: then it is as deep as it gets
 
 class Page {
-  #scene = new Scene(canvas);
+  #scene;
   #body = null;
   #orbit = null;
   #asked = false; // whether the next frame is asked for
@@ -23,7 +23,9 @@ class Page {
   #keyboard;
   frames = 0;
 
-  constructor() {
+  /** @param {Scene} scene  in the canvas */
+  constructor(scene) {
+    this.#scene = scene;
     this.#scene.dark = darkness.matches;
     darkness.addEventListener('change', () => { this.#scene.dark = darkness.matches; this.redraw(); });
     canvas.addEventListener('webglcontextrestored', () => this.redraw());
@@ -204,13 +206,14 @@ async function begin() {
   how.addEventListener('click', (event) => { if (event.target === how) how.close(); });
   words.showHint(matchMedia('(pointer: coarse)').matches);
   const content = readPage();
-  let page;
+  let scene;
   try {
-    if (content.live) return await new Desk(canvas, content.live).ready; // of palpable live --serve
-    page = new Page();
+    scene = new Scene(canvas);
   } catch {
     throw new Error('this browser draws no three-dimensional pictures (WebGL is off).');
   }
+  if (content.live) return await new Desk(canvas, scene, content.live).ready; // of palpable live --serve
+  const page = new Page(scene);
   offerChoice(page, content);
   // Both at once: the body arrives while the core is compiled.
   await Promise.all([startCore(content), choose(page, content, content.bodies[0])]);

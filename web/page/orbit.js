@@ -36,6 +36,13 @@ export function shapeOf(vertices) {
            foot: footOf(vertices, low[2], high[2] - low[2]) };
 }
 
+/** Whether two shapes of shapeOf() have another size or place, so that a view of one does not fit the other. A body that is
+ *  pressed keeps its view. */
+export function differ(a, b) {
+  const far = Math.hypot(...a.target.map((x, k) => x - b.target[k]));
+  return Math.max(far, Math.abs(a.radius - b.radius)) > 0.1 * Math.min(a.radius, b.radius);
+}
+
 function footOf(vertices, floor, height) {
   const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
   for (let v = 0; v < vertices.length; v += 3) {

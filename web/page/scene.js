@@ -48,6 +48,7 @@ export class Scene {
     }
     this.#body.geometry.dispose();
     this.#body.geometry = geometry;
+    this.#body.material.dispose();
     this.#body.material = bodyMaterial(body.facts.stressTop);
     this.#room.fit(body.shape);
     this.#radius = body.shape.radius;

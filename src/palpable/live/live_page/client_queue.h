@@ -14,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace palpable {
 
@@ -36,8 +37,12 @@ class ClientQueue {
   /// @param most_line_bytes  of the lines that wait
   explicit ClientQueue(std::size_t most_line_bytes) : most_line_bytes_(most_line_bytes) {}
 
-  /// A line that is sent as it is, before all others, and never lost: what greets the client.
+  /// A line that is sent as it is, before all others, and never lost: what greets a client that has
+  /// just come, or says why it is sent away.
   void add_greeting(SharedBytes line) { greetings_.push_back(std::move(line)); }
+  /// Begins another session: its greetings go after the lines that wait, as they are, and are never
+  /// lost; skins and pictures of the session before are forgotten.
+  void begin_anew(const std::vector<SharedBytes>& greetings);
   /// A line of JSON, without a line break. It is sent with a first key "dropped": the number of
   /// lines that this client lost before it. @param line  an object with at least one key
   void add_line(SharedBytes line);
@@ -53,6 +58,8 @@ class ClientQueue {
   /// Forgets skins and pictures that wait, because the client no longer wants them.
   void drop_skin() { mesh_ = skin_ = nullptr; }
   void drop_picture() { picture_ = nullptr; }
+  /// Whether the triangles wait.
+  [[nodiscard]] bool has_mesh() const { return mesh_ != nullptr; }
 
   /// Takes out what is to be sent next; nothing: all was sent.
   [[nodiscard]] std::optional<QueuedMessage> next();
@@ -64,6 +71,7 @@ class ClientQueue {
   struct Line {
     SharedBytes bytes;
     std::int64_t dropped = 0;  // before it
+    bool greets = false;       // sent as it is, not counted in line_bytes_
   };
 
   std::size_t most_line_bytes_;

@@ -64,6 +64,26 @@ TEST_CASE("a client that reads nothing loses whole lines, and is told how many",
         std::vector<std::string>{"{\"dropped\":5,\"a\":5}", "{\"dropped\":0,\"a\":6}"});
 }
 
+TEST_CASE("another session begins after the lines of the one before, without its skin",
+          "[live_page][queue]") {
+  ClientQueue queue(15);  // bytes: two lines of seven, and greetings beside them
+  queue.add_line(shared("{\"a\":1}"));
+  queue.set_mesh(shared("mesh 1"));
+  queue.set_skin(shared("skin 1"));
+  queue.set_picture(shared("picture 1"));
+  queue.begin_anew({shared("{\"type\":\"hello\"}"), shared("{\"type\":\"page\"}")});
+  queue.set_mesh(shared("mesh 2"));
+  queue.add_line(shared("{\"a\":2}"));
+  CHECK(queue.has_mesh());
+  CHECK(drained(queue) == std::vector<std::string>{"{\"dropped\":0,\"a\":1}",
+                                                   "{\"type\":\"hello\"}", "{\"type\":\"page\"}",
+                                                   "{\"dropped\":0,\"a\":2}", "mesh 2"});
+  CHECK_FALSE(queue.has_mesh());
+  queue.add_line(shared("{\"a\":3}"));
+  CHECK(drained(queue) == std::vector<std::string>{"{\"dropped\":0,\"a\":3}"});
+  CHECK(queue.lost_lines() == 0);
+}
+
 TEST_CASE("what a client no longer wants is not sent", "[live_page][queue]") {
   ClientQueue queue(1000);
   queue.set_mesh(shared("mesh"));

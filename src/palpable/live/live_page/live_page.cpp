@@ -51,6 +51,21 @@ std::vector<LivePageBody> live_page_bodies(const Session& session) {
   return bodies;
 }
 
+void keep_for_page(const Scene& scene, Scene& kept) {
+  kept.number = scene.number;
+  kept.time = scene.time;
+  kept.touches = scene.touches;
+  kept.things = scene.things;
+  kept.bodies = scene.bodies;
+  kept.mutual_penetration = scene.mutual_penetration;
+  kept.imbalance = scene.imbalance;
+  kept.left_to_move = scene.left_to_move;
+  kept.inside = scene.inside;
+  kept.answer = scene.answer;
+  kept.contacts_dropped = scene.contacts_dropped;
+  kept.camera = scene.camera;
+}
+
 LivePage::LivePage(const std::optional<LivePageSettings>& settings) {
   if (!settings) return;
   try {
@@ -88,6 +103,7 @@ void LivePage::begin(const std::vector<LivePageBody>& bodies, const LivePageFact
   }
   server_->begin({hello_line(events, facts.world), page_line(bodies, facts)},
                  mesh_message(corners));
+  sent_skin_.clear();  // the server has forgotten it
   if (facts.has_picture && !encoder_.joinable()) encoder_ = std::thread([this] { encode(); });
 }
 
@@ -104,10 +120,22 @@ void LivePage::send_at_rest(const Scene& scene) {
   if (server_) send_skins(scene);
 }
 
+bool LivePage::send_missed(const Scene* scene) {
+  if (!is_any_new()) return false;
+  arrivals_ = server_->arrivals();
+  if (scene == nullptr) return false;
+  {
+    const std::lock_guard lock(lines_mutex_);
+    if (lines_) server_->send_missed_line(lines_->line_of(*scene));
+  }
+  if (server_->wants_skins()) send_skins(*scene);
+  return wants_picture();
+}
+
 void LivePage::send(int frame, int tick, double time, std::span<const Touch> touches) {
   if (!server_ || !server_->has_clients()) return;
   const std::lock_guard lock(lines_mutex_);
-  if (lines_) server_->send_line(lines_->tick_line(frame, tick, time, touches));
+  if (lines_) server_->send_line(lines_->tick_line(frame, tick, time, touches), false);
 }
 
 void LivePage::send_skins(const Scene& scene) {

@@ -5,7 +5,9 @@
 ///   frame loop ──> lines, skins ───────────────────> PageServer's thread ──> pages
 ///              ──> picture ──> halved, JPEG, on a thread of its own ──┘
 ///
-/// While no page is open, a frame costs the loop a look at a counter.
+/// While no page is open, a frame costs the loop a look at a counter. A page that is opened while
+/// no frame comes, because the run is paused or its source is silent, gets the last one: the loop
+/// calls send_missed() while it waits.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -17,6 +19,7 @@
 #include <Eigen/Core>
 
 #include <condition_variable>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -44,6 +47,9 @@ struct LivePageBody {
 /// The bodies of a session, in its order.
 [[nodiscard]] std::vector<LivePageBody> live_page_bodies(const Session& session);
 
+/// Copies what a page is sent of a scene, which is all but its images. Memory is reused.
+void keep_for_page(const Scene& scene, Scene& kept);
+
 /// What a page is told beside the bodies.
 struct LivePageFacts {
   EventWorld world = EventWorld::kFirstCamera;
@@ -66,13 +72,23 @@ class LivePage {
   /// http://127.0.0.1:PORT/TOKEN/; empty if nothing is served. Whoever knows it sees the session.
   [[nodiscard]] std::string url() const;
 
-  /// Answers from now on. Called again when the run has a new session.
+  /// Answers from now on. Called again when the run has a new session: open pages begin with it,
+  /// too.
   void begin(const std::vector<LivePageBody>& bodies, const LivePageFacts& facts);
 
   /// Sends the touches of a frame, and its skins if a page wants them.
   void send(const Scene& scene);
   /// Sends the skins although no page may be open yet: what the first one shows until a frame.
+  /// After begin().
   void send_at_rest(const Scene& scene);
+  /// Whether a page may have come since send_missed() was called last: it has not got the last
+  /// frame.
+  [[nodiscard]] bool is_any_new() const { return server_ && server_->arrivals() != arrivals_; }
+  /// While no frame comes: sends the last one's touches and skins to pages that have not got them.
+  /// Costs a look at a counter if no page has come since the last call.
+  /// @param scene  the last frame's; null: none came
+  /// @return whether the last picture is to be sent by send_picture(), too
+  bool send_missed(const Scene* scene);
   /// Sends the touches of a tick between two frames.
   void send(int frame, int tick, double time, std::span<const Touch> touches);
 
@@ -92,7 +108,8 @@ class LivePage {
 
   std::mutex lines_mutex_;  // ticks are sent from another thread
   std::optional<EventLines> lines_;
-  std::string skin_, sent_skin_;  // of the frame loop alone
+  std::string skin_, sent_skin_;  // of the frame loop alone, and so is:
+  std::uint64_t arrivals_ = 0;    // PageServer::arrivals() at the last send_missed()
 
   std::mutex picture_mutex_;  // guards the following, up to encoder_
   std::condition_variable picture_came_;

@@ -95,19 +95,44 @@ Result<Wishes> read_wishes(std::string_view text) {
   return wishes;
 }
 
+// How clients are greeted with a session.
+struct SessionGreeting {
+  std::vector<SharedBytes> greetings;
+  SharedBytes triangles;
+};
+
 // What was sent since the server's thread last looked. Its memory is reused.
 struct Outbox {
+  struct Line {
+    std::size_t end = 0;  // in `lines`
+    bool is_frame = false;
+  };
   std::string lines;
-  std::vector<std::size_t> ends;  // of each line in `lines`
-  std::int64_t lost = 0;          // lines for which there was no room
-  std::string skin, picture;
-  bool has_skin = false, has_picture = false;
+  std::vector<Line> ends;
+  std::int64_t lost = 0;                   // lines for which there was no room
+  std::optional<SessionGreeting> opening;  // another session begins
+  std::size_t opens_before = 0;  // at this line; skin and picture are then of that session
+  std::string missed, skin, picture;
+  bool has_missed = false, has_skin = false, has_picture = false;
 
   void clear() {
     lines.clear();
     ends.clear();
     lost = 0;
-    has_skin = has_picture = false;
+    opening.reset();
+    has_missed = has_skin = has_picture = false;
+  }
+
+  // Forgets what belongs to the session before, but for its lines.
+  void open(SessionGreeting with) {
+    if (opening) {  // no client was greeted with that session
+      lost += static_cast<std::int64_t>(ends.size() - opens_before);
+      ends.resize(opens_before);
+      lines.resize(ends.empty() ? 0 : ends.back().end);
+    }
+    opening = std::move(with);
+    opens_before = ends.size();
+    has_missed = has_skin = has_picture = false;
   }
 };
 
@@ -127,6 +152,9 @@ struct PageServer::Shared {
   void accept();
   void read_outbox();
   void pass_on();
+  void begin_session(SessionGreeting with);
+  template <class Add>
+  void to_all(Add add);
   void count_wishes();
   void close_all();
   void wake() const;
@@ -138,13 +166,15 @@ struct PageServer::Shared {
   int connections = 0;  // of all kinds
   bool closing = false;
   std::set<Client*> clients;
-  std::vector<SharedBytes> greetings;
-  SharedBytes triangles, last_skin;  // null: none
+  std::set<Request*> requests;
+  SessionGreeting opening;
+  SharedBytes last_skin;  // of the session; null: none
   Outbox taken;
 
   std::mutex outbox_mutex;
   Outbox outbox;  // guarded by it
   std::atomic<int> client_count = 0, picture_wishes = 0, skin_wishes = 0;
+  std::atomic<std::uint64_t> arrivals = 0;
   mutable std::mutex counts_mutex;
   PageCounts counted;  // guarded by it
 
@@ -170,16 +200,27 @@ class PageServer::Shared::Request : public std::enable_shared_from_this<Request>
   Request(tcp::socket socket, Shared& server) : stream_(std::move(socket)), server_(server) {
     parser_.header_limit(kLongestRequest);
     ++server_.connections;
+    server_.requests.insert(this);
   }
   Request(const Request&) = delete;
   Request& operator=(const Request&) = delete;
-  ~Request() { --server_.connections; }
+  ~Request() {
+    --server_.connections;
+    server_.requests.erase(this);
+  }
 
   void begin() {
     stream_.expires_after(server_.settings.patience);
-    http::async_read(
-        stream_, buffer_, parser_,
-        [self = shared_from_this()](Trouble trouble, std::size_t) { self->answer(trouble); });
+    http::async_read(stream_, buffer_, parser_,
+                     [self = shared_from_this()](Trouble trouble, std::size_t) {
+                       self->is_answered_ = true;
+                       self->answer(trouble);
+                     });
+  }
+
+  // Closes the connection if nothing was asked yet.
+  void end() {
+    if (!is_answered_) stream_.close();
   }
 
  private:
@@ -226,6 +267,7 @@ class PageServer::Shared::Request : public std::enable_shared_from_this<Request>
   http::request_parser<http::empty_body> parser_;
   std::string head_, body_;
   std::array<char, 512> rest_{};
+  bool is_answered_ = false;
 };
 
 // A page that is shown the session.
@@ -266,7 +308,10 @@ class PageServer::Shared::Client : public std::enable_shared_from_this<Client> {
       if (trouble) return;
       self->accepted_ = true;
       self->server_.count([](PageCounts& counts) { ++counts.clients; });
-      for (const SharedBytes& line : self->server_.greetings) self->queue_.add_greeting(line);
+      ++self->server_.arrivals;
+      for (const SharedBytes& line : self->server_.opening.greetings) {
+        self->queue_.add_greeting(line);
+      }
       self->write();
       self->read();
     });
@@ -274,10 +319,22 @@ class PageServer::Shared::Client : public std::enable_shared_from_this<Client> {
 
   [[nodiscard]] const Wishes& wishes() const { return wishes_; }
 
-  void add_line(const SharedBytes& line) {
+  // Greets with another session.
+  void begin_anew() {
     if (ends()) return;
+    queue_.begin_anew(server_.opening.greetings);
+    has_mesh_ = has_frame_ = false;
+    if (wishes_.skin) set_mesh();
+    write();
+  }
+  void add_line(const SharedBytes& line, bool is_frame) {
+    if (ends()) return;
+    has_frame_ |= is_frame;
     queue_.add_line(line);
     write();
+  }
+  void add_missed_line(const SharedBytes& line) {
+    if (!has_frame_) add_line(line, true);
   }
   void lose_lines(std::int64_t count) {
     if (!ends()) queue_.lose_lines(count);
@@ -326,15 +383,25 @@ class PageServer::Shared::Client : public std::enable_shared_from_this<Client> {
       return end(websocket::close_code::policy_error);
     }
     const bool new_to_skins = wishes.value().skin && !wishes_.skin;
+    const bool new_to_pictures = wishes.value().picture && !wishes_.picture;
     wishes_ = wishes.value();
     if (!wishes_.picture) queue_.drop_picture();
-    if (!wishes_.skin) queue_.drop_skin();
+    if (!wishes_.skin) {
+      has_mesh_ &= !queue_.has_mesh();
+      queue_.drop_skin();
+    }
     if (new_to_skins) {
-      queue_.set_mesh(server_.triangles);
+      set_mesh();
       queue_.set_skin(server_.last_skin);
       write();
     }
     server_.count_wishes();
+    if (new_to_skins || new_to_pictures) ++server_.arrivals;  // after the counts: see arrivals()
+  }
+
+  // Once a session.
+  void set_mesh() {
+    if (!std::exchange(has_mesh_, true)) queue_.set_mesh(server_.opening.triangles);
   }
 
   void write() {
@@ -383,6 +450,8 @@ class PageServer::Shared::Client : public std::enable_shared_from_this<Client> {
   std::optional<QueuedMessage> message_;  // that is being sent
   std::optional<websocket::close_code> close_with_;
   bool accepted_ = false, writing_ = false, closed_ = false;
+  // Whether it was sent the triangles, or a line of a frame, since the session began.
+  bool has_mesh_ = false, has_frame_ = false;
 };
 
 void PageServer::Shared::Request::answer(Trouble trouble) {
@@ -459,6 +528,7 @@ void PageServer::Shared::listen() {
 }
 
 void PageServer::Shared::run() {
+  pass_on();  // the greetings come before the first client
   accept();
   read_outbox();
   // A handler may fail for want of memory; then its connection ends, and the others go on.
@@ -502,19 +572,20 @@ void PageServer::Shared::pass_on() {
     const std::lock_guard lock(outbox_mutex);
     std::swap(taken, outbox);
   }
-  const auto to_all = [this](auto add) {
-    // A client may go while it is served.
-    std::vector<std::shared_ptr<Client>> present;
-    for (Client* client : clients) present.push_back(client->shared_from_this());
-    for (const auto& client : present) add(*client);
-  };
   std::size_t begin = 0;
-  for (const std::size_t end : taken.ends) {
+  for (std::size_t k = 0; k <= taken.ends.size(); ++k) {
+    if (taken.opening && k == taken.opens_before) begin_session(std::move(*taken.opening));
+    if (k == taken.ends.size()) break;
+    const auto [end, is_frame] = taken.ends[k];
     const auto line = std::make_shared<const std::string>(taken.lines.substr(begin, end - begin));
-    to_all([&](Client& client) { client.add_line(line); });
+    to_all([&, by_frame = is_frame](Client& client) { client.add_line(line, by_frame); });
     begin = end;
   }
   if (taken.lost > 0) to_all([this](Client& client) { client.lose_lines(taken.lost); });
+  if (taken.has_missed) {
+    const auto line = std::make_shared<const std::string>(taken.missed);
+    to_all([&](Client& client) { client.add_missed_line(line); });
+  }
   if (taken.has_skin) {
     last_skin = std::make_shared<const std::string>(taken.skin);
     to_all([&](Client& client) { client.set_skin(last_skin); });
@@ -523,6 +594,20 @@ void PageServer::Shared::pass_on() {
     const auto picture = std::make_shared<const std::string>(taken.picture);
     to_all([&](Client& client) { client.set_picture(picture); });
   }
+}
+
+void PageServer::Shared::begin_session(SessionGreeting with) {
+  opening = std::move(with);
+  last_skin = nullptr;
+  to_all([](Client& client) { client.begin_anew(); });
+}
+
+// Calls add(client) for each; a client may go while it is served.
+template <class Add>
+void PageServer::Shared::to_all(Add add) {
+  std::vector<std::shared_ptr<Client>> present;
+  for (Client* client : clients) present.push_back(client->shared_from_this());
+  for (const auto& client : present) add(*client);
 }
 
 void PageServer::Shared::count_wishes() {
@@ -542,9 +627,10 @@ void PageServer::Shared::close_all() {
   acceptor.close(ignored);
   pause.cancel();
   news.close(ignored);
-  std::vector<std::shared_ptr<Client>> present;
-  for (Client* client : clients) present.push_back(client->shared_from_this());
-  for (const auto& client : present) client->end(websocket::close_code::going_away);
+  to_all([](Client& client) { client.end(websocket::close_code::going_away); });
+  // Those that have asked nothing would hold the end up until their time is over.
+  const std::vector<Request*> waiting(requests.begin(), requests.end());
+  for (Request* request : waiting) request->end();
 }
 
 void PageServer::Shared::wake() const {
@@ -561,16 +647,18 @@ int PageServer::port() const { return shared_->port; }
 const std::string& PageServer::token() const { return shared_->settings.token; }
 
 void PageServer::begin(std::vector<std::string> greetings, std::string mesh) {
-  std::vector<SharedBytes> lines;
+  SessionGreeting with;
   for (std::string& line : greetings) {
     while (line.ends_with('\n')) line.pop_back();
-    lines.push_back(std::make_shared<const std::string>(std::move(line)));
+    with.greetings.push_back(std::make_shared<const std::string>(std::move(line)));
   }
-  asio::post(shared_->io, [shared = shared_.get(), lines = std::move(lines),
-                           bytes = std::make_shared<const std::string>(std::move(mesh))] {
-    shared->greetings = lines;
-    shared->triangles = bytes;
-  });
+  with.triangles = std::make_shared<const std::string>(std::move(mesh));
+  {
+    // By the same way as what is sent, so that the order is kept.
+    const std::lock_guard lock(shared_->outbox_mutex);
+    shared_->outbox.open(std::move(with));
+  }
+  shared_->wake();
   if (shared_->thread.joinable()) return;
   std::promise<void> promise;
   shared_->ended = promise.get_future();
@@ -583,8 +671,9 @@ void PageServer::begin(std::vector<std::string> greetings, std::string mesh) {
 bool PageServer::has_clients() const { return shared_->client_count > 0; }
 bool PageServer::wants_pictures() const { return shared_->picture_wishes > 0; }
 bool PageServer::wants_skins() const { return shared_->skin_wishes > 0; }
+std::uint64_t PageServer::arrivals() const { return shared_->arrivals; }
 
-void PageServer::send_line(std::string_view line) {
+void PageServer::send_line(std::string_view line, bool is_frame) {
   while (line.ends_with('\n')) line.remove_suffix(1);
   {
     const std::lock_guard lock(shared_->outbox_mutex);
@@ -594,8 +683,18 @@ void PageServer::send_line(std::string_view line) {
       ++outbox.lost;
     } else {
       outbox.lines.append(line);
-      outbox.ends.push_back(outbox.lines.size());
+      outbox.ends.push_back({outbox.lines.size(), is_frame});
     }
+  }
+  shared_->wake();
+}
+
+void PageServer::send_missed_line(std::string_view line) {
+  while (line.ends_with('\n')) line.remove_suffix(1);
+  {
+    const std::lock_guard lock(shared_->outbox_mutex);
+    shared_->outbox.missed.assign(line);
+    shared_->outbox.has_missed = true;
   }
   shared_->wake();
 }

@@ -66,9 +66,11 @@ class PageServer {
   [[nodiscard]] int port() const;
   [[nodiscard]] const std::string& token() const;
 
-  /// Answers from now on. Called again when later clients are to be greeted otherwise.
+  /// Answers from now on. Called again for another session: clients that are there are greeted with
+  /// it, too, after what was sent before, and get no skin of the earlier one any more.
   /// @param greetings  lines of JSON without line breaks, which each client gets first
-  /// @param mesh       a binary message for clients that want skins (skin_message.h)
+  /// @param mesh       a binary message for clients that want skins (skin_message.h), sent to each
+  ///                   once a session
   void begin(std::vector<std::string> greetings, std::string mesh);
 
   // From any thread. They copy and do not wait; memory is reused from call to call.
@@ -76,8 +78,15 @@ class PageServer {
   [[nodiscard]] bool has_clients() const;
   [[nodiscard]] bool wants_pictures() const;  ///< some client does
   [[nodiscard]] bool wants_skins() const;
-  /// @param line  of JSON, with or without its line break (ClientQueue::add_line())
-  void send_line(std::string_view line);
+  /// How often a client has come, or has begun to want more: grows where there may be somebody who
+  /// has not got the last frame.
+  [[nodiscard]] std::uint64_t arrivals() const;
+  /// @param line      of JSON, with or without its line break (ClientQueue::add_line())
+  /// @param is_frame  whether it is the line of a frame (send_missed_line())
+  void send_line(std::string_view line, bool is_frame = true);
+  /// Sends the line of the last frame to those clients alone who have got no line of a frame since
+  /// the session began.
+  void send_missed_line(std::string_view line);
   void send_skin(std::string_view message);
   void send_picture(std::string_view jpeg);
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -169,6 +170,13 @@ std::string ask(const Served& served, const std::string& request) {
   return client.read_rest();
 }
 
+// For tests whose clients answer no pings while others are read.
+PageServerSettings patient() {
+  PageServerSettings settings = settings_of(new_page_token());
+  settings.patience = milliseconds(20'000);
+  return settings;
+}
+
 // Waits until the server's thread has done something.
 template <class Condition>
 bool soon(Condition is_so) {
@@ -244,6 +252,101 @@ TEST_CASE("a client that wants skins gets the last one at once", "[live_page][se
   CHECK(client.read_message() == "SKIN");
 }
 
+TEST_CASE(
+    "clients that are there are greeted with another session, and get its triangles and skins",
+    "[live_page][server]") {
+  Served served(patient());
+  PageClient client(served), without_skins(served);
+  CHECK(client.read_message() == kGreeting);
+  CHECK(without_skins.read_message() == kGreeting);
+  client.send_frame("{\"want\":[\"skin\"]}");
+  CHECK(client.read_message() == "MESH");
+  served.server.send_skin("SKIN of the first");
+  CHECK(client.read_message() == "SKIN of the first");
+  served.server.send_line("{\"first\":1}");
+  served.server.begin({"{\"type\":\"hello\",\"n\":2}", "{\"type\":\"page\"}\n"},
+                      "MESH of the second");
+  served.server.send_line("{\"second\":1}");
+  served.server.send_skin("SKIN of the second");
+  for (PageClient* one : {&client, &without_skins}) {
+    CHECK(one->read_message() == "{\"dropped\":0,\"first\":1}");
+    CHECK(one->read_message() == "{\"type\":\"hello\",\"n\":2}");
+    CHECK(one->read_message() == "{\"type\":\"page\"}");
+  }
+  CHECK(without_skins.read_message() == "{\"dropped\":0,\"second\":1}");
+  // Lines, triangles and skin come from one call each; the triangles may be sent before the line.
+  std::vector<std::string> came;
+  for (int k = 0; k < 3; ++k) came.push_back(client.read_message().value_or("ended"));
+  std::sort(came.begin(), came.end());
+  CHECK(came == std::vector<std::string>{"MESH of the second", "SKIN of the second",
+                                         "{\"dropped\":0,\"second\":1}"});
+  // A later client is greeted with the second alone, and gets its skin.
+  PageClient later(served);
+  CHECK(later.read_message() == "{\"type\":\"hello\",\"n\":2}");
+  CHECK(later.read_message() == "{\"type\":\"page\"}");
+  later.send_frame("{\"want\":[\"skin\"]}");
+  CHECK(later.read_message() == "MESH of the second");
+  CHECK(later.read_message() == "SKIN of the second");
+}
+
+TEST_CASE("a session gives a client no skin of the one before", "[live_page][server]") {
+  Served served(patient());
+  PageClient client(served);
+  CHECK(client.read_message() == kGreeting);
+  client.send_frame("{\"want\":[\"skin\"]}");
+  CHECK(client.read_message() == "MESH");
+  served.server.send_skin("SKIN");
+  CHECK(client.read_message() == "SKIN");
+  served.server.begin({kGreeting}, "MESH");
+  CHECK(client.read_message() == kGreeting);
+  CHECK(client.read_message() == "MESH");
+  PageClient later(served);
+  CHECK(later.read_message() == kGreeting);
+  later.send_frame("{\"want\":[\"skin\"]}");
+  CHECK(later.read_message() == "MESH");
+  served.server.send_line("{\"a\":1}");
+  CHECK(later.read_message() == "{\"dropped\":0,\"a\":1}");
+}
+
+TEST_CASE("a client gets the triangles once, however often it asks for skins",
+          "[live_page][server]") {
+  Served served(patient());
+  PageClient client(served);
+  CHECK(client.read_message() == kGreeting);
+  client.send_frame("{\"want\":[\"skin\"]}");
+  CHECK(client.read_message() == "MESH");
+  client.send_frame("{\"want\":[]}");
+  REQUIRE(soon([&] { return !served.server.wants_skins(); }));
+  served.server.send_skin("SKIN");
+  client.send_frame("{\"want\":[\"skin\"]}");
+  CHECK(client.read_message() == "SKIN");
+}
+
+TEST_CASE("the line of a frame that was missed goes to those alone who have none",
+          "[live_page][server]") {
+  Served served(patient());
+  CHECK(served.server.arrivals() == 0);
+  PageClient early(served);
+  CHECK(early.read_message() == kGreeting);
+  CHECK(served.server.arrivals() == 1);
+  served.server.send_line("{\"frame\":4}\n");
+  CHECK(early.read_message() == "{\"dropped\":0,\"frame\":4}");
+  PageClient late(served);
+  CHECK(late.read_message() == kGreeting);
+  CHECK(served.server.arrivals() == 2);
+  served.server.send_line("{\"tick\":1}", false);  // a tick is no frame
+  served.server.send_missed_line("{\"frame\":4}\n");
+  CHECK(late.read_message() == "{\"dropped\":0,\"tick\":1}");
+  CHECK(late.read_message() == "{\"dropped\":0,\"frame\":4}");
+  served.server.send_missed_line("{\"frame\":4}");  // all have it
+  served.server.send_line("{\"frame\":5}");
+  CHECK(late.read_message() == "{\"dropped\":0,\"frame\":5}");
+  CHECK(early.read_message() == "{\"dropped\":0,\"tick\":1}");
+  CHECK(early.read_message() == "{\"dropped\":0,\"frame\":5}");
+  late.send_frame("{\"want\":[\"picture\"]}");
+  CHECK(soon([&] { return served.server.arrivals() == 3; }));
+}
+
 TEST_CASE("the end of the run is said, after what was sent before it", "[live_page][server]") {
   auto served = std::make_unique<Served>();
   PageClient client(*served);
@@ -280,7 +383,9 @@ TEST_CASE("clients that send what is no message of theirs are sent away", "[live
     CHECK_FALSE(client->read_message().has_value());
   }
   SECTION("by frames that break the protocol") {
-    greeted()->send_frame("{\"want\":[]}", 0x82);  // binary
+    const auto binary = greeted();
+    binary->send_frame("{\"want\":[]}", 0x82);
+    CHECK(binary->is_closed());
     const auto unmasked = greeted();
     unmasked->send_frame("{\"want\":[]}", 0x81, false);
     CHECK(unmasked->is_closed());

@@ -107,11 +107,12 @@ const PlayOptions& checked(const PlayOptions& options, bool other_output) {
   if (options.paused && !options.window) throw Error("--paused: a --window is paused");
   if (!options.out.empty()) return options;
   // Options about written files are an error without --out.
-  for (const auto& [wanted, name] : {std::pair{options.files != RunFiles{}, "--write"},
-                                     std::pair{!options.frame_pictures.empty(), "--frame-pictures"},
-                                     std::pair{options.overwrite && !other_output, "--overwrite"},
-                                     std::pair{is_tiled(options), "--view with several views"},
-                                     std::pair{options.every_frame, "--every-frame"}}) {
+  for (const auto& [wanted, name] :
+       {std::pair{options.files != RunFiles{}, "--write"},
+        std::pair{!options.frame_pictures.empty(), "--frame-pictures"},
+        std::pair{options.overwrite && !other_output, "--overwrite"},
+        std::pair{is_tiled(options) && !options.serve, "--view with several views"},
+        std::pair{options.every_frame, "--every-frame"}}) {
     if (wanted) throw Error(fmt::format("{}: without --out nothing is written", name));
   }
   return options;
@@ -244,6 +245,7 @@ class PlayLoop {
   Played play() {
     while ((!loop_.ended() || waits()) && !user_ended()) {
       if (with_.changes != nullptr && with_.changes->record(*with_.painter, loop_)) {
+        has_last_ = false;
         begin_clients(with_.events, with_.page, session_);
       }
       if (waits()) {
@@ -282,6 +284,21 @@ class PlayLoop {
   void hold(double wait) {
     if (with_.painter != nullptr) with_.painter->handle_events(wait);
     with_.events.serve();
+    send_missed();
+  }
+
+  // Sends the last frame to pages that have come since.
+  void send_missed() {
+    if (!with_.page.is_any_new()) return;
+    const Scene* last = nullptr;
+    if (has_last_) last = output_ ? &last_ : &kept_->scene;
+    if (!with_.page.send_missed(last) || with_.painter == nullptr) return;
+    if (waits()) {
+      with_.page.send_picture(with_.painter->held_picture());
+    } else if (!output_) {  // else a thread may be writing it
+      if (!is_kept_drawn_) is_kept_drawn_ = with_.painter->draw(*kept_, session_, false, true);
+      if (is_kept_drawn_) with_.page.send_picture(kept_->picture);
+    }
   }
 
   RunMoment moment() {
@@ -317,10 +334,12 @@ class PlayLoop {
     if (!output_) output_ = with_.begin_output();
     std::unique_ptr<DrawnFrame> drawn = output_ ? output_->blank() : std::move(kept_);
     std::swap(drawn->scene, scene);
+    is_kept_drawn_ = false;
     if (with_.painter != nullptr) {
       const bool for_page = with_.page.wants_picture();
-      const bool is_drawn = with_.painter->draw(*drawn, session_, needs_pictures_ || for_page);
+      const bool is_drawn = with_.painter->draw(*drawn, session_, needs_pictures_, for_page);
       if (is_drawn && for_page) with_.page.send_picture(drawn->picture);
+      is_kept_drawn_ = is_drawn;
       with_.painter->show(drawn->picture);
     }
     stats_.add(drawn->scene.times, 1e3 * (system_clock().now() - loop_.taken()));
@@ -330,7 +349,9 @@ class PlayLoop {
     const int done = static_cast<int>(loop_.counts().processed.size());
     const int total = user_ended() ? done : loop_.total();
     if (total > 0) report(with_.user.progress, progress_of(drawn->scene, done, total));
+    has_last_ = true;
     if (output_) {
+      if (with_.page.is_served()) keep_for_page(drawn->scene, last_);
       output_->write(std::move(drawn));
     } else {
       kept_ = std::move(drawn);
@@ -346,6 +367,10 @@ class PlayLoop {
   std::unique_ptr<ContactTicks> ticks_;  // null: none between frames
   std::unique_ptr<LiveOutput> output_;
   std::unique_ptr<DrawnFrame> kept_ = std::make_unique<DrawnFrame>();  // reused without output
+  bool is_kept_drawn_ = false;  // whether kept_->picture is that of its scene
+  // Of the last frame of the session, where a page may come later: in kept_ without output.
+  bool has_last_ = false;
+  Scene last_;
 };
 
 LiveSummary summary(const PlayOptions& options, const LiveSetUp& setup, const Played& played,

@@ -147,6 +147,10 @@ TEST_CASE("options that contradict each other or the bodies are refused before a
   CHECK_THROWS_WITH(begin({.paused = true}), "--paused: a --window is paused");
   CHECK_THROWS_WITH(begin({.view = {"camera", "map"}}),
                     "--view with several views: without --out nothing is written");
+  // A page shows them: what is missing is its bundle.
+  CHECK_THROWS_WITH(
+      begin({.serve = LivePageSettings{0, folder / "none"}, .view = {"camera", "map"}}),
+      Catch::StartsWith("--serve: "));
   CHECK_THROWS_WITH(begin({.out = folder / "out", .view = {"map"}, .files = {.stills = true}}),
                     "--write stills: they are what the camera sees; leave out --view map");
   for (const std::vector<std::string>& tiles :

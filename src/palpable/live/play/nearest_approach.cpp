@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <optional>
+#include <limits>
+#include <string>
 
 namespace palpable {
 namespace {
@@ -19,6 +21,12 @@ Capsule turned_capsule(const Capsule& capsule, double sign) {
     return Eigen::Vector3d(x.x(), -sign * x.z(), sign * x.y());
   };
   return {turn(capsule.a), turn(capsule.b), capsule.ra, capsule.rb};
+}
+
+// m, by how much the distance of a point to a capsule changes at most from one to the other.
+double largest_move(const Capsule& from, const Capsule& to) {
+  return std::max((to.a - from.a).norm() + std::abs(to.ra - from.ra),
+                  (to.b - from.b).norm() + std::abs(to.rb - from.rb));
 }
 
 }  // namespace
@@ -37,26 +45,34 @@ NearestApproach::Approach& NearestApproach::approach_of(std::int64_t id) {
   const auto found = std::find_if(things_.begin(), things_.end(),
                                   [id](const Approach& one) { return one.id == id; });
   if (found != things_.end()) return *found;
-  return things_.emplace_back(Approach{.id = id});
+  if (things_.size() < kMostToldApart) return things_.emplace_back(Approach{.id = id});
+  return others_;
 }
 
-void NearestApproach::measure(const Capsule& capsule, double time, Approach& nearest) const {
+double NearestApproach::measure(const Capsule& capsule, double time, Approach& nearest) {
   const Eigen::AlignedBox3d around = box_of(capsule);
-  std::optional<CapsuleField> field;
+  const CapsuleField field(capsule);
+  double at_least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Body& body = bodies_[k];
-    if (body.box.exteriorDistance(around) >= nearest.distance) continue;
-    if (!field) field.emplace(capsule);
+    const double boxes = body.box.exteriorDistance(around);
+    if (boxes > nearest.distance - kNoticed) {
+      at_least = std::min(at_least, boxes);
+      continue;
+    }
+    ++measured_;
     for (Eigen::Index v = 0; v < body.vertices.cols(); ++v) {
       const Eigen::Vector3d x = body.vertices.col(v);
-      const double distance = field->distance(x);
+      const double distance = field.distance(x);
+      at_least = std::min(at_least, distance);
       if (distance >= nearest.distance) continue;
       nearest.distance = distance;
       nearest.time = time;
       nearest.body = k;
-      nearest.way = -distance * field->normal(x);
+      nearest.way = -distance * field.normal(x);
     }
   }
+  return at_least;
 }
 
 void NearestApproach::measure_turned(const Capsule& capsule) {
@@ -71,31 +87,53 @@ void NearestApproach::measure_turned(const Capsule& capsule) {
 void NearestApproach::add(const ThingsLine& line) {
   for (const auto& [id, first, count] : line.things) {
     Approach& nearest = approach_of(id);
-    for (std::size_t k = first; k < first + count; ++k) {
-      measure(line.capsules[k], line.time, nearest);
-      measure_turned(line.capsules[k]);
+    // Things that are not told apart have no capsules that could be found again.
+    const bool is_known = &nearest != &others_;
+    if (is_known && nearest.capsules.size() < count) nearest.capsules.resize(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Capsule& capsule = line.capsules[first + k];
+      measure_turned(capsule);
+      if (!is_known) {
+        measure(capsule, line.time, nearest);
+        continue;
+      }
+      Measured& last = nearest.capsules[k];
+      const double bound = last.at_least - largest_move(last.capsule, capsule);
+      if (bound > nearest.distance - kNoticed) continue;
+      last = {capsule, measure(capsule, line.time, nearest)};
     }
   }
 }
 
 std::string NearestApproach::text() const {
-  std::vector<Approach> told;
-  std::copy_if(things_.begin(), things_.end(), std::back_inserter(told),
-               [](const Approach& one) { return one.distance < 1e30; });
-  if (told.empty()) return "no line has a thing that may press: \"things\" are empty everywhere\n";
-  std::sort(told.begin(), told.end(), [](const Approach& one, const Approach& other) {
-    return one.distance < other.distance;
+  std::vector<const Approach*> told;
+  const bool any_others = others_.distance < 1e30;
+  const Approach* nearest_of_all = any_others ? &others_ : nullptr;
+  for (const Approach& one : things_) {
+    if (!(one.distance < 1e30)) continue;
+    told.push_back(&one);
+    if (nearest_of_all == nullptr || one.distance < nearest_of_all->distance) nearest_of_all = &one;
+  }
+  if (nearest_of_all == nullptr)
+    return "no line has a thing that may press: \"things\" are empty everywhere\n";
+  std::sort(told.begin(), told.end(), [](const Approach* one, const Approach* other) {
+    return one->distance < other->distance;
   });
   std::string text;
   for (std::size_t k = 0; k < std::min(told.size(), kMostThingsTold); ++k) {
     fmt::format_to(std::back_inserter(text),
-                   "thing {} came no nearer than {:.1f} mm to {}, at {:.3g} s\n", told[k].id,
-                   1e3 * told[k].distance, bodies_[told[k].body].name, told[k].time);
+                   "thing {} came no nearer than {:.1f} mm to a vertex of {}, at {:.3g} s\n",
+                   told[k]->id, 1e3 * told[k]->distance, bodies_[told[k]->body].name,
+                   told[k]->time);
   }
   if (told.size() > kMostThingsTold) {
     text += fmt::format("{} more things stayed farther away\n", told.size() - kMostThingsTold);
   }
-  const Approach& nearest = told.front();
+  if (any_others) {
+    text += fmt::format("further things, beyond {}, came no nearer than {:.1f} mm\n",
+                        kMostToldApart, 1e3 * others_.distance);
+  }
+  const Approach& nearest = *nearest_of_all;
   if (nearest.distance > kFarForMetres) {
     return text +
            "so far away: is the file in metres (palpable hands --unit), and in the same world as "

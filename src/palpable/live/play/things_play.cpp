@@ -143,6 +143,12 @@ class ThingsPress {
     scene.contacts_dropped = report.dropped;
   }
 
+  // Fills a scene with the bodies at rest. Results do not depend on whether it was called.
+  void show_at_rest(Scene& scene) {
+    press({}, scene);
+    bodies_->forget();
+  }
+
   [[nodiscard]] int passed_through() const { return bodies_->passed_through(); }
 
  private:
@@ -251,10 +257,7 @@ class ThingsLoop {
         lines_(lines_of(setup, from, events)),
         approach_(setup.standing),
         press_(std::move(setup.standing)) {
-    if (options.window || page_.is_served()) {
-      press_.press({}, scene_);  // at rest, until something presses
-      page_.send_at_rest(scene_);
-    }
+    if (options.window || page_.is_served()) press_.show_at_rest(scene_);
     if (!draws(options, from)) return;
     show_.emplace(options, press_.drawn(), scale,
                   [this, body = setup.bodies.front().file](const ColorImage& picture) {
@@ -265,6 +268,7 @@ class ThingsLoop {
 
   // @param begin_output  makes the output, or null; called before the first frame is written
   void play(int frames, const std::function<std::unique_ptr<LiveOutput>()>& begin_output) {
+    page_.send_at_rest(scene_);  // until something presses
     while ((frames < 0 || frames_ < frames) && !user_.asked_to_end() && !window_ended()) {
       report_stats();
       // Drawn once a turn: with the next line, or at once if none is there.
@@ -278,6 +282,7 @@ class ThingsLoop {
       if (next == ThingsLines::Next::kWaiting) {
         if (turned) draw();
         events_.serve();
+        page_.send_missed(frames_ > 0 ? &scene_ : nullptr);
         continue;
       }
       const double taken = system_clock().now();
@@ -319,8 +324,9 @@ class ThingsLoop {
   void write(const ColorImage* picture) {
     std::unique_ptr<DrawnFrame> drawn = output_->blank();
     if (picture != nullptr && drawn->in_files) drawn->picture = *picture;
-    if (show_ && show_->in_window()) {
-      drawn->scene = scene_;  // needed again if the user turns the view before the next line
+    if ((show_ && show_->in_window()) || page_.is_served()) {
+      // Needed again if the user turns the view, or a page comes, before the next line.
+      drawn->scene = scene_;
     } else {
       std::swap(drawn->scene, scene_);
     }

@@ -89,9 +89,9 @@ SceneExtras ScenePainter::wants() const {
   return extras_for(controls_.show.field);
 }
 
-bool ScenePainter::draw(DrawnFrame& drawn, const Session& session, bool wanted) {
+bool ScenePainter::draw(DrawnFrame& drawn, const Session& session, bool wanted, bool for_page) {
   drawn_for_window_ = window_ && !holds();
-  const bool is_unused = !drawn_for_window_ && !(drawn.in_files && wanted);
+  const bool is_unused = !drawn_for_window_ && !for_page && !(drawn.in_files && wanted);
   const bool draws_map = controls_.view == LiveView::kMap || has_tile(Tile::kMap);
   if (map_ && (is_unused || !draws_map)) map_->follow(drawn.scene);
   if (is_unused) return false;

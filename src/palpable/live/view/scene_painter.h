@@ -59,9 +59,10 @@ class ScenePainter {
   /// Fills in everything of `drawn` except the scores; the time is added to the stage "draw".
   /// `visible` and `body_depth` are left unchanged without masks, and for frames that are not
   /// in_files. A frame that is neither written to files nor shown in the window is not drawn.
-  /// @param wanted  whether anybody wants pictures of frames that are in_files
+  /// @param wanted    whether anybody wants pictures of frames that are in_files
+  /// @param for_page  whether a page wants it, even if it is not in_files
   /// @return whether it was drawn
-  bool draw(DrawnFrame& drawn, const Session& session, bool wanted = true);
+  bool draw(DrawnFrame& drawn, const Session& session, bool wanted = true, bool for_page = false);
 
   /// Shows the picture drawn last in the window, unless the user has paused it, and handles the
   /// user's input. Does nothing without a window.
@@ -93,6 +94,8 @@ class ScenePainter {
   [[nodiscard]] LivePanel& panel() { return panel_; }
   /// The scene that the window shows while it is paused; else null.
   [[nodiscard]] const Scene* held() const { return held_ ? &*held_ : nullptr; }
+  /// Its picture; empty without held().
+  [[nodiscard]] const ColorImage& held_picture() const { return held_picture_; }
 
   /// To be called after the loop's session was replaced by another one with the same bodies, whose
   /// poses and parameters may differ.
