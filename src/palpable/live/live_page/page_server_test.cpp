@@ -255,7 +255,9 @@ TEST_CASE("a client that wants skins gets the last one at once", "[live_page][se
 TEST_CASE(
     "clients that are there are greeted with another session, and get its triangles and skins",
     "[live_page][server]") {
-  Served served(patient());
+  PageServerSettings settings = patient();
+  settings.most_clients = 3;
+  Served served(settings);
   PageClient client(served), without_skins(served);
   CHECK(client.read_message() == kGreeting);
   CHECK(without_skins.read_message() == kGreeting);
