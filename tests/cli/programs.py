@@ -35,6 +35,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 
 def case(sentence, *, long=False):
     """long: the case takes minutes; ./check --long runs it, ./check does not."""
+    assert ";" not in sentence, f"CMake would make two cases of '{sentence}'"
     def add(function):
         CASES[sentence] = function
         if long:

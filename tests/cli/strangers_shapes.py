@@ -41,7 +41,7 @@ def mesh(programs, surface):
     return said, surface.with_suffix(".msh").read_bytes()
 
 
-@case("faces wound the other way are turned, and their volume is said; a clean surface is not touched")
+@case("faces wound the other way are turned, and their volume is said, and a clean surface is not touched")
 def _(programs, folder):
     _, corners, faces = cube(folder)
     said, clean = mesh(programs, folder / "cube.off")
