@@ -22,11 +22,11 @@ PALPABLE_SEEN const char* __asan_default_options() { return "intercept_tls_get_a
 #endif
 
 #ifdef PALPABLE_TSAN
-// Debian's OpenCV, its thread pool and its GDAL are not built for ThreadSanitizer, which
-// therefore cannot see their synchronization; reports about our own code remain. The sanitizer
-// looks up this name.
+// Debian's OpenCV, its thread pool, its GDAL, and FFmpeg, which decodes on threads of its own, are
+// not built for ThreadSanitizer, which therefore cannot see their synchronization; reports about
+// our own code remain. The sanitizer looks up this name.
 PALPABLE_SEEN const char* __tsan_default_suppressions();   // NOLINT: the sanitizer's name
 PALPABLE_SEEN const char* __tsan_default_suppressions() {  // NOLINT
-  return "race:libopencv_\nrace:libtbb\ndeadlock:libgdal\n";
+  return "race:libopencv_\nrace:libtbb\nrace:libavcodec\nrace:libavutil\ndeadlock:libgdal\n";
 }
 #endif
