@@ -10,7 +10,7 @@ import { Scene } from './scene.js';
 const canvas = document.getElementById('view');
 const prefers = (what) => matchMedia(`(prefers-${what})`);
 const stillness = prefers('reduced-motion: reduce'), darkness = prefers('color-scheme: dark');
-const kSpeakAfter = 1.3; // s from the start of a press: then it is as deep as it gets
+const kSpeakAfter = 0.4; // s without a change of depth
 
 class Page {
   #scene;
@@ -94,19 +94,22 @@ class Page {
       const reading = body.reading();
       this.#scene.update(body);
       words.showReading(reading, body.facts.stressTop);
-      this.#speakOnce(reading, time);
       this.#old = true;
     }
+    this.#speakOnce(body.reading(), time);
     if (turned || this.#old) this.#scene.draw(this.#orbit);
     this.#old = false;
     ++this.frames;
     if (turned || body.moves || body.fingers.count > 0) this.#ask();
   }
 
-  // A screen reader hears the numbers once in a press: after a while, or when it ends.
+  // A screen reader hears the numbers once in a press: when it has stopped growing for a while, or when it ends.
   #since = 0;
+  #push = 0;
   #speakOnce(reading, time) {
-    if (this.#spoken || reading.fingers === 0 || time - this.#since < kSpeakAfter) return;
+    if (this.#spoken || reading.fingers === 0) return;
+    if (Math.abs(reading.push - this.#push) > 1e-4) [this.#push, this.#since] = [reading.push, time];
+    if (time - this.#since < kSpeakAfter) return;
     this.#spoken = true;
     words.speak(reading);
   }
@@ -203,6 +206,8 @@ function complain(error) {
 async function begin() {
   const how = document.getElementById('explained');
   document.getElementById('how').addEventListener('click', () => how.showModal());
+  // The keys are the body's again, not the button's.
+  how.addEventListener('close', () => document.getElementById('view').focus());
   how.addEventListener('click', (event) => { if (event.target === how) how.close(); });
   words.showHint(matchMedia('(pointer: coarse)').matches);
   const content = readPage();

@@ -47,7 +47,7 @@ export function showReading(reading, top, of = kOfFingers) {
   const any = reading.fingers > 0 && reading.stress >= 50; // less would be written as 0.0
   at('mark').hidden = !any;
   at('mark').style.setProperty('--at', Math.min(reading.stress / top, 1));
-  write('largest', any ? `largest ${kilopascals(reading.stress)} kPa` : 'at rest');
+  write('largest', any ? `largest ${kilopascals(reading.stress)} kPa${reading.stress > top ? ', above the colours' : ''}` : 'at rest');
   write('error', any && reading.error > 0 ? errorWords(reading.error) : '\u00a0');
 }
 

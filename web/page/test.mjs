@@ -212,11 +212,17 @@ test('the keyboard alone presses, and its numbers are spoken', { skip }, async (
     await untilDeep(page);
     await compare(page, 1);
     await shoot(page, 'keyboard-dark');
+    await page.waitForFunction(() => document.getElementById('spoken').textContent.startsWith('Pressed'));
+    assert.equal(await page.textContent('#spoken').then((text) => text.match(/Pressed (\d+)/)[1]), await page.textContent('#push').then((text) => parseFloat(text).toFixed(0)));
     await page.keyboard.up('Space');
     await untilRest(page);
     assert.match(await page.textContent('#spoken'), /^Pressed \d+ millimetres: [\d.]+ newtons, largest stress [\d.]+ kilopascals/);
     await page.keyboard.press('r');
     assert.match(await page.textContent('#spoken'), /At rest/);
+    // A closed dialog gives the keys back to the body.
+    await page.click('#how');
+    await page.keyboard.press('Escape');
+    assert.equal(await page.evaluate(() => document.activeElement.id), 'view');
   });
 });
 
