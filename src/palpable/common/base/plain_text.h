@@ -30,7 +30,7 @@ enum class TextPart { kAll, kFirst };
 /// Why bytes are no text in ASCII or UTF-8, or in a Latin code page: "is UTF-16: ...", "line 3: a
 /// zero byte, ..."; empty: nothing is wrong. One zero byte at the very end is allowed, because some
 /// programs write a string with its end.
-/// @param part  whether the bytes are the whole text
+/// @param part  kFirst: the bytes are the beginning of a longer text
 [[nodiscard]] std::string why_no_text(std::string_view bytes, TextPart part);
 
 /// The text in UTF-8 without byte-order mark and with "\n" as the end of each line ("\r\n" and a

@@ -40,9 +40,10 @@ struct SharpPart {
   float radius_a = 0, radius_b = 0;
 };
 
-/// m, how deep a part of any radius is inside a skin, by both ends and the middle of its axis: 0
-/// unless one of them is inside. A part that crosses the skin is judged at contact points; one that
-/// the skin encloses is near none of them, and all of its axis is inside.
+/// The depth, in m, of a part of any radius inside a skin: the largest at both ends and the middle
+/// of its axis; 0 unless it is inside with its whole radius at one of them. A part that crosses the
+/// skin is judged at contact points; one that the skin encloses is near none of them, and all of
+/// its axis is inside.
 [[nodiscard]] double depth_of_enclosed(const SharpPart& part, const MovingSurface& skin);
 
 /// m, how deep a part is inside a skin, to 0.15 mm or a tenth, whichever is more (coarser where

@@ -40,7 +40,7 @@ struct DepthFigures {
 ///               the bytes of each number are swapped, or the unit is 1/256
 ///     divisor   all numbers are multiples of 4 or more, and nothing states the unit
 ///     range     nothing from 0.1 to 5 m for 30 frames (or in all of a shorter run), unless the rig
-///               has a baseline of 0.2 m or more (a car's)
+///               has a baseline of 0.2 m or more, as on cars, which see farther
 ///     few       less than 5 % of the pixels kept for 30 frames (or in all of a shorter run)
 ///
 /// add() allocates memory only in a frame in which a warning comes.

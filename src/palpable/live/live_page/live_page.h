@@ -94,7 +94,7 @@ class LivePage {
 
   /// Whether some page wants the next picture.
   [[nodiscard]] bool wants_picture() const { return server_ && server_->wants_pictures(); }
-  /// Copies it for the thread that encodes. A picture that this has not begun with is replaced.
+  /// Copies the picture for the encoding thread. It replaces one that still waits to be encoded.
   void send_picture(const ColorImage& picture);
 
   /// The numbers of pages and of what they lost in a readable line; empty if nothing is served.

@@ -4,6 +4,7 @@
 #include "palpable/common/base/json.h"
 #include "palpable/live/live_page/client_queue.h"
 #include "palpable/live/live_page/page_access.h"
+#include "palpable/live/page/folder_server.h"
 
 #include <fmt/format.h>
 
@@ -50,23 +51,6 @@ constexpr int kSystemBuffer = 256 * 1024;
 constexpr auto kFarewell = std::chrono::milliseconds(500);    // for what waits at the end
 constexpr auto kLinger = std::chrono::milliseconds(500);      // for a refused client to read why
 constexpr auto kAcceptPause = std::chrono::milliseconds(50);  // when there are no descriptors
-
-std::string_view reason_of(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    case 503:
-      return "Service Unavailable";
-    default:
-      return "Bad Request";
-  }
-}
 
 // What a client wants beside lines.
 struct Wishes {
@@ -229,7 +213,7 @@ class PageServer::Shared::Request : public std::enable_shared_from_this<Request>
 
   void refuse(int status) {
     if (status == 403 || status == 503) server_.count([](PageCounts& counts) { ++counts.refused; });
-    body_ = fmt::format("{} {}\n", status, reason_of(status));
+    body_ = fmt::format("{} {}\n", status, reason_of_status(status));
     send(status, "text/plain", body_, true);
   }
 
@@ -240,7 +224,7 @@ class PageServer::Shared::Request : public std::enable_shared_from_this<Request>
         "X-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\n"
         "Cross-Origin-Resource-Policy: same-origin\r\nReferrer-Policy: no-referrer\r\n"
         "Connection: close\r\n\r\n",
-        status, reason_of(status), type, body.size());
+        status, reason_of_status(status), type, body.size());
     stream_.expires_after(server_.settings.patience);
     const std::array<asio::const_buffer, 2> parts{
         asio::buffer(head_), asio::buffer(body.data(), with_body ? body.size() : 0)};

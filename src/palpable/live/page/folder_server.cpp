@@ -47,21 +47,6 @@ constexpr std::array<MediaType, 9> kMediaTypes{{
     {".txt", "text/plain; charset=utf-8"},
 }};
 
-std::string_view words_of(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    default:
-      return "Bad Request";
-  }
-}
-
 std::string lower(std::string_view text) {
   std::string result(text);
   for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -133,10 +118,10 @@ std::string receive_head(int connection) {
 }
 
 void send_refusal(int connection, int status) {
-  const std::string text = fmt::format("{} {}\n", status, words_of(status));
+  const std::string text = fmt::format("{} {}\n", status, reason_of_status(status));
   send_text(connection, fmt::format("HTTP/1.1 {} {}\r\nContent-Type: text/plain\r\nContent-Length: "
                                     "{}\r\nConnection: close\r\n\r\n{}",
-                                    status, words_of(status), text.size(), text));
+                                    status, reason_of_status(status), text.size(), text));
 }
 
 void send_file(int connection, const fs::path& path, bool with_content) {
@@ -161,6 +146,23 @@ void send_file(int connection, const fs::path& path, bool with_content) {
 }
 
 }  // namespace
+
+std::string_view reason_of_status(int status) {
+  switch (status) {
+    case 200:
+      return "OK";
+    case 403:
+      return "Forbidden";
+    case 404:
+      return "Not Found";
+    case 405:
+      return "Method Not Allowed";
+    case 503:
+      return "Service Unavailable";
+    default:
+      return "Bad Request";
+  }
+}
 
 bool names_this_machine(std::string_view host, int port) {
   const std::string asked = lower(host);

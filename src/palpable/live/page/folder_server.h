@@ -38,6 +38,9 @@ struct Refusal {
 /// @return the request; or 400 for what is no request, 405 for another method, 403 for another host
 [[nodiscard]] std::variant<FileRequest, Refusal> read_file_request(std::string_view head, int port);
 
+/// The words of HTTP for a status that servers of pages send: "Not Found" for 404.
+[[nodiscard]] std::string_view reason_of_status(int status);
+
 /// The file for a target: "/" is index.html. Nothing for one that does not exist, that is no
 /// regular file, or that lies outside of the folder, by ".." or by a link.
 [[nodiscard]] std::optional<std::filesystem::path> file_of_target(

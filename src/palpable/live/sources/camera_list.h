@@ -27,7 +27,8 @@ struct ListedCamera {
   std::string trouble;   ///< why the device could not be queried; empty: no problem
   bool is_data = false;  ///< it is there for data about pictures, which is no fault
   std::string users;     ///< other programs that have opened it (VideoSystem::users())
-  /// kDepth: the device of the same camera whose pictures are of the same view, if there is one.
+  /// Of a depth device (kDepth): the colour device of the same camera with the same view; empty if
+  /// there is none.
   std::string pictures;
   CameraKind kind = CameraKind::kUnreadable;
   /// Both eyes: the calibration file that open_camera() would use for its default mode;
