@@ -10,6 +10,8 @@
 #include "palpable/common/base/json.h"
 #include "palpable/common/base/order_statistics.h"
 #include "palpable/common/body_file/body_file.h"
+#include "palpable/common/body_file/touch_file.h"
+#include "palpable/desk/clip_files/camera_paths.h"
 #include "palpable/desk/clip_files/frame_records.h"
 #include "palpable/desk/clip_files/image_files.h"
 #include "palpable/desk/clip_files/scene_files.h"
@@ -22,7 +24,8 @@
 #include <fmt/core.h>
 
 #include "bench/live/bench.h"
-#include "bench/live/unseen_points.h"
+#include "bench/live/surface_budget.h"
+#include "bench/live/thing_points.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -51,9 +54,9 @@ constexpr double kSeen = 0.5;  // share of a touch that must be visible for it t
 constexpr int kDenseQueries = 22982;  // vertices of the paper's dragon
 constexpr int kBunnyQueries = 7000;
 
-// Things whose unseen side is judged, and the sequence that shows them.
-constexpr std::array<std::array<const char*, 2>, 3> kThings{
-    {{"finger", "press"}, {"palm", "palm"}, {"pencil", "pencil"}}};
+// Things that are judged, and the sequence that shows them.
+constexpr std::array<std::array<const char*, 2>, 4> kThings{
+    {{"finger", "press"}, {"palm", "palm"}, {"pencil", "pencil"}, {"cup", "cup"}}};
 
 struct SurfaceBenchOptions {
   fs::path body;
@@ -63,10 +66,16 @@ struct SurfaceBenchOptions {
   std::uint64_t seed = 0;  // 0: a held-out one for each clip
   int frames = 0;          // 0: the sequence's own number
   int every = 5;
+  bool budget = false;
   bool json = false;
 };
 
-// Errors of the assumed unseen side.
+// Half the width that holds 68 of 100 values: one standard deviation of a normal distribution.
+double spread_of(const std::vector<double>& values) {
+  return (percentile(values, 0.84) - percentile(values, 0.16)) / 2;
+}
+
+// Errors of a side of the seen surface.
 struct SideErrors {
   std::vector<double> errors;  // m, of points for which a surface was assumed
   std::vector<double> signed_errors;
@@ -82,7 +91,10 @@ struct SideErrors {
   [[nodiscard]] Json quantile_mm(double share) const {
     return errors.empty() ? Json(nullptr) : Json(1e3 * percentile(errors, share));
   }
-  /// Positive: the assumed thing is too thin.
+  [[nodiscard]] Json spread_mm() const {
+    return errors.empty() ? Json(nullptr) : Json(1e3 * spread_of(signed_errors));
+  }
+  /// Positive: the seen thing is too thin, or too far.
   [[nodiscard]] Json bias_mm() const {
     return errors.empty() ? Json(nullptr) : Json(1e3 * percentile(signed_errors, 0.5));
   }
@@ -92,34 +104,42 @@ struct SideErrors {
   }
 };
 
-// Errors on the whole unseen side, and on its part `back`, which is the rear of the visible
-// surface. The rest is behind other things, so that a single view gives no information about it.
-struct SideErrorsByPlace {
-  SideErrors all, back;
+// Errors by the side of the thing. The unseen side is `back` and what is behind other things, of
+// which a single view gives no information.
+struct ErrorsByPlace {
+  SideErrors front, ends, unseen, back;
+  std::vector<double> outline_px;  // positive: the seen thing is too narrow
 
-  void add(const ObjectSurface& surface, const UnseenPoints& unseen,
+  void add(const ObjectSurface& surface, const ThingPoints& points, const PinholeCamera& camera,
            const Rigid3& body_from_camera) {
-    for (std::size_t k = 0; k < unseen.is_behind.size(); ++k) {
-      const Vector3d x = body_from_camera * unseen.points.col(static_cast<Eigen::Index>(k));
-      all.add(surface, x);
-      if (!unseen.is_behind[k]) back.add(surface, x);
+    for (const ThingPoint& point : points) {
+      const Vector3d x = body_from_camera * point.x;
+      if (point.side == Side::kFront) front.add(surface, x);
+      if (point.side == Side::kFront && point.is_end) ends.add(surface, x);
+      if (point.side != Side::kFront) unseen.add(surface, x);
+      if (point.side == Side::kBack) back.add(surface, x);
+      if (!point.is_outline) continue;
+      const auto found = surface.nearest(x.cast<float>());
+      if (!found) continue;
+      outline_px.push_back(static_cast<double>(found->distance) * camera.fx_px / point.x.z());
     }
   }
   [[nodiscard]] Json behind_share() const {
-    if (all.points == 0) return nullptr;
-    return 1 - static_cast<double>(back.points) / static_cast<double>(all.points);
+    if (unseen.points == 0) return nullptr;
+    return 1 - static_cast<double>(back.points) / static_cast<double>(unseen.points);
   }
 };
 
 struct Counts {
   int frames = 0, ghosts = 0, deep = 0, missed = 0;
-  SideErrorsByPlace measured, true_depth;
+  ErrorsByPlace measured, true_depth;
+  Json budget;
   std::vector<double> plane;  // m, of a held touch: error of phi at the touched point
   double cpu_s = 0, dense_cpu_s = 0;
   int timed = 0, allocations = 0;
   double max_difference = 0;
 
-  // Adds the counts of another clip, except those of the unseen side, which is
+  // Adds the counts of another clip, except those of the sides, which are
   // judged for each thing.
   void add(const Counts& other) {
     frames += other.frames, ghosts += other.ghosts;
@@ -132,6 +152,7 @@ struct Counts {
 
 // Data that are constant during a clip.
 struct Judge {
+  fs::path file;
   const ReducedBody& body;
   SurfaceDistance distance;
   Eigen::Matrix3Xf skin, some, many;  // body frame
@@ -161,13 +182,16 @@ struct SurfaceFilm {
   TruthCamera camera;
   std::vector<HandLine> hands;
   std::vector<ContactLine> contacts;
+  std::vector<StampedPose> path;  // world_from_camera
 
-  explicit SurfaceFilm(const fs::path& path)
-      : folder(path),
-        camera(read_truth_camera(path / "truth/camera.toml")),
-        hands(read_hands(path / "truth/hand.jsonl")),
-        contacts(read_contacts(path / "truth/contact.jsonl")) {
-    if (hands.size() != contacts.size()) throw Error(path.string() + ": its truth is not whole");
+  explicit SurfaceFilm(const fs::path& of)
+      : folder(of),
+        camera(read_truth_camera(of / "truth/camera.toml")),
+        hands(read_hands(of / "truth/hand.jsonl")),
+        contacts(read_contacts(of / "truth/contact.jsonl")),
+        path(read_trajectory(of / "truth/trajectory.txt")) {
+    if (hands.size() != contacts.size() || hands.size() != path.size())
+      throw Error(of.string() + ": its truth is not whole");
   }
 };
 
@@ -175,18 +199,29 @@ bool is_near_body(const ContactLine& contact) {
   return contact.touching || (contact.gap && *contact.gap < kNearBody);
 }
 
-void look_at_unseen_side(const Judge& judge, const SurfaceFilm& film, int frame,
-                         const ObjectSurface& measured, const Rigid3& body_from_camera,
-                         Counts& counts) {
-  const UnseenPoints unseen =
-      unseen_points(film.hands[frame].capsules, *film.camera.camera, body_from_camera,
-                    judge.distance, kNearBody, kPointSpacing);
-  counts.measured.add(measured, unseen, body_from_camera);
+void look_at_sides(const Judge& judge, const SurfaceFilm& film, int frame,
+                   const ObjectSurface& measured, const Rigid3& body_from_camera, Counts& counts) {
+  const PinholeCamera& camera = *film.camera.camera;
+  const ThingPoints points = points_of_things(film.hands[frame].capsules, camera, body_from_camera,
+                                              judge.distance, kNearBody, kPointSpacing);
+  counts.measured.add(measured, points, camera, body_from_camera);
   const auto view = read_true_view(film.folder / "truth", frame, film.camera.depth_unit);
   if (!view) return;
   ObjectSurface surface;
-  surface.build(view->depth, view->shows, *film.camera.camera, body_from_camera, judge.region);
-  counts.true_depth.add(surface, unseen, body_from_camera);
+  surface.build(view->depth, view->shows, camera, body_from_camera, judge.region);
+  counts.true_depth.add(surface, points, camera, body_from_camera);
+}
+
+// Adds a frame to the budget. The film's true path starts at its first frame, as the run's does.
+void add_to_budget(SurfaceBudget& budget, const SurfaceFilm& film, const Scene& scene,
+                   const Rigid3& body_from_first_camera) {
+  const int n = scene.number;
+  const auto view = read_true_view(film.folder / "truth", n, film.camera.depth_unit);
+  if (!view) throw Error(film.folder.string() + ": its truth is not whole");
+  const Rigid3 first_from_camera = film.path.front().world_from_camera.inverse() *
+                                   film.path[static_cast<std::size_t>(n)].world_from_camera;
+  budget.add(scene, film.hands[n], film.contacts[n], *view,
+             body_from_first_camera * first_from_camera);
 }
 
 void time_surface(const Judge& judge, const Scene& scene, const Session& session,
@@ -194,7 +229,8 @@ void time_surface(const Judge& judge, const Scene& scene, const Session& session
   const auto once = [&](const Eigen::Matrix3Xf& points, double& sum) {
     const CpuTimer timer(sum);
     surface.build(scene.seen.depth, session.shows(), scene.seen.depth_camera,
-                  scene.bodies.front().camera_from_body.inverse(), judge.region, scene.time);
+                  scene.bodies.front().camera_from_body.inverse(), judge.region, scene.time,
+                  session.coverage());
     (void)least_phi(surface, points);
   };
   once(judge.some, counts.cpu_s);
@@ -230,11 +266,18 @@ Counts play_film(const SurfaceBenchOptions& options, const std::string& name,
   Counts counts;
   LiveSettings settings;
   settings.images.device = (film.folder / "frames").string();
-  LiveRun run = open_live(judge.body, settings);
+  // Tables are read for the budget alone: without them the body is pressed at its sites, which does
+  // not change what is seen.
+  LiveRun run = options.budget
+                    ? open_live(value_or_throw(read_touchable_body(judge.file)), settings)
+                    : open_live(judge.body, settings);
   const ObjectSurface& surface = run.loop.session.body().response.surface();
   ObjectSurface timed(surface.settings());
   Frame frame;
   std::optional<Vector3d> held;
+  std::optional<SurfaceBudget> budget;
+  std::optional<Rigid3> first;  // body_from_camera of the first frame
+  if (options.budget) budget.emplace(run.loop.session);
   for (FrameStatus status = run.source->next(frame); status != FrameStatus::kEnd;
        status = run.source->next(frame)) {
     if (status != FrameStatus::kFrame) continue;
@@ -242,6 +285,8 @@ Counts play_film(const SurfaceBenchOptions& options, const std::string& name,
     const Scene& scene = run.loop.process(frame);
     const Rigid3 body_from_camera = scene.bodies.front().camera_from_body.inverse();
     const ContactLine& contact = film.contacts[n];
+    if (!first) first = body_from_camera;
+    if (budget) add_to_budget(*budget, film, scene, *first);
     ++counts.frames;
     const double least = least_phi(surface, judge.skin);
     const bool nothing = !contact.touching && (!contact.gap || *contact.gap > kGhostFar);
@@ -252,12 +297,13 @@ Counts play_film(const SurfaceBenchOptions& options, const std::string& name,
     }
     if (name == "rest") look_at_held_touch(film, n, surface, body_from_camera, held, counts);
     if (is_near_body(contact) && n % options.every == 0) {
-      look_at_unseen_side(judge, film, n, surface, body_from_camera, counts);
+      look_at_sides(judge, film, n, surface, body_from_camera, counts);
       time_surface(judge, scene, run.loop.session, timed, counts);
     }
     bar.show(
         {name, static_cast<double>(counts.frames), static_cast<double>(film.hands.size()), ""});
   }
+  if (budget) counts.budget = budget->json();
   return counts;
 }
 
@@ -318,24 +364,34 @@ Json entry_of(const Counts& c, std::uint64_t seed) {
     entry[side + "_bias_mm"] = of.bias_mm();
     entry[side + "_coverage"] = of.coverage();
   };
-  add_side("unseen_side", c.measured.all);
-  add_side("unseen_side_true_depth", c.true_depth.all);
+  add_side("unseen_side", c.measured.unseen);
+  add_side("unseen_side_true_depth", c.true_depth.unseen);
   add_side("back", c.measured.back);
   add_side("back_true_depth", c.true_depth.back);
+  add_side("front", c.measured.front);
+  entry["front_spread_mm"] = c.measured.front.spread_mm();
+  add_side("end", c.measured.ends);
+  entry["end_spread_mm"] = c.measured.ends.spread_mm();
+  const std::vector<double>& outline = c.measured.outline_px;
+  entry["outline_px"] = outline.empty() ? Json(nullptr) : Json(percentile(outline, 0.5));
+  entry["outline_spread_px"] = outline.empty() ? Json(nullptr) : Json(spread_of(outline));
+  if (!c.budget.is_null()) entry["budget"] = c.budget;
   entry["contact_plane_sigma_mm"] = sigma_mm(c.plane);
   return entry;
 }
 
-// The figures of the summary: the unseen side for each thing, the others for all clips together.
+// The figures of the summary: those of the sides for each thing, the others for all clips together.
 void summarize(const std::map<std::string, Counts>& counts, Json& result) {
   for (const auto& [thing, sequence] : kThings) {
     const auto found = counts.find(sequence);
     const Counts c = found == counts.end() ? Counts{} : found->second;
-    result["unseen_side_median_mm"][thing] = c.measured.all.quantile_mm(0.5);
-    result["unseen_side_p90_mm"][thing] = c.measured.all.quantile_mm(0.9);
-    result["unseen_side_coverage"][thing] = c.measured.all.coverage();
-    result["unseen_side_true_depth_median_mm"][thing] = c.true_depth.all.quantile_mm(0.5);
-    result["unseen_side_true_depth_p90_mm"][thing] = c.true_depth.all.quantile_mm(0.9);
+    const Json entry = entry_of(c, 0);
+    for (const char* key : {"unseen_side_median_mm", "unseen_side_p90_mm", "unseen_side_coverage",
+                            "unseen_side_true_depth_median_mm", "unseen_side_true_depth_p90_mm",
+                            "front_median_mm", "front_p90_mm", "front_bias_mm", "front_spread_mm",
+                            "end_bias_mm", "end_spread_mm", "outline_px", "outline_spread_px"}) {
+      result[key][thing] = entry[key];
+    }
   }
   Counts all;
   for (const auto& [name, c] : counts) {
@@ -348,9 +404,15 @@ void summarize(const std::map<std::string, Counts>& counts, Json& result) {
 }
 
 // The key of a clip's figure and the column in which it is listed.
-constexpr std::array<std::array<const char*, 2>, 17> kColumns{{
+constexpr std::array<std::array<const char*, 2>, 23> kColumns{{
     {"ghosts", "ghost_share"},
     {"missed", "missed_share"},
+    {"front", "front_median_mm"},
+    {"p90", "front_p90_mm"},
+    {"bias", "front_bias_mm"},
+    {"spread", "front_spread_mm"},
+    {"end", "end_bias_mm"},
+    {"line px", "outline_px"},
     {"side", "unseen_side_median_mm"},
     {"p90", "unseen_side_p90_mm"},
     {"cover", "unseen_side_coverage"},
@@ -382,8 +444,40 @@ void print_surface_table(const Json& sequences) {
     fmt::print("\n");
   }
   fmt::print(
-      "side: what no camera sees, mm off. behind: the share of it that lies behind other things,\n"
+      "front: what the camera sees within 15 mm of the body, mm off. bias: its median, positive: "
+      "the\n"
+      "thing is too far. end: the same of fingertips and other ends. line px: its outline, "
+      "positive:\n"
+      "the thing is too narrow. side: what no camera sees, mm off. behind: the share of it that "
+      "lies behind other things,\n"
       "of which one view says nothing. back: the rest, by measured and by true depth (true d.).\n");
+}
+
+void print_budget(const Json& sequences) {
+  fmt::print(
+      "\nError of the displacement, and of the force's size, by camera, %: median (90th "
+      "percentile),\n"
+      "against the same tables under the true hand, if this were perfect:\n{:<30}",
+      "");
+  for (const auto& [name, entry] : sequences.items()) fmt::print(" {:>25}", name);
+  fmt::print("\n{:<30}", "frames");
+  for (const auto& [name, entry] : sequences.items()) {
+    fmt::print(" {:>25}", entry["budget"]["frames"].get<int>());
+  }
+  for (const BudgetLine& line : budget_lines()) {
+    fmt::print("\n{:<30}", line.words);
+    for (const auto& [name, entry] : sequences.items()) {
+      const Json& of = entry["budget"][std::string(line.key)];
+      const auto percent = [&of](const char* key) {
+        return of[key].is_null() ? std::string("-")
+                                 : fmt::format("{:.0f}", 100 * of[key].get<double>());
+      };
+      fmt::print(" {:>25}", fmt::format("{} ({}), force {} ({})", percent("displacement_median"),
+                                        percent("displacement_p90"), percent("force_median"),
+                                        percent("force_p90")));
+    }
+  }
+  fmt::print("\n");
 }
 
 void bench_surface(SurfaceBenchOptions options) {
@@ -393,12 +487,18 @@ void bench_surface(SurfaceBenchOptions options) {
   const SurfacePoints skin = sample_surface(body.surface, kPointSpacing);
   const SurfacePoints fine = sample_surface(body.surface, kPointSpacing / 2);
   const Judge judge{
+      body_file,
       body,
       SurfaceDistance(body.surface),
       skin.points.cast<float>(),
       spread(fine.points, kBunnyQueries),
       spread(fine.points, kDenseQueries),
       {body.surface.vertices.rowwise().minCoeff(), body.surface.vertices.rowwise().maxCoeff()}};
+  if (options.budget && !value_or_throw(read_touchable_body(body_file)).touch) {
+    throw Error(fmt::format(
+        "{}: it has no tables of touch, which --budget needs; palpable bake makes them ([touch])",
+        body_file.string()));
+  }
   std::random_device random;
   ProgressBar bar;
   Json result, sequences;
@@ -419,6 +519,7 @@ void bench_surface(SurfaceBenchOptions options) {
     fmt::print("{}\n", result.dump(2));
   } else {
     print_surface_table(sequences);
+    if (options.budget) print_budget(sequences);
   }
 }
 
@@ -426,9 +527,9 @@ void bench_surface(SurfaceBenchOptions options) {
 
 void add_bench_surface(Command bench) {
   auto options = std::make_shared<SurfaceBenchOptions>();
-  Command command = bench.add_subcommand(
-      "surface",
-      "The seen surface against the true things of films: its unseen side, ghosts, misses");
+  Command command = bench.add_subcommand("surface",
+                                         "The seen surface against the true things of films: "
+                                         "front, ends, unseen side, ghosts, misses");
   command.add_option("body", options->body, "Body file")
       .default_is("build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
   command.add_option("--only", options->only, "Sequences (synth --help lists them)")
@@ -445,6 +546,9 @@ void add_bench_surface(Command bench) {
                   "Interval of frames in which the unseen side is judged")
       .in_range(1, 1000)
       .show_default();
+  command.add_flag(
+      "--budget", options->budget,
+      "Also the displacement error with each part of the surface made perfect in turn");
   command.add_option("--films", options->films, "Folder in which films are kept and found again")
       .type_name("DIR")
       .default_is("a temporary one");

@@ -16,6 +16,7 @@
 #include <fmt/core.h>
 
 #include "bench/live/bench.h"
+#include "bench/live/true_hand.h"
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -31,8 +32,6 @@ namespace fs = std::filesystem;
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
-// m, spacing of balls along a capsule; the ripples on a finger are 0.02 mm high.
-constexpr double kBetweenBalls = 0.001;
 constexpr double kFrame = 1.0 / 30;  // s, of every clip
 // m, smallest largest displacement of the true response that is compared.
 constexpr double kPressed = 0.001;
@@ -43,24 +42,6 @@ struct TicksBenchOptions {
   double rate = 1000;  // Hz
   bool json = false;
 };
-
-// Adds balls that fill a capsule, so that the true hand has the same form as a measured one.
-void add_balls(const Capsule& capsule, const Rigid3& body_from_camera,
-               std::vector<ObjectBall>& balls) {
-  const int steps =
-      std::max(1, static_cast<int>(std::ceil((capsule.b - capsule.a).norm() / kBetweenBalls)));
-  for (int k = 0; k <= steps; ++k) {
-    const double t = static_cast<double>(k) / steps;
-    ObjectBall ball;
-    ball.centre = (body_from_camera * ((1 - t) * capsule.a + t * capsule.b).eval()).cast<float>();
-    ball.radius = static_cast<float>((1 - t) * capsule.ra + t * capsule.rb);
-    const Vector3f to_camera =
-        (body_from_camera.translation().cast<float>() - ball.centre).normalized();
-    ball.point = ball.centre + ball.radius * to_camera;
-    ball.normal = to_camera;
-    balls.push_back(ball);
-  }
-}
 
 // The hand at the fraction `part` between two frames.
 std::vector<ObjectBall> hand_between(const HandLine& from, const HandLine& to, double part,
@@ -77,12 +58,6 @@ std::vector<ObjectBall> hand_between(const HandLine& from, const HandLine& to, d
 
 double farthest(const Matrix3Xf& a, const Matrix3Xf& b) {
   return static_cast<double>((a - b).colwise().norm().maxCoeff());
-}
-
-double force_of(const TouchState& state) {
-  Vector3f sum = Vector3f::Zero();
-  for (const PointForce& at : state.forces) sum += at.force;
-  return static_cast<double>(sum.norm());
 }
 
 // Errors of one method to obtain the state between frames.
@@ -137,7 +112,7 @@ struct Follower {
   void begin(const SolvedFrame& frame) {
     between.begin(frame);
     between.place(held);
-    held_force = force_of(frame.state);
+    held_force = force_size(frame.state);
   }
   void compare(double ahead, const Truth& truth, const Matrix3Xf& rest, std::vector<double>* ms) {
     double cpu = 0;
@@ -146,10 +121,10 @@ struct Follower {
       between.advance(ahead);
       between.place(skin);
     }
-    const double moved = farthest(truth.skin, rest), force = force_of(truth.state);
+    const double moved = farthest(truth.skin, rest), force = force_size(truth.state);
     if (moved < kPressed) return;
     if (ms != nullptr) ms->push_back(1e3 * cpu);
-    carried.add(farthest(skin, truth.skin), moved, std::abs(force_of(between.state()) - force),
+    carried.add(farthest(skin, truth.skin), moved, std::abs(force_size(between.state()) - force),
                 force);
     holding.add(farthest(held, truth.skin), moved, std::abs(held_force - force), force);
   }

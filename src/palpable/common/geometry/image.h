@@ -82,11 +82,12 @@ inline constexpr std::uint8_t kShowsRoom = 0;  ///< the room: the space in front
 /// The room, too, known from the colours beside the outline of a thing and not from depth alone
 /// (seen_object/color_outline.h).
 inline constexpr std::uint8_t kShowsRoomByColor = 1;
+/// The room, too, beside an outline that was found in the picture, to a fraction of a pixel
+/// (seen_object/outline_search.h).
+inline constexpr std::uint8_t kShowsRoomByEdge = 2;
 inline constexpr std::uint8_t kShowsUnknown = 128;  ///< neither the thing nor its depth is known
 inline constexpr std::uint8_t kShowsPresser = 255;  ///< a thing that may press, with its depth
-[[nodiscard]] constexpr bool shows_room(std::uint8_t shows) {
-  return shows == kShowsRoom || shows == kShowsRoomByColor;
-}
+[[nodiscard]] constexpr bool shows_room(std::uint8_t shows) { return shows <= kShowsRoomByEdge; }
 
 /// Two neighbouring pixels in the format in which many cameras send them, YUYV in memory: luma for
 /// each pixel, colour for each two. BT.601: luma 16 .. 235; U, V about 128.

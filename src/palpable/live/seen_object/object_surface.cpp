@@ -149,7 +149,8 @@ PixelBox ObjectSurface::box_of_interest(const AlignedBox3d& region_in_body,
 
 void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
                           const PinholeCamera& camera, const Rigid3& body_from_camera,
-                          const AlignedBox3d& region_in_body, double time) {
+                          const AlignedBox3d& region_in_body, double time,
+                          const Image<float>* coverage) {
   PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
                   "the camera is the depth image's own");
   PALPABLE_EXPECT(
@@ -164,7 +165,7 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
   const Eigen::AlignedBox3f near = fronts_near(region_in_body).cast<float>();
   const RayToRegion to_body(camera, body_from_camera);
   const PixelBox box = box_of_things(depth, given, camera, interest, to_body, near);
-  rest_.add(depth, given, box, camera, camera_from_body, noise_at(1));
+  rest_.add(depth, given, box, camera, camera_from_body, noise_at(1), coverage);
   silhouette_.find(rest_.depth(), rest_.shows(), rest_.box(), &rest_.presence());
   creases_.find(rest_.depth(), camera, silhouette_, settings_.balls.most_radius);
   silhouette_.part(creases_.pixels(),

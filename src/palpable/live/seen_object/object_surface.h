@@ -78,9 +78,11 @@ class ObjectSurface final : public PressingSurface {
   ///                 (geometry/image.h); empty: pixels with depth are pressers, the others unknown
   /// @param camera   of the depth image: same width and height
   /// @param time     s, of the frame; balls that are no longer seen are held by it (held_balls.h)
+  /// @param coverage share of each pixel that shows a presser (PressingMask::coverage()), of the
+  ///                 depth's size; null: 1 at pressers, 0 elsewhere
   void build(const DepthImage& depth, const MaskImage& shows, const PinholeCamera& camera,
              const Rigid3& body_from_camera, const Eigen::AlignedBox3d& region_in_body,
-             double time = 0);
+             double time = 0, const Image<float>* coverage = nullptr);
 
   /// The part of the image in which things may be seen whose balls can reach into `region_in_body`.
   [[nodiscard]] PixelBox box_of_interest(const Eigen::AlignedBox3d& region_in_body,

@@ -88,7 +88,7 @@ class PressingMask::RoomTest {
 };
 
 PressingMask::PressingMask(const DepthNoise& noise, const PressingMaskSettings& settings)
-    : noise_(noise), settings_(settings), outline_(settings.outline) {
+    : noise_(noise), settings_(settings), outline_(settings.outline), search_(settings.search) {
   PALPABLE_EXPECT(settings.step > 0 && settings.sigmas >= 0 && settings.walking_step >= 0 &&
                       settings.walking_share >= 0,
                   "a tolerance is not negative");
@@ -97,6 +97,7 @@ PressingMask::PressingMask(const DepthNoise& noise, const PressingMaskSettings& 
 }
 
 const MaskImage& PressingMask::find_all(const SeenFrame& seen, const PixelBox& box) {
+  is_searched_ = false;
   shows_.resize(seen.depth.width(), seen.depth.height());
   std::fill(shows_.begin(), shows_.end(), kShowsUnknown);
   for (int y = box.y; y < box.y + box.height; ++y) {
@@ -131,12 +132,15 @@ const MaskImage& PressingMask::find(const SeenFrame& seen, const Rigid3& world_f
   mark_pixels(seen, moving, room);
   go_on(seen);
   outline_.trim(seen, box, shows_);
+  search_.find(seen, box, shows_);
+  is_searched_ = true;
   remember(seen, moving);
   remember_moved(seen);
   return shows_;
 }
 
 void PressingMask::resize(const DepthImage& depth, const PixelBox& box) {
+  is_searched_ = false;
   shows_.resize(depth.width(), depth.height());
   std::fill(shows_.begin(), shows_.end(), kShowsUnknown);
   box_ = box;

@@ -31,6 +31,7 @@
 #include "palpable/live/map/moving_mask.h"
 #include "palpable/live/map/static_picture.h"
 #include "palpable/live/seen_object/color_outline.h"
+#include "palpable/live/seen_object/outline_search.h"
 
 #include <cstdint>
 #include <vector>
@@ -66,6 +67,7 @@ struct PressingMaskSettings {
   /// (`palpable bench surface --only rest --seed 1`).
   int go_on_px = 3;
   ColorOutlineSettings outline{};
+  OutlineSearchSettings search{};
 };
 
 /// Finds the mask of each frame. Groups are connected tiles of moving pixels; where they were in
@@ -77,7 +79,8 @@ class PressingMask {
   explicit PressingMask(const DepthNoise& noise, const PressingMaskSettings& settings = {});
 
   /// Finds what each pixel shows: kShowsRoom, kShowsPresser or kShowsUnknown (geometry/image.h);
-  /// kShowsRoomByColor for the room beside outlines that were confirmed by colour.
+  /// kShowsRoomByColor for the room beside outlines that were confirmed by colour, and
+  /// kShowsRoomByEdge for that beside outlines that were found in the picture.
   ///
   ///     depth measured      the pixel belongs to a group that is a presser     kShowsPresser
   ///                         else                                               kShowsRoom
@@ -95,6 +98,12 @@ class PressingMask {
                         const MaskImage& moving, LookedAt looked_at, const AnchoredScene& scene,
                         const FreeSpace& space, const PixelBox& box,
                         const StaticPicture* picture = nullptr);
+
+  /// The share of each pixel that shows a presser, in the box of the last find()
+  /// (OutlineSearch::coverage()); null after the other two functions.
+  [[nodiscard]] const Image<float>* coverage() const {
+    return is_searched_ ? &search_.coverage() : nullptr;
+  }
 
   /// The mask when motion or the camera's pose is not known: kShowsUnknown everywhere.
   const MaskImage& find_nothing(const SeenFrame& seen, const PixelBox& box);
@@ -156,6 +165,8 @@ class PressingMask {
       moved_;  // per tile: m, of what moved there until the last frame, or rests since; 0: none
   std::vector<Place> edge_, next_edge_;  // pixels
   ColorOutline outline_;
+  OutlineSearch search_;
+  bool is_searched_ = false;
 };
 
 }  // namespace palpable

@@ -22,6 +22,14 @@ constexpr float kFewest = 12;
 constexpr std::ptrdiff_t kAround = 2;
 constexpr float kFewestAround = 150, kFewestOutline = 20;
 
+// Whether a neighbour is the room beside an outline that was found in the picture.
+bool beside_edge(const MaskImage& shows, int x, int y) {
+  return (x > 0 && shows(x - 1, y) == kShowsRoomByEdge) ||
+         (x + 1 < shows.width() && shows(x + 1, y) == kShowsRoomByEdge) ||
+         (y > 0 && shows(x, y - 1) == kShowsRoomByEdge) ||
+         (y + 1 < shows.height() && shows(x, y + 1) == kShowsRoomByEdge);
+}
+
 }  // namespace
 
 RestFilter::RestFilter(const RestFilterSettings& settings) : settings_(settings) {
@@ -202,7 +210,8 @@ void RestFilter::find_shares(const PinholeCamera& camera) {
   }
 }
 
-void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float gate_at_1m) {
+void RestFilter::average(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+                         const Image<float>* coverage, float gate_at_1m) {
   int left = box_.x + box_.width, right = -1, top = box_.y + box_.height, bottom = -1;
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
     const Cell* cells = row_of_cells(y);
@@ -214,16 +223,20 @@ void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float 
     for (int x = box_.x; x < box_.x + box_.width; ++x) {
       float presence = presences[x];
       const bool now = shown[x] == kShowsPresser;
-      if (!now && presence == 0) continue;
+      // Pixels outside the box of this frame may have a presence, but no coverage.
+      const float covered = coverage != nullptr && box.contains(x, y) ? (*coverage)(x, y)
+                            : now                                     ? 1.0f
+                                                                      : 0.0f;
+      if (!now && presence == 0 && covered == 0) continue;
       const float share = cells[cell_of_column[x]].share;
       if (now) {
         const float z = depths[x], mean = averages[x];
         const bool same = presence > 0 && std::abs(z - mean) < gate_at_1m * z * z;
         averages[x] = same ? mean + share * (z - mean) : z;
-        presence += share * (1 - presence);
+        presence += share * (covered - presence);
       } else {
         // A hole without depth does not mean that a resting thing has gone.
-        if (share >= 1 || shown[x] != kShowsUnknown) presence -= share * presence;
+        if (share >= 1 || shown[x] != kShowsUnknown) presence += share * (covered - presence);
         if (presence < 1e-3f) presence = 0;
       }
       presences[x] = presence;
@@ -235,7 +248,7 @@ void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float 
         averaged[x] = averages[x];
         shows_averaged[x] = kShowsPresser;
       } else if (now) {
-        shows_averaged[x] = kShowsRoom;
+        shows_averaged[x] = beside_edge(shows, x, y) ? kShowsRoomByEdge : kShowsRoom;
       }
     }
   }
@@ -243,11 +256,12 @@ void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float 
 }
 
 void RestFilter::add(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
-                     const PinholeCamera& camera, const Rigid3& camera_from_body, double noise) {
+                     const PinholeCamera& camera, const Rigid3& camera_from_body, double noise,
+                     const Image<float>* coverage) {
   start(depth, shows, box, camera_from_body);
   sum_up(depth, shows);
   find_shares(camera);
-  average(depth, shows, static_cast<float>(settings_.sigmas * noise));
+  average(depth, shows, box, coverage, static_cast<float>(settings_.sigmas * noise));
 }
 
 }  // namespace palpable

@@ -54,15 +54,18 @@ class RestFilter {
   /// @param depth, shows  of this frame (ObjectSurface::build); `shows` of the depth's size
   /// @param box           holds all pressers that are to be filtered
   /// @param noise         sigma of one pixel's depth at 1 m, m; it grows as Z^2
+  /// @param coverage      share of each pixel that shows a presser (outline_search.h), valid in the
+  ///                      box; null: 1 at pressers, 0 elsewhere
   void add(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
-           const PinholeCamera& camera, const Rigid3& camera_from_body, double noise);
+           const PinholeCamera& camera, const Rigid3& camera_from_body, double noise,
+           const Image<float>* coverage = nullptr);
 
   /// The averaged frame in box() and up to 16 px around it; undefined elsewhere. Valid until the
   /// next add().
   [[nodiscard]] const DepthImage& depth() const { return depth_; }
   [[nodiscard]] const MaskImage& shows() const { return shows_; }
-  /// The share of the averaged frames that showed a thing at a pixel: 1 inside, 0 beside it,
-  /// between them where its outline flickers. Of the depth's size.
+  /// The share of a pixel that showed a thing, averaged: 1 inside, 0 beside it, between them where
+  /// its outline flickers or crosses the pixel. Of the depth's size.
   [[nodiscard]] const Image<float>& presence() const { return presence_; }
   /// Holds all pixels that shows() calls a presser.
   [[nodiscard]] const PixelBox& box() const { return box_; }
@@ -99,7 +102,8 @@ class RestFilter {
   void add_outline(const MaskImage& shows, int x, int y, float came, Outline& outline) const;
   [[nodiscard]] float shift_around(std::ptrdiff_t column, std::ptrdiff_t row, float fx_px) const;
   void find_shares(const PinholeCamera& camera);
-  void average(const DepthImage& depth, const MaskImage& shows, float gate_at_1m);
+  void average(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+               const Image<float>* coverage, float gate_at_1m);
 
   RestFilterSettings settings_;
   Rigid3 camera_from_body_ = Rigid3::Identity();

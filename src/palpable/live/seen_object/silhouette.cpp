@@ -129,6 +129,7 @@ void Silhouette::begin_row(int y) {
 // SilhouetteSettings::beside_unknown.
 float Silhouette::known_better(int x, int y) const {
   const std::uint8_t shows = shows_->empty() ? kShowsRoom : (*shows_)(x, y);
+  if (shows == kShowsRoomByEdge) return static_cast<float>(settings_.by_edge);
   if (shows == kShowsRoomByColor) return static_cast<float>(settings_.by_color);
   const bool unknown = shows == kShowsUnknown || !is_depth((*depth_)(x, y));
   return unknown ? static_cast<float>(settings_.beside_unknown) : 0;

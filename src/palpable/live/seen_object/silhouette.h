@@ -31,10 +31,11 @@ struct SilhouetteSettings {
   /// px: the longest run of pixels without depth that is crossed to find what lies behind an edge.
   /// A longer hole counts as an outline.
   int longest_hole = 12;
-  /// px by which two kinds of outline are moved outwards, because they are not fattened by the
+  /// px by which three kinds of outline are moved outwards, because they are not fattened by the
   /// matcher (MedialBallSettings::fattening): those beside pixels without depth, over which its
-  /// windows have not spread, and those that were located by colour (kShowsRoomByColor).
-  double beside_unknown = 0, by_color = 0;
+  /// windows have not spread, those that were located by colour (kShowsRoomByColor), and those that
+  /// were found in the picture (kShowsRoomByEdge).
+  double beside_unknown = 0, by_color = 0, by_edge = 0;
 };
 
 /// The largest difference in depth of two neighbouring pixels of one surface at depth z, m.

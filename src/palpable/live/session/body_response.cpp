@@ -57,10 +57,10 @@ PixelBox BodyResponse::box_of_interest(const Rigid3& camera_from_body,
   return surface_.box_of_interest(region_, camera_from_body, camera);
 }
 
-void BodyResponse::look(const SeenFrame& seen, const MaskImage& shows,
+void BodyResponse::look(const SeenFrame& seen, const MaskImage& shows, const Image<float>* coverage,
                         const Rigid3& camera_from_body) {
   surface_.build(seen.depth, shows, seen.depth_camera, camera_from_body.inverse(), region_,
-                 seen.time);
+                 seen.time, coverage);
 }
 
 void BodyResponse::find_touches(double time, std::span<const Eigen::Vector3f> others, int by,

@@ -53,8 +53,10 @@ class BodyResponse {
                                          const PinholeCamera& camera) const;
 
   /// Builds the surface of the obstacles near the body.
-  /// @param shows  what each pixel shows (PressingMask)
-  void look(const SeenFrame& seen, const MaskImage& shows, const Rigid3& camera_from_body);
+  /// @param shows     what each pixel shows (PressingMask)
+  /// @param coverage  share of each pixel that shows a presser (PressingMask::coverage()), or null
+  void look(const SeenFrame& seen, const MaskImage& shows, const Image<float>* coverage,
+            const Rigid3& camera_from_body);
 
   /// The touches of a frame, the strongest first. If the body has joined a solver, that must have
   /// solved the frame before.

@@ -46,6 +46,7 @@ ObjectSurfaceSettings fitted(ObjectSurfaceSettings surface, const DepthCamera& c
     surface.balls.too_far = kTooFarSigmas * noise.quadratic;
     surface.silhouette.beside_unknown = kCensusFattening;
     surface.silhouette.by_color = kByColor;
+    surface.silhouette.by_edge = kCensusFattening;
   }
   return surface;
 }
@@ -271,7 +272,8 @@ int Session::Parts::gather_others(std::size_t of) {
 void Session::Parts::find_touches(Scene& scene) {
   scene.touches.clear();
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    bodies[k]->response.look(scene.seen, *shows, scene.bodies[k].camera_from_body);
+    bodies[k]->response.look(scene.seen, *shows, pressing.coverage(),
+                             scene.bodies[k].camera_from_body);
   }
   scene.mutual_penetration = scene.imbalance = scene.left_to_move = scene.inside = 0;
   scene.contacts_dropped = 0;
@@ -370,6 +372,7 @@ const MaskImage& Session::shows() const {
   PALPABLE_EXPECT(parts_->shows != nullptr, "a frame was processed");
   return *parts_->shows;
 }
+const Image<float>* Session::coverage() const { return parts_->pressing.coverage(); }
 const Slam& Session::slam() const { return parts_->slam; }
 const AnchoredScene* Session::anchored_scene() const {
   return parts_->anchored ? &*parts_->anchored : nullptr;

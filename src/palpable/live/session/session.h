@@ -104,6 +104,9 @@ class Session {
   /// What each pixel of the last frame shows, near bodies: kShowsPresser where something may press
   /// one (geometry/image.h).
   [[nodiscard]] const MaskImage& shows() const;
+  /// The share of each pixel of the last frame that shows a presser, near bodies
+  /// (PressingMask::coverage()); null where it is not known.
+  [[nodiscard]] const Image<float>* coverage() const;
   /// The room and the camera in it as seen so far: map, free space, tracker.
   [[nodiscard]] const Slam& slam() const;
   /// The room as it was when the bodies were anchored, in the first frame; null without

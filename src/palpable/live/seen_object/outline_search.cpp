@@ -1,0 +1,307 @@
+#include "palpable/live/seen_object/outline_search.h"
+
+#include "palpable/common/base/contract.h"
+#include "palpable/live/seen_object/pixel_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace palpable {
+namespace {
+
+constexpr int kMostSamples = 32;
+constexpr int kNormalReach = 3;   // px, half the side of the window that gives a border's normal
+constexpr int kSmoothReach = 3;   // px, up to which shifts are averaged along the border
+constexpr float kSameWay = 0.7F;  // least cosine of the angle between the normals of neighbours
+constexpr int kDrawReach = 3;     // px from the border that may change
+constexpr float kRidge = 4;       // px^2, regularises the slope of a side with few samples
+constexpr float kSameThing = 0.008F, kSameThingAt1m = 0.04F;  // m, 1/m: as in silhouette.h
+
+bool is_same_depth(float a, float b) {
+  const float nearer = std::min(a, b);
+  return std::abs(a - b) <= std::max(kSameThing, kSameThingAt1m * nearer * nearer);
+}
+
+// Sums over the samples of one side, for a straight line through their colours.
+struct LineSums {
+  float n = 0, t = 0, tt = 0;
+  std::array<float, 3> c{}, tc{}, cc{};
+
+  void add(float at, const std::array<float, 3>& color) {
+    n += 1, t += at, tt += at * at;
+    for (std::size_t k = 0; k < 3; ++k) {
+      c[k] += color[k], tc[k] += at * color[k], cc[k] += color[k] * color[k];
+    }
+  }
+  [[nodiscard]] LineSums without(const LineSums& other) const {
+    LineSums rest = *this;
+    rest.n -= other.n, rest.t -= other.t, rest.tt -= other.tt;
+    for (std::size_t k = 0; k < 3; ++k) {
+      rest.c[k] -= other.c[k], rest.tc[k] -= other.tc[k], rest.cc[k] -= other.cc[k];
+    }
+    return rest;
+  }
+};
+
+// The colour of a side's line at a place, and the sum of squared residuals of its samples.
+struct LineFit {
+  std::array<float, 3> there{};
+  float residual = 0;
+};
+
+LineFit fit_line(const LineSums& s, float at) {
+  LineFit fit;
+  const float mean = s.t / s.n, spread = std::max(s.tt - s.t * mean, 0.0F) + kRidge;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float level = s.c[k] / s.n, along = s.tc[k] - s.t * level;
+    const float slope = along / spread;
+    fit.there[k] = level + slope * (at - mean);
+    // Of the regularised line: sum (c - level)^2 - 2 slope along + slope^2 (tt - t mean).
+    fit.residual += std::max(
+        s.cc[k] - s.c[k] * level - 2 * slope * along + slope * slope * (spread - kRidge), 0.0F);
+  }
+  return fit;
+}
+
+}  // namespace
+
+OutlineSearch::OutlineSearch(const OutlineSearchSettings& settings) : settings_(settings) {
+  PALPABLE_EXPECT(settings.inside >= 4 && settings.outside >= 3 &&
+                      settings.inside + settings.outside < kMostSamples,
+                  "samples on both sides, and room for them");
+  PALPABLE_EXPECT(settings.spread > 0 && settings.least_noise > 0 && settings.least_contrast > 0,
+                  "spread, noise and contrast are above 0");
+}
+
+// Finds the pixels of pressers beside others, and their normals.
+void OutlineSearch::find_border(const SeenFrame& seen, const MaskImage& shows) {
+  border_.clear();
+  const int left = std::max(box_.x, kNormalReach), top = std::max(box_.y, kNormalReach);
+  const int right = std::min(box_.x + box_.width, shows.width() - kNormalReach);
+  const int bottom = std::min(box_.y + box_.height, shows.height() - kNormalReach);
+  for (int y = top; y < bottom; ++y) {
+    const std::uint8_t *row = shows.row(y), *above = shows.row(y - 1), *below = shows.row(y + 1);
+    for (int x = left; x < right; ++x) {
+      if (row[x] != kShowsPresser) continue;
+      const int beside = row[x - 1] & row[x + 1] & above[x] & below[x];
+      if (beside == kShowsPresser) continue;
+      const float z = seen.depth(x, y);
+      if (!is_depth(z)) continue;
+      // Something nearer beside it hides the thing: its outline is not there.
+      bool is_hidden = false, is_measured = false;
+      for (const auto& [dx, dy] :
+           {std::array{-1, 0}, std::array{1, 0}, std::array{0, -1}, std::array{0, 1}}) {
+        if (shows(x + dx, y + dy) == kShowsPresser) continue;
+        const float other = seen.depth(x + dx, y + dy);
+        if (!is_depth(other)) continue;
+        is_measured = true;
+        is_hidden = is_hidden || (other < z && !is_same_depth(other, z));
+      }
+      if (is_hidden) continue;
+      float nx = 0, ny = 0;
+      for (int dy = -kNormalReach; dy <= kNormalReach; ++dy) {
+        const std::uint8_t* of = shows.row(y + dy) + x;
+        for (int dx = -kNormalReach; dx <= kNormalReach; ++dx) {
+          if (of[dx] != kShowsPresser) continue;
+          nx -= static_cast<float>(dx), ny -= static_cast<float>(dy);
+        }
+      }
+      const float length = std::sqrt(nx * nx + ny * ny);
+      if (!(length > 1)) continue;
+      border_at_(x, y) = static_cast<std::int32_t>(border_.size()) + 1;
+      border_.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), nx / length,
+                         ny / length, is_measured ? static_cast<float>(settings_.expected) : 0.0F});
+    }
+  }
+}
+
+void OutlineSearch::search(const SeenFrame& seen, const MaskImage& shows, Border& at) const {
+  const auto factor = static_cast<float>(factor_);
+  // Pixel x of the depth image lies at factor x + (factor - 1) / 2 of the picture.
+  const float u0 = factor * static_cast<float>(at.x) + 0.5F * (factor - 1) + 0.5F * factor * at.nx;
+  const float v0 = factor * static_cast<float>(at.y) + 0.5F * (factor - 1) + 0.5F * factor * at.ny;
+  const float z = seen.depth(at.x, at.y);
+  const auto pixel_at = [&](float t) {
+    const float u = u0 + t * at.nx, v = v0 + t * at.ny;
+    return std::array{static_cast<int>(std::floor(u)), static_cast<int>(std::floor(v))};
+  };
+  const auto is_thing = [&](const std::array<int, 2>& p) {
+    const int x = p[0] / factor_, y = p[1] / factor_;
+    return shows(x, y) == kShowsPresser && is_same_depth(seen.depth(x, y), z);
+  };
+  const int width = seen.color.width(), height = seen.color.height();
+  const auto is_within = [&](const std::array<int, 2>& p) {
+    return p[0] >= 0 && p[1] >= 0 && p[0] + 1 < width && p[1] + 1 < height;
+  };
+  // Samples lie at t = 1/2, 3/2, ... outside and -1/2, -3/2, ... inside of the border.
+  int in = 0, out = 0;
+  while (in < settings_.inside) {
+    const auto p = pixel_at(-0.5F - static_cast<float>(in));
+    if (!is_within(p) || (in > 1 && !is_thing(p))) break;
+    ++in;
+  }
+  while (out < settings_.outside) {
+    const auto p = pixel_at(0.5F + static_cast<float>(out));
+    if (!is_within(p) || (out > 1 && shows(p[0] / factor_, p[1] / factor_) == kShowsPresser)) break;
+    ++out;
+  }
+  if (in < 4 || out < 3) return;
+  const int count = in + out;
+  std::array<Color, kMostSamples> colors;
+  std::array<LineSums, kMostSamples + 1> sums;  // of the samples before the k-th, inside first
+  for (int k = 0; k < count; ++k) {
+    const float t = static_cast<float>(k - in) + 0.5F;
+    const float u = u0 + t * at.nx, v = v0 + t * at.ny;
+    const auto p = pixel_at(t);
+    const float a = u - static_cast<float>(p[0]), b = v - static_cast<float>(p[1]);
+    const Rgb *first = seen.color.row(p[1]) + p[0], *second = seen.color.row(p[1] + 1) + p[0];
+    const auto mixed = [&](auto channel) {
+      return (1 - b) * ((1 - a) * static_cast<float>(channel(first[0])) +
+                        a * static_cast<float>(channel(first[1]))) +
+             b * ((1 - a) * static_cast<float>(channel(second[0])) +
+                  a * static_cast<float>(channel(second[1])));
+    };
+    Color& color = colors[static_cast<std::size_t>(k)];
+    color = {mixed([](const Rgb& c) { return c.r; }), mixed([](const Rgb& c) { return c.g; }),
+             mixed([](const Rgb& c) { return c.b; })};
+    sums[static_cast<std::size_t>(k) + 1] = sums[static_cast<std::size_t>(k)];
+    sums[static_cast<std::size_t>(k) + 1].add(t, color);
+  }
+  const LineSums& all = sums[static_cast<std::size_t>(count)];
+  // The noise is estimated from the best fit.
+  constexpr int kLeastIn = 2, kLeastOut = 2;
+  std::array<float, kMostSamples> residuals;
+  std::array<float, kMostSamples> places;  // t of the outline
+  std::array<float, kMostSamples> contrasts;
+  float least = std::numeric_limits<float>::infinity();
+  for (int m = kLeastIn; m < count - kLeastOut; ++m) {
+    const auto k = static_cast<std::size_t>(m);
+    const float t = static_cast<float>(m - in) + 0.5F;
+    const LineFit inside = fit_line(sums[k], t), outside = fit_line(all.without(sums[k + 1]), t);
+    float along = 0, apart = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float d = inside.there[c] - outside.there[c];
+      along += d * (colors[k][c] - outside.there[c]);
+      apart += d * d;
+    }
+    const float share = apart > 0 ? std::clamp(along / apart, 0.0F, 1.0F) : 0.5F;
+    float off = 0;  // of the mixed sample from the line between both colours
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float expected = share * inside.there[c] + (1 - share) * outside.there[c];
+      off += (colors[k][c] - expected) * (colors[k][c] - expected);
+    }
+    residuals[k] = inside.residual + outside.residual + off;
+    places[k] = t - 0.5F + share;
+    contrasts[k] = apart;
+    least = std::min(least, residuals[k]);
+  }
+  const auto least_noise = static_cast<float>(settings_.least_noise);
+  const float noise2 =
+      std::max(least_noise * least_noise, least / (3 * static_cast<float>(count - 4)));
+  const auto spread = static_cast<float>(settings_.spread);
+  float best = std::numeric_limits<float>::infinity();
+  int found = -1;
+  for (int m = kLeastIn; m < count - kLeastOut; ++m) {
+    const auto k = static_cast<std::size_t>(m);
+    const float shift = places[k] / factor;
+    const float off = (shift - at.expected) / spread;
+    const float cost = residuals[k] / (2 * noise2) + 0.5F * off * off;
+    if (cost < best) best = cost, found = m;
+  }
+  if (found < 0) return;
+  const auto k = static_cast<std::size_t>(found);
+  const auto contrast = static_cast<float>(settings_.least_contrast);
+  if (contrasts[k] < contrast * contrast * noise2) return;
+  at.shift = places[k] / factor;
+  at.weight = contrasts[k] / noise2;
+}
+
+// The median of the shifts of neighbours, each as seen from the pixel's own border.
+void OutlineSearch::smooth() {
+  for (Border& at : border_) {
+    beside_.clear();
+    int all = 0;
+    for (int y = at.y - kSmoothReach; y <= at.y + kSmoothReach; ++y) {
+      for (int x = at.x - kSmoothReach; x <= at.x + kSmoothReach; ++x) {
+        if (!box_.contains(x, y)) continue;
+        const std::int32_t index = border_at_(x, y);
+        if (index == 0) continue;
+        const Border& other = border_[static_cast<std::size_t>(index - 1)];
+        if (other.nx * at.nx + other.ny * at.ny < kSameWay) continue;
+        ++all;
+        if (!(other.weight > 0)) continue;
+        beside_.push_back(other.shift + at.nx * static_cast<float>(other.x - at.x) +
+                          at.ny * static_cast<float>(other.y - at.y));
+      }
+    }
+    at.is_known = 2 * std::ssize(beside_) > all && std::ssize(beside_) >= 2;
+    if (!at.is_known) continue;
+    const auto middle = beside_.begin() + std::ssize(beside_) / 2;
+    std::nth_element(beside_.begin(), middle, beside_.end());
+    at.smooth = *middle;
+  }
+}
+
+// Gives each pixel near a known border its share, by the border pixel that is nearest to it.
+void OutlineSearch::draw(const SeenFrame& seen, MaskImage& shows) {
+  for (const Border& at : border_) {
+    if (!at.is_known) continue;
+    const float z = seen.depth(at.x, at.y);
+    for (int dy = -kDrawReach; dy <= kDrawReach; ++dy) {
+      for (int dx = -kDrawReach; dx <= kDrawReach; ++dx) {
+        const int x = at.x + dx, y = at.y + dy;
+        if (!box_.contains(x, y)) continue;
+        const auto far = static_cast<float>(dx * dx + dy * dy);
+        if (!(far < nearest_(x, y))) continue;
+        if (shows(x, y) == kShowsPresser && !is_same_depth(seen.depth(x, y), z)) continue;
+        nearest_(x, y) = far;
+        const float inside =
+            0.5F + at.smooth - at.nx * static_cast<float>(dx) - at.ny * static_cast<float>(dy);
+        coverage_(x, y) = std::clamp(0.5F + inside, 0.0F, 1.0F);
+      }
+    }
+  }
+  for (const Border& at : border_) {
+    if (!at.is_known) continue;
+    for (int y = at.y - kDrawReach; y <= at.y + kDrawReach; ++y) {
+      for (int x = at.x - kDrawReach; x <= at.x + kDrawReach; ++x) {
+        if (!box_.contains(x, y) || std::isinf(nearest_(x, y))) continue;
+        if (shows(x, y) == kShowsPresser) {
+          if (coverage_(x, y) <= 0.5F) shows(x, y) = kShowsRoomByEdge;
+        } else {
+          coverage_(x, y) = std::min(coverage_(x, y), 0.5F);
+          if (shows_room(shows(x, y))) shows(x, y) = kShowsRoomByEdge;
+        }
+        nearest_(x, y) = std::numeric_limits<float>::infinity();
+      }
+    }
+  }
+}
+
+void OutlineSearch::find(const SeenFrame& seen, const PixelBox& box, MaskImage& shows) {
+  const int width = shows.width(), height = shows.height();
+  factor_ = seen.color.width() / std::max(width, 1);
+  if (coverage_.width() != width || coverage_.height() != height) {
+    coverage_ = Image<float>(width, height);
+    nearest_ = Image<float>(width, height);
+    std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<float>::infinity());
+    border_at_ = Image<std::int32_t>(width, height);
+    border_.reserve(shows.size() / 8);
+    beside_.reserve((2 * kSmoothReach + 1) * (2 * kSmoothReach + 1));
+  }
+  box_ = box;
+  for (int y = box.y; y < box.y + box.height; ++y) {
+    for (int x = box.x; x < box.x + box.width; ++x) {
+      coverage_(x, y) = shows(x, y) == kShowsPresser ? 1.0F : 0.0F;
+    }
+  }
+  if (factor_ < 1 || seen.color.height() < factor_ * height) return;
+  find_border(seen, shows);
+  for (Border& at : border_) search(seen, shows, at);
+  smooth();
+  draw(seen, shows);
+  for (const Border& at : border_) border_at_(at.x, at.y) = 0;
+}
+
+}  // namespace palpable
