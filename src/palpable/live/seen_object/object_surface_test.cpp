@@ -265,11 +265,13 @@ TEST_CASE("outlines that a matcher does not fatten are not made thinner",
       if (depth(u, v) > 0) shows(u, v) = kShowsPresser;
     }
   }
-  const auto radius = [&](double by_color, double beside_unknown, std::uint8_t room) {
+  const auto radius = [&](double by_color, double beside_unknown, std::uint8_t room,
+                          double by_edge = 0) {
     ObjectSurfaceSettings settings;
     settings.balls.fattening = 1.5;
     settings.silhouette.by_color = by_color;
     settings.silhouette.beside_unknown = beside_unknown;
+    settings.silhouette.by_edge = by_edge;
     for (std::uint8_t& s : shows) s = s == kShowsPresser ? s : room;
     // The room has a depth unless it is unknown.
     DepthImage whole = depth;
@@ -287,6 +289,8 @@ TEST_CASE("outlines that a matcher does not fatten are not made thinner",
   const double thin = radius(1, 1, kShowsRoom);
   CHECK(radius(1, 0, kShowsRoomByColor) ==
         Approx(thin + px).margin(tolerance(2e-4, "1/8 px: perspective")));
+  CHECK(radius(1, 0, kShowsRoomByEdge, 0.5) ==
+        Approx(thin + 0.5 * px).margin(tolerance(2e-4, "1/8 px: perspective")));
   CHECK(radius(0, 1, kShowsUnknown) ==
         Approx(thin + px).margin(tolerance(2e-4, "1/8 px: perspective")));
 }

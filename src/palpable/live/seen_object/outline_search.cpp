@@ -11,11 +11,12 @@ namespace palpable {
 namespace {
 
 constexpr int kMostSamples = 32;
-constexpr int kNormalReach = 3;   // px, half the side of the window that gives a border's normal
-constexpr int kSmoothReach = 3;   // px, up to which shifts are averaged along the border
-constexpr float kSameWay = 0.7F;  // least cosine of the angle between the normals of neighbours
-constexpr int kDrawReach = 3;     // px from the border that may change
-constexpr float kRidge = 4;       // px^2, regularises the slope of a side with few samples
+constexpr int kNormalReach = 3;      // px, half the side of the window that gives a border's normal
+constexpr int kSmoothReach = 4;      // px, up to which shifts are averaged along the border
+constexpr float kSameWay = 0.7F;     // least cosine of the angle between the normals of neighbours
+constexpr float kMostBend = 0.125F;  // 1/px, half the largest curvature of a border
+constexpr int kDrawReach = 3;        // px from the border that may change
+constexpr float kRidge = 4;          // px^2, regularises the slope of a side with few samples
 constexpr float kSameThing = 0.008F, kSameThingAt1m = 0.04F;  // m, 1/m: as in silhouette.h
 
 bool is_same_depth(float a, float b) {
@@ -217,11 +218,14 @@ void OutlineSearch::search(const SeenFrame& seen, const MaskImage& shows, Border
   at.weight = contrasts[k] / noise2;
 }
 
-// The median of the shifts of neighbours, each as seen from the pixel's own border.
+// The median of the shifts of neighbours, each as seen from the pixel's own border: with the
+// tangent there, and the curvature of the border.
 void OutlineSearch::smooth() {
   for (Border& at : border_) {
     beside_.clear();
-    int all = 0;
+    // Sums over the border: of 1, s^2, s^4, the distance h outside of the tangent, and s^2 h, with
+    // s the place along the tangent.
+    float all = 0, s2 = 0, s4 = 0, h1 = 0, s2h = 0;
     for (int y = at.y - kSmoothReach; y <= at.y + kSmoothReach; ++y) {
       for (int x = at.x - kSmoothReach; x <= at.x + kSmoothReach; ++x) {
         if (!box_.contains(x, y)) continue;
@@ -229,16 +233,22 @@ void OutlineSearch::smooth() {
         if (index == 0) continue;
         const Border& other = border_[static_cast<std::size_t>(index - 1)];
         if (other.nx * at.nx + other.ny * at.ny < kSameWay) continue;
-        ++all;
-        if (!(other.weight > 0)) continue;
-        beside_.push_back(other.shift + at.nx * static_cast<float>(other.x - at.x) +
-                          at.ny * static_cast<float>(other.y - at.y));
+        const auto dx = static_cast<float>(other.x - at.x);
+        const auto dy = static_cast<float>(other.y - at.y);
+        const float s = at.nx * dy - at.ny * dx, h = at.nx * dx + at.ny * dy;
+        all += 1, s2 += s * s, s4 += s * s * s * s, h1 += h, s2h += s * s * h;
+        if (other.weight > 0) beside_.push_back({other.shift + h, s * s});
       }
     }
-    at.is_known = 2 * std::ssize(beside_) > all && std::ssize(beside_) >= 2;
+    at.is_known = 2 * static_cast<float>(beside_.size()) > all && beside_.size() >= 2;
     if (!at.is_known) continue;
-    const auto middle = beside_.begin() + std::ssize(beside_) / 2;
-    std::nth_element(beside_.begin(), middle, beside_.end());
+    const float spread = s4 - s2 * s2 / all;
+    const float bend =
+        spread > 1 ? std::clamp((s2h - s2 * h1 / all) / spread, -kMostBend, kMostBend) : 0;
+    shifts_.clear();
+    for (const auto& [shift, squared] : beside_) shifts_.push_back(shift - bend * squared);
+    const auto middle = shifts_.begin() + std::ssize(shifts_) / 2;
+    std::nth_element(shifts_.begin(), middle, shifts_.end());
     at.smooth = *middle;
   }
 }
@@ -289,6 +299,7 @@ void OutlineSearch::find(const SeenFrame& seen, const PixelBox& box, MaskImage& 
     border_at_ = Image<std::int32_t>(width, height);
     border_.reserve(shows.size() / 8);
     beside_.reserve((2 * kSmoothReach + 1) * (2 * kSmoothReach + 1));
+    shifts_.reserve(beside_.capacity());
   }
   box_ = box;
   for (int y = box.y; y < box.y + box.height; ++y) {

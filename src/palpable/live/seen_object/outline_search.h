@@ -33,9 +33,10 @@ namespace palpable {
 
 struct OutlineSearchSettings {
   int inside = 9, outside = 5;  ///< px of the picture that are searched on each side of the border
-  /// px of the depth image: the shift that is expected beside measured pixels, negative: inwards;
-  /// beside pixels without depth none is expected.
-  double expected = -1.3;
+  /// px of the depth image: the shift that is expected beside measured pixels, negative: inwards. A
+  /// matcher whose windows reach over outlines has things too wide. Beside pixels without depth
+  /// none is expected.
+  double expected = 0;
   double spread = 1.0;        ///< px of the depth image, standard deviation of the shift
   double least_noise = 4;     ///< grey levels, standard deviation of a colour beside the line
   double least_contrast = 3;  ///< of both sides at the outline, in standard deviations
@@ -81,7 +82,10 @@ class OutlineSearch {
   Image<std::int32_t> border_at_;  // index + 1 into border_; 0: none
   Image<float> nearest_;           // px^2 to the nearest border pixel while draw() runs
   std::vector<Border> border_;
-  std::vector<float> beside_;
+  // Of the border beside a pixel: the shift as seen from there, and the square of the place along
+  // it.
+  std::vector<std::array<float, 2>> beside_;
+  std::vector<float> shifts_;
 };
 
 }  // namespace palpable

@@ -158,6 +158,30 @@ TEST_CASE("a flickering outline comes to rest within its pixels", "[seen_object]
   CHECK(filter.shows()(90, 60) == kShowsRoom);
 }
 
+TEST_CASE("the presence at an outline is the mean share of the pixel that the thing covers",
+          "[seen_object][rest]") {
+  auto random = test::random_case(7);
+  RestFilter filter;
+  Slab slab;
+  Image<float> coverage(kCamera.width, kCamera.height);
+  for (int frame = 0; frame < 100; ++frame) {
+    slab.paint(random, kScatter);
+    slab.box.width += 2;
+    for (std::size_t i = 0; i < coverage.size(); ++i) {
+      coverage.data()[i] = slab.shows.data()[i] == kShowsPresser ? 1.0f : 0.0f;
+    }
+    // The outline crosses the column beside the slab, now here, now there.
+    for (int v = slab.y; v < slab.y + 60; ++v)
+      coverage(slab.x + 30, v) = frame % 2 == 0 ? 0.2f : 0.4f;
+    filter.add(slab.depth, slab.shows, slab.box, kCamera, Rigid3::Identity(), kNoise, &coverage);
+  }
+  CHECK(filter.presence()(75, 60) == Approx(1));
+  CHECK(filter.presence()(90, 60) ==
+        Approx(0.3).margin(tolerance(0.01, "each frame has a weight of 1/32")));
+  CHECK(filter.shows()(90, 60) == kShowsRoom);
+  CHECK(filter.presence()(92, 60) == 0);
+}
+
 TEST_CASE("a hole without depth does not remove a resting thing", "[seen_object][rest]") {
   auto random = test::random_case(5);
   RestFilter filter;
