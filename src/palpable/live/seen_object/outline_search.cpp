@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMostSamples = 32;
 constexpr int kNormalReach = 3;      // px, half the side of the window that gives a border's normal
-constexpr int kSmoothReach = 4;      // px, up to which shifts are averaged along the border
+constexpr int kSmoothReach = 3;      // px, up to which shifts are averaged along the border
 constexpr float kSameWay = 0.7F;     // least cosine of the angle between the normals of neighbours
 constexpr float kMostBend = 0.125F;  // 1/px, half the largest curvature of a border
 constexpr int kDrawReach = 3;        // px from the border that may change

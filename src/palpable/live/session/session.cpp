@@ -20,19 +20,19 @@ namespace {
 // px of the depth image by which the outlines of near things lie too far out, because the windows
 // of our matcher reach over them: 1.0 to 1.4 px beside the measured room on six films of the
 // synthetic desk; 0 to 1.0 px where colours determine the outline (kByColor); 0 beside pixels
-// without depth. Outlines that were found in the picture lie 0.2 to 0.4 px too far inside
-// (kByEdge): towards it a thing is shaded, and the lens blurs it.
+// without depth. Outlines that were found in the picture lie 0.1 px too far inside (kByEdge):
+// towards it a thing is shaded, and the lens blurs it.
 constexpr double kCensusFattening = 1.3;
 constexpr double kByColor = 0.5;
-constexpr double kByEdge = kCensusFattening + 0.3;
+constexpr double kByEdge = kCensusFattening + 0.1;
 
 // How far the balls of a thin thing are moved nearer, in sigmas of one pixel's depth (0.25 px). The
 // middle of a finger is measured too far by 0.18 px, that of a pencil or a hand by 0.11 px: its
 // outlines have larger depths, which the aggregation's paths carry inwards, and highlights on a
-// curved front appear behind it (without gloss the error is half as large). The rest balances that
-// a union of balls whose places scatter is thicker than the thing: with 0.5, 0.7 and 0.9 a body
-// pressed by `slide` is off by 25, 20 and 16 % (seeds 11, 12, 14; docs/lab/contact.md).
-constexpr double kTooFarSigmas = 0.9;
+// curved front appear behind it (without gloss the error is half as large). With this value neither
+// front nor back of a finger or of two hands has a bias of more than 0.3 mm on twelve films
+// (docs/lab/contact.md).
+constexpr double kTooFarSigmas = 0.75;
 
 // px by which the part of the image in which things may press is enlarged: a thing must be known
 // some frames before it arrives, and its outline needs the pixels beside it.
