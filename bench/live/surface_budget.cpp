@@ -23,6 +23,9 @@ constexpr double kDeep = 0.004;       // m: frames with a press at least this de
 constexpr double kTouchSeen = 0.5;    // share of the touch that the camera must see
 constexpr int kAverage = 7;           // px to each side, over which the depth's error is averaged
 constexpr float kSameThing = 0.008f;  // m: a measured depth farther off is of another thing
+constexpr int kRays = 4;              // across a pixel at an outline
+constexpr double kFarthest = 3;       // m, that a ray is followed
+constexpr double kNear = 0.03;        // m: outlines are exact while a thing is nearer to the body
 constexpr double kAroundEnd = 0.010;  // m from the middle of an end's ball, beyond its radius
 constexpr float kNoError = std::numeric_limits<float>::quiet_NaN();
 
@@ -101,6 +104,36 @@ DepthImage averaged(const DepthImage& errors) {
   return means;
 }
 
+// The share of each pixel that the things cover: exact to 1/16 at their outlines, or without things
+// 1 and 0 as the mask has it.
+Image<float> covered(const MaskImage& shows, std::span<const Capsule> things,
+                     const PinholeCamera& camera) {
+  Image<float> coverage(shows.width(), shows.height());
+  const auto is_thing = [&](int x, int y) { return shows(x, y) == kShowsPresser; };
+  for (int y = 0; y < shows.height(); ++y) {
+    for (int x = 0; x < shows.width(); ++x) {
+      const bool inside = is_thing(x, y);
+      coverage(x, y) = inside ? 1.0f : 0.0f;
+      bool is_border = false;
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, shows.height() - 1); ++v) {
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, shows.width() - 1); ++u) {
+          is_border = is_border || is_thing(u, v) != inside;
+        }
+      }
+      if (!is_border || things.empty()) continue;
+      int met = 0;
+      for (int k = 0; k < kRays * kRays; ++k) {
+        const double u = x - 0.5 + (k % kRays + 0.5) / kRays;
+        const double v = y - 0.5 + (k / kRays + 0.5) / kRays;
+        const Vector3d ray((u - camera.cx_px) / camera.fx_px, (v - camera.cy_px) / camera.fy_px, 1);
+        met += std::isfinite(ray_distance(things, Vector3d::Zero(), ray.normalized(), kFarthest));
+      }
+      coverage(x, y) = static_cast<float>(met) / (kRays * kRays);
+    }
+  }
+  return coverage;
+}
+
 float median_of(const DepthImage& image) {
   std::vector<double> known;
   for (std::size_t i = 0; i < image.size(); ++i) {
@@ -141,7 +174,8 @@ struct SurfaceBudget::Parts {
 
   // Errors of the depth in this frame, m: of each pixel, and their averages.
   DepthImage errors, means;
-  float usual = 0;  // m, median error
+  Image<float> coverage;  // the true one
+  float usual = 0;        // m, median error
 
   const Session& session;
   Eigen::AlignedBox3d region;
@@ -203,24 +237,27 @@ void SurfaceBudget::Parts::look(Line& line, const Scene& scene, const HandLine& 
   }
   DepthImage depth = scene.seen.depth;
   MaskImage shows = session.shows();
-  Image<float> coverage(depth.width(), depth.height());
-  for (std::size_t i = 0; i < coverage.size(); ++i) {
-    coverage.data()[i] = session.coverage() != nullptr      ? session.coverage()->data()[i]
-                         : shows.data()[i] == kShowsPresser ? 1.0f
-                                                            : 0.0f;
+  Image<float> share(depth.width(), depth.height());
+  for (std::size_t i = 0; i < share.size(); ++i) {
+    share.data()[i] = session.coverage() != nullptr      ? session.coverage()->data()[i]
+                      : shows.data()[i] == kShowsPresser ? 1.0f
+                                                         : 0.0f;
   }
+  // Around ends the depth gets the error that the surface corrects everywhere.
+  const auto too_far =
+      static_cast<float>(line.perfect == Perfect::kEnds ? surface.settings().balls.too_far : 0);
   const auto replace = [&](std::size_t i, bool outline, bool exact) {
     const bool is_thing = view.shows.data()[i] == kShowsPresser;
     const float true_depth = view.depth.data()[i];
     if (outline) {
       if (!is_thing && shows.data()[i] == kShowsPresser) depth.data()[i] = true_depth;
       shows.data()[i] = is_thing ? kShowsPresser : kShowsRoomByEdge;
-      coverage.data()[i] = is_thing ? 1.0f : 0.0f;
+      share.data()[i] = coverage.data()[i];
     }
     if (!is_thing || shows.data()[i] != kShowsPresser) return;
     const bool is_same = std::abs(depth.data()[i] - true_depth) < kSameThing;
     if (exact)
-      depth.data()[i] = true_depth;
+      depth.data()[i] = true_depth + too_far * true_depth * true_depth;
     else if (!is_same)
       depth.data()[i] = true_depth + usual;  // the mask has added this pixel
   };
@@ -258,7 +295,7 @@ void SurfaceBudget::Parts::look(Line& line, const Scene& scene, const HandLine& 
   }
   surface.build(depth, shows, camera,
                 line.perfect == Perfect::kPose ? true_body_from_camera : body_from_camera, region,
-                scene.time, &coverage);
+                scene.time, &share);
 }
 
 SurfaceBudget::SurfaceBudget(const Session& session) : parts_(std::make_unique<Parts>(session)) {}
@@ -274,6 +311,9 @@ void SurfaceBudget::add(const Scene& scene, const HandLine& hand, const ContactL
   p.errors = errors_of(scene.seen.depth, p.session.shows(), truth);
   p.means = averaged(p.errors);
   p.usual = median_of(p.errors);
+  const bool is_near = contact.touching || (contact.gap && *contact.gap < kNear);
+  p.coverage = covered(truth.shows, is_near ? std::span(hand.capsules) : std::span<const Capsule>(),
+                       scene.seen.depth_camera);
   const bool compared =
       contact.touching && contact.depth >= kDeep && contact.seen_share.value_or(1) >= kTouchSeen;
   p.frames += compared;
