@@ -446,7 +446,7 @@ void print_surface_table(const Json& sequences) {
   fmt::print(
       "front: what the camera sees within 15 mm of the body, mm off. bias: its median, positive: "
       "the\n"
-      "thing is too far. end: the same of fingertips and other ends. line px: its outline, "
+      "thing is too far. end: the bias at fingertips and other ends. line px: its outline, "
       "positive:\n"
       "the thing is too narrow. side: what no camera sees, mm off. behind: the share of it that "
       "lies behind other things,\n"
@@ -543,7 +543,7 @@ void add_bench_surface(Command bench) {
       .show_default();
   command
       .add_option("--every", options->every,
-                  "Interval of frames in which the unseen side is judged")
+                  "Interval of frames in which the sides of things are judged")
       .in_range(1, 1000)
       .show_default();
   command.add_flag(

@@ -156,6 +156,9 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
   PALPABLE_EXPECT(
       shows.empty() || (shows.width() == depth.width() && shows.height() == depth.height()),
       "what is shown is of the depth's size");
+  PALPABLE_EXPECT(coverage == nullptr ||
+                      (coverage->width() == depth.width() && coverage->height() == depth.height()),
+                  "shares are of the depth's size");
   start(region_in_body, body_from_camera.translation().cast<float>());
   const Rigid3 camera_from_body = body_from_camera.inverse();
   const PixelBox interest = box_of_interest(region_in_body, camera_from_body, camera);

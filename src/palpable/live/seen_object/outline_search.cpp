@@ -11,9 +11,14 @@ namespace palpable {
 namespace {
 
 constexpr int kMostSamples = 32;
-constexpr int kNormalReach = 3;      // px, half the side of the window that gives a border's normal
-constexpr int kSmoothReach = 3;      // px, up to which shifts are averaged along the border
-constexpr float kSameWay = 0.7F;     // least cosine of the angle between the normals of neighbours
+constexpr int kLeastInside = 4, kLeastOutside = 3;  // samples of each side
+constexpr int kNormalReach = 3;  // px, half the side of the window that gives a border's normal
+constexpr int kMedianReach = 3;  // px, up to which shifts are averaged along the border
+// px, the least moment of the pixels in that window: 42 at a straight border, 7 at a side 2 px
+// wide. Single holes in a thing have less.
+constexpr float kLeastMoment = 6;
+constexpr int kLongestHole = 12;  // px without depth, behind which a thing goes on (silhouette.h)
+constexpr float kSameWay = 0.7F;  // least cosine of the angle between the normals of neighbours
 constexpr float kMostBend = 0.125F;  // 1/px, half the largest curvature of a border
 constexpr int kDrawReach = 3;        // px from the border that may change
 constexpr float kRidge = 4;          // px^2, regularises the slope of a side with few samples
@@ -68,19 +73,33 @@ LineFit fit_line(const LineSums& s, float at) {
 }  // namespace
 
 OutlineSearch::OutlineSearch(const OutlineSearchSettings& settings) : settings_(settings) {
-  PALPABLE_EXPECT(settings.inside >= 4 && settings.outside >= 3 &&
-                      settings.inside + settings.outside < kMostSamples,
+  PALPABLE_EXPECT(settings.inside == 0 ||
+                      (settings.inside >= kLeastInside && settings.outside >= kLeastOutside &&
+                       settings.inside + settings.outside < kMostSamples),
                   "samples on both sides, and room for them");
   PALPABLE_EXPECT(settings.spread > 0 && settings.least_noise > 0 && settings.least_contrast > 0,
                   "spread, noise and contrast are above 0");
 }
 
-// Finds the pixels of pressers beside others, and their normals.
+// Whether the thing goes on behind a hole without depth that begins at a pixel of its border.
+bool OutlineSearch::goes_on(const SeenFrame& seen, const MaskImage& shows, int x, int y, float nx,
+                            float ny) const {
+  for (int k = 1; k <= kLongestHole; ++k) {
+    const int u = x + static_cast<int>(std::lround(static_cast<float>(k) * nx));
+    const int v = y + static_cast<int>(std::lround(static_cast<float>(k) * ny));
+    if (!box_.contains(u, v)) return false;
+    if (!is_depth(seen.depth(u, v))) continue;
+    return shows(u, v) == kShowsPresser && is_same_depth(seen.depth(u, v), seen.depth(x, y));
+  }
+  return false;
+}
+
+// Finds the pixels of pressers beside others, and their normals. Beside the box nothing is known,
+// so its outermost pixels have none.
 void OutlineSearch::find_border(const SeenFrame& seen, const MaskImage& shows) {
   border_.clear();
-  const int left = std::max(box_.x, kNormalReach), top = std::max(box_.y, kNormalReach);
-  const int right = std::min(box_.x + box_.width, shows.width() - kNormalReach);
-  const int bottom = std::min(box_.y + box_.height, shows.height() - kNormalReach);
+  const int left = box_.x + kNormalReach, right = box_.x + box_.width - kNormalReach;
+  const int top = box_.y + kNormalReach, bottom = box_.y + box_.height - kNormalReach;
   for (int y = top; y < bottom; ++y) {
     const std::uint8_t *row = shows.row(y), *above = shows.row(y - 1), *below = shows.row(y + 1);
     for (int x = left; x < right; ++x) {
@@ -109,7 +128,8 @@ void OutlineSearch::find_border(const SeenFrame& seen, const MaskImage& shows) {
         }
       }
       const float length = std::sqrt(nx * nx + ny * ny);
-      if (!(length > 1)) continue;
+      if (!(length > kLeastMoment)) continue;
+      if (!is_measured && goes_on(seen, shows, x, y, nx / length, ny / length)) continue;
       border_at_(x, y) = static_cast<std::int32_t>(border_.size()) + 1;
       border_.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), nx / length,
                          ny / length, is_measured ? static_cast<float>(settings_.expected) : 0.0F});
@@ -123,31 +143,41 @@ void OutlineSearch::search(const SeenFrame& seen, const MaskImage& shows, Border
   const float u0 = factor * static_cast<float>(at.x) + 0.5F * (factor - 1) + 0.5F * factor * at.nx;
   const float v0 = factor * static_cast<float>(at.y) + 0.5F * (factor - 1) + 0.5F * factor * at.ny;
   const float z = seen.depth(at.x, at.y);
+  const int width = factor_ * shows.width(), height = factor_ * shows.height();
+  // The pixel of the picture above and left of a place, and the pixel of the depth image that holds
+  // the place.
   const auto pixel_at = [&](float t) {
-    const float u = u0 + t * at.nx, v = v0 + t * at.ny;
-    return std::array{static_cast<int>(std::floor(u)), static_cast<int>(std::floor(v))};
+    return std::array{static_cast<int>(std::floor(u0 + t * at.nx)),
+                      static_cast<int>(std::floor(v0 + t * at.ny))};
   };
-  const auto is_thing = [&](const std::array<int, 2>& p) {
-    const int x = p[0] / factor_, y = p[1] / factor_;
-    return shows(x, y) == kShowsPresser && is_same_depth(seen.depth(x, y), z);
-  };
-  const int width = seen.color.width(), height = seen.color.height();
   const auto is_within = [&](const std::array<int, 2>& p) {
     return p[0] >= 0 && p[1] >= 0 && p[0] + 1 < width && p[1] + 1 < height;
+  };
+  const auto owner_at = [&](float t) {
+    return std::array{static_cast<int>(std::floor(u0 + t * at.nx + 0.5F)) / factor_,
+                      static_cast<int>(std::floor(v0 + t * at.ny + 0.5F)) / factor_};
+  };
+  const auto shows_thing = [&](float t) {
+    const auto [x, y] = owner_at(t);
+    return shows(x, y) == kShowsPresser && is_same_depth(seen.depth(x, y), z);
+  };
+  const auto shows_any = [&](float t) {
+    const auto [x, y] = owner_at(t);
+    return shows(x, y) == kShowsPresser;
   };
   // Samples lie at t = 1/2, 3/2, ... outside and -1/2, -3/2, ... inside of the border.
   int in = 0, out = 0;
   while (in < settings_.inside) {
-    const auto p = pixel_at(-0.5F - static_cast<float>(in));
-    if (!is_within(p) || (in > 1 && !is_thing(p))) break;
+    const float t = -0.5F - static_cast<float>(in);
+    if (!is_within(pixel_at(t)) || (in > 1 && !shows_thing(t))) break;
     ++in;
   }
   while (out < settings_.outside) {
-    const auto p = pixel_at(0.5F + static_cast<float>(out));
-    if (!is_within(p) || (out > 1 && shows(p[0] / factor_, p[1] / factor_) == kShowsPresser)) break;
+    const float t = 0.5F + static_cast<float>(out);
+    if (!is_within(pixel_at(t)) || (out > 1 && shows_any(t))) break;
     ++out;
   }
-  if (in < 4 || out < 3) return;
+  if (in < kLeastInside || out < kLeastOutside) return;
   const int count = in + out;
   std::array<Color, kMostSamples> colors;
   std::array<LineSums, kMostSamples + 1> sums;  // of the samples before the k-th, inside first
@@ -206,6 +236,7 @@ void OutlineSearch::search(const SeenFrame& seen, const MaskImage& shows, Border
   for (int m = kLeastIn; m < count - kLeastOut; ++m) {
     const auto k = static_cast<std::size_t>(m);
     const float shift = places[k] / factor;
+    if (std::abs(shift) > kDrawReach) continue;  // draw() could not follow
     const float off = (shift - at.expected) / spread;
     const float cost = residuals[k] / (2 * noise2) + 0.5F * off * off;
     if (cost < best) best = cost, found = m;
@@ -215,19 +246,19 @@ void OutlineSearch::search(const SeenFrame& seen, const MaskImage& shows, Border
   const auto contrast = static_cast<float>(settings_.least_contrast);
   if (contrasts[k] < contrast * contrast * noise2) return;
   at.shift = places[k] / factor;
-  at.weight = contrasts[k] / noise2;
+  at.is_found = true;
 }
 
 // The median of the shifts of neighbours, each as seen from the pixel's own border: with the
 // tangent there, and the curvature of the border.
-void OutlineSearch::smooth() {
+void OutlineSearch::find_medians() {
   for (Border& at : border_) {
     beside_.clear();
     // Sums over the border: of 1, s^2, s^4, the distance h outside of the tangent, and s^2 h, with
     // s the place along the tangent.
     float all = 0, s2 = 0, s4 = 0, h1 = 0, s2h = 0;
-    for (int y = at.y - kSmoothReach; y <= at.y + kSmoothReach; ++y) {
-      for (int x = at.x - kSmoothReach; x <= at.x + kSmoothReach; ++x) {
+    for (int y = at.y - kMedianReach; y <= at.y + kMedianReach; ++y) {
+      for (int x = at.x - kMedianReach; x <= at.x + kMedianReach; ++x) {
         if (!box_.contains(x, y)) continue;
         const std::int32_t index = border_at_(x, y);
         if (index == 0) continue;
@@ -237,7 +268,7 @@ void OutlineSearch::smooth() {
         const auto dy = static_cast<float>(other.y - at.y);
         const float s = at.nx * dy - at.ny * dx, h = at.nx * dx + at.ny * dy;
         all += 1, s2 += s * s, s4 += s * s * s * s, h1 += h, s2h += s * s * h;
-        if (other.weight > 0) beside_.push_back({other.shift + h, s * s});
+        if (other.is_found) beside_.push_back({other.shift + h, s * s});
       }
     }
     at.is_known = 2 * static_cast<float>(beside_.size()) > all && beside_.size() >= 2;
@@ -249,14 +280,14 @@ void OutlineSearch::smooth() {
     for (const auto& [shift, squared] : beside_) shifts_.push_back(shift - bend * squared);
     const auto middle = shifts_.begin() + std::ssize(shifts_) / 2;
     std::nth_element(shifts_.begin(), middle, shifts_.end());
-    at.smooth = *middle;
+    at.median = *middle;
   }
 }
 
-// Gives each pixel near a known border its share, by the border pixel that is nearest to it.
+// Gives each pixel near the border its share, by the border pixel that is nearest to it. Where that
+// one's outline is not known, the pixel stays as it is.
 void OutlineSearch::draw(const SeenFrame& seen, MaskImage& shows) {
   for (const Border& at : border_) {
-    if (!at.is_known) continue;
     const float z = seen.depth(at.x, at.y);
     for (int dy = -kDrawReach; dy <= kDrawReach; ++dy) {
       for (int dx = -kDrawReach; dx <= kDrawReach; ++dx) {
@@ -266,24 +297,27 @@ void OutlineSearch::draw(const SeenFrame& seen, MaskImage& shows) {
         if (!(far < nearest_(x, y))) continue;
         if (shows(x, y) == kShowsPresser && !is_same_depth(seen.depth(x, y), z)) continue;
         nearest_(x, y) = far;
+        is_known_(x, y) = at.is_known ? 1 : 0;
         const float inside =
-            0.5F + at.smooth - at.nx * static_cast<float>(dx) - at.ny * static_cast<float>(dy);
-        coverage_(x, y) = std::clamp(0.5F + inside, 0.0F, 1.0F);
+            0.5F + at.median - at.nx * static_cast<float>(dx) - at.ny * static_cast<float>(dy);
+        if (at.is_known) coverage_(x, y) = std::clamp(0.5F + inside, 0.0F, 1.0F);
       }
     }
   }
   for (const Border& at : border_) {
-    if (!at.is_known) continue;
     for (int y = at.y - kDrawReach; y <= at.y + kDrawReach; ++y) {
       for (int x = at.x - kDrawReach; x <= at.x + kDrawReach; ++x) {
         if (!box_.contains(x, y) || std::isinf(nearest_(x, y))) continue;
-        if (shows(x, y) == kShowsPresser) {
+        nearest_(x, y) = std::numeric_limits<float>::infinity();
+        const bool is_thing = shows(x, y) == kShowsPresser;
+        if (is_known_(x, y) == 0) {
+          coverage_(x, y) = is_thing ? 1.0F : 0.0F;
+        } else if (is_thing) {
           if (coverage_(x, y) <= 0.5F) shows(x, y) = kShowsRoomByEdge;
         } else {
           coverage_(x, y) = std::min(coverage_(x, y), 0.5F);
           if (shows_room(shows(x, y))) shows(x, y) = kShowsRoomByEdge;
         }
-        nearest_(x, y) = std::numeric_limits<float>::infinity();
       }
     }
   }
@@ -297,8 +331,9 @@ void OutlineSearch::find(const SeenFrame& seen, const PixelBox& box, MaskImage& 
     nearest_ = Image<float>(width, height);
     std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<float>::infinity());
     border_at_ = Image<std::int32_t>(width, height);
-    border_.reserve(shows.size() / 8);
-    beside_.reserve((2 * kSmoothReach + 1) * (2 * kSmoothReach + 1));
+    border_.reserve(shows.size());
+    is_known_ = MaskImage(width, height);
+    beside_.reserve((2 * kMedianReach + 1) * (2 * kMedianReach + 1));
     shifts_.reserve(beside_.capacity());
   }
   box_ = box;
@@ -307,10 +342,13 @@ void OutlineSearch::find(const SeenFrame& seen, const PixelBox& box, MaskImage& 
       coverage_(x, y) = shows(x, y) == kShowsPresser ? 1.0F : 0.0F;
     }
   }
-  if (factor_ < 1 || seen.color.height() < factor_ * height) return;
+  if (settings_.inside == 0 || factor_ < 1 || seen.color.width() - factor_ * width >= factor_ ||
+      seen.color.height() < factor_ * height) {
+    return;
+  }
   find_border(seen, shows);
   for (Border& at : border_) search(seen, shows, at);
-  smooth();
+  find_medians();
   draw(seen, shows);
   for (const Border& at : border_) border_at_(at.x, at.y) = 0;
 }

@@ -3,22 +3,26 @@
 ///
 /// The mask of pressers comes from a depth image of half the picture's size, whose matcher makes
 /// things wider by a pixel or two. In the picture the outline is an edge of colour. It is searched
-/// along the normal of the mask's border:
+/// along the normal of the mask's border, in samples one pixel of the picture apart:
 ///
-///            outside     │ inside           samples of the colour picture, 1 px of it apart
-///     . . . . . . . . m o o o o o o o o     m: the sample that the outline crosses
-///             the room <─┤                  both sides: a straight line through the colours of
-///             each
-///                        the mask's border  channel
+///       outside          inside
+///     . . . . . m o o|o o o o        .  samples of the room      o  samples of the thing
+///                    |               m  the sample that the outline crosses
+///            the mask's border
 ///
-/// For each possible place of m, both sides are fitted by straight lines (colour over place); the
-/// place with the least
+/// For each possible m, both sides are fitted by straight lines: each channel of the colour over
+/// the place. The outline is at the m with the least
 ///
-///     (sum of squared residuals of both sides) / 2 s^2  +  (shift - expected)^2 / 2 spread^2
+///     (sum of squared residuals) / 2 s^2  +  (shift - expected)^2 / 2 spread^2
 ///
-/// is the outline's, with s the colours' noise. The share of m that shows the thing follows from
-/// its colour, between those that both lines predict there. An outline is known where the lines
-/// differ there by enough; the shift of a pixel's outline is the median over the border beside it.
+/// The residual of m is its distance from the colours between those that both lines predict there;
+/// where it lies between them is the share of m that shows the thing. s is the colours' noise, that
+/// of the best fit or least_noise. An outline counts as found where both lines differ enough at m.
+/// A border pixel takes the median of the outlines that were found beside it, each corrected for
+/// the border's own curvature; it is known where more than half of them were found.
+///
+/// Outlines move inwards by up to 3 px, but outwards by half a pixel at most: farther out there is
+/// no depth of the thing.
 #pragma once
 
 #include "palpable/common/geometry/image.h"
@@ -32,7 +36,9 @@
 namespace palpable {
 
 struct OutlineSearchSettings {
-  int inside = 9, outside = 5;  ///< px of the picture that are searched on each side of the border
+  /// px of the picture that are searched on each side of the border; inside = 0: nothing is
+  /// searched.
+  int inside = 9, outside = 5;
   /// px of the depth image: the shift that is expected beside measured pixels, negative: inwards. A
   /// matcher whose windows reach over outlines has things too wide. Beside pixels without depth
   /// none is expected.
@@ -54,7 +60,8 @@ class OutlineSearch {
   void find(const SeenFrame& seen, const PixelBox& box, MaskImage& shows);
 
   /// The share of each pixel that shows a presser: 1 inside, 0 outside, between them at outlines
-  /// that were found. Of the depth's size; valid inside the box of the last find().
+  /// that were found; at most 1/2 where `shows` has no presser. Of the depth's size; undefined
+  /// outside of the box of the last find().
   [[nodiscard]] const Image<float>& coverage() const { return coverage_; }
 
  private:
@@ -62,17 +69,19 @@ class OutlineSearch {
   // A pixel of a presser beside one that shows none.
   struct Border {
     std::int16_t x, y;
-    float nx, ny;      // unit, outwards
-    float expected;    // px of the depth image
-    float shift = 0;   // px of the depth image by which the outline lies outside of the border
-    float weight = 0;  // 0: the outline was not found
-    float smooth = 0;  // the median of the shifts beside it
+    float nx, ny;     // unit, outwards
+    float expected;   // px of the depth image
+    float shift = 0;  // px of the depth image by which the outline lies outside of the border
+    bool is_found = false;
+    float median = 0;  // of the shifts that were found beside it
     bool is_known = false;
   };
 
   void find_border(const SeenFrame& seen, const MaskImage& shows);
   void search(const SeenFrame& seen, const MaskImage& shows, Border& at) const;
-  void smooth();
+  void find_medians();
+  [[nodiscard]] bool goes_on(const SeenFrame& seen, const MaskImage& shows, int x, int y, float nx,
+                             float ny) const;
   void draw(const SeenFrame& seen, MaskImage& shows);
 
   OutlineSearchSettings settings_;
@@ -81,6 +90,7 @@ class OutlineSearch {
   Image<float> coverage_;
   Image<std::int32_t> border_at_;  // index + 1 into border_; 0: none
   Image<float> nearest_;           // px^2 to the nearest border pixel while draw() runs
+  MaskImage is_known_;             // not 0 where that one's outline is known
   std::vector<Border> border_;
   // Of the border beside a pixel: the shift as seen from there, and the square of the place along
   // it.

@@ -100,7 +100,8 @@ class PressingMask {
                         const StaticPicture* picture = nullptr);
 
   /// The share of each pixel that shows a presser, in the box of the last find()
-  /// (OutlineSearch::coverage()); null after the other two functions.
+  /// (OutlineSearch::coverage()), undefined outside of it; null after the other two functions, and
+  /// where the pose was not finite.
   [[nodiscard]] const Image<float>* coverage() const {
     return is_searched_ ? &search_.coverage() : nullptr;
   }

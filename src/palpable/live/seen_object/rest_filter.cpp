@@ -224,9 +224,9 @@ void RestFilter::average(const DepthImage& depth, const MaskImage& shows, const 
       float presence = presences[x];
       const bool now = shown[x] == kShowsPresser;
       // Pixels outside the box of this frame may have a presence, but no coverage.
-      const float covered = coverage != nullptr && box.contains(x, y) ? (*coverage)(x, y)
-                            : now                                     ? 1.0f
-                                                                      : 0.0f;
+      float covered = now ? 1.0f : 0.0f;
+      if (coverage != nullptr && box.contains(x, y)) covered = (*coverage)(x, y);
+      if (!now) covered = std::min(covered, kPresent);  // it has no depth of the thing
       if (!now && presence == 0 && covered == 0) continue;
       const float share = cells[cell_of_column[x]].share;
       if (now) {
@@ -235,6 +235,7 @@ void RestFilter::average(const DepthImage& depth, const MaskImage& shows, const 
         averages[x] = same ? mean + share * (z - mean) : z;
         presence += share * (covered - presence);
       } else {
+        if (presence == 0) averages[x] = 0;  // no depth yet: the next one begins anew
         // A hole without depth does not mean that a resting thing has gone.
         if (share >= 1 || shown[x] != kShowsUnknown) presence += share * (covered - presence);
         if (presence < 1e-3f) presence = 0;

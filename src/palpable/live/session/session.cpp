@@ -21,7 +21,7 @@ namespace {
 // of our matcher reach over them: 1.0 to 1.4 px beside the measured room on six films of the
 // synthetic desk; 0 to 1.0 px where colours determine the outline (kByColor); 0 beside pixels
 // without depth. Outlines that were found in the picture lie 0.1 px too far inside (kByEdge):
-// towards it a thing is shaded, and the lens blurs it.
+// towards its outline a thing is shaded, and the lens blurs it.
 constexpr double kCensusFattening = 1.3;
 constexpr double kByColor = 0.5;
 constexpr double kByEdge = kCensusFattening + 0.1;

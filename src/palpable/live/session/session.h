@@ -54,6 +54,8 @@ struct SessionSettings {
   /// Its noise is replaced by that of the depth camera, and with our own matcher its fattening by
   /// that of the matching windows; session.cpp has the figures.
   ObjectSurfaceSettings surface{};
+  /// With our own matcher, the shift that is expected of outlines (OutlineSearchSettings::expected)
+  /// is replaced by its fattening.
   PressingMaskSettings pressing{};
   TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of a camera's depth error
   PressSettings press{};
