@@ -135,7 +135,7 @@ Image<float> covered(const MaskImage& shows, std::span<const Capsule> things,
   return coverage;
 }
 
-float median_of(const DepthImage& image) {
+float median_error(const DepthImage& image) {
   std::vector<double> known;
   for (std::size_t i = 0; i < image.size(); ++i) {
     if (!std::isnan(image.data()[i])) known.push_back(static_cast<double>(image.data()[i]));
@@ -311,7 +311,7 @@ void SurfaceBudget::add(const Scene& scene, const HandLine& hand, const ContactL
   p.truth.press();
   p.errors = errors_of(scene.seen.depth, p.session.shows(), truth);
   p.means = averaged(p.errors);
-  p.usual = median_of(p.errors);
+  p.usual = median_error(p.errors);
   const bool is_near = contact.touching || (contact.gap && *contact.gap < kNear);
   p.coverage = covered(truth.shows, is_near ? std::span(hand.capsules) : std::span<const Capsule>(),
                        scene.seen.depth_camera);
