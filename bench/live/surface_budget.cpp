@@ -124,8 +124,8 @@ Image<float> covered(const MaskImage& shows, std::span<const Capsule> things,
       if (!is_border || things.empty()) continue;
       int met = 0;
       for (int k = 0; k < kRays * kRays; ++k) {
-        const double u = x - 0.5 + (k % kRays + 0.5) / kRays;
-        const double v = y - 0.5 + (k / kRays + 0.5) / kRays;
+        const int across = k % kRays, down = k / kRays;
+        const double u = x - 0.5 + (across + 0.5) / kRays, v = y - 0.5 + (down + 0.5) / kRays;
         const Vector3d ray((u - camera.cx_px) / camera.fx_px, (v - camera.cy_px) / camera.fy_px, 1);
         met += std::isfinite(ray_distance(things, Vector3d::Zero(), ray.normalized(), kFarthest));
       }
