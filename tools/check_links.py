@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """check_links.py palpable: checks that the live program does not link libraries of the bake half (design: two halves).
 check_links.py libpalpable.so palpable.h hands.h: the same for the library, which must not link windows, picture files or
-films either, and must export the functions of its headers and nothing else."""
+films either, and must export the functions of its headers and nothing else. None of them may compute by a processor's
+approximate reciprocals and roots: they differ from maker to maker, and a run gives the same bytes on each."""
 import re
 import subprocess
 import sys
@@ -12,6 +13,11 @@ FORBIDDEN = re.compile(r"lib(cholmod|tet\b|gmsh|CGAL|mpi|metis|amd|colamd|gmp|mp
 NOT_IN_LIBRARY = re.compile(r"lib(GL|EGL|OpenGL|epoxy|glfw|X11|av\w+|sw\w+|png|opencv_(highgui|videoio|imgcodecs)|pugixml)")
 # One class of each part of the bake half, because its static libraries do not appear in the list of shared ones.
 BAKE_HALF = re.compile(r"palpable::(EquilibriumSolver|ContactWalk|PressSolver|SnapshotStore|TetMesh|BodyDescription)\b")
+
+
+# Instructions of x86-64 and of arm64, and functions that only draw a window's menus.
+APPROXIMATE = re.compile(r"\s(v?r(?:sqrt|cp)(?:14|28)?[ps]s|fr(?:sqrt|ecp)e)\s")
+OF_MENUS = re.compile(r"\bIm[A-Z]\w*::|\bImGui")
 
 
 def output_of(*words):
@@ -35,6 +41,18 @@ def wrong_exports(library, headers):
         yield f"{library} has no SONAME with the major version"
 
 
+def approximations(file):
+    """Functions of a program that use approximate instructions."""
+    function, found = "", set()
+    for line in output_of("objdump", "-d", "-C", "--no-show-raw-insn", file).splitlines():
+        if line.endswith(">:"):
+            function = line.partition("<")[2][:-2]
+        elif APPROXIMATE.search(line) and not OF_MENUS.search(function):
+            found.add(function)
+    return [f"{file}: {name} uses an approximate reciprocal or root, which differs from processor to processor"
+            for name in sorted(found)]
+
+
 def main():
     file, headers = sys.argv[1], sys.argv[2:]
     needed = re.findall(r"\(NEEDED\).*\[(.+)\]", output_of("readelf", "-d", file))
@@ -49,6 +67,7 @@ def main():
     if headers:
         wrong += [f"{file} links {name}, which its users do not want" for name in needed if NOT_IN_LIBRARY.match(name)]
         wrong += wrong_exports(file, headers)
+    wrong += approximations(file)
     for line in wrong:
         print(line)
     return 1 if wrong else 0

@@ -13,11 +13,24 @@ using Eigen::Vector3f;
 // Size of the stack of a walk: dividing 2^31 balls by four down to blocks takes fewer than 16
 // levels, and each level leaves up to three boxes on the stack.
 constexpr std::size_t kMostWaiting = 64;
-// m: bound of the error of Eigen's vectorised square roots.
+// m: bound of the difference of two roundings of one distance.
 constexpr float kRounding = 1e-7f;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
+// The square roots of floats, rounded correctly. Eigen's own are made of the processor's
+// approximate reciprocal root, which differs from maker to maker, and a run must give the same
+// bytes on each.
+template <class Squares>
+[[nodiscard]] typename Squares::PlainObject root_of(const Squares& squares) {
+  return squares.template cast<double>().sqrt().template cast<float>();
+}
+
 }  // namespace
+
+BallTree::Block BallTree::Balls::distances(const Vector3f& from) const {
+  return root_of((x - from.x()).square() + (y - from.y()).square() + (z - from.z()).square()) -
+         radius;
+}
 
 // Halves a range of order_ across the longest side of its box. The first half consists of full
 // blocks. @return the index at which the second half begins
@@ -118,7 +131,7 @@ void BallTree::walk(const Vector3f& x, const float& reach, const AtBlock& at_blo
     const Eigen::Array4f dx = ((n.x - x.x()).abs() - n.half_x).max(0.0f);
     const Eigen::Array4f dy = ((n.y - x.y()).abs() - n.half_y).max(0.0f);
     const Eigen::Array4f dz = ((n.z - x.z()).abs() - n.half_z).max(0.0f);
-    const Eigen::Array4f least = (dx.square() + dy.square() + dz.square()).sqrt() - n.radius;
+    const Eigen::Array4f least = root_of(dx.square() + dy.square() + dz.square()) - n.radius;
     // Sorted, with the nearest one on top of the stack.
     const std::size_t bottom = waiting;
     for (int k = 0; k < 4; ++k) {
@@ -170,7 +183,7 @@ std::array<float, 8> BallTree::distances_around(const Vector3f& x, const Vector3
     px[i] = places[k].x(), py[i] = places[k].y(), pz[i] = places[k].z();
   }
   const auto to = [&](float bx, float by, float bz, float radius) -> Eight {
-    return ((px - bx).square() + (py - by).square() + (pz - bz).square()).sqrt() - radius;
+    return root_of((px - bx).square() + (py - by).square() + (pz - bz).square()) - radius;
   };
   const Ball& known = balls_[static_cast<std::size_t>(ball)];
   Eight best = to(known.centre.x(), known.centre.y(), known.centre.z(), known.radius);
@@ -180,7 +193,7 @@ std::array<float, 8> BallTree::distances_around(const Vector3f& x, const Vector3
     const Balls& b = blocks_[block];
     const Block dx = b.x - x.x(), dy = b.y - x.y(), dz = b.z - x.z();
     const Block out = (dx * across.x() + dy * across.y() + dz * across.z()).square();
-    const Block beside = (dx.square() + dy.square() + dz.square() - out).max(0.0f).sqrt();
+    const Block beside = root_of((dx.square() + dy.square() + dz.square() - out).max(0.0f));
     const Block least = out + (beside - spread).square();
     const Block most = (b.radius + (farthest + kRounding)).max(0.0f).square();
     for (Eigen::Index k = 0; k < kBlock; ++k) {

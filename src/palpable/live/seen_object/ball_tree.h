@@ -58,10 +58,7 @@ class BallTree {
   using Block = Eigen::Array<float, kBlock, 1>;
   struct Balls {
     Block x, y, z, radius;  // m; an unused entry has radius -infinity
-    [[nodiscard]] Block distances(const Eigen::Vector3f& from) const {
-      return ((x - from.x()).square() + (y - from.y()).square() + (z - from.z()).square()).sqrt() -
-             radius;
-    }
+    [[nodiscard]] Block distances(const Eigen::Vector3f& from) const;
   };
   // The boxes of centres and the largest radii of four children; a missing child has radius
   // -infinity.
