@@ -1080,20 +1080,19 @@ def _(programs, folder):
     assert counts and int(counts[1]) >= 1, result.stdout
     assert touches("second", *refine)[0] == first != plain
 
-    # A description of another ball, and a process that exits: one message each, and the touch uses the tables only.
+    # A process that exits: one message, and the touch uses the tables only. A description of another ball is refused.
     other = write_ball(folder / "other", BALL.replace("60 kPa", "90 kPa"))
     alone = folder / "alone"
     alone.mkdir()
     shutil.copy(programs.palpable, alone)
     (alone / "palpable-bake").write_text("#!/bin/sh\nexit 5\n")
     (alone / "palpable-bake").chmod(0o755)
-    for name, program, description, says in (("stiffer", None, other, "for another body"),
-                                             ("ends", alone / "palpable", describes, "exit code 5")):
-        told, result = touches(name, "--refine", description, program=program)
-        assert told == plain, name
-        lines = [line for line in result.stderr.splitlines() if "--refine" in line]
-        assert len(lines) == 1 and says in lines[0] and "continues without" in lines[0], result.stderr
-    for more, says in ((("--refine", folder / "none.toml"), "no file"), (("--refine", describes, "--scale", "2"), "--scale"),
+    told, result = touches("ends", "--refine", describes, program=alone / "palpable")
+    assert told == plain
+    lines = [line for line in result.stderr.splitlines() if "--refine" in line]
+    assert len(lines) == 1 and "exit code 5" in lines[0] and "continues without" in lines[0], result.stderr
+    for more, says in ((("--refine", folder / "none.toml"), "no file"), (("--refine", other), "describes another body"),
+                       (("--refine", describes, "--scale", "2"), "leave out the scale"),
                        (("--refine", describes, "--contact", "site"), "--contact site")):
         programs.refuses("live", body, "--source", folder / "clip/frames", "--out", folder / "x", *more, says=[says])
 
