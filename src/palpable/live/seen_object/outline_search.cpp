@@ -2,6 +2,7 @@
 
 #include "palpable/common/base/contract.h"
 #include "palpable/live/seen_object/pixel_kernels.h"
+#include "palpable/live/seen_object/silhouette.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,20 +14,19 @@ namespace {
 constexpr int kMostSamples = 32;
 constexpr int kLeastInside = 4, kLeastOutside = 3;  // samples of each side
 constexpr int kNormalReach = 3;  // px, half the side of the window that gives a border's normal
-constexpr int kMedianReach = 3;  // px, up to which shifts are averaged along the border
+constexpr int kMedianReach =
+    3;  // px along the border, up to which the median of the shifts is taken
 // px, the least moment of the pixels in that window: 42 at a straight border, 7 at a side 2 px
 // wide. Single holes in a thing have less.
 constexpr float kLeastMoment = 6;
-constexpr int kLongestHole = 12;  // px without depth, behind which a thing goes on (silhouette.h)
-constexpr float kSameWay = 0.7F;  // least cosine of the angle between the normals of neighbours
+constexpr float kSameWay = 0.7F;     // least cosine of the angle between the normals of neighbours
 constexpr float kMostBend = 0.125F;  // 1/px, half the largest curvature of a border
 constexpr int kDrawReach = 3;        // px from the border that may change
 constexpr float kRidge = 4;          // px^2, regularises the slope of a side with few samples
-constexpr float kSameThing = 0.008F, kSameThingAt1m = 0.04F;  // m, 1/m: as in silhouette.h
 
+// Whether two depths may belong to one surface, as a silhouette decides it.
 bool is_same_depth(float a, float b) {
-  const float nearer = std::min(a, b);
-  return std::abs(a - b) <= std::max(kSameThing, kSameThingAt1m * nearer * nearer);
+  return std::abs(a - b) <= depth_jump(SilhouetteSettings(), std::min(a, b));
 }
 
 // Sums over the samples of one side, for a straight line through their colours.
@@ -84,7 +84,7 @@ OutlineSearch::OutlineSearch(const OutlineSearchSettings& settings) : settings_(
 // Whether the thing goes on behind a hole without depth that begins at a pixel of its border.
 bool OutlineSearch::goes_on(const SeenFrame& seen, const MaskImage& shows, int x, int y, float nx,
                             float ny) const {
-  for (int k = 1; k <= kLongestHole; ++k) {
+  for (int k = 1; k <= SilhouetteSettings().longest_hole; ++k) {
     const int u = x + static_cast<int>(std::lround(static_cast<float>(k) * nx));
     const int v = y + static_cast<int>(std::lround(static_cast<float>(k) * ny));
     if (!box_.contains(u, v)) return false;
