@@ -30,8 +30,8 @@ constexpr double kByEdge = kCensusFattening + 0.1;
 // middle of a finger is measured too far by 0.18 px, that of a pencil or a hand by 0.11 px: its
 // outlines have larger depths, which the aggregation's paths carry inwards, and highlights on a
 // curved front appear behind it (without gloss the error is half as large). With this value neither
-// front nor back of a finger or of two hands has a bias of more than 0.3 mm on twelve films
-// (docs/lab/contact.md).
+// front nor back of a finger or of two hands has a bias of more than 0.3 mm on nine films; on three
+// with a bare desk the back is 0.4 mm too thick (docs/lab/contact.md).
 constexpr double kTooFarSigmas = 0.75;
 
 // px by which the part of the image in which things may press is enlarged: a thing must be known
