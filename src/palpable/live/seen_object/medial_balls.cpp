@@ -15,6 +15,7 @@
 namespace palpable {
 namespace {
 
+using Eigen::Vector2f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
@@ -32,6 +33,9 @@ constexpr float kOutlinePx = 1.5f;
 // px: the largest difference in radius of the disc around the true middle, which lies between
 // pixels, and that around its pixel.
 constexpr float kMostBeside = 0.75f;
+
+// The largest cosine of the angle between the ways to two outlines that lie on opposite sides.
+constexpr float kOpposite = -0.8f;
 
 // px per px. A thing ends in a direction in which distances to the outline fall by kFalls or more,
 // while in the opposite direction they change by less than kFlat.
@@ -73,27 +77,35 @@ struct Finder {
     return static_cast<float>(camera.fx_px) * r / (z + r);
   }
 
-  // The radius (px) of the disc around a medial pixel, corrected for the true middle, which lies
-  // between pixels: half the distance between the outlines on both sides.
-  [[nodiscard]] float disc_of(int x, int y) const {
+  struct Disc {
+    float radius = 0;  // px
+    Vector2f middle;   // px, from the pixel to the disc's middle
+  };
+  // The largest disc of the thing around a medial pixel. The true middle lies between pixels: as
+  // far from the outline on the other side, which a neighbour beyond it has found.
+  [[nodiscard]] Disc disc_at(int x, int y) const {
     const float here = silhouette.distance(x, y);
-    const ToOutline mine = silhouette.to_outline(x, y);
+    const Vector2f to_mine = direction_to_outline(x, y);
     float widest = here;
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         if ((dx == 0 && dy == 0) || !inside(x + dx, y + dy)) continue;
         const float other = silhouette.distance(x + dx, y + dy);
         if (!(other > 0) || !std::isfinite(other)) continue;
-        const ToOutline theirs = silhouette.to_outline(x + dx, y + dy);
-        const auto across = static_cast<float>(theirs.dx * mine.dx + theirs.dy * mine.dy);
-        const float lengths = (here + 0.5f) * (other + 0.5f);
-        if (across > -0.8f * lengths) continue;  // its outline is not on the opposite side
-        const auto wx = static_cast<float>(dx + theirs.dx - mine.dx);
-        const auto wy = static_cast<float>(dy + theirs.dy - mine.dy);
-        widest = std::max(widest, std::sqrt(wx * wx + wy * wy) / 2 - 0.5f);
+        const Vector2f to_theirs = direction_to_outline(x + dx, y + dy);
+        if (to_theirs.dot(to_mine) > kOpposite) continue;
+        const Vector2f step(static_cast<float>(dx), static_cast<float>(dy));
+        widest = std::max(widest, (step + other * to_theirs - here * to_mine).norm() / 2);
       }
     }
-    return std::min(widest, here + kMostBeside);
+    const float radius = std::min(widest, here + kMostBeside);
+    return {radius, (here - radius) * to_mine};
+  }
+
+  // Unit, px; undefined at pixels without an outline.
+  [[nodiscard]] Vector2f direction_to_outline(int x, int y) const {
+    const ToOutline to = silhouette.to_outline(x, y);
+    return Vector2f(static_cast<float>(to.dx), static_cast<float>(to.dy)).normalized();
   }
 
   // The largest principal curvature of the front (1/m), positive where it curves away from the
@@ -113,7 +125,7 @@ struct Finder {
 
   // The offset (px) from a medial pixel to the middle of its thing's end, less than one step. A
   // step towards the end lowers the distance to the outline by the step's length less that offset.
-  [[nodiscard]] Eigen::Vector2f to_end(int x, int y) const {
+  [[nodiscard]] Vector2f to_end(int x, int y) const {
     constexpr std::array<std::array<int, 2>, 8> kAround{
         {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
     const float here = silhouette.distance(x, y);
@@ -121,10 +133,10 @@ struct Finder {
     for (std::size_t k = 0; k < kAround.size(); ++k) {
       const int u = x + kAround[k][0], v = y + kAround[k][1];
       const float there = inside(u, v) ? silhouette.distance(u, v) : 0;
-      if (!(there > 0) || !std::isfinite(there)) return Eigen::Vector2f::Zero();
+      if (!(there > 0) || !std::isfinite(there)) return Vector2f::Zero();
       falls[k] = (here - there) / (k % 2 == 0 ? 1.0f : std::numbers::sqrt2_v<float>);
     }
-    Eigen::Vector2f way = Eigen::Vector2f::Zero();
+    Vector2f way = Vector2f::Zero();
     float flattest = kFlat;
     for (std::size_t k = 0; k < kAround.size(); ++k) {
       const float behind = std::abs(falls[(k + 4) % 8]);
@@ -134,7 +146,7 @@ struct Finder {
       if (behind >= flattest || ahead < kFalls) continue;
       flattest = behind;
       way = std::max(1 - falls[k], 0.0f) *
-            Eigen::Vector2f(static_cast<float>(kAround[k][0]), static_cast<float>(kAround[k][1]));
+            Vector2f(static_cast<float>(kAround[k][0]), static_cast<float>(kAround[k][1]));
     }
     return way;
   }
@@ -145,7 +157,7 @@ struct Finder {
   // @param on      px, from the pixel to where the ball is wanted
   // @param nearer  1/m, added to the measured inverse depth (MedialBallSettings::too_far)
   [[nodiscard]] std::optional<MedialBall> ball_at(int x, int y, float disc, float radius,
-                                                  const Eigen::Vector2f& on = {0, 0},
+                                                  const Vector2f& on = {0, 0},
                                                   double nearer = 0) const {
     const auto fattening = static_cast<float>(settings.fattening);
     const Sums s = sum_window(x, y, fattening + std::min(kOutlinePx, kOutlineShare * disc), radius);
@@ -323,10 +335,12 @@ void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
       if (region.reached.squaredExteriorDistance(to_region.point(x, y, z)) > farthest * farthest) {
         continue;
       }
-      const float disc = std::clamp(find.disc_of(x, y) - fattening, kThinnest, most);
+      const auto [widest, middle] = find.disc_at(x, y);
+      const float disc = std::clamp(widest - fattening, kThinnest, most);
       const float radius = radius_of(disc, z);
       if (!is_wanted(radius)) continue;
-      if (auto ball = find.ball_at(x, y, disc, radius, find.to_end(x, y), settings.too_far)) {
+      if (auto ball =
+              find.ball_at(x, y, disc, radius, middle + find.to_end(x, y), settings.too_far)) {
         balls.push_back(*ball);
       }
     }

@@ -331,6 +331,57 @@ TEST_CASE("a finger's end is located to a fraction of a pixel", "[seen_object][o
         tolerance(4.5e-4, "0.4 px; 0.59 mm if the last ball is not moved"));
 }
 
+// The share of each pixel that shows a thing, from 8 x 8 rays.
+Image<float> shares_of(const std::vector<Capsule>& things) {
+  constexpr int kRays = 8;
+  // Pixel x of kCamera holds the pixels 8 x to 8 x + 7 of this one, with the middle at 8 x + 3.5.
+  constexpr double kMiddle = 0.5 * (kRays - 1);
+  const PinholeCamera fine{kRays * kCamera.width,           kRays * kCamera.height,
+                           kRays * kCamera.fx_px,           kRays * kCamera.fy_px,
+                           kRays * kCamera.cx_px + kMiddle, kRays * kCamera.cy_px + kMiddle};
+  const DepthImage depth = test::depth_of(things, fine);
+  Image<float> shares(kCamera.width, kCamera.height);
+  for (int v = 0; v < fine.height; ++v) {
+    for (int u = 0; u < fine.width; ++u) {
+      if (std::isfinite(depth(u, v))) shares(u / kRays, v / kRays) += 1.0f / (kRays * kRays);
+    }
+  }
+  return shares;
+}
+
+TEST_CASE("a finger whose share of each pixel is known is as wide and as thick as it is",
+          "[seen_object][object surface]") {
+  for (const double slant : {0.0, 0.2, 0.4, 0.6, std::numbers::pi / 4}) {
+    INFO("slant " << slant);
+    const Vector3d axis(std::cos(slant), std::sin(slant), 0), across(-axis.y(), axis.x(), 0);
+    const Vector3d middle(0.0004, 0.0002, 0.4);  // its outlines lie between pixels
+    const Capsule finger{middle - 0.06 * axis, middle + 0.06 * axis, 0.008};
+    const Image<float> shares = shares_of({finger});
+    const DepthImage depth = test::depth_of({finger}, kCamera);
+    MaskImage shows(kCamera.width, kCamera.height);
+    for (std::size_t i = 0; i < shows.size(); ++i) {
+      shows.data()[i] = is_depth(depth.data()[i]) ? kShowsPresser : kShowsRoom;
+    }
+    ObjectSurface seen;
+    seen.build(depth, shows, kCamera, Rigid3::Identity(), box_around(middle, 0.03), 0, &shares);
+    for (const Vector3d& out : {across, Vector3d(-across), Vector3d(0, 0, 1)}) {
+      INFO("outwards " << out.transpose());
+      double sum = 0, worst = 0;
+      constexpr int kPlaces = 40;
+      for (int k = 0; k < kPlaces; ++k) {
+        const double along = 0.02 * (2.0 * k / (kPlaces - 1) - 1);
+        const auto found =
+            seen.nearest((middle + along * axis + finger.radius * out).cast<float>());
+        REQUIRE(found.has_value());
+        sum += static_cast<double>(found->distance) / kPlaces;
+        worst = std::max(worst, std::abs(static_cast<double>(found->distance)));
+      }
+      CHECK(std::abs(sum) < tolerance(2.5e-4, "0.2 px of 1.14 mm"));
+      CHECK(worst < tolerance(5e-4, "0.4 px"));
+    }
+  }
+}
+
 TEST_CASE("the tree finds what looking at every ball finds", "[seen_object][object surface][law]") {
   for (unsigned seed = 0; seed < 6; ++seed) {
     INFO("seed " << seed);

@@ -32,11 +32,11 @@ inline void plain_take_over(const OutlineRow& from, const OutlineRow& to, int dy
     for (int u = x - 1; u <= x + 1; ++u) {
       const float theirs = from.distance[u];
       if (!(theirs > 0) || theirs - kOutlineStep >= to.distance[x]) continue;
-      const auto dx = static_cast<std::int16_t>(from.nearest[u].dx + u - x);
-      const auto dv = static_cast<std::int16_t>(from.nearest[u].dy + dy);
+      constexpr int kUnits = static_cast<int>(kOutlineUnits);
+      const auto dx = static_cast<std::int16_t>(from.nearest[u].dx + kUnits * (u - x));
+      const auto dv = static_cast<std::int16_t>(from.nearest[u].dy + kUnits * dy);
       const float beyond = from.beyond[u];
-      const float length = std::sqrt(static_cast<float>(dx * dx + dv * dv)) -
-                           (dx != 0 && dv != 0 ? kBeforeMiddleSlanted : kBeforeMiddle) + beyond;
+      const float length = length_of({dx, dv}) + beyond;
       const float nearer = std::min(z, from.depth[u]);
       const float most = std::max(jump.least, jump.at_1m * nearer * nearer);
       if (!(length < to.distance[x]) || !(std::abs(z - from.depth[u]) <= most)) continue;
@@ -162,7 +162,8 @@ HWY_ATTR void take_over(const OutlineRow& from, const OutlineRow& to, int dy, in
   const hn::RebindToSigned<Floats> di;
   const hn::Repartition<std::int16_t, Floats> d16;
   const auto zero = hn::Zero(d), step = hn::Set(d, kOutlineStep);
-  const auto straight = hn::Set(d, kBeforeMiddle), slanted = hn::Set(d, kBeforeMiddleSlanted);
+  const auto px = hn::Set(d, 1 / kOutlineUnits);
+  constexpr int kUnits = static_cast<int>(kOutlineUnits);
   const auto least = hn::Set(d, jump.least), at_1m = hn::Set(d, jump.at_1m);
   const auto lanes = static_cast<int>(hn::Lanes(d));
   for (int x = 0; x < count; x += lanes) {
@@ -180,17 +181,16 @@ HWY_ATTR void take_over(const OutlineRow& from, const OutlineRow& to, int dy, in
           hn::And(hn::And(is_thing, hn::Gt(theirs, zero)), hn::Lt(hn::Sub(theirs, step), distance));
       if (hn::AllFalse(d, takes)) continue;
       // A pair of 16-bit numbers in one 32-bit lane, dx in the lower half.
-      const auto way = hn::BitCast(
-          d16, hn::Set(di, static_cast<std::int32_t>(static_cast<std::uint32_t>(dy) << 16 |
-                                                     (static_cast<std::uint32_t>(k) & 0xFFFF))));
+      const auto way =
+          hn::BitCast(d16, hn::Set(di, static_cast<std::int32_t>(
+                                           static_cast<std::uint32_t>(kUnits * dy) << 16 |
+                                           (static_cast<std::uint32_t>(kUnits * k) & 0xFFFF))));
       const auto offer = hn::BitCast(di, hn::Add(hn::LoadU(d16, &from.nearest[x + k].dx), way));
       const auto dx = hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(offer)));
       const auto dv = hn::ConvertTo(d, hn::ShiftRight<16>(offer));
-      const auto is_slanted = hn::And(hn::Ne(dx, zero), hn::Ne(dv, zero));
       const auto theirs_beyond = hn::LoadU(d, from.beyond + x + k);
-      const auto length = hn::Add(hn::Sub(hn::Sqrt(hn::Add(hn::Mul(dx, dx), hn::Mul(dv, dv))),
-                                          hn::IfThenElse(is_slanted, slanted, straight)),
-                                  theirs_beyond);
+      const auto length =
+          hn::Add(hn::Mul(hn::Sqrt(hn::Add(hn::Mul(dx, dx), hn::Mul(dv, dv))), px), theirs_beyond);
       const auto z_other = hn::LoadU(d, from.depth + x + k);
       const auto nearer = hn::Min(z, z_other);
       const auto most = hn::Max(least, hn::Mul(hn::Mul(at_1m, nearer), nearer));

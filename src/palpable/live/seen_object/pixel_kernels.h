@@ -18,7 +18,8 @@ inline constexpr int kReadBeyond = 12;
 /// Whether a pixel's depth was measured.
 [[nodiscard]] inline bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
-/// From a pixel to the nearest pixel beyond the outline.
+/// From the middle of a pixel to the nearest point of the outline, in kOutlineUnits. Images of up
+/// to 2,047 px a side: no offset is longer.
 struct ToOutline {
   std::int16_t dx = 0;
   std::int16_t dy = 0;
@@ -29,7 +30,7 @@ struct ToOutline {
 struct OutlineRow {
   float* distance = nullptr;     // px to the outline; 0: no thing
   ToOutline* nearest = nullptr;  // the nearest outline
-  float* beyond = nullptr;       // px by which that outline lies outside of the pixels' border
+  float* beyond = nullptr;       // px by which the outline is taken to lie farther than that point
   const float* depth = nullptr;  // m
 };
 
@@ -71,12 +72,18 @@ struct ColumnSums {
   alignas(16) std::array<float, kWindowColumns> n, nv, nvv, w, vw, vvw;
 };
 
-/// Bound of the difference of two neighbours' distances to the same outline, px.
-inline constexpr float kOutlineStep = 1.7f;
+/// Of a pixel, in which outlines are located.
+inline constexpr float kOutlineUnits = 16;
 
-/// px from an outline, straight or slanted, to the middle of the first pixel beyond it; see
-/// length_of() in silhouette.cpp.
-inline constexpr float kBeforeMiddle = 0.5f, kBeforeMiddleSlanted = 0.28f;
+/// Its length, px.
+[[nodiscard]] inline float length_of(ToOutline way) {
+  const auto dx = static_cast<float>(way.dx), dy = static_cast<float>(way.dy);
+  return std::sqrt(dx * dx + dy * dy) * (1 / kOutlineUnits);
+}
+
+/// Bound of the difference of two neighbours' distances to the same outline, px: the diagonal of a
+/// pixel.
+inline constexpr float kOutlineStep = 1.4143f;
 
 /// Parameters of find_middles().
 struct MiddleTest {

@@ -15,24 +15,15 @@ constexpr float kNoDistance = std::numeric_limits<float>::infinity();
 constexpr float kLeast = 0.01f;  // px, the least distance in a thing; 0 means no thing
 constexpr int kBarred = 3;       // px, the largest width of a crease
 
-// The distance to the outline for an offset to the first pixel beyond it. The outline runs half a
-// pixel before the middle of that pixel if it follows rows or columns. A slanted outline passes
-// nearer to it; 0.28 px is the mean over all slopes.
-float length_of(ToOutline d) {
-  const bool slanted = d.dx != 0 && d.dy != 0;
-  return std::sqrt(static_cast<float>(d.dx * d.dx + d.dy * d.dy)) -
-         (slanted ? kBeforeMiddleSlanted : kBeforeMiddle);
-}
+// px: of a slanted outline whose pixels are whole, the nearest of its steps is nearer than the
+// outline by this. Mean over all slopes, 2 to 12 px away.
+constexpr float kBeyondSteps = 0.15f;
 
-// A table of length_of() for small offsets: the square root would take half of the sweep's time.
-constexpr int kMostCommon = 64;  // px to each side
-const std::vector<float> kLengths = [] {
-  std::vector<float> lengths;
-  for (std::int16_t dy = 0; dy < kMostCommon; ++dy) {
-    for (std::int16_t dx = 0; dx < kMostCommon; ++dx) lengths.push_back(length_of({dx, dy}));
-  }
-  return lengths;
-}();
+// An outline at (x, y) px from a pixel's middle.
+ToOutline way_of(float x, float y) {
+  return {static_cast<std::int16_t>(std::lround(x * kOutlineUnits)),
+          static_cast<std::int16_t>(std::lround(y * kOutlineUnits))};
+}
 
 // Offers pixel x of a row the outline that is nearest to its neighbour at dx.
 template <int dx>
@@ -44,14 +35,10 @@ inline void take_over(const OutlineRow& row, int x, const DepthJump& jump) {
   const ToOutline there = row.nearest[x + dx];
   // The neighbour's outline lies on its far side: it is farther from here than from there.
   if (theirs >= mine && there.dx * dx >= 0) return;
-  const ToOutline offer{static_cast<std::int16_t>(there.dx + dx), there.dy};
-  const auto across = static_cast<unsigned>(std::abs(offer.dx)),
-             along = static_cast<unsigned>(std::abs(offer.dy));
+  constexpr int kStep = dx * static_cast<int>(kOutlineUnits);
+  const ToOutline offer{static_cast<std::int16_t>(there.dx + kStep), there.dy};
   const float beyond = row.beyond[x + dx];
-  const float length =
-      (across < kMostCommon && along < kMostCommon ? kLengths[along * kMostCommon + across]
-                                                   : length_of(offer)) +
-      beyond;
+  const float length = length_of(offer) + beyond;
   if (!(length < mine)) return;
   const float z = row.depth[x], other = row.depth[x + dx], nearer = std::min(z, other);
   if (!(std::abs(z - other) <= std::max(jump.least, jump.at_1m * nearer * nearer))) return;
@@ -135,6 +122,17 @@ float Silhouette::known_better(int x, int y) const {
   return unknown ? static_cast<float>(settings_.beside_unknown) : 0;
 }
 
+// Whether the outline on side (dx, dy) of pixel (x, y) goes on straight to both sides.
+bool Silhouette::is_straight(int x, int y, int dx, int dy) const {
+  const auto is_thing = [&](int u, int v) {
+    if (u < 0 || v < 0 || u >= depth_->width() || v >= depth_->height()) return false;
+    return is_depth((*depth_)(u, v)) && (shows_->empty() || (*shows_)(u, v) == kShowsPresser) &&
+           joined((*depth_)(u, v), (*depth_)(x, y));
+  };
+  return is_thing(x + dy, y + dx) && is_thing(x - dy, y - dx) &&
+         !is_thing(x + dx + dy, y + dy + dx) && !is_thing(x + dx - dy, y + dy - dx);
+}
+
 // Finds the nearest outline between a pixel of a thing and its four neighbours.
 void Silhouette::begin_at(int x, int y) {
   float& distance = distance_[at(x, y)];
@@ -148,14 +146,18 @@ void Silhouette::begin_at(int x, int y) {
       continue;
     }
     if (!ends_towards(x, y, dx, dy)) continue;
-    float beyond = 0;
+    // Where the share that is covered passes 1/2 between both pixels' middles.
+    float way = 0.5f, beyond = 0;
     if (inside) {
       beyond = known_better(u, v);
-      if (presence_ != nullptr) beyond += (*presence_)(u, v) + (*presence_)(x, y) - 1;
+      const float covered = presence_ != nullptr ? (*presence_)(x, y) : 1;
+      const float beside = presence_ != nullptr ? (*presence_)(u, v) : 0;
+      way = std::max(covered + beside - 0.5f, 0.0f);
+      if (covered == 1 && beside == 0 && !is_straight(x, y, dx, dy)) beyond += kBeyondSteps;
     }
-    if (0.5f + beyond >= distance) continue;
-    distance = std::max(0.5f + beyond, kLeast);
-    nearest_[at(x, y)] = {static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy)};
+    if (way + beyond >= distance) continue;
+    distance = std::max(way + beyond, kLeast);
+    nearest_[at(x, y)] = way_of(way * static_cast<float>(dx), way * static_cast<float>(dy));
     beyond_[at(x, y)] = beyond;
   }
 }
@@ -207,7 +209,7 @@ void Silhouette::begin_beside(const CreasePixel& crease, const Eigen::Vector2f& 
         static_cast<float>(dx) * away.x() + static_cast<float>(dy) * away.y() + hidden;
     if (!(distance_[n] > length)) return;
     distance_[n] = length;
-    nearest_[n] = {static_cast<std::int16_t>(-dx), static_cast<std::int16_t>(-dy)};
+    nearest_[n] = way_of(static_cast<float>(-dx), static_cast<float>(-dy));
     beyond_[n] = length - length_of(nearest_[n]);
     return;
   }

@@ -75,7 +75,8 @@ class Silhouette {
   void part(std::span<const CreasePixel> creases, int reach);
 
   /// The distance (px, > 0) from the middle of pixel (x, y) of the image to the outline, found by
-  /// two sweeps over the box that propagate the nearest outline (Danielsson 1980); at most 0.3 px
+  /// two sweeps over the box that propagate the nearest point of it (Danielsson 1980). The points
+  /// are at most a pixel apart, where the outline passes between two neighbours. At most 0.3 px
   /// too large. Infinite where there is no outline; 0 outside of things.
   [[nodiscard]] float distance(int x, int y) const { return distance_[at(x, y)]; }
   /// The distances of a row of the box, from its first pixel on.
@@ -96,7 +97,7 @@ class Silhouette {
   [[nodiscard]] Run things_of_row(int y) const {
     return runs_[static_cast<std::size_t>(y - box_.y)];
   }
-  /// The offset to the nearest pixel beyond the outline; valid where distance() is finite, not 0.
+  /// The way to the nearest point of the outline; valid where distance() is finite, not 0.
   [[nodiscard]] ToOutline to_outline(int x, int y) const { return nearest_[at(x, y)]; }
   /// Whether two neighbouring depths belong to one surface.
   [[nodiscard]] bool joined(float z, float other) const;
@@ -113,6 +114,7 @@ class Silhouette {
   }
   [[nodiscard]] float known_better(int x, int y) const;
   [[nodiscard]] bool ends_towards(int x, int y, int dx, int dy) const;
+  [[nodiscard]] bool is_straight(int x, int y, int dx, int dy) const;
   [[nodiscard]] OutlineRow outline_row(int x, int y);
   void begin_row(int y);
   void begin_at(int x, int y);
@@ -134,7 +136,7 @@ class Silhouette {
   std::size_t stride_ = 0;
   std::vector<float> distance_;
   std::vector<ToOutline> nearest_;
-  std::vector<float> beyond_;  // px by which that outline lies outside of the pixels' border
+  std::vector<float> beyond_;  // OutlineRow::beyond
   std::vector<float> depths_;  // m
   std::vector<Run> runs_;      // by row of the box
 };

@@ -20,11 +20,10 @@ namespace {
 // px of the depth image by which the outlines of near things lie too far out, because the windows
 // of our matcher reach over them: 1.0 to 1.4 px beside the measured room on six films of the
 // synthetic desk; 0 to 1.0 px where colours determine the outline (kByColor); 0 beside pixels
-// without depth. Outlines that were found in the picture lie 0.1 px too far inside (kByEdge):
-// towards its outline a thing is shaded, and the lens blurs it.
+// without depth, and none where the outline was found in the picture (kByEdge).
 constexpr double kCensusFattening = 1.3;
 constexpr double kByColor = 0.5;
-constexpr double kByEdge = kCensusFattening + 0.1;
+constexpr double kByEdge = kCensusFattening;
 
 // How far the balls of a thin thing are moved nearer, in sigmas of one pixel's depth (0.25 px). The
 // middle of a finger is measured too far by 0.18 px, that of a pencil or a hand by 0.11 px: its
