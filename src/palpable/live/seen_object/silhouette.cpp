@@ -20,7 +20,7 @@ constexpr int kBarred = 3;       // px, the largest width of a crease
 constexpr float kBeyondSteps = 0.15f;
 
 // An outline at (x, y) px from a pixel's middle.
-ToOutline way_of(float x, float y) {
+ToOutline outline_at(float x, float y) {
   return {static_cast<std::int16_t>(std::lround(x * kOutlineUnits)),
           static_cast<std::int16_t>(std::lround(y * kOutlineUnits))};
 }
@@ -157,7 +157,7 @@ void Silhouette::begin_at(int x, int y) {
     }
     if (way + beyond >= distance) continue;
     distance = std::max(way + beyond, kLeast);
-    nearest_[at(x, y)] = way_of(way * static_cast<float>(dx), way * static_cast<float>(dy));
+    nearest_[at(x, y)] = outline_at(way * static_cast<float>(dx), way * static_cast<float>(dy));
     beyond_[at(x, y)] = beyond;
   }
 }
@@ -209,7 +209,7 @@ void Silhouette::begin_beside(const CreasePixel& crease, const Eigen::Vector2f& 
         static_cast<float>(dx) * away.x() + static_cast<float>(dy) * away.y() + hidden;
     if (!(distance_[n] > length)) return;
     distance_[n] = length;
-    nearest_[n] = way_of(static_cast<float>(-dx), static_cast<float>(-dy));
+    nearest_[n] = outline_at(static_cast<float>(-dx), static_cast<float>(-dy));
     beyond_[n] = length - length_of(nearest_[n]);
     return;
   }
