@@ -2,6 +2,7 @@
 
 #include "palpable/live/calibrate/calibration_check.h"
 #include "palpable/live/calibrate/rectification.h"
+#include "palpable/live/depth/flying_pixels.h"
 
 #include <fmt/core.h>
 
@@ -31,6 +32,7 @@ Result<DepthSensorCamera> DepthSensorCamera::make(const FrameFormat& format,
   }
   made.farthest_ = settings.farthest.value_or(kUsualFarthest);
   made.depth_unit_ = format.depth_unit;
+  made.focal_px_ = static_cast<float>(format.depth_camera.fx_px);
   made.camera_ = format.depth_camera;
   if (format.color_sensor) {
     const ColorSensor& color = *format.color_sensor;
@@ -49,11 +51,7 @@ bool DepthSensorCamera::measure(const Frame& frame, SeenFrame& seen, StageTimes&
   std::copy(frame.left.begin(), frame.left.end(), seen.color.begin());
   Rectification::luma(seen.color, seen.left);
   DepthImage& known = registration_ ? own_view_ : seen.depth;
-  known.resize(depth_width_, depth_height_);
-  std::transform(frame.depth.begin(), frame.depth.end(), known.begin(), [&](float Z) {
-    // False for NaN, so that unknown depths stay unknown.
-    return Z > 0 && Z <= farthest_ ? Z : std::numeric_limits<float>::quiet_NaN();
-  });
+  leave_out_flying_pixels(frame.depth, focal_px_, static_cast<float>(farthest_), known);
   if (registration_) registration_->to_color(own_view_, seen.depth);
   survey(frame.depth, seen.measured);
   return true;

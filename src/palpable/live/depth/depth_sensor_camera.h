@@ -15,7 +15,8 @@
 namespace palpable {
 
 /// One of DepthCamera's three cameras. Its depth is the sensor's depth in the colour camera's view;
-/// values that are no depths, or beyond settings.farthest, become NaN.
+/// values that are no depths, or beyond settings.farthest, become NaN, and so do flying pixels
+/// (flying_pixels.h).
 class DepthSensorCamera {
  public:
   /// Returns a problem if a camera or the pose between them is not valid (calibration_check.h).
@@ -41,6 +42,7 @@ class DepthSensorCamera {
   int depth_width_ = 0;   // px, of a frame's depth image
   int depth_height_ = 0;  // px
   double farthest_ = 0;
+  float focal_px_ = 0;     // of the depth sensor
   double depth_unit_ = 0;  // m, FrameFormat::depth_unit
   PinholeCamera camera_;
   DepthNoise noise_ = time_of_flight_noise();
