@@ -70,7 +70,48 @@ LineFit fit_line(const LineSums& s, float at) {
   return fit;
 }
 
+// The outline within one sample of a profile.
+struct Crossing {
+  float residual = 0;  // sum of squares, of both sides and the sample
+  float place = 0;     // t of the outline
+  float contrast = 0;  // squared difference of both sides' colours there
+};
+
 }  // namespace
+
+// Colours along the normal of a border, one pixel of the picture apart: samples lie at t = 1/2,
+// 3/2,
+// ... outside and -1/2, -3/2, ... inside of it. The innermost one is the first.
+struct OutlineSearch::Profile {
+  int inside = 0, count = 0;
+  std::array<Color, kMostSamples> colors;
+  std::array<LineSums, kMostSamples + 1> sums;  // of the samples before the k-th
+
+  [[nodiscard]] float t(int k) const { return static_cast<float>(k - inside) + 0.5F; }
+
+  // The samples that the outline may cross: with two more on each side.
+  [[nodiscard]] int first() const { return 2; }
+  [[nodiscard]] int end() const { return count - 2; }
+
+  [[nodiscard]] Crossing crossing(int m) const {
+    const auto k = static_cast<std::size_t>(m);
+    const LineSums& all = sums[static_cast<std::size_t>(count)];
+    const LineFit in = fit_line(sums[k], t(m)), out = fit_line(all.without(sums[k + 1]), t(m));
+    float along = 0, apart = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float d = in.there[c] - out.there[c];
+      along += d * (colors[k][c] - out.there[c]);
+      apart += d * d;
+    }
+    const float share = apart > 0 ? std::clamp(along / apart, 0.0F, 1.0F) : 0.5F;
+    float off = 0;  // of the mixed sample from the line between both colours
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float expected = share * in.there[c] + (1 - share) * out.there[c];
+      off += (colors[k][c] - expected) * (colors[k][c] - expected);
+    }
+    return {in.residual + out.residual + off, t(m) - 0.5F + share, apart};
+  }
+};
 
 OutlineSearch::OutlineSearch(const OutlineSearchSettings& settings) : settings_(settings) {
   PALPABLE_EXPECT(settings.inside == 0 ||
@@ -137,55 +178,58 @@ void OutlineSearch::find_border(const SeenFrame& seen, const MaskImage& shows) {
   }
 }
 
-void OutlineSearch::search(const SeenFrame& seen, const MaskImage& shows, Border& at) const {
+// @return whether both sides have enough samples
+bool OutlineSearch::sample(const SeenFrame& seen, const MaskImage& shows, const Border& at,
+                           Profile& profile) const {
   const auto factor = static_cast<float>(factor_);
   // Pixel x of the depth image lies at factor x + (factor - 1) / 2 of the picture.
   const float u0 = factor * static_cast<float>(at.x) + 0.5F * (factor - 1) + 0.5F * factor * at.nx;
   const float v0 = factor * static_cast<float>(at.y) + 0.5F * (factor - 1) + 0.5F * factor * at.ny;
   const float z = seen.depth(at.x, at.y);
   const int width = factor_ * shows.width(), height = factor_ * shows.height();
-  // The pixel of the picture above and left of a place, and the pixel of the depth image that holds
-  // the place.
+  // The pixel of the picture above and left of a place.
   const auto pixel_at = [&](float t) {
     return std::array{static_cast<int>(std::floor(u0 + t * at.nx)),
                       static_cast<int>(std::floor(v0 + t * at.ny))};
   };
-  const auto is_within = [&](const std::array<int, 2>& p) {
-    return p[0] >= 0 && p[1] >= 0 && p[0] + 1 < width && p[1] + 1 < height;
+  const auto is_within = [&](float t) {
+    const auto [u, v] = pixel_at(t);
+    return u >= 0 && v >= 0 && u + 1 < width && v + 1 < height;
   };
+  // Whether the pixel of the depth image that holds a place shows any presser; this one.
   const auto owner_at = [&](float t) {
     return std::array{static_cast<int>(std::floor(u0 + t * at.nx + 0.5F)) / factor_,
                       static_cast<int>(std::floor(v0 + t * at.ny + 0.5F)) / factor_};
-  };
-  const auto shows_thing = [&](float t) {
-    const auto [x, y] = owner_at(t);
-    return shows(x, y) == kShowsPresser && is_same_depth(seen.depth(x, y), z);
   };
   const auto shows_any = [&](float t) {
     const auto [x, y] = owner_at(t);
     return shows(x, y) == kShowsPresser;
   };
-  // Samples lie at t = 1/2, 3/2, ... outside and -1/2, -3/2, ... inside of the border.
+  const auto shows_thing = [&](float t) {
+    const auto [x, y] = owner_at(t);
+    return shows(x, y) == kShowsPresser && is_same_depth(seen.depth(x, y), z);
+  };
+  // The first two samples of each side are of the border pixel and the one beside it.
   int in = 0, out = 0;
   while (in < settings_.inside) {
     const float t = -0.5F - static_cast<float>(in);
-    if (!is_within(pixel_at(t)) || (in > 1 && !shows_thing(t))) break;
+    if (!is_within(t) || (in > 1 && !shows_thing(t))) break;
     ++in;
   }
   while (out < settings_.outside) {
     const float t = 0.5F + static_cast<float>(out);
-    if (!is_within(pixel_at(t)) || (out > 1 && shows_any(t))) break;
+    if (!is_within(t) || (out > 1 && shows_any(t))) break;
     ++out;
   }
-  if (in < kLeastInside || out < kLeastOutside) return;
-  const int count = in + out;
-  std::array<Color, kMostSamples> colors;
-  std::array<LineSums, kMostSamples + 1> sums;  // of the samples before the k-th, inside first
-  for (int k = 0; k < count; ++k) {
-    const float t = static_cast<float>(k - in) + 0.5F;
-    const float u = u0 + t * at.nx, v = v0 + t * at.ny;
+  if (in < kLeastInside || out < kLeastOutside) return false;
+  profile.inside = in;
+  profile.count = in + out;
+  profile.sums[0] = {};
+  for (int k = 0; k < profile.count; ++k) {
+    const float t = profile.t(k);
     const auto p = pixel_at(t);
-    const float a = u - static_cast<float>(p[0]), b = v - static_cast<float>(p[1]);
+    const float a = u0 + t * at.nx - static_cast<float>(p[0]);
+    const float b = v0 + t * at.ny - static_cast<float>(p[1]);
     const Rgb *first = seen.color.row(p[1]) + p[0], *second = seen.color.row(p[1] + 1) + p[0];
     const auto mixed = [&](auto channel) {
       return (1 - b) * ((1 - a) * static_cast<float>(channel(first[0])) +
@@ -193,59 +237,43 @@ void OutlineSearch::search(const SeenFrame& seen, const MaskImage& shows, Border
              b * ((1 - a) * static_cast<float>(channel(second[0])) +
                   a * static_cast<float>(channel(second[1])));
     };
-    Color& color = colors[static_cast<std::size_t>(k)];
-    color = {mixed([](const Rgb& c) { return c.r; }), mixed([](const Rgb& c) { return c.g; }),
-             mixed([](const Rgb& c) { return c.b; })};
-    sums[static_cast<std::size_t>(k) + 1] = sums[static_cast<std::size_t>(k)];
-    sums[static_cast<std::size_t>(k) + 1].add(t, color);
+    const auto at_k = static_cast<std::size_t>(k);
+    profile.colors[at_k] = {mixed([](const Rgb& c) { return c.r; }),
+                            mixed([](const Rgb& c) { return c.g; }),
+                            mixed([](const Rgb& c) { return c.b; })};
+    profile.sums[at_k + 1] = profile.sums[at_k];
+    profile.sums[at_k + 1].add(t, profile.colors[at_k]);
   }
-  const LineSums& all = sums[static_cast<std::size_t>(count)];
-  // The noise is estimated from the best fit.
-  constexpr int kLeastIn = 2, kLeastOut = 2;
-  std::array<float, kMostSamples> residuals;
-  std::array<float, kMostSamples> places;  // t of the outline
-  std::array<float, kMostSamples> contrasts;
+  return true;
+}
+
+void OutlineSearch::search(const SeenFrame& seen, const MaskImage& shows, Border& at) const {
+  Profile profile;
+  if (!sample(seen, shows, at, profile)) return;
+  std::array<Crossing, kMostSamples> crossings;
   float least = std::numeric_limits<float>::infinity();
-  for (int m = kLeastIn; m < count - kLeastOut; ++m) {
-    const auto k = static_cast<std::size_t>(m);
-    const float t = static_cast<float>(m - in) + 0.5F;
-    const LineFit inside = fit_line(sums[k], t), outside = fit_line(all.without(sums[k + 1]), t);
-    float along = 0, apart = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float d = inside.there[c] - outside.there[c];
-      along += d * (colors[k][c] - outside.there[c]);
-      apart += d * d;
-    }
-    const float share = apart > 0 ? std::clamp(along / apart, 0.0F, 1.0F) : 0.5F;
-    float off = 0;  // of the mixed sample from the line between both colours
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float expected = share * inside.there[c] + (1 - share) * outside.there[c];
-      off += (colors[k][c] - expected) * (colors[k][c] - expected);
-    }
-    residuals[k] = inside.residual + outside.residual + off;
-    places[k] = t - 0.5F + share;
-    contrasts[k] = apart;
-    least = std::min(least, residuals[k]);
+  for (int m = profile.first(); m < profile.end(); ++m) {
+    const Crossing& crossing = crossings[static_cast<std::size_t>(m)] = profile.crossing(m);
+    least = std::min(least, crossing.residual);
   }
+  // The noise is estimated from the best fit.
   const auto least_noise = static_cast<float>(settings_.least_noise);
   const float noise2 =
-      std::max(least_noise * least_noise, least / (3 * static_cast<float>(count - 4)));
+      std::max(least_noise * least_noise, least / (3 * static_cast<float>(profile.count - 4)));
   const auto spread = static_cast<float>(settings_.spread);
   float best = std::numeric_limits<float>::infinity();
-  int found = -1;
-  for (int m = kLeastIn; m < count - kLeastOut; ++m) {
-    const auto k = static_cast<std::size_t>(m);
-    const float shift = places[k] / factor;
+  const Crossing* found = nullptr;
+  for (int m = profile.first(); m < profile.end(); ++m) {
+    const Crossing& crossing = crossings[static_cast<std::size_t>(m)];
+    const float shift = crossing.place / static_cast<float>(factor_);
     if (std::abs(shift) > kDrawReach) continue;  // draw() could not follow
     const float off = (shift - at.expected) / spread;
-    const float cost = residuals[k] / (2 * noise2) + 0.5F * off * off;
-    if (cost < best) best = cost, found = m;
+    const float cost = crossing.residual / (2 * noise2) + 0.5F * off * off;
+    if (cost < best) best = cost, found = &crossing;
   }
-  if (found < 0) return;
-  const auto k = static_cast<std::size_t>(found);
   const auto contrast = static_cast<float>(settings_.least_contrast);
-  if (contrasts[k] < contrast * contrast * noise2) return;
-  at.shift = places[k] / factor;
+  if (found == nullptr || found->contrast < contrast * contrast * noise2) return;
+  at.shift = found->place / static_cast<float>(factor_);
   at.is_found = true;
 }
 

@@ -78,6 +78,9 @@ class OutlineSearch {
   };
 
   void find_border(const SeenFrame& seen, const MaskImage& shows);
+  struct Profile;
+  [[nodiscard]] bool sample(const SeenFrame& seen, const MaskImage& shows, const Border& at,
+                            Profile& profile) const;
   void search(const SeenFrame& seen, const MaskImage& shows, Border& at) const;
   void find_medians();
   [[nodiscard]] bool goes_on(const SeenFrame& seen, const MaskImage& shows, int x, int y, float nx,
