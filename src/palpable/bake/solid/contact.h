@@ -49,8 +49,6 @@ struct ContactSettings {
   /// lines, and a point that slips slides in one direction. What friction holds is kept from state
   /// to state (contact_pairs.h): an obstacle at rest holds the skin, however many steps it rests.
   double friction = 0;
-  /// Coulomb's coefficient between the components of the mesh, with `mutual`; 0: none.
-  double mutual_friction = 0;
   /// Stiffness with which a point is held sideways within an update, ratio as for `penalty`.
   /// Repeated updates hold it exactly, so the value only matters for their number: with a large
   /// one points change between sticking and slipping from update to update.
@@ -65,6 +63,8 @@ struct ContactSettings {
   /// jumps between updates; with a fifth of it two blocks of different grids need more than 30
   /// updates.
   double mutual_penalty = 10;
+  /// Coulomb's coefficient between the components of the mesh, with `mutual`; 0: none.
+  double mutual_friction = 0;
   int max_newton_steps = 40;    ///< for one update of the multipliers
   int max_updates = 30;         ///< of the multipliers, for one step in t
   int max_halvings = 7;         ///< of a step in t, in succession

@@ -202,6 +202,49 @@ TEST_CASE("so does one on a finer mesh, and one that lies a little aside",
   press_and_release(24, 6, 3, 0.013);
 }
 
+// A soft cube on the ground, pressed by 8 mm under a stiff plate that is held at its top: the cube
+// spreads. @returns the largest movement aside of the cube's top, m
+double largest_slide(double friction, ContactState& state) {
+  std::array<SolidModel, 2> both_parts;
+  SolidModel &cube = both_parts[0], &plate = both_parts[1];
+  cube.mesh = box_tets({0, 0, 0}, {0.1, 0.1, 0.1}, 3, 3, 3);
+  plate.mesh = box_tets({0, 0, 0}, {0.14, 0.14, 0.05}, 4, 4, 1);
+  cube.material = material_from_young("neo-hookean", 20e3, 0.4);
+  plate.material = material_from_young("neo-hookean", 2e6, 0.1);
+  cube.fixed_nodes = nodes_on_plane(cube.mesh, {0, 0, 0}, Vector3d::UnitZ(), 1e-9);
+  plate.fixed_nodes = nodes_on_plane(plate.mesh, {0, 0, 0.05}, Vector3d::UnitZ(), 1e-9);
+  const JoinedModel both =
+      joined(both_parts, std::array{at(0, 0, 0), at(-0.02, -0.02, 0.1 - 0.008)});
+  const EquilibriumSolver solver(both.model);
+  ContactWalk walk(solver, nothing, 0.0, {.mutual = true, .mutual_friction = friction});
+  const bool reached = walk.advance(1.0);
+  INFO(walk.why_stopped());
+  REQUIRE(reached);
+  check_conditions(walk);
+  state = walk.now();
+  double largest = 0.0;
+  for (const int n : nodes_on_plane(cube.mesh, {0, 0, 0.1}, Vector3d::UnitZ(), 1e-9)) {
+    largest = std::max(largest, state.displacement.col(n).head<2>().norm());
+  }
+  return largest;
+}
+
+TEST_CASE("friction between two bodies holds what would slide, up to Coulomb's force",
+          "[solid][mutual][friction]") {
+  ContactState free, rubs, sticks;
+  const double without = largest_slide(0.0, free);
+  const double some = largest_slide(0.05, rubs);
+  const double none = largest_slide(5.0, sticks);
+  CHECK(without > 5e-4);
+  CHECK(some < 0.98 * without);
+  CHECK(none <= tolerance(5e-5, "m; the plate, 100 times as stiff, gives way a little"));
+  CHECK(free.dissipated == 0.0);
+  CHECK(rubs.dissipated > 0.0);
+  CHECK(sticks.dissipated <= tolerance(1e-3, "nothing slides") * rubs.dissipated);
+  CHECK(sticks.sticking > 0.9 * sticks.mutual_touching);
+  CHECK(rubs.sticking < rubs.mutual_touching);
+}
+
 TEST_CASE("a body that lies deep in another is refused", "[solid][mutual]") {
   const std::array<SolidModel, 2> blocks{sliding_block(2, false), sliding_block(4, false)};
   SolidModel small = blocks[1];

@@ -3,6 +3,8 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/geometry/surface_distance.h"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -344,19 +346,18 @@ void MutualPairs::begin_step(const Matrix3Xd& positions_before) {
   }
 }
 
-// Anchors a pair at the point of y's triangle, or of its plane, that is nearest to `at`.
+// Anchors a pair where the line through `at` along its normal meets the plane of y's triangle.
 void MutualPairs::set_anchor(const Matrix3Xd& positions, const Vector3d& at,
                              MutualPair& pair) const {
   for (int k = 0; k < 3; ++k) {
     pair.anchor_nodes[k] = boundary_.node_of_vertex[boundary_.surface.triangles(k, pair.triangle)];
   }
   const Vector3d origin = positions.col(pair.anchor_nodes[0]);
-  Eigen::Matrix<double, 3, 2> edges;
-  edges << positions.col(pair.anchor_nodes[1]) - origin,
-      positions.col(pair.anchor_nodes[2]) - origin;
-  const Eigen::Matrix2d products = edges.transpose() * edges;
-  const Eigen::Vector2d v = products.inverse() * (edges.transpose() * (at - origin));
-  pair.anchor_shape = {1.0 - v.sum(), v[0], v[1]};
+  Matrix3d directions;  // two edges, and the normal
+  directions << positions.col(pair.anchor_nodes[1]) - origin,
+      positions.col(pair.anchor_nodes[2]) - origin, pair.normal;
+  const Vector3d v = directions.partialPivLu().solve(at - origin);
+  pair.anchor_shape = {1.0 - v[0] - v[1], v[0], v[1]};
 }
 
 // The place of the other skin, as it is at `positions`, that a point touched first. Both skins
