@@ -9,11 +9,13 @@
 #include "palpable/bake/touch_bake/touch_maker.h"
 #include "palpable/bake/touch_bake/touch_scenes.h"
 #include "palpable/bake/truth/hand_walks.h"
+#include "palpable/common/base/error.h"
 #include "palpable/common/base/order_statistics.h"
 
 #include <fmt/format.h>
 
 #include "bench/bake/bench.h"
+#include "bench/bake/contact_comparison.h"
 #include "bench/bake/friction_study.h"
 #include <algorithm>
 #include <array>
@@ -107,6 +109,19 @@ Json known_figures(const BenchFrictionOptions& options, ProgressBar& bar) {
           {"least_dissipated_J", std::min(slip.least_dissipated, mindlin.least_dissipated)}};
 }
 
+// Friction against CalculiX' own, on one mesh.
+Json calculix_friction(const BenchFrictionOptions& options, ProgressBar& bar) {
+  bar.show({"CalculiX' friction", 0, 1, ""});
+  try {
+    const std::vector<ContactDifference> found = compare_contact(6, {10, 100}, options.coefficient);
+    return {{"ccx_friction_difference_u", found.back().displacement},
+            {"ccx_friction_difference_force", found.back().force},
+            {"ccx_friction_soft_difference_u", found.front().displacement}};
+  } catch (const Error& error) {  // not installed, or without a solution
+    return {{"ccx_friction_stopped", error.what()}};
+  }
+}
+
 // How many squeezes have two solutions: that with half the step is another one.
 Json squeeze_figures(const FullBody& body, const BenchFrictionOptions& options, std::uint64_t seed,
                      ProgressBar& bar) {
@@ -133,7 +148,8 @@ Json squeeze_figures(const FullBody& body, const BenchFrictionOptions& options, 
 
 void bench_friction(const BenchFrictionOptions& options) {
   ProgressBar bar;
-  const Json known = known_figures(options, bar);
+  Json known = known_figures(options, bar);
+  known.update(calculix_friction(options, bar));
   if (options.known_alone) {
     bar.finish();
     print_figures(known, options.json);
