@@ -44,9 +44,11 @@ Matrix3d friction_stiffness(const PointFriction& point) {
 
 double update_shear(const Friction& law, double penalty, double before, double now,
                     const Vector3d& normal, PointFriction& point) {
-  const double change =
-      std::max((point.force - point.shear).norm(), law.coefficient * std::abs(now - before)) /
-      (law.stiffness * penalty);
+  double change = (point.force - point.shear).norm();
+  // Far inside the cone its size does not matter.
+  const bool near_limit = 2.0 * point.force.norm() > point.limit;
+  if (near_limit) change = std::max(change, law.coefficient * std::abs(now - before));
+  change /= law.stiffness * penalty;
   point.normal = normal;
   point.shear = in_plane(point.force, normal);
   const double most = law.coefficient * now, size = point.shear.norm();

@@ -57,7 +57,8 @@ double evaluate_friction(const Friction& law, double penalty, double pressing,
 /// lambda <- t, at most mu times the new normal force, and turned into the plane of the new normal.
 /// Call this before the multiplier of the normal force is replaced.
 /// @param before, now  p, and the normal force that replaces it, N
-/// @returns the larger of |t - lambda| / k_t and mu |now - before| / k_t, m
+/// @returns |t - lambda| / k_t, m, and where |t| > R / 2 at least mu |now - before| / k_t: how far
+///          the point is from the state that further updates lead to
 double update_shear(const Friction& law, double penalty, double before, double now,
                     const Eigen::Vector3d& normal, PointFriction& point);
 
