@@ -76,9 +76,9 @@ ContactWalk press_mindlin(const EquilibriumSolver& solver, double coefficient) {
 double mindlin_compliance(const EquilibriumSolver& solver) {
   ContactWalk walk = press_mindlin(solver, 20.0);
   const double before = walk.now().force.x();
-  constexpr double kAside = 0.1;
-  go_to(walk, 1.0 + kAside, "Mindlin's block");
-  return kAside * kMindlinShare * kMindlinSlide / (walk.now().force.x() - before);
+  constexpr double kPart = 0.1;  // of the way
+  go_to(walk, 1.0 + kPart, "Mindlin's block");
+  return kPart * kMindlinShare * kMindlinSlide / (walk.now().force.x() - before);
 }
 
 double power_two_thirds(double x) { return std::pow(std::max(0.0, x), 2.0 / 3.0); }
@@ -253,12 +253,12 @@ CapstanResult slide_strip(int cells, double coefficient) {
   const EquilibriumSolver solver(strip(cells));
   // A soft penalty: steps push the strip by more than its thickness.
   ContactWalk walk(solver, drum_at, -0.01, {.penalty = 10, .friction = coefficient});
-  constexpr int kDown = 50, kAside = 32;
-  for (int k = 1; k <= kDown; ++k) {
-    go_to(walk, static_cast<double>(k) / kDown, "the strip, pressed");
+  constexpr int kPressing = 50, kDragging = 32;
+  for (int k = 1; k <= kPressing; ++k) {
+    go_to(walk, static_cast<double>(k) / kPressing, "the strip, pressed");
   }
-  for (int k = 1; k <= kAside; ++k) {
-    go_to(walk, 1.0 + static_cast<double>(k) / kAside, "the strip, dragged");
+  for (int k = 1; k <= kDragging; ++k) {
+    go_to(walk, 1.0 + static_cast<double>(k) / kDragging, "the strip, dragged");
   }
   // The forces at the two ends.
   const Matrix3Xd forces = solver.internal_force(walk.now().displacement);
