@@ -240,8 +240,9 @@ TEST_CASE("things that come and go elsewhere change nothing, with friction and w
     REQUIRE(among.advance(t));
     check_conditions(among);
     const double size = alone.now().displacement.norm();
-    CHECK((alone.now().displacement - among.now().displacement).norm() <=
-          tolerance(1e-4, "of the norm; both are solved to 1e-6 of the size") * size);
+    const double most = friction > 0.0 ? tolerance(1e-3, "what slips depends on the path so far")
+                                       : tolerance(1e-4, "both are solved to 1e-6 of the size");
+    CHECK((alone.now().displacement - among.now().displacement).norm() <= most * size);
   }
 }
 

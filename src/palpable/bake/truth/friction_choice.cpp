@@ -17,10 +17,11 @@ double choose_friction(const std::filesystem::path& clip, std::optional<double> 
   for (const std::filesystem::path& folder : folders) {
     std::error_code error;
     if (!std::filesystem::exists(folder / "deformed.jsonl", error)) continue;
-    throw Error(fmt::format(
-        "{}: holds solutions with a coefficient of friction of {}, and {} was asked for; remove it "
-        "to solve anew",
-        folder.string(), stated, chosen));
+    throw Error(
+        fmt::format("{}: holds solutions with a coefficient of friction of {:g}, and {:g} was "
+                    "asked for; remove it "
+                    "to solve anew",
+                    folder.string(), stated, chosen));
   }
   write_film_friction(clip, chosen);
   return chosen;
