@@ -51,7 +51,7 @@ struct ContactSettings {
   double friction = 0;
   /// Stiffness with which a point is held sideways within an update, ratio as for `penalty`.
   /// Repeated updates hold it exactly, so the value only matters for their number: with a large
-  /// one points change between sticking and slipping from update to update.
+  /// one points may change between sticking and slipping from update to update.
   double sticking_penalty = 10;
   /// Whether the separate components of the mesh press each other. Contact of a
   /// component with itself is not detected, nor is a step in which one component passes right
