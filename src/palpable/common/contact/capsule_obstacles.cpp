@@ -2,12 +2,34 @@
 
 #include "palpable/common/base/contract.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cstddef>
 
 namespace palpable {
 
+using Eigen::Vector3d;
 using Eigen::Vector3f;
+
+namespace {
+
+bool is_same_capsule(const Capsule& a, const Capsule& b) {
+  return a.a == b.a && a.b == b.b && a.ra == b.ra && a.rb == b.rb;
+}
+
+// Where a point fixed to a capsule is after the capsule has moved.
+Vector3f moved_with(const Capsule& from, const Capsule& to, const Vector3f& x) {
+  if (is_same_capsule(from, to)) return x;
+  const Vector3d old_axis = from.b - from.a, axis = to.b - to.a;
+  const Vector3d arm = x.cast<double>() - from.a;
+  const bool is_ball = !(old_axis.squaredNorm() > 0) || !(axis.squaredNorm() > 0);
+  if (is_ball || old_axis == axis) return (to.a + arm).cast<float>();
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(old_axis, axis);
+  return (to.a + turn * arm).cast<float>();
+}
+
+}  // namespace
 
 void CapsuleObstacles::set(std::span<const Capsule> capsules, std::span<const int> things) {
   PALPABLE_EXPECT(things.empty() || things.size() == capsules.size(), "a thing for each capsule");
@@ -16,6 +38,7 @@ void CapsuleObstacles::set(std::span<const Capsule> capsules, std::span<const in
   parts_.clear();
   boxes_.clear();
   box_.setEmpty();
+  friction_.clear();
   for (const Capsule& capsule : capsules) {
     fields_.emplace_back(capsule);
     parts_.push_back({capsule.a.cast<float>(), capsule.b.cast<float>(),
@@ -23,6 +46,45 @@ void CapsuleObstacles::set(std::span<const Capsule> capsules, std::span<const in
     boxes_.push_back(box_of(capsule).cast<float>());
     box_.extend(boxes_.back());
   }
+}
+
+void CapsuleObstacles::set_friction(std::span<const float> friction,
+                                    std::span<const Capsule> before, std::span<const int> now) {
+  PALPABLE_EXPECT(friction.size() == fields_.size() && before.size() == now.size(),
+                  "a friction for each capsule, a successor for each of before");
+  friction_.assign(friction.begin(), friction.end());
+  capsules_.clear();
+  for (const CapsuleField& field : fields_) capsules_.push_back(field.capsule());
+  before_.assign(before.begin(), before.end());
+  now_of_.assign(now.begin(), now.end());
+  before_of_.assign(capsules_.size(), -1);
+  for (std::size_t k = 0; k < now_of_.size(); ++k) {
+    if (now_of_[k] >= 0) before_of_[static_cast<std::size_t>(now_of_[k])] = static_cast<int>(k);
+  }
+}
+
+float CapsuleObstacles::largest_friction(float of_body) const {
+  float largest = 0;
+  for (const float one : friction_) largest = std::max(largest, one < 0 ? of_body : one);
+  return largest;
+}
+
+std::optional<MaterialPoint> CapsuleObstacles::carried(const MaterialPoint& before) const {
+  const auto part = static_cast<std::size_t>(before.part);
+  if (friction_.empty() || before.part < 0 || part >= now_of_.size()) return std::nullopt;
+  const int now = now_of_[part];
+  if (now < 0) return std::nullopt;
+  return MaterialPoint{
+      now, moved_with(before_[part], capsules_[static_cast<std::size_t>(now)], before.place)};
+}
+
+std::optional<Vector3f> CapsuleObstacles::way_of(const MaterialPoint& now) const {
+  const auto part = static_cast<std::size_t>(now.part);
+  if (friction_.empty() || now.part < 0 || part >= before_of_.size()) return std::nullopt;
+  const int before = before_of_[part];
+  if (before < 0) return std::nullopt;
+  const Capsule& from = before_[static_cast<std::size_t>(before)];
+  return Vector3f(now.place - moved_with(capsules_[part], from, now.place));
 }
 
 void CapsuleObstacles::find_gaps(std::span<const Vector3f> places,
@@ -47,6 +109,10 @@ SurfaceGap CapsuleObstacles::gap_of(const Vector3f& place) const {
   gap.normal = fields_[found].normal(x).cast<float>();
   gap.curvature = fields_[found].curvature(x).cast<float>();
   if (!things_.empty()) gap.thing = things_[found];
+  if (!friction_.empty()) {
+    gap.part = static_cast<int>(found);
+    gap.friction = friction_[found];
+  }
   return gap;
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,13 @@ class CapsuleObstacles : public Obstacles {
   /// @param capsules  body frame
   /// @param things    which thing each capsule belongs to, SurfaceGap::thing; empty: not known
   void set(std::span<const Capsule> capsules, std::span<const int> things = {});
+  /// What friction needs to know of the capsules that were set; set() forgets it. Without it they
+  /// rub nothing. Keeps its memory.
+  /// @param friction  Coulomb's coefficient of each capsule (SurfaceGap::friction)
+  /// @param before    the capsules of the frame before, body frame
+  /// @param now       as many: which of the present ones each has become; -1: it is gone
+  void set_friction(std::span<const float> friction, std::span<const Capsule> before,
+                    std::span<const int> now);
 
   void find_gaps(std::span<const Eigen::Vector3f> places,
                  std::span<SurfaceGap> gaps) const override;
@@ -28,6 +36,11 @@ class CapsuleObstacles : public Obstacles {
   [[nodiscard]] bool has_exact_parts() const override { return true; }
   void add_sharp_parts(const Eigen::AlignedBox3f& box, float radius,
                        std::vector<SharpPart>& parts) const override;
+  /// A material point moves with the end a of its capsule, and turns with the axis on the shortest
+  /// way: capsules do not spin about their axes.
+  [[nodiscard]] float largest_friction(float of_body) const override;
+  [[nodiscard]] std::optional<MaterialPoint> carried(const MaterialPoint& before) const override;
+  [[nodiscard]] std::optional<Eigen::Vector3f> way_of(const MaterialPoint& now) const override;
 
  private:
   [[nodiscard]] SurfaceGap gap_of(const Eigen::Vector3f& place) const;
@@ -37,6 +50,11 @@ class CapsuleObstacles : public Obstacles {
   std::vector<SharpPart> parts_;  // the capsules themselves
   std::vector<Eigen::AlignedBox3f> boxes_;
   Eigen::AlignedBox3f box_;  // of all capsules
+  // Of friction; empty without it.
+  std::vector<float> friction_;           // of the capsules
+  std::vector<Capsule> capsules_;         // the capsules, and
+  std::vector<Capsule> before_;           // those of the frame before;
+  std::vector<int> now_of_, before_of_;   // of each of the latter, and of the former; -1: none
 };
 
 }  // namespace palpable

@@ -21,6 +21,7 @@
 #pragma once
 
 #include "palpable/common/contact/moving_surface.h"
+#include "palpable/common/contact/point_anchor.h"
 #include "palpable/common/contact/point_forces.h"
 #include "palpable/common/contact/skin_clusters.h"
 #include "palpable/common/geometry/skin_points.h"
@@ -120,6 +121,12 @@ class ContactBody {
   /// The forces of the state, in rising order of point, then of PointForce::by. The solver reads
   /// them when it begins a step and replaces them when it ends one.
   [[nodiscard]] virtual std::vector<PointForce>& forces() = 0;
+  /// The anchors of the state, in rising order of point, then of PointAnchor::by; only with
+  /// friction. The solver reads and replaces them as it does forces.
+  [[nodiscard]] virtual std::vector<PointAnchor>& anchors() = 0;
+  /// Coulomb's coefficient of friction of the skin; 0: none. Between two bodies the root of the
+  /// product of both counts.
+  [[nodiscard]] virtual double friction() const { return 0; }
 
   // --- shape
 
@@ -174,13 +181,16 @@ class ContactBody {
                               std::span<double> W, std::size_t m, std::span<double> q) = 0;
   /// Adds the compliance between tangential forces and the normal forces of the last call, that
   /// among tangential forces, and their free displacement. Units as those of add_compliance().
-  /// Contacts with curved obstacles use it: their normals turn (contact_problem.h).
+  /// Contacts with curved obstacles use it, whose normals turn, and those with friction
+  /// (contact_problem.h).
   /// @param forces   rising rows, of the t tangential ones
+  /// @param tangent  kSafe: a simpler tangent will do; else that of the last add_compliance()
   /// @param W_nt     (m x wide) normal against tangential, rows padded to `wide` >= t
   /// @param W_tt     (t x t)
   /// @param q_t      (t)
-  virtual void add_tangential(std::span<const UnitForce> forces, std::span<float> W_nt,
-                              std::size_t wide, std::span<double> W_tt, std::span<double> q_t) = 0;
+  virtual void add_tangential(std::span<const UnitForce> forces, Tangent tangent,
+                              std::span<float> W_nt, std::size_t wide, std::span<double> W_tt,
+                              std::span<double> q_t) = 0;
   /// m/N, the local compliance of the skin under a contact point, which the tangent lacks.
   /// @param area      m^2 that the point stands for
   /// @param softness  SurfaceGap::softness

@@ -30,6 +30,9 @@ constexpr std::size_t kMostSharpParts = 4096;
 // share of what is left, or by this much, m.
 constexpr double kNearerShare = 0.1, kNearer = 0.005;
 
+// Ratio to ContactLimits::tolerance: largest residual of the problem with friction.
+constexpr double kConeTolerance = 0.05;
+
 }  // namespace
 
 Reached ContactReport::reached() const {
@@ -85,6 +88,12 @@ void ContactFrame::begin(std::span<const int> members, std::span<const SkinPair>
     limits_.narrows |= one.narrows;
   }
   search_.begin(members, pairs, limits_);
+  rubs_ = may_rub();
+  if (rubs_) {
+    begin_friction();
+  } else {
+    for (const int k : members) part(k).body->anchors().clear();
+  }
 }
 
 // Gives contacts places, and drops those for which there is no room.
@@ -125,11 +134,13 @@ void ContactFrame::take_up(double shift, bool goes_on) {
 void ContactFrame::settle(double shift, bool last, bool goes_on, int most) {
   take_up(shift, goes_on);
   for (const int k : members_) part(k).body->begin_step(part(k).loads, last);
+  if (rubs_) start_friction(goes_on);
   float share = 1;
   reach_ = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most; ++i) {
     ++report_.iterations;
     const double change = iterate(shift, share);
+    if (rubs_ && !is_stuck_) set_anchors(shift);
     // Two sets of points that press in turn would alternate for ever.
     if (limits_.damped && i > 0 && change > report_.last_change) {
       share = std::max(kLeastShare, 0.5f * share);
@@ -144,13 +155,23 @@ void ContactFrame::settle(double shift, bool last, bool goes_on, int most) {
 void ContactFrame::choose_pressed(double shift) {
   pressed_.clear();
   of_pressed_.clear();
+  slips_.clear();
   double way = ContactSearch::kTakesPart * limits_.largest_step;
   if (limits_.narrows) way = std::min(way, reach_);
   for (std::size_t k = 0; k < search_.contacts().size(); ++k) {
-    const Contact& c = search_.contacts()[k];
+    Contact& c = search_.contacts()[k];
     forces_before_[k] = c.force;
+    if (rubs_) {
+      frictions_before_[k] = c.rub.force;
+      c.rub.coefficient = friction_of(c);
+      if (!c.rub.has_gap) {
+        c.rub.gap = c.distance + static_cast<float>(c.by < 0 ? shift : 0.0);
+        c.rub.has_gap = true;
+      }
+    }
     const auto reach = static_cast<float>(way - (c.by < 0 ? shift : 0.0));
     if (!(c.distance < reach) && c.force.isZero(0)) continue;
+    if (rubs_) slips_.push_back(slip_of(c));
     pressed_.push_back(c);
     of_pressed_.push_back(k);
   }
@@ -162,7 +183,8 @@ void ContactFrame::choose_pressed(double shift) {
 bool ContactFrame::solve_problem(double shift) {
   using Tangent = ContactBody::Tangent;
   const auto solve = [&](bool turning, Tangent tangent) {
-    return problem_.solve(pressed_, bodies_, {shift, turning, tangent});
+    return problem_.solve(pressed_, bodies_,
+                          {shift, turning, tangent, kConeTolerance * limits_.tolerance}, slips_);
   };
   if (!solve(true, Tangent::kFull) && !solve(false, Tangent::kFull) &&
       !solve(false, Tangent::kSafe)) {
@@ -178,6 +200,7 @@ void ContactFrame::go_back(float share) {
   for (std::size_t k = 0; k < search_.contacts().size(); ++k) {
     Contact& c = search_.contacts()[k];
     c.force = share * c.force + (1 - share) * forces_before_[k];
+    if (rubs_) c.rub.force = share * c.rub.force + (1 - share) * frictions_before_[k];
     c.pressing = std::max(0.0, static_cast<double>(c.force.dot(c.normal)));
   }
 }
@@ -222,6 +245,186 @@ double ContactFrame::iterate(double shift, float share) {
   return 0;
 }
 
+// --- friction
+
+// Coulomb's coefficient between two bodies: the root of the product of both, so that a body without
+// friction rubs no other one.
+float ContactFrame::friction_between(int one, int other) const {
+  return static_cast<float>(std::sqrt(part(one).body->friction() * part(other).body->friction()));
+}
+
+float ContactFrame::friction_of(const Contact& contact) const {
+  if (contact.by >= 0) return friction_between(contact.body, contact.by);
+  if (!(contact.rub.given < 0)) return contact.rub.given;
+  return static_cast<float>(part(contact.body).body->friction());
+}
+
+bool ContactFrame::may_rub() const {
+  const bool by_obstacles = std::any_of(members_.begin(), members_.end(), [this](int k) {
+    const Obstacles* obstacles = part(k).obstacles;
+    return obstacles != nullptr &&
+           obstacles->largest_friction(static_cast<float>(part(k).body->friction())) > 0;
+  });
+  return by_obstacles || std::any_of(pairs_.begin(), pairs_.end(), [this](const SkinPair& pair) {
+           return friction_between(pair.points, pair.skin) > 0;
+         });
+}
+
+// Moves the anchors of the states with the obstacles, and forgets those of obstacles that are gone.
+void ContactFrame::begin_friction() {
+  problem_.make_room_for_friction();
+  slips_.reserve(most_);
+  frictions_before_.resize(most_);
+  for (ProblemBody& body : bodies_) body.tangents.reserve(2 * most_);
+  for (const int k : members_) {
+    std::vector<PointAnchor>& anchors = part(k).body->anchors();
+    anchors.reserve(most_);
+    std::size_t kept = 0;
+    for (PointAnchor& anchor : anchors) {
+      anchor.force_before = anchor.force;
+      anchor.way.setZero();
+      if (anchor.by < 0) {
+        const Obstacles* obstacles = part(k).obstacles;
+        if (obstacles == nullptr) continue;
+        const auto now = obstacles->carried({anchor.part, anchor.place});
+        if (!now) continue;
+        anchor.way = now->place - anchor.place;
+        anchor.place = now->place;
+        anchor.part = now->part;
+      }
+      anchors[kept++] = anchor;
+    }
+    anchors.resize(kept);
+  }
+}
+
+// The place of a contact's point: in the body's frame; of a contact between bodies from its foot,
+// in the other body's frame.
+Vector3f ContactFrame::place_now(const Contact& c) const {
+  const Vector3f x = part(c.body).body->position(c.place);
+  if (c.by < 0) return x;
+  return pair_of(c).skin_from_points * x - part(c.by).body->position(c.on_foot);
+}
+
+// m, in the body's frame: the slip of a contact, and some vector along its normal.
+Vector3f ContactFrame::slip_of(const Contact& c) const {
+  if (!c.rub.is_anchored) return Vector3f::Zero();
+  const Vector3f slip = place_now(c) - c.rub.held;
+  if (c.by < 0) return slip;
+  return c.rub.to_other.transpose() * slip;
+}
+
+// Gives the contacts of a step the anchors of the states, at this step's share of the obstacles'
+// way, and the friction of the states.
+void ContactFrame::start_friction(bool goes_on) {
+  const float left = 1 - static_cast<float>(step_) / static_cast<float>(steps_);
+  for (Contact& c : search_.contacts()) {
+    if (goes_on && c.rub.is_begun) continue;
+    const float given = c.rub.given;
+    const int part_now = c.rub.part;
+    c.rub = {};
+    c.rub.given = given;
+    c.rub.part = part_now;
+    c.rub.is_begun = true;
+    if (c.by >= 0) c.rub.to_other = pair_of(c).skin_from_points.linear();
+    c.rub.begun = place_now(c);
+    c.rub.coefficient = friction_of(c);
+    if (!(c.rub.coefficient > 0)) continue;
+    const std::vector<PointAnchor>& anchors = part(c.body).body->anchors();
+    PointAnchor wanted;
+    wanted.point = c.point;
+    wanted.by = c.by;
+    const auto at = std::lower_bound(
+        anchors.begin(), anchors.end(), wanted,
+        [](const PointAnchor& a, const PointAnchor& b) { return stands_before(a, b); });
+    if (at == anchors.end() || stands_before(wanted, *at)) continue;
+    c.rub.is_anchored = true;
+    c.rub.anchor = *at;
+    if (c.by < 0) {
+      c.rub.held = at->place - left * at->way;
+    } else {
+      ContactBody& other = *part(c.by).body;
+      c.rub.held = other.shape_at(at->on) + at->place - other.shape_at(c.foot);
+    }
+    const Vector3f along = c.force - c.force.dot(c.normal) * c.normal;
+    const float most = c.rub.coefficient * static_cast<float>(c.pressing);
+    const float size = along.norm();
+    if (size > 0) c.rub.force = std::min(1.0f, most / size) * along;
+  }
+}
+
+// Anchors a contact that presses for the first time, where its point first met the obstacle: x0 at
+// the begin of the step, x now, met after the share tau of the step, straight on both sides. From
+// there the anchor went on with the obstacle.
+void ContactFrame::set_anchor(Contact& c, double shift) const {
+  ContactFriction& rub = c.rub;
+  const Vector3f x = place_now(c);
+  rub.anchor = {};
+  rub.anchor.point = c.point;
+  rub.anchor.by = c.by;
+  float gap = rub.gap;  // to the obstacle where it was when the step began
+  Vector3f way = Vector3f::Zero();
+  if (c.by < 0) {
+    rub.anchor.part = rub.part;
+    const auto came = part(c.body).obstacles->way_of({rub.part, x});
+    double advance = limits_.largest_step;
+    if (came) {
+      rub.anchor.way = *came;
+      way = *came / static_cast<float>(steps_);
+      if (step_ == 1) advance = static_cast<double>(came->dot(c.normal)) - shift;
+    } else if (step_ == 1) {
+      // An obstacle that was not there before is taken to have come along the normal.
+      advance = std::min(depth_, limits_.largest_step);
+    }
+    gap += static_cast<float>(std::max(0.0, advance));
+  }
+  const float met = time_of_contact(gap, rub.own_way);
+  rub.held = rub.begun + met * (x - rub.begun) + (1 - met) * way;
+  rub.is_anchored = rub.is_new = true;
+}
+
+void ContactFrame::set_anchors(double shift) {
+  for (Contact& c : search_.contacts()) {
+    if (c.pressing > 0 && c.rub.coefficient > 0 && !c.rub.is_anchored) set_anchor(c, shift);
+  }
+}
+
+// Hands the anchors to the states. Those of points that slide follow them.
+void ContactFrame::keep_anchors() {
+  const float left = 1 - static_cast<float>(step_) / static_cast<float>(steps_);
+  for (const int k : members_) part(k).body->anchors().clear();
+  for (Contact& c : search_.contacts()) {
+    ContactFriction& rub = c.rub;
+    if (!(c.pressing > 0) || !rub.is_anchored || !(rub.coefficient > 0)) continue;
+    const Vector3f x = place_now(c);
+    if (rub.slides) {
+      const Vector3f force = c.by < 0 ? rub.force : Vector3f(rub.to_other * rub.force);
+      const Vector3f normal = c.by < 0 ? c.normal : c.foot_normal;
+      Vector3f way = x + rub.compliance * force - rub.held;
+      way -= way.dot(normal) * normal;
+      report_.dissipated -= static_cast<double>(way.dot(force));
+      rub.held += way;
+    }
+    if (rub.slides || rub.is_new) {
+      if (c.by < 0) {
+        // In the plane through the point, so that a turn of the obstacle moves it along the skin.
+        rub.held += c.normal.dot(x - rub.held) * c.normal;
+        rub.anchor.place = rub.held + left * rub.anchor.way;
+      } else {
+        rub.anchor.on = c.foot;
+        rub.anchor.place = rub.held;
+      }
+    }
+    rub.anchor.force = rub.force;
+    part(c.body).body->anchors().push_back(rub.anchor);
+  }
+  for (const int k : members_) {
+    std::vector<PointAnchor>& anchors = part(k).body->anchors();
+    std::sort(anchors.begin(), anchors.end(),
+              [](const PointAnchor& a, const PointAnchor& b) { return stands_before(a, b); });
+  }
+}
+
 // --- steps
 
 // Solves, forms the shapes, and searches again until no new contact is found.
@@ -264,6 +467,7 @@ void ContactFrame::end_step(bool last) {
     if (c.by < 0 || c.pressing > 0) deepest = std::max(deepest, depth);
     if (c.pressing > 0) part(c.body).body->forces().push_back({c.point, c.force, c.by});
   }
+  if (rubs_) keep_anchors();
   for (const int k : members_) {
     std::vector<PointForce>& forces = part(k).body->forces();
     std::sort(forces.begin(), forces.end(), stands_before);
@@ -303,6 +507,16 @@ void ContactFrame::end_frame(double largest_move) {
   }
   for (const int k : members_) {
     if (part(k).share_gone < 1) part(k).body->limit_step(part(k).share_gone);
+  }
+  if (!rubs_) return;
+  report_.friction_residual = problem_.residual();
+  for (const int k : members_) {
+    const auto share = static_cast<float>(part(k).share_gone);
+    if (share == 1) continue;
+    // The forces are limited, the anchors are not: they are where the whole step leads.
+    for (PointAnchor& anchor : part(k).body->anchors()) {
+      anchor.force = share * anchor.force + (1 - share) * anchor.force_before;
+    }
   }
 }
 
@@ -369,8 +583,11 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
   };
   const int steps = std::max(1, std::min(steps_of(depth), steps_of(largest_move)));
   is_entered_ = false;
+  steps_ = steps;
+  depth_ = depth;
   if (steps > 1) search_.remember();
   for (int step = 1; step <= steps; ++step) {
+    step_ = step;
     // Obstacles are moved back so that a skin enters them by no more than one step.
     const double shift = std::max(0.0, depth - step * limits_.largest_step);
     const bool last = step == steps;

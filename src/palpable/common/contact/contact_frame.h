@@ -43,6 +43,9 @@ struct ContactReport {
   /// m that a vertex has yet to move: beyond the step limit, or by the last iteration if the
   /// iterations have not converged.
   double left_to_move = 0;
+  /// m, of the last iteration's problem with friction (ConeOutcome::residual); 0 without friction.
+  double friction_residual = 0;
+  double dissipated = 0;  ///< J, by friction in this frame, before the step limit
   bool stuck = false;  ///< the last iteration could make no step, so that left_to_move is not known
 
   // Penetration depths of obstacles into the skin, m, measured after the step limit was applied.
@@ -103,6 +106,16 @@ class ContactFrame {
   double iterate(double shift, float share);
   bool solve_problem(double shift);
   void choose_pressed(double shift);
+  [[nodiscard]] float friction_between(int one, int other) const;
+  [[nodiscard]] float friction_of(const Contact& contact) const;
+  [[nodiscard]] bool may_rub() const;
+  void begin_friction();
+  void start_friction(bool goes_on);
+  [[nodiscard]] Eigen::Vector3f place_now(const Contact& contact) const;
+  [[nodiscard]] Eigen::Vector3f slip_of(const Contact& contact) const;
+  void set_anchor(Contact& contact, double shift) const;
+  void set_anchors(double shift);
+  void keep_anchors();
   void go_back(float share);
   void fill_place_forces();
   void run_last_step(double shift, int most);
@@ -127,6 +140,12 @@ class ContactFrame {
   std::vector<Contact> pressed_;         // contacts that take part in an iteration,
   std::vector<std::size_t> of_pressed_;  // and their indices among all contacts
   std::vector<Eigen::Vector3f> forces_before_;
+  // With friction.
+  bool rubs_ = false;        // something may rub in this frame
+  int step_ = 1, steps_ = 1; // the present one, and how many there are
+  double depth_ = 0;         // m, of obstacles when the frame began
+  std::vector<Eigen::Vector3f> slips_;             // of pressed_, as ContactProblem::solve()
+  std::vector<Eigen::Vector3f> frictions_before_;  // as forces_before_
   std::vector<ProblemBody> bodies_;    // by their number
   std::vector<SharpPart> parts_near_;  // of obstacles near one body
 };

@@ -23,6 +23,8 @@ constexpr double kTurns = 0.02;
 // Largest eigenvalue of G_tt D. D is scaled down to it, because M = (1 - D G_tt)^-1 D has a pole at
 // 1.
 constexpr double kLargestTurn = 0.8;
+// A point slides whose friction is nearer to its bound than this, as a ratio: rounding of forces.
+constexpr double kAtBound = 1e-9;
 
 // Replaces A by its LU factors with exchanged rows, and B by A^-1 B; both row by row.
 // @param columns  number of columns of B
@@ -158,8 +160,8 @@ void ContactProblem::assemble_tangential(std::span<const Contact> contacts,
   std::fill_n(qt_.begin(), t, 0.0);
   for (const ProblemBody& body : bodies) {
     if (body.tangents.empty()) continue;
-    body.body->add_tangential(body.tangents, {Gnt_.data(), m * wide}, wide, {Gtt_.data(), t * t},
-                              {qt_.data(), t});
+    body.body->add_tangential(body.tangents, ContactBody::Tangent::kSafe, {Gnt_.data(), m * wide},
+                              wide, {Gtt_.data(), t * t}, {qt_.data(), t});
   }
   for (std::size_t i = 0; i < t; ++i) {
     const Contact& c = contacts[turning_[i / 2].contact];
@@ -206,10 +208,22 @@ bool ContactProblem::add_turning(std::span<const Contact> contacts, std::span<Pr
   return true;
 }
 
+// Adds to the force of each contact that turns what the turning makes of it: M times the
+// displacement of its tangents, x_.
+void ContactProblem::add_turned_forces(std::span<Contact> contacts) {
+  const std::size_t t = 2 * turning_.size(), wide = padded(t);
+  for (std::size_t i = 0; i < t; ++i) {
+    double force = 0;
+    for (std::size_t j = 0; j < t; ++j) force += static_cast<double>(M_[i * wide + j]) * x_[j];
+    contacts[turning_[i / 2].contact].force += static_cast<float>(force) * tangent(i);
+  }
+}
+
 bool ContactProblem::solve(std::span<Contact> contacts, std::span<ProblemBody> bodies,
-                           const ContactStep& step) {
+                           const ContactStep& step, std::span<const Vector3f> slips) {
   const std::size_t m = contacts.size();
   const std::span<double> W(W_.data(), m * m), q(q_.data(), m), f(f_.data(), m);
+  residual_ = 0;
   assemble(contacts, bodies, step);
   turning_.clear();
   if (step.turning) find_turning(contacts);
@@ -219,6 +233,9 @@ bool ContactProblem::solve(std::span<Contact> contacts, std::span<ProblemBody> b
     W[p * m + p] += local_[p];
     f[p] = contacts[p].pressing;
   }
+  rubbing_.clear();
+  if (!slips.empty()) find_rubbing(contacts);
+  if (!rubbing_.empty()) return solve_with_friction(contacts, bodies, step, slips);
   if (!complementarity_.solve(W, q, f)) return false;
 
   const std::size_t t = 2 * turning_.size(), wide = padded(t);
@@ -231,12 +248,170 @@ bool ContactProblem::solve(std::span<Contact> contacts, std::span<ProblemBody> b
     contacts[p].pressing = f[p];
     contacts[p].force = static_cast<float>(f[p]) * contacts[p].normal;
   }
-  for (std::size_t i = 0; i < t; ++i) {
-    double force = 0;
-    for (std::size_t j = 0; j < t; ++j) force += static_cast<double>(M_[i * wide + j]) * x_[j];
-    contacts[turning_[i / 2].contact].force += static_cast<float>(force) * tangent(i);
-  }
+  add_turned_forces(contacts);
+  if (!slips.empty()) hand_out_friction(contacts);
   return true;
+}
+
+// --- friction
+
+void ContactProblem::make_room_for_friction() {
+  if (cone_.has_room()) return;
+  const std::size_t m = q_.size(), t = 2 * kMostTurning;
+  cone_.make_room(m);
+  for (auto* list : {&rubbing_, &turning_at_}) list->reserve(m);
+  for (auto* list : {&t1_, &t2_}) list->resize(m);
+  mu_.resize(m);
+  for (auto* list : {&rub_, &qf_}) list->resize(2 * m);
+  Wnf_.resize(m * padded(2 * m));
+  Wff_.resize(4 * m * m);
+  for (auto* list : {&Gcf_, &MGcf_}) list->resize(2 * t * m);
+}
+
+// Finds the contacts that have tangents in the problem with friction: those that may rub, and those
+// that turn, which are coupled with them. None if nothing rubs.
+void ContactProblem::find_rubbing(std::span<const Contact> contacts) {
+  bool any = false;
+  turning_at_.resize(turning_.size());
+  for (std::size_t p = 0; p < contacts.size(); ++p) {
+    const ContactFriction& rub = contacts[p].rub;
+    const bool rubs = rub.is_anchored && rub.coefficient > 0;
+    const auto turns = std::find_if(turning_.begin(), turning_.end(),
+                                    [p](const Turning& one) { return one.contact == p; });
+    if (!rubs && turns == turning_.end()) continue;
+    any |= rubs;
+    const std::size_t k = rubbing_.size();
+    if (turns != turning_.end()) {
+      turning_at_[static_cast<std::size_t>(turns - turning_.begin())] = k;
+    }
+    t1_[k] = contacts[p].normal.unitOrthogonal();
+    t2_[k] = contacts[p].normal.cross(t1_[k]);
+    mu_[k] = rubs ? static_cast<double>(rub.coefficient) : 0.0;
+    rub_[2 * k] = static_cast<double>(rub.force.dot(t1_[k]));
+    rub_[2 * k + 1] = static_cast<double>(rub.force.dot(t2_[k]));
+    rubbing_.push_back(p);
+  }
+  if (!any) rubbing_.clear();
+}
+
+// Computes the compliance of the tangents, and the slip without forces by the tangents.
+void ContactProblem::assemble_friction(std::span<const Contact> contacts,
+                                       std::span<ProblemBody> bodies, const ContactStep& step,
+                                       std::span<const Vector3f> slips) {
+  const std::size_t m = contacts.size(), n = 2 * rubbing_.size(), wide = padded(n);
+  for (ProblemBody& body : bodies) body.tangents.clear();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t p = rubbing_[i / 2];
+    const Contact& c = contacts[p];
+    const Vector3f& direction = i % 2 == 0 ? t1_[i / 2] : t2_[i / 2];
+    bodies[static_cast<std::size_t>(c.body)].tangents.push_back({i, c.place, direction});
+    qf_[i] = static_cast<double>(direction.dot(slips[p]));
+    if (c.by < 0) continue;
+    // The frame of the other body: the turn that takes the normal there is that of the pair.
+    const Vector3f there = c.rub.to_other * direction;
+    bodies[static_cast<std::size_t>(c.by)].tangents.push_back({i, c.on_foot, -there});
+  }
+  std::fill_n(Wnf_.begin(), m * wide, 0.0f);
+  std::fill_n(Wff_.begin(), n * n, 0.0);
+  for (const ProblemBody& body : bodies) {
+    if (body.tangents.empty()) continue;
+    body.body->add_tangential(body.tangents, step.tangent, {Wnf_.data(), m * wide}, wide,
+                              {Wff_.data(), n * n}, {qf_.data(), n});
+  }
+}
+
+// Adds the turning of normals to the compliance of the tangents: L M L^T with L = G_fc, and G_nc
+// among the normals (add_turning()).
+void ContactProblem::turn_friction(std::size_t m) {
+  const std::size_t t = 2 * turning_.size(), n = 2 * rubbing_.size();
+  const std::size_t wide = padded(n), wide_t = padded(t);
+  if (t == 0) return;
+  for (std::size_t i = 0; i < t; ++i) {
+    const double* row = Wff_.data() + (2 * turning_at_[i / 2] + i % 2) * n;
+    std::copy_n(row, n, Gcf_.begin() + static_cast<std::ptrdiff_t>(i * n));
+  }
+  std::fill_n(MGcf_.begin(), t * n, 0.0);
+  for (std::size_t i = 0; i < t; ++i) {
+    for (std::size_t j = 0; j < t; ++j) {
+      const auto turn = static_cast<double>(M_[i * wide_t + j]);
+      if (turn == 0) continue;
+      for (std::size_t l = 0; l < n; ++l) MGcf_[i * n + l] += turn * Gcf_[j * n + l];
+    }
+  }
+  for (std::size_t i = 0; i < t; ++i) {
+    const double* turned = MGcf_.data() + i * n;
+    for (std::size_t l = 0; l < n; ++l) {
+      qf_[l] += turned[l] * qt_[i];
+      const double factor = Gcf_[i * n + l];
+      for (std::size_t j = 0; j < n; ++j) Wff_[l * n + j] += factor * turned[j];
+    }
+    for (std::size_t p = 0; p < m; ++p) {
+      const float factor = Gnt_[p * wide_t + i];
+      if (factor == 0) continue;
+      float* row = Wnf_.data() + p * wide;
+      for (std::size_t l = 0; l < n; ++l) row[l] += factor * static_cast<float>(turned[l]);
+    }
+  }
+}
+
+bool ContactProblem::solve_with_friction(std::span<Contact> contacts, std::span<ProblemBody> bodies,
+                                         const ContactStep& step,
+                                         std::span<const Vector3f> slips) {
+  PALPABLE_EXPECT(cone_.has_room(), "make_room_for_friction() was called");
+  const std::size_t m = contacts.size(), n = 2 * rubbing_.size(), wide = padded(n);
+  const std::span<double> f(f_.data(), m), rub(rub_.data(), n);
+  assemble_friction(contacts, bodies, step, slips);
+  turn_friction(m);
+  for (std::size_t i = 0; i < n; ++i) Wff_[i * n + i] += local_[rubbing_[i / 2]];
+  const ConeOutcome outcome = cone_.solve({.W = std::span<const double>(W_).first(m * m),
+                                           .q = std::span<const double>(q_).first(m),
+                                           .W_nt = std::span<const float>(Wnf_).first(m * wide),
+                                           .wide = wide,
+                                           .W_tt = std::span<const double>(Wff_).first(n * n),
+                                           .q_t = std::span<const double>(qf_).first(n),
+                                           .contacts = rubbing_,
+                                           .mu = std::span<const double>(mu_).first(n / 2),
+                                           .tolerance = step.tolerance},
+                                          complementarity_, f, rub);
+  if (!outcome.is_solved) return false;
+  residual_ = outcome.residual;
+
+  // The displacement of the tangents that turn.
+  const std::size_t t = 2 * turning_.size(), wide_t = padded(t);
+  for (std::size_t i = 0; i < t; ++i) {
+    double slide = qt_[i];
+    for (std::size_t p = 0; p < m; ++p) slide += static_cast<double>(Gnt_[p * wide_t + i]) * f[p];
+    for (std::size_t l = 0; l < n; ++l) slide += Gcf_[i * n + l] * rub[l];
+    x_[i] = slide;
+  }
+  for (std::size_t p = 0; p < m; ++p) {
+    contacts[p].pressing = f[p];
+    contacts[p].force = static_cast<float>(f[p]) * contacts[p].normal;
+  }
+  add_turned_forces(contacts);
+  hand_out_friction(contacts);
+  return true;
+}
+
+// Gives each contact its friction, of the last solution in f_ and rub_.
+void ContactProblem::hand_out_friction(std::span<Contact> contacts) {
+  const std::size_t m = contacts.size();
+  for (std::size_t p = 0; p < m; ++p) {
+    ContactFriction& rub = contacts[p].rub;
+    rub.force.setZero();
+    rub.slides = false;
+    rub.compliance = static_cast<float>(local_[p]);
+    rub.own_way = static_cast<float>(W_[p * m + p] * f_[p]);
+  }
+  for (std::size_t k = 0; k < rubbing_.size(); ++k) {
+    Contact& c = contacts[rubbing_[k]];
+    if (!(mu_[k] > 0)) continue;
+    c.rub.force = static_cast<float>(rub_[2 * k]) * t1_[k] +
+                  static_cast<float>(rub_[2 * k + 1]) * t2_[k];
+    const double bound = mu_[k] * f_[rubbing_[k]];
+    c.rub.slides = std::hypot(rub_[2 * k], rub_[2 * k + 1]) >= (1 - kAtBound) * bound;
+    c.force += c.rub.force;
+  }
 }
 
 }  // namespace palpable

@@ -1,6 +1,6 @@
 /// @file
-/// One iteration of Newton's method for unilateral, frictionless contact: from gaps and compliance
-/// of the contacts to their normal forces.
+/// One iteration of Newton's method for unilateral contact: from gaps and compliance of the contacts
+/// to their forces.
 ///
 ///   m  contacts     P  places of the bodies
 ///   N  (m x 3P) the contacts' normals; the opposite ones at the feet on other bodies
@@ -17,12 +17,21 @@
 ///
 ///     W += G_nt M G_nt^T,     M = D (1 - G_tt D)^-1,     G_nt = N J T^T, G_tt = T J T^T
 ///
-/// Friction would be added here: T has the tangents, G_tt and G_nt their compliance, and the
-/// complementarity conditions would be extended by Coulomb's cone.
+/// With friction, T has also the tangents of the contacts that have an anchor (point_anchor.h), and
+/// the conditions are extended by Coulomb's cone (coulomb_cone.h):
+///
+///     |t_i| <= mu_i f_i,   s' = T (x - X(a)) + q_t + W_nt^T f + W_tt t,   W_tt = T J T^T + c
+///
+/// The turning of normals enters all blocks: with T_c the tangents of the contacts that turn and
+/// L = [N; T] J T_c^T, the compliance of [N; T] grows by L M L^T. The friction itself turns with
+/// the normal one iteration later. Contacts without anchors press for the first time and get one
+/// after the iteration; without any anchor the problem is that without friction, to the bit.
 #pragma once
 
 #include "palpable/common/contact/complementarity.h"
 #include "palpable/common/contact/contact_body.h"
+#include "palpable/common/contact/coulomb_cone.h"
+#include "palpable/common/contact/point_anchor.h"
 
 #include <Eigen/Core>
 
@@ -47,11 +56,13 @@ struct Contact {
   float softness = 0;                                      ///< SurfaceGap::softness
   double area = 0;                                         ///< m^2 that the point stands for
   double pressing = 0;                                     ///< N, normal force
-  Eigen::Vector3f force = Eigen::Vector3f::Zero();         ///< N, with its turning; frame of `body`
+  /// N, with its turning and friction; frame of `body`
+  Eigen::Vector3f force = Eigen::Vector3f::Zero();
   /// m, frame of `by`: vector from the foot to the point, and the gap, when the foot was found.
   Eigen::Vector3f anchor = Eigen::Vector3f::Zero();
   float anchor_gap = 0;
   float slid = 0;  ///< m, slip along the other skin since the foot was found
+  ContactFriction rub;
 
   static constexpr std::size_t kNoPlace = static_cast<std::size_t>(-1);
 };
@@ -66,6 +77,7 @@ struct ContactStep {
   double shift = 0;     ///< m, added to gaps of obstacles: how far load steps move them back
   bool turning = true;  ///< false: the turning of normals is left out
   ContactBody::Tangent tangent = ContactBody::Tangent::kFull;
+  double tolerance = 0;  ///< m, of the residual of the problem with friction
 };
 
 /// Keeps the memory of its solves, which allocate nothing.
@@ -77,7 +89,14 @@ class ContactProblem {
   /// New forces of all contacts.
   /// @param bodies  by their number; they were linearised
   /// @return false if the problem has no solution: the forces are as before
-  bool solve(std::span<Contact> contacts, std::span<ProblemBody> bodies, const ContactStep& step);
+  /// @param slips  with friction: of each contact T^T T (x - X(a)) in the frame of its body, m;
+  ///               empty: without friction
+  bool solve(std::span<Contact> contacts, std::span<ProblemBody> bodies, const ContactStep& step,
+             std::span<const Eigen::Vector3f> slips = {});
+  /// Allocates what problems with friction need. Until then there is none.
+  void make_room_for_friction();
+  /// m, of the last problem: ConeOutcome::residual. 0 without friction.
+  [[nodiscard]] double residual() const { return residual_; }
 
  private:
   struct Turning {  // a contact with a curved obstacle
@@ -91,6 +110,14 @@ class ContactProblem {
   void find_turning(std::span<const Contact> contacts);
   void assemble_tangential(std::span<const Contact> contacts, std::span<ProblemBody> bodies);
   bool add_turning(std::span<const Contact> contacts, std::span<ProblemBody> bodies);
+  void add_turned_forces(std::span<Contact> contacts);
+  void find_rubbing(std::span<const Contact> contacts);
+  void assemble_friction(std::span<const Contact> contacts, std::span<ProblemBody> bodies,
+                         const ContactStep& step, std::span<const Eigen::Vector3f> slips);
+  void turn_friction(std::size_t m);
+  bool solve_with_friction(std::span<Contact> contacts, std::span<ProblemBody> bodies,
+                           const ContactStep& step, std::span<const Eigen::Vector3f> slips);
+  void hand_out_friction(std::span<Contact> contacts);
   void bound_turning(std::size_t t);
   [[nodiscard]] const Eigen::Vector3f& tangent(std::size_t i) const {
     return i % 2 == 0 ? turning_[i / 2].t1 : turning_[i / 2].t2;
@@ -104,6 +131,17 @@ class ContactProblem {
   std::vector<float> Gnt_, M_;                      // (m x t), (t x t), rows padded to 16
   std::vector<double> Gtt_, D_, scratch_, solved_;  // (t x t)
   std::vector<double> qt_, x_, y_;                  // (t) free displacement; scratch
+
+  // With friction.
+  CoulombCone cone_;
+  double residual_ = 0;
+  std::vector<std::size_t> rubbing_;        // (k) contacts with tangents here: those that rub or turn
+  std::vector<Eigen::Vector3f> t1_, t2_;    // (k) their directions
+  std::vector<double> mu_, rub_;            // (k), (2k) N
+  std::vector<float> Wnf_;                  // (m x 2k), rows padded to 16
+  std::vector<double> Wff_, qf_;            // (2k x 2k), (2k)
+  std::vector<std::size_t> turning_at_;     // (t / 2) of each turning contact its place in rubbing_
+  std::vector<double> Gcf_, MGcf_;          // (t x 2k)
 };
 
 }  // namespace palpable

@@ -31,6 +31,8 @@ void set_gap(Contact& contact, const SurfaceGap& gap) {
   contact.normal = gap.normal;
   contact.curvature = gap.curvature;
   contact.softness = gap.softness;
+  contact.rub.given = gap.friction;
+  contact.rub.part = gap.part;
 }
 
 bool is_same(const Contact& a, const Contact& b) {
@@ -248,6 +250,7 @@ bool ContactSearch::find_feet_again() {
     is_new |= matters && std::abs(c.distance - before->distance) > tolerance;
     c.pressing = before->pressing;
     c.force = static_cast<float>(c.pressing) * c.normal;
+    if (before->rub.is_begun) take_friction(c, *before);
   }
   const auto pressed_before = std::count_if(feet_before_.begin(), feet_before_.end(),
                                             [](const Contact& c) { return c.pressing > 0; });
@@ -255,6 +258,16 @@ bool ContactSearch::find_feet_again() {
   contacts_.resize(first);
   contacts_.insert(contacts_.end(), feet_before_.begin(), feet_before_.end());
   return false;
+}
+
+// A contact that has another foot now keeps its friction; its anchor is measured from the new foot.
+void ContactSearch::take_friction(Contact& contact, const Contact& before) {
+  ContactBody& other = *part(contact.by).body;
+  contact.rub = before.rub;
+  const Vector3f from_new = other.shape_at(before.foot) - other.shape_at(contact.foot);
+  contact.rub.held += from_new;
+  contact.rub.begun += from_new;
+  if (!contact.rub.force.isZero(0)) contact.force += contact.rub.force;
 }
 
 // Makes the contact points of a body coarser until they are no more than

@@ -94,6 +94,7 @@ class ContactSearch {
   void find_between(const SkinPair& pair);
   void take_plane(Contact& contact, const NearestOnSkin& found, const Eigen::Vector3f& from_foot,
                   const SkinPair& pair);
+  void take_friction(Contact& contact, const Contact& before);
   void thin(int body);
   bool add_places(const Contact& contact);
   void find_gaps_of(int body, double shift);

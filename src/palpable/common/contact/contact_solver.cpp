@@ -206,7 +206,8 @@ void ContactSolver::Work::find_pressed() {
     members[static_cast<std::size_t>(c.by)].pressed.push_back(
         {x, x - other.rest_at(c.foot),
          -share * (frame->pair_of(c).skin_from_points.linear() * c.force),
-         static_cast<float>(c.area), c.body});
+         static_cast<float>(c.area), c.body,
+         -share * (frame->pair_of(c).skin_from_points.linear() * c.rub.force)});
   }
   for (const int k : solved) {
     Member& member = members[static_cast<std::size_t>(k)];
@@ -214,6 +215,7 @@ void ContactSolver::Work::find_pressed() {
     if (share == 1) continue;
     for (PressedPoint& point : member.pressed_before) {
       point.force *= 1 - share;
+      point.friction *= 1 - share;
       if (member.pressed.size() < member.pressed.capacity()) member.pressed.push_back(point);
     }
   }
@@ -275,6 +277,8 @@ ContactReport ContactSolver::advance(std::span<const Near> near) {
     all.mutual_penetration = std::max(all.mutual_penetration, one.mutual_penetration);
     all.imbalance = std::max(all.imbalance, one.imbalance);
     all.left_to_move = std::max(all.left_to_move, one.left_to_move);
+    all.friction_residual = std::max(all.friction_residual, one.friction_residual);
+    all.dissipated += one.dissipated;
     all.stuck |= one.stuck;
     all.inside_before = std::max(all.inside_before, one.inside_before);
     all.points_inside = std::max(all.points_inside, one.points_inside);

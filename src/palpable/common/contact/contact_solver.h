@@ -1,11 +1,15 @@
 /// @file
-/// One frame of contact: unilateral and frictionless, of deformable bodies with obstacles and with
-/// each other.
+/// One frame of contact: unilateral, of deformable bodies with obstacles and with each other,
+/// without friction or with Coulomb's.
 ///
 ///     g_i >= 0,   f_i >= 0,   g_i f_i = 0          at every contact i, with
 ///
 ///     g_i   gap: signed distance of a contact point from the obstacle or skin near it, m
 ///     f_i   normal force, N: on the body at the point, and the opposite one on the other body
+///
+/// Friction: |t_i| <= mu f_i, and where it is less the point does not slip (point_anchor.h has the
+/// law, coulomb_cone.h the solution). The state of a body then also has an anchor for each point
+/// that presses: which place of the obstacle or of the other skin it sticks to.
 ///
 /// How a force comes about:
 ///
@@ -19,7 +23,7 @@
 ///    │  │ 3 gaps     │◄┐ │  (obstacles.h), to skins by tangent planes (contact_search.h)
 ///    │  └─────┬──────┘ │ │
 ///    │  ┌─────▼──────┐ │ │  forces f: W f + q >= 0, f >= 0, complementary: contact_problem.h
-///    │  │ 4 problem  │ │ │  (friction would be added there), complementarity.h
+///    │  │ 4 problem  │ │ │  (with friction: coulomb_cone.h), complementarity.h
 ///    │  └─────┬──────┘ │ │
 ///    │  ┌─────▼──────┐ │ │  the bodies move under f: contact_body.h; back to 3 until no point
 ///    │  │ 5 bodies   ├─┴─┘  moves, then to 2 for the next step

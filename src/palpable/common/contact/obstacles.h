@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,15 @@ enum class Known {
   kMeasured,  ///< seen in this frame, or exact
   kAssumed,   ///< the far side of what is seen, which the camera cannot see
   kUnknown    ///< seen in an earlier frame, hidden or without depth in this one
+};
+
+/// SurfaceGap::friction: that of the body.
+inline constexpr float kFrictionOfBody = -1;
+
+/// A material point of an obstacle.
+struct MaterialPoint {
+  int part = -1;                                    ///< SurfaceGap::part
+  Eigen::Vector3f place = Eigen::Vector3f::Zero();  ///< m, body frame
 };
 
 /// The signed distance of a position from the nearest obstacle, to second order.
@@ -43,6 +53,9 @@ struct SurfaceGap {
   float unseen_for = 0;  ///< s since the obstacle was measured; 0: it is now
   /// Which of several things the obstacle belongs to (CapsuleObstacles::set()); -1: not known.
   int thing = -1;
+  int part = -1;  ///< which part of the obstacles is nearest; -1: they have no parts
+  /// Coulomb's coefficient of friction between obstacle and skin; kFrictionOfBody: that of the body
+  float friction = 0;
 
   /// Whether there is an obstacle, and all numbers are finite.
   [[nodiscard]] bool is_known() const {
@@ -95,6 +108,24 @@ class Obstacles {
   /// Whether add_sharp_parts() knows every part of the obstacle, as it is. A surface that a camera
   /// sees is a sample with an assumed far side.
   [[nodiscard]] virtual bool has_exact_parts() const { return false; }
+
+  // Friction. Obstacles whose motion is not known rub nothing, and leave these as they are.
+
+  /// The largest coefficient of friction that a gap may have, where the body's is `of_body`. With 0
+  /// no other function of friction is called.
+  [[nodiscard]] virtual float largest_friction(float of_body) const {
+    return static_cast<void>(of_body), 0.0f;
+  }
+  /// A material point of the frame before in this one; nothing if its part is gone. A point of a
+  /// part that stands still comes back to the bit.
+  [[nodiscard]] virtual std::optional<MaterialPoint> carried(const MaterialPoint& before) const {
+    return static_cast<void>(before), std::nullopt;
+  }
+  /// m, the way since the frame before of the material point that is here now; nothing if its part
+  /// is new, or the motion is not known.
+  [[nodiscard]] virtual std::optional<Eigen::Vector3f> way_of(const MaterialPoint& now) const {
+    return static_cast<void>(now), std::nullopt;
+  }
 
   /// Adds the parts whose radius is below `radius` (m) somewhere and that may be inside `box` (m),
   /// as long as `parts` has capacity. Obstacles without sharp parts, and those that do not know

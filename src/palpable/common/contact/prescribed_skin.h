@@ -43,6 +43,7 @@ class PrescribedSkin final : public ContactBody {
   void begin_frame() override {}
   [[nodiscard]] bool is_at_rest() const override { return !has_moved_; }
   [[nodiscard]] std::vector<PointForce>& forces() override { return forces_; }
+  [[nodiscard]] std::vector<PointAnchor>& anchors() override { return anchors_; }
   [[nodiscard]] Eigen::Vector3f shape_at(int) override { return no_point(); }
   [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override { return now_at_.col(vertex); }
   [[nodiscard]] Eigen::Vector3f shape_at(const SkinPoint& foot) override {
@@ -65,8 +66,8 @@ class PrescribedSkin final : public ContactBody {
   bool linearise() override { return true; }
   void add_compliance(std::span<const UnitForce>, Tangent, std::span<double>, std::size_t,
                       std::span<double>) override {}
-  void add_tangential(std::span<const UnitForce>, std::span<float>, std::size_t, std::span<double>,
-                      std::span<double>) override {}
+  void add_tangential(std::span<const UnitForce>, Tangent, std::span<float>, std::size_t,
+                      std::span<double>, std::span<double>) override {}
   [[nodiscard]] double skin_compliance(double, float, bool) const override { return 0; }
   void find_step(std::span<const Eigen::Vector3f>) override {}
   double move(std::span<const Eigen::Vector3f>, double) override { return 0; }
@@ -88,6 +89,7 @@ class PrescribedSkin final : public ContactBody {
   MovingSurface surface_;
   bool has_moved_ = false;
   std::vector<PointForce> forces_;
+  std::vector<PointAnchor> anchors_;  // none: it has no points
   std::vector<Eigen::Vector3f> next_, now_;  // positions of feet, m
 };
 

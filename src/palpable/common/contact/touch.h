@@ -27,6 +27,17 @@ struct Touch {
   int by = -1;   ///< index of the other body that presses it; -1: an obstacle
   /// Which of several obstacles presses it (SurfaceGap::thing); -1: not known, or another body.
   int thing = -1;
+  /// N, the part of the force that is friction, on the body; 0 without friction.
+  Eigen::Vector3d friction = Eigen::Vector3d::Zero();
+
+  /// N, the whole force on the body.
+  [[nodiscard]] Eigen::Vector3d whole_force() const { return force * direction; }
+  /// Unit, out of the body: against the part of the force that is not friction. Without friction
+  /// that is -direction, to the bit.
+  [[nodiscard]] Eigen::Vector3d normal() const {
+    if (friction.isZero(0)) return -direction;
+    return (friction - whole_force()).normalized();
+  }
 };
 
 /// Sorts touches by force, the largest first; equal ones keep their order. Few of them, so that an

@@ -107,13 +107,14 @@ void TouchPatches::find_known(const Obstacles* seen) {
 
 Touch TouchPatches::touch_of(int patch) const {
   Touch touch;
-  Vector3f force = Vector3f::Zero(), place = Vector3f::Zero();
+  Vector3f force = Vector3f::Zero(), place = Vector3f::Zero(), friction = Vector3f::Zero();
   float weight = 0, assumed = 0;
   for (std::size_t k = 0; k < points_.size(); ++k) {
     if (places_[k].patch != patch) continue;
     const PressedPoint& p = points_[k];
     const float w = p.force.norm();
     force += p.force;
+    friction += p.friction;
     place += w * p.place;
     weight += w;
     touch.area += static_cast<double>(places_[k].spacing) * static_cast<double>(places_[k].spacing);
@@ -124,6 +125,7 @@ Touch TouchPatches::touch_of(int patch) const {
   }
   touch.force = static_cast<double>(force.norm());
   touch.direction = force.cast<double>().normalized();
+  touch.friction = friction.cast<double>();
   if (weight > 0) {
     touch.point_in_body = (place / weight).cast<double>();
     touch.assumed = static_cast<double>(assumed / weight);

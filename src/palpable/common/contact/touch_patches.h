@@ -24,6 +24,8 @@ struct PressedPoint {
   Eigen::Vector3f force;  ///< N
   float area = 0;         ///< m^2 of the skin that it stands for
   int by = -1;            ///< Touch::by
+  /// N, the part of the force that is friction
+  Eigen::Vector3f friction = Eigen::Vector3f::Zero();
 };
 
 /// Keeps its memory.

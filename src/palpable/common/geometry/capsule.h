@@ -41,6 +41,7 @@ class CapsuleField {
  public:
   explicit CapsuleField(const Capsule& capsule);
 
+  [[nodiscard]] const Capsule& capsule() const { return capsule_; }
   /// Distance of x to the capsule's surface, negative inside. Exact, in closed form.
   [[nodiscard]] double distance(const Eigen::Vector3d& x) const;
   /// Gradient of the distance at x: a unit vector that points outwards. On the axis, where the

@@ -108,6 +108,7 @@ ModalBody::ModalBody(const ModalMember& member, const ModalBody* twin,
                      const ModalSettings& settings)
     : member_(member),
       limits_(modal_limits(settings)),
+      friction_(settings.friction.value_or(member.tables->friction)),
       n_(member.body->several->mode_count()),
       V_(member.body->surface.vertex_count()),
       rest_(member.body->surface.vertices.cast<float>()),
@@ -176,7 +177,7 @@ void ModalBody::make_room(int places) {
   now_at_rest_.resize(3, places);
   place_rows_.resize(n_, 3 * places);
   columns_.resize(n_, places);
-  tangents_.resize(n_, places);
+  tangents_.resize(n_, 2 * places);
 }
 
 // --- the modes
@@ -223,6 +224,8 @@ void ModalBody::begin_frame() {
     state.q.setZero(n_);
     state.forces.clear();
     state.forces.reserve(2 * std::size_t{kMostPlacesWithOthers});
+    state.anchors.clear();
+    if (friction_ > 0) state.anchors.reserve(kMostPlacesWithOthers);
   }
   set_q(state.q);
   q_begun_ = q_;
@@ -349,7 +352,7 @@ void ModalBody::add_compliance(std::span<const UnitForce> forces, Tangent, std::
   }
 }
 
-void ModalBody::add_tangential(std::span<const UnitForce> forces, std::span<float> W_nt,
+void ModalBody::add_tangential(std::span<const UnitForce> forces, Tangent, std::span<float> W_nt,
                                std::size_t wide, std::span<double> W_tt, std::span<double> q_t) {
   const std::size_t t = q_t.size();
   for (std::size_t i = 0; i < forces.size(); ++i) {

@@ -9,6 +9,7 @@
 
 #include "palpable/common/contact/contact_body.h"
 #include "palpable/common/contact/moving_surface.h"
+#include "palpable/common/contact/point_anchor.h"
 #include "palpable/common/contact/point_forces.h"
 #include "palpable/common/contact/skin_clusters.h"
 #include "palpable/common/geometry/skin_points.h"
@@ -45,12 +46,15 @@ struct ModalSettings {
   double tolerance = 2e-5;      ///< m: iterations end when no vertex moves more
   double entry = 4e-5;          ///< m that a curved obstacle may enter between contact points
   double largest_move = 0.03;   ///< m that an iteration moves a vertex, at most
+  /// Coulomb's coefficient of friction of the skin; none: that of the tables
+  std::optional<double> friction = {};
 };
 
 /// All that is remembered of a body from frame to frame. The default is the body at rest.
 struct ModalState {
   Eigen::VectorXd q;               ///< (n) amplitudes; none: at rest
   std::vector<PointForce> forces;  ///< rising by point
+  std::vector<PointAnchor> anchors = {};  ///< of the points with friction; none without friction
 };
 
 /// Whether two bodies have the same shape, modes, energy and shell, as beams from one file have.
@@ -97,6 +101,8 @@ class ModalBody final : public ContactBody {
   void begin_frame() override;
   [[nodiscard]] bool is_at_rest() const override { return q_.isZero(0); }
   [[nodiscard]] std::vector<PointForce>& forces() override { return state_->forces; }
+  [[nodiscard]] std::vector<PointAnchor>& anchors() override { return state_->anchors; }
+  [[nodiscard]] double friction() const override { return friction_; }
   [[nodiscard]] Eigen::Vector3f shape_at(int point) override;
   [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override { return skin().col(vertex); }
   [[nodiscard]] Eigen::Vector3f shape_at(const SkinPoint& foot) override { return foot.at(skin()); }
@@ -114,8 +120,8 @@ class ModalBody final : public ContactBody {
   bool linearise() override;
   void add_compliance(std::span<const UnitForce> forces, Tangent tangent, std::span<double> W,
                       std::size_t m, std::span<double> q) override;
-  void add_tangential(std::span<const UnitForce> forces, std::span<float> W_nt, std::size_t wide,
-                      std::span<double> W_tt, std::span<double> q_t) override;
+  void add_tangential(std::span<const UnitForce> forces, Tangent tangent, std::span<float> W_nt,
+                      std::size_t wide, std::span<double> W_tt, std::span<double> q_t) override;
   [[nodiscard]] double skin_compliance(double area, float softness, bool is_foot) const override;
   void find_step(std::span<const Eigen::Vector3f> forces) override;
   double move(std::span<const Eigen::Vector3f> forces, double share) override;
@@ -139,6 +145,7 @@ class ModalBody final : public ContactBody {
 
   ModalMember member_;
   ContactLimits limits_;
+  double friction_;
   Eigen::Index n_, V_;
   Eigen::Matrix3Xf rest_;
   std::vector<SkinPoint> points_;
@@ -177,7 +184,7 @@ class ModalBody final : public ContactBody {
   Eigen::MatrixXf place_rows_;              // (n x 3P) the modes there
   Eigen::VectorXd gradient_, step_, free_;  // (n) W', the step, L^-1 (-W')
   Eigen::MatrixXd hessian_, factor_;        // (n x n) W'', L
-  Eigen::MatrixXd columns_, tangents_;      // (n x P) L^-1 B of unit forces
+  Eigen::MatrixXd columns_, tangents_;      // (n x P), (n x 2P) L^-1 B of unit forces
   std::vector<std::size_t> row_of_;         // of each normal unit force
 };
 

@@ -1,5 +1,7 @@
 #include "palpable/common/response/modal_tables.h"
 
+#include "palpable/common/response/touch_tables.h"
+
 #include <cmath>
 
 namespace palpable {
@@ -32,6 +34,7 @@ std::string trouble_of(const ModalTables& tables, const ReducedBody& body) {
   if (!(tables.point_spacing > 1e-5) || !std::isfinite(tables.point_spacing)) {
     return "contact points have no spacing";
   }
+  if (!is_friction(tables.friction)) return "the coefficient of friction is not from 0 to 10";
   const Eigen::Vector3d size =
       body.surface.vertices.rowwise().maxCoeff() - body.surface.vertices.rowwise().minCoeff();
   if (size.squaredNorm() > 3e5 * tables.point_spacing * tables.point_spacing) {

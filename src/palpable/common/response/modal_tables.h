@@ -23,6 +23,7 @@ struct ModalTables {
   /// f moves by 0.54 half_space f / a (its mean; Johnson, Contact Mechanics, 3.4).
   double half_space = 0;
   double point_spacing = 0.003;  ///< m, between contact points
+  double friction = 0;           ///< as TouchTables::friction
 };
 
 [[nodiscard]] std::size_t bytes_of(const ModalTables& tables);

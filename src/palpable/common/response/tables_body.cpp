@@ -201,6 +201,8 @@ void TablesBody::begin_frame() {
     state.u.setZero(3, w.compliance.nodes());
     state.forces.clear();
     state.forces.reserve(kMostForces);
+    state.anchors.clear();
+    if (friction() > 0) state.anchors.reserve(kMostPlacesWithOthers);
     state.regions.clear();
     state.regions.reserve(NonlinearResponse::kMostPatches);
   }
@@ -217,6 +219,10 @@ bool TablesBody::is_at_rest() const {
 }
 
 std::vector<PointForce>& TablesBody::forces() { return work_->state->forces; }
+std::vector<PointAnchor>& TablesBody::anchors() { return work_->state->anchors; }
+double TablesBody::friction() const {
+  return work_->settings.friction.value_or(work_->tables.friction);
+}
 
 // --- shape
 
@@ -390,9 +396,10 @@ void TablesBody::add_compliance(std::span<const UnitForce> forces, Tangent tange
   work_->tangent.add_compliance(work_->tables_now(tangent), forces, W, m, q);
 }
 
-void TablesBody::add_tangential(std::span<const UnitForce> forces, std::span<float> W_nt,
-                                std::size_t wide, std::span<double> W_tt, std::span<double> q_t) {
-  work_->tangent.add_tangential(work_->tables_now(Tangent::kSafe), forces, W_nt, wide, W_tt, q_t);
+void TablesBody::add_tangential(std::span<const UnitForce> forces, Tangent tangent,
+                                std::span<float> W_nt, std::size_t wide, std::span<double> W_tt,
+                                std::span<double> q_t) {
+  work_->tangent.add_tangential(work_->tables_now(tangent), forces, W_nt, wide, W_tt, q_t);
 }
 
 double TablesBody::skin_compliance(double, float softness, bool is_foot) const {

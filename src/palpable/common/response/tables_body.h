@@ -49,6 +49,8 @@ struct TouchSettings {
   double softness = 0.01;
   bool nonlinear = true;  ///< false: linear displacements; gaps still in the present shape
   int blend_frames = 6;   ///< over which a full-order solution is blended in
+  /// Coulomb's coefficient of friction of the skin; none: that of the tables
+  std::optional<double> friction = {};
 };
 
 /// How the tables were used in a frame, and the error stated for its state.
@@ -103,6 +105,8 @@ class TablesBody final : public ContactBody {
   void begin_frame() override;
   [[nodiscard]] bool is_at_rest() const override;
   [[nodiscard]] std::vector<PointForce>& forces() override;
+  [[nodiscard]] std::vector<PointAnchor>& anchors() override;
+  [[nodiscard]] double friction() const override;
   [[nodiscard]] Eigen::Vector3f shape_at(int point) override;
   [[nodiscard]] Eigen::Vector3f shape_at_vertex(int vertex) override;
   [[nodiscard]] Eigen::Vector3f shape_at(const SkinPoint& foot) override;
@@ -118,8 +122,8 @@ class TablesBody final : public ContactBody {
   bool linearise() override;
   void add_compliance(std::span<const UnitForce> forces, Tangent tangent, std::span<double> W,
                       std::size_t m, std::span<double> q) override;
-  void add_tangential(std::span<const UnitForce> forces, std::span<float> W_nt, std::size_t wide,
-                      std::span<double> W_tt, std::span<double> q_t) override;
+  void add_tangential(std::span<const UnitForce> forces, Tangent tangent, std::span<float> W_nt,
+                      std::size_t wide, std::span<double> W_tt, std::span<double> q_t) override;
   [[nodiscard]] double skin_compliance(double area, float softness, bool is_foot) const override;
   void find_step(std::span<const Eigen::Vector3f>) override {}
   double move(std::span<const Eigen::Vector3f> forces, double share) override;

@@ -70,6 +70,15 @@ float along(const TablesAt& at, const UnitForce& force, std::span<const float> f
   return sum;
 }
 
+// The patch of load that a force belongs to; -1: none.
+int patch_of_unit(const TablesAt& at, const UnitForce& force) {
+  const ForceShares& shares = at.places[force.place].shares;
+  const auto* heaviest = std::max_element(
+      shares.of.begin(), shares.of.begin() + shares.count,
+      [](const ForceShare& a, const ForceShare& b) { return a.weight < b.weight; });
+  return at.regions->patch_of(heaviest->vertex);
+}
+
 }  // namespace
 
 TablesTangent::TablesTangent(std::size_t most_modes)
@@ -108,13 +117,7 @@ void TablesTangent::fill_row(const TablesAt& at, const UnitForce& unit,
 
 // Fills mode_rows_ and turned_ for the unit forces, patch by patch.
 void TablesTangent::find_mode_rows(const TablesAt& at, std::span<const UnitForce> forces) {
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const ForceShares& shares = at.places[forces[i].place].shares;
-    const auto* heaviest = std::max_element(
-        shares.of.begin(), shares.of.begin() + shares.count,
-        [](const ForceShare& a, const ForceShare& b) { return a.weight < b.weight; });
-    patch_of_[i] = at.regions->patch_of(heaviest->vertex);
-  }
+  for (std::size_t i = 0; i < forces.size(); ++i) patch_of_[i] = patch_of_unit(at, forces[i]);
   patches_.clear();
   std::size_t next_row = 0;
   for (int patch = 0; patch < at.regions->patch_count(); ++patch) {
@@ -167,6 +170,7 @@ void TablesTangent::add_modes(const TablesAt& at, std::span<const UnitForce> for
 void TablesTangent::add_compliance(const TablesAt& at, std::span<const UnitForce> forces,
                                    std::span<double> W, std::size_t m, std::span<double> q) {
   normals_.assign(forces.begin(), forces.end());
+  has_mode_rows_ = at.regions != nullptr;
   // Other bodies may have added to W before, which must not count in the mean.
   mean_ = 0;
   const auto count = static_cast<double>(forces.size());
@@ -203,6 +207,61 @@ void TablesTangent::add_tangential(const TablesAt& at, std::span<const UnitForce
       if (i != j) W_tt[other.row * t + f.row] += value;
     }
     q_t[f.row] -= static_cast<double>(along(at, f, at.field));
+  }
+  if (at.regions != nullptr && has_mode_rows_) {
+    add_tangential_modes(at, forces, W_nt, wide, W_tt, q_t);
+  }
+}
+
+// Adds the regions' part, as add_modes() does among normal forces.
+void TablesTangent::add_tangential_modes(const TablesAt& at, std::span<const UnitForce> forces,
+                                         std::span<float> W_nt, std::size_t wide,
+                                         std::span<double> W_tt, std::span<double> q_t) {
+  const std::size_t t = q_t.size(), most = 2 * order_.size();
+  if (tangent_order_.size() < most) {
+    tangent_modes_.resize(most * modes_wide_);
+    tangent_order_.resize(most);
+    tangent_patch_.resize(most);
+    tangent_sums_.resize(most);
+  }
+  for (std::size_t i = 0; i < forces.size(); ++i) tangent_patch_[i] = patch_of_unit(at, forces[i]);
+  for (int patch = 0; patch < at.regions->patch_count(); ++patch) {
+    const PatchRows& of_patch = patches_[static_cast<std::size_t>(patch)];
+    const std::span<const float> coordinates = at.regions->coordinates(patch);
+    const std::size_t r = coordinates.size();
+    const std::span<float> turned(turned_coordinates_.data(), r);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      if (tangent_patch_[i] != patch) continue;
+      const Place& place = at.places[forces[i].place];
+      const std::span<float> row(tangent_modes_.data() + count * r, r);
+      std::fill(row.begin(), row.end(), 0.0f);
+      for (std::size_t k = 0; k < place.shares.count; ++k) {
+        const auto [vertex, weight] = place.shares.of[k];
+        if (weight != 0) at.regions->add_mode_row(patch, vertex, weight * forces[i].direction, row);
+      }
+      at.regions->times(patch, row, turned);
+      tangent_order_[count] = i;
+      const std::size_t to = forces[i].row;
+      best_row_kernels().dots_floats(mode_rows_.data() + of_patch.at, of_patch.last - of_patch.first,
+                                     turned, tangent_sums_.data());
+      for (std::size_t k = of_patch.first; k < of_patch.last; ++k) {
+        W_nt[normals_[order_[k]].row * wide + to] += tangent_sums_[k - of_patch.first];
+      }
+      best_row_kernels().dots_floats(tangent_modes_.data(), count + 1, turned,
+                                     tangent_sums_.data());
+      for (std::size_t k = 0; k <= count; ++k) {
+        const std::size_t other = forces[tangent_order_[k]].row;
+        W_tt[to * t + other] += static_cast<double>(tangent_sums_[k]);
+        if (other != to) W_tt[other * t + to] += static_cast<double>(tangent_sums_[k]);
+      }
+      ++count;
+    }
+    at.regions->times(patch, coordinates, turned);
+    best_row_kernels().dots_floats(tangent_modes_.data(), count, turned, tangent_sums_.data());
+    for (std::size_t k = 0; k < count; ++k) {
+      q_t[forces[tangent_order_[k]].row] -= static_cast<double>(tangent_sums_[k]);
+    }
   }
 }
 

@@ -83,8 +83,9 @@ class TablesTangent {
   /// As ContactBody::add_compliance().
   void add_compliance(const TablesAt& at, std::span<const UnitForce> forces, std::span<double> W,
                       std::size_t m, std::span<double> q);
-  /// As ContactBody::add_tangential(), by the linear tables alone: the terms by which normals turn
-  /// are a small part of the tangent.
+  /// As ContactBody::add_tangential(). By the linear tables alone where `at` has no regions: the
+  /// terms by which normals turn are a small part of the tangent. With regions, the last
+  /// add_compliance() must have had them, too. The first call with regions allocates.
   void add_tangential(const TablesAt& at, std::span<const UnitForce> forces, std::span<float> W_nt,
                       std::size_t wide, std::span<double> W_tt, std::span<double> q_t);
   /// m/N, the mean compliance of a force on itself, over the forces of the last add_compliance().
@@ -99,6 +100,9 @@ class TablesTangent {
   void find_mode_rows(const TablesAt& at, std::span<const UnitForce> forces);
   void add_modes(const TablesAt& at, std::span<const UnitForce> forces, std::span<double> W,
                  std::size_t m, std::span<double> q);
+  void add_tangential_modes(const TablesAt& at, std::span<const UnitForce> forces,
+                            std::span<float> W_nt, std::size_t wide, std::span<double> W_tt,
+                            std::span<double> q_t);
 
   std::size_t modes_wide_, width_ = 0;
   std::vector<float> rows_;                // (P x w) G d, with d a unit force
@@ -109,6 +113,11 @@ class TablesTangent {
   std::vector<float> turned_coordinates_, sums_;  // (r), (P)
   std::vector<float> tangent_row_;                // (w)
   std::vector<UnitForce> normals_;                // of the last add_compliance()
+  bool has_mode_rows_ = false;                    // of normals_
+  std::vector<float> tangent_modes_;              // (2P x r) d U, of tangential unit forces
+  std::vector<std::size_t> tangent_order_;        // (2P) of one patch: tangential unit forces
+  std::vector<int> tangent_patch_;                // (2P) of each tangential unit force; -1: none
+  std::vector<float> tangent_sums_;               // (2P)
   double mean_ = 0;
 };
 

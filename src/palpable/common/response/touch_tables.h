@@ -37,7 +37,18 @@ struct TouchTables {
   double region_reach = 0.018;              ///< m from a region's middle, for loads; see RegionMap
   double point_spacing = 0.002;             ///< m between contact points, see skin_points.h
   std::vector<HeldOutTouch> held_out = {};  ///< the tables' accuracy; none: not known
+  /// Coulomb's coefficient of friction of the skin against bare skin or a dry thing; 0: none, as in
+  /// body files that have no coefficient. The held-out touches are with it.
+  double friction = 0;
 };
+
+/// The coefficient of silicone rubber against dry human skin: 0.61 with a standard deviation of
+/// 0.21 between subjects and sites (M. Zhang, A. F. T. Mak, Prosthet. Orthot. Int. 23, 135-141,
+/// 1999; five materials, six sites, ten subjects).
+inline constexpr double kRubberOnSkin = 0.6;
+/// The largest coefficient that is accepted: beyond it every point that presses sticks.
+inline constexpr double kMostFriction = 10;
+[[nodiscard]] inline bool is_friction(double mu) { return mu >= 0 && mu <= kMostFriction; }
 
 /// Size of the tables.
 [[nodiscard]] std::size_t bytes_of(const TouchTables& tables);

@@ -211,7 +211,7 @@ palpable_status palpable_get_touch(const palpable_session* session, int32_t inde
     result.body = one.body;
     result.by = one.by;
     write(one.point_in_body, result.point);
-    write(-one.direction, result.normal);
+    write(one.normal(), result.normal);
     write(one.force * one.direction, result.force);
     result.depth = one.press_depth;
     result.area = one.area;
