@@ -139,6 +139,12 @@ void add_contact_options(Command command, LiveOptions& options) {
           "measured depth; paper: at its sites by the paper's Algorithm 1")
       .one_of({"anywhere", "site", "paper"})
       .default_is("anywhere, or site where the body file has no tables of touch");
+  command
+      .add_option("--friction", options.run.friction,
+                  "Coulomb's coefficient of friction of the skins, in place of that in the body "
+                  "files; 0: none. A key of scenes, too")
+      .in_range(0.0, kMostFriction)
+      .default_is("that of the body file");
   command.add_flag("--press-static", options.run.press_static,
                    "Let also that press the body which is there from the first frame on, its desk "
                    "too. Without it only what comes later presses; a scene.toml may ask for it");

@@ -198,8 +198,8 @@ LiveSetUp set_up_live(const LiveOptions& options, std::unique_ptr<FrameSource> i
     if (body.place.anchor.value_or(settings.anchor) == Anchor::kBoard) {
       settings.board = pattern_of(options.board);
     }
-    bodies.push_back({read_live_body(body, run.contact), options.scene.empty() ? "" : body.name,
-                      body.place, body.color});
+    bodies.push_back({read_live_body(body, run.contact, run.friction),
+                      options.scene.empty() ? "" : body.name, body.place, body.color});
   }
   settings.refine =
       refinement(options, bodies.front().body.touch.has_value(), wanted.front().scale);

@@ -153,7 +153,7 @@ ThingsSetUp set_up_things(const LiveOptions& options) {
   for (std::size_t k = 0; k < setup.bodies.size(); ++k) {
     const DescribedBody& body = setup.bodies[k];
     if (!options.scene.empty()) expect_baked(body, options.scene);
-    setup.standing.push_back({read_live_body(body, options.run.contact),
+    setup.standing.push_back({read_live_body(body, options.run.contact, options.run.friction),
                               world_from_scene * scene_from_body[k],
                               options.scene.empty() ? "" : body.name, body.color});
   }

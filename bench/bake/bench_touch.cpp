@@ -46,41 +46,61 @@ struct BenchTouchOptions {
   int refine = 0;
   std::filesystem::path baked;  // empty: the tables are made
   bool linear = false;
-  double friction = 0;             // of the full-order solutions
+  double friction = 0;             // Coulomb's coefficient
   std::filesystem::path pictures;  // folder; empty: no pictures
   bool json = false;
 };
 
 constexpr std::array kDepths{0.0025, 0.005, 0.010};  // m
+constexpr double kDragDepth = 0.005;                 // m, of things that are then dragged aside
+constexpr std::array kDrags{0.0025, 0.005};          // m
 constexpr int kLinearLoads = 100;                    // for the error of the compliance table
 
-// Median and p90 of the differences for each thing and depth, after `refined` full-order
-// solutions were adopted.
+// Median and p90 of differences; null without any.
+Json summary_of(const std::vector<TouchDifference>& some) {
+  if (some.empty()) return nullptr;
+  std::vector<double> u, force, stress, worst, entry, cone;
+  for (const TouchDifference& d : some) {
+    u.push_back(d.touch.displacement);
+    force.push_back(d.touch.force);
+    stress.push_back(d.touch.von_mises);
+    worst.push_back(1e3 * d.worst_vertex);
+    entry.push_back(1e3 * d.report.penetration);
+    cone.push_back(1e3 * d.report.friction_residual);
+  }
+  Json summary{{"scenes", u.size()},
+               {"u_median", percentile(u, 0.5)},
+               {"u_p90", percentile(u, 0.9)},
+               {"force_median", percentile(force, 0.5)},
+               {"force_p90", percentile(force, 0.9)},
+               {"vm_median", percentile(stress, 0.5)},
+               {"vm_p90", percentile(stress, 0.9)},
+               {"worst_vertex_median_mm", percentile(worst, 0.5)},
+               {"penetration_median_mm", percentile(entry, 0.5)}};
+  if (*std::max_element(cone.begin(), cone.end()) > 0) {
+    summary["friction_residual_p90_mm"] = percentile(cone, 0.9);
+  }
+  return summary;
+}
+
+// The differences for each thing, depth and drag, after `refined` full-order solutions were adopted.
 Json differences_of(const std::vector<TouchDifference>& all, int refined) {
   Json figures = Json::object();
   for (int k = 0; k < kPressingThings; ++k) {
     const auto thing = static_cast<PressingThing>(k);
-    for (const double depth : kDepths) {
-      std::vector<double> u, force, stress, worst, entry;
+    const auto add = [&](const std::string& key, double depth, double dragged) {
+      std::vector<TouchDifference> some;
       for (const TouchDifference& d : all) {
-        if (d.touch.thing != thing || d.touch.depth != depth || d.refined != refined) continue;
-        u.push_back(d.touch.displacement);
-        force.push_back(d.touch.force);
-        stress.push_back(d.touch.von_mises);
-        worst.push_back(1e3 * d.worst_vertex);
-        entry.push_back(1e3 * d.report.penetration);
+        if (d.touch.thing == thing && d.touch.depth == depth && d.dragged == dragged &&
+            d.refined == refined) {
+          some.push_back(d);
+        }
       }
-      if (u.empty()) continue;
-      figures[name_of(thing)][fmt::format("at_{:g}mm", 1e3 * depth)] = {
-          {"scenes", u.size()},
-          {"u_median", percentile(u, 0.5)},
-          {"u_p90", percentile(u, 0.9)},
-          {"force_median", percentile(force, 0.5)},
-          {"force_p90", percentile(force, 0.9)},
-          {"vm_median", percentile(stress, 0.5)},
-          {"vm_p90", percentile(stress, 0.9)},
-          {"worst_vertex_median_mm", percentile(worst, 0.5)},
-          {"penetration_median_mm", percentile(entry, 0.5)}};
+      if (!some.empty()) figures[name_of(thing)][key] = summary_of(some);
+    };
+    for (const double depth : kDepths) add(fmt::format("at_{:g}mm", 1e3 * depth), depth, 0);
+    for (const double drag : kDrags) {
+      add(fmt::format("dragged_{:g}mm", 1e3 * drag), kDragDepth, drag);
     }
   }
   return figures;
@@ -91,6 +111,7 @@ Json scenes_of(const std::vector<TouchDifference>& all) {
   for (const TouchDifference& d : all) {
     scenes.push_back({{"thing", name_of(d.touch.thing)},
                       {"depth_mm", 1e3 * d.touch.depth},
+                      {"dragged_mm", 1e3 * d.dragged},
                       {"refined", d.refined},
                       {"u", d.touch.displacement},
                       {"force", d.touch.force},
@@ -222,6 +243,14 @@ ComparedScenes compare_scenes(const FullBody& body, const TouchTables& tables, T
           },
           options.refine, options.friction);
       if (!why.empty()) scenes.stopped.push_back(fmt::format("{}: {}", name_of(thing), why));
+      if (!(options.friction > 0) || thing == PressingThing::kSqueeze) continue;
+      const std::string stopped = compare_drag(
+          body.solver, body.skin, body.presses.preloaded(), touch, tables.point_spacing, scene,
+          kDragDepth, kDrags, [&](const TouchDifference& d) { scenes.all.push_back(d); },
+          options.friction);
+      if (!stopped.empty()) {
+        scenes.stopped.push_back(fmt::format("{}, dragged: {}", name_of(thing), stopped));
+      }
     }
   }
   return scenes;
@@ -270,7 +299,7 @@ void bench_touch(const BenchTouchOptions& options) {
   const auto [tables, bake_s] = options.baked.empty()
                                     ? made_tables(body, options, bar.progress())
                                     : std::pair(tables_in(options.baked, skin), 0.0);
-  TouchSolver touch(skin.skin(), skin.fixed(), tables);
+  TouchSolver touch(skin.skin(), skin.fixed(), tables, {.friction = options.friction});
   const std::uint64_t seed = options.seed > 0 ? options.seed : std::random_device()();
   const ComparedScenes scenes = compare_scenes(body, tables, touch, options, seed, bar);
   Json figures = errors_of(scenes.all, options.refine);
@@ -318,7 +347,7 @@ void add_bench_touch(Command bench) {
       .type_name("FILE.palpable");
   command
       .add_option("--friction", options->friction,
-                  "Coulomb's coefficient of the full-order solutions; the tables have none")
+                  "Coulomb's coefficient, of the tables' contact and of the full-order solutions; with it things are also dragged aside")
       .in_range(0.0, 10.0)
       .show_default();
   command.add_flag("--linear", options->linear, "The first stage of the tables alone");

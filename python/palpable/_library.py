@@ -55,7 +55,7 @@ class Image(Structure):
 
 
 class Thing(Structure):
-    _fields_ = [("size", c_size_t), ("id", c_int64), ("capsules", c_void_p), ("count", c_size_t)]
+    _fields_ = [("size", c_size_t), ("id", c_int64), ("capsules", c_void_p), ("count", c_size_t), ("friction", c_double)]
 
 
 class Frame(Structure):
@@ -124,6 +124,7 @@ class Depth(Structure):
 _FUNCTIONS = {
     "palpable_load_body": [c_char_p, c_double, POINTER(c_void_p)],
     "palpable_place_body": [c_void_p, c_void_p],
+    "palpable_set_friction": [c_void_p, c_double],
     "palpable_open": [c_void_p, c_size_t, POINTER(Setup), POINTER(c_void_p)],
     "palpable_reset": [c_void_p],
     "palpable_feed_stereo": [c_void_p, POINTER(Image), POINTER(Image), c_void_p, c_double],

@@ -26,7 +26,7 @@ from ._things import Things, address_of, list_of_things, pose_of
 from ._views import FrameMemory, View
 
 # palpable_thing, packed: faster than an array of ctypes' structs.
-_THING = struct.Struct("@NqNN")
+_THING = struct.Struct("@NqNNd")
 # palpable_touch and palpable_frame, unpacked in one call, which is faster than member by member.
 _TOUCH = struct.Struct("@N2i9d4dq")
 _FRAME = struct.Struct("@Nd4i16d2d2i")
@@ -69,6 +69,12 @@ class Body:
         pose = pose_of(world_from_body, "world_from_body")
         with _PLACING:
             check(library().palpable_place_body(self._address(), address_of(pose)))
+
+    def set_friction(self, coefficient: float) -> None:
+        """Sets Coulomb's coefficient of friction of the skin, 0 to 10, in sessions that are opened later. Without this
+        call it is that of the body file, 0 in files without one. Dry silicone rubber on skin has about 0.6."""
+        with _PLACING:
+            check(library().palpable_set_friction(self._address(), coefficient))
 
     def close(self) -> None:
         """Frees it; a second time does nothing."""
@@ -432,7 +438,7 @@ class Session:
         `frame.answer` says whether the skin has given way to everything.
         """
         pressing = list_of_things(things)
-        rows = b"".join(_THING.pack(_THING.size, one.id, address_of(one.capsules), len(one.capsules)) for one in pressing)
+        rows = b"".join(_THING.pack(_THING.size, one.id, address_of(one.capsules), len(one.capsules), one._friction_of_c()) for one in pressing)
         if time is None:
             time = 1.0 if math.isnan(self._time) else self._time + 1
         self._core.begin_frame(library().palpable_press_at, rows, len(pressing), time)

@@ -22,13 +22,21 @@ class Capsules:
     capsules  (N, 8): ax ay az bx by bz radius_a radius_b, m, world frame. A capsule is the union of the balls with
               centres on the segment from a to b, whose radius changes linearly; one ball where a equals b.
     id        a name for it, the same from call to call; touches carry it
+    friction  Coulomb's coefficient between it and the skins, 0 (none) to 10; None: that of each body
     """
 
-    __slots__ = ("capsules", "id")
+    __slots__ = ("capsules", "id", "friction")
 
-    def __init__(self, capsules: npt.ArrayLike, id: int = 0) -> None:
+    def __init__(self, capsules: npt.ArrayLike, id: int = 0, friction: float | None = None) -> None:
         self.capsules = rows_of_8(capsules)
         self.id = id
+        self.friction = friction
+
+    def _friction_of_c(self) -> float:
+        """palpable_thing::friction, where 0 is that of the body and -1 none."""
+        if self.friction is None:
+            return 0.0
+        return self.friction if self.friction != 0 else -1.0
 
 
 class Hand(Capsules):
@@ -40,6 +48,7 @@ class Hand(Capsules):
     side    "right" or "left"
     radii   (joints,) m, from each joint to the skin; None: those of a mean hand of the same length
     id      a name for it; None: 1 for a right hand, 2 for a left one
+    friction  as of Capsules
 
     `capsules` is what presses, (26, 8). WrongArgument if a joint is no number, or if the hand is not 80 to 300 mm
     long, as when joints are in mm. docs/hands.md has the table of joints.
@@ -54,6 +63,7 @@ class Hand(Capsules):
         side: str = "right",
         radii: npt.ArrayLike | None = None,
         id: int | None = None,
+        friction: float | None = None,
     ) -> None:
         if layout not in _LAYOUTS:
             raise WrongArgument(f"layout is {layout!r}, not one of {', '.join(_LAYOUTS)}")
@@ -68,7 +78,7 @@ class Hand(Capsules):
                 number, _SIDES[side], address_of(places), None if of_joints is None else address_of(of_joints), address_of(found)
             )
         )
-        super().__init__(found, _IDS[side] if id is None else id)
+        super().__init__(found, _IDS[side] if id is None else id, friction)
 
 
 #: One thing: a Hand, Capsules, or an (N, 8) array, which is Capsules with the id 0.

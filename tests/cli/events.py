@@ -97,7 +97,7 @@ def _(programs, folder):
         asleep, _ = connect(address)  # never reads, and must not disturb the others
         connection.sendall(b"GET / HTTP/1.1\r\n\r\n")
         hello = json.loads(next(lines))
-        assert hello["type"] == "hello" and hello["version"] == 1, hello
+        assert hello["type"] == "hello" and hello["version"] == 2, hello
         assert [body["name"] for body in hello["bodies"]] == ["ball"], hello
         frames = [json.loads(next(lines)) for _ in range(60)]
         printed = end(process)

@@ -58,6 +58,7 @@ struct Layer {
       modal_tables.point_spacing = cushion.tables.point_spacing;
       ModalSettings as_tables;
       as_tables.entry = settings.entry;
+      as_tables.friction = settings.friction;
       modes =
           std::make_unique<ModalBody>(ModalMember{&*in_modes, &modal_tables}, nullptr, as_tables);
       modes->use(modal_state);

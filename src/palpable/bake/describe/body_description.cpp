@@ -479,6 +479,7 @@ void read_touch(TomlSection section, BodyDescription& body) {
     }
     touch.held_out = section.integer("held_out", 0, 1000);
   }
+  touch.friction = section.number("friction", {0.0, 10.0}, touch.friction);
   section.refuse_unknown();
 }
 

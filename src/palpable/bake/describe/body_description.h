@@ -183,6 +183,8 @@ struct BodyDescription {
     /// touch_edge() for a fine skin; for others tables are made on the body's own mesh.
     std::optional<double> edge = {};
     int held_out = 20;  ///< held-out touches, to measure the error of tables
+    /// Coulomb's coefficient of friction of the skin; 0: none, as in descriptions without the key.
+    double friction = 0;
   } touch;
 
   /// A travelling load, for `bake --intrusive`, which uses neither a campaign nor its

@@ -43,7 +43,8 @@ BakedFile bake_without_campaign(const BodyDescription& description,
       progress);
   std::string touch = touch_text(std::nullopt);
   if (made.body.several && description.touch.by_default) {
-    const ModalTables tables = modal_tables(made);
+    ModalTables tables = modal_tables(made);
+    tables.friction = description.touch.friction;
     write_touchable_body(settings.output, made.body, tables, settings.storage);
     touch = touch_text(tables, made.body);
   } else {

@@ -69,6 +69,7 @@ class Stages {
 TouchBakeSettings touch_settings(const BodyDescription::Touch& wanted, int threads) {
   TouchBakeSettings settings;
   settings.threads = threads;
+  settings.friction = wanted.friction;
   if (wanted.regions) settings.regions.most = *wanted.regions;
   if (wanted.cross_modes) settings.cross.modes = *wanted.cross_modes;
   if (wanted.clusters) settings.compliance.most = *wanted.clusters;

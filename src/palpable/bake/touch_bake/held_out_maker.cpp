@@ -84,6 +84,7 @@ std::uint64_t held_out_key(const TouchKeys& keys, const TouchTables& tables,
   if (own_range > 0.0) digest.add(own_range);
   digest.add(tables.point_spacing);
   digest.add(tables.region_reach);
+  if (tables.friction > 0.0) digest.add(tables.friction);
   if (!tables.regions.empty()) digest.add(keys.regions);
   for (const RegionTable& region : tables.regions) digest.add(region.vertex);
   if (tables.cross.cubic.variables > 0) digest.add(keys.cross);
@@ -111,7 +112,8 @@ std::vector<HeldOutTouch> make_held_out(const EquilibriumSolver& solver, const S
     HeldOutTouch found = not_followed(wanted[k]);
     (void)compare_touch(solver, skin, preloaded, touch, tables.point_spacing, wanted[k].scene,
                         std::array{wanted[k].depth},
-                        [&](const TouchDifference& difference) { found = difference.touch; });
+                        [&](const TouchDifference& difference) { found = difference.touch; }, 0,
+                        tables.friction);
     const std::scoped_lock turn(finished);
     solved[k] = found;
     if (store != nullptr) store->keep(keys, solved);

@@ -88,8 +88,10 @@ Eigen::VectorXd true_von_mises(const SkinResponse& skin, const Matrix3Xd& displa
   return nodal(std::span(skin.shell_nodes()).first(static_cast<std::size_t>(skin.vertex_count())));
 }
 
-ExactObstacles::ExactObstacles(const ObstacleGaps& gaps)
-    : gaps_(&gaps), boxes_(boxes_of(gaps)), is_boxed_(gaps.part_count() == std::ssize(boxes_)) {
+ExactObstacles::ExactObstacles(const ObstacleGaps& gaps, const Obstacle* before)
+    : gaps_(&gaps),
+      before_(before),
+      boxes_(boxes_of(gaps)), is_boxed_(gaps.part_count() == std::ssize(boxes_)) {
   for (const Eigen::AlignedBox3f& box : boxes_) all_.extend(box);
 }
 
@@ -112,7 +114,27 @@ void ExactObstacles::find_gaps(std::span<const Eigen::Vector3f> places,
     gaps[k].distance = static_cast<float>(found.distance);
     gaps[k].normal = found.normal.cast<float>();
     gaps[k].curvature = found.curvature.cast<float>();
+    if (before_ == nullptr) continue;
+    gaps[k].part = part;
+    gaps[k].friction = kFrictionOfBody;
   }
+}
+
+std::optional<MaterialPoint> ExactObstacles::carried(const MaterialPoint& before) const {
+  if (before_ == nullptr || before.part < 0 || before.part >= gaps_->part_count()) {
+    return std::nullopt;
+  }
+  const Vector3d now =
+      palpable::carried(*before_, gaps_->obstacle(), before.part, before.place.cast<double>());
+  return MaterialPoint{before.part, now.cast<float>()};
+}
+
+std::optional<Eigen::Vector3f> ExactObstacles::way_of(const MaterialPoint& now) const {
+  if (before_ == nullptr || now.part < 0 || now.part >= gaps_->part_count()) return std::nullopt;
+  const Vector3d place = now.place.cast<double>();
+  const Vector3d way =
+      place - palpable::carried(gaps_->obstacle(), *before_, now.part, place);
+  return Eigen::Vector3f(way.cast<float>());
 }
 
 bool ExactObstacles::may_be_within(const Eigen::Vector3f& place, float reach) const {
@@ -143,11 +165,12 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
     while (depth < last) {
       // The last frame ends at the depth that is compared; it takes up to 10 % more instead of
       // leaving a very short frame.
+      const Obstacle before = obstacle_at(scene, depth);
       depth = last - depth < 1.1 * kFrame ? last : depth + kFrame;
       if (!walk.advance(depth)) return walk.why_stopped();
       const ObstacleGaps gaps(obstacle_at(scene, depth));
       const auto begin = std::chrono::steady_clock::now();
-      report = touch.advance(state, ExactObstacles(gaps));
+      report = touch.advance(state, ExactObstacles(gaps, &before));
       took = milliseconds_since(begin);
     }
     const auto report_difference = [&](const TouchState& now, int refined) {
@@ -160,17 +183,60 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
     };
     report_difference(state, 0);
     TouchState rests = refinements > 0 ? state : TouchState();
-    const ObstacleGaps gaps(obstacle_at(scene, depth));
+    const Obstacle at_rest = obstacle_at(scene, depth);
+    const ObstacleGaps gaps(at_rest);
     for (int k = 1; k <= refinements; ++k) {
       RequestedLoad requested;
       if (touch.request(rests, requested)) {
         const auto full = full_solution(solver, skin, preloaded, requested.forces);
         if (full) (void)touch.refine(rests, requested, *full);
       }
-      do report = touch.advance(rests, ExactObstacles(gaps));
+      do report = touch.advance(rests, ExactObstacles(gaps, &at_rest));
       while (rests.refinement.blended < 1);
       report_difference(rests, k);
     }
+  }
+  return {};
+}
+
+std::string compare_drag(const EquilibriumSolver& solver, const SkinResponse& skin,
+                         const Preloaded* preloaded, TouchSolver& touch, double point_spacing,
+                         const TouchScene& scene, double depth, std::span<const double> drags,
+                         const std::function<void(const TouchDifference&)>& found,
+                         double friction) {
+  ContactSettings settings;
+  settings.spacing = point_spacing;
+  settings.friction = friction;
+  // The obstacle after a path of t: down, then aside.
+  const auto after = [&](double t) {
+    Rigid3 aside = Rigid3::Identity();
+    aside.translation() = std::max(0.0, t - depth) * scene.way.unitOrthogonal();
+    return moved(obstacle_at(scene, std::min(t, depth)), aside);
+  };
+  ContactWalk walk(solver, after, -1e-4, settings, preloaded);
+  TouchState state;
+  double t = 0;
+  for (const double drag : drags) {
+    TouchReport report;
+    double took = 0;
+    while (t < depth + drag) {
+      // Frames end where the press ends, and where the state is compared.
+      const double last = t < depth ? depth : depth + drag, begun = t;
+      const Obstacle before = after(t);
+      t = last - t < 1.1 * kFrame ? last : t + kFrame;
+      if (!walk.advance(0.5 * (begun + t)) || !walk.advance(t)) return walk.why_stopped();
+      const ObstacleGaps gaps(after(t));
+      const auto begin = std::chrono::steady_clock::now();
+      report = touch.advance(state, ExactObstacles(gaps, &before));
+      took = milliseconds_since(begin);
+    }
+    if (walk.now().touching == 0) return {};  // dragged off the body
+    TouchDifference d = difference_of(skin, walk, touch, state, scene, depth);
+    d.dragged = drag;
+    d.report = report;
+    d.touch.unscaled_error = unscaled_error(report.indicators);
+    d.milliseconds = took;
+    found(d);
   }
   return {};
 }

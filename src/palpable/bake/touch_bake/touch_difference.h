@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ namespace palpable {
 /// One scene at one depth: the tables' response, the full-order solution, and their differences.
 struct TouchDifference {
   HeldOutTouch touch;
+  double dragged = 0;       ///< m, motion aside after the press
   int refined = 0;          ///< how many refinements by full-order solutions were tried before
   double worst_vertex = 0;  ///< m, largest error of a vertex's displacement
   TouchReport report;       ///< of the last frame
@@ -44,15 +46,23 @@ struct TouchDifference {
 /// The full solver's obstacle, in the form that the contact solver of the tables takes.
 class ExactObstacles : public Obstacles {
  public:
-  /// @param gaps  outlives this
-  explicit ExactObstacles(const ObstacleGaps& gaps);
+  /// @param gaps    outlives this
+  /// @param before  with friction, that of the body: the obstacle of the frame before, with the same
+  ///                parts; outlives this. Null: nothing rubs
+  explicit ExactObstacles(const ObstacleGaps& gaps, const Obstacle* before = nullptr);
 
   void find_gaps(std::span<const Eigen::Vector3f> places,
                  std::span<SurfaceGap> gaps) const override;
   [[nodiscard]] bool may_be_within(const Eigen::Vector3f& place, float reach) const override;
+  [[nodiscard]] float largest_friction(float of_body) const override {
+    return before_ != nullptr ? of_body : 0.0f;
+  }
+  [[nodiscard]] std::optional<MaterialPoint> carried(const MaterialPoint& before) const override;
+  [[nodiscard]] std::optional<Eigen::Vector3f> way_of(const MaterialPoint& now) const override;
 
  private:
   const ObstacleGaps* gaps_;
+  const Obstacle* before_;
   std::vector<Eigen::AlignedBox3f> boxes_;  // of the capsules, which are its first parts
   bool is_boxed_;                           // every part has a box
   Eigen::AlignedBox3f all_;
@@ -67,7 +77,8 @@ class ExactObstacles : public Obstacles {
 /// @param refinements  how often, at each depth, the obstacle is kept at rest until the tables have
 ///                     blended in a full-order solution (response/refinement.h); `found` is called
 ///                     after each. The next depth continues from the unrefined state
-/// @param friction     Coulomb's coefficient in the full solution; the tables know no friction
+/// @param friction     Coulomb's coefficient in the full solution. That of the tables is the body's of
+///                     `touch`
 /// @returns why the full solver stopped before the last depth; empty if it did not
 [[nodiscard]] std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
                                         const Preloaded* preloaded, TouchSolver& touch,
@@ -75,5 +86,15 @@ class ExactObstacles : public Obstacles {
                                         std::span<const double> depths,
                                         const std::function<void(const TouchDifference&)>& found,
                                         int refinements = 0, double friction = 0.0);
+
+/// The same for a thing that presses to `depth` (m) and is then dragged aside, perpendicular to its
+/// way, in frames of at most 1.25 mm; the full solver makes two steps a frame.
+/// @param drags  m, rising; `found` is called at each
+[[nodiscard]] std::string compare_drag(const EquilibriumSolver& solver, const SkinResponse& skin,
+                                       const Preloaded* preloaded, TouchSolver& touch,
+                                       double point_spacing, const TouchScene& scene, double depth,
+                                       std::span<const double> drags,
+                                       const std::function<void(const TouchDifference&)>& found,
+                                       double friction);
 
 }  // namespace palpable

@@ -85,6 +85,39 @@ TEST_CASE("touch tables agree with full contact, and better than the linear tabl
   CHECK(linear[4] > 1.5 * nonlinear[4]);
 }
 
+TEST_CASE("tables with friction agree with full contact with the same friction",
+          "[touch_bake][friction][long]") {
+  Touched body;
+  TouchSettings settings;
+  settings.friction = 0.5;
+  TouchSolver rubs(body.skin.skin(), body.skin.fixed(), body.tables, settings);
+  settings.friction = 0;
+  TouchSolver slides(body.skin.skin(), body.skin.fixed(), body.tables, settings);
+  std::vector<double> with, without;
+  for (const PressingThing thing : {PressingThing::kFinger, PressingThing::kPalm}) {
+    for (const TouchScene& scene : touch_scenes(body.skin, thing, 2, 5)) {
+      for (TouchSolver* touch : {&rubs, &slides}) {
+        std::vector<double>& errors = touch == &rubs ? with : without;
+        CHECK(compare_drag(
+                  body.solver, body.skin, nullptr, *touch, body.tables.point_spacing, scene, 0.003,
+                  std::array{0.002},
+                  [&](const TouchDifference& d) {
+                    CHECK(d.dragged == 0.002);
+                    CHECK(d.report.friction_residual < tolerance(1e-5, "m"));
+                    errors.push_back(d.touch.displacement);
+                  },
+                  0.5) == "");
+      }
+    }
+  }
+  REQUIRE(with.size() == without.size());
+  REQUIRE(with.size() >= 3);
+  std::sort(with.begin(), with.end());
+  std::sort(without.begin(), without.end());
+  CHECK(with[with.size() / 2] < tolerance(0.1, "64 modes of a coarse block, and a frame's slide"));
+  CHECK(without[without.size() / 2] > 2 * with[with.size() / 2]);
+}
+
 TEST_CASE("held-out touches are the same on any number of threads, and solved once",
           "[touch_bake][long]") {
   const test::ScratchFolder folder("held_out");

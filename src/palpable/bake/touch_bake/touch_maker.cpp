@@ -148,6 +148,7 @@ TouchTables make_touch_tables(const SkinResponse& skin, const TouchBakeSettings&
   const TouchKeys keys = store != nullptr ? touch_keys(skin, settings) : TouchKeys{};
   TouchTables tables;
   tables.point_spacing = settings.point_spacing;
+  tables.friction = settings.friction;
   tables.region_reach = settings.regions.reach;
   tables.shell = make_shell(skin);
   if (store != nullptr && !store->find_shell(keys)) store->keep(keys, tables.shell);

@@ -29,6 +29,7 @@ struct TouchBakeSettings {
   RegionSettings regions{};
   CrossSettings cross{};
   double point_spacing = 0.002;  ///< m, between contact points
+  double friction = 0;           ///< TouchTables::friction; only held-out touches depend on it
   int threads = 1;
 };
 

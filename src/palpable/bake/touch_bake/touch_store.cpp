@@ -228,6 +228,7 @@ void TouchStore::keep_list(std::uint64_t of, const TouchKeys& keys, const TouchT
     hdf5::write_text(h, "held_out", keys.held_out != 0 ? key_text(keys.held_out) : std::string());
     hdf5::write_number(h, "region_reach", tables.region_reach);
     hdf5::write_number(h, "point_spacing", tables.point_spacing);
+    if (tables.friction > 0) hdf5::write_number(h, "friction", tables.friction);
     std::vector<int> middles;
     for (const RegionTable& region : tables.regions) middles.push_back(region.vertex);
     hdf5::write_table(h, "middles", middles.data(), middles.size(), 1);
@@ -261,6 +262,7 @@ std::optional<TouchTables> TouchStore::find_listed(std::uint64_t of) const {
     keys.held_out = key_of(hdf5::read_text(h, "held_out"));
     tables.region_reach = hdf5::read_number(h, "region_reach");
     tables.point_spacing = hdf5::read_number(h, "point_spacing");
+    if (hdf5::has(h, "friction")) tables.friction = hdf5::read_number(h, "friction");
     middles = hdf5::read_table<int>(h, "middles").data;
     if (hdf5::has_link(h, "skin")) {
       read_group(hdf5::open_group(h, "skin"), tables.coarse.emplace());

@@ -23,6 +23,7 @@ void write_touch(hid_t file, const TouchTables& tables) {
   hdf5::write_number(g, "layout", kTouchLayout);
   hdf5::write_number(g, "point_spacing", tables.point_spacing);
   hdf5::write_number(g, "region_reach", tables.region_reach);
+  if (tables.friction > 0) hdf5::write_number(g, "friction", tables.friction);
   hdf5::write_number(g, "regions", static_cast<double>(tables.regions.size()));
   if (tables.coarse) write_group(hdf5::make_group(g, "skin"), *tables.coarse);
   write_group(hdf5::make_group(g, "compliance"), tables.compliance);
@@ -58,6 +59,8 @@ std::optional<TouchTables> read_touch(hid_t file, const ReducedBody& body) {
   TouchTables tables;
   tables.point_spacing = hdf5::read_number(g, "point_spacing");
   tables.region_reach = hdf5::read_number(g, "region_reach");
+  // Files of 0.1 have none, and no friction.
+  if (hdf5::has(g, "friction")) tables.friction = hdf5::read_number(g, "friction");
   if (hdf5::has_link(g, "skin")) tables.coarse = table_of<CoarseSkin>(g, "skin");
   tables.compliance = table_of<ComplianceTable>(g, "compliance");
   const double regions = hdf5::read_number(g, "regions");

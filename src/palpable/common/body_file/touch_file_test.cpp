@@ -54,6 +54,7 @@ void check_same(const ComplianceTable& a, const ComplianceTable& b) {
 void check_same(const TouchTables& a, const TouchTables& b) {
   CHECK(a.point_spacing == b.point_spacing);
   CHECK(a.region_reach == b.region_reach);
+  CHECK(a.friction == b.friction);
   check_same(a.compliance, b.compliance);
   REQUIRE(a.regions.size() == b.regions.size());
   for (std::size_t k = 0; k < a.regions.size(); ++k) {
@@ -109,7 +110,8 @@ TEST_CASE("tables of touch come back from a body file to the last bit", "[body_f
   const ReducedBody body = ball();
   for (const int regions : {0, 3}) {
     INFO(regions << " regions");
-    const TouchTables tables = test::some_touch_tables(body.surface, regions);
+    TouchTables tables = test::some_touch_tables(body.surface, regions);
+    if (regions > 0) tables.friction = 0.61;
     write_touchable_body(folder / "ball.palpable", body, tables);
     const TouchableBody again = value_or_throw(read_touchable_body(folder / "ball.palpable"));
     CHECK(again.body.surface.vertices == body.surface.vertices);
@@ -308,6 +310,8 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
        }},
       {"the reach of regions is no length", [](auto& t) { t.region_reach = -0.01; }},
       {"the spacing of contact points is no length", [](auto& t) { t.point_spacing = NAN; }},
+      {"the coefficient of friction", [](auto& t) { t.friction = -0.1; }},
+      {"the coefficient of friction", [](auto& t) { t.friction = NAN; }},
       {"contact points 1e-06 m apart would be", [](auto& t) { t.point_spacing = 1e-6; }},
   };
   check_refused(good, faults);

@@ -248,6 +248,7 @@ void read_group(hid_t group, std::vector<HeldOutTouch>& touches) {
 
 void write_group(hid_t group, const ModalTables& tables) {
   hdf5::write_number(group, "half_space", tables.half_space);
+  if (tables.friction > 0) hdf5::write_number(group, "friction", tables.friction);
   hdf5::write_number(group, "point_spacing", tables.point_spacing);
   write_table(group, "inner_modes", tables.inner_modes.data(),
               static_cast<hsize_t>(tables.inner_modes.cols()),
@@ -257,6 +258,7 @@ void write_group(hid_t group, const ModalTables& tables) {
 
 void read_group(hid_t group, ModalTables& tables) {
   tables.half_space = hdf5::read_number(group, "half_space");
+  if (hdf5::has(group, "friction")) tables.friction = hdf5::read_number(group, "friction");
   tables.point_spacing = hdf5::read_number(group, "point_spacing");
   const Table<float> modes = read_table<float>(group, "inner_modes");
   tables.inner_modes =

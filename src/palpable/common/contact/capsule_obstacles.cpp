@@ -65,7 +65,7 @@ void CapsuleObstacles::set_friction(std::span<const float> friction,
 
 float CapsuleObstacles::largest_friction(float of_body) const {
   float largest = 0;
-  for (const float one : friction_) largest = std::max(largest, one < 0 ? of_body : one);
+  for (const float one : friction_) largest = std::max(largest, friction_coefficient(one, of_body));
   return largest;
 }
 

@@ -255,8 +255,8 @@ float ContactFrame::friction_between(int one, int other) const {
 
 float ContactFrame::friction_of(const Contact& contact) const {
   if (contact.by >= 0) return friction_between(contact.body, contact.by);
-  if (!(contact.rub.given < 0)) return contact.rub.given;
-  return static_cast<float>(part(contact.body).body->friction());
+  return friction_coefficient(contact.rub.given,
+                              static_cast<float>(part(contact.body).body->friction()));
 }
 
 bool ContactFrame::may_rub() const {
@@ -402,8 +402,15 @@ void ContactFrame::keep_anchors() {
       const Vector3f normal = c.by < 0 ? c.normal : c.foot_normal;
       Vector3f way = x + rub.compliance * force - rub.held;
       way -= way.dot(normal) * normal;
-      report_.dissipated -= static_cast<double>(way.dot(force));
-      rub.held += way;
+      // A way along the friction would be one that the last iteration did not foresee: the point
+      // begins to stick.
+      const float lost = -way.dot(force);
+      if (lost > 0) {
+        report_.dissipated += static_cast<double>(lost);
+        rub.held += way;
+      } else {
+        rub.slides = false;
+      }
     }
     if (rub.slides || rub.is_new) {
       if (c.by < 0) {

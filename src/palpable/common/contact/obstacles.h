@@ -30,8 +30,12 @@ enum class Known {
   kUnknown    ///< seen in an earlier frame, hidden or without depth in this one
 };
 
-/// SurfaceGap::friction: that of the body.
+/// SurfaceGap::friction: that of the body. Another negative number is minus a share of it.
 inline constexpr float kFrictionOfBody = -1;
+/// Coulomb's coefficient of a gap. @param given  SurfaceGap::friction @param of_body  the body's
+[[nodiscard]] inline float friction_coefficient(float given, float of_body) {
+  return given < 0 ? -given * of_body : given;
+}
 
 /// A material point of an obstacle.
 struct MaterialPoint {
@@ -54,7 +58,7 @@ struct SurfaceGap {
   /// Which of several things the obstacle belongs to (CapsuleObstacles::set()); -1: not known.
   int thing = -1;
   int part = -1;  ///< which part of the obstacles is nearest; -1: they have no parts
-  /// Coulomb's coefficient of friction between obstacle and skin; kFrictionOfBody: that of the body
+  /// Coulomb's coefficient of friction between obstacle and skin; < 0: kFrictionOfBody
   float friction = 0;
 
   /// Whether there is an obstacle, and all numbers are finite.

@@ -25,7 +25,25 @@ void PressingSurface::find_gaps(std::span<const Eigen::Vector3f> places,
     gaps[k].softness = shape->sigma / kSigmaOfBody;
     gaps[k].known = shape->known;
     gaps[k].unseen_for = shape->unseen_for;
+    gaps[k].friction = kFrictionOfBody * friction_share();
   }
+}
+
+std::optional<MaterialPoint> PressingSurface::carried(const MaterialPoint& before) const {
+  // The ball nearest to where the place is now: looked for twice.
+  MaterialPoint now = before;
+  for (int step = 0; step < 2; ++step) {
+    const std::optional<NearestOnObject> found = nearest(now.place, band());
+    if (!found) return std::nullopt;
+    now.place = before.place + balls()[static_cast<std::size_t>(found->ball)].way;
+  }
+  return now;
+}
+
+std::optional<Eigen::Vector3f> PressingSurface::way_of(const MaterialPoint& now) const {
+  const std::optional<NearestOnObject> found = nearest(now.place, band());
+  if (!found) return std::nullopt;
+  return balls()[static_cast<std::size_t>(found->ball)].way;
 }
 
 float PressingSurface::depth_at(const Eigen::Vector3f& place) const {

@@ -26,6 +26,8 @@ struct ObjectBall {
   float radius = 0.008f;   ///< m
   float sigma = 0;         ///< m, standard deviation of the measured surface
   float unseen_for = 0;    ///< s since it was measured; 0: in this frame
+  /// m, how far its obstacle has moved since the frame before; 0 where that is not known
+  Eigen::Vector3f way = Eigen::Vector3f::Zero();
 };
 
 /// The surface nearest to a query point.
@@ -66,6 +68,17 @@ class PressingSurface : public Obstacles {
   void add_sharp_parts(const Eigen::AlignedBox3f& box, float radius,
                        std::vector<SharpPart>& parts) const override;
 
+  /// The share friction_share() of the body's coefficient.
+  [[nodiscard]] float largest_friction(float of_body) const override {
+    return friction_share() * of_body;
+  }
+  /// A place moves as the ball nearest to it (ObjectBall::way); there are no parts.
+  [[nodiscard]] std::optional<MaterialPoint> carried(const MaterialPoint& before) const override;
+  [[nodiscard]] std::optional<Eigen::Vector3f> way_of(const MaterialPoint& now) const override;
+
+  /// 0 to 1: which share of a body's friction the obstacles have. 0: their motion is not known, and
+  /// there is no friction.
+  [[nodiscard]] virtual float friction_share() const { return 0; }
   [[nodiscard]] virtual std::span<const ObjectBall> balls() const = 0;
   /// Bounding box of the balls; empty without any.
   [[nodiscard]] virtual const Eigen::AlignedBox3f& bounds() const = 0;

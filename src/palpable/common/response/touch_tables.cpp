@@ -239,6 +239,7 @@ std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
   if (const std::string trouble = trouble_of(tables.held_out); !trouble.empty()) {
     return fmt::format("the held-out touches are wrong in {}", trouble);
   }
+  if (!is_friction(tables.friction)) return "the coefficient of friction is not from 0 to 10";
   if (!is_length(tables.region_reach)) return "the reach of regions is no length";
   if (!is_length(tables.point_spacing)) return "the spacing of contact points is no length";
   if (const double points = points_on(skin, tables.point_spacing); !(points <= kMostPoints)) {

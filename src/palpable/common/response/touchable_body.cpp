@@ -1,5 +1,6 @@
 #include "palpable/common/response/touchable_body.h"
 
+#include "palpable/common/base/contract.h"
 #include "palpable/common/reduced/reduced_body.h"
 
 #include <cmath>
@@ -36,6 +37,12 @@ TouchTables scaled(const TouchTables& tables, double s) {
 }
 
 }  // namespace
+
+void set_friction(TouchableBody& body, double mu) {
+  PALPABLE_EXPECT(is_friction(mu), "a coefficient of friction");
+  if (body.touch) body.touch->friction = mu;
+  if (body.modal) body.modal->friction = mu;
+}
 
 TouchableBody scaled(const TouchableBody& body, double factor) {
   TouchableBody result = scaled(body.body, factor);

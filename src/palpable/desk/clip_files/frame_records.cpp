@@ -73,6 +73,7 @@ void touch_fields(JsonFields& object, FeltTouch& touch, bool listed) {
   }
   object.number("press_depth", touch.press_depth, 7, Invalid::kIgnored);
   if (listed) object.vector("force", touch.force, 6);
+  object.vector("friction", touch.friction, 6, Invalid::kIgnored);
   object.vector("point", touch.point, 6, Invalid::kIgnored);
   object.number("time", touch.time, 6, Invalid::kIgnored);
   object.number("area", touch.area, 9, Invalid::kIgnored);

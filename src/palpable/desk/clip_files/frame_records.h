@@ -132,6 +132,8 @@ struct FeltTouch {
   std::string by = {};  ///< name of the body that presses; empty: a real obstacle
   /// Id of what presses, in runs without a camera (`live --source hands.jsonl`).
   std::optional<std::int64_t> thing = {};
+  /// N, the part of the force that is friction, body frame; nothing without friction.
+  std::optional<Eigen::Vector3d> friction = {};
 };
 
 /// touches.jsonl of a result: where and how hard the body is pressed, one line for each frame with

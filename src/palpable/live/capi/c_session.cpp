@@ -52,7 +52,9 @@ void palpable_session::reset() {
     camera->restart(bodies);
   } else {
     std::vector<palpable::PressedBodies::Member> members;
-    for (const palpable_body& body : bodies) members.push_back({body.body, body.world_from_body});
+    for (const palpable_body& body : bodies) {
+      members.push_back({body.body, body.world_from_body, body.friction});
+    }
     press_ = std::make_unique<palpable::PressedBodies>(std::move(members));
     press_->keep({.contact_pressure = true});
     palpable::show_rest(bodies, shown_);
@@ -120,7 +122,10 @@ void palpable_session::process_things(std::span<const palpable_thing> the_things
   std::span<const palpable::Capsule> rest = capsules_;
   for (const palpable_thing& thing : the_things) {
     things.push_back(thing.id);
-    things_.push_back({thing.id, rest.first(thing.count)});
+    const float friction = thing.friction < 0    ? 0
+                           : thing.friction == 0 ? palpable::kFrictionOfBody
+                                                 : static_cast<float>(thing.friction);
+    things_.push_back({thing.id, rest.first(thing.count), friction});
     rest = rest.subspan(thing.count);
   }
   const palpable::ContactReport report = press_->advance(things_, shown_, touches_);

@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,7 @@
 struct palpable_body {
   std::shared_ptr<const palpable::TouchableBody> body;
   palpable::Rigid3 world_from_body = palpable::Rigid3::Identity();
+  std::optional<double> friction = {};  ///< none: that of the body's tables
 };
 
 namespace palpable {

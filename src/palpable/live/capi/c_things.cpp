@@ -2,6 +2,7 @@
 // images (c_interface.cpp). They are also the core for web pages (web/).
 
 #include "palpable/common/contact/touch.h"
+#include "palpable/common/response/touch_tables.h"
 #include "palpable/live/capi/c_checks.h"
 #include "palpable/live/capi/c_session.h"
 #include "palpable/live/capi/guarded.h"
@@ -94,6 +95,13 @@ palpable_thing checked_thing(const palpable_thing* things, std::size_t index) {
     throw Failure(PALPABLE_WRONG_ARGUMENT,
                   fmt::format("{}: more than {} capsules", name, palpable::kMostThingCapsules));
   }
+  const bool has_none = thing.friction == PALPABLE_NO_FRICTION;
+  if (!has_none && !palpable::is_friction(thing.friction)) {
+    throw Failure(PALPABLE_WRONG_ARGUMENT,
+                  fmt::format("{}: friction is {}, neither PALPABLE_NO_FRICTION nor within 0 and "
+                              "{:g}",
+                              name, thing.friction, palpable::kMostFriction));
+  }
   for (std::size_t k = 0; k < thing.count; ++k) check_capsule(thing.capsules[k], k);
   return thing;
 }
@@ -123,6 +131,18 @@ palpable_status palpable_place_body(palpable_body* body, const double world_from
   return guarded([&] {
     require(body != nullptr, "body is null");
     body->world_from_body = palpable::pose_of(world_from_body, "world_from_body");
+  });
+}
+
+palpable_status palpable_set_friction(palpable_body* body, double coefficient) {
+  return guarded([&] {
+    require(body != nullptr, "body is null");
+    if (!palpable::is_friction(coefficient)) {
+      throw Failure(PALPABLE_WRONG_ARGUMENT,
+                    fmt::format("coefficient is {}, not within 0 and {:g}", coefficient,
+                                palpable::kMostFriction));
+    }
+    body->friction = coefficient;
   });
 }
 
@@ -163,7 +183,7 @@ palpable_status palpable_press(palpable_session* session, const palpable_capsule
     require(capsules != nullptr || count == 0, "capsules is null");
     require_at_most(palpable::kMostThingCapsules, count, "capsules");
     for (std::size_t k = 0; k < count; ++k) check_capsule(capsules[k], k);
-    const palpable_thing thing{sizeof(palpable_thing), 0, capsules, count};
+    const palpable_thing thing{sizeof(palpable_thing), 0, capsules, count, PALPABLE_NO_FRICTION};
     open.process_things({&thing, 1}, open.frames == 0 ? 1 : open.time + 1);
   });
 }

@@ -58,7 +58,7 @@ palpable_capsule finger_at(double x, double depth) {
 }
 
 palpable_thing thing_of(int64_t id, const palpable_capsule& capsule) {
-  return {sizeof(palpable_thing), id, &capsule, 1};
+  return {sizeof(palpable_thing), id, &capsule, 1, 0};
 }
 
 std::vector<palpable_touch> touches_of(const palpable_session* session) {
@@ -238,12 +238,12 @@ TEST_CASE("things that cannot be are refused, and the session goes on", "[capi][
   };
   CHECK_THAT(refused({thing_of(1, c), thing_of(2, c), thing_of(1, c)}),
              Catch::Contains("things 0 and 2 have the same id 1"));
-  CHECK_THAT(refused({{sizeof(palpable_thing), 1, nullptr, 1}}),
+  CHECK_THAT(refused({{sizeof(palpable_thing), 1, nullptr, 1, 0}}),
              Catch::Contains("thing 0: capsules is null"));
-  CHECK_THAT(refused({{0, 1, &c, 1}}), Catch::Contains("size"));
-  CHECK_THAT(refused({thing_of(1, c), {sizeof(palpable_thing) + 8, 2, &c, 1}}),
+  CHECK_THAT(refused({{0, 1, &c, 1, 0}}), Catch::Contains("size"));
+  CHECK_THAT(refused({thing_of(1, c), {sizeof(palpable_thing) + 8, 2, &c, 1, 0}}),
              Catch::Contains("thing 1"));
-  CHECK_THAT(refused({{sizeof(palpable_thing), 1, &c, std::size_t{1} << 60}}),
+  CHECK_THAT(refused({{sizeof(palpable_thing), 1, &c, std::size_t{1} << 60, 0}}),
              Catch::Contains("4096"));
   CHECK_THAT(refused(std::vector<palpable_thing>(257, thing_of(1, c))), Catch::Contains("256"));
   CHECK_THAT(refused({thing_of(PALPABLE_NO_THING, c)}), Catch::Contains("PALPABLE_NO_THING"));
@@ -261,18 +261,60 @@ TEST_CASE("things that cannot be are refused, and the session goes on", "[capi][
   CHECK(touches_of(session.get()).size() == 1);
 }
 
+TEST_CASE("a thing rubs a body that has friction, unless it has none of its own",
+          "[capi][friction]") {
+  const OpenBody ball = ball_at({0, 0, 0}), plain = ball_at({0, 0, 0});
+  REQUIRE(palpable_set_friction(ball.get(), 1) == PALPABLE_OK);
+  CHECK(palpable_set_friction(ball.get(), -0.5) == PALPABLE_WRONG_ARGUMENT);
+  CHECK(palpable_set_friction(ball.get(), kNaN) == PALPABLE_WRONG_ARGUMENT);
+  CHECK(palpable_set_friction(nullptr, 1) == PALPABLE_WRONG_ARGUMENT);
+  const OpenSession rubs = session_of({ball.get()}), greased = session_of({ball.get()}),
+                    without = session_of({plain.get()}), own = session_of({plain.get()}),
+                    pressed = session_of({ball.get()});
+  for (int k = 1; k <= 6; ++k) {
+    const palpable_capsule c = finger_at(0.0001 * k, 0.003);
+    palpable_thing thing = thing_of(4, c);
+    REQUIRE(palpable_press_at(rubs.get(), &thing, 1, k) == PALPABLE_OK);
+    REQUIRE(palpable_press_at(without.get(), &thing, 1, k) == PALPABLE_OK);
+    thing.friction = PALPABLE_NO_FRICTION;
+    REQUIRE(palpable_press_at(greased.get(), &thing, 1, k) == PALPABLE_OK);
+    thing.friction = 1;
+    REQUIRE(palpable_press_at(own.get(), &thing, 1, k) == PALPABLE_OK);
+    REQUIRE(palpable_press(pressed.get(), &c, 1) == PALPABLE_OK);
+  }
+  // Along the normal of a touch: what is left is friction.
+  const auto rubbing = [](const OpenSession& session) {
+    const palpable_touch touch = touches_of(session.get()).at(0);
+    const Vector3d force(touch.force), normal(touch.normal);
+    return (force - force.dot(normal) * normal).norm() / force.norm();
+  };
+  CHECK(rubbing(rubs) > 0.02);
+  CHECK(rubbing(own) == rubbing(rubs));
+  for (const OpenSession* session : {&without, &greased, &pressed}) {
+    CHECK(rubbing(*session) < tolerance(1e-12, "rounding"));
+  }
+  const palpable_capsule c = finger_at(0, 0.002);
+  palpable_thing wrong = thing_of(4, c);
+  for (const double mu : {-0.5, 11.0, kNaN}) {
+    wrong.friction = mu;
+    CHECK(palpable_press_at(rubs.get(), &wrong, 1, 9) == PALPABLE_WRONG_ARGUMENT);
+    CHECK_THAT(palpable_last_error(), Catch::Contains("friction"));
+  }
+}
+
 TEST_CASE("things of callers who know more members lie as far apart as they say", "[capi]") {
   struct Later {
     palpable_thing known;
-    double friction;
+    double charge;
   };
   const OpenBody ball = ball_at({0, 0, 0});
   const OpenSession session = session_of({ball.get()});
   const palpable_capsule a = finger_at(-0.005, 0.003), b = finger_at(0.005, 0.003);
-  std::array<Later, 2> things{Later{{sizeof(Later), 1, &a, 1}, 0}, {{sizeof(Later), 2, &b, 1}, 0}};
+  std::array<Later, 2> things{Later{{sizeof(Later), 1, &a, 1, 0}, 0},
+                              {{sizeof(Later), 2, &b, 1, 0}, 0}};
   REQUIRE(palpable_press_at(session.get(), &things[0].known, 2, 1) == PALPABLE_OK);
   CHECK(touches_of(session.get()).size() == 2);
-  things[1].friction = 0.5;
+  things[1].charge = 0.5;
   CHECK(palpable_press_at(session.get(), &things[0].known, 2, 2) == PALPABLE_NOT_POSSIBLE);
 }
 
@@ -360,7 +402,7 @@ TEST_CASE("a hand's joints press through C", "[capi][hands]") {
                                  hand.data()) == PALPABLE_OK);
   const OpenBody ball = ball_at({0, 0, 0});
   const OpenSession session = session_of({ball.get()});
-  const palpable_thing thing{sizeof(palpable_thing), 5, hand.data(), hand.size()};
+  const palpable_thing thing{sizeof(palpable_thing), 5, hand.data(), hand.size(), 0};
   REQUIRE(palpable_press_at(session.get(), &thing, 1, 0) == PALPABLE_OK);
   REQUIRE_FALSE(touches_of(session.get()).empty());
   for (const palpable_touch& touch : touches_of(session.get())) CHECK(touch.thing == 5);

@@ -35,7 +35,9 @@ void LoopCamera::restart(std::span<const palpable_body> bodies) {
   images = {};
   std::vector<PlacedBody> placed;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    placed.push_back({*bodies[k].body, bodies[k].world_from_body, fmt::format("{}", k)});
+    TouchableBody body = *bodies[k].body;
+    if (bodies[k].friction) set_friction(body, *bodies[k].friction);
+    placed.push_back({std::move(body), bodies[k].world_from_body, fmt::format("{}", k)});
   }
   auto loop = FrameLoop::make(std::move(placed), setup.format, setup.session);
   if (!loop.ok()) throw Failure(PALPABLE_WRONG_ARGUMENT, loop.problem().message);

@@ -92,6 +92,11 @@ PALPABLE_API palpable_status palpable_load_body(const char* path, double scale,
 PALPABLE_API palpable_status palpable_place_body(palpable_body* body,
                                                  const double world_from_body[16]);
 
+/** Sets Coulomb's coefficient of friction of the body's skin in sessions that are opened later, from
+ * 0 (no friction) to 10. Without this call it is that of the body file, 0 in files without one.
+ * Dry silicone rubber on skin has about 0.6. */
+PALPABLE_API palpable_status palpable_set_friction(palpable_body* body, double coefficient);
+
 /** Frees a body. Sessions that were opened on it stay valid. Null is allowed. */
 PALPABLE_API void palpable_free_body(palpable_body* body);
 
@@ -205,12 +210,19 @@ typedef struct palpable_thing {
   int64_t id;
   const palpable_capsule* capsules; /**< `count` of them; read during the call only */
   size_t count;                     /**< with 0, the thing presses nothing */
+  /** Coulomb's coefficient between the thing and the skins, up to 10; 0: that of each body;
+   * PALPABLE_NO_FRICTION: none. Friction follows the thing from call to call by its id and the
+   * order of its capsules; a thing whose count changes begins anew. A capsule does not spin about
+   * its own axis. */
+  double friction;
 } palpable_thing;
+
+#define PALPABLE_NO_FRICTION (-1.0) /**< palpable_thing::friction of a thing that slides freely */
 
 #define PALPABLE_NO_THING INT64_MIN /**< palpable_touch::thing where none is known */
 
-/** Processes one frame of a session with PALPABLE_NO_CAMERA: the skins deform, without friction,
- * until they no longer penetrate the capsules. From call to call a capsule should advance by less
+/** Processes one frame of a session with PALPABLE_NO_CAMERA: the skins deform until they no longer
+ * penetrate the capsules. Bodies with friction are taken along by things that slide over them. From call to call a capsule should advance by less
  * than its radius: the skin may slip to the other side of one that jumps farther. PALPABLE_OK says
  * that the call was processed, and palpable_frame::answer whether the skins give way to all
  * capsules.
@@ -221,8 +233,8 @@ PALPABLE_API palpable_status palpable_press_at(palpable_session* session,
                                                const palpable_thing* things, size_t count,
                                                double seconds);
 
-/** palpable_press_at() with one thing whose id is 0, a second after the previous call; the first
- * call is at 1 s. */
+/** palpable_press_at() with one thing without friction whose id is 0, a second after the previous
+ * call; the first call is at 1 s. */
 PALPABLE_API palpable_status palpable_press(palpable_session* session,
                                             const palpable_capsule* capsules, size_t count);
 
@@ -285,8 +297,8 @@ typedef struct palpable_touch {
   int32_t body;      /**< index of the pressed body in the session */
   int32_t by;        /**< index of the body that presses; -1: a real thing or capsules */
   double point[3];   /**< m, on the deformed skin */
-  double normal[3];  /**< unit, out of the body: opposite to the force, as there is no friction */
-  double force[3];   /**< N, on the body */
+  double normal[3];  /**< unit, out of the body: opposite to the force without its friction */
+  double force[3];   /**< N, on the body, with friction */
   double depth;      /**< m, displacement of the skin along the force */
   double area;       /**< m^2, pressed area of the skin; 0: unknown */
   double assumed;    /**< share of the force that comes from sides which the camera does not see */

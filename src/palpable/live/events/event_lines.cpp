@@ -57,7 +57,7 @@ std::string hello_line(const std::vector<EventBody>& bodies, EventWorld world) {
   }
   const Json hello{{"type", "hello"},
                    {"format", "palpable touch events"},
-                   {"version", 1},
+                   {"version", 2},
                    {"units", Json{{"length", "m"}, {"force", "N"}, {"time", "s"}, {"area", "m^2"}}},
                    {"frames", Json{{"world", world == EventWorld::kFirstCamera
                                                  ? "the camera of the first frame"
@@ -206,7 +206,11 @@ void EventLines::add_touch(const Touch& touch, std::span<const std::int64_t> thi
   add(",\"point\":");
   add_vector(touch.point_in_body);
   add(",\"normal\":");
-  add_vector(-touch.direction);
+  add_vector(touch.normal());
+  if (!touch.friction.isZero(0)) {
+    add(",\"friction\":");
+    add_vector(touch.friction);
+  }
   if (touch.site < 0) {
     add(",\"area\":");
     add_number(touch.area, 9);

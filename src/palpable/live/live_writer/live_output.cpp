@@ -38,6 +38,7 @@ TouchesLine felt_in(const FrameLines& scene, int body, const std::vector<std::st
     entry.press_depth = touch.press_depth;
     entry.force = touch.force * touch.direction;
     entry.point = touch.point_in_body;
+    if (!touch.friction.isZero(0)) entry.friction = touch.friction;
     entry.time = scene.time;
     if (touch.site >= 0) {
       entry.site = touch.site;

@@ -141,7 +141,7 @@ void LiveChanges::plan_bodies(Plan& plan) const {
     DescribedBody body = setup_.bodies[k];
     if (plan.set[k] == body.set) continue;
     body.set = plan.set[k];
-    plan.read[k] = read_live_body(body, setup_.options.contact);
+    plan.read[k] = read_live_body(body, setup_.options.contact, setup_.options.friction);
   }
 }
 

@@ -91,7 +91,8 @@ Refiner recorded_refiner(const fs::path& file) {
 
 }  // namespace
 
-TouchableBody read_live_body(const DescribedBody& wanted, const std::string& contact) {
+TouchableBody read_live_body(const DescribedBody& wanted, const std::string& contact,
+                             std::optional<double> friction) {
   const std::map<std::string, double> values = parse_settings(wanted.set);
   // The contact laws at sites do not need the body's tables.
   const bool at_sites = contact == "site" || contact == "paper";
@@ -104,6 +105,7 @@ TouchableBody read_live_body(const DescribedBody& wanted, const std::string& con
         "in its description, without [[parameter]], or leave --contact out",
         wanted.file.string()));
   }
+  if (friction) set_friction(body, *friction);
   return wanted.scale == 1 ? std::move(body) : scaled(body, wanted.scale);
 }
 
@@ -163,7 +165,8 @@ LiveSetUp set_up_replay(const RecordedRun& run, const fs::path& file, int thread
   std::vector<DescribedBody> bodies;
   for (const auto& [body, checksum, world_from_body] : run.bodies) {
     standing.push_back(
-        {read_live_body(body, run.options.contact), world_from_body, body.name, body.color});
+        {read_live_body(body, run.options.contact, run.options.friction), world_from_body,
+         body.name, body.color});
     bodies.push_back(body);
   }
   std::unique_ptr<FrameSource> source = value_or_throw(open_recording(file));

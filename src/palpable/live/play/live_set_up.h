@@ -26,8 +26,9 @@ struct LiveSetUp {
 };
 
 /// Reads one body from its file, at its scale and its parameters' values.
-/// @param contact  RunOptions::contact. @throws Error
-[[nodiscard]] TouchableBody read_live_body(const DescribedBody& wanted, const std::string& contact);
+/// @param contact, friction  as in RunOptions. @throws Error
+[[nodiscard]] TouchableBody read_live_body(const DescribedBody& wanted, const std::string& contact,
+                                           std::optional<double> friction = {});
 
 /// What a recording has beside the frames.
 struct RecordedRun {

@@ -85,8 +85,9 @@ void NearestApproach::measure_turned(const Capsule& capsule) {
 }
 
 void NearestApproach::add(const ThingsLine& line) {
-  for (const auto& [id, first, count] : line.things) {
-    Approach& nearest = approach_of(id);
+  for (const ThingsLine::Thing& thing : line.things) {
+    const std::size_t first = thing.first, count = thing.count;
+    Approach& nearest = approach_of(thing.id);
     // Things that are not told apart have no capsules that could be found again.
     const bool is_known = &nearest != &others_;
     if (is_known && nearest.capsules.size() < count) nearest.capsules.resize(count);

@@ -1,6 +1,7 @@
 #include "palpable/live/play/run_options.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/response/touch_tables.h"
 
 #include <fmt/core.h>
 
@@ -61,6 +62,9 @@ void expect_known(const RunOptions& options) {
   expect("contact", options.contact, {"", "anywhere", "site", "paper"});
   expect("matcher", options.matcher, {"census", "opencv"});
   expect("depth", options.depth, {"", "half", "full", "auto"});
+  if (options.friction && !is_friction(*options.friction)) {
+    throw Error(fmt::format("its coefficient of friction is {}", *options.friction));
+  }
   const PaperOptions& paper = options.paper;
   if (paper.step < 0 || !is_one_of(paper.nodes, {"", "sites", "all"}) ||
       !is_one_of(paper.distance, {"", "grid", "voxmap"})) {
@@ -120,6 +124,7 @@ void add_run_options(const RunOptions& options, Json& run) {
   run["farthest"] = options.farthest;
   run["fixed_camera"] = options.fixed_camera;
   run["press_static"] = options.press_static;
+  run["friction"] = options.friction ? Json(*options.friction) : Json();
   run["refine"] = options.refine.string();
 }
 
@@ -135,6 +140,12 @@ RunOptions run_options_of(const Json& run) {
   }
   options.fixed_camera = run["fixed_camera"].get<bool>();
   options.press_static = run["press_static"].get<bool>();
+  // Recordings of earlier versions do not have it: they were made without friction.
+  if (!run.contains("friction")) {
+    options.friction = 0;
+  } else if (!run["friction"].is_null()) {
+    options.friction = run["friction"].get<double>();
+  }
   options.refine = run["refine"].get<std::string>();
   expect_known(options);
   return options;

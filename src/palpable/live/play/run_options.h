@@ -36,6 +36,8 @@ struct RunOptions {
   double farthest = 0;             ///< m; 0: the default
   bool fixed_camera = false;
   bool press_static = false;
+  /// Coulomb's coefficient of friction of all skins; none: that of each body file
+  std::optional<double> friction;
   std::filesystem::path refine;  ///< the body's description; empty: no refinement
 };
 
@@ -45,7 +47,7 @@ inline constexpr std::array<std::string_view, 3> kDepthSizes = {"half", "full", 
 /// Sets the resolution and the largest depth. @param size, farthest  as in RunOptions
 void set_depth(std::string_view size, double farthest, DepthSettings& depth);
 
-/// The settings from all options except `refine`.
+/// The settings from all options except `refine` and `friction` (read_live_body()).
 [[nodiscard]] SessionSettings session_settings(const RunOptions& options);
 
 /// Adds the options to the JSON of a recording. Options of --contact paper that were not given are

@@ -25,6 +25,7 @@ TEST_CASE("a recording returns the options of its run", "[play][recording]") {
   options.farthest = 12;
   options.fixed_camera = true;
   options.press_static = true;
+  options.friction = 0.4;
   options.refine = "bodies/bunny.toml";
   const RunOptions read = through_json(options);
   CHECK(read.contact == "paper");
@@ -38,6 +39,8 @@ TEST_CASE("a recording returns the options of its run", "[play][recording]") {
   CHECK(read.farthest == 12);
   CHECK(read.fixed_camera);
   CHECK(read.press_static);
+  CHECK(read.friction == 0.4);
+  CHECK_FALSE(through_json({}).friction);  // that of the bodies' files
   CHECK(read.refine == "bodies/bunny.toml");
 
   const SessionSettings settings = session_settings(read);
@@ -92,6 +95,7 @@ TEST_CASE("recordings of earlier versions, without some options, are read", "[pl
   CHECK(options.contact == "site");
   CHECK(options.depth.empty());
   CHECK(options.farthest == 0);
+  CHECK(options.friction == 0.0);  // they knew none
   CHECK_FALSE(session_settings(options).depth.full_resolution);
 }
 

@@ -21,6 +21,8 @@ void add(WordHash& hash, const Touch& touch) {
   }
   add(hash, touch.point_in_body);
   add(hash, touch.direction);
+  // Hashes of states without friction are those of earlier versions.
+  if (!touch.friction.isZero(0)) add(hash, touch.friction);
 }
 
 void add(WordHash& hash, const TrackedPose& camera) {

@@ -73,6 +73,7 @@ void ObjectSurface::start(const AlignedBox3d& region_in_body, const Vector3f& ca
   camera_ = camera_in_body;
   balls_.clear();
   cloud_.clear();
+  friction_share_ = 0;
 }
 
 // A ball matters to a query in the region when it reaches into the query's band.
@@ -252,6 +253,12 @@ void ObjectSurface::build(std::span<const ObjectBall> balls, const AlignedBox3d&
     cloud_.push_back(ball.point);
   }
   finish();
+}
+
+void ObjectSurface::set_motion(std::span<const Vector3f> ways, float friction_share) {
+  PALPABLE_EXPECT(ways.empty() || ways.size() == balls_.size(), "a way for each ball");
+  for (std::size_t k = 0; k < ways.size(); ++k) balls_[k].way = ways[k];
+  friction_share_ = friction_share;
 }
 
 NearestOnObject ObjectSurface::on_ball(const Vector3f& x, float distance, int index) const {

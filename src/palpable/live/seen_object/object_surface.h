@@ -95,6 +95,11 @@ class ObjectSurface final : public PressingSurface {
              const Eigen::Vector3f& camera_in_body = Eigen::Vector3f::Zero());
 
   [[nodiscard]] std::span<const ObjectBall> balls() const override { return balls_; }
+  /// Sets how the balls have moved since the frame before, and their share of a body's friction
+  /// (surface_friction.h). The next build() forgets it: then nothing rubs.
+  /// @param ways  m, of each ball; empty: those that the balls have
+  void set_motion(std::span<const Eigen::Vector3f> ways, float friction_share);
+  [[nodiscard]] float friction_share() const override { return friction_share_; }
   /// The point cloud of Algorithm 1: the pixels of pressers near the region, thinned out by
   /// settings.step, at the depth measured in this frame (balls are made of averages over frames).
   [[nodiscard]] std::span<const Eigen::Vector3f> cloud() const { return cloud_; }
@@ -156,6 +161,7 @@ class ObjectSurface final : public PressingSurface {
   // m, displacement since the previous build; about half of it for a thing that is cut off.
   Eigen::Vector3f way_ = Eigen::Vector3f::Zero();
   double moved_ = 0;
+  float friction_share_ = 0;
   BallTree tree_;
   RestFilter rest_;
   HeldBalls held_;

@@ -3,6 +3,7 @@
 #include "palpable/common/base/contract.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <span>
 
 namespace palpable {
@@ -24,6 +25,7 @@ void SolvedFrame::take(const Session& session, const Scene& scene) {
   time = scene.time;
   const std::span<const ObjectBall> seen = session.body().response.surface().balls();
   balls.assign(seen.begin(), seen.end());
+  friction_share = session.body().response.surface().friction_share();
   camera = scene.bodies.front().camera_from_body.inverse().translation().cast<float>();
   state = session.body().response.touched();
 }
@@ -51,13 +53,20 @@ void BetweenFrames::begin(const SolvedFrame& frame) {
   camera_ = frame.camera;
   ahead_ = 0;
   state_ = frame.state;
+  balls_.assign(frame.balls.begin(), frame.balls.end());
+  friction_share_ = frame.friction_share;
   surface_.build(frame.balls, region_, camera_);
   contact_.find_touches(state_, &surface_, {}, touches_);
 }
 
 void BetweenFrames::advance(double ahead) {
+  balls_before_.swap(balls_);
   motion_.carry(ahead, balls_);
+  for (std::size_t k = 0; k < balls_.size(); ++k) {
+    balls_[k].way = balls_[k].centre - balls_before_[k].centre;
+  }
   surface_.build(balls_, region_, camera_);
+  surface_.set_motion({}, friction_share_);
   // The step limit is for one frame: between frames a share of it applies.
   const double frame = motion_.interval() > 0 ? motion_.interval() : kUsual;
   const double share = std::clamp((ahead - ahead_) / frame, 0.0, 1.0);

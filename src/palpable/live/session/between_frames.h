@@ -36,6 +36,7 @@ struct SolvedFrame {
   int number = 0;
   double time = 0;                                   ///< s
   std::vector<ObjectBall> balls;                     ///< body frame
+  float friction_share = 0;                          ///< of the surface that they are
   Eigen::Vector3f camera = Eigen::Vector3f::Zero();  ///< m, body frame: its position
   TouchState state;
 
@@ -79,7 +80,8 @@ class BetweenFrames {
   ObjectSurface surface_;
   Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
   double ahead_ = 0;  // s after the frame, of the last advance()
-  std::vector<ObjectBall> balls_;
+  float friction_share_ = 0;
+  std::vector<ObjectBall> balls_, balls_before_;  // of the last advance(), and of the one before
   TouchState state_;
   std::vector<Touch> touches_;
 };

@@ -15,7 +15,9 @@ BodyResponse::BodyResponse(TouchableBody body, const ResponseSettings& settings,
       rest_(body_),
       region_(box_of(body_.surface)),
       surface_(settings.surface),
-      law_(make_law(settings, twin)) {}
+      law_(make_law(settings, twin)) {
+  if (deforms() && contact_body().friction() > 0) friction_.emplace();
+}
 
 BodyLaw BodyResponse::make_law(const ResponseSettings& settings, const BodyResponse* twin) {
   if (settings.contact == ContactKind::kPaper) {
@@ -61,6 +63,9 @@ void BodyResponse::look(const SeenFrame& seen, const MaskImage& shows, const Ima
                         const Rigid3& camera_from_body) {
   surface_.build(seen.depth, shows, seen.depth_camera, camera_from_body.inverse(), region_,
                  seen.time, coverage);
+  if (!friction_) return;
+  const Eigen::Vector3d camera = camera_from_body.inverse().translation();
+  friction_->add(surface_, camera.cast<float>(), seen.time);
 }
 
 void BodyResponse::find_touches(double time, std::span<const Eigen::Vector3f> others, int by,

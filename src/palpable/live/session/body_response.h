@@ -14,6 +14,7 @@
 #include "palpable/common/reduced/reduced_body.h"
 #include "palpable/common/response/touchable_body.h"
 #include "palpable/live/seen_object/object_surface.h"
+#include "palpable/live/seen_object/surface_friction.h"
 #include "palpable/live/session/body_laws.h"
 #include "palpable/live/session/refiner.h"
 #include "palpable/live/session/rest_shape.h"
@@ -119,6 +120,7 @@ class BodyResponse {
   ObjectSurface surface_;
   BodyLaw law_;
   std::optional<PrescribedSkin> obstacle_;  // made by contact_body()
+  std::optional<SurfaceFriction> friction_;  // of a body that has friction
 };
 
 }  // namespace palpable

@@ -148,7 +148,17 @@ Complaint add_thing(const Json& thing, ThingsLine& line) {
   Complaint wrong =
       capsules != nullptr ? add_capsules(*capsules, line.capsules) : add_hand(thing, line.capsules);
   if (wrong) return wrong;
-  line.things.push_back({*number, first, line.capsules.size() - first});
+  float friction = kFrictionOfBody;
+  if (const Json* given = thing.find("friction")) {
+    const std::optional<double> mu = given->if_number();
+    if (!mu || !is_friction(*mu)) {
+      return Problem{fmt::format("its \"friction\" is no coefficient from 0 to {:g}; leave it out "
+                                 "for that of the bodies",
+                                 kMostFriction)};
+    }
+    friction = static_cast<float>(*mu);
+  }
+  line.things.push_back({*number, first, line.capsules.size() - first, friction});
   return {};
 }
 
@@ -229,8 +239,10 @@ Result<ThingsLine> read_things_line(std::string_view text, std::optional<double>
 std::string things_line(const ThingsLine& line) {
   std::string text = fmt::format("{{\"time\":{:.6f},\"things\":[", line.time);
   for (std::size_t t = 0; t < line.things.size(); ++t) {
-    const auto& [id, first, count] = line.things[t];
-    fmt::format_to(std::back_inserter(text), "{}{{\"id\":{},\"capsules\":[", t > 0 ? "," : "", id);
+    const auto& [id, first, count, friction] = line.things[t];
+    fmt::format_to(std::back_inserter(text), "{}{{\"id\":{},", t > 0 ? "," : "", id);
+    if (!(friction < 0)) fmt::format_to(std::back_inserter(text), "\"friction\":{:.6g},", friction);
+    text += "\"capsules\":[";
     for (std::size_t k = 0; k < count; ++k) {
       const auto& [a, b, ra, rb] = line.capsules[first + k];
       if (k > 0) text += ",";
@@ -244,8 +256,8 @@ std::string things_line(const ThingsLine& line) {
 
 void things_in(const ThingsLine& line, std::vector<CapsuleThing>& things) {
   things.clear();
-  for (const auto& [id, first, count] : line.things) {
-    things.push_back({id, std::span(line.capsules).subspan(first, count)});
+  for (const auto& [id, first, count, friction] : line.things) {
+    things.push_back({id, std::span(line.capsules).subspan(first, count), friction});
   }
 }
 

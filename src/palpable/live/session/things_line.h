@@ -3,9 +3,10 @@
 /// such lines, and programs send them to a run (docs/hands.md):
 ///
 ///     {"time":0.033,"things":[{"id":1,"capsules":[[ax,ay,az,bx,by,bz,ra,rb],...]},
-///      {"id":2,"hand":"openxr","side":"left","joints":[[x,y,z],...],"radii":[...]}]}   (one line)
+///      {"id":2,"friction":0.3,"hand":"openxr","side":"left","joints":[[x,y,z],...],"radii":[...]}]}   (one line)
 ///
-/// s and m, in the frame in which the bodies are placed (world). Keys that are not known are
+/// "friction" is Coulomb's coefficient between the thing and the skins; without it that of each body
+/// counts. s and m, in the frame in which the bodies are placed (world). Keys that are not known are
 /// ignored.
 #pragma once
 
@@ -31,6 +32,7 @@ struct ThingsLine {
   struct Thing {
     std::int64_t id = 0;
     std::size_t first = 0, count = 0;  ///< of `capsules`
+    float friction = kFrictionOfBody;  ///< CapsuleThing::friction
   };
   double time = 0;                ///< s
   std::vector<Thing> things;      ///< whose ids differ

@@ -37,14 +37,14 @@ struct PressedBodies::Pressed {
       : body(std::move(member.body)),
         world_from_body(member.world_from_body),
         body_from_world(member.world_from_body.inverse()),
-        contact(body->body.surface, body->body.fixed, *body->touch) {}
+        contact(body->body.surface, body->body.fixed, *body->touch, {.friction = member.friction}) {}
 
   std::shared_ptr<const TouchableBody> body;
   Rigid3 world_from_body, body_from_world;
   SkinContact contact;
   TouchState state;
   CapsuleObstacles obstacles;
-  std::vector<Capsule> capsules;  // body frame, of this call
+  std::vector<Capsule> capsules, capsules_before;  // body frame, of this call and of the last one
   std::optional<StatedError> stated;
   std::vector<Touch> touches;
 };
@@ -70,20 +70,39 @@ PressedBodies::~PressedBodies() = default;
 void PressedBodies::take(std::span<const CapsuleThing> things) {
   std::swap(outside_, outside_before_);
   std::swap(runs_, runs_before_);
+  count_before_ = capsules_.size();
   capsules_.clear();
   runs_.clear();
   things_.clear();
+  friction_.clear();
   for (std::size_t t = 0; t < things.size(); ++t) {
     runs_.push_back({things[t].id, capsules_.size(), things[t].capsules.size()});
     capsules_.insert(capsules_.end(), things[t].capsules.begin(), things[t].capsules.end());
     things_.insert(things_.end(), things[t].capsules.size(), static_cast<int>(t));
+    friction_.insert(friction_.end(), things[t].capsules.size(), things[t].friction);
   }
+  match_capsules();
   for (const auto& body : bodies_) {
+    body->capsules.swap(body->capsules_before);
     body->capsules.clear();
     for (const Capsule& capsule : capsules_) {
       body->capsules.push_back(moved_by(body->body_from_world, capsule));
     }
     body->obstacles.set(body->capsules, things_);
+    body->obstacles.set_friction(friction_, body->capsules_before, now_of_);
+  }
+}
+
+// Finds what has become of each capsule of the last call: the one with its number in the thing with
+// its id.
+void PressedBodies::match_capsules() {
+  now_of_.assign(count_before_, -1);
+  for (std::size_t t = 0; t < runs_.size(); ++t) {
+    const Run* run = run_before(t);
+    if (run == nullptr) continue;
+    for (std::size_t k = 0; k < run->count; ++k) {
+      now_of_[run->first + k] = static_cast<int>(runs_[t].first + k);
+    }
   }
 }
 
@@ -169,6 +188,8 @@ void PressedBodies::forget() {
   }
   outside_.clear();
   runs_.clear();
+  capsules_.clear();
+  for (const auto& body : bodies_) body->capsules.clear();
   passed_through_ = 0;
 }
 

@@ -26,6 +26,9 @@ namespace palpable {
 struct CapsuleThing {
   std::int64_t id = 0;  ///< the same in each call, whatever else presses
   std::span<const Capsule> capsules;
+  /// Coulomb's coefficient between it and the skins; kFrictionOfBody: that of each body. Friction
+  /// follows a thing from call to call by its id; one whose number of capsules changes begins anew.
+  float friction = kFrictionOfBody;
 };
 
 /// Keeps the state of one body or several from call to call. Several bodies press each other, too
@@ -36,6 +39,8 @@ class PressedBodies {
   struct Member {
     std::shared_ptr<const TouchableBody> body;  ///< with tables of touch
     Rigid3 world_from_body = Rigid3::Identity();
+    /// Coulomb's coefficient of friction of its skin; none: that of its tables
+    std::optional<double> friction = {};
   };
   /// @param members  at least one
   explicit PressedBodies(std::vector<Member> members);
@@ -67,6 +72,7 @@ class PressedBodies {
     std::size_t first = 0, count = 0;
   };
   void take(std::span<const CapsuleThing> things);
+  void match_capsules();
   ContactReport solve();
   void find_touches(Pressed& body, int number);
   void show(Pressed& body, SceneBody& shown) const;
@@ -84,6 +90,10 @@ class PressedBodies {
   std::vector<Capsule> outside_, outside_before_;
   std::vector<Run> runs_, runs_before_;
   std::vector<int> things_;  // which thing each capsule belongs to
+  // Of friction: that of each capsule, and which capsule each of the last call has become.
+  std::vector<float> friction_;
+  std::vector<int> now_of_;
+  std::size_t count_before_ = 0;  // capsules of the last call
   int passed_through_ = 0;
   SceneExtras extras_;
 };

@@ -35,7 +35,8 @@ struct Pressing {
   std::vector<SceneBody> shown = std::vector<SceneBody>(1);
   std::vector<Touch> touches;
 
-  explicit Pressing(const Rigid3& pose = Rigid3::Identity()) : bodies({{ball_body(), pose}}) {}
+  explicit Pressing(const Rigid3& pose = Rigid3::Identity(), double friction = 0)
+      : bodies({{ball_body(), pose, friction}}) {}
   ContactReport press(const std::vector<CapsuleThing>& things) {
     return bodies.advance(things, shown, touches);
   }
@@ -60,6 +61,43 @@ TEST_CASE("touches name their thing by its place in the list", "[things]") {
   REQUIRE(two.touches.size() == 2);
   CHECK(two.touches[0].thing == 1);  // the deeper one is the stronger
   CHECK(two.touches[1].thing == 0);
+}
+
+// The tip of a small ball that presses from above, `aside` (m) along x.
+Capsule above(double aside, double depth) {
+  const Eigen::Vector3d centre(aside, 0, 0.108 - depth);
+  return {centre, centre, 0.008, 0.008};
+}
+
+TEST_CASE("a thing is known by its id, and rubs where it goes", "[things][friction]") {
+  Pressing rubs(Rigid3::Identity(), 1), slides, forgets(Rigid3::Identity(), 1);
+  for (int call = 0; call < 8; ++call) {
+    const std::array capsules{above(0.0001 * call, 0.003)};
+    rubs.press({{5, capsules}});
+    slides.press({{5, capsules}});
+    forgets.press({{call, capsules}});  // another thing each time
+  }
+  REQUIRE(rubs.touches.size() == 1);
+  REQUIRE(forgets.touches.size() == 1);
+  CHECK(rubs.touches[0].friction.x() > 0.05 * rubs.touches[0].force);
+  CHECK(slides.touches[0].friction.isZero(0));
+  CHECK(std::abs(forgets.touches[0].friction.x()) < 0.5 * rubs.touches[0].friction.x());
+  // Forces have their friction; the normal is without it.
+  const Touch& touch = rubs.touches[0];
+  CHECK((touch.whole_force() - touch.friction).normalized().dot(touch.normal()) ==
+        Approx(-1).margin(tolerance(1e-9, "rounding")));
+  CHECK(slides.touches[0].normal() == -slides.touches[0].direction);
+}
+
+TEST_CASE("a thing's own coefficient counts more than the bodies'", "[things][friction]") {
+  Pressing one(Rigid3::Identity(), 1), plain;
+  for (int call = 0; call < 6; ++call) {
+    const std::array capsules{above(0.0002 * call, 0.003)};
+    one.press({{.id = 5, .capsules = capsules, .friction = 0}});
+    plain.press({{5, capsules}});
+  }
+  CHECK(one.touches[0].friction.isZero(0));
+  CHECK(one.shown[0].vertices == plain.shown[0].vertices);
 }
 
 TEST_CASE("capsules are in the world, the shown skin in the body's frame", "[things]") {

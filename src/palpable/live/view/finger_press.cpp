@@ -57,7 +57,8 @@ void FingerPress::rest() {
 }
 
 void FingerPress::advance(std::span<const Capsule> capsules) {
-  const CapsuleThing finger{.capsules = capsules};
+  // The shape belongs to place and level, not to the way there.
+  const CapsuleThing finger{.capsules = capsules, .friction = 0};
   const ContactReport report = solver_.advance({&finger, 1}, {&shown_, 1}, touches_);
   left_to_move_ = report.left_to_move > kSettled ? report.left_to_move : 0;
 }

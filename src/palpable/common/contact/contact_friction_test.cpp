@@ -1,0 +1,344 @@
+// Friction of the contact solver, on cushions whose compliance is known (tests/support).
+
+#include "palpable/common/contact/capsule_obstacles.h"
+#include "palpable/common/contact/contact_solver.h"
+#include "palpable/common/contact/point_anchor.h"
+#include "tests/support/allocations.h"
+#include "tests/support/cushion_stack.h"
+#include "tests/support/test.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cstddef>
+#include <initializer_list>
+#include <random>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xf;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using test::tolerance;
+
+using test::kApart;
+using test::kFinger;
+using test::Kind;
+using test::kTop;
+using test::Stack;
+
+constexpr Kind kTables = Kind::kTables, kModes = Kind::kModes;
+constexpr int kLeadingModes = 12;
+
+// Capsules with radius kFinger that are known from frame to frame.
+class Rubbing {
+ public:
+  explicit Rubbing(float friction = kFrictionOfBody) : friction_(friction) {}
+
+  const CapsuleObstacles& at(std::initializer_list<Capsule> capsules) {
+    const std::vector<Capsule> before = now_;
+    now_.assign(capsules);
+    std::vector<int> become;
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      become.push_back(k < now_.size() ? static_cast<int>(k) : -1);
+    }
+    obstacles_.set(now_);
+    obstacles_.set_friction(std::vector<float>(now_.size(), friction_), before, become);
+    return obstacles_;
+  }
+  // A finger that points down, its tip below the top of the cushion by `depth`.
+  const CapsuleObstacles& at(double x, double y, double depth) {
+    const Vector3d tip(x, y, kTop - depth + kFinger);
+    return at({Capsule{tip, tip + Vector3d(0, 0, 0.04), kFinger, kFinger}});
+  }
+
+ private:
+  float friction_;
+  std::vector<Capsule> now_;
+  CapsuleObstacles obstacles_;
+};
+
+TouchSettings with_friction(double mu) {
+  TouchSettings settings;
+  settings.friction = mu;
+  return settings;
+}
+
+Stack cushion(double mu, Kind kind = kTables) {
+  return Stack({kind}, kApart, kind == kModes ? kLeadingModes : 0, with_friction(mu));
+}
+
+// N, sums over the points of the first cushion that obstacles press.
+struct Sums {
+  double normal = 0;                     // of |force - friction|
+  double size = 0;                       // of |friction|
+  Vector3d friction = Vector3d::Zero();  // of friction
+};
+
+Sums sums_of(const Stack& stack) {
+  ContactBody& body = stack.layers.front()->body();
+  Sums sums;
+  for (const PointForce& at : body.forces()) {
+    if (at.by >= 0) continue;
+    const Vector3f t = friction_at(body.anchors(), at.point, at.by);
+    sums.normal += static_cast<double>((at.force - t).norm());
+    sums.size += static_cast<double>(t.norm());
+    sums.friction += t.cast<double>();
+  }
+  return sums;
+}
+
+// Checks that friction is in the cone at every point.
+void check_cone(const Stack& stack, double mu) {
+  ContactBody& body = stack.layers.front()->body();
+  CHECK(body.anchors().size() == body.forces().size());
+  for (const PointForce& at : body.forces()) {
+    const Vector3f t = friction_at(body.anchors(), at.point, at.by);
+    const auto p = static_cast<double>((at.force - t).norm());
+    CHECK(static_cast<double>(t.norm()) <=
+          mu * p * (1 + tolerance(1e-4, "floats; the turning of p")) + 1e-7);
+  }
+}
+
+// Presses the first cushion to a depth at (0, 0), in frames of 0.6 mm.
+void press(Stack& stack, Rubbing& finger, double depth) {
+  for (double d = 0.0006; d < depth; d += 0.0006) stack.advance(finger.at(0, 0, d));
+  for (int frame = 0; frame < 3; ++frame) stack.advance(finger.at(0, 0, depth));
+}
+
+// m, displacement along x of the vertex at the top of the first cushion.
+double top_moved(const Stack& stack) {
+  const Matrix3Xf rest = stack.layers.front()->cushion.skin.vertices.cast<float>();
+  Eigen::Index top = 0;
+  rest.row(2).maxCoeff(&top);
+  return static_cast<double>(stack.layers.front()->skin()(0, top) - rest(0, top));
+}
+
+double largest_difference(const Matrix3Xf& a, const Matrix3Xf& b) {
+  return static_cast<double>((a - b).colwise().norm().maxCoeff());
+}
+
+TEST_CASE("a finger that presses straight has no resultant of friction", "[contact][friction]") {
+  for (const Kind kind : {kTables, kModes}) {
+    Stack stack = cushion(1, kind);
+    Rubbing finger;
+    press(stack, finger, 0.003);
+    const Sums sums = sums_of(stack);
+    REQUIRE(sums.normal > 0.5);
+    check_cone(stack, 1);
+    CHECK(sums.friction.head<2>().norm() <
+          tolerance(0.1, "points are not symmetric") * sums.normal);
+  }
+}
+
+TEST_CASE("a finger that is dragged takes the skin along, until it slides",
+          "[contact][friction]") {
+  for (const Kind kind : {kTables, kModes}) {
+    INFO("kind " << static_cast<int>(kind));
+    Stack sticks = cushion(2, kind), slips = cushion(0, kind), slides = cushion(0.3, kind);
+    Rubbing one, two, three;
+    press(sticks, one, 0.003);
+    press(slips, two, 0.003);
+    press(slides, three, 0.003);
+    const double began = top_moved(sticks), began_free = top_moved(slips);
+    for (int frame = 1; frame <= 4; ++frame) {
+      sticks.advance(one.at(0.00005 * frame, 0, 0.003));
+      slips.advance(two.at(0.00005 * frame, 0, 0.003));
+    }
+    CHECK(top_moved(sticks) - began > 0.8 * 0.0002);
+    CHECK(top_moved(sticks) - began < 1.1 * 0.0002);
+    CHECK(std::abs(top_moved(slips) - began_free) < 0.5 * 0.0002);
+    const Sums held = sums_of(sticks);
+    CHECK(held.friction.x() > 0);
+    CHECK(held.size < 2 * held.normal);
+
+    for (int frame = 1; frame <= 12; ++frame) slides.advance(three.at(0.0005 * frame, 0, 0.003));
+    const Sums rubbed = sums_of(slides);
+    REQUIRE(rubbed.normal > 0.3);
+    check_cone(slides, 0.3);
+    CHECK(rubbed.size > (1 - tolerance(0.1, "points that have just come")) * 0.3 * rubbed.normal);
+    CHECK(rubbed.friction.x() > 0.8 * 0.3 * rubbed.normal);
+  }
+}
+
+TEST_CASE("nothing creeps under a finger that rests", "[contact][friction]") {
+  for (const double aside : {0.0, 0.001}) {
+    INFO(aside << " m aside");
+    Stack stack = cushion(0.3);
+    Rubbing finger;
+    press(stack, finger, 0.003);
+    stack.advance(finger.at(aside, 0, 0.003));
+    for (int frame = 0; frame < 10; ++frame) stack.advance(finger.at(aside, 0, 0.003));
+    const Matrix3Xf begun = stack.layers[0]->skin();
+    const double held = sums_of(stack).friction.x();
+    for (int frame = 0; frame < 600; ++frame) stack.advance(finger.at(aside, 0, 0.003));
+    CHECK(largest_difference(stack.layers[0]->skin(), begun) <
+          tolerance(5e-5, "m: 20 s; the tolerance of the iterations is 2e-5"));
+    CHECK(std::abs(sums_of(stack).friction.x() - held) < tolerance(0.02, "N: likewise"));
+  }
+}
+
+TEST_CASE("what a finger leaves behind is let go", "[contact][friction]") {
+  Stack stack = cushion(0.5);
+  Rubbing finger;
+  press(stack, finger, 0.003);
+  stack.advance(finger.at(0.001, 0, 0.003));
+  for (int frame = 0; frame < 4; ++frame) stack.advance(finger.at({}));
+  CHECK(stack.layers[0]->body().anchors().empty());
+  CHECK(stack.layers[0]->largest_move() == 0);
+}
+
+TEST_CASE("two fingers that pinch a cushion hold it", "[contact][friction]") {
+  const auto pinched = [](double mu) {
+    Stack stack = cushion(mu);
+    Rubbing fingers;
+    const auto at = [&](double up, double shut) -> const CapsuleObstacles& {
+      const Vector3d above(0, 0, kTop + kFinger - shut + up),
+          below(0, 0, -kTop - kFinger + shut + up);
+      return fingers.at({Capsule{above, above, kFinger, kFinger},
+                         Capsule{below, below, kFinger, kFinger}});
+    };
+    for (const double shut : {0.0005, 0.001, 0.0015, 0.0015}) stack.advance(at(0, shut));
+    // Both move aside along x: the capsules' ends.
+    const auto aside = [&](double x) -> const CapsuleObstacles& {
+      const Vector3d above(x, 0, kTop + kFinger - 0.0015), below(x, 0, -kTop - kFinger + 0.0015);
+      return fingers.at({Capsule{above, above, kFinger, kFinger},
+                         Capsule{below, below, kFinger, kFinger}});
+    };
+    for (int frame = 1; frame <= 5; ++frame) stack.advance(aside(0.0001 * frame));
+    return std::pair(top_moved(stack), sums_of(stack));
+  };
+  const auto [held, forces] = pinched(1);
+  const auto [slipped, none] = pinched(0);
+  CHECK(held > 0.7 * 0.0005);
+  CHECK(held > 2 * std::abs(slipped));
+  CHECK(forces.friction.x() > 0.05);
+  CHECK(none.size == 0);
+}
+
+TEST_CASE("friction dissipates energy, and stays in the cone over random frames",
+          "[contact][friction]") {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    INFO("seed " << seed);
+    auto random = test::random_case(seed);
+    std::uniform_real_distribution<double> moves(-0.0008, 0.0008);
+    const double mu = 0.1 + 0.2 * seed;
+    Stack stack = cushion(mu, seed % 2 == 0 ? kTables : kModes);
+    Rubbing finger;
+    double x = 0, y = 0, depth = 0.001, all = 0;
+    for (int frame = 0; frame < 25; ++frame) {
+      x += moves(random);
+      y += moves(random);
+      depth = std::clamp(depth + moves(random), 0.0002, 0.004);
+      stack.advance(finger.at(x, y, depth));
+      INFO("frame " << frame);
+      check_cone(stack, mu);
+      CHECK(stack.report.dissipated >= 0);
+      CHECK(stack.report.friction_residual < tolerance(1e-5, "m: half of the iterations'"));
+      all += stack.report.dissipated;
+    }
+    CHECK(all > 0);
+  }
+}
+
+TEST_CASE("cushions rub each other, and what acts on one acts back on the other",
+          "[contact][friction][bodies]") {
+  for (const std::vector<Kind>& kinds : {std::vector{kTables, kTables}, std::vector{kModes, kTables}}) {
+    const auto dragged = [&kinds](double mu) {
+      Stack stack(kinds, kApart, kLeadingModes, with_friction(mu));
+      Rubbing finger;
+      press(stack, finger, 0.006);
+      for (int frame = 1; frame <= 6; ++frame) {
+        stack.advance(finger.at(0.0002 * frame, 0, 0.006));
+        CHECK(stack.report.imbalance < tolerance(1e-6, "N: rounding"));
+      }
+      const Vector3d up = stack.force(0, true), down = stack.force(1, true);
+      CHECK((up + down).norm() < tolerance(1e-6, "N: rounding"));
+      return down;
+    };
+    const Vector3d rubbed = dragged(0.8), free = dragged(0);
+    CHECK(rubbed.x() > free.x() + 0.05);
+    CHECK(rubbed.z() < -0.2);
+  }
+}
+
+TEST_CASE("without a coefficient every byte is that of a contact without friction",
+          "[contact][friction]") {
+  for (const std::vector<Kind>& kinds : {std::vector{kTables}, std::vector{kTables, kModes}}) {
+    Stack plain(kinds, kApart, kLeadingModes), zero(kinds, kApart, kLeadingModes, with_friction(0)),
+        slippery(kinds.size() == 1 ? kinds : std::vector{kTables}, kApart, kLeadingModes,
+                 with_friction(0.5));
+    Rubbing finger, grease(0);
+    for (const double depth : {0.001, 0.003, 0.006, 0.004}) {
+      const CapsuleObstacles& known = finger.at(0.001, -0.002, depth);
+      plain.press(depth);
+      zero.advance(known);
+      for (std::size_t k = 0; k < kinds.size(); ++k) {
+        CHECK(plain.layers[k]->skin() == zero.layers[k]->skin());
+      }
+      CHECK(zero.layers[0]->body().anchors().empty());
+      CHECK(zero.report.dissipated == 0);
+      if (kinds.size() > 1) continue;
+      slippery.advance(grease.at(0.001, -0.002, depth));
+      CHECK(plain.layers[0]->skin() == slippery.layers[0]->skin());
+    }
+  }
+}
+
+TEST_CASE("frames with friction give the same bytes, and allocate nothing",
+          "[contact][friction]") {
+  for (const std::vector<Kind>& kinds : {std::vector{kTables}, std::vector{kModes, kTables}}) {
+    Stack one(kinds, kApart, kLeadingModes, with_friction(0.5)),
+        other(kinds, kApart, kLeadingModes, with_friction(0.5));
+    Rubbing first, second;
+    for (int frame = 0; frame < 8; ++frame) {
+      one.advance(first.at(0.0003 * frame, 0, 0.004));
+      other.advance(second.at(0.0003 * frame, 0, 0.004));
+      for (std::size_t k = 0; k < kinds.size(); ++k) {
+        CHECK(one.layers[k]->skin() == other.layers[k]->skin());
+      }
+    }
+    for (int frame = 8; frame < 11; ++frame) {
+      const CapsuleObstacles& here = first.at(0.0003 * frame, 0, 0.004);
+      CHECK(test::allocations_during([&] { one.advance(here); }) == 0);
+    }
+  }
+}
+
+TEST_CASE("a capsule carries its places along, and does not spin", "[contact][friction]") {
+  const Capsule before{{0, 0, 0}, {0, 0, 0.04}, 0.008, 0.008};
+  Capsule now = before;
+  CapsuleObstacles obstacles;
+  const std::vector<int> same{0};
+  const std::vector<float> friction{0.5f};
+  const MaterialPoint place{0, Vector3f(0.008f, 0.001f, 0.0123f)};
+
+  obstacles.set({&now, 1});
+  CHECK(obstacles.largest_friction(0.7f) == 0);
+  CHECK_FALSE(obstacles.carried(place));
+
+  obstacles.set_friction(friction, {&before, 1}, same);
+  CHECK(obstacles.largest_friction(0.7f) == 0.5f);
+  CHECK(obstacles.carried(place)->place == place.place);  // to the bit
+  CHECK(obstacles.way_of(place)->isZero(0));
+
+  now.a += Vector3d(0.001, -0.002, 0.003);
+  now.b = now.a + Vector3d(0.04, 0, 0);  // from z to x
+  obstacles.set({&now, 1});
+  obstacles.set_friction(friction, {&before, 1}, same);
+  const MaterialPoint carried = *obstacles.carried(place);
+  CHECK((carried.place - Vector3f(0.001f + 0.0123f, -0.002f + 0.001f, 0.003f - 0.008f)).norm() <
+        tolerance(1e-8, "m: floats"));
+  CHECK((*obstacles.way_of(carried) - (carried.place - place.place)).norm() <
+        tolerance(1e-8, "m: floats"));
+
+  const std::vector<int> gone{-1};
+  obstacles.set_friction(friction, {&before, 1}, gone);
+  CHECK_FALSE(obstacles.carried(place));
+  CHECK_FALSE(obstacles.way_of(place));
+}
+
+}  // namespace
+}  // namespace palpable
