@@ -83,7 +83,8 @@ Json summary_of(const std::vector<TouchDifference>& some) {
   return summary;
 }
 
-// The differences for each thing, depth and drag, after `refined` full-order solutions were adopted.
+// The differences for each thing, depth and drag, after `refined` full-order solutions were
+// adopted.
 Json differences_of(const std::vector<TouchDifference>& all, int refined) {
   Json figures = Json::object();
   for (int k = 0; k < kPressingThings; ++k) {
@@ -347,7 +348,8 @@ void add_bench_touch(Command bench) {
       .type_name("FILE.palpable");
   command
       .add_option("--friction", options->friction,
-                  "Coulomb's coefficient, of the tables' contact and of the full-order solutions; with it things are also dragged aside")
+                  "Coulomb's coefficient, of the tables' contact and of the full-order solutions; "
+                  "with it things are also dragged aside")
       .in_range(0.0, 10.0)
       .show_default();
   command.add_flag("--linear", options->linear, "The first stage of the tables alone");

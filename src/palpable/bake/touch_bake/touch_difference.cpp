@@ -91,7 +91,8 @@ Eigen::VectorXd true_von_mises(const SkinResponse& skin, const Matrix3Xd& displa
 ExactObstacles::ExactObstacles(const ObstacleGaps& gaps, const Obstacle* before)
     : gaps_(&gaps),
       before_(before),
-      boxes_(boxes_of(gaps)), is_boxed_(gaps.part_count() == std::ssize(boxes_)) {
+      boxes_(boxes_of(gaps)),
+      is_boxed_(gaps.part_count() == std::ssize(boxes_)) {
   for (const Eigen::AlignedBox3f& box : boxes_) all_.extend(box);
 }
 
@@ -132,8 +133,7 @@ std::optional<MaterialPoint> ExactObstacles::carried(const MaterialPoint& before
 std::optional<Eigen::Vector3f> ExactObstacles::way_of(const MaterialPoint& now) const {
   if (before_ == nullptr || now.part < 0 || now.part >= gaps_->part_count()) return std::nullopt;
   const Vector3d place = now.place.cast<double>();
-  const Vector3d way =
-      place - palpable::carried(gaps_->obstacle(), *before_, now.part, place);
+  const Vector3d way = place - palpable::carried(gaps_->obstacle(), *before_, now.part, place);
   return Eigen::Vector3f(way.cast<float>());
 }
 

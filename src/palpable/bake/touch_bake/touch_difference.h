@@ -47,7 +47,8 @@ struct TouchDifference {
 class ExactObstacles : public Obstacles {
  public:
   /// @param gaps    outlives this
-  /// @param before  with friction, that of the body: the obstacle of the frame before, with the same
+  /// @param before  with friction, that of the body: the obstacle of the frame before, with the
+  /// same
   ///                parts; outlives this. Null: nothing rubs
   explicit ExactObstacles(const ObstacleGaps& gaps, const Obstacle* before = nullptr);
 
@@ -77,7 +78,8 @@ class ExactObstacles : public Obstacles {
 /// @param refinements  how often, at each depth, the obstacle is kept at rest until the tables have
 ///                     blended in a full-order solution (response/refinement.h); `found` is called
 ///                     after each. The next depth continues from the unrefined state
-/// @param friction     Coulomb's coefficient in the full solution. That of the tables is the body's of
+/// @param friction     Coulomb's coefficient in the full solution. That of the tables is the body's
+/// of
 ///                     `touch`
 /// @returns why the full solver stopped before the last depth; empty if it did not
 [[nodiscard]] std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,

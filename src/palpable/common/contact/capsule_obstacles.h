@@ -51,10 +51,10 @@ class CapsuleObstacles : public Obstacles {
   std::vector<Eigen::AlignedBox3f> boxes_;
   Eigen::AlignedBox3f box_;  // of all capsules
   // Of friction; empty without it.
-  std::vector<float> friction_;           // of the capsules
-  std::vector<Capsule> capsules_;         // the capsules, and
-  std::vector<Capsule> before_;           // those of the frame before;
-  std::vector<int> now_of_, before_of_;   // of each of the latter, and of the former; -1: none
+  std::vector<float> friction_;          // of the capsules
+  std::vector<Capsule> capsules_;        // the capsules, and
+  std::vector<Capsule> before_;          // those of the frame before;
+  std::vector<int> now_of_, before_of_;  // of each of the latter, and of the former; -1: none
 };
 
 }  // namespace palpable

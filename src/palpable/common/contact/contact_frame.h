@@ -141,13 +141,13 @@ class ContactFrame {
   std::vector<std::size_t> of_pressed_;  // and their indices among all contacts
   std::vector<Eigen::Vector3f> forces_before_;
   // With friction.
-  bool rubs_ = false;        // something may rub in this frame
-  int step_ = 1, steps_ = 1; // the present one, and how many there are
-  double depth_ = 0;         // m, of obstacles when the frame began
+  bool rubs_ = false;                              // something may rub in this frame
+  int step_ = 1, steps_ = 1;                       // the present one, and how many there are
+  double depth_ = 0;                               // m, of obstacles when the frame began
   std::vector<Eigen::Vector3f> slips_;             // of pressed_, as ContactProblem::solve()
   std::vector<Eigen::Vector3f> frictions_before_;  // as forces_before_
-  std::vector<ProblemBody> bodies_;    // by their number
-  std::vector<SharpPart> parts_near_;  // of obstacles near one body
+  std::vector<ProblemBody> bodies_;                // by their number
+  std::vector<SharpPart> parts_near_;              // of obstacles near one body
 };
 
 }  // namespace palpable

@@ -133,8 +133,7 @@ TEST_CASE("a finger that presses straight has no resultant of friction", "[conta
   }
 }
 
-TEST_CASE("a finger that is dragged takes the skin along, until it slides",
-          "[contact][friction]") {
+TEST_CASE("a finger that is dragged takes the skin along, until it slides", "[contact][friction]") {
   for (const Kind kind : {kTables, kModes}) {
     INFO("kind " << static_cast<int>(kind));
     Stack sticks = cushion(2, kind), slips = cushion(0, kind), slides = cushion(0.3, kind);
@@ -197,15 +196,15 @@ TEST_CASE("two fingers that pinch a cushion hold it", "[contact][friction]") {
     const auto at = [&](double up, double shut) -> const CapsuleObstacles& {
       const Vector3d above(0, 0, kTop + kFinger - shut + up),
           below(0, 0, -kTop - kFinger + shut + up);
-      return fingers.at({Capsule{above, above, kFinger, kFinger},
-                         Capsule{below, below, kFinger, kFinger}});
+      return fingers.at(
+          {Capsule{above, above, kFinger, kFinger}, Capsule{below, below, kFinger, kFinger}});
     };
     for (const double shut : {0.0005, 0.001, 0.0015, 0.0015}) stack.advance(at(0, shut));
     // Both move aside along x: the capsules' ends.
     const auto aside = [&](double x) -> const CapsuleObstacles& {
       const Vector3d above(x, 0, kTop + kFinger - 0.0015), below(x, 0, -kTop - kFinger + 0.0015);
-      return fingers.at({Capsule{above, above, kFinger, kFinger},
-                         Capsule{below, below, kFinger, kFinger}});
+      return fingers.at(
+          {Capsule{above, above, kFinger, kFinger}, Capsule{below, below, kFinger, kFinger}});
     };
     for (int frame = 1; frame <= 5; ++frame) stack.advance(aside(0.0001 * frame));
     return std::pair(top_moved(stack), sums_of(stack));
@@ -245,7 +244,8 @@ TEST_CASE("friction dissipates energy, and stays in the cone over random frames"
 
 TEST_CASE("cushions rub each other, and what acts on one acts back on the other",
           "[contact][friction][bodies]") {
-  for (const std::vector<Kind>& kinds : {std::vector{kTables, kTables}, std::vector{kModes, kTables}}) {
+  for (const std::vector<Kind>& kinds :
+       {std::vector{kTables, kTables}, std::vector{kModes, kTables}}) {
     const auto dragged = [&kinds](double mu) {
       Stack stack(kinds, kApart, kLeadingModes, with_friction(mu));
       Rubbing finger;
@@ -287,8 +287,7 @@ TEST_CASE("without a coefficient every byte is that of a contact without frictio
   }
 }
 
-TEST_CASE("frames with friction give the same bytes, and allocate nothing",
-          "[contact][friction]") {
+TEST_CASE("frames with friction give the same bytes, and allocate nothing", "[contact][friction]") {
   for (const std::vector<Kind>& kinds : {std::vector{kTables}, std::vector{kModes, kTables}}) {
     Stack one(kinds, kApart, kLeadingModes, with_friction(0.5)),
         other(kinds, kApart, kLeadingModes, with_friction(0.5));

@@ -355,8 +355,7 @@ void ContactProblem::turn_friction(std::size_t m) {
 }
 
 bool ContactProblem::solve_with_friction(std::span<Contact> contacts, std::span<ProblemBody> bodies,
-                                         const ContactStep& step,
-                                         std::span<const Vector3f> slips) {
+                                         const ContactStep& step, std::span<const Vector3f> slips) {
   PALPABLE_EXPECT(cone_.has_room(), "make_room_for_friction() was called");
   const std::size_t m = contacts.size(), n = 2 * rubbing_.size(), wide = padded(n);
   const std::span<double> f(f_.data(), m), rub(rub_.data(), n);
@@ -406,8 +405,8 @@ void ContactProblem::hand_out_friction(std::span<Contact> contacts) {
   for (std::size_t k = 0; k < rubbing_.size(); ++k) {
     Contact& c = contacts[rubbing_[k]];
     if (!(mu_[k] > 0)) continue;
-    c.rub.force = static_cast<float>(rub_[2 * k]) * t1_[k] +
-                  static_cast<float>(rub_[2 * k + 1]) * t2_[k];
+    c.rub.force =
+        static_cast<float>(rub_[2 * k]) * t1_[k] + static_cast<float>(rub_[2 * k + 1]) * t2_[k];
     const double bound = mu_[k] * f_[rubbing_[k]];
     c.rub.slides = std::hypot(rub_[2 * k], rub_[2 * k + 1]) >= (1 - kAtBound) * bound;
     c.force += c.rub.force;

@@ -1,6 +1,6 @@
 /// @file
-/// One iteration of Newton's method for unilateral contact: from gaps and compliance of the contacts
-/// to their forces.
+/// One iteration of Newton's method for unilateral contact: from gaps and compliance of the
+/// contacts to their forces.
 ///
 ///   m  contacts     P  places of the bodies
 ///   N  (m x 3P) the contacts' normals; the opposite ones at the feet on other bodies
@@ -135,13 +135,13 @@ class ContactProblem {
   // With friction.
   CoulombCone cone_;
   double residual_ = 0;
-  std::vector<std::size_t> rubbing_;        // (k) contacts with tangents here: those that rub or turn
-  std::vector<Eigen::Vector3f> t1_, t2_;    // (k) their directions
-  std::vector<double> mu_, rub_;            // (k), (2k) N
-  std::vector<float> Wnf_;                  // (m x 2k), rows padded to 16
-  std::vector<double> Wff_, qf_;            // (2k x 2k), (2k)
-  std::vector<std::size_t> turning_at_;     // (t / 2) of each turning contact its place in rubbing_
-  std::vector<double> Gcf_, MGcf_;          // (t x 2k)
+  std::vector<std::size_t> rubbing_;      // (k) contacts with tangents here: those that rub or turn
+  std::vector<Eigen::Vector3f> t1_, t2_;  // (k) their directions
+  std::vector<double> mu_, rub_;          // (k), (2k) N
+  std::vector<float> Wnf_;                // (m x 2k), rows padded to 16
+  std::vector<double> Wff_, qf_;          // (2k x 2k), (2k)
+  std::vector<std::size_t> turning_at_;   // (t / 2) of each turning contact its place in rubbing_
+  std::vector<double> Gcf_, MGcf_;        // (t x 2k)
 };
 
 }  // namespace palpable

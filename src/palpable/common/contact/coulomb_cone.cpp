@@ -322,8 +322,7 @@ bool CoulombCone::newton_step(const ConeProblem& p, std::span<double> f, std::sp
   }
   for (std::size_t i = 0; i < p.contacts.size(); ++i) {
     for (std::size_t d = 0; d < 2; ++d) {
-      t[2 * i + d] =
-          columns_t_[i] >= 0 ? right_[static_cast<std::size_t>(columns_t_[i]) + d] : 0;
+      t[2 * i + d] = columns_t_[i] >= 0 ? right_[static_cast<std::size_t>(columns_t_[i]) + d] : 0;
     }
   }
   return true;

@@ -25,19 +25,20 @@
 namespace palpable {
 
 struct ConeProblem {
-  std::span<const double> W;               ///< (m x m) m/N, row by row; the lower triangle is read
-  std::span<const double> q;               ///< (m) m
-  std::span<const float> W_nt;             ///< (m x wide) m/N, rows padded to `wide` >= 2k
+  std::span<const double> W;    ///< (m x m) m/N, row by row; the lower triangle is read
+  std::span<const double> q;    ///< (m) m
+  std::span<const float> W_nt;  ///< (m x wide) m/N, rows padded to `wide` >= 2k
   std::size_t wide = 0;
-  std::span<const double> W_tt;            ///< (2k x 2k) m/N, symmetric positive definite
-  std::span<const double> q_t;             ///< (2k) m
-  std::span<const std::size_t> contacts;   ///< (k) of the m, rising
-  std::span<const double> mu;              ///< (k) >= 0
-  double tolerance = 0;                    ///< m, of the natural residual
+  std::span<const double> W_tt;           ///< (2k x 2k) m/N, symmetric positive definite
+  std::span<const double> q_t;            ///< (2k) m
+  std::span<const std::size_t> contacts;  ///< (k) of the m, rising
+  std::span<const double> mu;             ///< (k) >= 0
+  double tolerance = 0;                   ///< m, of the natural residual
 };
 
 struct ConeOutcome {
-  bool is_solved = false;  ///< false: the normal problem has no solution; f and t are not to be used
+  bool is_solved =
+      false;  ///< false: the normal problem has no solution; f and t are not to be used
   /// m, the largest natural residual of a point: |min(g, W_ii f)|, and |t - P(t - s / w)| w with P
   /// the projection onto the disc of radius mu f and w the larger of the two W_tt of the point.
   double residual = 0;
@@ -61,8 +62,7 @@ class CoulombCone {
   ConeOutcome solve_by_newton(const ConeProblem& problem, std::span<double> f, std::span<double> t);
 
   /// As ConeOutcome::residual.
-  double residual(const ConeProblem& problem, std::span<const double> f,
-                  std::span<const double> t);
+  double residual(const ConeProblem& problem, std::span<const double> f, std::span<const double> t);
 
  private:
   void add_friction(const ConeProblem& p, std::span<const double> t);
@@ -70,8 +70,7 @@ class CoulombCone {
   void sweep(const ConeProblem& p, std::span<const double> f, std::span<double> t);
   bool newton_step(const ConeProblem& p, std::span<double> f, std::span<double> t);
   void fill_row(const ConeProblem& p, std::size_t contact, double factor, double* row) const;
-  void fill_slip_row(const ConeProblem& p, std::size_t component, double factor,
-                     double* row) const;
+  void fill_slip_row(const ConeProblem& p, std::size_t component, double factor, double* row) const;
 
   std::size_t most_ = 0;
   std::vector<double> q_, b_;               // (m) q + W_nt t, (2k) q_t + W_nt^T f

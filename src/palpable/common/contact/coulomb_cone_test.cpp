@@ -178,9 +178,9 @@ TEST_CASE("Gauss-Seidel and Alart-Curnier find the same forces", "[contact][fric
     double largest = 0, apart = 0;
     for (std::size_t i = 0; i < ball.m; ++i) {
       largest = std::max(largest, one.f[i]);
-      apart = std::max({apart, std::abs(one.f[i] - other.f[i]),
-                        std::abs(one.t[2 * i] - other.t[2 * i]),
-                        std::abs(one.t[2 * i + 1] - other.t[2 * i + 1])});
+      apart =
+          std::max({apart, std::abs(one.f[i] - other.f[i]), std::abs(one.t[2 * i] - other.t[2 * i]),
+                    std::abs(one.t[2 * i + 1] - other.t[2 * i + 1])});
     }
     CHECK(apart < tolerance(0.01, "residuals of 1e-6 m of 2 mm, compliance of a point") * largest);
   }

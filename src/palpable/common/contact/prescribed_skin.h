@@ -89,7 +89,7 @@ class PrescribedSkin final : public ContactBody {
   MovingSurface surface_;
   bool has_moved_ = false;
   std::vector<PointForce> forces_;
-  std::vector<PointAnchor> anchors_;  // none: it has no points
+  std::vector<PointAnchor> anchors_;         // none: it has no points
   std::vector<Eigen::Vector3f> next_, now_;  // positions of feet, m
 };
 

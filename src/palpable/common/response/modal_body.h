@@ -52,8 +52,8 @@ struct ModalSettings {
 
 /// All that is remembered of a body from frame to frame. The default is the body at rest.
 struct ModalState {
-  Eigen::VectorXd q;               ///< (n) amplitudes; none: at rest
-  std::vector<PointForce> forces;  ///< rising by point
+  Eigen::VectorXd q;                      ///< (n) amplitudes; none: at rest
+  std::vector<PointForce> forces;         ///< rising by point
   std::vector<PointAnchor> anchors = {};  ///< of the points with friction; none without friction
 };
 

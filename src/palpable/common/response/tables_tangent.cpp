@@ -243,8 +243,8 @@ void TablesTangent::add_tangential_modes(const TablesAt& at, std::span<const Uni
       at.regions->times(patch, row, turned);
       tangent_order_[count] = i;
       const std::size_t to = forces[i].row;
-      best_row_kernels().dots_floats(mode_rows_.data() + of_patch.at, of_patch.last - of_patch.first,
-                                     turned, tangent_sums_.data());
+      best_row_kernels().dots_floats(mode_rows_.data() + of_patch.at,
+                                     of_patch.last - of_patch.first, turned, tangent_sums_.data());
       for (std::size_t k = of_patch.first; k < of_patch.last; ++k) {
         W_nt[normals_[order_[k]].row * wide + to] += tangent_sums_[k - of_patch.first];
       }

@@ -18,7 +18,7 @@ namespace palpable {
 struct TouchState {
   std::vector<PointForce> forces;
   std::vector<PointAnchor> anchors;  ///< of the points with friction; none without friction
-  std::vector<int> regions;  ///< of the patches
+  std::vector<int> regions;          ///< of the patches
   /// (3 x W) m, displacement: of the whole skin in the first V columns, then of the inner nodes
   /// (shell_table.h), which only the stress needs. No columns: at rest.
   Eigen::Matrix3Xf u;

@@ -24,8 +24,8 @@ struct TouchableBody {
   std::optional<ModalTables> modal;  ///< used if `touch` is empty
 };
 
-/// Sets Coulomb's coefficient of friction of the skin (TouchTables::friction), as far as the body has
-/// tables. @pre is_friction(mu)
+/// Sets Coulomb's coefficient of friction of the skin (TouchTables::friction), as far as the body
+/// has tables. @pre is_friction(mu)
 void set_friction(TouchableBody& body, double mu);
 
 /// The body with every length multiplied by `factor`, as scaled(ReducedBody) does: the same

@@ -138,9 +138,8 @@ palpable_status palpable_set_friction(palpable_body* body, double coefficient) {
   return guarded([&] {
     require(body != nullptr, "body is null");
     if (!palpable::is_friction(coefficient)) {
-      throw Failure(PALPABLE_WRONG_ARGUMENT,
-                    fmt::format("coefficient is {}, not within 0 and {:g}", coefficient,
-                                palpable::kMostFriction));
+      throw Failure(PALPABLE_WRONG_ARGUMENT, fmt::format("coefficient is {}, not within 0 and {:g}",
+                                                         coefficient, palpable::kMostFriction));
     }
     body->friction = coefficient;
   });

@@ -92,9 +92,9 @@ PALPABLE_API palpable_status palpable_load_body(const char* path, double scale,
 PALPABLE_API palpable_status palpable_place_body(palpable_body* body,
                                                  const double world_from_body[16]);
 
-/** Sets Coulomb's coefficient of friction of the body's skin in sessions that are opened later, from
- * 0 (no friction) to 10. Without this call it is that of the body file, 0 in files without one.
- * Dry silicone rubber on skin has about 0.6. */
+/** Sets Coulomb's coefficient of friction of the body's skin in sessions that are opened later,
+ * from 0 (no friction) to 10. Without this call it is that of the body file, 0 in files without
+ * one. Dry silicone rubber on skin has about 0.6. */
 PALPABLE_API palpable_status palpable_set_friction(palpable_body* body, double coefficient);
 
 /** Frees a body. Sessions that were opened on it stay valid. Null is allowed. */
@@ -222,10 +222,10 @@ typedef struct palpable_thing {
 #define PALPABLE_NO_THING INT64_MIN /**< palpable_touch::thing where none is known */
 
 /** Processes one frame of a session with PALPABLE_NO_CAMERA: the skins deform until they no longer
- * penetrate the capsules. Bodies with friction are taken along by things that slide over them. From call to call a capsule should advance by less
- * than its radius: the skin may slip to the other side of one that jumps farther. PALPABLE_OK says
- * that the call was processed, and palpable_frame::answer whether the skins give way to all
- * capsules.
+ * penetrate the capsules. Bodies with friction are taken along by things that slide over them. From
+ * call to call a capsule should advance by less than its radius: the skin may slip to the other
+ * side of one that jumps farther. PALPABLE_OK says that the call was processed, and
+ * palpable_frame::answer whether the skins give way to all capsules.
  * @param things   `count` of them, 256 at most, with 4096 capsules together. A thing that is left
  *                 out is gone; with 0 things nothing presses
  * @param seconds  larger than that of the previous call, less than 1e12 from 0 */

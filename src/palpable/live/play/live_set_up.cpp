@@ -164,9 +164,8 @@ LiveSetUp set_up_replay(const RecordedRun& run, const fs::path& file, int thread
   std::vector<PlacedBody> standing;
   std::vector<DescribedBody> bodies;
   for (const auto& [body, checksum, world_from_body] : run.bodies) {
-    standing.push_back(
-        {read_live_body(body, run.options.contact, run.options.friction), world_from_body,
-         body.name, body.color});
+    standing.push_back({read_live_body(body, run.options.contact, run.options.friction),
+                        world_from_body, body.name, body.color});
     bodies.push_back(body);
   }
   std::unique_ptr<FrameSource> source = value_or_throw(open_recording(file));

@@ -70,7 +70,8 @@ TEST_CASE("friction fades in over six frames, and without a thing there is none"
   CHECK(seen.surface.largest_friction(0.6f) == 0);
 }
 
-TEST_CASE("a thing that rests carries nothing along, one that moves does", "[seen_object][friction]") {
+TEST_CASE("a thing that rests carries nothing along, one that moves does",
+          "[seen_object][friction]") {
   auto random = test::random_case(1);
   Seen seen;
   const Vector3f start(0, 0.008f, 0);  // a place on the side of the middle ball
@@ -81,7 +82,8 @@ TEST_CASE("a thing that rests carries nothing along, one that moves does", "[see
     REQUIRE(carried);
     place = *carried;
   }
-  CHECK(static_cast<double>((place.place - start).norm()) < tolerance(5e-4, "m: the surface trembles by 0.05 mm"));
+  CHECK(static_cast<double>((place.place - start).norm()) <
+        tolerance(5e-4, "m: the surface trembles by 0.05 mm"));
 
   // Across its axis the outline shows the way.
   const Vector3f began = place.place;

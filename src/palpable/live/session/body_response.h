@@ -119,7 +119,7 @@ class BodyResponse {
   Eigen::AlignedBox3d region_;
   ObjectSurface surface_;
   BodyLaw law_;
-  std::optional<PrescribedSkin> obstacle_;  // made by contact_body()
+  std::optional<PrescribedSkin> obstacle_;   // made by contact_body()
   std::optional<SurfaceFriction> friction_;  // of a body that has friction
 };
 

@@ -152,9 +152,10 @@ Complaint add_thing(const Json& thing, ThingsLine& line) {
   if (const Json* given = thing.find("friction")) {
     const std::optional<double> mu = given->if_number();
     if (!mu || !is_friction(*mu)) {
-      return Problem{fmt::format("its \"friction\" is no coefficient from 0 to {:g}; leave it out "
-                                 "for that of the bodies",
-                                 kMostFriction)};
+      return Problem{
+          fmt::format("its \"friction\" is no coefficient from 0 to {:g}; leave it out "
+                      "for that of the bodies",
+                      kMostFriction)};
     }
     friction = static_cast<float>(*mu);
   }

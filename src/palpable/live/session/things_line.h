@@ -3,11 +3,12 @@
 /// such lines, and programs send them to a run (docs/hands.md):
 ///
 ///     {"time":0.033,"things":[{"id":1,"capsules":[[ax,ay,az,bx,by,bz,ra,rb],...]},
-///      {"id":2,"friction":0.3,"hand":"openxr","side":"left","joints":[[x,y,z],...],"radii":[...]}]}   (one line)
+///      {"id":2,"friction":0.3,"hand":"openxr","side":"left","joints":[[x,y,z],...],"radii":[...]}]}
+///      (one line)
 ///
-/// "friction" is Coulomb's coefficient between the thing and the skins; without it that of each body
-/// counts. s and m, in the frame in which the bodies are placed (world). Keys that are not known are
-/// ignored.
+/// "friction" is Coulomb's coefficient between the thing and the skins; without it that of each
+/// body counts. s and m, in the frame in which the bodies are placed (world). Keys that are not
+/// known are ignored.
 #pragma once
 
 #include "palpable/common/base/error.h"

@@ -37,7 +37,8 @@ struct PressedBodies::Pressed {
       : body(std::move(member.body)),
         world_from_body(member.world_from_body),
         body_from_world(member.world_from_body.inverse()),
-        contact(body->body.surface, body->body.fixed, *body->touch, {.friction = member.friction}) {}
+        contact(body->body.surface, body->body.fixed, *body->touch, {.friction = member.friction}) {
+  }
 
   std::shared_ptr<const TouchableBody> body;
   Rigid3 world_from_body, body_from_world;
