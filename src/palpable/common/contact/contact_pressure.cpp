@@ -71,9 +71,10 @@ void ContactPressure::spread(const TouchPatches& pressed, const Matrix3Xf& verti
   find_near(pressed, vertices);
   for (std::size_t i = 0; i < pressed.points().size(); ++i) {
     const PressedPoint& point = pressed.points()[i];
-    const float force = point.force.norm(), r = reach(pressed.spacing(i));
+    const Vector3f pressing = point.force - point.friction;
+    const float force = pressing.norm(), r = reach(pressed.spacing(i));
     if (!(force > 0)) continue;
-    const Vector3f direction = point.force / force;
+    const Vector3f direction = pressing / force;
     float sum = 0, nearest = 0;
     int nearest_vertex = -1;
     for (std::size_t k = 0; k < near_.size(); ++k) {

@@ -5,13 +5,13 @@
 /// A force at a point stands for the skin up to the next pressed point, at a distance s; vertices
 /// are h apart. The force is shared among the vertices within r = 1.5 max(s, h) that face it,
 ///
-///     f_v = sum_i |f_i| w_iv / sum_v w_iv,    w_iv = A_v (1 - |x_v - x_i|^2 / r^2)
+///     f_v = sum_i |f_i - t_i| w_iv / sum_v w_iv,    w_iv = A_v (1 - |x_v - x_i|^2 / r^2)
 ///     p_v = f_v / A_v
 ///
-/// with A_v a third of the area of the triangles around v, all in the present shape. So sum_v p_v
-/// A_v is the sum of all forces; details finer than the mesh or the points are not resolved.
-/// Without friction forces are normal to the skin, and p is what a pressure film between skin and
-/// obstacle would measure.
+/// with A_v a third of the area of the triangles around v, all in the present shape, and t_i the
+/// friction in f_i. So sum_v p_v A_v is the sum of all normal forces, and p is what a pressure film
+/// between skin and obstacle would measure; details finer than the mesh or the points are not
+/// resolved.
 ///
 ///   V  vertices of the skin
 #pragma once

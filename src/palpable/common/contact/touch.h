@@ -15,7 +15,7 @@ struct Touch {
   int site = -1;           ///< index into ReducedBody::sites; -1: anywhere, at point_in_body
   double level = 0;        ///< (0, 1] of the site's full load: the paper's pseudo-time; 0: no site
   double force = 0;        ///< N, norm of the sum of its forces
-  double press_depth = 0;  ///< m, largest displacement of the skin there along the force
+  double press_depth = 0;  ///< m, largest displacement of the skin there against its normal
   Eigen::Vector3d point_in_body = Eigen::Vector3d::Zero();  ///< m, centre of pressure
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();      ///< unit, of the force on the body
   double unseen_for = 0;  ///< s since the obstacle was measured (held_balls.h); 0: in this frame

@@ -133,7 +133,7 @@ Touch TouchPatches::touch_of(int patch) const {
   for (std::size_t k = 0; k < points_.size(); ++k) {
     if (places_[k].patch != patch) continue;
     touch.press_depth =
-        std::max(touch.press_depth, points_[k].moved.cast<double>().dot(touch.direction));
+        std::max(touch.press_depth, points_[k].moved.cast<double>().dot(-touch.normal()));
   }
   return touch;
 }
