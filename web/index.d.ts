@@ -52,6 +52,9 @@ export interface Thing {
   id?: number | bigint;
   /** Either objects or, without garbage, 8 numbers for each: a, b, radii. */
   capsules: readonly Capsule[] | Float64Array;
+  /** Coulomb's coefficient between it and the skins, 0 to 10; none if left out: that of the body, which has none in
+   * delivery files. */
+  friction?: number;
 }
 
 export type Answer = 'not judged' | 'reached' | 'later' | 'not reached';

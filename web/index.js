@@ -165,7 +165,7 @@ export class Session {
   }
 
   /** One frame: the skins deform until they no longer penetrate the capsules.
-   * @param things   [{ id, capsules }]: ids that differ, and a Float64Array of 8 numbers for each capsule, as
+   * @param things   [{ id, capsules, friction }]: ids that differ, and a Float64Array of 8 numbers for each capsule, as
    *                 handCapsules() returns it, or [{ a, b, radiusA, radiusB }]; world frame, m
    * @param seconds  larger than that of the call before
    * @returns this session */
@@ -183,6 +183,8 @@ export class Session {
       view.setBigInt64(to + members.id, BigInt(thing.id ?? k), true);
       view.setUint32(to + members.capsules, at, true);
       view.setUint32(to + members.count, counts[k], true);
+      // 0 is that of the body for C, and no friction here.
+      view.setFloat64(to + members.friction, thing.friction === 0 ? -1 : thing.friction ?? 0, true);
       writeCapsules(thing.capsules, c.doubles(at, kCapsuleNumbers * counts[k]));
       at += 8 * kCapsuleNumbers * counts[k];
     });

@@ -66,6 +66,7 @@ void add_inputs(LayoutText& layout) {
     using Struct = palpable_thing;
     layout.open_struct("palpable_thing", sizeof(Struct));
     ADD_MEMBER(size), ADD_MEMBER(id), ADD_MEMBER(capsules), ADD_MEMBER(count);
+    ADD_MEMBER(friction);
     layout.close_struct();
   }
 }

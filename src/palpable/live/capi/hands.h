@@ -5,7 +5,8 @@
  *     double joints[26 * 3];                       // from xrLocateHandJointsEXT, in the world
  *     palpable_capsule hand[PALPABLE_HAND_CAPSULES];
  *     palpable_hand_capsules(PALPABLE_OPENXR_HAND, PALPABLE_RIGHT, joints, NULL, hand);
- *     palpable_thing thing = { sizeof thing, 1, hand, PALPABLE_HAND_CAPSULES };
+ *     palpable_thing thing = { .size = sizeof thing, .id = 1, .capsules = hand,
+ *                             .count = PALPABLE_HAND_CAPSULES };
  *     palpable_press_at(session, &thing, 1, seconds);
  */
 #ifndef PALPABLE_HANDS_H
