@@ -4,6 +4,7 @@
 #include "apps/palpable/installed.h"
 #include "palpable/common/base/text_numbers.h"
 #include "palpable/common/geometry/body_scale.h"
+#include "palpable/common/response/touch_tables.h"
 #include "palpable/live/view/tiles.h"
 
 #include <fmt/core.h>

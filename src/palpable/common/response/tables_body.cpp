@@ -399,7 +399,12 @@ void TablesBody::add_compliance(std::span<const UnitForce> forces, Tangent tange
 void TablesBody::add_tangential(std::span<const UnitForce> forces, Tangent tangent,
                                 std::span<float> W_nt, std::size_t wide, std::span<double> W_tt,
                                 std::span<double> q_t) {
-  work_->tangent.add_tangential(work_->tables_now(tangent), forces, W_nt, wide, W_tt, q_t);
+  const TablesAt at = work_->tables_now(tangent);
+  if (tangent == Tangent::kSafe) {
+    work_->tangent.add_tangential(at, forces, W_nt, wide, W_tt, q_t);
+  } else {
+    work_->tangent.add_all_tangential(at, forces, W_nt, wide, W_tt, q_t);
+  }
 }
 
 double TablesBody::skin_compliance(double, float softness, bool is_foot) const {

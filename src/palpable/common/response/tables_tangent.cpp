@@ -70,6 +70,16 @@ float along(const TablesAt& at, const UnitForce& force, std::span<const float> f
   return sum;
 }
 
+// The displacement of a place. @param field  three values per slot
+Vector3f displacement_of_place(const TablesAt& at, std::size_t place, std::span<const float> field) {
+  const Place& there = at.places[place];
+  Vector3f x = Vector3f::Zero();
+  for (std::size_t k = 0; k < there.shares.count; ++k) {
+    x += there.shares.of[k].weight * Eigen::Map<const Vector3f>(field.data() + 3 * there.slots[k]);
+  }
+  return x;
+}
+
 // The patch of load that a force belongs to; -1: none.
 int patch_of_unit(const TablesAt& at, const UnitForce& force) {
   const ForceShares& shares = at.places[force.place].shares;
@@ -207,6 +217,39 @@ void TablesTangent::add_tangential(const TablesAt& at, std::span<const UnitForce
       if (i != j) W_tt[other.row * t + f.row] += value;
     }
     q_t[f.row] -= static_cast<double>(along(at, f, at.field));
+  }
+}
+
+void TablesTangent::add_all_tangential(const TablesAt& at, std::span<const UnitForce> forces,
+                                       std::span<float> W_nt, std::size_t wide,
+                                       std::span<double> W_tt, std::span<double> q_t) {
+  const std::size_t t = q_t.size();
+  // Calls use(i, x) with the displacement x, m/N, that a row has at the place of each force. Those
+  // of one place follow each other, so that it is summed once for both.
+  const auto for_each = [&](std::span<const float> row, std::size_t count, const auto& use) {
+    Vector3f x = Vector3f::Zero();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i == 0 || forces[i].place != forces[i - 1].place) {
+        x = displacement_of_place(at, forces[i].place, row);
+      }
+      use(i, x);
+    }
+  };
+  for (std::size_t p = 0; p < normals_.size(); ++p) {
+    float* to = W_nt.data() + normals_[p].row * wide;
+    for_each(
+        {rows_.data() + p * width_, width_}, forces.size(),
+        [&](std::size_t i, const Vector3f& x) { to[forces[i].row] += forces[i].direction.dot(x); });
+  }
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const std::size_t to = forces[i].row;
+    fill_row(at, forces[i], tangent_row_);
+    for_each(tangent_row_, i + 1, [&](std::size_t j, const Vector3f& x) {
+      const auto value = static_cast<double>(forces[j].direction.dot(x));
+      W_tt[to * t + forces[j].row] += value;
+      if (i != j) W_tt[forces[j].row * t + to] += value;
+    });
+    q_t[to] -= static_cast<double>(along(at, forces[i], at.field));
   }
   if (at.regions != nullptr && has_mode_rows_) {
     add_tangential_modes(at, forces, W_nt, wide, W_tt, q_t);

@@ -83,11 +83,15 @@ class TablesTangent {
   /// As ContactBody::add_compliance().
   void add_compliance(const TablesAt& at, std::span<const UnitForce> forces, std::span<double> W,
                       std::size_t m, std::span<double> q);
-  /// As ContactBody::add_tangential(). By the linear tables alone where `at` has no regions: the
-  /// terms by which normals turn are a small part of the tangent. With regions, the last
-  /// add_compliance() must have had them, too. The first call with regions allocates.
+  /// As ContactBody::add_tangential(), by the linear tables alone: the terms by which normals turn
+  /// are a small part of the tangent.
   void add_tangential(const TablesAt& at, std::span<const UnitForce> forces, std::span<float> W_nt,
                       std::size_t wide, std::span<double> W_tt, std::span<double> q_t);
+  /// The same with all terms of the last add_compliance(), for friction, where the two tangents of
+  /// a contact follow each other. The first call with regions allocates.
+  void add_all_tangential(const TablesAt& at, std::span<const UnitForce> forces,
+                          std::span<float> W_nt, std::size_t wide, std::span<double> W_tt,
+                          std::span<double> q_t);
   /// m/N, the mean compliance of a force on itself, over the forces of the last add_compliance().
   [[nodiscard]] double mean() const { return mean_; }
 

@@ -1,6 +1,7 @@
 #include "palpable/live/session/things_line.h"
 
 #include "palpable/common/base/json.h"
+#include "palpable/common/response/touch_tables.h"
 
 #include <fmt/format.h>
 
