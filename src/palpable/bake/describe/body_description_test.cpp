@@ -379,6 +379,9 @@ TEST_CASE("tables of touch are none, linear or full, with regions in full ones a
   CHECK_FALSE(parsed("[touch]\ntables = 'full'\n").touch.by_default);
   CHECK(parsed("[touch]\ntables = 'none'\n").touch.tables == Tables::kNone);
   CHECK(parsed("[touch]\nheld_out = 3\n").touch.held_out == 3);
+  CHECK(silent.touch.friction == 0);  // as in 0.1
+  CHECK(parsed("[touch]\nfriction = 0.6\n").touch.friction == 0.6);
+  CHECK_THAT(refused("[touch]\nfriction = -0.1\n"), Contains("friction"));
   CHECK_THAT(refused("[touch]\ntables = 'none'\nheld_out = 3\n"),
              Contains(":11: 'held_out' in [touch] tells how good tables are"));
   CHECK(parsed("[touch]\ntables = 'linear'\n").touch.tables == Tables::kLinear);

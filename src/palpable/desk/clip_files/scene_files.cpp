@@ -170,6 +170,7 @@ DescribedBody body_in(TomlSection& section, const fs::path& folder,
   body.scale = section.number("scale", {kLeastScale, kMostScale}, 1);
   if (section.has("set")) body.set = section.texts("set");
   body.color = color_in(section);
+  if (section.has("friction")) body.friction = section.number("friction", {0.0, 10.0});
   section.refuse_unknown();
   return body;
 }
@@ -350,6 +351,7 @@ std::string scene_text(const std::vector<DescribedBody>& bodies) {
     if (!body.method.empty()) text += fmt::format("method = {}\n", quoted_text(body.method));
     text += place_text(body.place, bodies);
     if (body.scale != 1) text += fmt::format("scale = {}\n", body.scale);
+    if (body.friction) text += fmt::format("friction = {}\n", *body.friction);
     if (!body.set.empty()) {
       std::vector<std::string> quoted;
       for (const std::string& one : body.set) quoted.push_back(quoted_text(one));

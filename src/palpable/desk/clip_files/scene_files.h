@@ -88,6 +88,7 @@ struct BodyPlace {
 ///     turn = 90                            # degrees about its upright axis
 ///     scale = 1
 ///     set = ["stiffness=0.8"]              # values of its parameters
+///     friction = 0.6                       # Coulomb's coefficient of its skin
 ///     color = [200, 120, 80]               # of its material
 ///
 /// docs/scenes.md explains every key.
@@ -100,6 +101,7 @@ struct DescribedBody {
   double scale = 1;
   std::vector<std::string> set = {};  ///< NAME=VALUE
   std::optional<Rgb> color = {};
+  std::optional<double> friction = {};  ///< of its skin; none: that of the body file
 };
 
 /// @return at least one body; their names differ

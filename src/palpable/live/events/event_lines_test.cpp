@@ -58,7 +58,7 @@ json parsed(std::string_view line) {
 TEST_CASE("the first line says the version, units, frames and bodies", "[events]") {
   const json hello = parsed(hello_line(two_bodies()));
   CHECK(hello["type"] == "hello");
-  CHECK(hello["version"] == 1);
+  CHECK(hello["version"] == 2);
   CHECK(hello["units"]["force"] == "N");
   CHECK(hello["frames"]["world"] == "the camera of the first frame");
   REQUIRE(hello["bodies"].size() == 2);
@@ -111,6 +111,7 @@ TEST_CASE("a frame's line has poses, touches in both frames, and stated errors",
   CHECK(touch["point"] == json{0.5, 0.0, 0.0});
   CHECK(touch["force"] == json{0.0, -2.0, 0.0});
   CHECK(touch["normal"] == json{0.0, 1.0, 0.0});
+  CHECK_FALSE(touch.contains("friction"));
   CHECK(touch["press_depth"] == 0.0012345);
   CHECK(touch["area"] == 0.000123456);
   CHECK(touch["assumed"] == 0.25);

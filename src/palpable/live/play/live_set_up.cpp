@@ -56,6 +56,7 @@ Json json_of_body(const DescribedBody& body, const SessionBody& placed) {
           {"scale", body.scale},
           {"set", body.set},
           {"color", json_of_color(body.color)},
+          {"friction", body.friction ? Json(*body.friction) : Json()},
           {"world_from_body", json_of(placed.world_from_body)}};
 }
 
@@ -67,6 +68,9 @@ RecordedRun::Body body_of(const Json& json) {
   body.body.scale = json["scale"].get<double>();
   for (const Json& value : json["set"]) body.body.set.push_back(value.get<std::string>());
   body.body.color = color_of(json["color"]);
+  if (json.contains("friction") && !json["friction"].is_null()) {
+    body.body.friction = json["friction"].get<double>();
+  }
   body.world_from_body = rigid_of(json["world_from_body"]);
   return body;
 }
@@ -105,7 +109,8 @@ TouchableBody read_live_body(const DescribedBody& wanted, const std::string& con
         "in its description, without [[parameter]], or leave --contact out",
         wanted.file.string()));
   }
-  if (friction) set_friction(body, *friction);
+  const std::optional<double> mu = friction ? friction : wanted.friction;
+  if (mu) set_friction(body, *mu);
   return wanted.scale == 1 ? std::move(body) : scaled(body, wanted.scale);
 }
 
@@ -134,6 +139,10 @@ RecordedRun recorded_run_of(const Json& json) {
   if (run.bodies.empty()) throw Error("it says of no body where it stood");
   run.options = run_options_of(json);
   for (const RecordedRun::Body& body : run.bodies) {
+    if (body.body.friction && !is_friction(*body.body.friction)) {
+      throw Error(fmt::format("the body '{}' has the coefficient of friction {}", body.body.name,
+                              *body.body.friction));
+    }
     if (!is_scale(body.body.scale)) {
       throw Error(fmt::format("the body '{}' has the scale {}, not within {} and {}",
                               body.body.name, body.body.scale, kLeastScale, kMostScale));

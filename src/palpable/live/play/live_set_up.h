@@ -26,7 +26,8 @@ struct LiveSetUp {
 };
 
 /// Reads one body from its file, at its scale and its parameters' values.
-/// @param contact, friction  as in RunOptions. @throws Error
+/// @param contact, friction  as in RunOptions; without a friction there, that of the scene counts,
+///        then that of the body file. @throws Error
 [[nodiscard]] TouchableBody read_live_body(const DescribedBody& wanted, const std::string& contact,
                                            std::optional<double> friction = {});
 
