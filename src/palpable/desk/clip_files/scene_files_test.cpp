@@ -129,6 +129,7 @@ turn = 90
 scale = 0.5
 set = ["stiffness=0.8"]
 color = [200, 120, 80]
+friction = 0.6
 )";
 
 TEST_CASE("a scene says which bodies stand where", "[clip_files][scene]") {
@@ -142,6 +143,8 @@ TEST_CASE("a scene says which bodies stand where", "[clip_files][scene]") {
   CHECK(bodies[1].scale == 0.5);
   CHECK(bodies[1].set == std::vector<std::string>{"stiffness=0.8"});
   CHECK(bodies[1].color == Rgb{200, 120, 80});
+  CHECK_FALSE(bodies[0].friction);
+  CHECK(bodies[1].friction == 0.6);
   const std::vector<Rigid3> poses = scene_from_bodies(bodies);
   CHECK((poses[1].translation() - Vector3d(0.01, 0, 0.11)).norm() < tolerance(1e-12, "rounding"));
   CHECK((poses[1].linear() * Vector3d::UnitX() - Vector3d::UnitY()).norm() <
