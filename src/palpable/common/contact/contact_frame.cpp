@@ -334,10 +334,8 @@ void ContactFrame::start_friction(bool goes_on) {
     PointAnchor wanted;
     wanted.point = c.point;
     wanted.by = c.by;
-    const auto at = std::lower_bound(
-        anchors.begin(), anchors.end(), wanted,
-        [](const PointAnchor& a, const PointAnchor& b) { return stands_before(a, b); });
-    if (at == anchors.end() || stands_before(wanted, *at)) continue;
+    const auto at = std::lower_bound(anchors.begin(), anchors.end(), wanted, anchored_before);
+    if (at == anchors.end() || anchored_before(wanted, *at)) continue;
     c.rub.is_anchored = true;
     c.rub.anchor = *at;
     if (c.by < 0) {
@@ -427,8 +425,7 @@ void ContactFrame::keep_anchors() {
   }
   for (const int k : members_) {
     std::vector<PointAnchor>& anchors = part(k).body->anchors();
-    std::sort(anchors.begin(), anchors.end(),
-              [](const PointAnchor& a, const PointAnchor& b) { return stands_before(a, b); });
+    std::sort(anchors.begin(), anchors.end(), anchored_before);
   }
 }
 

@@ -39,7 +39,7 @@ struct PointAnchor {
 };
 
 /// Whether one anchor comes before another in a state's list: as its forces do.
-[[nodiscard]] inline bool stands_before(const PointAnchor& a, const PointAnchor& b) {
+[[nodiscard]] inline bool anchored_before(const PointAnchor& a, const PointAnchor& b) {
   return a.point != b.point ? a.point < b.point : a.by < b.by;
 }
 
@@ -49,10 +49,8 @@ struct PointAnchor {
   PointAnchor wanted;
   wanted.point = point;
   wanted.by = by;
-  const auto at = std::lower_bound(
-      anchors.begin(), anchors.end(), wanted,
-      [](const PointAnchor& a, const PointAnchor& b) { return stands_before(a, b); });
-  if (at == anchors.end() || stands_before(wanted, *at)) return Eigen::Vector3f::Zero();
+  const auto at = std::lower_bound(anchors.begin(), anchors.end(), wanted, anchored_before);
+  if (at == anchors.end() || anchored_before(wanted, *at)) return Eigen::Vector3f::Zero();
   return at->force;
 }
 
