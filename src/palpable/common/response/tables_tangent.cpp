@@ -71,7 +71,8 @@ float along(const TablesAt& at, const UnitForce& force, std::span<const float> f
 }
 
 // The displacement of a place. @param field  three values per slot
-Vector3f displacement_of_place(const TablesAt& at, std::size_t place, std::span<const float> field) {
+Vector3f displacement_of_place(const TablesAt& at, std::size_t place,
+                               std::span<const float> field) {
   const Place& there = at.places[place];
   Vector3f x = Vector3f::Zero();
   for (std::size_t k = 0; k < there.shares.count; ++k) {
