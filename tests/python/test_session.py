@@ -52,6 +52,24 @@ def test_touches_carry_the_ids_of_things(session):
         session.press([left, right])
 
 
+def test_a_thing_rubs_with_its_own_coefficient_or_the_bodys(ball):
+    def along(body_friction=None, **of_thing):
+        body = palpable.Body(ball)
+        if body_friction is not None:
+            body.set_friction(body_friction)
+        with palpable.Session(body) as session:
+            for k in range(6):
+                session.press([palpable.Capsules(finger(0.004, x=0.0001 * k), id=3, **of_thing)], time=0.1 * (k + 1))
+            (touch,) = session.touches
+            return np.linalg.norm(touch.force - touch.force @ touch.normal * touch.normal) / np.linalg.norm(touch.force)
+
+    assert along() < 1e-9 and along(1, friction=0) < 1e-9
+    assert along(1) > 0.01 and along(friction=1) == along(1)
+    for wrong in (-1, 11, float("nan")):
+        with pytest.raises(palpable.WrongArgument, match="coefficient is"):
+            palpable.Body(ball).set_friction(wrong)
+
+
 def test_nested_lists_are_capsules(session):
     session.press(finger().tolist())
     assert len(session.touches) == 1
