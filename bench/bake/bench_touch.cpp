@@ -136,7 +136,7 @@ Json stated_over_true(const std::vector<TouchDifference>& all, int refined,
                       double StatedError::*stated, double HeldOutTouch::*truth) {
   std::vector<double> ratios;
   for (const TouchDifference& d : all) {
-    if ((thing && d.touch.thing != *thing) || d.touch.depth > deepest) continue;
+    if ((thing && d.touch.thing != *thing) || d.touch.depth > deepest || d.dragged > 0) continue;
     if (d.refined != refined) continue;
     if (d.report.stated) ratios.push_back((*d.report.stated).*stated / d.touch.*truth);
   }

@@ -50,6 +50,7 @@ std::string touch_text(const std::optional<TouchTables>& tables) {
     text += fmt::format("; carried by a coarser skin of {} vertices",
                         tables->coarse->surface.vertex_count());
   }
+  if (tables->friction > 0) text += fmt::format("; friction {:g}", tables->friction);
   text += fmt::format("; {:.3g} MB", megabytes(*tables));
   if (!tables->held_out.empty()) text += "; " + held_out_text(tables->held_out);
   if (const auto scale = error_scale(tables->held_out)) {
@@ -86,6 +87,7 @@ Json touch_json(const std::optional<TouchTables>& tables) {
       {"regions", tables->regions.size()},
       {"cross_modes", tables->cross.cubic.variables},
       {"table_mb", megabytes(*tables)},
+      {"friction", tables->friction},
       {"held_out", held_out_json(tables->held_out)},
       {"error_estimate_factors", error_scale_json(tables->held_out)}};
 }

@@ -23,6 +23,11 @@ TEST_CASE("the text states whether a body can be touched anywhere, and to which 
   CHECK(json["response_order"].get<int>() == 3);
   CHECK(json["error_estimate_factors"].is_null());
   CHECK_THAT(touch_text(tables), Catch::Contains("; does not state its error live"));
+  CHECK_THAT(touch_text(tables), !Catch::Contains("friction"));
+  CHECK(json["friction"].get<double>() == 0);
+  tables.friction = 0.6;
+  CHECK_THAT(touch_text(tables), Catch::Contains("; 3 regions; friction 0.6; "));
+  tables.friction = 0;
   CHECK(json["clusters"].get<int>() == 3);
   CHECK(json["regions"].get<int>() == 3);
   CHECK(json["cross_modes"].get<int>() == 48);
