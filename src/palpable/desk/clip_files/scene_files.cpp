@@ -297,6 +297,12 @@ SceneFile read_scene_file(const fs::path& path) {
     }
     scene.press_static = *press_static;
   }
+  if (const toml::node* node = table.get("friction")) {
+    scene.friction = node->value<double>();
+    if (!scene.friction || !(*scene.friction >= 0 && *scene.friction <= 10)) {
+      throw Error(fmt::format("{}: friction is to be a number from 0 to 10", path.string()));
+    }
+  }
   return scene;
 }
 

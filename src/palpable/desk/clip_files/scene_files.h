@@ -49,6 +49,7 @@ struct SceneFile {
   std::optional<Rigid3> camera_from_body;
   /// Whether things that are already present when the body is anchored press it, too.
   bool press_static = false;
+  std::optional<double> friction = {};  ///< Coulomb's, of all skins that state none themselves
 };
 
 /// Writes FOLDER/scene.toml.

@@ -69,12 +69,13 @@ TEST_CASE("sixteen numbers are the matrix, given as text or in a file", "[clip_f
   CHECK(read_pose((folder.path() / "pose.txt").string()).isApprox(pose));
   std::ofstream(folder.path() / "scene.toml")
       << "camera_from_body = [0, -1, 0, 0.1, 1, 0, 0, 0.2, 0, 0, 1, 0.7, 0, 0, 0, 1]\n"
-         "press_static = true\n";
+         "press_static = true\nfriction = 0.3\n";
   CHECK(read_pose((folder.path() / "scene.toml").string()).isApprox(pose));
   const SceneFile scene = read_scene_file(folder.path() / "scene.toml");
   REQUIRE(scene.camera_from_body.has_value());
   CHECK(scene.camera_from_body->isApprox(pose));
   CHECK(scene.press_static);
+  CHECK(scene.friction == 0.3);
   CHECK_FALSE(read_scene_file(folder.path() / "none.toml").camera_from_body.has_value());
 }
 

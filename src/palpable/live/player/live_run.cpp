@@ -56,13 +56,13 @@ std::map<Anchor, Rigid3> looked_for_places(const std::vector<LiveBody>& bodies,
   return places;
 }
 
+}  // namespace
+
 SceneFile scene_file_beside(const fs::path& images) {
   std::error_code ignored;
   const fs::path folder = fs::is_directory(images, ignored) ? images : images.parent_path();
   return read_scene_file(folder / "scene.toml");
 }
-
-}  // namespace
 
 LiveRun open_live(TouchableBody body, const LiveSettings& settings) {
   std::vector<LiveBody> bodies;

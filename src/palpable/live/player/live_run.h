@@ -51,6 +51,10 @@ struct LiveRun {
   std::filesystem::path images;  ///< folder, file or device of the source
 };
 
+/// The scene.toml beside a source's images; the default without one. @param images  a folder, or a
+/// file in it. @throws Error as read_scene_file()
+[[nodiscard]] SceneFile scene_file_beside(const std::filesystem::path& images);
+
 /// Determines the poses, opens the images, and makes the loop. Sets OpenCV's number of threads for
 /// the whole process. For anchors kPlane and kBoard the images are opened, played for one second,
 /// closed and opened again.
