@@ -98,7 +98,7 @@ void check_cone(const Stack& stack, double mu) {
     const Vector3f t = friction_at(body.anchors(), at.point, at.by);
     const auto p = static_cast<double>((at.force - t).norm());
     CHECK(static_cast<double>(t.norm()) <=
-          mu * p * (1 + tolerance(1e-4, "floats; the turning of p")) + 1e-7);
+          mu * p * (1 + tolerance(5e-3, "p turned within an iteration that was damped")) + 1e-7);
   }
 }
 

@@ -9,7 +9,8 @@
 namespace palpable {
 namespace {
 
-constexpr int kConeRounds = 3;
+// Rounds of normal forces and friction, at most; so many must halve the residual at least.
+constexpr int kMostRounds = 9, kHalvingRounds = 3;
 constexpr int kSweeps = 20;
 // Ratio to the tolerance: sweeps end when none of them moves a point farther.
 constexpr double kSweepTolerance = 0.2;
@@ -176,19 +177,21 @@ ConeOutcome CoulombCone::solve(const ConeProblem& p, Complementarity& normal, st
                                std::span<double> t) {
   PALPABLE_EXPECT(p.q.size() <= most_ && p.contacts.size() <= most_, "there is room");
   ConeOutcome outcome;
-  double first = 0;
-  for (int round = 0; round < kConeRounds; ++round) {
+  double before = 0;
+  for (int round = 1; round <= kMostRounds; ++round) {
     add_friction(p, t);
     if (!normal.solve(p.W, std::span<const double>(q_).first(p.q.size()), f)) return outcome;
     outcome.is_solved = true;
     add_pressing(p, f);
     sweep(p, f, t);
     outcome.residual = residual(p, f, t);
-    outcome.rounds = round + 1;
-    if (round == 0) first = outcome.residual;
+    outcome.rounds = round;
     if (outcome.residual <= p.tolerance) return outcome;
+    if (round == 1) before = outcome.residual;
+    if (round % kHalvingRounds != 0) continue;
+    if (outcome.residual > 0.5 * before) break;
+    before = outcome.residual;
   }
-  if (outcome.residual <= 0.5 * first) return outcome;
   std::copy(f.begin(), f.end(), best_f_.begin());
   std::copy(t.begin(), t.end(), best_t_.begin());
   const ConeOutcome newton = solve_by_newton(p, f, t);

@@ -11,9 +11,10 @@
 ///
 /// W and W_tt include the local compliance of the skin, which regularises both. Rounds of two
 /// halves solve it: the linear complementarity problem of f for a given t (complementarity.h), and
-/// Gauss-Seidel over the points for t with the bounds mu f. On a half space a round reduces the
-/// residual to a tenth or less, since normal and tangential forces are coupled weakly. Where three
-/// rounds do not halve it, Newton's method follows (Alart and Curnier 1991).
+/// Gauss-Seidel over the points for t with the bounds mu f. On a half space with a Poisson's ratio
+/// of 0.4 a round reduces the residual to a tenth or less, since normal and tangential forces are
+/// coupled weakly; with a ratio of 0 and mu of 1 or 3, to a third. Where three rounds do not halve
+/// it, or nine do not suffice, Newton's method follows (Alart and Curnier 1991).
 #pragma once
 
 #include "palpable/common/contact/complementarity.h"
