@@ -180,8 +180,8 @@ ConeOutcome CoulombCone::solve(const ConeProblem& p, Complementarity& normal, st
   double before = 0;
   for (int round = 1; round <= kMostRounds; ++round) {
     add_friction(p, t);
-    if (!normal.solve(p.W, std::span<const double>(q_).first(p.q.size()), f)) return outcome;
-    outcome.is_solved = true;
+    outcome.is_solved = normal.solve(p.W, std::span<const double>(q_).first(p.q.size()), f);
+    if (!outcome.is_solved) return outcome;
     add_pressing(p, f);
     sweep(p, f, t);
     outcome.residual = residual(p, f, t);
