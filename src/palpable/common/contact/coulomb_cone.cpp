@@ -9,7 +9,7 @@
 namespace palpable {
 namespace {
 
-// Rounds of normal forces and friction, at most; so many must halve the residual at least.
+// Rounds of normal forces and friction at most, and after how many the residual has to be halved.
 constexpr int kMostRounds = 9, kHalvingRounds = 3;
 constexpr int kSweeps = 20;
 // Ratio to the tolerance: sweeps end when none of them moves a point farther.
