@@ -84,7 +84,7 @@ TEST_CASE("the covered shares of a ball's pixels sum up to the area of its outli
   // an ellipse with half axes f tan a and, towards the middle of the picture, 1.00004 times that.
   const double f_tan = 300 * 0.02 / std::sqrt(0.5 * 0.5 - 0.02 * 0.02);
   // 80 pixels of the outline, each off by 1/16 at most, and not all to the same side: below 0.5 %
-  // of 454 px^2.
+  // of 453 px^2.
   CHECK(sum == Approx(std::numbers::pi * f_tan * f_tan).epsilon(0.005));
   CHECK(between > 50);
   // Without things the mask is taken as it is.
