@@ -38,7 +38,8 @@ This page compares the equilibrium solver (`solid`) with closed forms, manufactu
 
 The tests of `tests/verification` print the figures and hold them to the limits named here; `./check` runs them. Where a bench is named, the bench
 prints them. `tools/write_verification.py` writes this page. Patch tests, derivative tests, objectivity and balance of forces are unit tests of
-`src/palpable/bake/solid`. Contact with rigid obstacles, against Hertz and CalculiX (`palpable bench obstacle`):
+`src/palpable/bake/solid`. Contact with rigid obstacles, against Hertz and CalculiX (`palpable bench obstacle`),
+Cattaneo and Mindlin, the capstan and CalculiX (`palpable bench friction`):
 [the decision's record](decisions/full-order-contact.md).
 
 Errors are relative to the reference. u is displacement; J is the volume ratio of an element.

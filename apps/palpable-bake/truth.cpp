@@ -10,6 +10,7 @@
 #include "palpable/bake/truth/true_skins.h"
 #include "palpable/common/base/error.h"
 #include "palpable/common/base/progress.h"
+#include "palpable/desk/clip_files/film_friction.h"
 #include "palpable/desk/clip_files/scene_files.h"
 
 #include <fmt/core.h>
@@ -54,6 +55,14 @@ Json json_of_line(const DeformedLine& line) {
           {"why_not_scored", line.scored ? Json() : Json(line.why)}};
 }
 
+// The coefficient with which the clip was solved.
+double friction_of(const std::string& clip) { return read_film_friction(clip).value_or(0.0); }
+
+std::string friction_text(const std::string& clip) {
+  const double friction = friction_of(clip);
+  return friction > 0.0 ? fmt::format("; friction {:g}", friction) : std::string();
+}
+
 // @throws Error where no frame could be solved: there is nothing to score
 template <class Frame>
 void refuse_all_unsolved(const std::string& clip, const std::vector<Frame>& frames) {
@@ -78,6 +87,7 @@ void print_found(const TruthOptions& options, const std::vector<TrueSceneFrame>&
     }
     print_json({{"folder", options.clip + "/truth/bodies"},
                 {"seconds", seconds},
+                {"friction", friction_of(options.clip)},
                 {"solutions", std::move(list)}});
     return;
   }
@@ -90,8 +100,8 @@ void print_found(const TruthOptions& options, const std::vector<TrueSceneFrame>&
                frame.was_there ? "  was there" : "",
                line.scored ? "" : "  not scored: " + line.why);
   }
-  print_text("{}/truth/bodies: {} solutions; {}\n", options.clip, frames.size(),
-             duration_text(seconds));
+  print_text("{}/truth/bodies: {} solutions{}; {}\n", options.clip, frames.size(),
+             friction_text(options.clip), duration_text(seconds));
 }
 
 void find_truth_of_scene(const TruthOptions& options) {
@@ -119,9 +129,12 @@ void find_truth_of_scene(const TruthOptions& options) {
   }
   for (const SceneSolid& solid : solids) print_material_warnings(solid.description);
   ProgressBar bar;
-  const std::vector<TrueSceneFrame> frames = write_scene_skins(
-      options.clip, solids,
-      {.frames = options.settings.frames, .threads = options.settings.threads}, bar.progress());
+  const std::vector<TrueSceneFrame> frames =
+      write_scene_skins(options.clip, solids,
+                        {.frames = options.settings.frames,
+                         .threads = options.settings.threads,
+                         .friction = options.settings.friction},
+                        bar.progress());
   bar.finish();
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   print_found(options, frames, taken.count());
@@ -144,6 +157,7 @@ void print_found(const TruthOptions& options, const std::vector<TrueFrame>& fram
     }
     print_json({{"folder", options.clip + "/truth/deformed"},
                 {"seconds", seconds},
+                {"friction", friction_of(options.clip)},
                 {"frames", std::move(list)}});
     return;
   }
@@ -152,8 +166,8 @@ void print_found(const TruthOptions& options, const std::vector<TrueFrame>& fram
   for (const TrueFrame& frame : frames) print_frame(frame);
   const auto scored = std::count_if(frames.begin(), frames.end(),
                                     [](const TrueFrame& frame) { return frame.line.scored; });
-  print_text("{}/truth/deformed: {} frames, {} of them scored; {}\n", options.clip, frames.size(),
-             scored, duration_text(seconds));
+  print_text("{}/truth/deformed: {} frames, {} of them scored{}; {}\n", options.clip, frames.size(),
+             scored, friction_text(options.clip), duration_text(seconds));
 }
 
 void find_truth(const TruthOptions& options) {
@@ -199,6 +213,11 @@ void add_truth(Command app) {
                   "How many frames at most, spread over those that touch")
       .in_range(1, 100000)
       .show_default();
+  command
+      .add_option("--friction", options->settings.friction,
+                  "Coulomb's coefficient between hand and body, and between the bodies of a scene")
+      .in_range(0.0, 10.0)
+      .default_is("what CLIP/truth/friction.txt states; without the file 0");
   add_threads(command, options->threads, "Touches that are followed at once");
   command.add_json(options->json);
   command.footer(

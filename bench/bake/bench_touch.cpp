@@ -46,6 +46,7 @@ struct BenchTouchOptions {
   int refine = 0;
   std::filesystem::path baked;  // empty: the tables are made
   bool linear = false;
+  double friction = 0;             // of the full-order solutions
   std::filesystem::path pictures;  // folder; empty: no pictures
   bool json = false;
 };
@@ -219,7 +220,7 @@ ComparedScenes compare_scenes(const FullBody& body, const TouchTables& tables, T
             scenes.all.push_back(d);
             if (pictures && d.refined == 0) pictures->write(scene, number, d);
           },
-          options.refine);
+          options.refine, options.friction);
       if (!why.empty()) scenes.stopped.push_back(fmt::format("{}: {}", name_of(thing), why));
     }
   }
@@ -274,6 +275,7 @@ void bench_touch(const BenchTouchOptions& options) {
   const ComparedScenes scenes = compare_scenes(body, tables, touch, options, seed, bar);
   Json figures = errors_of(scenes.all, options.refine);
   figures["seed"] = seed;
+  figures["friction"] = options.friction;
   figures["vertices"] = skin.vertex_count();
   figures["nodes"] = problem.model.mesh.node_count();
   figures.update(sizes_of(tables));
@@ -314,6 +316,11 @@ void add_bench_touch(Command bench) {
       .add_option("--baked", options->baked,
                   "The body file that was baked from it: its tables are used, none are made")
       .type_name("FILE.palpable");
+  command
+      .add_option("--friction", options->friction,
+                  "Coulomb's coefficient of the full-order solutions; the tables have none")
+      .in_range(0.0, 10.0)
+      .show_default();
   command.add_flag("--linear", options->linear, "The first stage of the tables alone");
   command
       .add_option("--pictures", options->pictures,

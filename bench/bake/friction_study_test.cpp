@@ -36,6 +36,18 @@ TEST_CASE("what friction changes: little under a straight press, Coulomb's angle
       found[3].angle ==
       Approx(std::atan(0.1))
           .epsilon(tolerance(0.1, "the dented skin pushes back along the way, with and without")));
+  for (const FrictionDifference& d : found) {
+    CHECK(d.half_step > 0);
+    CHECK(d.half_step <
+          tolerance(0.03, "steps of 0.6 mm and of 0.3 mm; points that begin to press"));
+  }
+  const auto press = [&](double coefficient) {
+    return change_of_press(solver, skin, nullptr, 0.002, scene, coefficient);
+  };
+  REQUIRE(press(0.0));
+  CHECK(*press(0.0) < tolerance(1e-4, "without friction the path does not matter"));
+  REQUIRE(press(0.3));
+  CHECK(*press(0.3) < tolerance(0.03, "steps of 1.25 mm"));
 }
 
 }  // namespace

@@ -1233,6 +1233,8 @@ def _(programs, folder):
     output = programs.succeeds("truth", clip, "--description", describes, "--frames", "4").stdout
     assert output.count("was there") == len(told), output
     assert all((deformed / f"{frame:06d}.ply").read_bytes() == skin for frame, skin in before.items())
+    programs.refuses("truth", clip, "--description", describes, "--frames", "4", "--friction", "0.3",
+                     says=["coefficient of friction of 0, and 0.3", "remove"])
 
     programs.succeeds("live", body, "--source", clip / "frames", "--out", folder / "result")
     score = json.loads(programs.succeeds("score", clip / "truth", folder / "result", "--body", body, "--json").stdout)

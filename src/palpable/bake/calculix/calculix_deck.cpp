@@ -142,9 +142,13 @@ void write_lid(const SolidModel& model, const CalculixLid& lid, const CalculixUn
   // which is of order 1e3 in the deck's units.
   fmt::format_to(out,
                  "*SURFACE INTERACTION, NAME=TOUCH\n"
-                 "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{},{}\n"
-                 "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=NODE TO SURFACE\nSKIN,FACE\n",
+                 "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{},{}\n",
                  number(lid.stiffness * units.length / units.stress), number(1e-3));
+  if (lid.friction > 0.0) {
+    fmt::format_to(out, "*FRICTION\n{},{}\n", number(lid.friction),
+                   number(lid.sticking * units.length / units.stress));
+  }
+  deck += "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=NODE TO SURFACE\nSKIN,FACE\n";
 }
 
 void move_lid(const CalculixLid& lid, int first_node, double last, const CalculixUnits& units,

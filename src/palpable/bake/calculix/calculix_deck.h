@@ -34,13 +34,15 @@ struct CalculixUnits {
 [[nodiscard]] CalculixUnits calculix_units(const SolidModel& model);
 
 /// A rigid box that presses the body with one of its faces: CalculiX' own contact (node to surface,
-/// linear pressure over overclosure, no friction), to compare ours with.
+/// linear pressure over overclosure, Coulomb's friction if asked for), to compare ours with.
 struct CalculixLid {
   Eigen::Vector3d middle;  ///< m, centre of the pressing face at level 0
   Eigen::Vector3d normal;  ///< unit, outward normal of that face
   double side = 0;         ///< m, edge of the box; larger than the pressed area
   Eigen::Vector3d way;     ///< m, displacement of the box at level 1
   double stiffness = 0;    ///< Pa/m, pressure over overclosure
+  double friction = 0;     ///< Coulomb's coefficient; 0: none
+  double sticking = 0;     ///< Pa/m, shear over slide of a point that sticks; with friction > 0
 };
 
 /// The deck. Numbers have as many digits as fit into the 20 characters that CalculiX reads: at

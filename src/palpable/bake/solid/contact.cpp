@@ -36,6 +36,9 @@ constexpr double kTighter = 0.05;  // factor on that tolerance after each update
 // Spacing of the grid on which penetration between contact points is measured, ratio to their own.
 constexpr double kFinerGrid = 0.25;
 constexpr double kMostPoints = 2e6;  // contact points of a body; they take some 1 GB
+// How much larger entries between bodies may be that rub. Where a rim sticks, the forces of points
+// of both skins that lie side by side approach their values slowly.
+constexpr double kRubbing = 5.0;
 // Largest MutualPairs::Detection::shift at which the pairs between bodies count as converged.
 constexpr double kSettled = 1e-4;
 
@@ -168,7 +171,8 @@ struct ContactWalk::Work {
         points(contact_points(core.model.mesh, boundary, checked_spacing)),
         node_stiffnesses(node_stiffness(assembly)),
         penalties(settings.penalty * means_at(points, node_stiffnesses)),
-        pairs(assembly, boundary, points, penalties, {settings.friction, settings.sticking * size}),
+        pairs(assembly, boundary, points, penalties,
+              {settings.friction, settings.sticking_penalty / settings.penalty}),
         factor(&core.at_rest.factor),
         force(3, assembly.node_count()) {
     now.t = begin;
@@ -180,12 +184,18 @@ struct ContactWalk::Work {
       free_preload = VectorXd::Zero(3 * static_cast<Eigen::Index>(assembly.free_nodes().size()));
     }
     if (settings.mutual) {
-      mutual.emplace(assembly, core.model.mesh, boundary, points,
-                     settings.mutual_penalty * node_stiffnesses, edge);
+      mutual.emplace(
+          assembly, core.model.mesh, boundary, points, settings.mutual_penalty * node_stiffnesses,
+          edge,
+          Friction{settings.mutual_friction, settings.sticking_penalty / settings.mutual_penalty});
       now.mutual_force.setZero(3, mutual->component_count());
     }
     before = now;
   }
+
+  // Whether there is friction with the obstacle, and between components.
+  [[nodiscard]] bool with_obstacle() const { return settings.friction > 0.0; }
+  [[nodiscard]] bool between_bodies() const { return mutual && settings.mutual_friction > 0.0; }
 
   // Returns the Lagrangian at u, J, and writes the residual to r. Infinite if an element is
   // inverted.
@@ -209,6 +219,11 @@ struct ContactWalk::Work {
     for (const ContactPair& pair : pairs.pairs()) sum += pair.whole_force().squaredNorm();
     if (mutual) {
       for (const MutualPair& pair : mutual->pairs()) sum += 2.0 * pair.force * pair.force;
+      if (between_bodies()) {
+        for (const MutualPair& pair : mutual->pairs()) {
+          sum += 2.0 * pair.friction.force.squaredNorm();
+        }
+      }
     }
     scale = std::sqrt(sum);
     const double preload =
@@ -336,9 +351,16 @@ struct ContactWalk::Work {
     const Matrix3Xd positions_before = core.model.mesh.nodes + now.displacement;
     if (mutual) mutual->use(mutual->detect(positions_before));
     pairs.reassign_parts(gaps, positions_before);
-    if (settings.friction > 0.0) pairs.begin_step(gaps, motion(now.t), positions_before);
+    if (with_obstacle()) {
+      // All points that may touch, so that the start is the same whatever was near before.
+      pairs.find(gaps, positions_before, edge);
+      pairs.begin_step(gaps, motion(now.t), positions_before);
+    }
+    if (between_bodies()) mutual->begin_step(positions_before);
     Matrix3Xd u = start(gaps, t);
     positions = core.model.mesh.nodes + u;
+    if (with_obstacle()) pairs.set_predicted(positions);
+    if (between_bodies()) mutual->set_predicted(positions);
     pairs.find(gaps, positions, edge);
     if (mutual) mutual->use(mutual->detect(positions));
     BodyState state;
@@ -346,19 +368,20 @@ struct ContactWalk::Work {
     for (int update = 0; update < settings.max_updates; ++update) {
       const Stop failed = minimise(gaps, tolerance, u, state);
       if (failed != Stop::kNone) return failed;
-      double change = pairs.update_multipliers();
+      positions = core.model.mesh.nodes + u;
+      double change = update_friction(gaps);
+      change = std::max(change, pairs.update_multipliers());
       if (mutual) change = std::max(change, mutual->update_multipliers());
       ++updates;
-      positions = core.model.mesh.nodes + u;
       bool all_there = pairs.find(gaps, positions, edge) == 0;
       MutualPairs::Detection detected;
       if (mutual) {
         detected = mutual->detect(positions);
         if (detected.buried > 0) return Stop::kSwallowed;
-        all_there = all_there && detected.shift <= kSettled &&
-                    detected.smallest_gap >= -settings.largest_entry * size;
+        all_there =
+            all_there && detected.shift <= kSettled && detected.smallest_gap >= -largest_entry();
       }
-      if (all_there && change <= settings.largest_entry * size && tolerance <= settings.tolerance) {
+      if (all_there && change <= largest_entry() && tolerance <= settings.tolerance) {
         if (swallows(gaps)) return Stop::kSwallowed;
         if (largest_movement(core.held, u) > core.model.largest_displacement) {
           return Stop::kBeyondRange;
@@ -371,6 +394,23 @@ struct ContactWalk::Work {
       tolerance = std::max(kTighter * tolerance, settings.tolerance);
     }
     return Stop::kNoConvergence;
+  }
+
+  // m, the largest penetration of a contact point, and change of a force over its penalty.
+  [[nodiscard]] double largest_entry() const {
+    return settings.largest_entry * size * (between_bodies() ? kRubbing : 1.0);
+  }
+
+  // Updates the multipliers of friction after a minimisation that ended at `positions`. @returns
+  // the largest change, m; 0 without friction
+  double update_friction(const ObstacleGaps& gaps) {
+    double change = 0.0;
+    // As a movement of a node: sliding points give way far more than the stiffness that holds them
+    // says. Points of two skins may share their forces in several ways, so only their slides count.
+    if (with_obstacle())
+      change = settings.sticking_penalty * pairs.update_friction(gaps, positions);
+    if (between_bodies()) change = std::max(change, mutual->update_friction(positions));
+    return change;
   }
 
   // Whether a part of the obstacle lies inside the body at `positions`. Contact pushes the skin out
@@ -456,6 +496,7 @@ struct ContactWalk::Work {
       moment += pair.force * position_of(points.points[pair.point], positions);
       largest_product = std::max(largest_product, std::abs(pair.gap.distance) * pair.force);
     }
+    if (with_obstacle() || between_bodies()) keep_friction();
     now.centre = moment / sum;  // NaN without force
     now.complementarity = sum > 0.0 ? largest_product / (sum * size) : 0.0;
     now.entry_between = entry_between(gaps);
@@ -464,6 +505,31 @@ struct ContactWalk::Work {
     now.mutual_touching =
         static_cast<int>(std::count_if(mutual->pairs().begin(), mutual->pairs().end(),
                                        [](const MutualPair& pair) { return pair.force > 0.0; }));
+  }
+
+  // What `now` states of friction; the anchors become those of the new state.
+  void keep_friction() {
+    now.sticking = 0;
+    now.touching_area = now.sticking_area = 0.0;
+    const auto count = [this](const auto& pair) {
+      if (pair.force == 0.0) return;
+      const double area = points.points[pair.point].area;
+      now.touching_area += area;
+      if (pair.friction.limit == 0.0 || pair.friction.slips) return;
+      ++now.sticking;
+      now.sticking_area += area;
+    };
+    if (with_obstacle()) {
+      for (const ContactPair& pair : pairs.pairs()) {
+        count(pair);
+        if (pair.force == 0.0) now.force += pair.friction.force;
+      }
+      now.dissipated += pairs.end_step(positions);
+    }
+    if (between_bodies()) {
+      for (const MutualPair& pair : mutual->pairs()) count(pair);
+      now.dissipated += mutual->end_step(positions);
+    }
   }
 
   [[nodiscard]] double entry_between(const ObstacleGaps& gaps) const {

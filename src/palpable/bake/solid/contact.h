@@ -1,7 +1,7 @@
 /// @file
 /// The full-order solution of a hyperelastic body that rigid obstacles press: unilateral contact at
 /// the contact points of its skin (contact_points.h) by an augmented Lagrangian (contact_pairs.h).
-/// Friction is off unless ContactSettings::friction asks for it.
+/// Friction is off unless ContactSettings::friction asks for it; its law is in point_friction.h.
 ///
 ///     internal_force(u) = preload + sum f_i n_i N(x_i)        at the free nodes
 ///     g_i(u) >= 0,   f_i >= 0,   g_i f_i = 0                  at every contact point
@@ -34,7 +34,7 @@ struct ContactSettings {
   /// the held nodes together.
   double tolerance = 1e-7;
   /// Largest penetration of a contact point, ratio to the body's size (the diagonal of its bounding
-  /// box).
+  /// box); five times as much with friction between components.
   double largest_entry = 1e-6;
   /// Distance between contact points, m. 0: half the smallest radius of the obstacle, but no more
   /// than a third of the skin's mean edge. A tip that is smaller than the spacing passes between
@@ -45,13 +45,15 @@ struct ContactSettings {
   /// pushes a slender body by much more than its element size, 5 is several times as fast as 200.
   double penalty = 200;
   /// Coulomb's coefficient of friction between obstacle and skin; 0: none. With friction the
-  /// solution depends on the obstacle's path, step by step: within a step a point slides along a
-  /// straight line.
+  /// solution depends on the obstacle's path: within a step points and obstacle move in straight
+  /// lines, and a point that slips slides in one direction. What friction holds is kept from state
+  /// to state (contact_pairs.h): an obstacle at rest holds the skin, however many steps it rests.
   double friction = 0;
-  /// Length of a slide up to which a point sticks, ratio to the body's size. A point that slides by
-  /// less in a step is held by less than the full friction force.
-  double sticking = 1e-4;
-  /// Whether the separate components of the mesh press each other, without friction. Contact of a
+  /// Stiffness with which friction holds a point, ratio as for `penalty`. A point that sticks gives
+  /// way by its friction force over this, the elastic slip (point_friction.h). With a large one
+  /// points may change between sticking and slipping from update to update.
+  double sticking_penalty = 30;
+  /// Whether the separate components of the mesh press each other. Contact of a
   /// component with itself is not detected, nor is a step in which one component passes right
   /// through another: steps should be shorter than half of the thinnest part. 4-node tetrahedra
   /// only.
@@ -61,6 +63,8 @@ struct ContactSettings {
   /// jumps between updates; with a fifth of it two blocks of different grids need more than 30
   /// updates.
   double mutual_penalty = 10;
+  /// Coulomb's coefficient between the components of the mesh, with `mutual`; 0: none.
+  double mutual_friction = 0;
   int max_newton_steps = 40;    ///< for one update of the multipliers
   int max_updates = 30;         ///< of the multipliers, for one step in t
   int max_halvings = 7;         ///< of a step in t, in succession
@@ -93,6 +97,12 @@ struct ContactState {
   /// Smallest gap of the contact points near another component, m, not below -largest_entry * size;
   /// infinite if none is near.
   double smallest_mutual_gap = std::numeric_limits<double>::infinity();
+  /// With friction: pairs with force that stick; share of the skin of all pairs with force, and of
+  /// those that stick, m^2, in the undeformed body; energy dissipated since the walk began, J. All
+  /// of obstacle and components together.
+  int sticking = 0;
+  double touching_area = 0, sticking_area = 0;
+  double dissipated = 0;
   double smallest_volume_ratio = 1;
   int steps = 0;          ///< in t, since the previous state
   int updates = 0;        ///< of the multipliers, likewise

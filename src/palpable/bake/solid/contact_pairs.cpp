@@ -27,9 +27,31 @@ std::vector<int> parts_near(const ObstacleGaps& gaps, const Matrix3Xd& positions
   return parts;
 }
 
-bool has_force(const ContactPair& pair) {
-  return pair.force != 0.0 || pair.friction != Vector3d::Zero();
+// The number that a part of `now` had in `before`. Where the obstacle has another number of parts
+// than before, this is the part whose motion would take x least far, and only if no other part of
+// `now` fits it better: parts move continuously, so a part is recognised by that.
+std::optional<int> old_number(const Obstacle& before, const Obstacle& now, int part,
+                              const Vector3d& x) {
+  if (before.part_count() == now.part_count()) return part;
+  const auto kind = part_kind(now, part);
+  const auto way = [&](int old_part, int new_part) {
+    return (carried(before, old_part, now, new_part, x) - x).squaredNorm();
+  };
+  std::optional<int> found;
+  for (int other = 0; other < before.part_count(); ++other) {
+    if (part_kind(before, other) != kind) continue;
+    if (!found || way(other, part) < way(*found, part)) found = other;
+  }
+  if (!found) return std::nullopt;
+  for (int other = 0; other < now.part_count(); ++other) {
+    if (part_kind(now, other) == kind && way(*found, other) < way(*found, part)) {
+      return std::nullopt;
+    }
+  }
+  return found;
 }
+
+bool has_force(const ContactPair& pair) { return pair.force != 0.0 || pair.friction.limit != 0.0; }
 
 bool comes_before(const ContactPair& a, const ContactPair& b) {
   return contact_key(a) < contact_key(b);
@@ -121,30 +143,63 @@ void ContactPairs::reassign_parts(const ObstacleGaps& gaps, const Matrix3Xd& pos
 
 void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
                               const Matrix3Xd& positions_before) {
-  // Where the number of parts has changed, their motion during the step is unknown, and there is no
-  // friction.
-  const bool same = before.part_count() == gaps.part_count();
+  before_.emplace(before);
+  positions_before_ = predicted_ = positions_before;
   for (ContactPair& pair : pairs_) {
+    if (!pair.friction.anchored || pair.multiplier == 0.0) {
+      pair.friction = {};
+      continue;
+    }
     const Vector3d x = position_of(points_.points[pair.point], positions_before);
-    pair.has_friction = same && pair.multiplier > 0.0;
-    pair.stick_position = pair.has_friction ? carried(before, gaps.obstacle(), pair.part, x) : x;
-    pair.slide_normal = pair.gap.normal;
-    pair.slide = pair.friction = Vector3d::Zero();
+    const std::optional<int> part = old_number(before, gaps.obstacle(), pair.part, x);
+    if (!part) {
+      pair.friction = {};
+      continue;
+    }
+    pair.anchor = carried(before, *part, gaps.obstacle(), pair.part, pair.anchor);
+    pair.friction.normal = gaps.gap(pair.part, pair.anchor).normal;
   }
 }
 
-double ContactPairs::largest_friction(const ContactPair& pair) const {
-  return pair.has_friction ? friction_.coefficient * pair.multiplier : 0.0;
+// The place of the obstacle, at its pose at the end of the step, that a point touched first. The
+// point came from its position at the beginning of the step to x in a straight line.
+Vector3d ContactPairs::place_of_contact(const ObstacleGaps& gaps, const ContactPair& pair,
+                                        const Vector3d& x) const {
+  const Obstacle& before = before_->obstacle();
+  const ContactPoint& point = points_.points[pair.point];
+  const Vector3d from = position_of(point, positions_before_);
+  const std::optional<int> part = old_number(before, gaps.obstacle(), pair.part, from);
+  if (!part) return x;  // the motion of the part during the step is unknown
+  const double time = time_of_contact(before_->distance(*part, from),
+                                      gaps.distance(pair.part, position_of(point, predicted_)));
+  const Vector3d place = from + time * (x - from);
+  return place + (1.0 - time) * (carried(before, *part, gaps.obstacle(), pair.part, place) - place);
 }
 
-// Sets slide and friction of a pair whose point is at x. @returns its term of D, J
-double ContactPairs::evaluate_friction(const Vector3d& x, ContactPair& pair) const {
-  const double most = largest_friction(pair), e = friction_.sticking;
-  const Vector3d moved = x - pair.stick_position;
-  pair.slide = moved - pair.slide_normal.dot(moved) * pair.slide_normal;
-  const double way = pair.slide.norm();
-  pair.friction = -most / std::max(way, e) * pair.slide;
-  return most * (way < e ? 0.5 * way * way / e : way - 0.5 * e);
+double ContactPairs::update_friction(const ObstacleGaps& gaps, const Matrix3Xd& positions) {
+  double largest = 0.0;
+  for (ContactPair& pair : pairs_) {
+    largest = std::max(largest, update_cone(friction_, pair.penalty, pair.multiplier, pair.force,
+                                            pair.gap.normal, pair.friction));
+    if (pair.friction.anchored || pair.force == 0.0) continue;
+    pair.friction.anchored = true;
+    pair.anchor = place_of_contact(gaps, pair, position_of(points_.points[pair.point], positions));
+  }
+  return largest;
+}
+
+double ContactPairs::end_step(const Matrix3Xd& positions) {
+  double sum = 0.0;
+  for (ContactPair& pair : pairs_) {
+    sum += dissipated(pair.friction);
+    if (pair.multiplier == 0.0) {
+      pair.friction.anchored = false;
+    } else if (pair.friction.slips) {
+      const Vector3d x = position_of(points_.points[pair.point], positions);
+      pair.anchor = x - elastic_slip(pair.friction);
+    }
+  }
+  return sum;
 }
 
 // Minus the derivative of a pair's force by the position of its point, without the obstacle's
@@ -153,13 +208,8 @@ Matrix3d ContactPairs::stiffness(const ContactPair& pair) const {
   const Vector3d n = pair.gap.normal;
   Matrix3d K =
       pair.force == 0.0 ? Matrix3d(Matrix3d::Zero()) : Matrix3d(pair.penalty * n * n.transpose());
-  const double most = largest_friction(pair);
-  if (most == 0.0) return K;
-  const double way = pair.slide.norm();
-  const Matrix3d across = Matrix3d::Identity() - pair.slide_normal * pair.slide_normal.transpose();
-  if (way < friction_.sticking) return K + most / friction_.sticking * across;
-  const Vector3d along = pair.slide / way;
-  return K + most / way * (across - along * along.transpose());
+  if (pair.friction.limit == 0.0) return K;
+  return K + friction_stiffness(pair.friction);
 }
 
 double ContactPairs::evaluate(const ObstacleGaps& gaps, const Matrix3Xd& positions, bool glued) {
@@ -170,7 +220,9 @@ double ContactPairs::evaluate(const ObstacleGaps& gaps, const Matrix3Xd& positio
     pair.force = pair.multiplier - pair.penalty * pair.gap.distance;
     if (!(glued && pair.multiplier > 0.0)) pair.force = std::max(0.0, pair.force);
     energy += 0.5 / pair.penalty * (pair.force + pair.multiplier) * (pair.force - pair.multiplier);
-    if (pair.has_friction) energy += evaluate_friction(x, pair);
+    if (!pair.friction.anchored) continue;
+    energy += evaluate_friction(friction_, pair.penalty, pair.multiplier, x - pair.anchor, glued,
+                                pair.friction);
   }
   return energy;
 }
@@ -229,7 +281,6 @@ double ContactPairs::update_multipliers() {
   for (ContactPair& pair : pairs_) {
     largest = std::max(largest, std::abs(pair.force - pair.multiplier) / pair.penalty);
     pair.multiplier = pair.force;
-    pair.slide_normal = pair.gap.normal;
   }
   return largest;
 }

@@ -12,23 +12,29 @@
 /// (Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991). After enough updates g f = 0 to
 /// rounding, whatever k is.
 ///
-/// Coulomb's friction, if there is any, is a potential of the step. With s the slide of a point
-/// over its part since the step began, perpendicular to the normal,
+/// Coulomb's friction, if there is any, adds a potential of each point that presses
+/// (point_friction.h). Its anchor is a place of the obstacle, moves with it, and is kept from step
+/// to step while the point presses:
 ///
-///     D(u) = sum mu p h(|s|)      h(y) = y^2 / (2 e)  up to e,  y - e / 2  beyond
+///     a point begins to press    the anchor is the place of first contact, found by straight lines
+///                                within the step
+///     it sticks                  the anchor stays
+///     it slips                   at the end of the step the anchor follows the point
+///     it leaves                  the anchor is forgotten
 ///
-/// so that friction resists with mu p where a point slides by more than e, and with less where it
-/// sticks. p and the normal in it are those of the previous update of the multipliers; repeated
-/// updates make them the present ones.
+/// The multipliers and normals in it are those of the previous update; repeated updates make them
+/// the present ones. In its first minimisation a point that begins to press has no friction.
 #pragma once
 
 #include "palpable/bake/solid/block_matrix.h"
 #include "palpable/bake/solid/contact_points.h"
 #include "palpable/bake/solid/obstacle.h"
+#include "palpable/bake/solid/point_friction.h"
 #include "palpable/bake/solid/tet_assembly.h"
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -41,20 +47,12 @@ struct ContactPair {
   double multiplier = 0;  ///< N, >= 0
   Gap gap;                ///< at the last evaluation
   double force = 0;       ///< N, along the gap's normal, on the body
-  /// With friction: whether the point had force when the step began, and so has friction in this
-  /// step; the position that it would have if it had stuck since, m; the normal to which the slide
-  /// is perpendicular; the slide, m; and the friction force on the body, N.
-  bool has_friction = false;
-  Eigen::Vector3d stick_position = Eigen::Vector3d::Zero();
-  Eigen::Vector3d slide_normal = Eigen::Vector3d::UnitZ();
-  Eigen::Vector3d slide = Eigen::Vector3d::Zero(), friction = Eigen::Vector3d::Zero();
+  /// With friction; its anchor is a point of the part, m, at the obstacle's pose of the last state,
+  /// and during a step at that of the step's end.
+  PointFriction friction = {};
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
 
-  [[nodiscard]] Eigen::Vector3d whole_force() const { return force * gap.normal + friction; }
-};
-
-struct Friction {
-  double coefficient = 0;  ///< Coulomb's mu; 0: none
-  double sticking = 0;     ///< m, e above
+  [[nodiscard]] Eigen::Vector3d whole_force() const { return force * gap.normal + friction.force; }
 };
 
 /// The pairs of a contact point and an obstacle that are near enough to touch within a step, with
@@ -72,10 +70,15 @@ class ContactPairs {
   /// are farther than twice that. @returns the number of added pairs that touch (gap below 0)
   int find(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions, double margin);
 
-  /// Call this before each step if there is friction: slides are measured from here on.
+  /// Call this before each step if there is friction: moves the anchors with the obstacle.
+  /// @param gaps    the obstacle at the end of the step; its parts are numbered as in pairs()
   /// @param before, positions_before  the obstacle and the nodes at the beginning of the step
   void begin_step(const ObstacleGaps& gaps, const Obstacle& before,
                   const Eigen::Matrix3Xd& positions_before);
+
+  /// With friction: where the nodes would be at the end of the step, as far as can be known before
+  /// points that begin to press have any force. Their time of contact follows from this.
+  void set_predicted(const Eigen::Matrix3Xd& positions) { predicted_ = positions; }
 
   /// Computes gaps and forces at `positions`. @returns sum of 1/(2 k) (f^2 - p^2) and of D, J
   /// @param glued  pairs with a multiplier stay on the obstacle: their force f = p - k g may pull,
@@ -93,6 +96,16 @@ class ContactPairs {
 
   /// K += tangent without the curvature.
   void add_tangent(BlockMatrix& K) const;
+
+  /// With friction, before update_multipliers(): turns the planes of friction, and gives points
+  /// that begin to press their anchors.
+  /// @param positions  of the last evaluation
+  /// @returns the largest value of update_cone(), m
+  double update_friction(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions);
+
+  /// With friction, at the end of a step: moves the anchors of points that slipped, and forgets
+  /// those of points that left. @returns the energy dissipated in the step, J
+  double end_step(const Eigen::Matrix3Xd& positions);
 
   /// p <- f. @returns the largest |f - p| / k, m: how deep points are inside, or, for points
   /// outside, their remaining force over k
@@ -117,8 +130,8 @@ class ContactPairs {
 
  private:
   [[nodiscard]] bool has(int point, int part) const;
-  [[nodiscard]] double largest_friction(const ContactPair& pair) const;
-  double evaluate_friction(const Eigen::Vector3d& x, ContactPair& pair) const;
+  [[nodiscard]] Eigen::Vector3d place_of_contact(const ObstacleGaps& gaps, const ContactPair& pair,
+                                                 const Eigen::Vector3d& x) const;
   [[nodiscard]] Eigen::Matrix3d stiffness(const ContactPair& pair) const;
 
   const Boundary& boundary_;
@@ -129,6 +142,11 @@ class ContactPairs {
   Eigen::VectorXd mask_;            // (3M) 1, and 0 in held directions
   std::vector<ContactPair> pairs_;  // ordered by point, then part
   int parts_ = 0;                   // of the obstacle at the last reassign_parts()
+
+  // With friction, of the present step: the obstacle and the nodes at its beginning, and
+  // set_predicted().
+  std::optional<ObstacleGaps> before_;
+  Eigen::Matrix3Xd positions_before_, predicted_;
 };
 
 }  // namespace palpable

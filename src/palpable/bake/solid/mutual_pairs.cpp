@@ -3,6 +3,8 @@
 #include "palpable/common/base/error.h"
 #include "palpable/common/geometry/surface_distance.h"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,6 +13,7 @@
 namespace palpable {
 
 using Eigen::AlignedBox3d;
+using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -117,11 +120,13 @@ class MutualPairs::Moved {
 };
 
 MutualPairs::MutualPairs(const TetAssembly& assembly, const TetMesh& mesh, const Boundary& boundary,
-                         const ContactPoints& points, VectorXd penalties, double edge)
+                         const ContactPoints& points, VectorXd penalties, double edge,
+                         const Friction& friction)
     : boundary_(boundary),
       points_(points),
       penalties_(std::move(penalties)),
       edge_(edge),
+      friction_(friction),
       free_of_node_(assembly.node_count(), -1) {
   if (mesh.is_quadratic()) {
     throw Error(
@@ -256,9 +261,14 @@ void MutualPairs::add_pair(const Moved& skin, int component, int point, Detectio
     other += found.weights[k] * penalties_[node];
   }
   pair.penalty = series * other / (series + other);
+  pair.triangle = triangle;
   if (before != nullptr) {
     pair.multiplier = before->multiplier;
     pair.force = before->force;
+    pair.friction = before->friction;
+    pair.friction.normal = normal;
+    pair.anchor_nodes = before->anchor_nodes;
+    pair.anchor_shape = before->anchor_shape;
   }
   detected.pairs.push_back(pair);
 }
@@ -315,6 +325,76 @@ MutualPairs::Detection MutualPairs::detect(const Matrix3Xd& positions) const {
   return detected;
 }
 
+MutualPairs::Stencil MutualPairs::stencil_of(const MutualPair& pair) {
+  return {pair.nodes, pair.shape, pair.count, pair.own_count};
+}
+
+MutualPairs::Stencil MutualPairs::stencil_of_friction(const MutualPair& pair) {
+  Stencil stencil{pair.nodes, pair.shape, pair.own_count, pair.own_count};
+  for (int k = 0; k < 3; ++k) {
+    stencil.nodes[stencil.count] = pair.anchor_nodes[k];
+    stencil.shape[stencil.count++] = -pair.anchor_shape[k];
+  }
+  return stencil;
+}
+
+void MutualPairs::begin_step(const Matrix3Xd& positions_before) {
+  positions_before_ = predicted_ = positions_before;
+  for (MutualPair& pair : pairs_) {
+    if (pair.multiplier == 0.0) pair.friction = {};
+  }
+}
+
+// Anchors a pair where the line through `at` along its normal meets the plane of y's triangle.
+void MutualPairs::set_anchor(const Matrix3Xd& positions, const Vector3d& at,
+                             MutualPair& pair) const {
+  for (int k = 0; k < 3; ++k) {
+    pair.anchor_nodes[k] = boundary_.node_of_vertex[boundary_.surface.triangles(k, pair.triangle)];
+  }
+  const Vector3d origin = positions.col(pair.anchor_nodes[0]);
+  Matrix3d directions;  // two edges, and the normal
+  directions << positions.col(pair.anchor_nodes[1]) - origin,
+      positions.col(pair.anchor_nodes[2]) - origin, pair.normal;
+  const Vector3d v = directions.partialPivLu().solve(at - origin);
+  pair.anchor_shape = {1.0 - v[0] - v[1], v[0], v[1]};
+}
+
+// The place of the other skin, as it is at `positions`, that a point touched first. Both skins
+// moved there in straight lines since the step began.
+Vector3d MutualPairs::place_of_contact(const Matrix3Xd& positions, const MutualPair& pair) const {
+  const Vector3d from = sum_of(pair, positions_before_, 0, pair.count);
+  const double time = time_of_contact(pair.normal.dot(from),
+                                      pair.normal.dot(sum_of(pair, predicted_, 0, pair.count)));
+  const Vector3d slid = sum_of(pair, positions, 0, pair.count) - from;
+  return sum_of(pair, positions, 0, pair.own_count) - (1.0 - time) * slid;
+}
+
+double MutualPairs::update_friction(const Matrix3Xd& positions) {
+  double largest = 0.0;
+  for (MutualPair& pair : pairs_) {
+    largest = std::max(largest, update_cone(friction_, pair.penalty, pair.multiplier, pair.force,
+                                            pair.normal, pair.friction));
+    if (pair.friction.anchored || pair.force == 0.0) continue;
+    pair.friction.anchored = true;
+    set_anchor(positions, place_of_contact(positions, pair), pair);
+  }
+  return largest;
+}
+
+double MutualPairs::end_step(const Matrix3Xd& positions) {
+  double sum = 0.0;
+  for (MutualPair& pair : pairs_) {
+    sum += dissipated(pair.friction);
+    if (pair.multiplier == 0.0) {
+      pair.friction.anchored = false;
+    } else if (pair.friction.slips) {
+      const Vector3d x = sum_of(pair, positions, 0, pair.own_count);
+      set_anchor(positions, x - elastic_slip(pair.friction), pair);
+    }
+  }
+  return sum;
+}
+
 double MutualPairs::evaluate(const Matrix3Xd& positions, bool glued) {
   double energy = 0.0;
   for (MutualPair& pair : pairs_) {
@@ -322,6 +402,14 @@ double MutualPairs::evaluate(const Matrix3Xd& positions, bool glued) {
     pair.force = pair.multiplier - pair.penalty * pair.gap;
     if (!(glued && pair.multiplier > 0.0)) pair.force = std::max(0.0, pair.force);
     energy += 0.5 / pair.penalty * (pair.force + pair.multiplier) * (pair.force - pair.multiplier);
+    if (!pair.friction.anchored) continue;
+    Vector3d apart = Vector3d::Zero();
+    const Stencil stencil = stencil_of_friction(pair);
+    for (int k = 0; k < stencil.count; ++k) {
+      apart += stencil.shape[k] * positions.col(stencil.nodes[k]);
+    }
+    energy +=
+        evaluate_friction(friction_, pair.penalty, pair.multiplier, apart, glued, pair.friction);
   }
   return energy;
 }
@@ -331,6 +419,13 @@ void MutualPairs::add_forces(Matrix3Xd& force) const {
     if (pair.force == 0.0) continue;
     for (int k = 0; k < pair.count; ++k) {
       force.col(pair.nodes[k]) += pair.shape[k] * pair.force * pair.normal;
+    }
+  }
+  for (const MutualPair& pair : pairs_) {
+    if (pair.friction.limit == 0.0) continue;
+    const Stencil stencil = stencil_of_friction(pair);
+    for (int k = 0; k < stencil.count; ++k) {
+      force.col(stencil.nodes[k]) += stencil.shape[k] * pair.friction.force;
     }
   }
 }
@@ -350,62 +445,103 @@ void MutualPairs::add_product(const VectorXd& x, VectorXd& y) const {
       y.segment<3>(3 * free) += pair.shape[k] * pull.cwiseProduct(mask_.segment<3>(3 * free));
     }
   }
+  for (const MutualPair& pair : pairs_) {
+    if (pair.friction.limit != 0.0) add_friction_product(pair, x, y);
+  }
 }
 
-void MutualPairs::add_tangent(BlockMatrix& K) const {
-  for (const MutualPair& pair : pairs_) {
-    if (pair.force == 0.0) continue;
-    std::array<int, 36> places{};
-    bool all_there = true;
-    for (int i = 0; i < pair.count; ++i) {
-      for (int j = 0; j < pair.count; ++j) {
-        const int row = free_of_node_[pair.nodes[i]], column = free_of_node_[pair.nodes[j]];
-        const bool is_free = row >= 0 && column >= 0;
-        places[6 * i + j] = is_free ? K.pattern().find(row, column) : -1;
-        if (is_free && places[6 * i + j] < 0) all_there = false;
-      }
+void MutualPairs::add_friction_product(const MutualPair& pair, const VectorXd& x,
+                                       VectorXd& y) const {
+  const Stencil stencil = stencil_of_friction(pair);
+  Vector3d moves = Vector3d::Zero();
+  for (int k = 0; k < stencil.count; ++k) {
+    const int free = free_of_node_[stencil.nodes[k]];
+    if (free >= 0) moves += stencil.shape[k] * x.segment<3>(3 * free);
+  }
+  const Vector3d pull = friction_stiffness(pair.friction) * moves;
+  for (int k = 0; k < stencil.count; ++k) {
+    const int free = free_of_node_[stencil.nodes[k]];
+    if (free < 0) continue;
+    y.segment<3>(3 * free) += stencil.shape[k] * pull.cwiseProduct(mask_.segment<3>(3 * free));
+  }
+}
+
+// Calls add(block, i, j, row, column) for all pairs of free nodes of a stencil. If the pattern
+// lacks a block between the two components, the blocks between them are left out.
+template <class Add>
+void MutualPairs::visit_blocks(const BlockPattern& pattern, const Stencil& stencil,
+                               const Add& add) const {
+  std::array<int, 36> places{};
+  bool all_there = true;
+  for (int i = 0; i < stencil.count; ++i) {
+    for (int j = 0; j < stencil.count; ++j) {
+      const int row = free_of_node_[stencil.nodes[i]], column = free_of_node_[stencil.nodes[j]];
+      const bool is_free = row >= 0 && column >= 0;
+      places[6 * i + j] = is_free ? pattern.find(row, column) : -1;
+      if (is_free && places[6 * i + j] < 0) all_there = false;
     }
-    for (int i = 0; i < pair.count; ++i) {
-      for (int j = 0; j < pair.count; ++j) {
-        const int at = places[6 * i + j];
-        const bool across = (i < pair.own_count) != (j < pair.own_count);
-        if (at < 0 || (across && !all_there)) continue;
-        const int row = free_of_node_[pair.nodes[i]], column = free_of_node_[pair.nodes[j]];
-        const Vector3d left = pair.normal.cwiseProduct(mask_.segment<3>(3 * row));
-        const Vector3d right = pair.normal.cwiseProduct(mask_.segment<3>(3 * column));
-        K.block(at) += pair.penalty * pair.shape[i] * pair.shape[j] * left * right.transpose();
-      }
+  }
+  for (int i = 0; i < stencil.count; ++i) {
+    for (int j = 0; j < stencil.count; ++j) {
+      const int at = places[6 * i + j];
+      const bool across = (i < stencil.own_count) != (j < stencil.own_count);
+      if (at < 0 || (across && !all_there)) continue;
+      add(at, i, j, free_of_node_[stencil.nodes[i]], free_of_node_[stencil.nodes[j]]);
     }
   }
 }
 
-bool MutualPairs::fits(const BlockPattern& pattern) const {
-  return std::all_of(pairs_.begin(), pairs_.end(), [&](const MutualPair& pair) {
-    if (pair.force == 0.0) return true;
-    for (int i = 0; i < pair.own_count; ++i) {
-      const int row = free_of_node_[pair.nodes[i]];
-      for (int j = pair.own_count; j < pair.count && row >= 0; ++j) {
-        const int column = free_of_node_[pair.nodes[j]];
-        if (column >= 0 && pattern.find(row, column) < 0) return false;
+void MutualPairs::add_tangent(BlockMatrix& K) const {
+  for (const MutualPair& pair : pairs_) {
+    if (pair.force != 0.0) {
+      visit_blocks(K.pattern(), stencil_of(pair), [&](int at, int i, int j, int row, int column) {
+        const Vector3d left = pair.normal.cwiseProduct(mask_.segment<3>(3 * row));
+        const Vector3d right = pair.normal.cwiseProduct(mask_.segment<3>(3 * column));
+        K.block(at) += pair.penalty * pair.shape[i] * pair.shape[j] * left * right.transpose();
+      });
+    }
+    if (pair.friction.limit == 0.0) continue;
+    const Stencil stencil = stencil_of_friction(pair);
+    const Matrix3d stiff = friction_stiffness(pair.friction);
+    visit_blocks(K.pattern(), stencil, [&](int at, int i, int j, int row, int column) {
+      K.block(at) += stencil.shape[i] * stencil.shape[j] * mask_.segment<3>(3 * row).asDiagonal() *
+                     stiff * mask_.segment<3>(3 * column).asDiagonal();
+    });
+  }
+}
+
+template <class Visit>
+void MutualPairs::visit_blocks_between(const MutualPair& pair, const Visit& visit) const {
+  const auto visit_stencil = [&](const Stencil& stencil) {
+    for (int i = 0; i < stencil.own_count; ++i) {
+      const int row = free_of_node_[stencil.nodes[i]];
+      for (int j = stencil.own_count; j < stencil.count && row >= 0; ++j) {
+        const int column = free_of_node_[stencil.nodes[j]];
+        if (column >= 0) visit(row, column);
       }
     }
-    return true;
-  });
+  };
+  if (pair.force != 0.0) visit_stencil(stencil_of(pair));
+  if (pair.friction.limit != 0.0) visit_stencil(stencil_of_friction(pair));
+}
+
+bool MutualPairs::fits(const BlockPattern& pattern) const {
+  bool all_there = true;
+  for (const MutualPair& pair : pairs_) {
+    visit_blocks_between(pair, [&](int row, int column) {
+      all_there = all_there && pattern.find(row, column) >= 0;
+    });
+  }
+  return all_there;
 }
 
 BlockPattern MutualPairs::widened(const BlockPattern& pattern) const {
   std::vector<std::pair<int, int>> blocks;
   for (const MutualPair& pair : pairs_) {
-    if (pair.force == 0.0) continue;
-    for (int i = 0; i < pair.own_count; ++i) {
-      const int row = free_of_node_[pair.nodes[i]];
-      for (int j = pair.own_count; j < pair.count; ++j) {
-        const int column = free_of_node_[pair.nodes[j]];
-        if (row < 0 || column < 0) continue;
-        blocks.emplace_back(row, column);
-        blocks.emplace_back(column, row);
-      }
-    }
+    visit_blocks_between(pair, [&](int row, int column) {
+      blocks.emplace_back(row, column);
+      blocks.emplace_back(column, row);
+    });
   }
   for (int row = 0; row < pattern.rows(); ++row) {
     for (int p = pattern.row_start[row]; p < pattern.row_start[row + 1]; ++p) {
@@ -438,6 +574,9 @@ Matrix3Xd MutualPairs::force_on_components() const {
   for (const MutualPair& pair : pairs_) {
     force.col(pair.owner) += pair.force * pair.normal;
     force.col(pair.component) -= pair.force * pair.normal;
+    if (pair.friction.limit == 0.0) continue;
+    force.col(pair.owner) += pair.friction.force;
+    force.col(pair.component) -= pair.friction.force;
   }
   return force;
 }

@@ -1,7 +1,7 @@
 /// @file
 /// Contact between the components of one mesh: the contact points on the skin of each component
 /// against the triangles of the others' skins, on both sides, by the augmented Lagrangian of
-/// contact_pairs.h. Without friction. Internal to this module; contact.h is what others use.
+/// contact_pairs.h. Internal to this module; contact.h is what others use.
 ///
 ///     x = sum N_a x_a      a contact point
 ///     y = sum w_b x_b      the nearest point of the other skin
@@ -25,10 +25,20 @@
 /// y. The faces of a curved skin differ by a few degrees; if the force jumped by that angle
 /// whenever y crosses an edge, the updates would not converge. Triangles that meet at more than 30
 /// degrees in the undeformed body are not averaged, so that edges of a box stay sharp.
+///
+/// Friction is that of contact_pairs.h. The anchor of a point is a point of the other skin, that is
+/// of one of its triangles:
+///
+///     a = sum v_c x_c        s = P (x - a)        friction on x's nodes + N_a t, on a's - v_c t
+///
+/// Both sums of weights are 1, so the two bodies again have opposite forces; and opposite moments,
+/// because s is parallel to t. A triangle's weights v may be negative where the point slid
+/// beyond its rim within a step.
 #pragma once
 
 #include "palpable/bake/solid/block_matrix.h"
 #include "palpable/bake/solid/contact_points.h"
+#include "palpable/bake/solid/point_friction.h"
 #include "palpable/bake/solid/tet_assembly.h"
 
 #include <Eigen/Core>
@@ -55,6 +65,11 @@ struct MutualPair {
   double multiplier = 0;                              ///< N, >= 0
   double gap = 0;                                     ///< m, at the last evaluation
   double force = 0;                                   ///< N
+  int triangle = -1;                                  ///< y's, of the skin
+  /// With friction; the anchor is on the triangle with these corners.
+  PointFriction friction = {};
+  std::array<int, 3> anchor_nodes{};     ///< of the mesh
+  std::array<double, 3> anchor_shape{};  ///< v_c, sum 1
 };
 
 /// The pairs that are near enough to matter, and their sums.
@@ -66,7 +81,8 @@ class MutualPairs {
   ///              it
   /// @throws Error for 10-node tetrahedra: their skins are curved, and y would not lie on them
   MutualPairs(const TetAssembly& assembly, const TetMesh& mesh, const Boundary& boundary,
-              const ContactPoints& points, Eigen::VectorXd penalties, double edge);
+              const ContactPoints& points, Eigen::VectorXd penalties, double edge,
+              const Friction& friction = {});
 
   [[nodiscard]] int component_count() const { return static_cast<int>(bodies_.size()); }
   [[nodiscard]] const std::vector<MutualPair>& pairs() const { return pairs_; }
@@ -87,7 +103,14 @@ class MutualPairs {
   /// Replaces pairs() by those that were detected.
   void use(Detection&& detected) { pairs_ = std::move(detected.pairs); }
 
-  /// Computes gaps and forces at `positions`. @returns sum of 1/(2 k) (f^2 - p^2), J
+  /// As ContactPairs::begin_step(), set_predicted(), update_friction() and end_step().
+  void begin_step(const Eigen::Matrix3Xd& positions_before);
+  void set_predicted(const Eigen::Matrix3Xd& positions) { predicted_ = positions; }
+  double update_friction(const Eigen::Matrix3Xd& positions);
+  double end_step(const Eigen::Matrix3Xd& positions);
+
+  /// Computes gaps and forces at `positions`. @returns sum of 1/(2 k) (f^2 - p^2) and of the
+  /// friction's potential, J
   /// @param glued  pairs with a multiplier stay in contact: their force f = p - k g may pull, too
   double evaluate(const Eigen::Matrix3Xd& positions, bool glued = false);
 
@@ -122,6 +145,25 @@ class MutualPairs {
     double deepest = 0;  // m: points that are farther inside form no pair
   };
   class Moved;
+  // The nodes between which a force acts, and their weights: first x's, then those of y or a.
+  struct Stencil {
+    std::array<int, 6> nodes{};
+    std::array<double, 6> shape{};
+    int count = 0, own_count = 0;
+  };
+  static Stencil stencil_of(const MutualPair& pair);
+  static Stencil stencil_of_friction(const MutualPair& pair);
+  template <class Add>
+  void visit_blocks(const BlockPattern& pattern, const Stencil& stencil, const Add& add) const;
+  void add_friction_product(const MutualPair& pair, const Eigen::VectorXd& x,
+                            Eigen::VectorXd& y) const;
+  void set_anchor(const Eigen::Matrix3Xd& positions, const Eigen::Vector3d& at,
+                  MutualPair& pair) const;
+  [[nodiscard]] Eigen::Vector3d place_of_contact(const Eigen::Matrix3Xd& positions,
+                                                 const MutualPair& pair) const;
+  // Calls visit(row, column) for the blocks between components that a pair's forces need.
+  template <class Visit>
+  void visit_blocks_between(const MutualPair& pair, const Visit& visit) const;
   void add_pair(const Moved& skin, int component, int point, Detection& detected) const;
   [[nodiscard]] const MutualPair* pair_of(int point, int component) const;
   void find_smooth_neighbours();
@@ -131,6 +173,7 @@ class MutualPairs {
   const ContactPoints& points_;
   Eigen::VectorXd penalties_;
   double edge_;
+  Friction friction_;
   std::vector<Body> bodies_;
   // The normal at corner k of triangle t is the mean of those of the triangles
   // smooth_[first_smooth_[3 t + k]] .. smooth_[first_smooth_[3 t + k + 1] - 1].
@@ -139,6 +182,8 @@ class MutualPairs {
   std::vector<int> free_of_node_;
   Eigen::VectorXd mask_;           // (3M) 1, and 0 in held directions
   std::vector<MutualPair> pairs_;  // ordered by point, then component
+  // With friction, of the present step: the nodes at its beginning, and set_predicted().
+  Eigen::Matrix3Xd positions_before_, predicted_;
 };
 
 }  // namespace palpable

@@ -6,6 +6,9 @@
 #include "tests/support/test.h"
 
 #include <array>
+#include <cstddef>
+#include <random>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -26,13 +29,14 @@ struct TwoBeams {
   VectorXd penalties;
   MutualPairs pairs;
 
-  explicit TwoBeams(double above, double angle = 0.1, const Vector3d& aside = Vector3d::Zero())
+  explicit TwoBeams(double above, double angle = 0.1, const Vector3d& aside = Vector3d::Zero(),
+                    const Friction& friction = {})
       : model(placed(above, angle, aside)),
         boundary(boundary_of(model.mesh)),
         assembly(model),
         points(contact_points(model.mesh, boundary, 0.01)),
         penalties(VectorXd::Constant(model.mesh.node_count(), kPenalty)),
-        pairs(assembly, model.mesh, boundary, points, penalties, 0.03) {}
+        pairs(assembly, model.mesh, boundary, points, penalties, 0.03, friction) {}
 
   static SolidModel placed(double above, double angle, const Vector3d& aside) {
     const std::array<SolidModel, 2> beams{test::small_beam(8, 2, 2), test::small_beam(7, 3, 1)};
@@ -131,6 +135,96 @@ TEST_CASE("forces between two bodies are the slope of their Lagrangian, and the 
   two.pairs.add_tangent(narrow);
   narrow.multiply(direction, by_matrix);
   CHECK(direction.dot(by_matrix) > 0.0);
+}
+
+TEST_CASE("friction between two bodies: opposite forces, the slope of a potential, its tangent",
+          "[solid][mutual][friction]") {
+  TwoBeams two(-0.002, 0.1, Vector3d::Zero(), {.coefficient = 0.3, .stiffness = 1.0});
+  const Matrix3Xd x = two.bent();
+  two.pairs.use(two.pairs.detect(x));
+  two.pairs.begin_step(x);
+  two.pairs.evaluate(x);
+  two.pairs.update_friction(x);
+  two.pairs.update_multipliers();
+  // Their gaps were below 0 when the step began: they are anchored where they are.
+  two.pairs.evaluate(x);
+  for (const MutualPair& pair : two.pairs.pairs()) {
+    CHECK(pair.friction.anchored == (pair.multiplier > 0.0));
+    CHECK(pair.friction.slide.norm() <= tolerance(1e-14, "rounding, m"));
+  }
+  // The upper beam moves aside.
+  const Vector3d aside(5e-4, 3.3e-4, 0);
+  Matrix3Xd moved = x;
+  const int first = test::small_beam(8, 2, 2).mesh.node_count();
+  moved.rightCols(x.cols() - first).colwise() += aside;
+  two.pairs.evaluate(moved);
+  int slips = 0, sticks = 0;
+  for (const MutualPair& pair : two.pairs.pairs()) {
+    if (pair.friction.limit == 0.0) continue;
+    ++(pair.friction.slips ? slips : sticks);
+    // It pulls the upper beam back.
+    const double along = pair.friction.force.dot(aside);
+    CHECK((pair.owner == 1 ? along : -along) < 0.0);
+  }
+  CHECK(slips > 10);
+  CHECK(sticks > 10);
+  Matrix3Xd force = Matrix3Xd::Zero(3, x.cols());
+  two.pairs.add_forces(force);
+  const double sum = force.colwise().norm().sum();
+  CHECK(force.rowwise().sum().norm() <= tolerance(1e-13, "rounding") * sum);
+  const Matrix3Xd on = two.pairs.force_on_components();
+  CHECK(on.rowwise().sum().norm() <= tolerance(1e-13, "rounding") * sum);
+  CHECK((force.leftCols(first).rowwise().sum() - on.col(0)).norm() <= 1e-12 * sum);
+
+  auto random = test::random_case(2);
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  Matrix3Xd way = Matrix3Xd::Zero(3, x.cols());
+  for (const int n : two.assembly.free_nodes()) {
+    way.col(n) = Vector3d(number(random), number(random), number(random));
+  }
+  const double h = 1e-9;  // no pair changes between sticking and slipping
+  const auto force_at = [&](double step, double& energy) {
+    Matrix3Xd there = Matrix3Xd::Zero(3, x.cols());
+    energy = two.pairs.evaluate(moved + step * way);
+    two.pairs.add_forces(there);
+    return there;
+  };
+  double low = 0.0, high = 0.0;
+  const Matrix3Xd force_high = force_at(h, high), force_low = force_at(-h, low);
+  CHECK(-force.cwiseProduct(way).sum() ==
+        Approx((high - low) / (2 * h)).epsilon(tolerance(1e-5, "differences over 1e-9 m")));
+  VectorXd direction, product, change;
+  two.assembly.gather(way, direction);
+  two.assembly.gather(Matrix3Xd((force_low - force_high) / (2 * h)), change);
+  two.pairs.evaluate(moved);
+  product.setZero(direction.size());
+  two.pairs.add_product(direction, product);
+  CHECK((product - change).norm() <= tolerance(1e-6, "differences over 1e-9 m") * change.norm());
+  const BlockPattern wide = two.pairs.widened(two.assembly.pattern());
+  CHECK(two.pairs.fits(wide));
+  BlockMatrix K(wide), narrow(two.assembly.pattern());
+  two.pairs.add_tangent(K);
+  VectorXd by_matrix;
+  K.multiply(direction, by_matrix);
+  CHECK((by_matrix - product).norm() <= tolerance(1e-12, "rounding") * product.norm());
+  two.pairs.add_tangent(narrow);
+  narrow.multiply(direction, by_matrix);
+  CHECK(direction.dot(by_matrix) > 0.0);
+
+  // At the end of the step the anchors of those that slipped follow them, the others stay.
+  std::vector<MutualPair> before = two.pairs.pairs();
+  CHECK(two.pairs.end_step(moved) > 0.0);
+  two.pairs.evaluate(moved);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const MutualPair& now = two.pairs.pairs()[i];
+    if (before[i].friction.slips) {
+      const Vector3d kept = elastic_slip(before[i].friction);
+      CHECK((now.friction.slide - kept).norm() <= tolerance(1e-12, "rounding, m"));
+      CHECK((now.friction.force - before[i].friction.force).norm() <= 1e-9);
+    } else if (before[i].friction.limit > 0.0) {
+      CHECK(now.friction.slide == before[i].friction.slide);
+    }
+  }
 }
 
 TEST_CASE("the gap is the distance between the skins, and its slope along the normal",

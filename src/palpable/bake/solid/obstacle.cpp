@@ -34,27 +34,47 @@ Obstacle moved(Obstacle obstacle, const Rigid3& target_from_source) {
   return obstacle;
 }
 
-Vector3d carried(const Obstacle& from, const Obstacle& to, int part, const Vector3d& x) {
+PartKind part_kind(const Obstacle& obstacle, int part) {
+  const auto capsules = static_cast<int>(obstacle.capsules.size());
+  if (part < capsules) return PartKind::kCapsule;
+  const auto halves = static_cast<int>(obstacle.half_spaces.size());
+  return part < capsules + halves ? PartKind::kHalfSpace : PartKind::kSurface;
+}
+
+Vector3d carried(const Obstacle& from, int from_part, const Obstacle& to, int to_part,
+                 const Vector3d& x) {
   const auto turned = [&x](const Vector3d& old_origin, const Vector3d& old_direction,
                            const Vector3d& origin, const Vector3d& direction) -> Vector3d {
     const bool has_direction = old_direction.norm() > 0.0 && direction.norm() > 0.0;
     if (!has_direction) return origin + (x - old_origin);
     return origin + Eigen::Quaterniond::FromTwoVectors(old_direction, direction) * (x - old_origin);
   };
-  const auto capsules = static_cast<int>(from.capsules.size());
-  if (part < capsules) {
-    const Capsule &old = from.capsules[part], &now = to.capsules[part];
-    return turned(old.a, old.b - old.a, now.a, now.b - now.a);
+  // The number of a part among those of its kind.
+  const auto among_kind = [](const Obstacle& obstacle, int part) {
+    const auto capsules = static_cast<int>(obstacle.capsules.size());
+    const auto halves = static_cast<int>(obstacle.half_spaces.size());
+    if (part < capsules) return static_cast<std::size_t>(part);
+    part -= capsules;
+    return static_cast<std::size_t>(part < halves ? part : part - halves);
+  };
+  const std::size_t a = among_kind(from, from_part), b = among_kind(to, to_part);
+  switch (part_kind(from, from_part)) {
+    case PartKind::kCapsule: {
+      const Capsule &old = from.capsules[a], &now = to.capsules[b];
+      return turned(old.a, old.b - old.a, now.a, now.b - now.a);
+    }
+    case PartKind::kHalfSpace: {
+      const HalfSpace &old = from.half_spaces[a], &now = to.half_spaces[b];
+      return turned(old.point, old.normal, now.point, now.normal);
+    }
+    case PartKind::kSurface:
+      break;
   }
-  const auto halves = static_cast<int>(from.half_spaces.size());
-  if (part < capsules + halves) {
-    const HalfSpace &old = from.half_spaces[part - capsules],
-                    &now = to.half_spaces[part - capsules];
-    return turned(old.point, old.normal, now.point, now.normal);
-  }
-  const auto surface = static_cast<std::size_t>(part - capsules - halves);
-  return to.surfaces[surface].body_from_shape *
-         (from.surfaces[surface].body_from_shape.inverse() * x);
+  return to.surfaces[b].body_from_shape * (from.surfaces[a].body_from_shape.inverse() * x);
+}
+
+Vector3d carried(const Obstacle& from, const Obstacle& to, int part, const Vector3d& x) {
+  return carried(from, part, to, part, x);
 }
 
 double smallest_radius(const Obstacle& obstacle) {

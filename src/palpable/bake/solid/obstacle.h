@@ -49,9 +49,17 @@ struct Obstacle {
 /// Smallest radius of curvature of all capsules, m; infinite without any.
 [[nodiscard]] double smallest_radius(const Obstacle& obstacle);
 
+enum class PartKind { kCapsule, kHalfSpace, kSurface };
+/// @param part  number of a part: capsules first, then half spaces, then surfaces
+[[nodiscard]] PartKind part_kind(const Obstacle& obstacle, int part);
+
 /// New position of a point x that is fixed to a part of an obstacle, when the obstacle moves from
-/// `from` to `to`. A capsule does not spin about its own axis.
-/// @pre both have the same parts
+/// `from` to `to`, where the part has the number `to_part`. A capsule does not spin about its own
+/// axis.
+/// @pre both parts are of one kind
+[[nodiscard]] Eigen::Vector3d carried(const Obstacle& from, int from_part, const Obstacle& to,
+                                      int to_part, const Eigen::Vector3d& x);
+/// The same, where both have the same parts.
 [[nodiscard]] Eigen::Vector3d carried(const Obstacle& from, const Obstacle& to, int part,
                                       const Eigen::Vector3d& x);
 

@@ -127,10 +127,11 @@ bool ExactObstacles::may_be_within(const Eigen::Vector3f& place, float reach) co
 std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
                           const Preloaded* preloaded, TouchSolver& touch, double point_spacing,
                           const TouchScene& scene, std::span<const double> depths,
-                          const std::function<void(const TouchDifference&)>& found,
-                          int refinements) {
+                          const std::function<void(const TouchDifference&)>& found, int refinements,
+                          double friction) {
   ContactSettings settings;
   settings.spacing = point_spacing;
+  settings.friction = friction;
   ContactWalk walk(
       solver, [&scene](double depth) { return obstacle_at(scene, depth); }, -1e-4, settings,
       preloaded);

@@ -5,6 +5,7 @@
 #include "palpable/bake/solid/joined_model.h"
 #include "palpable/bake/solid/stress.h"
 #include "palpable/bake/truth/episodes.h"
+#include "palpable/bake/truth/friction_choice.h"
 #include "palpable/bake/truth/hand_walks.h"
 #include "palpable/common/base/contract.h"
 #include "palpable/common/base/error.h"
@@ -60,9 +61,13 @@ class SceneSkins {
                        {parts_[b].skin, Eigen::VectorXd::Zero(parts_[b].skin.vertex_count())},
                        kVonMisesProperty);
     }
-    leave_out_known();
+    std::vector<fs::path> folders;
+    for (const Part& part : parts_) folders.push_back(part.folder);
     ContactSettings contact;
+    contact.friction = choose_friction(clip_, settings_.friction, folders);
     contact.mutual = true;
+    contact.mutual_friction = contact.friction;
+    leave_out_known();
     follow_hand(*solver_, hands_, episodes_, {.contact = contact, .threads = settings_.threads},
                 progress_,
                 [this](const Episode& episode, const Walked& fine, const Walked& coarse) {

@@ -9,6 +9,7 @@
 #include "palpable/desk/clip_files/frame_records.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct SceneSolid {
 struct SceneSkinSettings {
   int frames = 10;  ///< at most, evenly spread over the touching ones
   int threads = 2;
+  /// Coulomb's coefficient of all contacts; nothing: as the clip states (friction_choice.h).
+  std::optional<double> friction = {};
 };
 
 /// Figures of the solution of one body at one frame.
@@ -43,6 +46,8 @@ struct TrueSceneFrame {
 ///
 /// @return the frames, increasing, body by body
 /// @throws Error for a clip without a touch, of another scene, or whose bodies were another size;
+/// for
+///         solutions with another coefficient of friction;
 ///         for bodies under their own weight, of 10-node tetrahedra, or, if turned, with supports
 ///         that hold some directions only; and as pose_body(), read_clip_hands()
 [[nodiscard]] std::vector<TrueSceneFrame> write_scene_skins(const std::filesystem::path& clip,

@@ -6,6 +6,7 @@
 #include "palpable/bake/describe/body_problem.h"
 #include "palpable/bake/solid/stress.h"
 #include "palpable/bake/truth/episodes.h"
+#include "palpable/bake/truth/friction_choice.h"
 #include "palpable/bake/truth/hand_walks.h"
 #include "palpable/common/base/bounded_text.h"
 #include "palpable/common/base/checksum.h"
@@ -79,10 +80,14 @@ class TrueSkins {
     make_folder(folder_);
     const FolderLock lock(folder_);
     write_rest();
+    friction_ = choose_friction(clip, settings_.friction, {folder_});
     check_same(clip);
     leave_out_known();
     follow_hand(solver_, hands_, episodes_,
-                {.preloaded = presses_.preloaded(), .threads = settings_.threads}, progress_,
+                {.contact = {.friction = friction_},
+                 .preloaded = presses_.preloaded(),
+                 .threads = settings_.threads},
+                progress_,
                 [this](const Episode& episode, const Walked& fine, const Walked& coarse) {
                   keep(episode, fine, coarse);
                 });
@@ -195,6 +200,8 @@ class TrueSkins {
     add_numbers(problem_.preload);
     // Not the usual one: results of versions that had none stay valid.
     if (!has_usual_range_) add(&model.largest_displacement, sizeof model.largest_displacement);
+    // Results of versions that knew no friction stay valid.
+    if (friction_ > 0.0) add(&friction_, sizeof friction_);
     std::string laws = law_name(model.material);
     add_numbers(constants_of(model.material));
     add_numbers(material_groups(model));
@@ -213,9 +220,11 @@ class TrueSkins {
     std::error_code error;
     const bool has_results = fs::exists(folder_ / "deformed.jsonl", error);
     if (has_results && (!fs::exists(note, error) || content_of(note) != here)) {
-      throw Error(fmt::format(
-          "{}: holds answers of another material, support, load or hand; remove it to solve anew",
-          folder_.string()));
+      throw Error(
+          fmt::format("{}: holds answers of another material, support, load, friction or hand; "
+                      "remove it to solve "
+                      "anew",
+                      folder_.string()));
     }
     write_whole_file(note, here);
   }
@@ -299,6 +308,7 @@ class TrueSkins {
   EquilibriumSolver solver_;
   PressSolver presses_;
   bool has_usual_range_;
+  double friction_ = 0;    // Coulomb's coefficient
   std::vector<int> skin_;  // nodes of the skin
   ClipHands hands_;
   std::vector<Episode> episodes_;

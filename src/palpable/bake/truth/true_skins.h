@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace palpable {
@@ -17,6 +18,8 @@ namespace palpable {
 struct TrueSkinSettings {
   int frames = 24;  ///< at most, spread over touches no deeper than a tenth of the height
   int threads = 2;
+  /// Coulomb's coefficient between hand and body; nothing: as the clip states (friction_choice.h).
+  std::optional<double> friction = {};
   /// The body file that was baked from the description. Its skin, and the mesh, law and constants
   /// that were stored beside it (solid_file.h), must be those that are solved here. Empty: no
   /// comparison.

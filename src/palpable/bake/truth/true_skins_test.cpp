@@ -8,11 +8,16 @@
 #include "palpable/common/base/output_file.h"
 #include "palpable/common/body_file/body_file.h"
 #include "palpable/desk/clip_files/camera_paths.h"
+#include "palpable/desk/clip_files/film_friction.h"
 #include "palpable/desk/clip_files/frame_records.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
+#include <optional>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -147,6 +152,36 @@ TEST_CASE("the true skin is pressed where the finger is and free where it is not
     CHECK_THROWS_WITH(write_true_skins(clip, description, {}, {}),
                       Contains("is the truth of another body") && Contains("rest.ply"));
   }
+}
+
+TEST_CASE("a truth with friction is the same on one thread and two, and is not mixed with others",
+          "[truth][friction][threads]") {
+  const test::ScratchFolder folder("true_skins_friction");
+  const BodyDescription description = block(folder.path());
+  const auto solve = [&](const char* name, int threads, std::optional<double> friction) {
+    return write_true_skins(folder.path() / name, description,
+                            {.frames = 99, .threads = threads, .friction = friction}, {});
+  };
+  for (const char* name : {"one", "two", "none"}) write_clip(folder.path() / name, 0.0007);
+  const std::vector<TrueFrame> one = solve("one", 1, 0.3), two = solve("two", 2, 0.3);
+  const std::vector<TrueFrame> none = solve("none", 2, std::nullopt);
+  REQUIRE(one.size() == 8);
+  REQUIRE(two.size() == 8);
+  REQUIRE(none.size() == 8);
+  double apart = 0.0;
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    CHECK(one[k].line.force == two[k].line.force);
+    CHECK(one[k].largest_displacement == two[k].largest_displacement);
+    apart = std::max(apart, (one[k].line.force - none[k].line.force).norm());
+  }
+  CHECK(apart > 1e-3);
+  CHECK(read_film_friction(folder.path() / "one") == 0.3);
+  CHECK_FALSE(read_film_friction(folder.path() / "none"));
+  // Without the option a later run goes on with what the clip states.
+  for (const TrueFrame& frame : solve("one", 2, std::nullopt)) CHECK(frame.was_there);
+  CHECK_THROWS_WITH(solve("one", 2, 0.2), Contains("a coefficient of friction of 0.3, and 0.2"));
+  CHECK_THROWS_WITH(solve("none", 2, 0.2), Contains("a coefficient of friction of 0, and 0.2"));
+  CHECK(read_film_friction(folder.path() / "one") == 0.3);
 }
 
 TEST_CASE("another mesh than that of the body that was filmed, or baked, is refused", "[truth]") {
