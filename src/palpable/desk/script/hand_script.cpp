@@ -186,7 +186,7 @@ bool HandScript::stays_clear(double start) {
   for (int frame = static_cast<int>(std::ceil(start)); frame <= std::floor(now()); ++frame) {
     const std::vector<Capsule> hand = shapes_of(path_.capsules(frame));
     const bool on_desk = lowest_point(hand) < 0.0;
-    if (!on_desk && !touches(hand, surface_.points)) continue;
+    if (!on_desk && !palpable::touches(hand, surface_.points)) continue;
     why_not_ = on_desk ? "the hand that turns would meet the desk"
                        : "the hand that turns would meet the body";
     return false;

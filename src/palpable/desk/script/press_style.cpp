@@ -42,6 +42,7 @@ PressStyle press_style(std::string_view name) {
     style.rules.least_facing = -0.75;
     style.rules.most_facing = -0.25;
     style.rules.most_x = 0.30;
+    style.rules.eye_clearance = 0.06;
   } else if (name == "slide") {
     style.what = "slide";
     style.slides = true;
