@@ -41,6 +41,7 @@ const Vector3d kInView(0.09, -0.13, 0.03);  // bottom of the cup while it turns,
 struct HeldCupChoice {
   double first_yaw;  // rad, first rotation of the body that is tried
   double handle;     // rad, see wrist_from_held_cup()
+  double away;       // degrees, azimuth of the push that is tried first; 90 leads away from the eye
 };
 
 /// Random choices of one turn with its push; durations in frames.
@@ -55,6 +56,7 @@ HeldCupChoice held_cup_choice(std::uint64_t seed) {
   HeldCupChoice choice{};
   choice.first_yaw = random.between(0.0, 2.0 * std::numbers::pi);
   choice.handle = random.between(-110.0, -90.0) * kDegree;
+  choice.away = random.between(70.0, 110.0);
   return choice;
 }
 
@@ -63,7 +65,7 @@ CupTurnChoice cup_turn_choice(std::uint64_t seed, int number) {
   CupTurnChoice choice{};
   choice.angle = random.between(kAngles[0], kAngles[1]);
   choice.turn = random.between(48.0, 84.0);
-  choice.depth = random.between(0.0035, 0.0065);
+  choice.depth = random.between(0.0045, 0.0070);
   choice.in = random.between(14.0, 28.0);
   choice.hold = random.between(12.0, 24.0);
   choice.back = random.between(36.0, 48.0);
@@ -111,16 +113,17 @@ class CupTurnScript {
     for (int number = 1; number == 1 || at_ < frames; ++number) {
       turn_and_push(now);
       now = cup_turn_choice(seed_, number);
-      spin(now.back, before(now), now.angle);
+      spin(now.back, before(now), -now.angle);
       key(6, kInView, before(now));
     }
     return way_;
   }
 
  private:
-  /// The orientation from which a turn leads to that of the push.
+  /// The orientation from which a turn leads to that of the push. Turns are counter-clockwise as
+  /// seen from above, so that the arm passes behind the cup and not before the camera.
   [[nodiscard]] Quaterniond before(const CupTurnChoice& choice) const {
-    return Eigen::AngleAxisd(choice.angle, Vector3d::UnitZ()) * pushing_;
+    return Eigen::AngleAxisd(-choice.angle, Vector3d::UnitZ()) * pushing_;
   }
 
   void key(double later, const Vector3d& bottom, const Quaterniond& turn) {
@@ -137,7 +140,7 @@ class CupTurnScript {
     const Vector3d start = push_.at_touch - kPushFrom * push_.direction;
     const Vector3d deepest = push_.at_touch + choice.depth * push_.direction;
     const double turned = at_;
-    spin(choice.turn, pushing_, -choice.angle);
+    spin(choice.turn, pushing_, choice.angle);
     way_.turns.push_back({"turned", whole_frames(turned, at_)});
     key(3, kInView, pushing_);
     key(12, start, pushing_);
@@ -204,7 +207,7 @@ bool shows_then_hides(const CupPush& push) {
   if (view_angle_of_push(push, first_eye()) < kUnseenFrom) return false;
   return std::all_of(kAngles.begin(), kAngles.end(), [&](double angle) {
     const Vector3d touched =
-        Eigen::AngleAxisd(angle, Vector3d::UnitZ()) * Vector3d(push.touched - push.at_touch);
+        Eigen::AngleAxisd(-angle, Vector3d::UnitZ()) * Vector3d(push.touched - push.at_touch);
     const CupPush before{push.direction, kInView, kInView + touched};
     return view_angle_of_push(before, first_eye()) < kSeenUpTo;
   });
@@ -217,8 +220,9 @@ CupTurnPlan find_cup_turn(const DeskBody& body, int frames, std::uint64_t seed) 
   for (int turn = 0; turn < 9; ++turn) {
     plan.desk_from_body = turned_body(choice.first_yaw + 40.0 * turn * kDegree);
     const SurfacePoints points = transformed(surface, plan.desk_from_body);
-    for (const double azimuth : {90.0, 105.0, 75.0, 120.0, 60.0})
+    for (const double beside : {0.0, 15.0, -15.0, 30.0, -30.0})
       for (const double aside : {0.0, 0.015, -0.015}) {
+        const double azimuth = choice.away + beside;
         const Vector3d h(std::cos(azimuth * kDegree), std::sin(azimuth * kDegree), 0.0);
         const auto push = find_cup_push(points.points, h, aside, kHeldAbove);
         if (!push || !shows_then_hides(*push)) continue;

@@ -34,6 +34,7 @@ PressStyle press_style(std::string_view name) {
   } else if (name == "pencil-turn") {
     style.what = "pencil";
     style.tool = hand_with_pencil();
+    style.least_depth = 0.0045;
     style.most_depth = 0.010;
     style.turns = true;
     // The hand comes past the camera, and the tip points away from it: the camera sees the barrel,

@@ -81,11 +81,11 @@ HandGesture gesture_over_cup() {
 Eigen::Matrix3d level_axes_over_cup(const HandGesture& gesture) {
   // Between the tips runs a level line. Of the directions across it, this one lets thumb and finger
   // point down about equally; the hand then points 33 degrees below the level.
-  constexpr double kLean = 40.0 * kDegree;
+  constexpr double kTilt = 40.0 * kDegree;
   const Vector3d across = (index_tip_in_wrist(gesture) - thumb_tip_in_wrist(gesture)).normalized();
   const Vector3d pointing = (Vector3d::UnitX() - across.x() * across).normalized();
   const Vector3d palm = pointing.cross(across).normalized();
-  const Vector3d up = -(std::cos(kLean) * pointing + std::sin(kLean) * palm);
+  const Vector3d up = -(std::cos(kTilt) * pointing + std::sin(kTilt) * palm);
   Eigen::Matrix3d axes;
   axes.col(0) = (Vector3d::UnitX() - up.x() * up).normalized();
   axes.col(1) = up.cross(axes.col(0));
