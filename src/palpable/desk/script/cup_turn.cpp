@@ -44,7 +44,8 @@ struct HeldCupChoice {
   double away;       // degrees, azimuth of the push that is tried first; 90 leads away from the eye
 };
 
-/// Random choices of one turn with its push; durations in frames.
+/// Random choices of one turn with its push; durations in frames. From the middle of a turn, when
+/// the camera last sees the side that will touch, to the end of the push it takes less than 3 s.
 struct CupTurnChoice {
   double angle, turn;      // rad and duration of the turn
   double depth, in, hold;  // m, duration of the push, duration at the full depth
@@ -64,10 +65,10 @@ CupTurnChoice cup_turn_choice(std::uint64_t seed, int number) {
   Random random(seed, fmt::format("cup-turn {}", number));
   CupTurnChoice choice{};
   choice.angle = random.between(kAngles[0], kAngles[1]);
-  choice.turn = random.between(48.0, 84.0);
+  choice.turn = random.between(48.0, 66.0);
   choice.depth = random.between(0.0045, 0.0070);
-  choice.in = random.between(14.0, 28.0);
-  choice.hold = random.between(12.0, 24.0);
+  choice.in = random.between(12.0, 22.0);
+  choice.hold = random.between(10.0, 18.0);
   choice.back = random.between(36.0, 48.0);
   return choice;
 }

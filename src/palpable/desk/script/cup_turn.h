@@ -10,7 +10,7 @@
 
 namespace palpable {
 
-/// From frame 92 on, the cup is turned by 180 to 200 degrees within 1.6 to 2.8 s about its upright
+/// From frame 92 on, the cup is turned by 180 to 200 degrees within 1.6 to 2.2 s about its upright
 /// axis (NamedSpan "turned"), pushed 4.5 to 7 mm into the body, withdrawn and turned back, again
 /// and again. It stays in the hand and follows it rigidly. The pushes lead away from the camera: at
 /// the contact, the angle between the cup's normal and the ray to the left eye is above 105
