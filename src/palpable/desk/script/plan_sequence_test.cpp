@@ -125,10 +125,11 @@ Touching touching_at(const Sequence& s, const SurfacePoints& in_desk, int frame)
 
 TEST_CASE("the list of sequences has those of the benchmark, with their lengths", "[script]") {
   for (const char* name :
-       {"still",     "still-tripod", "walk",        "shake",        "blur", "still-hand",
-        "walk-hand", "blur-hand",    "press",       "pencil",       "cup",  "slide",
-        "palm",      "two-hands",    "press-axial", "press-behind", "dark", "textureless",
-        "exposure",  "rolling",      "drift",       "squeeze",      "rest"})
+       {"still",        "still-tripod", "walk",        "shake",     "blur",
+        "still-hand",   "walk-hand",    "blur-hand",   "press",     "pencil",
+        "cup",          "slide",        "palm",        "two-hands", "press-axial",
+        "press-behind", "dark",         "textureless", "exposure",  "rolling",
+        "drift",        "squeeze",      "rest",        "cup-turn",  "pencil-turn"})
     CHECK(length_of(name) >= 600);
   CHECK(length_of("walk") == 900);
   CHECK(length_of("walk-hand") == 900);
@@ -505,7 +506,7 @@ TEST_CASE("each disturbance changes the sequence as documented", "[script]") {
 
 TEST_CASE("a sequence depends on its seed and on nothing else", "[script]") {
   const DeskBody body = egg();
-  for (const char* name : {"press", "walk-hand", "cup"}) {
+  for (const char* name : {"press", "walk-hand", "cup", "cup-turn", "pencil-turn"}) {
     INFO(name);
     const Sequence a = plan_sequence(name, body, 200, 5);
     const Sequence b = plan_sequence(name, body, 200, 5);
