@@ -486,11 +486,9 @@ void print_surface_table(const Json& sequences) {
       "positive:\n"
       "the thing is too narrow. side: what no camera sees, mm off. behind: the share of it that "
       "lies behind other things,\n"
-      "of which one view says nothing. before: the share of the side that the camera saw in the 3 "
-      "s "
-      "before, and how far\n"
-      "that part of it is off. back: what is not behind, by measured and by true depth (true "
-      "d.).\n");
+      "of which one view says nothing. before: the share of the side that the camera saw in the\n"
+      "last 3 s, and how far off that part is. back: what is not behind, by measured and by true\n"
+      "depth (true d.).\n");
 }
 
 void print_budget(const Json& sequences) {

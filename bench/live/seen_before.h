@@ -13,10 +13,11 @@
 
 namespace palpable::app {
 
-/// The motion of one capsule between two frames, now from then: the rigid motion that most ends of
-/// capsules near it agree with, turned by the smallest angle so that its own axis fits exactly. For
-/// a thing that stays rigid, and for one that a hand holds, this is its motion; the rotation of a
-/// bending finger about its own axis is that of its neighbours.
+/// The rigid motion of one capsule from one frame to another, now_from_then. A capsule alone does
+/// not tell how it turned about its own axis. So the motion is first fitted to the ends of all
+/// capsules nearby, robustly, and then turned by the smallest angle at which the capsule's own axis
+/// fits exactly. That is right for a rigid thing and for the hand that holds it; a bending finger
+/// is taken to turn about its axis as its neighbours do.
 ///
 /// Capsules are matched from the end of the lists, since a hand, which comes first, may leave while
 /// a thing stays.

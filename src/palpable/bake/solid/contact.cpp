@@ -36,8 +36,9 @@ constexpr double kTighter = 0.05;  // factor on that tolerance after each update
 // Spacing of the grid on which penetration between contact points is measured, ratio to their own.
 constexpr double kFinerGrid = 0.25;
 constexpr double kMostPoints = 2e6;  // contact points of a body; they take some 1 GB
-// How much larger entries between bodies may be that rub. Where a rim sticks, the forces of points
-// of both skins that lie side by side approach their values slowly.
+// Factor on ContactSettings::largest_entry between bodies with friction. Contact points of both
+// skins lie side by side and share a force; where the rim of a contact sticks, their shares
+// converge slowly, and 30 updates are not enough for the usual bound.
 constexpr double kRubbing = 5.0;
 // Largest MutualPairs::Detection::shift at which the pairs between bodies count as converged.
 constexpr double kSettled = 1e-4;
@@ -401,8 +402,8 @@ struct ContactWalk::Work {
     return settings.largest_entry * size * (between_bodies() ? kRubbing : 1.0);
   }
 
-  // Updates the multipliers of friction after a minimisation that ended at `positions`. @returns
-  // the largest change, m; 0 without friction
+  // Turns the planes of friction, and anchors points that begin to press, after a minimisation that
+  // ended at `positions`. @returns how far the friction forces still change, m; 0 without friction
   double update_friction(const ObstacleGaps& gaps) {
     double change = 0.0;
     // As a movement of a node: sliding points give way far more than the stiffness that holds them

@@ -211,7 +211,8 @@ TEST_CASE("friction between two bodies: opposite forces, the slope of a potentia
   narrow.multiply(direction, by_matrix);
   CHECK(direction.dot(by_matrix) > 0.0);
 
-  // At the end of the step the anchors of those that slipped follow them, the others stay.
+  // end_step() moves the anchors of pairs that slipped, by which their force is kept; the others
+  // stay.
   std::vector<MutualPair> before = two.pairs.pairs();
   CHECK(two.pairs.end_step(moved) > 0.0);
   two.pairs.evaluate(moved);

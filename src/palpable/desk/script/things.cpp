@@ -79,8 +79,8 @@ HandGesture gesture_over_cup() {
 /// Axes in the wrist frame of a hand that holds a cup by its rim, as columns: the level direction
 /// in which the hand points, the level one to its left, and up.
 Eigen::Matrix3d level_axes_over_cup(const HandGesture& gesture) {
-  // Between the tips runs a level line. Of the directions across it, this one lets thumb and finger
-  // point down about equally; the hand then points 33 degrees below the level.
+  // The line between both fingertips is level. About that line the hand is tilted so that thumb and
+  // index finger point down about equally; it then points 33 degrees below the horizontal.
   constexpr double kTilt = 40.0 * kDegree;
   const Vector3d across = (index_tip_in_wrist(gesture) - thumb_tip_in_wrist(gesture)).normalized();
   const Vector3d pointing = (Vector3d::UnitX() - across.x() * across).normalized();

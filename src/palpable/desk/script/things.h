@@ -25,10 +25,9 @@ namespace palpable {
 [[nodiscard]] HandTool hand_over_cup();
 
 /// The cup in that hand, wrist from cup.
-/// @param handle  rad, direction of the handle about the cup's axis, from the direction in which
-/// the
-///                hand points, counter-clockwise as seen from above. The finger is at -34 degrees,
-///                the thumb at 146, the bent fingers at -90, above the rim
+/// @param handle  rad, angle about the cup's axis from the direction in which the hand points to
+///                the handle, counter-clockwise as seen from above. At the rim, the index finger is
+///                at -34 degrees and the thumb at 146; the bent fingers are above it, at -90
 [[nodiscard]] Rigid3 wrist_from_held_cup(double handle);
 
 /// The rotation of that hand, desk from wrist, when the cup is upright and the hand points along a

@@ -6,6 +6,7 @@
 #include "palpable/desk/script/plan_sequence.h"
 #include "palpable/desk/script/seen_share.h"
 #include "palpable/desk/script/things.h"
+#include "tests/support/desk_egg.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Geometry>
@@ -16,33 +17,10 @@
 #include <vector>
 
 using namespace palpable;
+using palpable::test::desk_egg;
 using palpable::test::tolerance;
 
 namespace {
-
-/// An egg on the desk, 0.13 m high, covered with sites that are pressed towards its centre.
-DeskBody egg_to_turn_at() {
-  DeskBody body;
-  body.surface = sphere_surface({0, 0, 0}, 1.0, 4);
-  const Eigen::Vector3d middle(0.0, 0.0, 0.065);
-  body.surface.vertices =
-      (Eigen::Vector3d(0.045, 0.055, 0.065).asDiagonal() * body.surface.vertices).colwise() +
-      middle;
-  for (int v = 0; v < body.surface.vertex_count(); v += 41) body.site_vertices.push_back(v);
-  body.directions.resize(3, static_cast<Eigen::Index>(body.site_vertices.size()));
-  for (std::size_t s = 0; s < body.site_vertices.size(); ++s)
-    body.directions.col(static_cast<Eigen::Index>(s)) =
-        (middle - body.surface.vertices.col(body.site_vertices[s])).normalized();
-  return body;
-}
-
-std::vector<Capsule> moved(std::vector<Capsule> capsules, const Rigid3& to_from) {
-  for (Capsule& c : capsules) {
-    c.a = to_from * c.a;
-    c.b = to_from * c.b;
-  }
-  return capsules;
-}
 
 std::vector<Capsule> movers_at(const Sequence& s, int frame) {
   return shapes_of(s.movers(frame).capsules);
@@ -67,7 +45,8 @@ Rigid3 thing_at(const Sequence& s, int frame) {
 double seen_in(const Sequence& s, int frame, const Eigen::Matrix3Xd& points) {
   const RectifiedStereo eyes{zed_mini_rig().left.pinhole, 0.063};
   const Rigid3 camera_from_desk = s.camera_from_desk(frame);
-  return seen_share(camera_from_desk * points, moved(movers_at(s, frame), camera_from_desk), eyes);
+  return seen_share(camera_from_desk * points, transformed(movers_at(s, frame), camera_from_desk),
+                    eyes);
 }
 
 /// The share of points (3 x P, in the thing's frame) that the camera sees at any time of a span.
@@ -83,7 +62,7 @@ double seen_during(const Sequence& s, const FrameSpan& span, const Eigen::Matrix
   return static_cast<double>(seen) / static_cast<double>(in_thing.cols());
 }
 
-/// rad, of the thing's whole rotation in a span, added up frame by frame.
+/// By what angle the thing turns in a span, rad: the sum over its frames. May exceed pi.
 double turned_in(const Sequence& s, const FrameSpan& span) {
   double sum = 0.0;
   for (int frame = span.first; frame < span.last; ++frame)
@@ -111,7 +90,7 @@ Deepest deepest_in(const Sequence& s, const FrameSpan& span, const SurfacePoints
 
 TEST_CASE("a thing is turned in view and then presses with a side that was seen",
           "[script][long]") {
-  const DeskBody body = egg_to_turn_at();
+  const DeskBody body = desk_egg();
   const SurfaceDistance surface(body.surface);
   for (const char* name : {"cup-turn", "pencil-turn"})
     for (const std::uint64_t seed : {1U, 2U}) {
@@ -140,7 +119,8 @@ TEST_CASE("a thing is turned in view and then presses with a side that was seen"
         const Rigid3 body_from_desk = s.desk_from_body.inverse();
         const Eigen::Matrix3Xd part =
             s.desk_from_body *
-            touching_part(moved(movers_at(s, deepest.frame), body_from_desk), surface, 0.0015, 60);
+            touching_part(transformed(movers_at(s, deepest.frame), body_from_desk), surface, 0.0015,
+                          60);
         REQUIRE(part.cols() > 0);
         CHECK(seen_in(s, deepest.frame, part) <= 0.6);
         CHECK(seen_during(s, turned, thing_at(s, deepest.frame).inverse() * part) > 0.8);
@@ -156,7 +136,7 @@ TEST_CASE("a thing is turned in view and then presses with a side that was seen"
 }
 
 TEST_CASE("a turned cup stays upright in the hand, its handle away from the body", "[script]") {
-  const DeskBody body = egg_to_turn_at();
+  const DeskBody body = desk_egg();
   const Sequence s = plan_sequence("cup-turn", body, 240, 3);
   const Rigid3 at_first = thing_at(s, kFramesWithoutHand);
   // The wrist is where the first bone of the palm begins, up to a constant offset.
