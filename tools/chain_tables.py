@@ -11,6 +11,8 @@ ROOT = Path(__file__).resolve().parent.parent
 # The sequences over which errors relative to the full-order solution are pooled: those with a touch, except thin things,
 # darkness, and a desk without texture.
 POOLED = ("press", "cup", "slide", "palm", "two-hands", "squeeze", "rest", "press-axial", "press-behind")
+# Those over which the errors of touches that the camera does not see are pooled.
+POOLED_UNSEEN = (*POOLED, "cup-turn")
 ERRORS = ("displacement_error", "max_vertex_error_mm", "von_mises_error", "force_error")
 DISTANCES = ("0.2", "0.3", "0.5", "1", "2", "5", "10", "15")
 HARD = ("dark", "textureless")  # left out of medians of depth, shown beside them
@@ -45,26 +47,34 @@ def sequence_of(key):
     return key.partition("/")[0]
 
 
-def pooled(scored, names):
+def errors_by_frame(entry, unseen=False):
+    """Errors of each counted frame: of touches that a camera sees, or of those that it does not see. Older scores lack the latter."""
+    scores = entry["scores"]
+    return ((scores.get("unseen") or {}) if unseen else scores).get("errors_by_frame") or []
+
+
+def pooled(scored, names, unseen=False):
     """Median and p90 of each error, as in palpable score, over all frames of the sequences; None without any."""
-    frames = [frame for key, entry in scored.items() if sequence_of(key) in names
-              for frame in entry["scores"].get("errors_by_frame") or []]
+    films = {key: errors_by_frame(entry, unseen) for key, entry in scored.items() if sequence_of(key) in names}
+    frames = [frame for film in films.values() for frame in film]
     frames = [frame for frame in frames if all(frame[key] is not None for key in ERRORS)]
     if len(frames) < 2:
         return None
     of = {key: [frame[key] for frame in frames] for key in ERRORS}
-    films = [key for key, entry in scored.items() if sequence_of(key) in names and entry["scores"].get("errors_by_frame")]
-    return {"frames": len(frames), "seeds": len(films),
+    return {"frames": len(frames), "seeds": sum(1 for film in films.values() if film),
             **{key: {"median": statistics.median(values),
                      "p90": statistics.quantiles(values, n=10, method="inclusive")[-1]} for key, values in of.items()}}
 
 
 def pools(entries):
-    """{what: pooled errors} of each touched sequence and of all of POOLED."""
+    """{what: pooled errors} of each touched sequence and of all of POOLED; "..., unseen": of touches that the camera does not see."""
     scored = {name: entry for name, entry in entries.items() if "scores" in entry}
     groups = {name: [name] for name in dict.fromkeys(map(sequence_of, scored))}
-    groups |= {"pooled": POOLED, "pooled without squeeze": [name for name in POOLED if name != "squeeze"]}
+    unseen = {f"{name}, unseen": [name] for name in groups} | {"pooled, unseen": POOLED_UNSEEN}
+    groups |= {"pooled": POOLED, "pooled without squeeze": [name for name in POOLED if name != "squeeze"],
+               "pooled without squeeze, palm, axial": [name for name in POOLED if name not in ("squeeze", "palm", "press-axial")]}
     found = {what: pooled(scored, names) for what, names in groups.items()}
+    found |= {what: pooled(scored, names, unseen=True) for what, names in unseen.items()}
     return {what: errors for what, errors in found.items() if errors}
 
 
@@ -104,7 +114,7 @@ def value_of(scores, figure):
 def targets():
     """(figure, whether it is a lower bound, value, film or "" for all or "usual"), and the films that are not usual."""
     source = (ROOT / "src/palpable/desk/scorecard/figures.cpp").read_text()
-    unusual = re.findall(r'"([\w-]+)"', re.search(r"kUnusualFilms\{(.*?)\}", source)[1])
+    unusual = re.findall(r'"([\w-]+)"', re.search(r"kUnusualFilms\{(.*?)\}", source, re.DOTALL)[1])
     rows = re.findall(r'^    {"([a-z0-9_.]+)", k(AtMost|AtLeast), ([0-9.]+), (\S+)}', source, re.MULTILINE)
     kind = {"kEveryFilm": "", "kUsualFilms": "usual"}
     return [(figure, bound == "AtLeast", float(value), kind.get(film, film.strip('"'))) for figure, bound, value, film in rows], unusual
@@ -135,10 +145,13 @@ def target_rows(scored):
 def pooled_table(entries, each=False):
     """The errors pooled over films. each: also those of each sequence, of which there are several films."""
     names = {"pooled without squeeze": "pooled without `squeeze`", "pooled": "pooled", "squeeze": "`squeeze`",
-             "pencil": "`pencil` (not pooled: thin)", "demo": "`demo` (not pooled: mostly unseen)"}
+             "pencil": "`pencil` (not pooled: thin)", "demo": "`demo` (not pooled: mostly unseen)", "pooled, unseen": "pooled, unseen"}
     found = pools(entries)
     if each:
-        names |= {name: f"`{name}`" for name in found if name not in names}
+        names = {"pooled without squeeze, palm, axial": "pooled without `squeeze`, `palm`, `press-axial`", **names}
+        sequences = [name for name in found if name not in names]
+        names |= {name: f"`{name}`" for name in sequences if not name.endswith(", unseen")}
+        names |= {name: f"`{name.removesuffix(', unseen')}`, unseen" for name in sequences if name.endswith(", unseen")}
     return {"columns": ["sequences", "films", "frames", "displacement, median", "90th percentile", "worst vertex, median",
                         "90th percentile", "von Mises, median", "90th percentile", "force, median", "90th percentile"],
             "rows": [[shown, found[name]["seeds"], found[name]["frames"], *both(found[name]["displacement_error"], "%", 100),
@@ -169,6 +182,21 @@ def error_rows(scored):
                    *both(s["von_mises_error"], "%", 100), *both(s["force_error"], "%", 100),
                    *both(s["excess_indentation_mm"], "mm"), s.get("reference_frames_unseen"),
                    number((s.get("max_vertex_error_mm_unseen") or {}).get("median"), "mm")]
+
+
+def unseen_tables(scored):
+    """The table of touches that the camera does not see, if any were scored."""
+    rows = []
+    for key, entry in scored.items():
+        unseen = entry["scores"].get("unseen")
+        if unseen and unseen["frames"]:
+            rows.append([key, unseen["frames"], *both(unseen["displacement_error"], "%", 100), *both(unseen["max_vertex_error_mm"], "mm"),
+                         *both(unseen["von_mises_error"], "%", 100), *both(unseen["force_error"], "%", 100)])
+    if rows:
+        yield {"folded": "Touches that the camera does not see, each film",
+               "text": "The rows `..., unseen` above pool these frames: the hand is at least 4 mm deep, and the camera sees less than half of the "
+                       "contact. The other rows leave them out.",
+               "columns": ERROR_COLUMNS[:10], "rows": rows}
 
 
 def touch_rows(scored):
@@ -235,6 +263,7 @@ def held_out_tables(entries):
     scored = {key: entry for key, entry in entries.items() if "scores" in entry}
     yield {"heading": "Errors relative to the full-order solution, held-out seeds", **pooled_table(entries, each=True)}
     yield {"folded": "Each film", "columns": ERROR_COLUMNS, "rows": list(error_rows(scored))}
+    yield from unseen_tables(scored)
     yield {"heading": "Targets, held-out seeds", "columns": TARGET_COLUMNS, "rows": list(target_rows(scored))}
     yield {"folded": "Touch, each film", "columns": TOUCH_COLUMNS, "rows": list(touch_rows(scored))}
     yield from not_scored(entries)
@@ -255,6 +284,7 @@ def tables(entries, real):
            **pooled_table(entries)}
     yield {"folded": f"Each of the {len(list(error_rows(present)))} films with a touch", "columns": ERROR_COLUMNS,
            "rows": list(error_rows(present))}
+    yield from unseen_tables(present)
     yield {"heading": "Targets", "text": "`palpable score` states the targets. Here each film counts once.",
            "columns": TARGET_COLUMNS, "rows": list(target_rows(scored))}
     yield {"folded": "Touch, each film", "columns": TOUCH_COLUMNS, "rows": list(touch_rows(present))}

@@ -132,7 +132,7 @@ def split_solid(content):
     content["text"] = (f"Equilibrium paths on the same mesh, law and loads: CalculiX takes {min(ratios):.0f} to {max(ratios):.0f} times as long. Both "
                        f"programs have one thread and stop at a residual of {content['residual']:g}. CalculiX is Debian 12's 2.20, which solves with SPOOLES, "
                        "in one increment for each level. Our time includes set-up and factor; the search for the load is in neither. Measured "
-                       "once, while other work kept the second core busy.")
+                       "once, on an idle machine.")
 
 
 def arrange_chain(content, fresh):

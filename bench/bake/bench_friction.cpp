@@ -110,7 +110,7 @@ Json known_figures(const BenchFrictionOptions& options, ProgressBar& bar) {
     return rest;
   });
   add("capstan", [] {
-    const CapstanResult capstan = slide_strip(160, kCoefficient);
+    const CapstanResult capstan = slide_strip(80, kCoefficient);
     return Json{{"capstan_error", std::abs(capstan.error)},
                 {"capstan_ratio", capstan.ratio},
                 {"capstan_angle_deg", capstan.angle * 180 / std::numbers::pi},

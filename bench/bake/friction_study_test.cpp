@@ -45,9 +45,9 @@ TEST_CASE("what friction changes: little under a straight press, Coulomb's angle
     return change_of_press(solver, skin, nullptr, 0.002, scene, coefficient);
   };
   REQUIRE(press(0.0));
-  CHECK(*press(0.0) < tolerance(1e-4, "without friction the path does not matter"));
+  CHECK(*press(0.0) < tolerance(3e-4, "no path; each state has entries of 1e-6 of the size"));
   REQUIRE(press(0.3));
-  CHECK(*press(0.3) < tolerance(0.03, "steps of 1.25 mm"));
+  CHECK(*press(0.3) < tolerance(0.01, "steps of 0.25 mm"));
 }
 
 }  // namespace

@@ -24,6 +24,7 @@
 #include <fmt/core.h>
 
 #include "bench/live/bench.h"
+#include "bench/live/seen_before.h"
 #include "bench/live/surface_budget.h"
 #include "bench/live/thing_points.h"
 #include <algorithm>
@@ -35,6 +36,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,13 +52,19 @@ constexpr double kPointSpacing = 0.002;  // m, between points of the unseen side
 constexpr double kGhostNear = 0.005;     // m: a ghost is measured nearer to the body than this
 constexpr double kGhostFar = 0.010;      // m: while every true surface is farther than this
 constexpr double kMissed = 0.002;        // m: a missed touch penetrates at least this deep
-constexpr double kSeen = 0.5;  // share of a touch that must be visible for it to count as missed
+constexpr double kSeen = 0.5;     // share of a touch that must be visible for it to count as missed
+constexpr int kRemembered = 90;   // frames, 3 s: what the camera saw no longer ago is told apart
+constexpr int kRememberStep = 5;  // frames; a thing that turns once in 4 s turns by 15 degrees
 constexpr int kDenseQueries = 22982;  // vertices of the paper's dragon
 constexpr int kBunnyQueries = 7000;
 
 // Things that are judged, and the sequence that shows them.
-constexpr std::array<std::array<const char*, 2>, 4> kThings{
-    {{"finger", "press"}, {"palm", "palm"}, {"pencil", "pencil"}, {"cup", "cup"}}};
+constexpr std::array<std::array<const char*, 2>, 6> kThings{{{"finger", "press"},
+                                                             {"palm", "palm"},
+                                                             {"pencil", "pencil"},
+                                                             {"cup", "cup"},
+                                                             {"turned_pencil", "pencil-turn"},
+                                                             {"turned_cup", "cup-turn"}}};
 
 struct SurfaceBenchOptions {
   fs::path body;
@@ -108,16 +116,21 @@ struct SideErrors {
 // which a single view gives no information.
 struct ErrorsByPlace {
   SideErrors front, ends, unseen, back;
-  std::vector<double> outline_px;  // positive: the seen thing is too narrow
+  SideErrors seen_before, never_seen;  // parts of `unseen`, by the last 3 s of the film
+  std::vector<double> outline_px;      // positive: the seen thing is too narrow
 
-  void add(const ObjectSurface& surface, const ThingPoints& points, const PinholeCamera& camera,
+  // @param was_seen  by point: whether the camera saw it before
+  void add(const ObjectSurface& surface, const ThingPoints& points,
+           const std::vector<bool>& was_seen, const PinholeCamera& camera,
            const Rigid3& body_from_camera) {
-    for (const ThingPoint& point : points) {
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const ThingPoint& point = points[p];
       const Vector3d x = body_from_camera * point.x;
       if (point.side == Side::kFront) front.add(surface, x);
       if (point.side == Side::kFront && point.is_end) ends.add(surface, x);
       if (point.side != Side::kFront) unseen.add(surface, x);
       if (point.side == Side::kBack) back.add(surface, x);
+      if (point.side != Side::kFront) (was_seen[p] ? seen_before : never_seen).add(surface, x);
       if (!point.is_outline) continue;
       const auto found = surface.nearest(x.cast<float>());
       if (!found) continue;
@@ -129,6 +142,11 @@ struct ErrorsByPlace {
     return 1 - static_cast<double>(back.points) / static_cast<double>(unseen.points);
   }
 };
+
+Json seen_before_share(const ErrorsByPlace& errors) {
+  if (errors.unseen.points == 0) return nullptr;
+  return static_cast<double>(errors.seen_before.points) / static_cast<double>(errors.unseen.points);
+}
 
 struct Counts {
   int frames = 0, ghosts = 0, deep = 0, missed = 0;
@@ -199,17 +217,26 @@ bool is_near_body(const ContactLine& contact) {
   return contact.touching || (contact.gap && *contact.gap < kNearBody);
 }
 
+// For each point of the things in a frame whether the camera saw it in the last 3 s.
+std::vector<bool> was_seen_in(const SurfaceFilm& film, int frame, const ThingPoints& points) {
+  std::vector<std::span<const Capsule>> earlier;
+  for (int n = frame - kRememberStep; n >= std::max(0, frame - kRemembered); n -= kRememberStep)
+    if (!film.hands[n].capsules.empty()) earlier.emplace_back(film.hands[n].capsules);
+  return seen_before(points, film.hands[frame].capsules, earlier, *film.camera.camera);
+}
+
 void look_at_sides(const Judge& judge, const SurfaceFilm& film, int frame,
                    const ObjectSurface& measured, const Rigid3& body_from_camera, Counts& counts) {
   const PinholeCamera& camera = *film.camera.camera;
   const ThingPoints points = points_of_things(film.hands[frame].capsules, camera, body_from_camera,
                                               judge.distance, kNearBody, kPointSpacing);
-  counts.measured.add(measured, points, camera, body_from_camera);
+  const std::vector<bool> was_seen = was_seen_in(film, frame, points);
+  counts.measured.add(measured, points, was_seen, camera, body_from_camera);
   const auto view = read_true_view(film.folder / "truth", frame, film.camera.depth_unit);
   if (!view) return;
   ObjectSurface surface;
   surface.build(view->depth, view->shows, camera, body_from_camera, judge.region);
-  counts.true_depth.add(surface, points, camera, body_from_camera);
+  counts.true_depth.add(surface, points, was_seen, camera, body_from_camera);
 }
 
 // Adds a frame to the budget. The film's true path starts at its first frame, as the run's does.
@@ -366,6 +393,10 @@ Json entry_of(const Counts& c, std::uint64_t seed) {
   };
   add_side("unseen_side", c.measured.unseen);
   add_side("unseen_side_true_depth", c.true_depth.unseen);
+  entry["unseen_seen_before_share"] = seen_before_share(c.measured);
+  add_side("unseen_seen_before", c.measured.seen_before);
+  add_side("unseen_seen_before_true_depth", c.true_depth.seen_before);
+  add_side("unseen_never_seen", c.measured.never_seen);
   add_side("back", c.measured.back);
   add_side("back_true_depth", c.true_depth.back);
   add_side("front", c.measured.front);
@@ -386,10 +417,12 @@ void summarize(const std::map<std::string, Counts>& counts, Json& result) {
     const auto found = counts.find(sequence);
     const Counts c = found == counts.end() ? Counts{} : found->second;
     const Json entry = entry_of(c, 0);
-    for (const char* key : {"unseen_side_median_mm", "unseen_side_p90_mm", "unseen_side_coverage",
-                            "unseen_side_true_depth_median_mm", "unseen_side_true_depth_p90_mm",
-                            "front_median_mm", "front_p90_mm", "front_bias_mm", "front_spread_mm",
-                            "end_bias_mm", "end_spread_mm", "outline_px", "outline_spread_px"}) {
+    for (const char* key :
+         {"unseen_side_median_mm", "unseen_side_p90_mm", "unseen_side_coverage",
+          "unseen_side_true_depth_median_mm", "unseen_side_true_depth_p90_mm",
+          "unseen_seen_before_median_mm", "unseen_seen_before_p90_mm", "unseen_seen_before_share",
+          "front_median_mm", "front_p90_mm", "front_bias_mm", "front_spread_mm", "end_bias_mm",
+          "end_spread_mm", "outline_px", "outline_spread_px"}) {
       result[key][thing] = entry[key];
     }
   }
@@ -404,7 +437,7 @@ void summarize(const std::map<std::string, Counts>& counts, Json& result) {
 }
 
 // The key of a clip's figure and the column in which it is listed.
-constexpr std::array<std::array<const char*, 2>, 23> kColumns{{
+constexpr std::array<std::array<const char*, 2>, 26> kColumns{{
     {"ghosts", "ghost_share"},
     {"missed", "missed_share"},
     {"front", "front_median_mm"},
@@ -417,6 +450,9 @@ constexpr std::array<std::array<const char*, 2>, 23> kColumns{{
     {"p90", "unseen_side_p90_mm"},
     {"cover", "unseen_side_coverage"},
     {"behind", "unseen_side_behind_share"},
+    {"before", "unseen_seen_before_share"},
+    {"side", "unseen_seen_before_median_mm"},
+    {"p90", "unseen_seen_before_p90_mm"},
     {"back", "back_median_mm"},
     {"bias", "back_bias_mm"},
     {"p90", "back_p90_mm"},
@@ -450,7 +486,9 @@ void print_surface_table(const Json& sequences) {
       "positive:\n"
       "the thing is too narrow. side: what no camera sees, mm off. behind: the share of it that "
       "lies behind other things,\n"
-      "of which one view says nothing. back: the rest, by measured and by true depth (true d.).\n");
+      "of which one view says nothing. before: the share of the side that the camera saw in the\n"
+      "last 3 s, and how far off that part is. back: what is not behind, by measured and by true\n"
+      "depth (true d.).\n");
 }
 
 void print_budget(const Json& sequences) {

@@ -79,10 +79,10 @@ Image<float> covered(const MaskImage& shows, std::span<const Capsule> things,
   return coverage;
 }
 
-float median_error(const DepthImage& image) {
+float median_error(const DepthImage& errors) {
   std::vector<double> known;
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    if (!std::isnan(image.data()[i])) known.push_back(static_cast<double>(image.data()[i]));
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (!std::isnan(errors.data()[i])) known.push_back(static_cast<double>(errors.data()[i]));
   }
   return known.empty() ? 0 : static_cast<float>(percentile(known, 0.5));
 }

@@ -22,15 +22,15 @@ inline constexpr float kSameThing = 0.008f;
 /// px to each side, over which averaged() takes means.
 inline constexpr int kAverage = 7;
 
-/// The error of the measured depth at the pixels that show things in both images, m: measured less
-/// true; kNoError elsewhere. All images have the same size.
+/// The measured depth minus the true one, m, at each pixel that shows a thing in both images and
+/// whose difference is below kSameThing; kNoError elsewhere. All images have the same size.
 [[nodiscard]] DepthImage errors_of(const DepthImage& measured, const MaskImage& shows,
                                    const TrueView& truth);
 
 /// At each pixel with an error the mean over those of the 15 x 15 pixels around it that have one.
 [[nodiscard]] DepthImage averaged(const DepthImage& errors);
 
-/// m; 0 where no pixel has an error.
+/// The median of the errors of all pixels that have one, m; 0 if none has.
 [[nodiscard]] float median_error(const DepthImage& errors);
 
 /// The share of each pixel that things cover: at their outlines by 4 x 4 rays, elsewhere 1 and 0 as

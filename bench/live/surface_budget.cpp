@@ -10,7 +10,6 @@
 #include "bench/live/true_hand.h"
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <utility>
 

@@ -12,9 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-// m; a point is hidden if a ray meets a thing this far or farther before it.
-constexpr double kHidden = 5e-4;
-
 // The largest cosine of the angle between normal and ray at an outline.
 constexpr double kOutline = 0.15;
 
@@ -36,11 +33,12 @@ bool comes_out(std::span<const Capsule> things, const Vector3d& direction, doubl
 
 struct Candidate {
   Vector3d x, normal;  // camera frame
+  int thing;
   bool is_end;
 };
 
 // Points on the whole surface of one capsule, which may be inside others.
-void add_points(const Capsule& capsule, double spacing, std::vector<Candidate>& points) {
+void add_points(const Capsule& capsule, int thing, double spacing, std::vector<Candidate>& points) {
   const CapsuleField field(capsule);
   const double length = (capsule.b - capsule.a).norm();
   const Vector3d axis =
@@ -54,7 +52,7 @@ void add_points(const Capsule& capsule, double spacing, std::vector<Candidate>& 
     // For a tapered capsule the point is not exactly on the surface; one step along the
     // normal moves it there.
     const Vector3d normal = field.normal(x), on = x - field.distance(x) * normal;
-    if (on.allFinite()) points.push_back({on, normal, is_end});
+    if (on.allFinite()) points.push_back({on, normal, thing, is_end});
   };
   for (int k = 0; k < around; ++k) {
     const double angle = 2 * std::numbers::pi * k / around;
@@ -83,14 +81,15 @@ ThingPoints points_of_things(std::span<const Capsule> things, const PinholeCamer
       body.surface().vertices.rowwise().maxCoeff() + Vector3d::Constant(reach));
   std::vector<Candidate> candidates;
   ThingPoints points;
-  for (const Capsule& thing : things) {
+  for (int i = 0; i < std::ssize(things); ++i) {
+    const Capsule& thing = things[static_cast<std::size_t>(i)];
     const Vector3d a = body_from_camera * thing.a, b = body_from_camera * thing.b;
     Eigen::AlignedBox3d box(a.cwiseMin(b), a.cwiseMax(b));
     const Vector3d radius = Vector3d::Constant(std::max(thing.ra, thing.rb));
     if (!bounds.intersects(Eigen::AlignedBox3d(box.min() - radius, box.max() + radius))) continue;
-    add_points(thing, spacing, candidates);
+    add_points(thing, i, spacing, candidates);
   }
-  for (const auto& [x, normal, is_end] : candidates) {
+  for (const auto& [x, normal, thing, is_end] : candidates) {
     if (signed_distance(things, x) < -1e-6) continue;  // inside another capsule
     const Vector3d in_body = body_from_camera * x;
     if (!bounds.contains(in_body)) continue;
@@ -101,7 +100,7 @@ ThingPoints points_of_things(std::span<const Capsule> things, const PinholeCamer
     const double range = x.norm();
     const Vector3d ray = x / range;
     const double first = ray_distance(things, Vector3d::Zero(), ray, range);
-    ThingPoint point{x, Side::kFront, is_end, false};
+    ThingPoint point{x, normal, thing, Side::kFront, is_end, false};
     if (first < range - kHidden) {
       const bool out = comes_out(things, ray, first + kHidden, range - kHidden);
       point.side = out ? Side::kBehind : Side::kBack;

@@ -23,12 +23,17 @@ enum class Side {
 };
 
 struct ThingPoint {
-  Eigen::Vector3d x;  ///< m, camera frame
+  Eigen::Vector3d x;       ///< m, camera frame
+  Eigen::Vector3d normal;  ///< unit, outwards, camera frame
+  int thing = -1;          ///< index of the capsule on which it lies
   Side side = Side::kFront;
   bool is_end = false;      ///< on the rounded end of a capsule, such as a fingertip
   bool is_outline = false;  ///< the surface turns away from the camera here: within 9 degrees
 };
 using ThingPoints = std::vector<ThingPoint>;
+
+/// m; a point is hidden if a ray from the camera meets a thing this far or farther before it.
+inline constexpr double kHidden = 5e-4;
 
 /// Points of the capsules' outer surface, near a body and inside the picture.
 /// @param things   camera frame, m

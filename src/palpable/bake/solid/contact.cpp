@@ -36,6 +36,10 @@ constexpr double kTighter = 0.05;  // factor on that tolerance after each update
 // Spacing of the grid on which penetration between contact points is measured, ratio to their own.
 constexpr double kFinerGrid = 0.25;
 constexpr double kMostPoints = 2e6;  // contact points of a body; they take some 1 GB
+// Factor on ContactSettings::largest_entry between bodies with friction. Contact points of both
+// skins lie side by side and share a force; where the rim of a contact sticks, their shares
+// converge slowly, and 30 updates are not enough for the usual bound.
+constexpr double kRubbing = 5.0;
 // Largest MutualPairs::Detection::shift at which the pairs between bodies count as converged.
 constexpr double kSettled = 1e-4;
 
@@ -348,7 +352,11 @@ struct ContactWalk::Work {
     const Matrix3Xd positions_before = core.model.mesh.nodes + now.displacement;
     if (mutual) mutual->use(mutual->detect(positions_before));
     pairs.reassign_parts(gaps, positions_before);
-    if (with_obstacle()) pairs.begin_step(gaps, motion(now.t), positions_before);
+    if (with_obstacle()) {
+      // All points that may touch, so that the start is the same whatever was near before.
+      pairs.find(gaps, positions_before, edge);
+      pairs.begin_step(gaps, motion(now.t), positions_before);
+    }
     if (between_bodies()) mutual->begin_step(positions_before);
     Matrix3Xd u = start(gaps, t);
     positions = core.model.mesh.nodes + u;
@@ -371,10 +379,10 @@ struct ContactWalk::Work {
       if (mutual) {
         detected = mutual->detect(positions);
         if (detected.buried > 0) return Stop::kSwallowed;
-        all_there = all_there && detected.shift <= kSettled &&
-                    detected.smallest_gap >= -settings.largest_entry * size;
+        all_there =
+            all_there && detected.shift <= kSettled && detected.smallest_gap >= -largest_entry();
       }
-      if (all_there && change <= settings.largest_entry * size && tolerance <= settings.tolerance) {
+      if (all_there && change <= largest_entry() && tolerance <= settings.tolerance) {
         if (swallows(gaps)) return Stop::kSwallowed;
         if (largest_movement(core.held, u) > core.model.largest_displacement) {
           return Stop::kBeyondRange;
@@ -389,11 +397,19 @@ struct ContactWalk::Work {
     return Stop::kNoConvergence;
   }
 
-  // Updates the multipliers of friction after a minimisation that ended at `positions`. @returns
-  // the largest change, m; 0 without friction
+  // m, the largest penetration of a contact point, and change of a force over its penalty.
+  [[nodiscard]] double largest_entry() const {
+    return settings.largest_entry * size * (between_bodies() ? kRubbing : 1.0);
+  }
+
+  // Turns the planes of friction, and anchors points that begin to press, after a minimisation that
+  // ended at `positions`. @returns how far the friction forces still change, m; 0 without friction
   double update_friction(const ObstacleGaps& gaps) {
     double change = 0.0;
-    if (with_obstacle()) change = pairs.update_friction(gaps, positions);
+    // As a movement of a node: sliding points give way far more than the stiffness that holds them
+    // says. Points of two skins may share their forces in several ways, so only their slides count.
+    if (with_obstacle())
+      change = settings.sticking_penalty * pairs.update_friction(gaps, positions);
     if (between_bodies()) change = std::max(change, mutual->update_friction(positions));
     return change;
   }

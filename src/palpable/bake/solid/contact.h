@@ -34,7 +34,7 @@ struct ContactSettings {
   /// the held nodes together.
   double tolerance = 1e-7;
   /// Largest penetration of a contact point, ratio to the body's size (the diagonal of its bounding
-  /// box).
+  /// box); five times as much with friction between components.
   double largest_entry = 1e-6;
   /// Distance between contact points, m. 0: half the smallest radius of the obstacle, but no more
   /// than a third of the skin's mean edge. A tip that is smaller than the spacing passes between
@@ -49,10 +49,10 @@ struct ContactSettings {
   /// lines, and a point that slips slides in one direction. What friction holds is kept from state
   /// to state (contact_pairs.h): an obstacle at rest holds the skin, however many steps it rests.
   double friction = 0;
-  /// Stiffness with which a point is held sideways within an update, ratio as for `penalty`.
-  /// Repeated updates hold it exactly, so the value only matters for their number: with a large
-  /// one points may change between sticking and slipping from update to update.
-  double sticking_penalty = 10;
+  /// Stiffness with which friction holds a point, ratio as for `penalty`. A point that sticks gives
+  /// way by its friction force over this, the elastic slip (point_friction.h). With a large one
+  /// points may change between sticking and slipping from update to update.
+  double sticking_penalty = 30;
   /// Whether the separate components of the mesh press each other. Contact of a
   /// component with itself is not detected, nor is a step in which one component passes right
   /// through another: steps should be shorter than half of the thinnest part. 4-node tetrahedra

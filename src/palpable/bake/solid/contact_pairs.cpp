@@ -157,9 +157,7 @@ void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
       continue;
     }
     pair.anchor = carried(before, *part, gaps.obstacle(), pair.part, pair.anchor);
-    const Vector3d n = gaps.gap(pair.part, pair.anchor).normal;
-    pair.friction.normal = n;
-    pair.friction.shear -= n.dot(pair.friction.shear) * n;
+    pair.friction.normal = gaps.gap(pair.part, pair.anchor).normal;
   }
 }
 
@@ -181,8 +179,8 @@ Vector3d ContactPairs::place_of_contact(const ObstacleGaps& gaps, const ContactP
 double ContactPairs::update_friction(const ObstacleGaps& gaps, const Matrix3Xd& positions) {
   double largest = 0.0;
   for (ContactPair& pair : pairs_) {
-    largest = std::max(largest, update_shear(friction_, pair.penalty, pair.multiplier, pair.force,
-                                             pair.gap.normal, pair.friction));
+    largest = std::max(largest, update_cone(friction_, pair.penalty, pair.multiplier, pair.force,
+                                            pair.gap.normal, pair.friction));
     if (pair.friction.anchored || pair.force == 0.0) continue;
     pair.friction.anchored = true;
     pair.anchor = place_of_contact(gaps, pair, position_of(points_.points[pair.point], positions));
@@ -196,9 +194,9 @@ double ContactPairs::end_step(const Matrix3Xd& positions) {
     sum += dissipated(pair.friction);
     if (pair.multiplier == 0.0) {
       pair.friction.anchored = false;
-      pair.friction.shear.setZero();
     } else if (pair.friction.slips) {
-      pair.anchor = position_of(points_.points[pair.point], positions);
+      const Vector3d x = position_of(points_.points[pair.point], positions);
+      pair.anchor = x - elastic_slip(pair.friction);
     }
   }
   return sum;

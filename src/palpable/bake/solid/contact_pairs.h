@@ -19,7 +19,7 @@
 ///     a point begins to press    the anchor is the place of first contact, found by straight lines
 ///                                within the step
 ///     it sticks                  the anchor stays
-///     it slips                   at the end of the step the anchor is where the point is
+///     it slips                   at the end of the step the anchor follows the point
 ///     it leaves                  the anchor is forgotten
 ///
 /// The multipliers and normals in it are those of the previous update; repeated updates make them
@@ -97,10 +97,10 @@ class ContactPairs {
   /// K += tangent without the curvature.
   void add_tangent(BlockMatrix& K) const;
 
-  /// With friction, before update_multipliers(): updates the multipliers of sticking, and gives
-  /// points that begin to press their anchors.
+  /// With friction, before update_multipliers(): turns the planes of friction, and gives points
+  /// that begin to press their anchors.
   /// @param positions  of the last evaluation
-  /// @returns the largest value of update_shear(), m
+  /// @returns the largest value of update_cone(), m
   double update_friction(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions);
 
   /// With friction, at the end of a step: moves the anchors of points that slipped, and forgets

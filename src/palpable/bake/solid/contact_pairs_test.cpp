@@ -102,16 +102,13 @@ TEST_CASE("an anchor moves with its part, also where other parts appear, until i
   after.capsules.insert(after.capsules.begin(), ball({0.2, 0.05, 0.9}, 0.3));
   body.step(before, after);
   body.pairs.end_step(body.nodes());
-  for (const ContactPair& pair : body.pairs.pairs()) {
-    CHECK_FALSE(pair.friction.anchored);
-    CHECK(pair.friction.shear.norm() == 0.0);
-  }
+  for (const ContactPair& pair : body.pairs.pairs()) { CHECK_FALSE(pair.friction.anchored); }
 }
 
 TEST_CASE("friction of a ball is the slope of a potential, and the tangent its derivative",
           "[solid][contact][friction]") {
   BallOnBeam body;
-  const Obstacle before = BallOnBeam::at(0.002), after = BallOnBeam::at(0.002, {6e-4, 9e-4, 0});
+  const Obstacle before = BallOnBeam::at(0.002), after = BallOnBeam::at(0.002, {5e-4, 7.5e-4, 0});
   body.step(before, before);
   body.pairs.end_step(body.nodes());
   body.step(before, after);
@@ -120,7 +117,7 @@ TEST_CASE("friction of a ball is the slope of a potential, and the tangent its d
   for (const ContactPair& pair : body.pairs.pairs()) {
     if (pair.friction.limit == 0.0) continue;
     ++(pair.friction.slips ? slips : sticks);
-    CHECK(pair.friction.force.dot(Vector3d(6e-4, 9e-4, 0)) > 0.0);  // it drags the skin along
+    CHECK(pair.friction.force.dot(Vector3d(5e-4, 7.5e-4, 0)) > 0.0);  // it drags the skin along
   }
   CHECK(slips > 5);
   CHECK(sticks > 5);
@@ -166,7 +163,7 @@ TEST_CASE("friction of a ball is the slope of a potential, and the tangent its d
     const ContactPair& pair = body.pairs.pairs()[i];
     if (last[i].multiplier == 0.0) continue;
     const Vector3d x = position_of(body.points.points[pair.point], body.nodes());
-    CHECK((pair.anchor == x) == last[i].friction.slips);
+    CHECK((pair.anchor == x - elastic_slip(last[i].friction)) == last[i].friction.slips);
   }
 }
 

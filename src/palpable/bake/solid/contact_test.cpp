@@ -118,11 +118,10 @@ TEST_CASE("a lid that goes aside drags a block along until it slides by Coulomb'
   const Matrix3Xd pressed = sticks.now().displacement;
   REQUIRE(sticks.advance(1.002));
   check_conditions(sticks);
-  const double held = 1e-5 * sticks.body_size();
+  const double held = 1e-4 * sticks.body_size();
   for (const int node : top) {
     const Vector3d moved = sticks.now().displacement.col(node) - pressed.col(node);
-    CHECK((moved - Vector3d(0.002, 0, 0)).norm() <=
-          tolerance(held, "points are held to 1e-6 of the size"));
+    CHECK((moved - Vector3d(0.002, 0, 0)).norm() <= tolerance(held, "the elastic slip"));
   }
   // Where it slides, the friction force is mu times the normal force.
   ContactWalk slides(solver, lid_at, -0.1, {.friction = 0.3});

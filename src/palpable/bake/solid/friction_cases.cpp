@@ -26,7 +26,7 @@ void go_to(ContactWalk& walk, double t, const char* problem) {
 
 // ---- Cattaneo and Mindlin
 
-constexpr double kMindlinPoisson = 0.45, kMindlinFriction = 0.3;
+constexpr double kMindlinPoisson = 0.45, kMindlinFriction = 0.6;
 constexpr double kMindlinContact = 0.02, kMindlinBall = 1.0;  // a, R, m: strains stay below 1 %
 constexpr double kMindlinEdge = 16.0 * kMindlinContact;
 constexpr double kMindlinDepth = kMindlinContact * kMindlinContact / kMindlinBall;
@@ -67,7 +67,7 @@ Obstacle mindlin_ball(double t) {
 ContactWalk press_mindlin(const EquilibriumSolver& solver, double coefficient) {
   ContactWalk walk(
       solver, mindlin_ball, 0.0,
-      {.largest_entry = 1e-8, .spacing = 0.2 * kMindlinContact, .friction = coefficient});
+      {.largest_entry = 1e-7, .spacing = 0.2 * kMindlinContact, .friction = coefficient});
   for (const double t : {0.25, 0.5, 0.75, 1.0}) go_to(walk, t, "Mindlin's block");
   return walk;
 }
@@ -220,8 +220,8 @@ double change_with_half_step(int cells, double coefficient, double step) {
 
 namespace {
 
-constexpr double kStripHalf = 0.1, kStripWide = 4e-3, kStripThick = 1e-3;  // m
-constexpr double kDrum = 0.02;                                             // m, r
+constexpr double kStripHalf = 0.1, kStripWide = 4e-3, kStripThick = 4e-3;  // m
+constexpr double kDrum = 0.04;                                             // m, r
 constexpr double kDrumDown = 0.05, kDrumAside = 0.016;                     // m
 
 // 10-node tetrahedra, because a strip of 4-node ones would be far too stiff in bending.
@@ -252,7 +252,8 @@ Obstacle drum_at(double t) {
 CapstanResult slide_strip(int cells, double coefficient) {
   const EquilibriumSolver solver(strip(cells));
   // A soft penalty: steps push the strip by more than its thickness.
-  ContactWalk walk(solver, drum_at, -0.01, {.penalty = 10, .friction = coefficient});
+  ContactWalk walk(solver, drum_at, -0.01,
+                   {.penalty = 5, .friction = coefficient, .sticking_penalty = 10});
   constexpr int kPressing = 50, kDragging = 32;
   for (int k = 1; k <= kPressing; ++k) {
     go_to(walk, static_cast<double>(k) / kPressing, "the strip, pressed");

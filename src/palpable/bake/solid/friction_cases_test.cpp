@@ -37,7 +37,8 @@ TEST_CASE("a ball dragged on a block sticks and slips as Cattaneo and Mindlin sa
           "[solid][contact][friction][long]") {
   const MindlinResult result = drag_mindlin_block(10);
   // Five cells across the contact radius: the rim of the circle that sticks lies within one.
-  CHECK(result.stick_radius_error <= tolerance(0.1, "half a cell of five"));
+  CHECK(result.stick_radius_error <=
+        tolerance(0.15, "two thirds of a cell of five; points lie a fifth apart"));
   CHECK(result.displacement_error <= tolerance(0.06, "pressures of a mesh of five cells"));
   CHECK(result.unloading_error <= tolerance(0.06, "the same"));
   CHECK(result.least_dissipated >= -tolerance(1e-15, "rounding, J"));
@@ -49,7 +50,7 @@ TEST_CASE("a strip round a cylinder has the tensions of the capstan",
   CHECK(result.angle > 0.6);
   CHECK(result.ratio > 1.2);
   CHECK(std::abs(result.error) <=
-        tolerance(0.03, "eight elements round the cylinder; bending of the strip"));
+        tolerance(0.03, "80 elements, some 30 round the cylinder; bending of the strip"));
   CHECK(result.sticking == 0);
 }
 

@@ -25,9 +25,9 @@ Rigid3 at(double x, double y, double z) {
   return pose;
 }
 
-void check_conditions(const ContactWalk& walk) {
+void check_conditions(const ContactWalk& walk, double entry = 1e-6) {
   const ContactState& state = walk.now();
-  CHECK(state.smallest_mutual_gap >= -1e-6 * walk.body_size());
+  CHECK(state.smallest_mutual_gap >= -entry * walk.body_size());
   const bool presses = state.touching > 0 || state.mutual_touching > 0;
   if (presses) CHECK(state.residual <= 1e-7);
   const double sum = walk.mutual_nodal_forces().colwise().norm().sum();
@@ -202,25 +202,20 @@ TEST_CASE("so does one on a finer mesh, and one that lies a little aside",
   press_and_release(24, 6, 3, 0.013);
 }
 
-// A soft cube on the ground, pressed by 8 mm under a stiff plate that is held at its top: the cube
-// spreads. @returns the largest movement aside of the cube's top, m
+// A soft cube on the ground, pressed by 4 mm under a stiff one that is held at its top: the soft
+// one spreads. @returns the largest movement aside of its top, m
 double largest_slide(double friction, ContactState& state) {
-  std::array<SolidModel, 2> both_parts;
-  SolidModel &cube = both_parts[0], &plate = both_parts[1];
-  cube.mesh = box_tets({0, 0, 0}, {0.1, 0.1, 0.1}, 3, 3, 3);
-  plate.mesh = box_tets({0, 0, 0}, {0.14, 0.14, 0.05}, 4, 4, 1);
-  cube.material = material_from_young("neo-hookean", 20e3, 0.4);
-  plate.material = material_from_young("neo-hookean", 2e6, 0.1);
-  cube.fixed_nodes = nodes_on_plane(cube.mesh, {0, 0, 0}, Vector3d::UnitZ(), 1e-9);
-  plate.fixed_nodes = nodes_on_plane(plate.mesh, {0, 0, 0.05}, Vector3d::UnitZ(), 1e-9);
-  const JoinedModel both =
-      joined(both_parts, std::array{at(0, 0, 0), at(-0.02, -0.02, 0.1 - 0.008)});
+  std::array<SolidModel, 2> blocks{sliding_block(3, false), sliding_block(4, true)};
+  blocks[0].material = material_from_young("neo-hookean", 20e3, 0.4);
+  blocks[1].material = material_from_young("neo-hookean", 2e6, 0.1);
+  const SolidModel& cube = blocks[0];
+  const JoinedModel both = joined(blocks, std::array{at(0, 0, 0), at(0, 0, 0.1 - 0.004)});
   const EquilibriumSolver solver(both.model);
   ContactWalk walk(solver, nothing, 0.0, {.mutual = true, .mutual_friction = friction});
   const bool reached = walk.advance(1.0);
   INFO(walk.why_stopped());
   REQUIRE(reached);
-  check_conditions(walk);
+  check_conditions(walk, 5e-6);
   state = walk.now();
   double largest = 0.0;
   for (const int n : nodes_on_plane(cube.mesh, {0, 0, 0.1}, Vector3d::UnitZ(), 1e-9)) {
@@ -234,10 +229,11 @@ TEST_CASE("friction between two bodies holds what would slide, up to Coulomb's f
   ContactState free, rubs, sticks;
   const double without = largest_slide(0.0, free);
   const double some = largest_slide(0.05, rubs);
-  const double none = largest_slide(5.0, sticks);
+  const double none = largest_slide(3.0, sticks);
   CHECK(without > 5e-4);
   CHECK(some < 0.98 * without);
-  CHECK(none <= tolerance(5e-5, "m; the plate, 100 times as stiff, gives way a little"));
+  CHECK(none <=
+        tolerance(1e-4, "m; elastic slip; the plate, 100 times as stiff, gives way a little"));
   CHECK(free.dissipated == 0.0);
   CHECK(rubs.dissipated > 0.0);
   CHECK(sticks.dissipated <= tolerance(1e-3, "nothing slides") * rubs.dissipated);

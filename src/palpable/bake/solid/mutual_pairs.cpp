@@ -267,7 +267,6 @@ void MutualPairs::add_pair(const Moved& skin, int component, int point, Detectio
     pair.force = before->force;
     pair.friction = before->friction;
     pair.friction.normal = normal;
-    pair.friction.shear -= normal.dot(pair.friction.shear) * normal;
     pair.anchor_nodes = before->anchor_nodes;
     pair.anchor_shape = before->anchor_shape;
   }
@@ -373,8 +372,8 @@ Vector3d MutualPairs::place_of_contact(const Matrix3Xd& positions, const MutualP
 double MutualPairs::update_friction(const Matrix3Xd& positions) {
   double largest = 0.0;
   for (MutualPair& pair : pairs_) {
-    largest = std::max(largest, update_shear(friction_, pair.penalty, pair.multiplier, pair.force,
-                                             pair.normal, pair.friction));
+    largest = std::max(largest, update_cone(friction_, pair.penalty, pair.multiplier, pair.force,
+                                            pair.normal, pair.friction));
     if (pair.friction.anchored || pair.force == 0.0) continue;
     pair.friction.anchored = true;
     set_anchor(positions, place_of_contact(positions, pair), pair);
@@ -388,9 +387,9 @@ double MutualPairs::end_step(const Matrix3Xd& positions) {
     sum += dissipated(pair.friction);
     if (pair.multiplier == 0.0) {
       pair.friction.anchored = false;
-      pair.friction.shear.setZero();
     } else if (pair.friction.slips) {
-      set_anchor(positions, sum_of(pair, positions, 0, pair.own_count), pair);
+      const Vector3d x = sum_of(pair, positions, 0, pair.own_count);
+      set_anchor(positions, x - elastic_slip(pair.friction), pair);
     }
   }
   return sum;

@@ -32,7 +32,7 @@
 ///     a = sum v_c x_c        s = P (x - a)        friction on x's nodes + N_a t, on a's - v_c t
 ///
 /// Both sums of weights are 1, so the two bodies again have opposite forces; and opposite moments,
-/// because s is 0 or parallel to t. A triangle's weights v may be negative where the point slid
+/// because s is parallel to t. A triangle's weights v may be negative where the point slid
 /// beyond its rim within a step.
 #pragma once
 

@@ -20,10 +20,7 @@ constexpr double kMostPieces = 100;  // into which core() divides a capsule's ax
 Capsule ball(const Vector3d& centre, double radius) { return {centre, centre, radius, radius}; }
 
 Obstacle moved(Obstacle obstacle, const Rigid3& target_from_source) {
-  for (Capsule& capsule : obstacle.capsules) {
-    capsule.a = target_from_source * capsule.a;
-    capsule.b = target_from_source * capsule.b;
-  }
+  obstacle.capsules = transformed(std::move(obstacle.capsules), target_from_source);
   for (HalfSpace& half : obstacle.half_spaces) {
     half.point = target_from_source * half.point;
     half.normal = target_from_source.linear() * half.normal;

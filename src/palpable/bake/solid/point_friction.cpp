@@ -24,7 +24,7 @@ double evaluate_friction(const Friction& law, double penalty, double pressing,
     point.force.setZero();
     return 0.0;
   }
-  const Vector3d trial = point.shear - point.stiffness * point.slide;  // q
+  const Vector3d trial = -point.stiffness * point.slide;  // q
   const double most = point.limit, size = trial.norm();
   point.slips = !glued && size > most;
   point.force = point.slips ? Vector3d(most / size * trial) : trial;
@@ -36,28 +36,24 @@ Matrix3d friction_stiffness(const PointFriction& point) {
   if (point.limit == 0.0) return Matrix3d::Zero();
   const Matrix3d across = Matrix3d::Identity() - point.normal * point.normal.transpose();
   if (!point.slips) return point.stiffness * across;
-  const Vector3d trial = point.shear - point.stiffness * point.slide;
+  const Vector3d trial = -point.stiffness * point.slide;
   const double size = trial.norm();
   const Vector3d along = trial / size;
   return point.stiffness * point.limit / size * (across - along * along.transpose());
 }
 
-double update_shear(const Friction& law, double penalty, double before, double now,
-                    const Vector3d& normal, PointFriction& point) {
-  double change = (point.force - point.shear).norm();
-  // Far inside the cone its size does not matter.
-  const bool near_limit = 2.0 * point.force.norm() > point.limit;
-  if (near_limit) change = std::max(change, law.coefficient * std::abs(now - before));
-  change /= law.stiffness * penalty;
+double update_cone(const Friction& law, double penalty, double before, double now,
+                   const Vector3d& normal, PointFriction& point) {
   point.normal = normal;
-  point.shear = in_plane(point.force, normal);
-  const double most = law.coefficient * now, size = point.shear.norm();
-  if (size > most) point.shear *= most / size;
-  return change;
+  // Far inside the cone its size does not matter.
+  if (2.0 * point.force.norm() <= point.limit) return 0.0;
+  return law.coefficient * std::abs(now - before) / (law.stiffness * penalty);
 }
 
+Vector3d elastic_slip(const PointFriction& point) { return -point.force / point.stiffness; }
+
 double dissipated(const PointFriction& point) {
-  return point.slips ? -point.force.dot(point.slide) : 0.0;
+  return point.slips ? -point.force.dot(point.slide - elastic_slip(point)) : 0.0;
 }
 
 double time_of_contact(double before, double without) {

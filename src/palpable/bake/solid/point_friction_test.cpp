@@ -25,15 +25,11 @@ Vector3d random_vector(std::mt19937_64& random) {
   return v;
 }
 
-// A point with a multiplier inside the cone, in a plane of some direction.
+// An anchored point in a plane of some direction.
 PointFriction some_point(std::mt19937_64& random) {
   PointFriction point;
   point.anchored = true;
   point.normal = random_vector(random).normalized();
-  const Vector3d shear = random_vector(random);
-  point.shear = shear - point.normal.dot(shear) * point.normal;
-  std::uniform_real_distribution<double> share(0.0, 1.0);
-  point.shear *= share(random) * kLaw.coefficient * kPressing / point.shear.norm();
   return point;
 }
 
@@ -101,35 +97,49 @@ TEST_CASE("a point without an anchor, and one that is not pressed, have no frict
   }
 }
 
-TEST_CASE("repeated updates hold a point that sticks, whatever the stiffness is",
+TEST_CASE("a point that is pulled slips once, and is then held with the same force for ever",
           "[solid][friction]") {
-  // A spring of 500 N/m pulls the point; friction is stiffer by a factor of two only.
+  // A spring of 500 N/m pulls the point by more than its limit of 0.12 N.
   PointFriction point;
   point.anchored = true;
-  const double pull = 0.1, spring = 500;  // N, N/m; below the limit of 0.12 N
-  double x = 0, change = 1;
-  for (int i = 0; i < 40; ++i) {
-    // Equilibrium: pull - spring x + lambda - k_t x = 0
-    x = (pull + point.shear.x()) / (spring + kLaw.stiffness * kPenalty);
-    evaluate_friction(kLaw, kPenalty, kPressing, Vector3d(x, 0, 0), false, point);
-    REQUIRE_FALSE(point.slips);
-    change = update_shear(kLaw, kPenalty, kPressing, kPressing, Vector3d::UnitZ(), point);
-  }
-  CHECK(change <= tolerance(1e-12, "m; a third remains at each update"));
-  CHECK(std::abs(x) <= tolerance(1e-12, "m, likewise"));
-  CHECK(point.shear.x() == Approx(-pull));
+  const double spring = 500, limit = kLaw.coefficient * kPressing, k = kLaw.stiffness * kPenalty;
+  double anchor = 0, x = 0, lost = 0;
+  const auto step = [&](double end_of_spring) {
+    // Equilibrium: spring (end - x) = k (x - anchor), or the limit.
+    x = (spring * end_of_spring + k * anchor) / (spring + k);
+    if (k * (x - anchor) > limit) x = end_of_spring - limit / spring;
+    evaluate_friction(kLaw, kPenalty, kPressing, Vector3d(x - anchor, 0, 0), false, point);
+    lost += dissipated(point);
+    if (point.slips) anchor = x - elastic_slip(point).x();
+  };
+  step(1e-3);
+  REQUIRE(point.slips);
+  CHECK(point.force.x() == Approx(-limit));
+  // The spring's work on the point is what is lost and what the elastic slip stores.
+  CHECK(lost == Approx(limit * (x - limit / k)));
+  const double after = x, after_lost = lost;
+  for (int i = 0; i < 100; ++i) step(1e-3);
+  CHECK(x == Approx(after).epsilon(tolerance(1e-12, "rounding")));
+  CHECK(point.force.x() == Approx(-limit));
+  CHECK(lost == Approx(after_lost));
+  // A third less pull: it sticks, and gives way as the two springs together.
+  step(0.8e-3);
+  CHECK_FALSE(point.slips);
+  CHECK(after - x == Approx(0.2e-3 * spring / (spring + k)));
 }
 
-TEST_CASE("an update keeps the multiplier in the new cone and in the new plane",
+TEST_CASE("an update turns the plane, and tells how far the cone still changes",
           "[solid][friction]") {
   auto random = test::random_case(4);
   PointFriction point = some_point(random);
   evaluate_friction(kLaw, kPenalty, kPressing, Vector3d(1e-3, 2e-3, 0), false, point);
   const Vector3d normal = (point.normal + Vector3d(0.1, 0, 0.1)).normalized();
-  const double change = update_shear(kLaw, kPenalty, kPressing, 0.5 * kPressing, normal, point);
-  CHECK(change >= 0.4 * 0.5 * kPressing / (0.5 * kPenalty) * (1 - 1e-12));
-  CHECK(point.shear.norm() <= 0.5 * kLaw.coefficient * kPressing * (1 + 1e-12));
-  CHECK(std::abs(point.shear.dot(normal)) <= tolerance(1e-15, "rounding, N"));
+  CHECK(update_cone(kLaw, kPenalty, kPressing, 0.5 * kPressing, normal, point) ==
+        Approx(0.4 * 0.5 * kPressing / (0.5 * kPenalty)));
+  CHECK(point.normal == normal);
+  // Far inside of the cone its size does not matter.
+  evaluate_friction(kLaw, kPenalty, kPressing, Vector3d(1e-7, 0, 0), false, point);
+  CHECK(update_cone(kLaw, kPenalty, kPressing, 0.5 * kPressing, normal, point) == 0.0);
 }
 
 TEST_CASE("a gap closes where its straight line meets zero", "[solid][friction]") {

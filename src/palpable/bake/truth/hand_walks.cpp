@@ -12,6 +12,15 @@ namespace palpable {
 
 using Eigen::Matrix3Xd;
 
+namespace {
+
+// Steps of a frame with friction, in the coarser of the two walks. A point that begins to press
+// within a step rubs over a share of it that is only estimated, and what slips slides in one
+// direction.
+constexpr int kStepsOfFriction = 6;
+
+}  // namespace
+
 void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
                  const std::vector<Episode>& episodes, const HandWalkSettings& settings,
                  const Progress& progress,
@@ -21,6 +30,7 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
   for (const Episode& episode : episodes) {
     to_do += 2.0 * (episode.wanted.back() - episode.first + 1);
   }
+  const bool rubs = settings.contact.friction > 0.0 || settings.contact.mutual_friction > 0.0;
   std::mutex mutex;
   const auto walk_of = [&](const Episode& episode, int steps_per_frame) {
     const auto way = [&](double t) { return Obstacle{.capsules = capsules_at(hands, t)}; };
@@ -56,7 +66,8 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
   work_in_parallel(static_cast<int>(results.size()), settings.threads, "", {}, [&](int job) {
     const auto at = static_cast<std::size_t>(job), first = at - at % 2;
     const Episode& episode = episodes[first / 2];
-    Walked walked = walk_of(episode, at == first ? 2 : 1);
+    const int steps = rubs ? kStepsOfFriction : 1;
+    Walked walked = walk_of(episode, at == first ? 2 * steps : steps);
     const std::lock_guard lock(mutex);
     results[at] = std::move(walked);
     if (!results[first] || !results[first + 1]) return;

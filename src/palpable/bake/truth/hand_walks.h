@@ -1,6 +1,7 @@
 /// @file
 /// Full-order solutions along the motion of a clip's hand. Each touch is followed twice, in steps
-/// of a frame and in steps of half a frame: where the two differ, the solution depends on the path.
+/// of a frame and in steps of half a frame, with friction in six and in twelve steps a frame: where
+/// the two differ, the solution depends on the path.
 #pragma once
 
 #include "palpable/bake/solid/contact.h"

@@ -120,10 +120,7 @@ class SceneSkins {
           depths_[n] = hands.contacts[n].depth;
         }
         for (auto& capsules : hands.capsules) {
-          for (Capsule& capsule : capsules) {
-            capsule.a = solids_[0].scene_from_body * capsule.a;
-            capsule.b = solids_[0].scene_from_body * capsule.b;
-          }
+          capsules = transformed(std::move(capsules), solids_[0].scene_from_body);
         }
         hands_ = std::move(hands);
         continue;

@@ -17,6 +17,17 @@ Eigen::Vector3d unit_or(const Eigen::Vector3d& v, const Eigen::Vector3d& otherwi
 
 }  // namespace
 
+Capsule transformed(Capsule capsule, const Rigid3& target_from_source) {
+  capsule.a = target_from_source * capsule.a;
+  capsule.b = target_from_source * capsule.b;
+  return capsule;
+}
+
+std::vector<Capsule> transformed(std::vector<Capsule> capsules, const Rigid3& target_from_source) {
+  for (Capsule& capsule : capsules) capsule = transformed(capsule, target_from_source);
+  return capsules;
+}
+
 Eigen::AlignedBox3d box_of(const Capsule& capsule) {
   const Eigen::Vector3d r = Eigen::Vector3d::Constant(std::max(capsule.ra, capsule.rb));
   return {capsule.a.cwiseMin(capsule.b) - r, capsule.a.cwiseMax(capsule.b) + r};

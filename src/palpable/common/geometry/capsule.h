@@ -5,10 +5,13 @@
 /// Metres; the frame is the caller's.
 #pragma once
 
+#include "palpable/common/geometry/rigid.h"
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include <span>
+#include <vector>
 
 namespace palpable {
 
@@ -21,6 +24,11 @@ struct Capsule {
   double ra = 0;  ///< >= 0
   double rb = 0;  ///< >= 0
 };
+
+/// The capsules in another frame.
+[[nodiscard]] Capsule transformed(Capsule capsule, const Rigid3& target_from_source);
+[[nodiscard]] std::vector<Capsule> transformed(std::vector<Capsule> capsules,
+                                               const Rigid3& target_from_source);
 
 /// A box that contains the capsule; not the smallest one if its radii differ.
 [[nodiscard]] Eigen::AlignedBox3d box_of(const Capsule& capsule);

@@ -40,17 +40,12 @@ ClipHands read_clip_hands(const fs::path& clip, const std::string& body) {
       throw Error(fmt::format("{}: frame {} is missing", truth.string(), n));
     }
     const Rigid3 body_from_camera = body_from_world * poses[n].world_from_camera;
-    std::vector<Capsule> capsules = lines[n].capsules;
-    for (const Capsule& capsule : capsules) {
+    for (const Capsule& capsule : lines[n].capsules) {
       if (capsule.ra > 0.0 && capsule.rb > 0.0) continue;
       throw Error(fmt::format("{}: frame {} has a capsule without a radius",
                               (truth / "hand.jsonl").string(), n));
     }
-    for (Capsule& capsule : capsules) {
-      capsule.a = body_from_camera * capsule.a;
-      capsule.b = body_from_camera * capsule.b;
-    }
-    hands.capsules.push_back(std::move(capsules));
+    hands.capsules.push_back(transformed(lines[n].capsules, body_from_camera));
     hands.body_from_camera.push_back(body_from_camera);
     hands.times.push_back(poses[n].time);
   }

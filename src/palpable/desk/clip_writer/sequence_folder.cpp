@@ -46,18 +46,9 @@ HandLine hand_in_camera(int frame, const Movers& movers, const Rigid3& camera_fr
   HandLine hand;
   hand.frame = frame;
   for (const HandCapsule& capsule : movers.capsules) {
-    hand.capsules.push_back({camera_from_desk * capsule.shape.a, camera_from_desk * capsule.shape.b,
-                             capsule.shape.ra, capsule.shape.rb});
+    hand.capsules.push_back(transformed(capsule.shape, camera_from_desk));
   }
   return hand;
-}
-
-std::vector<Capsule> in_frame(std::vector<Capsule> capsules, const Rigid3& target_from_source) {
-  for (Capsule& capsule : capsules) {
-    capsule.a = target_from_source * capsule.a;
-    capsule.b = target_from_source * capsule.b;
-  }
-  return capsules;
 }
 
 /// The properties of a body that are the same in all frames and that determine whether and where
@@ -74,10 +65,10 @@ struct TruthBody {
 double seen_share_of(const std::vector<Capsule>& movers_in_desk, const TruthBody& truth,
                      const Rigid3& camera_from_desk) {
   const Rigid3 body_from_desk = truth.desk_from_body.inverse();
-  Eigen::Matrix3Xd part = touching_part(in_frame(movers_in_desk, body_from_desk), truth.distance,
+  Eigen::Matrix3Xd part = touching_part(transformed(movers_in_desk, body_from_desk), truth.distance,
                                         kTruthSpacing, kMostSeen);
   part = camera_from_desk * truth.desk_from_body * part;
-  return seen_share(part, in_frame(movers_in_desk, camera_from_desk), truth.eyes);
+  return seen_share(part, transformed(movers_in_desk, camera_from_desk), truth.eyes);
 }
 
 ContactLine contact_of(int frame, const Movers& movers, const Rigid3& camera_from_desk,

@@ -227,6 +227,36 @@ std::vector<Eigen::Vector3d> places_of(const TruthFolder& truth, const DeformedL
   return {rest.vertices.col(farthest)};
 }
 
+// The errors of the drawn skin over the deep frames of one kind, seen or unseen.
+class DeepErrors {
+ public:
+  // @param stress  nothing: not known
+  void add(const DisplacementError& error, std::optional<double> stress) {
+    relative_.push_back(error.relative);
+    worst_mm_.push_back(1e3 * error.worst);
+    stress_known_ = stress_known_ && stress;
+    if (stress) stress_.push_back(*stress);
+  }
+
+  // Of BodyScores or UnseenScores.
+  // @pre scores.by_frame are the added frames, in the same order
+  template <class Scores>
+  void write(Scores& scores) const {
+    scores.displacement_error = median_and_p90(relative_);
+    scores.max_vertex_error_mm = median_and_p90(worst_mm_);
+    if (stress_known_) scores.von_mises_error = median_and_p90(stress_);
+    for (std::size_t k = 0; k < relative_.size(); ++k) {
+      scores.by_frame[k].displacement_error = relative_[k];
+      scores.by_frame[k].max_vertex_error_mm = worst_mm_[k];
+      if (stress_known_) scores.by_frame[k].von_mises_error = stress_[k];
+    }
+  }
+
+ private:
+  std::vector<double> relative_, worst_mm_, stress_;
+  bool stress_known_ = true;
+};
+
 // Collects the errors of the drawn skin over all frames.
 class SkinErrors {
  public:
@@ -245,8 +275,13 @@ class SkinErrors {
     const SurfaceMesh& rest = truth_.deformed->rest;
     const Eigen::Matrix3Xd u = skin.surface.vertices - rest.vertices;
     const DisplacementError error = displacement_error(u, found->displacement, areas_);
+    std::optional<double> stress;
+    if (found->stress.size() > 0 && skin.values.size() > 0) {
+      stress = von_mises_error(skin.values, found->stress);
+    }
     if (!truth_.is_seen(line.frame)) {
       unseen_mm_.push_back(1e3 * error.worst);
+      if (is_deep(line)) unseen_.add(error, stress);
       return true;
     }
     overpress_mm_.push_back(1e3 * overpress(rest.vertices, u, found->displacement,
@@ -255,29 +290,18 @@ class SkinErrors {
       shallow_mm_.push_back(1e3 * error.worst);
       return true;
     }
-    relative_.push_back(error.relative);
-    worst_mm_.push_back(1e3 * error.worst);
-    if (found->stress.size() == 0 || skin.values.size() == 0) {
-      stress_known_ = false;
-    } else {
-      stress_.push_back(von_mises_error(skin.values, found->stress));
-    }
+    seen_.add(error, stress);
     return true;
   }
 
-  // @pre scores.by_frame are the deep and seen frames among the added ones, in the same order
+  // @pre scores.by_frame are the deep and seen frames among the added ones, scores.unseen->by_frame
+  // the deep and unseen ones, in the same order
   void write(BodyScores& scores) const {
-    scores.displacement_error = median_and_p90(relative_);
-    scores.max_vertex_error_mm = median_and_p90(worst_mm_);
+    seen_.write(scores);
+    unseen_.write(*scores.unseen);
     scores.max_vertex_error_mm_shallow = median_and_p90(shallow_mm_);
     scores.max_vertex_error_mm_unseen = median_and_p90(unseen_mm_);
     scores.excess_indentation_mm = p50_and_p99(overpress_mm_);
-    if (stress_known_) scores.von_mises_error = median_and_p90(stress_);
-    for (std::size_t k = 0; k < relative_.size(); ++k) {
-      scores.by_frame[k].displacement_error = relative_[k];
-      scores.by_frame[k].max_vertex_error_mm = worst_mm_[k];
-      if (stress_known_) scores.by_frame[k].von_mises_error = stress_[k];
-    }
   }
 
  private:
@@ -304,8 +328,8 @@ class SkinErrors {
   DrawnSkins& skins_;
   Eigen::VectorXd areas_;
   SkinProjection onto_true_skin_;
-  std::vector<double> relative_, worst_mm_, shallow_mm_, unseen_mm_, stress_, overpress_mm_;
-  bool stress_known_ = true;
+  DeepErrors seen_, unseen_;
+  std::vector<double> shallow_mm_, unseen_mm_, overpress_mm_;
 };
 
 void add_skin_scores(const TruthFolder& truth, const ResultFolder& result,
@@ -331,9 +355,11 @@ std::optional<Eigen::Vector3d> force_of(const FoundTouch& touch, const ReducedBo
 }
 
 // A frame that was not processed counts as without a touch, as in the other scores of touches.
-// @param lines  the lines of scores.frames
+// @param lines   the lines of scores.by_frame
+// @param scores  BodyScores or UnseenScores
+template <class Scores>
 void add_force_scores(const ResultFolder& result, const std::vector<DeformedLine>& lines,
-                      const ReducedBody* body, BodyScores& scores) {
+                      const ReducedBody* body, Scores& scores) {
   if (!result.touches) return;
   std::vector<double> errors;
   for (const DeformedLine& line : lines) {
@@ -359,10 +385,15 @@ void add_deformed_scores(const TruthFolder& truth, const ResultFolder& result,
   scores.reference_frames = 0;
   scores.reference_frames_shallow = 0;
   scores.reference_frames_unseen = 0;
-  std::vector<DeformedLine> deep;
+  scores.unseen.emplace();
+  std::vector<DeformedLine> deep, deep_unseen;
   for (const DeformedLine& line : lines) {
     if (!truth.is_seen(line.frame)) {
       ++*scores.reference_frames_unseen;
+      if (!is_deep(line)) continue;
+      ++scores.unseen->frames;
+      scores.unseen->by_frame.emplace_back().frame = line.frame;
+      deep_unseen.push_back(line);
     } else if (!is_deep(line)) {
       ++*scores.reference_frames_shallow;
     } else {
@@ -373,6 +404,7 @@ void add_deformed_scores(const TruthFolder& truth, const ResultFolder& result,
   }
   add_skin_scores(truth, result, lines, skins, scores);
   add_force_scores(result, deep, body, scores);
+  add_force_scores(result, deep_unseen, body, *scores.unseen);
 }
 
 }  // namespace

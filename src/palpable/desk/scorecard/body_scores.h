@@ -14,11 +14,19 @@
 
 namespace palpable {
 
-/// The scores of one frame with a touch that is seen and at least 4 mm deep, named as in
-/// docs/benchmark.md. Values that the result does not give are nothing.
+/// The scores of one frame with a touch at least 4 mm deep, named as in docs/benchmark.md. Values
+/// that the result does not give are nothing.
 struct ReferenceFrame {
   int frame = 0;
   std::optional<double> displacement_error, max_vertex_error_mm, von_mises_error, force_error;
+};
+
+/// The scores of the frames with a touch at least 4 mm deep that no camera sees: "unseen" in
+/// docs/benchmark.md. Each has the meaning of its namesake in BodyScores.
+struct UnseenScores {
+  int frames = 0;
+  std::optional<MedianAndP90> displacement_error, max_vertex_error_mm, von_mises_error, force_error;
+  std::vector<ReferenceFrame> by_frame;  ///< those of `frames`
 };
 
 /// Scores named as in docs/benchmark.md; nothing when truth or result lacks the files for them.
@@ -42,12 +50,13 @@ struct BodyScores {
   // Against truth/deformed; nothing without it.
   std::optional<int> reference_frames;          ///< scored frames, seen and >= 4 mm deep
   std::optional<int> reference_frames_shallow;  ///< scored frames, seen and < 4 mm deep
-  std::optional<int> reference_frames_unseen;   ///< touch not seen: only counted
+  std::optional<int> reference_frames_unseen;   ///< scored frames, touch not seen
   std::optional<MedianAndP90> displacement_error, max_vertex_error_mm;
   std::optional<MedianAndP90> max_vertex_error_mm_shallow, max_vertex_error_mm_unseen;
   std::optional<MedianAndP90> von_mises_error, force_error;
   std::optional<P50AndP99> excess_indentation_mm;
   std::vector<ReferenceFrame> by_frame;  ///< those of reference_frames
+  std::optional<UnseenScores> unseen;    ///< apart: none of the figures above includes them
 };
 
 /// Scores a body. A result cannot gain by leaving out hard frames: a frame that was not processed

@@ -195,6 +195,12 @@ TEST_CASE("the truth itself as result has perfect scores", "[scorecard]") {
   CHECK(body.excess_indentation_mm->p99 <= rounding);
   CHECK(body.reference_frames_unseen == 1);
   CHECK(body.max_vertex_error_mm_unseen->p90 <= rounding);
+  REQUIRE(body.unseen);
+  CHECK(body.unseen->frames == 1);
+  CHECK(body.unseen->displacement_error->p90 <= rounding);
+  CHECK(body.unseen->max_vertex_error_mm->p90 <= rounding);
+  CHECK(body.unseen->von_mises_error->p90 <= rounding);
+  CHECK(body.unseen->force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
   CHECK(body.frames_touch_unseen == 1);
   CHECK(*body.penetration_median_mm_unseen <= chord);
   CHECK(body.placement_error_mm->p90 == 0);
@@ -268,10 +274,9 @@ TEST_CASE("a touch felt with nothing near is false, one that no camera sees is n
   CHECK(*beside.body.penetration_median_mm == Approx(6));
 }
 
-TEST_CASE("a touch that no camera sees is counted but not scored", "[scorecard]") {
+TEST_CASE("a touch that no camera sees is scored apart from the others", "[scorecard]") {
   const Scorecard scores = scores_of([](const Moment& now) {
-    return now.seen_share < 0.5 ? Response{pressed(0.009)}
-                                : perfect(now);  // and without a felt touch
+    return now.seen_share < 0.5 ? Response{at_rest()} : perfect(now);  // and without a felt touch
   });
   const BodyScores& deformed = scores.body;
   const double rounding = tolerance(1e-9, "weights of a corner");
@@ -283,7 +288,49 @@ TEST_CASE("a touch that no camera sees is counted but not scored", "[scorecard]"
   CHECK(deformed.reference_frames == 2);
   CHECK(deformed.reference_frames_shallow == 1);
   CHECK(deformed.reference_frames_unseen == 1);
-  CHECK(deformed.max_vertex_error_mm_unseen->median == Approx(3));  // 9 mm instead of 6 mm
+  CHECK(deformed.max_vertex_error_mm_unseen->median == Approx(6));
+  REQUIRE(deformed.unseen);
+  CHECK(deformed.unseen->frames == 1);
+  CHECK(deformed.unseen->displacement_error->median == Approx(1));  // at rest
+  CHECK(deformed.unseen->max_vertex_error_mm->median == Approx(6));
+  CHECK(deformed.unseen->von_mises_error->median == Approx(1));
+  CHECK(deformed.unseen->force_error->median == Approx(1));  // not felt
+  REQUIRE(deformed.unseen->by_frame.size() == 1);
+  CHECK(deformed.unseen->by_frame[0].frame == 6);
+  CHECK(*deformed.unseen->by_frame[0].displacement_error == Approx(1));
+  CHECK(*deformed.unseen->by_frame[0].force_error == Approx(1));
+}
+
+TEST_CASE("shallow touches that no camera sees are counted, not among the deep ones",
+          "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_shallow_unseen");
+  const fs::path truth = scratch / "truth";
+  write_truth(truth);
+  write_result(scratch / "result", perfect);
+  // No touch is seen. Of the frames with full solutions, that of 2 mm is shallow.
+  std::string contacts;
+  for (int n = 0; n < std::ssize(kMoments); ++n) {
+    const double depth = kMoments[static_cast<std::size_t>(n)].depth;
+    ContactLine contact{.frame = n, .touching = depth > 0, .site = -1};
+    if (contact.touching) {
+      contact.depth = depth;
+      contact.point = Vector3d::Zero();
+      contact.seen_share = 0.4;
+    } else {
+      contact.gap = -depth;
+    }
+    contacts += contact_line(contact);
+  }
+  write_text(truth / "contact.jsonl", contacts);
+  const BodyScores scores = score_folders(truth, scratch / "result", nullptr, {}).body;
+  CHECK(scores.reference_frames == 0);
+  CHECK(scores.reference_frames_shallow == 0);
+  CHECK(scores.reference_frames_unseen == 4);
+  REQUIRE(scores.unseen);
+  CHECK(scores.unseen->frames == 3);
+  CHECK(scores.unseen->by_frame.size() == 3);
+  CHECK_FALSE(scores.displacement_error.has_value());
+  CHECK(scores.unseen->displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
 }
 
 TEST_CASE("overpress is also measured at the second of two touches", "[scorecard]") {

@@ -24,7 +24,8 @@ struct Target {
 };
 constexpr std::string_view kEveryFilm;
 constexpr std::string_view kUsualFilms = "usual";  // all but these
-constexpr std::array<std::string_view, 4> kUnusualFilms{"dark", "textureless", "pencil", "beams"};
+constexpr std::array<std::string_view, 5> kUnusualFilms{"dark", "textureless", "pencil",
+                                                        "pencil-turn", "beams"};
 
 using enum Bound;
 // All targets. A figure that is not listed has none.
@@ -133,10 +134,11 @@ class Figures {
   void begin_section(const char* heading) { sections_.push_back({heading, {}, {}}); }
 
   // A figure with a line of its own.
+  // @param name  key in JSON; "group.key": in the object "group"
   template <class T>
   void add(const std::string& name, const std::optional<T>& value, const char* what,
            const Format& format) {
-    json_[name] = or_null(value);
+    at(name) = or_null(value);
     Row& row = add_row(what);
     if constexpr (std::is_same_v<T, MedianAndP90>) {
       set(row, row.typical, name + ".median", part(value, &T::median), format);
@@ -156,7 +158,7 @@ class Figures {
     set(row, row.at_worst, name, value, format);
   }
   Row& add_row(const char* what) { return sections_.back().rows.emplace_back(Row{what}); }
-  void add_json(const char* name, Json value) { json_[name] = std::move(value); }
+  void add_json(const char* name, Json value) { at(name) = std::move(value); }
   // Lines at the end of the section.
   void add_text(const std::string& lines) { sections_.back().text += lines; }
 
@@ -174,6 +176,12 @@ class Figures {
     std::vector<Row> rows;
     std::string text;
   };
+
+  Json& at(const std::string& name) {
+    const std::size_t dot = name.find('.');
+    if (dot == std::string::npos) return json_[name];
+    return json_[name.substr(0, dot)][name.substr(dot + 1)];
+  }
 
   template <class T>
   static std::optional<double> part(const std::optional<T>& value, double T::*member) {
@@ -248,10 +256,9 @@ void add_surface(const BodyScores& body, Figures& f) {
   f.add("jumps_above_4mm", body.jumps_above_4mm, "jumps above 4 mm", kFrames);
 }
 
-Json errors_by_frame(const BodyScores& body) {
-  if (!body.reference_frames) return nullptr;
+Json json_of(const std::vector<ReferenceFrame>& by_frame) {
   Json frames = Json::array();
-  for (const ReferenceFrame& frame : body.by_frame) {
+  for (const ReferenceFrame& frame : by_frame) {
     frames.push_back({{"frame", frame.frame},
                       {"displacement_error", frame.displacement_error},
                       {"max_vertex_error_mm", frame.max_vertex_error_mm},
@@ -259,6 +266,20 @@ Json errors_by_frame(const BodyScores& body) {
                       {"force_error", frame.force_error}});
   }
   return frames;
+}
+
+// The same figures of deep touches that no camera sees.
+void add_unseen(const std::optional<UnseenScores>& unseen, Figures& f) {
+  if (!unseen) return f.add_json("unseen", nullptr);
+  f.add("unseen.frames", std::optional(unseen->frames), "of these at least 4 mm deep", kCount);
+  f.add("unseen.displacement_error", unseen->displacement_error,
+        "their displacement, relative error", kPercent);
+  f.add("unseen.max_vertex_error_mm", unseen->max_vertex_error_mm, "their worst vertex, error",
+        kMm);
+  f.add("unseen.von_mises_error", unseen->von_mises_error,
+        "their von Mises stress, error of the worst vertex", kPercent);
+  f.add("unseen.force_error", unseen->force_error, "their force, relative error", kPercent);
+  f.add_json("unseen.errors_by_frame", json_of(unseen->by_frame));
 }
 
 void add_reference(const BodyScores& body, Figures& f) {
@@ -280,7 +301,8 @@ void add_reference(const BodyScores& body, Figures& f) {
         "frames whose touch no camera sees", kCount);
   f.add("max_vertex_error_mm_unseen", body.max_vertex_error_mm_unseen, "their worst vertex, error",
         kMm);
-  f.add_json("errors_by_frame", errors_by_frame(body));
+  f.add_json("errors_by_frame", body.reference_frames ? json_of(body.by_frame) : Json(nullptr));
+  add_unseen(body.unseen, f);
 }
 
 void add_place(const BodyScores& body, Figures& f) {

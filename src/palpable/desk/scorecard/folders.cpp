@@ -150,13 +150,7 @@ std::vector<Capsule> TruthFolder::hand_at_body(int frame) const {
   const auto hand = hands.find(frame);
   const std::optional<Rigid3> camera_from_body = pose_at(frame);
   if (hand == hands.end() || !camera_from_body) return {};
-  const Rigid3 body_from_camera = camera_from_body->inverse();
-  std::vector<Capsule> capsules = hand->second;
-  for (Capsule& capsule : capsules) {
-    capsule.a = body_from_camera * capsule.a;
-    capsule.b = body_from_camera * capsule.b;
-  }
-  return capsules;
+  return transformed(hand->second, camera_from_body->inverse());
 }
 
 bool TruthFolder::is_seen(int frame) const {

@@ -234,9 +234,10 @@ TEST_CASE("a missing score is null in JSON and a dash in text", "[scorecard]") {
   }
   CHECK(known == std::vector<std::string>{"frames", "frames_processed", "occlusion_frames",
                                           "crossing_frames", "depth_frames"});
-  CHECK(json.items().size() == 58);
+  CHECK(json.items().size() == 59);
   CHECK(json["touch_recall"].is_null());
   CHECK(json["errors_by_frame"].is_null());
+  CHECK(json["unseen"].is_null());
   const std::string text = text_of(scores);
   CHECK(
       text.starts_with("compared: out with the truth in clip/truth, 3 of 3 frames processed\n"
@@ -279,6 +280,29 @@ TEST_CASE("scores are listed with their units, depth by distance", "[scorecard]"
   CHECK(json["depth_error_median"]["0.5"].get<double>() == 0.0123);
   CHECK(json["depth_error_median"]["15"].is_null());
   CHECK(json["reduction_error_worst"].get<double>() == 0.5);
+}
+
+TEST_CASE("touches that no camera sees have the same figures in a group of their own",
+          "[scorecard]") {
+  Scorecard scores;
+  scores.body.reference_frames = 0;
+  scores.body.unseen.emplace();
+  scores.body.unseen->frames = 2;
+  scores.body.unseen->displacement_error = MedianAndP90{0.5, 0.75};
+  scores.body.unseen->by_frame.resize(2);
+  scores.body.unseen->by_frame[1].frame = 8;
+  scores.body.unseen->by_frame[1].displacement_error = 0.75;
+  const Json json = json_of(scores)["unseen"];
+  CHECK(json["frames"].get<int>() == 2);
+  CHECK(json["displacement_error"]["p90"].get<double>() == 0.75);
+  CHECK(json["force_error"].is_null());
+  CHECK(json["errors_by_frame"][1]["frame"].get<int>() == 8);
+  CHECK(json["errors_by_frame"][1]["displacement_error"].get<double>() == 0.75);
+  CHECK(json_of(scores)["displacement_error"].is_null());
+  const std::string text = text_of(scores);
+  CHECK(line_with(text, "of these at least 4 mm deep").ends_with(" 2"));
+  CHECK(says(line_with(text, "their displacement, relative error"), {"50.0 %", "75.0 %"}));
+  CHECK(text.find("target") == std::string::npos);  // the project states none for them
 }
 
 // A run on a film with touches, all of whose scores are good enough but the penetration at worst.
@@ -334,6 +358,7 @@ TEST_CASE("a figure with a target has a verdict beside it", "[scorecard]") {
 
 TEST_CASE("targets are those stated for the film", "[scorecard]") {
   CHECK(text_of(nearly_good("pencil")).find("target") == std::string::npos);
+  CHECK(text_of(nearly_good("pencil-turn")).find("target") == std::string::npos);
   CHECK(says(line_with(text_of(nearly_good("beams")), "displacement, relative error"),
              {"missed (target: at most 6 %, at most 12 % at worst)"}));
   Scorecard walk;

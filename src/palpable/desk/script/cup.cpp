@@ -4,6 +4,7 @@
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/desk/script/camera_motions.h"
 #include "palpable/desk/script/contact_truth.h"
+#include "palpable/desk/script/cup_push.h"
 #include "palpable/desk/script/press_targets.h"
 #include "palpable/desk/script/random.h"
 #include "palpable/desk/script/things.h"
@@ -45,13 +46,6 @@ CupChoice cup_choice(std::uint64_t seed) {
   return choice;
 }
 
-/// A push: its direction, and the contact at its first touch. Desk frame.
-struct Push {
-  Vector3d direction;
-  Vector3d at_touch;  // the cup's origin at the first touch
-  Vector3d touched;   // the point of the body
-};
-
 Rigid3 cup_pose(const Vector3d& origin, const Vector3d& direction) {
   // The handle points backwards and to the thumb's side, where it touches neither body nor palm.
   const Vector3d thumb_side = Vector3d::UnitZ().cross(direction);
@@ -62,40 +56,6 @@ Rigid3 cup_pose(const Vector3d& origin, const Vector3d& direction) {
   pose.linear().col(2) = Vector3d::UnitZ();
   pose.translation() = origin;
   return pose;
-}
-
-/// The push of a cup along `direction` until its side first touches one of the points; none when
-/// the cup passes all of them.
-/// @param aside  m, lateral offset of the cup's axis from the mean of the points
-std::optional<Push> find_push(const Eigen::Matrix3Xd& points, const Vector3d& direction,
-                              double aside) {
-  const Vector3d across = Vector3d::UnitZ().cross(direction);
-  const Vector3d middle = points.rowwise().mean();
-  const Vector3d start = Vector3d(middle.x(), middle.y(), kStands) + aside * across;
-  std::optional<Push> push;
-  double first = 0.0;
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const Vector3d x = points.col(i);
-    const double beside = (x - start).dot(across);
-    if (std::abs(beside) >= kCupRadius || x.z() > kCupHeight - kCupWallRadius) continue;
-    // A point at the lateral offset `beside` stops the cup half a chord of its circle before the
-    // point.
-    const double stop =
-        (x - start).dot(direction) - std::sqrt(kCupRadius * kCupRadius - beside * beside);
-    if (push && stop >= first) continue;
-    first = stop;
-    push = Push{direction, start + stop * direction, x};
-  }
-  return push;
-}
-
-/// rad between the cup's outward normal at the touched point and the ray to the eye.
-double view_angle_of(const Push& push, const Vector3d& eye) {
-  Vector3d normal = push.touched - push.at_touch;
-  normal.z() = 0.0;
-  normal.normalize();
-  const Vector3d to_eye = (eye - push.touched).normalized();
-  return std::acos(std::clamp(normal.dot(to_eye), -1.0, 1.0));
 }
 
 /// The motion: a hand brings the cup, pushes it against the body, releases it and leaves.
@@ -118,7 +78,7 @@ struct CupWay {
   }
 };
 
-CupWay cup_way(const Push& push, const CupChoice& choice, std::uint64_t seed) {
+CupWay cup_way(const CupPush& push, const CupChoice& choice, std::uint64_t seed) {
   const Vector3d& h = push.direction;
   const double in = choice.in;
   // The palm faces along the push.
@@ -162,7 +122,7 @@ std::string trouble_on(const CupWay& way, const Eigen::Matrix3Xd& body) {
   return "";
 }
 
-Sequence sequence_of(const CupWay& way, const Push& push, const CupChoice& choice,
+Sequence sequence_of(const CupWay& way, const CupPush& push, const CupChoice& choice,
                      const DeskBody& body, const Rigid3& desk_from_body, int frames,
                      std::uint64_t seed) {
   Sequence sequence = tripod_sequence("cup", frames, seed);
@@ -174,7 +134,7 @@ Sequence sequence_of(const CupWay& way, const Push& push, const CupChoice& choic
   touch.depth = choice.depth;
   touch.frames = {static_cast<int>(kFramesWithoutHand + kPushFrame), frames - 1};
   touch.seconds_to_depth = choice.in / kFramesPerSecond;
-  touch.view_angle = view_angle_of(push, first_eye());
+  touch.view_angle = view_angle_of_push(push, first_eye());
   touch.first_touch = push.at_touch;
   touch.direction = push.direction;
   if (touch.frames.first < frames) sequence.touches = {touch};
@@ -196,8 +156,8 @@ Sequence plan_cup(const DeskBody& body, int frames, std::uint64_t seed) {
     for (const double azimuth : {222.0, 230.0, 214.0, 238.0})
       for (const double aside : {0.0, 0.015, -0.015}) {
         const Vector3d h(std::cos(azimuth * kDegree), std::sin(azimuth * kDegree), 0.0);
-        const auto push = find_push(points.points, h, aside);
-        if (!push || view_angle_of(*push, first_eye()) > kWidestView) continue;
+        const auto push = find_cup_push(points.points, h, aside, kStands);
+        if (!push || view_angle_of_push(*push, first_eye()) > kWidestView) continue;
         const CupWay way = cup_way(*push, choice, seed);
         const std::string trouble = trouble_on(way, points.points);
         if (trouble.empty())

@@ -190,8 +190,7 @@ std::vector<HandCapsule> hand_capsules(const HandPose& pose) {
 }
 
 HandCapsule transformed(HandCapsule capsule, const Rigid3& target_from_source) {
-  capsule.shape.a = target_from_source * capsule.shape.a;
-  capsule.shape.b = target_from_source * capsule.shape.b;
+  capsule.shape = transformed(capsule.shape, target_from_source);
   capsule.back = target_from_source.linear() * capsule.back;
   return capsule;
 }

@@ -3,6 +3,8 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/desk/script/random.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -120,9 +122,23 @@ HandPose HandPath::planned(double frame) const {
     tip[axis] = interpolate([axis](const HandKey& at) { return at.tip[axis]; });
   const double open = interpolate([](const HandKey& at) { return at.open; });
   const double eased = t * t * (3.0 - 2.0 * t);
-  const Quaterniond turn = key(k).turn.slerp(eased, key(k + 1).turn);
-  return pose_at_tip(tool, tip, turn, blend(tool.working, tool.passing, std::clamp(open, 0.0, 1.0)),
-                     arm);
+  Quaterniond turn = key(k).turn.slerp(eased, key(k + 1).turn);
+  const auto gesture_of = [this](double share) {
+    return blend(tool.working, tool.passing, std::clamp(share, 0.0, 1.0));
+  };
+  const HandGesture gesture = gesture_of(open);
+  if (const HandSpin& spin = key(k + 1).spin; spin.angle != 0.0) {
+    turn = Eigen::AngleAxisd(eased * spin.angle, spin.axis) * key(k).turn;
+    const auto arm_of_pivot = [&](const HandGesture& of) -> Vector3d {
+      return spin.pivot - tip_in_wrist(tool, of);
+    };
+    const auto pivot_at = [&](const HandKey& at) -> Vector3d {
+      return at.tip + at.turn * arm_of_pivot(gesture_of(at.open));
+    };
+    const Vector3d from = pivot_at(key(k));
+    tip = from + eased * (pivot_at(key(k + 1)) - from) - turn * arm_of_pivot(gesture);
+  }
+  return pose_at_tip(tool, tip, turn, gesture, arm);
 }
 
 HandPose HandPath::pose(double frame) const {

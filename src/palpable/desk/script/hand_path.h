@@ -59,16 +59,28 @@ struct ArmSide {
 [[nodiscard]] Eigen::Quaterniond turn_for(const HandTool& tool, const Eigen::Vector3d& pointing,
                                           const Eigen::Vector3d& back);
 
+/// A rotation about a given axis on the way from one key to the next. It may exceed half a turn,
+/// which the shortest rotation between two orientations cannot.
+struct HandSpin {
+  double angle = 0;                                 ///< rad, right-handed; 0: no such rotation
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< unit, desk frame
+  Eigen::Vector3d pivot = Eigen::Vector3d::Zero();  ///< wrist frame
+};
+
 /// The hand at one time.
 struct HandKey {
   double frame = 0;
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();             ///< desk frame
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< desk from wrist
   double open = 0;                                           ///< gesture: 0 working, 1 passing
+  /// The rotation from the previous key to this one. With an angle other than 0, `turn` must be
+  /// that rotation times the previous key's `turn`.
+  HandSpin spin = {};
 };
 
 /// The path of a hand. Between keys each coordinate of the tip follows a monotone cubic, which does
-/// not overshoot: a press is exactly as deep as planned, and a straight approach stays straight.
+/// not overshoot: a press is exactly as deep as planned, and a straight approach stays straight. On
+/// the way to a key with a spin the pivot moves straight instead, and the tip round it.
 struct HandPath {
   HandTool tool;
   ArmSide arm;

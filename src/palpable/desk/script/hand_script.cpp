@@ -111,6 +111,39 @@ void HandScript::work_in_front(double frames) {
   spans_.push_back({"hand_in_front", {to_frame(start + 26), to_frame(start + 26 + frames)}});
 }
 
+bool HandScript::turn_in_view(double angle, double frames) {
+  constexpr double kFirst = 24;  // frames, of the first turn
+  constexpr double kStill = 4;   // frames, between the turns, and before and after them
+  // The forearm passes through the middle of the picture, 0.28 m before the eye. What the hand
+  // holds comes within 0.2 m of the eye, and of the body stays clear.
+  const Vector3d knuckles = first_camera_from_desk().inverse() * Vector3d(0.045, -0.005, 0.28);
+  const Vector3d pivot(0.085, 0.0, 0.0);  // between the knuckles, wrist frame
+  const Vector3d forearm = Vector3d::UnitX();
+  const Quaterniond palm_down(frame_of(-forearm, Vector3d::UnitZ()));
+  const Quaterniond palm_up = Eigen::AngleAxisd(-angle, forearm) * palm_down;
+  const std::size_t keys_before = path_.keys.size();
+  const double start = now();
+  const auto turn_to = [&](double at, const Quaterniond& turn, double by) {
+    const Vector3d tip = knuckles + turn * (tip_in_wrist(style_.tool, style_.tool.working) - pivot);
+    key(at, tip, turn, 0.0);
+    path_.keys.back().spin = {by, forearm, pivot};
+  };
+  const double first = start + 18;
+  const double back = first + kStill + kFirst + kStill;
+  turn_to(first, palm_down, 0.0);
+  turn_to(first + kStill, palm_down, 0.0);
+  turn_to(first + kStill + kFirst, palm_up, -angle);
+  turn_to(back, palm_up, 0.0);
+  turn_to(back + frames, palm_down, angle);
+  turn_to(back + frames + kStill, palm_down, 0.0);
+  if (!stays_clear(start)) {
+    path_.keys.resize(keys_before);
+    return false;
+  }
+  spans_.push_back({"turned", {to_frame(back), to_frame(back + frames)}});
+  return true;
+}
+
 void HandScript::wait(double frames) { key(now() + frames, rest_, rest_turn_, 0.5); }
 
 void HandScript::key(double at, const Vector3d& tip, const Quaterniond& turn, double open) {
@@ -145,6 +178,19 @@ bool HandScript::touch(const PressPosture& posture, double depth, const Pace& pa
   touches_.push_back({style_.what, posture.target.site, posture.target.between, depth, frames,
                       pace.in / kFramesPerSecond, posture.view_angle, posture.touch,
                       posture.target.direction});
+  return true;
+}
+
+/// Whether the hand, since frame `start`, touches neither desk nor body. Sets why_not_ otherwise.
+bool HandScript::stays_clear(double start) {
+  for (int frame = static_cast<int>(std::ceil(start)); frame <= std::floor(now()); ++frame) {
+    const std::vector<Capsule> hand = shapes_of(path_.capsules(frame));
+    const bool on_desk = lowest_point(hand) < 0.0;
+    if (!on_desk && !palpable::touches(hand, surface_.points)) continue;
+    why_not_ = on_desk ? "the hand that turns would meet the desk"
+                       : "the hand that turns would meet the body";
+    return false;
+  }
   return true;
 }
 

@@ -62,6 +62,13 @@ class HandScript {
   /// @param frames  duration
   void work_in_front(double frames);
 
+  /// Turns the hand before the camera about its forearm, which comes from the right: from palm down
+  /// to palm up, and back. The camera then has seen all sides of what the hand holds. Returns false
+  /// and adds nothing when the hand would touch desk or body.
+  /// @param angle   rad, at least half a turn
+  /// @param frames  duration of the turn back; the first one is faster
+  bool turn_in_view(double angle, double frames);
+
   /// Keeps the hand at its rest position.
   void wait(double frames);
 
@@ -77,6 +84,7 @@ class HandScript {
   void key(double at, const Eigen::Vector3d& tip, const Eigen::Quaterniond& turn, double open);
   bool touch(const PressPosture& posture, double depth, const Pace& pace,
              const std::vector<Eigen::Vector3d>& places);
+  bool stays_clear(double start);
   bool touches_only(const PressPosture& posture, const std::vector<Eigen::Vector3d>& places,
                     FrameSpan frames, double start);
 

@@ -3,6 +3,7 @@
 #include "palpable/common/base/contract.h"
 #include "palpable/desk/script/camera_motions.h"
 #include "palpable/desk/script/cup.h"
+#include "palpable/desk/script/cup_turn.h"
 #include "palpable/desk/script/demo.h"
 #include "palpable/desk/script/disturbances.h"
 #include "palpable/desk/script/press_targets.h"
@@ -30,7 +31,9 @@ constexpr std::array kKinds = {
     SequenceKind{"blur-hand", 600, "blur, with a hand at work before the camera"},
     SequenceKind{"press", 600, "a finger presses the body, 3-14 mm deep, at several speeds"},
     SequenceKind{"pencil", 600, "the tip of a pencil presses the body"},
+    SequenceKind{"pencil-turn", 600, "a pencil is turned in view, then presses away from the eye"},
     SequenceKind{"cup", 600, "a cup is put against the body and left there"},
+    SequenceKind{"cup-turn", 600, "a cup is turned in view, then presses with its far side"},
     SequenceKind{"slide", 600, "a finger slides along the body"},
     SequenceKind{"palm", 600, "a flat hand presses the body"},
     SequenceKind{"two-hands", 600, "two hands press the body"},
@@ -90,6 +93,8 @@ Sequence plan_sequence(std::string_view name, const DeskBody& body, int frames,
     sequence = plan_demo(body, frames, seed);
   } else if (name == "cup") {
     sequence = plan_cup(body, frames, seed);
+  } else if (name == "cup-turn") {
+    sequence = plan_cup_turn(body, frames, seed);
   } else if (name == "squeeze") {
     sequence = plan_squeezes(body, frames, seed);
   } else if (is_disturbance(name)) {

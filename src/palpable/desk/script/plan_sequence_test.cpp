@@ -5,6 +5,7 @@
 #include "palpable/common/geometry/rigid.h"
 #include "palpable/desk/script/contact_truth.h"
 #include "palpable/desk/script/seen_share.h"
+#include "tests/support/desk_egg.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Geometry>
@@ -18,29 +19,13 @@
 #include <utility>
 
 using namespace palpable;
+using palpable::test::desk_egg;
 using palpable::test::tolerance;
 
 namespace {
 
-/// An egg on the desk, 0.13 m high, covered with sites that are pressed towards its centre.
-/// @param half_width  m
-DeskBody egg(double half_width = 0.045) {
-  DeskBody body;
-  body.surface = sphere_surface({0, 0, 0}, 1.0, 4);
-  const Eigen::Vector3d middle(0.0, 0.0, 0.065);
-  body.surface.vertices =
-      (Eigen::Vector3d(half_width, 0.055, 0.065).asDiagonal() * body.surface.vertices).colwise() +
-      middle;
-  for (int v = 0; v < body.surface.vertex_count(); v += 41) body.site_vertices.push_back(v);
-  body.directions.resize(3, static_cast<Eigen::Index>(body.site_vertices.size()));
-  for (std::size_t s = 0; s < body.site_vertices.size(); ++s)
-    body.directions.col(static_cast<Eigen::Index>(s)) =
-        (middle - body.surface.vertices.col(body.site_vertices[s])).normalized();
-  return body;
-}
-
 /// An egg that finger and thumb can reach round.
-DeskBody slim_egg() { return egg(0.024); }
+DeskBody slim_egg() { return desk_egg(0.024); }
 
 int length_of(std::string_view name) {
   for (const SequenceKind& kind : sequence_kinds())
@@ -52,7 +37,7 @@ int length_of(std::string_view name) {
 const Sequence& plan(std::string_view name, std::uint64_t seed) {
   static std::map<std::pair<std::string, std::uint64_t>, Sequence> planned;
   const auto [entry, is_new] = planned.try_emplace({std::string(name), seed});
-  if (is_new) entry->second = plan_sequence(name, egg(), length_of(name), seed);
+  if (is_new) entry->second = plan_sequence(name, desk_egg(), length_of(name), seed);
   return entry->second;
 }
 
@@ -63,12 +48,7 @@ Eigen::Vector3d eye_of(const Sequence& s, double frame) {
 double turned_by(const Rigid3& change) { return Eigen::AngleAxisd(change.linear()).angle(); }
 
 std::vector<Capsule> in_camera(const Sequence& s, int frame) {
-  std::vector<Capsule> capsules = shapes_of(s.movers(frame).capsules);
-  for (Capsule& c : capsules) {
-    c.a = s.camera_from_desk(frame) * c.a;
-    c.b = s.camera_from_desk(frame) * c.b;
-  }
-  return capsules;
+  return transformed(shapes_of(s.movers(frame).capsules), s.camera_from_desk(frame));
 }
 
 const PinholeCamera kView = zed_mini_rig().left.pinhole;
@@ -125,10 +105,11 @@ Touching touching_at(const Sequence& s, const SurfacePoints& in_desk, int frame)
 
 TEST_CASE("the list of sequences has those of the benchmark, with their lengths", "[script]") {
   for (const char* name :
-       {"still",     "still-tripod", "walk",        "shake",        "blur", "still-hand",
-        "walk-hand", "blur-hand",    "press",       "pencil",       "cup",  "slide",
-        "palm",      "two-hands",    "press-axial", "press-behind", "dark", "textureless",
-        "exposure",  "rolling",      "drift",       "squeeze",      "rest"})
+       {"still",        "still-tripod", "walk",        "shake",     "blur",
+        "still-hand",   "walk-hand",    "blur-hand",   "press",     "pencil",
+        "cup",          "slide",        "palm",        "two-hands", "press-axial",
+        "press-behind", "dark",         "textureless", "exposure",  "rolling",
+        "drift",        "squeeze",      "rest",        "cup-turn",  "pencil-turn"})
     CHECK(length_of(name) >= 600);
   CHECK(length_of("walk") == 900);
   CHECK(length_of("walk-hand") == 900);
@@ -140,7 +121,7 @@ TEST_CASE("every sequence begins without a hand, the body 0.35 to 0.5 m before t
           "[script]") {
   for (const SequenceKind& kind : sequence_kinds()) {
     INFO(kind.name);
-    const DeskBody body = kind.name == "squeeze" ? slim_egg() : egg();
+    const DeskBody body = kind.name == "squeeze" ? slim_egg() : desk_egg();
     // A sequence of 61 frames is fast to plan because it has no press.
     const Sequence s = plan_sequence(kind.name, body, 61, 1);
     CHECK(s.name == kind.name);
@@ -256,7 +237,8 @@ TEST_CASE(
   for (const char* name : {"still-hand", "walk-hand", "blur-hand"}) {
     INFO(name);
     const Sequence& s = plan(name, 2);
-    const SurfacePoints body = transformed(sample_surface(egg().surface, 0.006), s.desk_from_body);
+    const SurfacePoints body =
+        transformed(sample_surface(desk_egg().surface, 0.006), s.desk_from_body);
     int looked = 0;
     int within = 0;
     for (int frame = 0; frame < s.frames; frame += 11) {
@@ -277,7 +259,7 @@ TEST_CASE("presses touch in their frames, near their places, and nowhere else", 
       INFO(name << ", seed " << seed);
       const Sequence& s = plan(name, seed);
       const SurfacePoints body =
-          transformed(sample_surface(egg().surface, 0.0015), s.desk_from_body);
+          transformed(sample_surface(desk_egg().surface, 0.0015), s.desk_from_body);
       REQUIRE(s.touches.size() >= 3);
       std::vector<double> deepest(s.touches.size(), 0.0);
       for (int frame = 0; frame < s.frames; frame += 3) {
@@ -369,7 +351,8 @@ TEST_CASE("a cup is put against the body and left there, its touching side in vi
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     INFO("seed " << seed);
     const Sequence& s = plan("cup", seed);
-    const SurfacePoints body = transformed(sample_surface(egg().surface, 0.0015), s.desk_from_body);
+    const SurfacePoints body =
+        transformed(sample_surface(desk_egg().surface, 0.0015), s.desk_from_body);
     REQUIRE(s.touches.size() == 1);
     REQUIRE(s.spans.size() == 1);
     const int let_go = s.spans[0].frames.first;
@@ -416,11 +399,7 @@ TEST_CASE("finger and thumb squeeze the body at the same time, and the eye sees 
         if (std::min(one, other) <= std::min(finger_depth, thumb_depth)) continue;
         finger_depth = one;
         thumb_depth = other;
-        std::vector<Capsule> in_body = hand;
-        for (Capsule& c : in_body) {
-          c.a = s.desk_from_body.inverse() * c.a;
-          c.b = s.desk_from_body.inverse() * c.b;
-        }
+        const std::vector<Capsule> in_body = transformed(hand, s.desk_from_body.inverse());
         const Eigen::Matrix3Xd part = touching_part(in_body, SurfaceDistance(surface), 0.0015, 500);
         seen = seen_share(s.camera_from_desk(frame) * s.desk_from_body * part, in_camera(s, frame),
                           RectifiedStereo{kView, 0.063});
@@ -438,12 +417,13 @@ TEST_CASE("finger and thumb squeeze the body at the same time, and the eye sees 
     }
   }
   // No hand can reach round the thick egg.
-  CHECK_THROWS_WITH(plan_sequence("squeeze", egg(), 260, 1), Catch::Contains("30 to 70 mm"));
+  CHECK_THROWS_WITH(plan_sequence("squeeze", desk_egg(), 260, 1), Catch::Contains("30 to 70 mm"));
 }
 
 TEST_CASE("a finger is laid on the body and rests there for 20 s", "[script]") {
-  const Sequence s = plan_sequence("rest", egg(), length_of("rest"), 1);
-  const SurfacePoints body = transformed(sample_surface(egg().surface, 0.0015), s.desk_from_body);
+  const Sequence s = plan_sequence("rest", desk_egg(), length_of("rest"), 1);
+  const SurfacePoints body =
+      transformed(sample_surface(desk_egg().surface, 0.0015), s.desk_from_body);
   REQUIRE(s.touches.size() == 1);
   int resting = 0;
   for (int frame = 0; frame < s.frames; ++frame) {
@@ -470,7 +450,7 @@ TEST_CASE("two hands press from both sides", "[script][long]") {
 }
 
 TEST_CASE("each disturbance changes the sequence as documented", "[script]") {
-  const DeskBody body = egg();
+  const DeskBody body = desk_egg();
   const auto at = [](double seconds) { return static_cast<int>(std::lround(30.0 * seconds)); };
   const Sequence drift = plan_sequence("drift", body, 61, 1);
   CHECK(drift.rig(0).row_offset_px == 0.0);
@@ -504,8 +484,8 @@ TEST_CASE("each disturbance changes the sequence as documented", "[script]") {
 }
 
 TEST_CASE("a sequence depends on its seed and on nothing else", "[script]") {
-  const DeskBody body = egg();
-  for (const char* name : {"press", "walk-hand", "cup"}) {
+  const DeskBody body = desk_egg();
+  for (const char* name : {"press", "walk-hand", "cup", "cup-turn", "pencil-turn"}) {
     INFO(name);
     const Sequence a = plan_sequence(name, body, 200, 5);
     const Sequence b = plan_sequence(name, body, 200, 5);
@@ -528,15 +508,15 @@ TEST_CASE("a plan equals the earlier plan with the same seed", "[script]") {
                              {"press", 0x6ff41266590574cfU},
                              {"cup", 0x17a608ca92bdd692U}}) {
     INFO(known.name);
-    CHECK(fingerprint(plan_sequence(known.name, egg(), 110, 7)) == known.fingerprint);
+    CHECK(fingerprint(plan_sequence(known.name, desk_egg(), 110, 7)) == known.fingerprint);
   }
 }
 
 TEST_CASE("a body that cannot be pressed is refused with the reason", "[script]") {
-  DeskBody body = egg();
+  DeskBody body = desk_egg();
   body.directions.colwise() = Eigen::Vector3d(0, 0, 1);  // sites that are pressed upwards only
   CHECK_THROWS_WITH(plan_sequence("press", body, 600, 1), Catch::Contains("no site"));
-  DeskBody low = egg();
+  DeskBody low = desk_egg();
   low.surface.vertices *= 0.2;
   CHECK_THROWS_WITH(
       plan_sequence("demo", low, 300, 1),

@@ -8,6 +8,12 @@
 
 namespace palpable {
 
+namespace {
+
+const ArmSide kPastTheCamera{{0.85, -0.45, 0.25}, {0.85, -0.30, 0.40}};
+
+}  // namespace
+
 PressRules rules_where_seen() {
   PressRules rules;
   rules.least_facing = std::cos(68.0 * kDegree);
@@ -25,6 +31,19 @@ PressStyle press_style(std::string_view name) {
     style.what = "pencil";
     style.tool = hand_with_pencil();
     style.most_depth = 0.010;
+  } else if (name == "pencil-turn") {
+    style.what = "pencil";
+    style.tool = hand_with_pencil();
+    style.least_depth = 0.0045;
+    style.most_depth = 0.010;
+    style.turns = true;
+    // The hand comes past the camera, and the tip points away from it: the camera sees the barrel,
+    // but of the tip not the side that touches.
+    style.arm = kPastTheCamera;
+    style.rules.least_facing = -0.75;
+    style.rules.most_facing = -0.25;
+    style.rules.most_x = 0.30;
+    style.rules.eye_clearance = 0.06;
   } else if (name == "slide") {
     style.what = "slide";
     style.slides = true;
@@ -50,7 +69,7 @@ PressStyle press_style(std::string_view name) {
   } else if (name == "two-hands") {
     style.two_hands = true;
   } else if (name == "press-axial") {
-    style.arm = {{0.85, -0.45, 0.25}, {0.85, -0.30, 0.40}};
+    style.arm = kPastTheCamera;
     style.rules.least_facing = -1.0;
     style.rules.most_facing = -std::cos(32.0 * kDegree);
     style.rules.most_x = 1.0;

@@ -21,6 +21,7 @@ struct PressStyle {
   double most_hold = 14;       ///< longest time at the full depth, frames
   bool slides = false;         ///< whether it slides along the surface to another target
   bool comes_near = false;     ///< whether the hand sometimes passes close to the camera
+  bool turns = false;          ///< whether the hand is turned before the camera before each press
   bool two_hands = false;
 };
 
@@ -29,8 +30,8 @@ struct PressStyle {
 /// degrees away from the line of sight.
 [[nodiscard]] PressRules rules_where_seen();
 
-/// @param name  "press", "press-axial", "press-behind", "pencil", "slide", "palm", "rest" or
-///              "two-hands"
+/// @param name  "press", "press-axial", "press-behind", "pencil", "pencil-turn", "slide", "palm",
+///              "rest" or "two-hands"
 /// @throws ContractViolation for another name
 [[nodiscard]] PressStyle press_style(std::string_view name);
 

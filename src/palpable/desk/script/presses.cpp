@@ -1,6 +1,7 @@
 #include "palpable/desk/script/presses.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/common/geometry/rigid.h"
 #include "palpable/desk/script/camera_motions.h"
 #include "palpable/desk/script/hand_script.h"
 #include "palpable/desk/script/press_style.h"
@@ -63,6 +64,7 @@ class PressChoice {
   bool fill(int frames) {
     for (int press = 0; script_.now() < frames; ++press) {
       const double depth = next_depth();
+      if (style_.turns && !turn_in_view()) return false;
       if (done_.size() >= kDifferent || !press_new_target(press, depth)) {
         if (done_.empty()) return false;
         press_again(press, depth);
@@ -98,6 +100,12 @@ class PressChoice {
     const double in = kIn[press % kIn.size()] + random_.between(-1, 1);
     const double hold = random_.between(style_.least_hold, style_.most_hold);
     return {in, hold, std::max(7.0, 0.75 * in)};
+  }
+
+  bool turn_in_view() {
+    const double angle = random_.between(180.0, 195.0) * kDegree;
+    const double frames = random_.between(48.0, 84.0);  // 1.6 to 2.8 s
+    return script_.turn_in_view(angle, frames);
   }
 
   /// Presses the next possible target; of the other kind when this kind has none left.

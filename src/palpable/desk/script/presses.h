@@ -1,6 +1,7 @@
 /// @file
 /// Sequences in which hands press the body: a finger, a flat hand, two hands, a sliding finger or a
-/// pencil. Each plan is checked against the body's surface: the hands touch it only where planned.
+/// pencil, also one that is turned in view before. Each plan is checked against the body's surface:
+/// the hands touch it only where planned.
 #pragma once
 
 #include "palpable/desk/script/desk_body.h"
@@ -11,9 +12,9 @@
 
 namespace palpable {
 
-/// Plans one of "press", "press-axial", "press-behind", "pencil", "slide", "palm", "rest",
-/// "two-hands". The camera is on a tripod; rig, faults and look, except left_free, have their
-/// defaults.
+/// Plans one of "press", "press-axial", "press-behind", "pencil", "pencil-turn", "slide", "palm",
+/// "rest", "two-hands". The camera is on a tripod; rig, faults and look, except left_free, have
+/// their defaults.
 /// @throws Error when the body cannot be pressed as the sequence requires
 [[nodiscard]] Sequence plan_presses(std::string_view name, const DeskBody& body, int frames,
                                     std::uint64_t seed);

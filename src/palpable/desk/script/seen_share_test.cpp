@@ -15,18 +15,10 @@ const RectifiedStereo kEyes{{640, 360, 350, 350, 319.5, 179.5}, 0.063};
 // A ball of 40 mm radius in front of the camera, its centre 0.4 m away.
 const Rigid3 kCameraFromBody = Rigid3(Eigen::Translation3d(0, 0, 0.4));
 
-std::vector<Capsule> moved(std::vector<Capsule> capsules, const Rigid3& target_from_source) {
-  for (Capsule& c : capsules) {
-    c.a = target_from_source * c.a;
-    c.b = target_from_source * c.b;
-  }
-  return capsules;
-}
-
 double share(const std::vector<Capsule>& in_body, const Rigid3& camera_from_body) {
   const SurfaceDistance ball(sphere_surface({0, 0, 0}, 0.04, 4));
   const Eigen::Matrix3Xd part = touching_part(in_body, ball, 0.0015, 500);
-  return seen_share(camera_from_body * part, moved(in_body, camera_from_body), kEyes);
+  return seen_share(camera_from_body * part, transformed(in_body, camera_from_body), kEyes);
 }
 
 }  // namespace

@@ -201,19 +201,11 @@ class SqueezeSearch {
   }
 
   [[nodiscard]] double share_seen(const SqueezeHold& hold) const {
-    std::vector<Capsule> hand = hand_at(hold, hold.middle, hold.closed);
-    move(hand, desk_from_body_.inverse());
+    const std::vector<Capsule> hand =
+        transformed(hand_at(hold, hold.middle, hold.closed), desk_from_body_.inverse());
     const Rigid3 camera_from_body = first_camera_from_desk() * desk_from_body_;
     const Eigen::Matrix3Xd part = touching_part(hand, body_, kSqueezeSpacing, 200);
-    move(hand, camera_from_body);
-    return seen_share(camera_from_body * part, hand, eyes_);
-  }
-
-  static void move(std::vector<Capsule>& capsules, const Rigid3& target_from_source) {
-    for (Capsule& capsule : capsules) {
-      capsule.a = target_from_source * capsule.a;
-      capsule.b = target_from_source * capsule.b;
-    }
+    return seen_share(camera_from_body * part, transformed(hand, camera_from_body), eyes_);
   }
 
   SurfacePoints surface_;  // desk frame

@@ -57,6 +57,74 @@ HandTool hand_round_cup() {
   return tool;
 }
 
+namespace {
+
+/// Index finger and thumb as far apart as they are round a cup, the other fingers bent.
+HandGesture gesture_over_cup() {
+  const double apart = 2.0 * kCupRadius + index_tip_radius() + thumb_tip_radius();
+  double narrow = 0.0;  // shares of the wide pinch
+  double wide = 1.0;
+  HandGesture gesture;
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (narrow + wide);
+    gesture = blend(pinching_gesture(), wide_pinch_gesture(), middle);
+    const double gap = (index_tip_in_wrist(gesture) - thumb_tip_in_wrist(gesture)).norm();
+    (gap < apart ? narrow : wide) = middle;
+  }
+  const HandGesture bent = pointing_gesture();
+  for (std::size_t f = 1; f < 4; ++f) gesture.fingers[f] = bent.fingers[f];
+  return gesture;
+}
+
+/// Axes in the wrist frame of a hand that holds a cup by its rim, as columns: the level direction
+/// in which the hand points, the level one to its left, and up.
+Eigen::Matrix3d level_axes_over_cup(const HandGesture& gesture) {
+  // The line between both fingertips is level. About that line the hand is tilted so that thumb and
+  // index finger point down about equally; it then points 33 degrees below the horizontal.
+  constexpr double kTilt = 40.0 * kDegree;
+  const Vector3d across = (index_tip_in_wrist(gesture) - thumb_tip_in_wrist(gesture)).normalized();
+  const Vector3d pointing = (Vector3d::UnitX() - across.x() * across).normalized();
+  const Vector3d palm = pointing.cross(across).normalized();
+  const Vector3d up = -(std::cos(kTilt) * pointing + std::sin(kTilt) * palm);
+  Eigen::Matrix3d axes;
+  axes.col(0) = (Vector3d::UnitX() - up.x() * up).normalized();
+  axes.col(1) = up.cross(axes.col(0));
+  axes.col(2) = up;
+  return axes;
+}
+
+}  // namespace
+
+HandTool hand_over_cup() {
+  HandTool tool;
+  tool.working = tool.passing = gesture_over_cup();
+  tool.tip = HandTool::Tip::kFixed;
+  const Vector3d thumb = thumb_tip_in_wrist(tool.working);
+  const Vector3d across = (index_tip_in_wrist(tool.working) - thumb).normalized();
+  tool.fixed_tip = thumb + (kCupRadius + thumb_tip_radius()) * across;
+  tool.radius = kCupRadius;
+  tool.pointing = -level_axes_over_cup(tool.working).col(2);
+  return tool;
+}
+
+Rigid3 wrist_from_held_cup(double handle) {
+  const HandTool tool = hand_over_cup();
+  const Eigen::Matrix3d level = level_axes_over_cup(tool.working);
+  Rigid3 pose = Rigid3::Identity();
+  pose.linear() = level * Eigen::AngleAxisd(handle, Vector3d::UnitZ()).toRotationMatrix();
+  pose.translation() = tool.fixed_tip - kRimGripHeight * level.col(2);
+  return pose;
+}
+
+Eigen::Quaterniond turn_over_cup(const Vector3d& pointing) {
+  Eigen::Matrix3d desk_from_level;
+  desk_from_level.col(0) = pointing;
+  desk_from_level.col(1) = Vector3d::UnitZ().cross(pointing);
+  desk_from_level.col(2) = Vector3d::UnitZ();
+  return Eigen::Quaterniond(desk_from_level *
+                            level_axes_over_cup(hand_over_cup().working).transpose());
+}
+
 std::vector<HandCapsule> cup_capsules(const Rigid3& desk_from_cup) {
   std::vector<HandCapsule> capsules;
   const auto add = [&](const Vector3d& a, const Vector3d& b, double radius) {

@@ -34,7 +34,8 @@ constexpr float kOutlinePx = 1.5f;
 // pixels, and that around its pixel.
 constexpr float kMostBeside = 0.75f;
 
-// The largest cosine of the angle between the ways to two outlines that lie on opposite sides.
+// Two pixels see opposite sides of a thing if the cosine of the angle between the directions to
+// their nearest outlines is at most this.
 constexpr float kOpposite = -0.8f;
 
 // px per px. A thing ends in a direction in which distances to the outline fall by kFalls or more,
@@ -81,8 +82,9 @@ struct Finder {
     float radius = 0;  // px
     Vector2f middle;   // px, from the pixel to the disc's middle
   };
-  // The largest disc of the thing around a medial pixel. The true middle lies between pixels: as
-  // far from the outline on the other side, which a neighbour beyond it has found.
+  // The largest disc of the silhouette near a medial pixel. Its middle lies between pixels: the
+  // pixel's own outline and that of a neighbour on the other side of the middle are equally far
+  // from it. A ball at the pixel itself with this radius would stand up to 1 px out of the thing.
   [[nodiscard]] Disc disc_at(int x, int y) const {
     const float here = silhouette.distance(x, y);
     const Vector2f to_mine = direction_to_outline(x, y);
@@ -102,7 +104,8 @@ struct Finder {
     return {radius, (here - radius) * to_mine};
   }
 
-  // Unit, px; undefined at pixels without an outline.
+  // The unit vector from a pixel towards its nearest outline, in the image. Undefined where
+  // silhouette.distance() is infinite.
   [[nodiscard]] Vector2f direction_to_outline(int x, int y) const {
     const ToOutline to = silhouette.to_outline(x, y);
     return Vector2f(static_cast<float>(to.dx), static_cast<float>(to.dy)).normalized();

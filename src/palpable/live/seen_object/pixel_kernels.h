@@ -18,19 +18,28 @@ inline constexpr int kReadBeyond = 12;
 /// Whether a pixel's depth was measured.
 [[nodiscard]] inline bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
-/// From the middle of a pixel to the nearest point of the outline, in kOutlineUnits. Images of up
-/// to 2,047 px a side: no offset is longer.
+/// Number of steps per pixel in which a ToOutline is stored.
+inline constexpr float kOutlineUnits = 16;
+
+/// The offset from the middle of a pixel to the nearest point of the outline, in 1/16 px. In images
+/// of more than 2,047 px a side an offset could overflow.
 struct ToOutline {
   std::int16_t dx = 0;
   std::int16_t dy = 0;
 };
+
+/// The length of an offset, px.
+[[nodiscard]] inline float length_of(ToOutline offset) {
+  const auto dx = static_cast<float>(offset.dx), dy = static_cast<float>(offset.dy);
+  return std::sqrt(dx * dx + dy * dy) * (1 / kOutlineUnits);
+}
 
 /// The data of a row of a silhouette; all pointers refer to the same pixel. One pixel before it and
 /// kReadBeyond pixels after the last one may be read.
 struct OutlineRow {
   float* distance = nullptr;     // px to the outline; 0: no thing
   ToOutline* nearest = nullptr;  // the nearest outline
-  float* beyond = nullptr;       // px by which the outline is taken to lie farther than that point
+  float* beyond = nullptr;  // px added to the length of that offset (Silhouette::known_better())
   const float* depth = nullptr;  // m
 };
 
@@ -71,15 +80,6 @@ struct PixelWindow {
 struct ColumnSums {
   alignas(16) std::array<float, kWindowColumns> n, nv, nvv, w, vw, vvw;
 };
-
-/// Of a pixel, in which outlines are located.
-inline constexpr float kOutlineUnits = 16;
-
-/// Its length, px.
-[[nodiscard]] inline float length_of(ToOutline way) {
-  const auto dx = static_cast<float>(way.dx), dy = static_cast<float>(way.dy);
-  return std::sqrt(dx * dx + dy * dy) * (1 / kOutlineUnits);
-}
 
 /// Bound of the difference of two neighbours' distances to the same outline, px: the diagonal of a
 /// pixel.

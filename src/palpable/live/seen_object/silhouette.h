@@ -97,7 +97,8 @@ class Silhouette {
   [[nodiscard]] Run things_of_row(int y) const {
     return runs_[static_cast<std::size_t>(y - box_.y)];
   }
-  /// The way to the nearest point of the outline; valid where distance() is finite, not 0.
+  /// The offset from the middle of the pixel to the nearest point of the outline; undefined where
+  /// distance() is infinite or 0.
   [[nodiscard]] ToOutline to_outline(int x, int y) const { return nearest_[at(x, y)]; }
   /// Whether two neighbouring depths belong to one surface.
   [[nodiscard]] bool joined(float z, float other) const;

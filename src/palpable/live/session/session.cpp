@@ -28,9 +28,10 @@ constexpr double kByEdge = kCensusFattening;
 // How far the balls of a thin thing are moved nearer, in sigmas of one pixel's depth (0.25 px). The
 // middle of a finger is measured too far by 0.18 px, that of a pencil or a hand by 0.11 px: its
 // outlines have larger depths, which the aggregation's paths carry inwards, and highlights on a
-// curved front appear behind it (without gloss the error is half as large). With this value neither
-// front nor back of a finger or of two hands has a bias of more than 0.3 mm on nine films; on three
-// with a bare desk the back is 0.4 mm too thick (docs/lab/contact.md).
+// curved front appear behind it (without gloss the error is half as large). With this value the
+// front of a fingertip is 0.3 mm too far and its back right on six films; of two hands the front is
+// 0.1 mm too near and the back 0.5 mm too thin on three. On three films with a bare desk, and on
+// the demo's, whose nail reflects the lamp, the front is 1.0 mm too far (docs/lab/contact.md).
 constexpr double kTooFarSigmas = 0.75;
 
 // px by which the part of the image in which things may press is enlarged: a thing must be known
