@@ -30,8 +30,18 @@ constexpr std::size_t kMostSharpParts = 4096;
 // share of what is left, or by this much, m.
 constexpr double kNearerShare = 0.1, kNearer = 0.005;
 
-// Ratio to ContactLimits::tolerance: largest residual of the problem with friction.
-constexpr double kConeTolerance = 0.05;
+// The residual that the problem with friction may have, as a ratio to what the iteration before
+// moved. More than kLooseCone and less than kTightCone of ContactLimits::tolerance is not asked
+// for.
+constexpr double kConeOfChange = 0.01, kTightCone = 0.05, kLooseCone = 0.5;
+// Ratio to ContactLimits::tolerance: a point that was left out and is inside by less does not
+// touch. Under a finger that rests, points beside it are inside by rounding errors.
+constexpr double kTouches = 0.1;
+
+// m, gap of a contact in a load step, in which obstacles stand back by `shift`, m.
+float gap_in_step(const Contact& c, double shift) {
+  return c.distance + static_cast<float>(c.by < 0 ? shift : 0.0);
+}
 
 }  // namespace
 
@@ -61,6 +71,9 @@ ContactFrame::ContactFrame(std::span<ContactPart> parts, int most)
     // A body makes its surface when that is first queried: now, so that no frame allocates it.
     if (!part.body->contact_points().points.empty()) static_cast<void>(part.body->surface());
   }
+  const bool any_rubs = std::any_of(
+      parts.begin(), parts.end(), [](const ContactPart& one) { return one.body->friction() > 0; });
+  if (any_rubs) make_room_for_friction();
   parts_near_.reserve(kMostSharpParts);
   pressed_.reserve(most_);
   of_pressed_.reserve(most_);
@@ -116,9 +129,15 @@ void ContactFrame::take_up(double shift, bool goes_on) {
     const std::vector<PointForce>& forces = one.body->forces();
     const PointForce wanted{c.point, {}, c.by};
     const auto at = std::lower_bound(forces.begin(), forces.end(), wanted, stands_before);
-    if (!goes_on && at != forces.end() && !stands_before(wanted, *at)) {
+    const bool is_known = at != forces.end() && !stands_before(wanted, *at);
+    if (!goes_on && is_known) {
       c.force = at->force;
+      c.friction = at->friction;
       c.pressing = std::max(0.0, static_cast<double>(at->force.dot(c.normal)));
+    } else if (!goes_on && rubs_) {
+      // The step begins again: a point that only pressed in the round before is where it was.
+      c.force = c.friction = Vector3f::Zero();
+      c.pressing = 0;
     }
     const float entry = std::max(0.0f, -c.distance - static_cast<float>(c.by < 0 ? shift : 0.0));
     c.place = one.places++;
@@ -134,44 +153,40 @@ void ContactFrame::take_up(double shift, bool goes_on) {
 void ContactFrame::settle(double shift, bool last, bool goes_on, int most) {
   take_up(shift, goes_on);
   for (const int k : members_) part(k).body->begin_step(part(k).loads, last);
-  if (rubs_) start_friction(goes_on);
+  if (rubs_) start_friction(shift, goes_on);
+  // The first iteration is one without the points that begin to press: where it moves them tells
+  // where each first met what it presses (make_anchor()).
+  const int first = rubs_ && !goes_on && most > 1 && some_begin_to_press() ? 1 : 0;
   float share = 1;
-  reach_ = std::numeric_limits<double>::infinity();
+  reach_ = change_ = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most; ++i) {
     ++report_.iterations;
+    leaves_out_new_ = i < first;
     const double change = iterate(shift, share);
-    if (rubs_ && !is_stuck_) set_anchors(shift);
     // Two sets of points that press in turn would alternate for ever.
-    if (limits_.damped && i > 0 && change > report_.last_change) {
+    if (limits_.damped && i > first && change > report_.last_change) {
       share = std::max(kLeastShare, 0.5f * share);
     }
-    report_.last_change = change;
-    if (change < limits_.tolerance) break;
+    report_.last_change = change_ = change;
+    if (change < limits_.tolerance && !(leaves_out_new_ && new_ones_touch(shift))) break;
     reach_ = std::max(kLeastReach * limits_.largest_step, change);
   }
+  if (rubs_) make_anchors(shift);
 }
 
 // Chooses the contacts of an iteration: those that press, or may press after it.
 void ContactFrame::choose_pressed(double shift) {
   pressed_.clear();
   of_pressed_.clear();
-  slips_.clear();
   double way = ContactSearch::kTakesPart * limits_.largest_step;
   if (limits_.narrows) way = std::min(way, reach_);
   for (std::size_t k = 0; k < search_.contacts().size(); ++k) {
     Contact& c = search_.contacts()[k];
     forces_before_[k] = c.force;
-    if (rubs_) {
-      frictions_before_[k] = c.rub.force;
-      c.rub.coefficient = friction_of(c);
-      if (!c.rub.has_gap) {
-        c.rub.gap = c.distance + static_cast<float>(c.by < 0 ? shift : 0.0);
-        c.rub.has_gap = true;
-      }
-    }
+    if (rubs_) frictions_before_[k] = c.friction;
+    if (leaves_out_new_ && begins_to_press(c)) continue;
     const auto reach = static_cast<float>(way - (c.by < 0 ? shift : 0.0));
     if (!(c.distance < reach) && c.force.isZero(0)) continue;
-    if (rubs_) slips_.push_back(slip_of(c));
     pressed_.push_back(c);
     of_pressed_.push_back(k);
   }
@@ -183,8 +198,8 @@ void ContactFrame::choose_pressed(double shift) {
 bool ContactFrame::solve_problem(double shift) {
   using Tangent = ContactBody::Tangent;
   const auto solve = [&](bool turning, Tangent tangent) {
-    return problem_.solve(pressed_, bodies_,
-                          {shift, turning, tangent, kConeTolerance * limits_.tolerance}, slips_);
+    return problem_.solve(pressed_, bodies_, {shift, turning, tangent, cone_tolerance()},
+                          rubs_ ? std::span(frictions_) : std::span<ContactFriction>());
   };
   if (!solve(true, Tangent::kFull) && !solve(false, Tangent::kFull) &&
       !solve(false, Tangent::kSafe)) {
@@ -192,6 +207,7 @@ bool ContactFrame::solve_problem(double shift) {
   }
   for (std::size_t k = 0; k < of_pressed_.size(); ++k)
     search_.contacts()[of_pressed_[k]] = pressed_[k];
+  report_.friction_fallbacks += problem_.fell_back() ? 1 : 0;
   return true;
 }
 
@@ -200,7 +216,7 @@ void ContactFrame::go_back(float share) {
   for (std::size_t k = 0; k < search_.contacts().size(); ++k) {
     Contact& c = search_.contacts()[k];
     c.force = share * c.force + (1 - share) * forces_before_[k];
-    if (rubs_) c.rub.force = share * c.rub.force + (1 - share) * frictions_before_[k];
+    if (rubs_) c.friction = share * c.friction + (1 - share) * frictions_before_[k];
     c.pressing = std::max(0.0, static_cast<double>(c.force.dot(c.normal)));
   }
 }
@@ -217,6 +233,7 @@ void ContactFrame::fill_place_forces() {
 // A share of one step of Newton's method. Returns how far it moved a point, m.
 double ContactFrame::iterate(double shift, float share) {
   search_.find_gaps(shift);
+  if (rubs_) prepare_friction(shift);
   choose_pressed(shift);
   is_stuck_ = true;
   for (const int k : members_) {
@@ -247,6 +264,20 @@ double ContactFrame::iterate(double shift, float share) {
 
 // --- friction
 
+// m, residual that the present iteration's problem with friction may have. One that is followed by
+// others is not solved to the end.
+double ContactFrame::cone_tolerance() const {
+  return std::clamp(kConeOfChange * change_, kTightCone * limits_.tolerance,
+                    kLooseCone * limits_.tolerance);
+}
+
+void ContactFrame::make_room_for_friction() {
+  problem_.make_room_for_friction();
+  frictions_.reserve(static_cast<std::size_t>(kRounds) * most_);  // rounds that go on add to them
+  frictions_before_.resize(most_);
+  for (ProblemBody& body : bodies_) body.tangents.reserve(2 * most_);
+}
+
 // Coulomb's coefficient between two bodies: the root of the product of both, so that a body without
 // friction rubs no other one.
 float ContactFrame::friction_between(int one, int other) const {
@@ -255,7 +286,7 @@ float ContactFrame::friction_between(int one, int other) const {
 
 float ContactFrame::friction_of(const Contact& contact) const {
   if (contact.by >= 0) return friction_between(contact.body, contact.by);
-  return friction_coefficient(contact.rub.given,
+  return friction_coefficient(contact.given,
                               static_cast<float>(part(contact.body).body->friction()));
 }
 
@@ -272,16 +303,13 @@ bool ContactFrame::may_rub() const {
 
 // Moves the anchors of the states with the obstacles, and forgets those of obstacles that are gone.
 void ContactFrame::begin_friction() {
-  problem_.make_room_for_friction();
-  slips_.reserve(most_);
-  frictions_before_.resize(most_);
-  for (ProblemBody& body : bodies_) body.tangents.reserve(2 * most_);
+  make_room_for_friction();
   for (const int k : members_) {
     std::vector<PointAnchor>& anchors = part(k).body->anchors();
-    anchors.reserve(most_);
+    // Those of the points that press now, and of those that pressed when the frame began.
+    anchors.reserve(2 * most_);
     std::size_t kept = 0;
     for (PointAnchor& anchor : anchors) {
-      anchor.force_before = anchor.force;
       anchor.way.setZero();
       if (anchor.by < 0) {
         const Obstacles* obstacles = part(k).obstacles;
@@ -306,125 +334,218 @@ Vector3f ContactFrame::place_now(const Contact& c) const {
   return pair_of(c).skin_from_points * x - part(c.by).body->position(c.on_foot);
 }
 
-// m, in the body's frame: the slip of a contact, and some vector along its normal.
-Vector3f ContactFrame::slip_of(const Contact& c) const {
-  if (!c.rub.is_anchored) return Vector3f::Zero();
-  const Vector3f slip = place_now(c) - c.rub.held;
+Vector3f ContactFrame::slip_of(const Contact& c, const ContactFriction& rub) const {
+  if (!rub.is_anchored) return Vector3f::Zero();
+  const Vector3f slip = place_now(c) - rub.held;
   if (c.by < 0) return slip;
-  return c.rub.to_other.transpose() * slip;
+  return rub.to_other.transpose() * slip;
 }
 
-// Gives the contacts of a step the anchors of the states, at this step's share of the obstacles'
-// way, and the friction of the states.
-void ContactFrame::start_friction(bool goes_on) {
-  const float left = 1 - static_cast<float>(step_) / static_cast<float>(steps_);
+// Whether a contact may press in this step and did not before it.
+bool ContactFrame::begins_to_press(const Contact& c) const {
+  return c.force.isZero(0) && !frictions_[static_cast<std::size_t>(c.rub)].is_anchored;
+}
+
+// Whether some contacts begin to press, beside others that pressed before.
+bool ContactFrame::some_begin_to_press() const {
+  bool some = false, others = false;
+  for (const Contact& c : search_.contacts()) (begins_to_press(c) ? some : others) = true;
+  return some && others;
+}
+
+// Whether a point that was left out of an iteration entered what it may press.
+bool ContactFrame::new_ones_touch(double shift) {
+  search_.find_gaps(shift);
+  const auto inside = static_cast<float>(-kTouches * limits_.tolerance);
+  return std::any_of(search_.contacts().begin(), search_.contacts().end(), [&](const Contact& c) {
+    return begins_to_press(c) && gap_in_step(c, shift) < inside;
+  });
+}
+
+// Gives each contact of a step its friction: the anchor of the state, where the obstacle is in this
+// step. In a round that goes on, only the contacts that were found since.
+void ContactFrame::start_friction(double shift, bool goes_on) {
+  if (!goes_on) frictions_.clear();
   for (Contact& c : search_.contacts()) {
-    if (goes_on && c.rub.is_begun) continue;
-    const float given = c.rub.given;
-    const int part_now = c.rub.part;
-    c.rub = {};
-    c.rub.given = given;
-    c.rub.part = part_now;
-    c.rub.is_begun = true;
-    if (c.by >= 0) c.rub.to_other = pair_of(c).skin_from_points.linear();
-    c.rub.begun = place_now(c);
-    c.rub.coefficient = friction_of(c);
-    if (!(c.rub.coefficient > 0)) continue;
-    const std::vector<PointAnchor>& anchors = part(c.body).body->anchors();
-    PointAnchor wanted;
-    wanted.point = c.point;
-    wanted.by = c.by;
-    const auto at = std::lower_bound(anchors.begin(), anchors.end(), wanted, anchored_before);
-    if (at == anchors.end() || anchored_before(wanted, *at)) continue;
-    c.rub.is_anchored = true;
-    c.rub.anchor = *at;
-    if (c.by < 0) {
-      c.rub.held = at->place - left * at->way;
-    } else {
-      ContactBody& other = *part(c.by).body;
-      c.rub.held = other.shape_at(at->on) + at->place - other.shape_at(c.foot);
+    if (goes_on && c.rub >= 0) {
+      follow_foot(c);
+      continue;
     }
-    const Vector3f along = c.force - c.force.dot(c.normal) * c.normal;
-    const float most = c.rub.coefficient * static_cast<float>(c.pressing);
-    const float size = along.norm();
-    if (size > 0) c.rub.force = std::min(1.0f, most / size) * along;
+    c.rub = static_cast<int>(frictions_.size());
+    frictions_.push_back(begun_friction(c, shift));
   }
 }
 
-// Anchors a contact that presses for the first time, where its point first met the obstacle: x0 at
-// the begin of the step, x now, met after the share tau of the step, straight on both sides. From
-// there the anchor went on with the obstacle.
-void ContactFrame::set_anchor(Contact& c, double shift) const {
-  ContactFriction& rub = c.rub;
-  const Vector3f x = place_now(c);
+// A contact between bodies whose foot is another one now: its vectors are measured from there.
+void ContactFrame::follow_foot(const Contact& c) {
+  if (c.by < 0) return;
+  ContactBody& other = *part(c.by).body;
+  ContactFriction& rub = rub_of(c);
+  const Vector3f from_new = other.shape_at(rub.foot) - other.shape_at(c.foot);
+  rub.held += from_new;
+  rub.begun += from_new;
+  rub.foot = c.foot;
+}
+
+ContactFriction ContactFrame::begun_friction(const Contact& c, double shift) {
+  ContactFriction rub;
+  rub.foot = c.foot;
+  if (c.by >= 0) rub.to_other = pair_of(c).skin_from_points.linear();
+  rub.begun = place_now(c);
+  rub.coefficient = friction_of(c);
+  if (!(rub.coefficient > 0)) return rub;
+  rub.number = number_of_anchor(part(c.body).body->anchors(), c.point, c.by);
+  if (rub.number >= 0) {
+    take_anchor(c, shift, rub);
+  } else if (!c.force.isZero(0)) {
+    // It pressed without friction, or another obstacle that is gone: held from where it is.
+    make_anchor(c, shift, rub);
+  }
+  return rub;
+}
+
+// Takes over the anchor of the state.
+void ContactFrame::take_anchor(const Contact& c, double shift, ContactFriction& rub) const {
+  rub.anchor = part(c.body).body->anchors()[static_cast<std::size_t>(rub.number)];
+  rub.is_anchored = true;
+  if (c.by < 0) {
+    rub.left = share_to_come(shift, rub.anchor.way.dot(c.normal));
+    rub.held = rub.anchor.place - rub.left * rub.anchor.way;
+  } else {
+    ContactBody& other = *part(c.by).body;
+    rub.held = other.shape_at(rub.anchor.on) + rub.anchor.place - other.shape_at(c.foot);
+  }
+}
+
+// Before an iteration: coefficients and gaps are those of what is nearest now, slips those at the
+// present positions. Points that are about to press get their anchors.
+void ContactFrame::prepare_friction(double shift) {
+  for (const Contact& c : search_.contacts()) {
+    ContactFriction& rub = rub_of(c);
+    rub.coefficient = friction_of(c);
+    if (rub.has_gap) continue;
+    rub.gap = gap_in_step(c, shift);
+    rub.has_gap = true;
+  }
+  if (!leaves_out_new_) make_anchors(shift);
+  for (const Contact& c : search_.contacts()) {
+    ContactFriction& rub = rub_of(c);
+    rub.slip = slip_of(c, rub);
+  }
+}
+
+// How what a contact presses came in this step. Where that is not known, it came along the normal,
+// by what the shift became less. Another body counts as standing: its contacts are measured from
+// it.
+ContactFrame::Came ContactFrame::find_way(const Contact& c, double shift,
+                                          ContactFriction& rub) const {
+  Came came;
+  if (c.by >= 0) return came;
+  rub.anchor.part = c.part;
+  const auto way = part(c.body).obstacles->way_of({c.part, place_now(c)});
+  if (!way) {
+    came.along = static_cast<float>(std::max(0.0, std::min(shift_before_, depth_) - shift));
+    return came;
+  }
+  rub.anchor.way = *way;
+  const float along = way->dot(c.normal);
+  rub.left_before = share_to_come(shift_before_, along);
+  rub.left = share_to_come(shift, along);
+  came.way = (rub.left_before - rub.left) * *way;
+  came.along = (rub.left_before - rub.left) * along;
+  return came;
+}
+
+// Anchors a contact where its point first met what it presses; from there the anchor came with it.
+//
+//     x0  where the point was when the step began, g0 its gap then
+//     x   where it is at the end without a force of its own, g < 0 its gap there
+//     x0 + tau (x - x0),  tau = g0 / (g0 - g)     where it met, on straight ways of both
+//
+// x is that of the step's first iteration, in which only those take part that pressed before; it
+// replaces one in which new points pressed without friction, and costs no more. A point that
+// presses is dragged along from the moment it is met, so its place at the end of the step is not
+// one to which it would have come freely.
+void ContactFrame::make_anchor(const Contact& c, double shift, ContactFriction& rub) const {
   rub.anchor = {};
   rub.anchor.point = c.point;
   rub.anchor.by = c.by;
-  float gap = rub.gap;  // to the obstacle where it was when the step began
-  Vector3f way = Vector3f::Zero();
-  if (c.by < 0) {
-    rub.anchor.part = rub.part;
-    const auto came = part(c.body).obstacles->way_of({rub.part, x});
-    double advance = limits_.largest_step;
-    if (came) {
-      rub.anchor.way = *came;
-      way = *came / static_cast<float>(steps_);
-      if (step_ == 1) advance = static_cast<double>(came->dot(c.normal)) - shift;
-    } else if (step_ == 1) {
-      // An obstacle that was not there before is taken to have come along the normal.
-      advance = std::min(depth_, limits_.largest_step);
-    }
-    gap += static_cast<float>(std::max(0.0, advance));
-  }
-  const float met = time_of_contact(gap, rub.own_way);
-  rub.held = rub.begun + met * (x - rub.begun) + (1 - met) * way;
+  const Came came = find_way(c, shift, rub);
+  const Vector3f x = place_now(c);
+  // A point that presses already: if that is since the step before, it was met when the step began;
+  // else others pushed it there in this step, and it is met where it is.
+  float met = rub.has_gap ? 1.0f : 0.0f;
+  if (c.force.isZero(0)) { met = time_of_contact(rub.gap + came.along, gap_in_step(c, shift)); }
+  rub.held = rub.begun + met * (x - rub.begun) + (1 - met) * came.way;
   rub.is_anchored = rub.is_new = true;
 }
 
-void ContactFrame::set_anchors(double shift) {
-  for (Contact& c : search_.contacts()) {
-    if (c.pressing > 0 && c.rub.coefficient > 0 && !c.rub.is_anchored) set_anchor(c, shift);
+// Anchors the contacts that press, or are about to because they are inside, and have no anchor.
+void ContactFrame::make_anchors(double shift) {
+  for (const Contact& c : search_.contacts()) {
+    ContactFriction& rub = rub_of(c);
+    if (rub.is_anchored || !(rub.coefficient > 0)) continue;
+    if (gap_in_step(c, shift) < 0 || !c.force.isZero(0)) make_anchor(c, shift, rub);
   }
 }
 
-// Hands the anchors to the states. Those of points that slide follow them.
-void ContactFrame::keep_anchors() {
-  const float left = 1 - static_cast<float>(step_) / static_cast<float>(steps_);
-  for (const int k : members_) part(k).body->anchors().clear();
-  for (Contact& c : search_.contacts()) {
-    ContactFriction& rub = c.rub;
-    if (!(c.pressing > 0) || !rub.is_anchored || !(rub.coefficient > 0)) continue;
-    const Vector3f x = place_now(c);
-    if (rub.slides) {
-      const Vector3f force = c.by < 0 ? rub.force : Vector3f(rub.to_other * rub.force);
-      const Vector3f normal = c.by < 0 ? c.normal : c.foot_normal;
-      Vector3f way = x + rub.compliance * force - rub.held;
-      way -= way.dot(normal) * normal;
-      // A way along the friction would be one that the last iteration did not foresee: the point
-      // begins to stick.
-      const float lost = -way.dot(force);
-      if (lost > 0) {
-        report_.dissipated += static_cast<double>(lost);
-        rub.held += way;
-      } else {
-        rub.slides = false;
-      }
-    }
-    if (rub.slides || rub.is_new) {
-      if (c.by < 0) {
-        // In the plane through the point, so that a turn of the obstacle moves it along the skin.
-        rub.held += c.normal.dot(x - rub.held) * c.normal;
-        rub.anchor.place = rub.held + left * rub.anchor.way;
-      } else {
-        rub.anchor.on = c.foot;
-        rub.anchor.place = rub.held;
-      }
-    }
-    rub.anchor.force = rub.force;
-    part(c.body).body->anchors().push_back(rub.anchor);
+// Lets the anchor of a point that slides follow it.
+void ContactFrame::follow(const Contact& c, ContactFriction& rub) {
+  const Vector3f force = c.by < 0 ? c.friction : Vector3f(rub.to_other * c.friction);
+  const Vector3f normal = c.by < 0 ? c.normal : c.foot_normal;
+  Vector3f way = place_now(c) + rub.compliance * force - rub.held;
+  way -= way.dot(normal) * normal;
+  // A way along the friction would be one that the last iteration did not foresee: the point begins
+  // to stick.
+  const float lost = -way.dot(force);
+  rub.slides = lost > 0;
+  if (!rub.slides) return;
+  report_.dissipated += static_cast<double>(lost);
+  rub.held += way;
+}
+
+// Hands the anchor of a contact that presses to the state.
+void ContactFrame::keep_anchor(const Contact& c, bool last) {
+  ContactFriction& rub = rub_of(c);
+  // After an iteration that was taken back, what slides is that of the solution that was rejected.
+  if (is_stuck_) rub.slides = false;
+  if (rub.slides) follow(c, rub);
+  if ((rub.slides || rub.is_new) && c.by < 0) {
+    // In the plane through the point, so that a turn of the obstacle moves it along the skin.
+    rub.held += c.normal.dot(place_now(c) - rub.held) * c.normal;
+    rub.anchor.place = rub.held + rub.left * rub.anchor.way;
+  } else if (rub.slides || rub.is_new) {
+    rub.anchor.on = c.foot;
+    rub.anchor.place = rub.held;
+  }
+  // From now on it goes with the part that presses its point: the one from which that came may be
+  // gone in the next frame.
+  if (last && c.by < 0) rub.anchor.part = c.part;
+  rub.anchor.presses = true;
+  std::vector<PointAnchor>& anchors = part(c.body).body->anchors();
+  if (rub.number >= 0) {
+    anchors[static_cast<std::size_t>(rub.number)] = rub.anchor;
+  } else if (anchors.size() < anchors.capacity()) {
+    anchors.push_back(rub.anchor);
+  }
+}
+
+// Hands the anchors to the states. Load steps move all obstacles back, those too that stand still:
+// points that lose contact in one of them keep their anchors until the last step, and points that
+// press an obstacle that is farther back than when the frame began keep them as they were.
+void ContactFrame::keep_anchors(bool last) {
+  for (const int k : members_) {
+    for (PointAnchor& anchor : part(k).body->anchors()) anchor.presses = false;
+  }
+  for (const Contact& c : search_.contacts()) {
+    if (!(c.pressing > 0)) continue;
+    const ContactFriction& rub = rub_of(c);
+    if (!rub.is_anchored || !(rub.coefficient > 0)) continue;
+    if (last || rub.number < 0 || rub.left < 1) keep_anchor(c, last);
   }
   for (const int k : members_) {
     std::vector<PointAnchor>& anchors = part(k).body->anchors();
+    if (last) std::erase_if(anchors, [](const PointAnchor& anchor) { return !anchor.presses; });
     std::sort(anchors.begin(), anchors.end(), anchored_before);
   }
 }
@@ -469,9 +590,9 @@ void ContactFrame::end_step(bool last) {
     const double depth = -static_cast<double>(c.distance);
     double& deepest = c.by < 0 ? part(c.body).penetration : report_.mutual_penetration;
     if (c.by < 0 || c.pressing > 0) deepest = std::max(deepest, depth);
-    if (c.pressing > 0) part(c.body).body->forces().push_back({c.point, c.force, c.by});
+    if (c.pressing > 0) part(c.body).body->forces().push_back({c.point, c.force, c.by, c.friction});
   }
-  if (rubs_) keep_anchors();
+  if (rubs_) keep_anchors(last);
   for (const int k : members_) {
     std::vector<PointForce>& forces = part(k).body->forces();
     std::sort(forces.begin(), forces.end(), stands_before);
@@ -512,16 +633,7 @@ void ContactFrame::end_frame(double largest_move) {
   for (const int k : members_) {
     if (part(k).share_gone < 1) part(k).body->limit_step(part(k).share_gone);
   }
-  if (!rubs_) return;
-  report_.friction_residual = problem_.residual();
-  for (const int k : members_) {
-    const auto share = static_cast<float>(part(k).share_gone);
-    if (share == 1) continue;
-    // The forces are limited, the anchors are not: they are where the whole step leads.
-    for (PointAnchor& anchor : part(k).body->anchors()) {
-      anchor.force = share * anchor.force + (1 - share) * anchor.force_before;
-    }
-  }
+  if (rubs_) report_.friction_residual = problem_.residual();
 }
 
 // --- judgement
@@ -587,11 +699,10 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
   };
   const int steps = std::max(1, std::min(steps_of(depth), steps_of(largest_move)));
   is_entered_ = false;
-  steps_ = steps;
   depth_ = depth;
+  shift_before_ = std::numeric_limits<double>::infinity();
   if (steps > 1) search_.remember();
   for (int step = 1; step <= steps; ++step) {
-    step_ = step;
     // Obstacles are moved back so that a skin enters them by no more than one step.
     const double shift = std::max(0.0, depth - step * limits_.largest_step);
     const bool last = step == steps;
@@ -614,6 +725,7 @@ ContactReport ContactFrame::solve(std::span<const int> members, std::span<const 
     }
     ++report_.steps;
     end_step(last);
+    shift_before_ = shift;
   }
   end_frame(largest_move);
   judge();

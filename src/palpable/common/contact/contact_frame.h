@@ -45,7 +45,8 @@ struct ContactReport {
   double left_to_move = 0;
   /// m, of the last iteration's problem with friction (ConeOutcome::residual); 0 without friction.
   double friction_residual = 0;
-  double dissipated = 0;  ///< J, by friction in this frame, before the step limit
+  int friction_fallbacks = 0;  ///< iterations whose problem was left to Newton's method
+  double dissipated = 0;       ///< J, by friction in this frame, before the step limit
   bool stuck = false;  ///< the last iteration could make no step, so that left_to_move is not known
 
   // Penetration depths of obstacles into the skin, m, measured after the step limit was applied.
@@ -80,6 +81,8 @@ struct ContactReport {
 /// (ContactSolver finds the groups). Its memory is used again in each frame.
 class ContactFrame {
  public:
+  /// Allocates what friction needs if one of the bodies has a coefficient. Otherwise the first
+  /// frame with a thing that has one of its own does.
   /// @param parts  outlive this
   /// @param most   contacts at a time, at most
   ContactFrame(std::span<ContactPart> parts, int most);
@@ -106,16 +109,35 @@ class ContactFrame {
   double iterate(double shift, float share);
   bool solve_problem(double shift);
   void choose_pressed(double shift);
+  [[nodiscard]] double cone_tolerance() const;
+  void make_room_for_friction();
   [[nodiscard]] float friction_between(int one, int other) const;
   [[nodiscard]] float friction_of(const Contact& contact) const;
   [[nodiscard]] bool may_rub() const;
+  [[nodiscard]] ContactFriction& rub_of(const Contact& contact) {
+    return frictions_[static_cast<std::size_t>(contact.rub)];
+  }
+  [[nodiscard]] bool begins_to_press(const Contact& contact) const;
+  [[nodiscard]] bool some_begin_to_press() const;
+  [[nodiscard]] bool new_ones_touch(double shift);
   void begin_friction();
-  void start_friction(bool goes_on);
+  void start_friction(double shift, bool goes_on);
+  [[nodiscard]] ContactFriction begun_friction(const Contact& contact, double shift);
+  void take_anchor(const Contact& contact, double shift, ContactFriction& rub) const;
+  void follow_foot(const Contact& contact);
   [[nodiscard]] Eigen::Vector3f place_now(const Contact& contact) const;
-  [[nodiscard]] Eigen::Vector3f slip_of(const Contact& contact) const;
-  void set_anchor(Contact& contact, double shift) const;
-  void set_anchors(double shift);
-  void keep_anchors();
+  [[nodiscard]] Eigen::Vector3f slip_of(const Contact& contact, const ContactFriction& rub) const;
+  void prepare_friction(double shift);
+  struct Came {
+    Eigen::Vector3f way = Eigen::Vector3f::Zero();  // m, body frame
+    float along = 0;                                // m, towards the body
+  };
+  [[nodiscard]] Came find_way(const Contact& contact, double shift, ContactFriction& rub) const;
+  void make_anchor(const Contact& contact, double shift, ContactFriction& rub) const;
+  void make_anchors(double shift);
+  void follow(const Contact& contact, ContactFriction& rub);
+  void keep_anchor(const Contact& contact, bool last);
+  void keep_anchors(bool last);
   void go_back(float share);
   void fill_place_forces();
   void run_last_step(double shift, int most);
@@ -141,10 +163,12 @@ class ContactFrame {
   std::vector<std::size_t> of_pressed_;  // and their indices among all contacts
   std::vector<Eigen::Vector3f> forces_before_;
   // With friction.
-  bool rubs_ = false;                              // something may rub in this frame
-  int step_ = 1, steps_ = 1;                       // the present one, and how many there are
-  double depth_ = 0;                               // m, of obstacles when the frame began
-  std::vector<Eigen::Vector3f> slips_;             // of pressed_, as ContactProblem::solve()
+  bool rubs_ = false;            // something may rub in this frame
+  bool leaves_out_new_ = false;  // this iteration is without the points that begin to press
+  double depth_ = 0;             // m, of obstacles when the frame began
+  double shift_before_ = 0;      // m, of the step before; infinite in the first
+  double change_ = 0;            // m, by the iteration before; infinite in a step's first
+  std::vector<ContactFriction> frictions_;         // of the contacts of a step (Contact::rub)
   std::vector<Eigen::Vector3f> frictions_before_;  // as forces_before_
   std::vector<ProblemBody> bodies_;                // by their number
   std::vector<SharpPart> parts_near_;              // of obstacles near one body

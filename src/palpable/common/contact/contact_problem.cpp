@@ -220,10 +220,11 @@ void ContactProblem::add_turned_forces(std::span<Contact> contacts) {
 }
 
 bool ContactProblem::solve(std::span<Contact> contacts, std::span<ProblemBody> bodies,
-                           const ContactStep& step, std::span<const Vector3f> slips) {
+                           const ContactStep& step, std::span<ContactFriction> rubs) {
   const std::size_t m = contacts.size();
   const std::span<double> W(W_.data(), m * m), q(q_.data(), m), f(f_.data(), m);
   residual_ = 0;
+  fell_back_ = false;
   assemble(contacts, bodies, step);
   turning_.clear();
   if (step.turning) find_turning(contacts);
@@ -234,8 +235,8 @@ bool ContactProblem::solve(std::span<Contact> contacts, std::span<ProblemBody> b
     f[p] = contacts[p].pressing;
   }
   rubbing_.clear();
-  if (!slips.empty()) find_rubbing(contacts);
-  if (!rubbing_.empty()) return solve_with_friction(contacts, bodies, step, slips);
+  if (!rubs.empty()) find_rubbing(contacts, rubs);
+  if (!rubbing_.empty()) return solve_with_friction(contacts, bodies, step, rubs);
   if (!complementarity_.solve(W, q, f)) return false;
 
   const std::size_t t = 2 * turning_.size(), wide = padded(t);
@@ -249,7 +250,7 @@ bool ContactProblem::solve(std::span<Contact> contacts, std::span<ProblemBody> b
     contacts[p].force = static_cast<float>(f[p]) * contacts[p].normal;
   }
   add_turned_forces(contacts);
-  if (!slips.empty()) hand_out_friction(contacts);
+  if (!rubs.empty()) hand_out_friction(contacts, rubs);
   return true;
 }
 
@@ -270,11 +271,12 @@ void ContactProblem::make_room_for_friction() {
 
 // Finds the contacts that have tangents in the problem with friction: those that may rub, and those
 // that turn, which are coupled with them. None if nothing rubs.
-void ContactProblem::find_rubbing(std::span<const Contact> contacts) {
+void ContactProblem::find_rubbing(std::span<const Contact> contacts,
+                                  std::span<const ContactFriction> rubs_of) {
   bool any = false;
   turning_at_.resize(turning_.size());
   for (std::size_t p = 0; p < contacts.size(); ++p) {
-    const ContactFriction& rub = contacts[p].rub;
+    const ContactFriction& rub = rubs_of[static_cast<std::size_t>(contacts[p].rub)];
     const bool rubs = rub.is_anchored && rub.coefficient > 0;
     const auto turns = std::find_if(turning_.begin(), turning_.end(),
                                     [p](const Turning& one) { return one.contact == p; });
@@ -287,8 +289,8 @@ void ContactProblem::find_rubbing(std::span<const Contact> contacts) {
     t1_[k] = contacts[p].normal.unitOrthogonal();
     t2_[k] = contacts[p].normal.cross(t1_[k]);
     mu_[k] = rubs ? static_cast<double>(rub.coefficient) : 0.0;
-    rub_[2 * k] = static_cast<double>(rub.force.dot(t1_[k]));
-    rub_[2 * k + 1] = static_cast<double>(rub.force.dot(t2_[k]));
+    rub_[2 * k] = static_cast<double>(contacts[p].friction.dot(t1_[k]));
+    rub_[2 * k + 1] = static_cast<double>(contacts[p].friction.dot(t2_[k]));
     rubbing_.push_back(p);
   }
   if (!any) rubbing_.clear();
@@ -297,18 +299,19 @@ void ContactProblem::find_rubbing(std::span<const Contact> contacts) {
 // Computes the compliance of the tangents, and the slip without forces by the tangents.
 void ContactProblem::assemble_friction(std::span<const Contact> contacts,
                                        std::span<ProblemBody> bodies, const ContactStep& step,
-                                       std::span<const Vector3f> slips) {
+                                       std::span<const ContactFriction> rubs) {
   const std::size_t m = contacts.size(), n = 2 * rubbing_.size(), wide = padded(n);
   for (ProblemBody& body : bodies) body.tangents.clear();
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t p = rubbing_[i / 2];
     const Contact& c = contacts[p];
+    const ContactFriction& rub = rubs[static_cast<std::size_t>(c.rub)];
     const Vector3f& direction = i % 2 == 0 ? t1_[i / 2] : t2_[i / 2];
     bodies[static_cast<std::size_t>(c.body)].tangents.push_back({i, c.place, direction});
-    qf_[i] = static_cast<double>(direction.dot(slips[p]));
+    qf_[i] = static_cast<double>(direction.dot(rub.slip));
     if (c.by < 0) continue;
     // The frame of the other body: the turn that takes the normal there is that of the pair.
-    const Vector3f there = c.rub.to_other * direction;
+    const Vector3f there = rub.to_other * direction;
     bodies[static_cast<std::size_t>(c.by)].tangents.push_back({i, c.on_foot, -there});
   }
   std::fill_n(Wnf_.begin(), m * wide, 0.0f);
@@ -355,11 +358,11 @@ void ContactProblem::turn_friction(std::size_t m) {
 }
 
 bool ContactProblem::solve_with_friction(std::span<Contact> contacts, std::span<ProblemBody> bodies,
-                                         const ContactStep& step, std::span<const Vector3f> slips) {
+                                         const ContactStep& step, std::span<ContactFriction> rubs) {
   PALPABLE_EXPECT(cone_.has_room(), "make_room_for_friction() was called");
   const std::size_t m = contacts.size(), n = 2 * rubbing_.size(), wide = padded(n);
   const std::span<double> f(f_.data(), m), rub(rub_.data(), n);
-  assemble_friction(contacts, bodies, step, slips);
+  assemble_friction(contacts, bodies, step, rubs);
   turn_friction(m);
   for (std::size_t i = 0; i < n; ++i) Wff_[i * n + i] += local_[rubbing_[i / 2]];
   const ConeOutcome outcome = cone_.solve({.W = std::span<const double>(W_).first(m * m),
@@ -374,6 +377,7 @@ bool ContactProblem::solve_with_friction(std::span<Contact> contacts, std::span<
                                           complementarity_, f, rub);
   if (!outcome.is_solved) return false;
   residual_ = outcome.residual;
+  fell_back_ = outcome.newton_steps > 0;
 
   // The displacement of the tangents that turn.
   const std::size_t t = 2 * turning_.size(), wide_t = padded(t);
@@ -388,28 +392,28 @@ bool ContactProblem::solve_with_friction(std::span<Contact> contacts, std::span<
     contacts[p].force = static_cast<float>(f[p]) * contacts[p].normal;
   }
   add_turned_forces(contacts);
-  hand_out_friction(contacts);
+  hand_out_friction(contacts, rubs);
   return true;
 }
 
 // Gives each contact its friction, of the last solution in f_ and rub_.
-void ContactProblem::hand_out_friction(std::span<Contact> contacts) {
-  const std::size_t m = contacts.size();
-  for (std::size_t p = 0; p < m; ++p) {
-    ContactFriction& rub = contacts[p].rub;
-    rub.force.setZero();
+void ContactProblem::hand_out_friction(std::span<Contact> contacts,
+                                       std::span<ContactFriction> rubs) {
+  for (std::size_t p = 0; p < contacts.size(); ++p) {
+    ContactFriction& rub = rubs[static_cast<std::size_t>(contacts[p].rub)];
+    contacts[p].friction.setZero();
     rub.slides = false;
     rub.compliance = static_cast<float>(local_[p]);
-    rub.own_way = static_cast<float>(W_[p * m + p] * f_[p]);
   }
   for (std::size_t k = 0; k < rubbing_.size(); ++k) {
-    Contact& c = contacts[rubbing_[k]];
     if (!(mu_[k] > 0)) continue;
-    c.rub.force =
-        static_cast<float>(rub_[2 * k]) * t1_[k] + static_cast<float>(rub_[2 * k + 1]) * t2_[k];
-    const double bound = mu_[k] * f_[rubbing_[k]];
-    c.rub.slides = std::hypot(rub_[2 * k], rub_[2 * k + 1]) >= (1 - kAtBound) * bound;
-    c.force += c.rub.force;
+    Contact& c = contacts[rubbing_[k]];
+    const double x = rub_[2 * k], y = rub_[2 * k + 1], bound = mu_[k] * f_[rubbing_[k]];
+    c.friction = static_cast<float>(x) * t1_[k] + static_cast<float>(y) * t2_[k];
+    c.force += c.friction;
+    // Not std::hypot(), which differs between machines.
+    const bool slides = std::sqrt(x * x + y * y) >= (1 - kAtBound) * bound;
+    rubs[static_cast<std::size_t>(c.rub)].slides = slides;
   }
 }
 

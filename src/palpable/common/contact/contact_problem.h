@@ -24,8 +24,8 @@
 ///
 /// The turning of normals enters all blocks: with T_c the tangents of the contacts that turn and
 /// L = [N; T] J T_c^T, the compliance of [N; T] grows by L M L^T. The friction itself turns with
-/// the normal one iteration later. Contacts without anchors press for the first time and get one
-/// after the iteration; without any anchor the problem is that without friction, to the bit.
+/// the normal one iteration later. Contacts without anchors have no friction; without any anchor
+/// the problem is that without friction, to the bit.
 #pragma once
 
 #include "palpable/common/contact/complementarity.h"
@@ -62,7 +62,12 @@ struct Contact {
   Eigen::Vector3f anchor = Eigen::Vector3f::Zero();
   float anchor_gap = 0;
   float slid = 0;  ///< m, slip along the other skin since the foot was found
-  ContactFriction rub;
+  // Friction.
+  float given = 0;           ///< SurfaceGap::friction
+  int part = -1;             ///< SurfaceGap::part
+  bool is_anchored = false;  ///< the state had an anchor for it when its places were given out
+  int rub = -1;              ///< which ContactFriction of the step is its; -1: none yet
+  Eigen::Vector3f friction = Eigen::Vector3f::Zero();  ///< N, t: part of `force`
 
   static constexpr std::size_t kNoPlace = static_cast<std::size_t>(-1);
 };
@@ -89,14 +94,15 @@ class ContactProblem {
   /// New forces of all contacts.
   /// @param bodies  by their number; they were linearised
   /// @return false if the problem has no solution: the forces are as before
-  /// @param slips  with friction: of each contact T^T T (x - X(a)) in the frame of its body, m;
-  ///               empty: without friction
+  /// @param rubs  by Contact::rub, of all contacts; empty: without friction
   bool solve(std::span<Contact> contacts, std::span<ProblemBody> bodies, const ContactStep& step,
-             std::span<const Eigen::Vector3f> slips = {});
+             std::span<ContactFriction> rubs = {});
   /// Allocates what problems with friction need. Until then there is none.
   void make_room_for_friction();
   /// m, of the last problem: ConeOutcome::residual. 0 without friction.
   [[nodiscard]] double residual() const { return residual_; }
+  /// Whether the last problem was left to Newton's method (ConeOutcome::newton_steps).
+  [[nodiscard]] bool fell_back() const { return fell_back_; }
 
  private:
   struct Turning {  // a contact with a curved obstacle
@@ -111,13 +117,13 @@ class ContactProblem {
   void assemble_tangential(std::span<const Contact> contacts, std::span<ProblemBody> bodies);
   bool add_turning(std::span<const Contact> contacts, std::span<ProblemBody> bodies);
   void add_turned_forces(std::span<Contact> contacts);
-  void find_rubbing(std::span<const Contact> contacts);
+  void find_rubbing(std::span<const Contact> contacts, std::span<const ContactFriction> rubs);
   void assemble_friction(std::span<const Contact> contacts, std::span<ProblemBody> bodies,
-                         const ContactStep& step, std::span<const Eigen::Vector3f> slips);
+                         const ContactStep& step, std::span<const ContactFriction> rubs);
   void turn_friction(std::size_t m);
   bool solve_with_friction(std::span<Contact> contacts, std::span<ProblemBody> bodies,
-                           const ContactStep& step, std::span<const Eigen::Vector3f> slips);
-  void hand_out_friction(std::span<Contact> contacts);
+                           const ContactStep& step, std::span<ContactFriction> rubs);
+  void hand_out_friction(std::span<Contact> contacts, std::span<ContactFriction> rubs);
   void bound_turning(std::size_t t);
   [[nodiscard]] const Eigen::Vector3f& tangent(std::size_t i) const {
     return i % 2 == 0 ? turning_[i / 2].t1 : turning_[i / 2].t2;
@@ -135,6 +141,7 @@ class ContactProblem {
   // With friction.
   CoulombCone cone_;
   double residual_ = 0;
+  bool fell_back_ = false;
   std::vector<std::size_t> rubbing_;      // (k) contacts with tangents here: those that rub or turn
   std::vector<Eigen::Vector3f> t1_, t2_;  // (k) their directions
   std::vector<double> mu_, rub_;          // (k), (2k) N

@@ -25,14 +25,19 @@ constexpr float kSamePlane = 0.0003f;
 constexpr float kSameFoot = 0.0005f;
 // m^2: smallest area of a contact point, by whose root the compliance under it is divided.
 constexpr double kLeastArea = 1e-8;
+// A point with an anchor is kept where another one would not be: while obstacles are flatter by
+// this ratio than those that need it, and as if it were nearer by so much, m. Without that, points
+// at the limit would come and go with the noise of a camera, and each would start anew where it
+// is: the skin would creep.
+constexpr float kFlatter = 2, kNearerIfAnchored = 2e-4f;
 
 void set_gap(Contact& contact, const SurfaceGap& gap) {
   contact.distance = gap.distance;
   contact.normal = gap.normal;
   contact.curvature = gap.curvature;
   contact.softness = gap.softness;
-  contact.rub.given = gap.friction;
-  contact.rub.part = gap.part;
+  contact.given = gap.friction;
+  contact.part = gap.part;
 }
 
 bool is_same(const Contact& a, const Contact& b) {
@@ -139,8 +144,37 @@ void ContactSearch::find(double shift) {
     if (one.obstacles == nullptr) continue;
     one.near.for_each(static_cast<float>(one.body->limits().band - shift), *one.obstacles,
                       [&](int point, const SurfaceGap& gap) { add_contact(k, point, gap); });
+    if (!one.body->anchors().empty()) add_anchored(k, shift);
   }
   for (const SkinPair& pair : pairs_) find_between(pair);
+}
+
+// Marks the points of a body that are contacts with obstacles in is_contact_.
+void ContactSearch::mark_contacts(int body, std::size_t count, char value) {
+  for (std::size_t c = 0; c < count; ++c) {
+    if (contacts_[c].body != body || contacts_[c].by >= 0) continue;
+    is_contact_[static_cast<std::size_t>(contacts_[c].point)] = value;
+  }
+}
+
+// Adds the points near obstacles that have an anchor and that the search just left out, because
+// the obstacle is a little flatter now.
+void ContactSearch::add_anchored(int body, double shift) {
+  ContactPart& one = part(body);
+  const ContactLimits& limits = one.body->limits();
+  const auto band = static_cast<float>(limits.band - shift);
+  const auto entry = static_cast<float>(limits.entry) / kFlatter;
+  const std::size_t known = contacts_.size();
+  mark_contacts(body, known, 1);
+  for (const PointAnchor& anchor : one.body->anchors()) {
+    if (anchor.by >= 0 || is_contact_[static_cast<std::size_t>(anchor.point)] != 0) continue;
+    SurfaceGap gap;
+    if (!one.near.is_near(anchor.point, band, *one.obstacles, gap)) continue;
+    if (one.near.is_needed(anchor.point, gap.curvature, entry)) {
+      add_contact(body, anchor.point, gap);
+    }
+  }
+  mark_contacts(body, known, 0);
 }
 
 // Gives a contact between bodies the tangent plane at the position nearest to its point.
@@ -200,19 +234,13 @@ bool ContactSearch::add_entered(double shift) {
     ContactPart& one = part(k);
     const double band = one.body->limits().band;
     if (one.obstacles == nullptr || !one.body->has_moved(band)) continue;
-    const auto mark = [&](char value) {
-      for (std::size_t c = 0; c < known; ++c) {
-        if (contacts_[c].body != k || contacts_[c].by >= 0) continue;
-        is_contact_[static_cast<std::size_t>(contacts_[c].point)] = value;
-      }
-    };
-    mark(1);
+    mark_contacts(k, known, 1);
     one.near.for_each(-static_cast<float>(kEntered * band + shift), *one.obstacles,
                       [&](int point, const SurfaceGap& gap) {
                         if (is_contact_[static_cast<std::size_t>(point)] == 0)
                           add_contact(k, point, gap);
                       });
-    mark(0);
+    mark_contacts(k, known, 0);
   }
   return contacts_.size() > known;
 }
@@ -250,7 +278,9 @@ bool ContactSearch::find_feet_again() {
     is_new |= matters && std::abs(c.distance - before->distance) > tolerance;
     c.pressing = before->pressing;
     c.force = static_cast<float>(c.pressing) * c.normal;
-    if (before->rub.is_begun) take_friction(c, *before);
+    c.friction = before->friction;
+    c.rub = before->rub;
+    if (!c.friction.isZero(0)) c.force += c.friction;
   }
   const auto pressed_before = std::count_if(feet_before_.begin(), feet_before_.end(),
                                             [](const Contact& c) { return c.pressing > 0; });
@@ -258,16 +288,6 @@ bool ContactSearch::find_feet_again() {
   contacts_.resize(first);
   contacts_.insert(contacts_.end(), feet_before_.begin(), feet_before_.end());
   return false;
-}
-
-// A contact that has another foot now keeps its friction; its anchor is measured from the new foot.
-void ContactSearch::take_friction(Contact& contact, const Contact& before) {
-  ContactBody& other = *part(contact.by).body;
-  contact.rub = before.rub;
-  const Vector3f from_new = other.shape_at(before.foot) - other.shape_at(contact.foot);
-  contact.rub.held += from_new;
-  contact.rub.begun += from_new;
-  if (!contact.rub.force.isZero(0)) contact.force += contact.rub.force;
 }
 
 // Makes the contact points of a body coarser until they are no more than
@@ -283,7 +303,8 @@ void ContactSearch::thin(int body) {
     std::erase_if(contacts_, [&](const Contact& c) {
       if (!is_of_body(c)) return false;
       if (!(c.distance < static_cast<float>(kTakesPart * limits.band))) return true;
-      const auto entry = static_cast<float>(std::ldexp(limits.entry, coarser));
+      auto entry = static_cast<float>(std::ldexp(limits.entry, coarser));
+      if (c.is_anchored) entry /= kFlatter;
       return !part(body).near.is_needed(c.point, c.curvature, entry);
     });
   }
@@ -300,10 +321,23 @@ bool ContactSearch::add_places(const Contact& contact) {
   return true;
 }
 
+// Notes which contacts have an anchor in the states.
+void ContactSearch::note_anchored() {
+  for (Contact& c : contacts_) {
+    const std::vector<PointAnchor>& anchors = part(c.body).body->anchors();
+    c.is_anchored = !anchors.empty() && number_of_anchor(anchors, c.point, c.by) >= 0;
+  }
+}
+
 int ContactSearch::keep_nearest() {
+  note_anchored();
   for (const int k : members_) thin(k);
-  std::sort(contacts_.begin(), contacts_.end(), [](const Contact& a, const Contact& b) {
-    if (a.distance != b.distance) return a.distance < b.distance;
+  const auto counts_as = [](const Contact& c) {
+    return c.is_anchored ? c.distance - kNearerIfAnchored : c.distance;
+  };
+  std::sort(contacts_.begin(), contacts_.end(), [&](const Contact& a, const Contact& b) {
+    const float one = counts_as(a), other = counts_as(b);
+    if (one != other) return one < other;
     return std::array{a.point, a.body, a.by} < std::array{b.point, b.body, b.by};
   });
   for (const int k : members_) {

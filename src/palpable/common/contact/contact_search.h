@@ -91,10 +91,12 @@ class ContactSearch {
  private:
   [[nodiscard]] ContactPart& part(int k) const { return parts_[static_cast<std::size_t>(k)]; }
   void add_contact(int body, int point, const SurfaceGap& gap);
+  void add_anchored(int body, double shift);
+  void mark_contacts(int body, std::size_t count, char value);
+  void note_anchored();
   void find_between(const SkinPair& pair);
   void take_plane(Contact& contact, const NearestOnSkin& found, const Eigen::Vector3f& from_foot,
                   const SkinPair& pair);
-  void take_friction(Contact& contact, const Contact& before);
   void thin(int body);
   bool add_places(const Contact& contact);
   void find_gaps_of(int body, double shift);

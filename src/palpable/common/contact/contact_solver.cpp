@@ -207,7 +207,7 @@ void ContactSolver::Work::find_pressed() {
         {x, x - other.rest_at(c.foot),
          -share * (frame->pair_of(c).skin_from_points.linear() * c.force),
          static_cast<float>(c.area), c.body,
-         -share * (frame->pair_of(c).skin_from_points.linear() * c.rub.force)});
+         -share * (frame->pair_of(c).skin_from_points.linear() * c.friction)});
   }
   for (const int k : solved) {
     Member& member = members[static_cast<std::size_t>(k)];
@@ -278,6 +278,7 @@ ContactReport ContactSolver::advance(std::span<const Near> near) {
     all.imbalance = std::max(all.imbalance, one.imbalance);
     all.left_to_move = std::max(all.left_to_move, one.left_to_move);
     all.friction_residual = std::max(all.friction_residual, one.friction_residual);
+    all.friction_fallbacks += one.friction_fallbacks;
     all.dissipated += one.dissipated;
     all.stuck |= one.stuck;
     all.inside_before = std::max(all.inside_before, one.inside_before);

@@ -10,19 +10,24 @@ namespace palpable {
 namespace {
 
 // Rounds of normal forces and friction at most, and after how many the residual has to be halved.
+// Newton's method follows only where it is not: a slow solve is continued by the next iteration.
 constexpr int kMostRounds = 9, kHalvingRounds = 3;
 constexpr int kSweeps = 20;
 // Ratio to the tolerance: sweeps end when none of them moves a point farther.
 constexpr double kSweepTolerance = 0.2;
-constexpr int kNewtonSteps = 10;
-// Largest number of unknowns of Newton's method: a step takes some ms for as many.
-constexpr std::size_t kMostUnknowns = 384;
+// Newton's method: steps at most, and unknowns. A step with as many takes 2 to 3 ms; a larger
+// problem keeps what the rounds have found.
+constexpr int kNewtonSteps = 4;
+constexpr std::size_t kMostUnknowns = 192;
 // Steps of Newton's method for the multiplier of a point that slides; they converge from below.
 constexpr int kSecularSteps = 8;
 
 struct DiscPoint {
   double x = 0, y = 0;
 };
+
+// std::hypot() is not rounded correctly, and differs between machines.
+double length_of(double x, double y) { return std::sqrt(x * x + y * y); }
 
 // The minimum of 1/2 t A t + r t over the disc |t| <= radius, A symmetric positive definite.
 DiscPoint minimum_on_disc(double a, double b, double c, DiscPoint r, double radius) {
@@ -33,7 +38,7 @@ DiscPoint minimum_on_disc(double a, double b, double c, DiscPoint r, double radi
     const double aa = a + shift, cc = c + shift, det = aa * cc - b * b;
     if (!(det > 0)) return {};
     t = {(-cc * r.x + b * r.y) / det, (b * r.x - aa * r.y) / det};
-    const double length = std::hypot(t.x, t.y);
+    const double length = length_of(t.x, t.y);
     if (length <= radius * (step == 0 ? 1.0 : 1.0 + 1e-12)) {
       if (step == 0) return t;
       break;
@@ -43,7 +48,7 @@ DiscPoint minimum_on_disc(double a, double b, double c, DiscPoint r, double radi
         (cc * t.x * t.x - 2 * b * t.x * t.y + aa * t.y * t.y) / (det * length * length);
     shift += (length / radius - 1) / falls;
   }
-  const double length = std::hypot(t.x, t.y);
+  const double length = length_of(t.x, t.y);
   return {radius * t.x / length, radius * t.y / length};
 }
 
@@ -140,7 +145,7 @@ void CoulombCone::sweep(const ConeProblem& p, std::span<const double> f, std::sp
       move(y, dy);
       t[x] = now.x;
       t[y] = now.y;
-      largest = std::max(largest, std::hypot(dx, dy) * std::max(a, c));
+      largest = std::max(largest, length_of(dx, dy) * std::max(a, c));
     }
     if (largest <= kSweepTolerance * p.tolerance) break;
   }
@@ -166,9 +171,9 @@ double CoulombCone::residual(const ConeProblem& p, std::span<const double> f,
   for (std::size_t i = 0; i < p.contacts.size(); ++i) {
     const double w = own_compliance(p, i), radius = p.mu[i] * std::max(0.0, f[p.contacts[i]]);
     DiscPoint trial{t[2 * i] - slip_[2 * i] / w, t[2 * i + 1] - slip_[2 * i + 1] / w};
-    const double length = std::hypot(trial.x, trial.y);
+    const double length = length_of(trial.x, trial.y);
     if (length > radius) trial = {trial.x * radius / length, trial.y * radius / length};
-    largest = std::max(largest, w * std::hypot(t[2 * i] - trial.x, t[2 * i + 1] - trial.y));
+    largest = std::max(largest, w * length_of(t[2 * i] - trial.x, t[2 * i + 1] - trial.y));
   }
   return largest;
 }
@@ -178,7 +183,8 @@ ConeOutcome CoulombCone::solve(const ConeProblem& p, Complementarity& normal, st
   PALPABLE_EXPECT(p.q.size() <= most_ && p.contacts.size() <= most_, "there is room");
   ConeOutcome outcome;
   double before = 0;
-  for (int round = 1; round <= kMostRounds; ++round) {
+  bool stalls = false;
+  for (int round = 1; round <= kMostRounds && !stalls; ++round) {
     add_friction(p, t);
     outcome.is_solved = normal.solve(p.W, std::span<const double>(q_).first(p.q.size()), f);
     if (!outcome.is_solved) return outcome;
@@ -189,9 +195,10 @@ ConeOutcome CoulombCone::solve(const ConeProblem& p, Complementarity& normal, st
     if (outcome.residual <= p.tolerance) return outcome;
     if (round == 1) before = outcome.residual;
     if (round % kHalvingRounds != 0) continue;
-    if (outcome.residual > 0.5 * before) break;
+    stalls = outcome.residual > 0.5 * before;
     before = outcome.residual;
   }
+  if (!stalls) return outcome;
   std::copy(f.begin(), f.end(), best_f_.begin());
   std::copy(t.begin(), t.end(), best_t_.begin());
   const ConeOutcome newton = solve_by_newton(p, f, t);
@@ -222,7 +229,7 @@ ConeOutcome CoulombCone::solve_by_newton(const ConeProblem& p, std::span<double>
   for (double& force : f) force = std::max(0.0, force);
   for (std::size_t i = 0; i < p.contacts.size(); ++i) {
     const double radius = p.mu[i] * f[p.contacts[i]];
-    const double length = std::hypot(t[2 * i], t[2 * i + 1]);
+    const double length = length_of(t[2 * i], t[2 * i + 1]);
     if (!(length > radius)) continue;
     t[2 * i] *= radius / length;
     t[2 * i + 1] *= radius / length;
@@ -296,7 +303,7 @@ bool CoulombCone::newton_step(const ConeProblem& p, std::span<double> f, std::sp
     const auto first = static_cast<std::size_t>(columns_t_[i]);
     const double w = own_compliance(p, i), radius = p.mu[i] * std::max(0.0, f[p.contacts[i]]);
     const DiscPoint trial{t[2 * i] - slip_[2 * i] / w, t[2 * i + 1] - slip_[2 * i + 1] / w};
-    const double length = std::hypot(trial.x, trial.y);
+    const double length = length_of(trial.x, trial.y);
     if (radius > 0 && length <= radius) {
       for (std::size_t d = 0; d < 2; ++d) {
         fill_slip_row(p, 2 * i + d, 1, matrix_.data() + (first + d) * count);

@@ -14,7 +14,8 @@
 /// Gauss-Seidel over the points for t with the bounds mu f. On a half space with a Poisson's ratio
 /// of 0.4 a round reduces the residual to a tenth or less, since normal and tangential forces are
 /// coupled weakly; with a ratio of 0 and mu of 1 or 3, to a third. Where three rounds do not halve
-/// it, or nine do not suffice, Newton's method follows (Alart and Curnier 1991).
+/// it, a few steps of Newton's method follow (Alart and Curnier 1991), if the points are few enough
+/// for a frame's time.
 #pragma once
 
 #include "palpable/common/contact/complementarity.h"
@@ -44,7 +45,7 @@ struct ConeOutcome {
   /// the projection onto the disc of radius mu f and w the larger of the two W_tt of the point.
   double residual = 0;
   int rounds = 0;
-  int newton_steps = 0;  ///< of Alart and Curnier's method
+  int newton_steps = 0;  ///< of Alart and Curnier's method; 0: it was not needed
 };
 
 /// Keeps the memory of its solves. Allocates in make_room() alone.

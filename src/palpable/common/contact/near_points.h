@@ -70,6 +70,8 @@ class NearPoints {
     return is_point_needed(points_.levels[static_cast<std::size_t>(point)],
                            largest_curvature(curvature), entry, points_.coarsest, points_.finest);
   }
+  /// Whether a contact point of the shape is nearer than `band` (m) to an obstacle; then its gap.
+  bool is_near(int point, float band, const Obstacles& obstacles, SurfaceGap& gap);
   /// m, how deep the deepest contact point of the shape is inside an obstacle; 0: none is. Unlike
   /// for_each(), which searches the points that a solution needs, it leaves no point out. Costs one
   /// query for a block or cluster that is far, and Obstacles::depth_at() of each point near or
@@ -113,7 +115,6 @@ class NearPoints {
   [[nodiscard]] bool is_far(const Block& block, float band, const Obstacles& obstacles) const;
   [[nodiscard]] bool is_far(const SkinCluster& cluster, float band,
                             const Obstacles& obstacles) const;
-  bool is_near(int point, float band, const Obstacles& obstacles, SurfaceGap& gap);
 
   ContactBody& body_;
   SkinPointSet points_;

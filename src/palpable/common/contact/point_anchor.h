@@ -33,9 +33,7 @@ struct PointAnchor {
   Eigen::Vector3f place = Eigen::Vector3f::Zero();
   /// m, by an obstacle: how far the anchor came with it since the frame before. Used within a frame
   Eigen::Vector3f way = Eigen::Vector3f::Zero();
-  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, t, body frame
-  /// N, t when the frame began, from which the step limit interpolates. Used within a frame
-  Eigen::Vector3f force_before = Eigen::Vector3f::Zero();
+  bool presses = false;  ///< its point presses in the present step. Used within a frame
 };
 
 /// Whether one anchor comes before another in a state's list: as its forces do.
@@ -43,48 +41,59 @@ struct PointAnchor {
   return a.point != b.point ? a.point < b.point : a.by < b.by;
 }
 
-/// N, friction at a contact point of a state; 0 where it has no anchor. @param anchors  in order
-[[nodiscard]] inline Eigen::Vector3f friction_at(std::span<const PointAnchor> anchors, int point,
-                                                 int by) {
+/// The number of a contact point's anchor in a state's list; -1: it has none.
+/// @param anchors  in order
+[[nodiscard]] inline int number_of_anchor(std::span<const PointAnchor> anchors, int point, int by) {
   PointAnchor wanted;
   wanted.point = point;
   wanted.by = by;
   const auto at = std::lower_bound(anchors.begin(), anchors.end(), wanted, anchored_before);
-  if (at == anchors.end() || anchored_before(wanted, *at)) return Eigen::Vector3f::Zero();
-  return at->force;
+  if (at == anchors.end() || anchored_before(wanted, *at)) return -1;
+  return static_cast<int>(at - anchors.begin());
 }
 
-/// Friction of one contact within a frame.
+/// Friction of one contact within a step.
 struct ContactFriction {
-  float given = 0;           ///< SurfaceGap::friction
-  int part = -1;             ///< SurfaceGap::part
   float coefficient = 0;     ///< mu of this contact; 0: none
-  bool is_begun = false;     ///< `begun` is known,
-  bool has_gap = false;      ///< and `gap`
   bool is_anchored = false;  ///< without an anchor there is no friction
   bool is_new = false;       ///< the anchor was made in this step
+  bool has_gap = false;      ///< `gap` is known
   bool slides = false;       ///< by the last iteration
+  int number = -1;           ///< of its anchor in the state's list; -1: it has none there
   PointAnchor anchor;        ///< as the state has it
+  /// Share of the obstacle's way in the frame that it has yet to come, in the step before (1: the
+  /// frame began) and in the present one.
+  float left_before = 1, left = 0;
   /// m, the anchor in the present step. By an obstacle: its place, body frame. By another body: its
   /// vector from the contact's foot, in that body's frame.
   Eigen::Vector3f held = Eigen::Vector3f::Zero();
   Eigen::Vector3f begun = Eigen::Vector3f::Zero();  ///< the point when the step began, likewise
+  SkinPoint foot;  ///< by another body: the foot from which `held` and `begun` are measured
   /// By another body: the rotation from the contact's body to that one.
   Eigen::Matrix3f to_other = Eigen::Matrix3f::Identity();
   float gap = 0;         ///< m, when the step began, to the obstacle in the present step
-  float own_way = 0;     ///< m, by which the point's own force moves it along the normal: W_ii p
   float compliance = 0;  ///< m/N, c
-  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, t on the body, body frame
+  /// m, before the present iteration: x - X(a), body frame. Some vector along the normal is in it.
+  Eigen::Vector3f slip = Eigen::Vector3f::Zero();
 };
 
 /// Share of a step after which a gap closed: 0 to 1. The gap changes linearly.
 /// @param before  m, at the begin of the step, to the obstacle where it was then; < 0 counts as 0
-/// @param own_way  m, ContactFriction::own_way: without the point's force the gap would end at
-///                 minus this
-[[nodiscard]] inline float time_of_contact(float before, float own_way) {
-  const float gap = before > 0 ? before : 0;
-  const float all = gap + own_way;
-  return all > 0 ? gap / all : 0;
+/// @param after   m, at the end of the step, if the point did not press
+[[nodiscard]] inline float time_of_contact(float before, float after) {
+  if (!(after < 0)) return 1;
+  return before > 0 ? before / (before - after) : 0;
+}
+
+/// Share of its way in a frame that an obstacle has yet to come in a load step, in which it stands
+/// back from where it will be. It comes straight and evenly.
+/// @param back   m, along the normal of a contact
+/// @param along  m, its way in the frame along that normal. Less than `back`: in this step it is
+///               farther back than when the frame began, which is 1 as well
+[[nodiscard]] inline float share_to_come(double back, float along) {
+  if (!(back > 0)) return 0;
+  return static_cast<double>(along) > back ? static_cast<float>(back / static_cast<double>(along))
+                                           : 1.0f;
 }
 
 }  // namespace palpable

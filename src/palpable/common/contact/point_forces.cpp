@@ -17,16 +17,19 @@ void ForcesAtStart::limit_step(std::vector<PointForce>& forces, float share) {
   mixed_.clear();
   auto begun = begun_.begin();
   const auto add_begun = [&] {
-    mixed_.push_back({begun->point, (1 - share) * begun->force, begun->by});
+    mixed_.push_back(
+        {begun->point, (1 - share) * begun->force, begun->by, (1 - share) * begun->friction});
     ++begun;
   };
   for (const PointForce& now : forces) {
     while (begun != begun_.end() && stands_before(*begun, now)) add_begun();
-    Eigen::Vector3f force = share * now.force;
+    Eigen::Vector3f force = share * now.force, friction = share * now.friction;
     if (begun != begun_.end() && !stands_before(now, *begun)) {
-      force += (1 - share) * (begun++)->force;
+      force += (1 - share) * begun->force;
+      friction += (1 - share) * begun->friction;
+      ++begun;
     }
-    mixed_.push_back({now.point, force, now.by});
+    mixed_.push_back({now.point, force, now.by, friction});
   }
   while (begun != begun_.end()) add_begun();
   // If the step limit holds frame after frame, forces would accumulate without end.

@@ -14,6 +14,8 @@ struct PointForce {
   int point = 0;                                    ///< index into SkinPointSet::points
   Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, on the body, body frame
   int by = -1;  ///< which other body presses: its index in the solver; -1: an obstacle
+  /// N, the part of the force that is friction (point_anchor.h: t)
+  Eigen::Vector3f friction = Eigen::Vector3f::Zero();
 };
 
 /// Whether one force comes before another in a state's list: ordered by point, then by `by`.
@@ -30,7 +32,7 @@ class ForcesAtStart {
 
   /// @pre at most as many forces as the constructor was given, in order
   void start(const std::vector<PointForce>& forces);
-  /// forces <- begun + share (forces - begun).
+  /// forces <- begun + share (forces - begun), and friction likewise.
   void limit_step(std::vector<PointForce>& forces, float share);
 
  private:

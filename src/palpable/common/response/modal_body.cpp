@@ -225,7 +225,7 @@ void ModalBody::begin_frame() {
     state.forces.clear();
     state.forces.reserve(2 * std::size_t{kMostPlacesWithOthers});
     state.anchors.clear();
-    if (friction_ > 0) state.anchors.reserve(kMostPlacesWithOthers);
+    if (friction_ > 0) state.anchors.reserve(2 * std::size_t{kMostPlacesWithOthers});
   }
   set_q(state.q);
   q_begun_ = q_;

@@ -48,7 +48,7 @@ void SkinContact::find_pressed(const TouchState& state) {
     const PointForce& at = state.forces[k];
     const SkinPoint& point = solver_.points()[static_cast<std::size_t>(at.point)];
     patches_.points().push_back({solver_.places().col(at.point) + moved_[k], moved_[k], at.force,
-                                 point.area, at.by, friction_at(state.anchors, at.point, at.by)});
+                                 point.area, at.by, at.friction});
   }
 }
 

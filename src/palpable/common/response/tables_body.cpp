@@ -202,7 +202,7 @@ void TablesBody::begin_frame() {
     state.forces.clear();
     state.forces.reserve(kMostForces);
     state.anchors.clear();
-    if (friction() > 0) state.anchors.reserve(kMostPlacesWithOthers);
+    if (friction() > 0) state.anchors.reserve(kMostForces);
     state.regions.clear();
     state.regions.reserve(NonlinearResponse::kMostPatches);
   }

@@ -108,6 +108,11 @@ void TablesTangent::make_room(std::size_t most_places, std::size_t width) {
   patch_of_.resize(most_places);
   sums_.resize(most_places);
   normals_.reserve(most_places);
+  const std::size_t tangents = 2 * most_places;
+  tangent_modes_.resize(tangents * modes_wide_);
+  tangent_order_.resize(tangents);
+  tangent_patch_.resize(tangents);
+  tangent_sums_.resize(tangents);
 }
 
 // row = G times a unit force.
@@ -261,13 +266,7 @@ void TablesTangent::add_all_tangential(const TablesAt& at, std::span<const UnitF
 void TablesTangent::add_tangential_modes(const TablesAt& at, std::span<const UnitForce> forces,
                                          std::span<float> W_nt, std::size_t wide,
                                          std::span<double> W_tt, std::span<double> q_t) {
-  const std::size_t t = q_t.size(), most = 2 * order_.size();
-  if (tangent_order_.size() < most) {
-    tangent_modes_.resize(most * modes_wide_);
-    tangent_order_.resize(most);
-    tangent_patch_.resize(most);
-    tangent_sums_.resize(most);
-  }
+  const std::size_t t = q_t.size();
   for (std::size_t i = 0; i < forces.size(); ++i) tangent_patch_[i] = patch_of_unit(at, forces[i]);
   for (int patch = 0; patch < at.regions->patch_count(); ++patch) {
     const PatchRows& of_patch = patches_[static_cast<std::size_t>(patch)];

@@ -88,7 +88,7 @@ class TablesTangent {
   void add_tangential(const TablesAt& at, std::span<const UnitForce> forces, std::span<float> W_nt,
                       std::size_t wide, std::span<double> W_tt, std::span<double> q_t);
   /// The same with all terms of the last add_compliance(), for friction, where the two tangents of
-  /// a contact follow each other. The first call with regions allocates.
+  /// a contact follow each other.
   void add_all_tangential(const TablesAt& at, std::span<const UnitForce> forces,
                           std::span<float> W_nt, std::size_t wide, std::span<double> W_tt,
                           std::span<double> q_t);

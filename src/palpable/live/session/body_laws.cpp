@@ -114,8 +114,7 @@ void ModesLaw::find_touches(const Pressing& pressing, std::vector<Touch>& touche
     for (std::size_t c = 0; c < 3; ++c) {
       before += at.weights[static_cast<int>(c)] * rest.vertices.col(at.corners[c]).cast<float>();
     }
-    points.push_back({now, now - before, force.force, at.area, force.by,
-                      friction_at(state_.anchors, force.point, force.by)});
+    points.push_back({now, now - before, force.force, at.area, force.by, force.friction});
   }
   for (const PressedPoint& point : together_->pressed_by_others(number_)) points.push_back(point);
   patches_.find(&pressing.seen, touches);
