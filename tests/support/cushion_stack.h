@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -103,9 +104,10 @@ struct Stack {
     }
     solver = std::make_unique<ContactSolver>(members);
   }
-  // Advances a frame; only the top cushion has an obstacle.
-  void advance(const Obstacles& obstacles) {
-    near_.assign(layers.size(), {});
+  // Advances a frame; only the top cushion has an obstacle. @param largest_move  m, step limit
+  void advance(const Obstacles& obstacles,
+               double largest_move = std::numeric_limits<double>::infinity()) {
+    near_.assign(layers.size(), {nullptr, largest_move});
     near_.front().obstacles = &obstacles;
     report = solver->advance(near_);
   }

@@ -44,6 +44,17 @@ TEST_CASE("under the step limit forces change by a share", "[contact]") {
   }
 }
 
+TEST_CASE("under the step limit friction changes by the same share", "[contact][friction]") {
+  ForcesAtStart begun(kMost);
+  begun.start({{1, Vector3f(0, 1, 4), -1, Vector3f(0, 1, 0)},
+               {2, Vector3f(2, 0, 6), -1, Vector3f(2, 0, 0)}});
+  std::vector<PointForce> forces{{2, Vector3f(0, 4, 8), -1, Vector3f(0, 4, 0)}};
+  begun.limit_step(forces, 0.25f);
+  REQUIRE(forces.size() == 2);
+  CHECK(forces[0].friction == Vector3f(0, 0.75f, 0));  // of a point that presses no longer
+  CHECK(forces[1].friction == Vector3f(1.5f, 1, 0));
+}
+
 TEST_CASE("the forces of two bodies at one point stay separate", "[contact]") {
   ForcesAtStart begun(kMost);
   begun.start({{3, Vector3f(0, 0, 1), -1}, {3, Vector3f(0, 0, 2), 1}});
