@@ -201,7 +201,7 @@ ConeOutcome CoulombCone::solve(const ConeProblem& p, Complementarity& normal, st
   if (!stalls) return outcome;
   std::copy(f.begin(), f.end(), best_f_.begin());
   std::copy(t.begin(), t.end(), best_t_.begin());
-  const ConeOutcome newton = solve_by_newton(p, f, t);
+  const ConeOutcome newton = solve_by_newton(p, f, t, kNewtonSteps);
   outcome.newton_steps = newton.newton_steps;
   if (newton.is_solved && newton.residual < outcome.residual) {
     outcome.residual = newton.residual;
@@ -213,11 +213,11 @@ ConeOutcome CoulombCone::solve(const ConeProblem& p, Complementarity& normal, st
 }
 
 ConeOutcome CoulombCone::solve_by_newton(const ConeProblem& p, std::span<double> f,
-                                         std::span<double> t) {
+                                         std::span<double> t, int most_steps) {
   ConeOutcome outcome;
   outcome.residual = residual(p, f, t);
   outcome.is_solved = true;
-  while (outcome.newton_steps < kNewtonSteps && outcome.residual > p.tolerance) {
+  while (outcome.newton_steps < most_steps && outcome.residual > p.tolerance) {
     if (!newton_step(p, f, t)) {
       outcome.is_solved = false;
       break;

@@ -61,7 +61,9 @@ class CoulombCone {
                     std::span<double> t);
 
   /// Newton's method alone, from the guess in f and t: the tests compare both.
-  ConeOutcome solve_by_newton(const ConeProblem& problem, std::span<double> f, std::span<double> t);
+  /// @param most_steps  of it
+  ConeOutcome solve_by_newton(const ConeProblem& problem, std::span<double> f, std::span<double> t,
+                              int most_steps);
 
   /// As ConeOutcome::residual.
   double residual(const ConeProblem& problem, std::span<const double> f, std::span<const double> t);

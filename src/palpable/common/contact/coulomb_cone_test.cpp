@@ -172,7 +172,7 @@ TEST_CASE("Gauss-Seidel and Alart-Curnier find the same forces", "[contact][fric
       other.t[2 * i] = 0.9 * one.t[2 * i];
       other.t[2 * i + 1] = 0.9 * one.t[2 * i + 1];
     }
-    other.outcome = cone.solve_by_newton(ball.problem(), other.f, other.t);
+    other.outcome = cone.solve_by_newton(ball.problem(), other.f, other.t, 10);
     REQUIRE(other.outcome.is_solved);
     REQUIRE(other.outcome.residual <= 1e-6);
     double largest = 0, apart = 0;
