@@ -43,6 +43,15 @@ float gap_in_step(const Contact& c, double shift) {
   return c.distance + static_cast<float>(c.by < 0 ? shift : 0.0);
 }
 
+// Share of a step after which a contact's point met what it presses. @param came  m, by which that
+// came nearer in the step
+float time_of_meeting(const Contact& c, const ContactFriction& rub, float came, double shift) {
+  if (c.force.isZero(0)) return time_of_contact(rub.gap + came, gap_in_step(c, shift));
+  // It presses already. If no gap was queried yet, it did so before the step, without an anchor.
+  // Else others have pushed it there in this step, and it counts as met where it is.
+  return rub.has_gap ? 1.0f : 0.0f;
+}
+
 }  // namespace
 
 Reached ContactReport::reached() const {
@@ -434,9 +443,9 @@ void ContactFrame::prepare_friction(double shift) {
   }
 }
 
-// How what a contact presses came in this step. Where that is not known, it came along the normal,
-// by what the shift became less. Another body counts as standing: its contacts are measured from
-// it.
+// The motion in this step of what a contact presses. Where it is not known, it counts as one along
+// the normal, by as much as the shift has decreased. Another body counts as standing, because its
+// contacts are measured from it.
 ContactFrame::Came ContactFrame::find_way(const Contact& c, double shift,
                                           ContactFriction& rub) const {
   Came came;
@@ -472,10 +481,7 @@ void ContactFrame::make_anchor(const Contact& c, double shift, ContactFriction& 
   rub.anchor.by = c.by;
   const Came came = find_way(c, shift, rub);
   const Vector3f x = place_now(c);
-  // A point that presses already: if that is since the step before, it was met when the step began;
-  // else others pushed it there in this step, and it is met where it is.
-  float met = rub.has_gap ? 1.0f : 0.0f;
-  if (c.force.isZero(0)) { met = time_of_contact(rub.gap + came.along, gap_in_step(c, shift)); }
+  const float met = time_of_meeting(c, rub, came.along, shift);
   rub.held = rub.begun + met * (x - rub.begun) + (1 - met) * came.way;
   rub.is_anchored = rub.is_new = true;
 }
