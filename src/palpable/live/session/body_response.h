@@ -108,6 +108,10 @@ class BodyResponse {
   [[nodiscard]] const TouchState& touched() const;
   [[nodiscard]] const ReducedBody& body() const { return body_; }
   [[nodiscard]] const ObjectSurface& surface() const { return surface_; }
+  /// The motion of that surface; null for a body without friction.
+  [[nodiscard]] const SurfaceFriction* friction() const {
+    return friction_ ? &*friction_ : nullptr;
+  }
 
  private:
   [[nodiscard]] BodyLaw make_law(const ResponseSettings& settings, const BodyResponse* twin);
