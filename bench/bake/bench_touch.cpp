@@ -65,7 +65,7 @@ bool is_path_dependent(const TouchDifference& d) {
 
 // Median and p90 of differences; only the count without any.
 Json summary_of(const std::vector<TouchDifference>& some) {
-  if (some.empty()) return {{"scenes", 0}};
+  if (some.empty()) return Json{{"scenes", 0}};
   std::vector<double> u, force, stress, worst, entry, cone;
   for (const TouchDifference& d : some) {
     u.push_back(d.touch.displacement);

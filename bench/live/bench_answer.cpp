@@ -190,7 +190,7 @@ AnswerTimes answers_of(const TouchableBody& body, const std::vector<RecordedPres
 }
 
 Json json_of_times(const AnswerTimes& times) {
-  if (times.with.empty()) return {{"frames", 0}};
+  if (times.with.empty()) return Json{{"frames", 0}};
   Json result{{"frames", times.with.size()}, {"frames_rubbing", times.rubbing}};
   for (const auto& [key, share] : {std::pair{"p50", 0.5}, std::pair{"p99", 0.99}}) {
     const double without = percentile(times.without, share), with = percentile(times.with, share);
