@@ -123,6 +123,13 @@ function writeCapsules(capsules, to) {
   });
 }
 
+// palpable_thing::friction, where 0 is that of the body and -1 none. C refuses what is above 10.
+function frictionOfC(given) {
+  if (given === undefined || given === null) return 0;
+  if (!(given >= 0)) throw new PalpableError(1, `friction is ${given}, not within 0 and 10`);
+  return given === 0 ? -1 : given;
+}
+
 const kNoThing = -(2n ** 63n); // PALPABLE_NO_THING
 
 function idOf(id) {
@@ -183,8 +190,7 @@ export class Session {
       view.setBigInt64(to + members.id, BigInt(thing.id ?? k), true);
       view.setUint32(to + members.capsules, at, true);
       view.setUint32(to + members.count, counts[k], true);
-      // 0 is that of the body for C, and no friction here.
-      view.setFloat64(to + members.friction, thing.friction === 0 ? -1 : thing.friction ?? 0, true);
+      view.setFloat64(to + members.friction, frictionOfC(thing.friction), true);
       writeCapsules(thing.capsules, c.doubles(at, kCapsuleNumbers * counts[k]));
       at += 8 * kCapsuleNumbers * counts[k];
     });

@@ -122,6 +122,9 @@ test('wrong arguments are refused, and nothing is changed', () => {
   assert.throws(() => session.pressAt(ball(NaN), 2), /coordinate/);
   assert.throws(() => session.pressAt(ball(0), 1), /time is 1 s/);
   assert.throws(() => session.pressAt([...ball(0), ...ball(1)], 2), /same id/);
+  for (const friction of [-1, NaN, 11]) { // -1 is PALPABLE_NO_FRICTION in C
+    assert.throws(() => session.pressAt([{ ...ball(0)[0], friction }], 2), /friction is/);
+  }
   assert.throws(() => session.skin(1), /no body 1/);
   assert.throws(() => body.place(new Array(16).fill(1)), /last row/);
   assert.equal(session.frame.time, 1);

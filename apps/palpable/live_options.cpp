@@ -145,7 +145,9 @@ void add_contact_options(Command command, LiveOptions& options) {
                   "Coulomb's coefficient of friction of the skins, in place of that in the body "
                   "files; 0: none. A key of scenes, too")
       .in_range(0.0, kMostFriction)
-      .default_is("that of the body file");
+      .default_is(
+          "that of the body file; in recorded images what their scene.toml or the clip's "
+          "truth/friction.txt states, else 0");
   command.add_flag("--press-static", options.run.press_static,
                    "Let also that press the body which is there from the first frame on, its desk "
                    "too. Without it only what comes later presses; a scene.toml may ask for it");

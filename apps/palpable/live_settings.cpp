@@ -117,14 +117,14 @@ std::filesystem::path film_clip(const LiveOptions& options,
                    bar.progress());
 }
 
-// Gives the friction that a clip states to the bodies of which the scene states none.
-void take_friction(const SceneFile& clip, std::vector<DescribedBody>& wanted,
+// Gives the friction of the images to the bodies of which the scene states none.
+void take_friction(std::optional<double> of_images, std::vector<DescribedBody>& wanted,
                    std::vector<LiveBody>& bodies) {
-  if (!clip.friction) return;
+  if (!of_images) return;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     if (wanted[k].friction) continue;
-    wanted[k].friction = clip.friction;
-    set_friction(bodies[k].body, *clip.friction);
+    wanted[k].friction = of_images;
+    set_friction(bodies[k].body, *of_images);
   }
 }
 
@@ -218,7 +218,7 @@ LiveSetUp set_up_live(const LiveOptions& options, std::unique_ptr<FrameSource> i
   if (settings.images.device == kSynthetic) {
     settings.images.device = film_clip(options, wanted, bodies.front().body).string();
   }
-  if (!run.friction) take_friction(scene_file_beside(settings.images.device), wanted, bodies);
+  if (!run.friction) take_friction(friction_of_images(settings.images.device), wanted, bodies);
   try {
     return {.run = open_live(std::move(bodies), settings, std::move(images)),
             .bodies = std::move(wanted),

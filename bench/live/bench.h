@@ -6,6 +6,7 @@ namespace palpable::app {
 
 class Command;
 
+void add_bench_answer(Command bench);
 void add_bench_body(Command bench);  ///< evaluate
 void add_bench_depth(Command bench);
 void add_bench_live(Command bench);

@@ -31,6 +31,7 @@ int run_benches(int argc, char** argv) {
       "  bench clip      the same under the true hand of a filmed clip\n"
       "  bench friction  what friction, which touch leaves out, would change\n"
       "Example: palpable bench evaluate bunny.palpable --json");
+  add_bench_answer(bench);
   add_bench_body(bench);
   add_bench_depth(bench);
   add_bench_sgbm(bench);

@@ -193,7 +193,7 @@ class Touch(_Record):
     point: npt.NDArray[np.float64]  #: (3,) m, on the deformed skin
     normal: npt.NDArray[np.float64]  #: (3,) unit, out of the body: opposite to the force, as there is no friction
     force: npt.NDArray[np.float64]  #: (3,) N, on the body
-    depth: float  #: m, displacement of the skin along the force
+    depth: float  #: m, displacement of the skin against `normal`
     area: float | None  #: m^2, pressed area of the skin; None: unknown
     assumed: float  #: share of the force from sides which the camera does not see
     unseen_for: float  #: s since the obstacle was last measured; 0: in this frame

@@ -33,9 +33,12 @@ class Capsules:
         self.friction = friction
 
     def _friction_of_c(self) -> float:
-        """palpable_thing::friction, where 0 is that of the body and -1 none."""
+        """palpable_thing::friction, where 0 is that of the body and -1 none. WrongArgument unless it is 0 or more: C takes
+        -1 as none, and refuses what is above 10."""
         if self.friction is None:
             return 0.0
+        if not self.friction >= 0:
+            raise WrongArgument(f"friction is {self.friction}, not within 0 and 10")
         return self.friction if self.friction != 0 else -1.0
 
 

@@ -1262,6 +1262,18 @@ def _(programs, folder):
     assert front["frames"] == answer["frames"], front
     assert front["displacement_error"]["median"] != answer["displacement_error"]["median"], front
     assert front["displacement_error"]["median"] < 0.2, (answer, front)
+
+    # The answer alone, with friction and without it: the truth's hand presses in more frames than were solved in full.
+    for words in (["--true-hand"], []):
+        times = json.loads(programs.succeeds("bench", "answer", clip, "--body", touched / "ball.palpable", *words, "--json").stdout)
+        figures = times["all"]
+        assert times["friction"] == 0.3 and figures == times["clips"][str(clip)], times
+        assert figures["frames"] >= figures["frames_rubbing"] > 0, times
+        for share in ("p50", "p99"):
+            without, rubbed = (figures[f"{name}_friction_ms"][share] for name in ("without", "with"))
+            assert 0 < without and abs(figures["ratio"][share] * without / rubbed - 1) < 1e-6, times
+    programs.refuses("bench", "answer", clip, "--body", body, says=["no tables of touch"])
+    programs.refuses("bench", "answer", folder / "none", "--body", touched / "ball.palpable", says=["none"])
     programs.refuses("bench", "clip", body, clip, says=["no tables of touch"])
     programs.refuses("bench", "clip", touched / "ball.palpable", folder / "none", says=["none"])
 

@@ -68,6 +68,9 @@ def test_a_thing_rubs_with_its_own_coefficient_or_the_bodys(ball):
     for wrong in (-1, 11, float("nan")):
         with pytest.raises(palpable.WrongArgument, match="coefficient is"):
             palpable.Body(ball).set_friction(wrong)
+        with palpable.Session(palpable.Body(ball)) as session:  # -1 is PALPABLE_NO_FRICTION in C
+            with pytest.raises(palpable.WrongArgument, match="friction is"):
+                session.press([palpable.Capsules(finger(), id=3, friction=wrong)])
 
 
 def test_nested_lists_are_capsules(session):

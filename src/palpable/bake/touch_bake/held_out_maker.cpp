@@ -110,10 +110,10 @@ std::vector<HeldOutTouch> make_held_out(const EquilibriumSolver& solver, const S
     const std::size_t k = missing[static_cast<std::size_t>(item)];
     TouchSolver touch(skin.skin(), skin.fixed(), tables);
     HeldOutTouch found = not_followed(wanted[k]);
-    (void)compare_touch(
-        solver, skin, preloaded, touch, tables.point_spacing, wanted[k].scene,
-        std::array{wanted[k].depth},
-        [&](const TouchDifference& difference) { found = difference.touch; }, 0, tables.friction);
+    (void)compare_touch(solver, skin, preloaded, touch, tables.point_spacing, wanted[k].scene,
+                        std::array{wanted[k].depth},
+                        [&](const TouchDifference& difference) { found = difference.touch; },
+                        {.friction = tables.friction});
     const std::scoped_lock turn(finished);
     solved[k] = found;
     if (store != nullptr) store->keep(keys, solved);

@@ -14,6 +14,8 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 constexpr double kFrame = 1.25e-3;  // m, how far the obstacle advances in a frame
+// Steps of the full solver in a frame with friction, whose solution depends on the path: 0.125 mm.
+constexpr int kRubbingSteps = 10;
 
 double milliseconds_since(std::chrono::steady_clock::time_point begin) {
   return 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -74,6 +76,50 @@ TouchDifference difference_of(const SkinResponse& skin, const ContactWalk& walk,
       .von_mises = (d.von_mises.cast<double>() - stress).cwiseAbs().maxCoeff() / stress.maxCoeff()};
   return d;
 }
+
+// The full-order solution of a scene, on request also one with half the steps.
+class FullWalks {
+ public:
+  FullWalks(const EquilibriumSolver& solver, const SkinResponse& skin, const Preloaded* preloaded,
+            const ObstacleMotion& motion, double point_spacing, const ComparisonSettings& settings)
+      : skin_(&skin), steps_(settings.friction > 0 ? kRubbingSteps : 1) {
+    ContactSettings contact;
+    contact.spacing = point_spacing;
+    contact.friction = settings.friction;
+    walk_.emplace(solver, motion, -1e-4, contact, preloaded);
+    if (settings.halves_steps) finer_.emplace(solver, motion, -1e-4, contact, preloaded);
+  }
+
+  // Advances both by one frame. Returns why one of them stopped; empty if none did.
+  [[nodiscard]] std::string advance(double from, double to) {
+    if (!advance_in(*walk_, from, to, steps_)) return walk_->why_stopped();
+    if (finer_ && !advance_in(*finer_, from, to, 2 * steps_)) {
+      return "with half the steps " + finer_->why_stopped();
+    }
+    return {};
+  }
+
+  [[nodiscard]] const ContactWalk& now() const { return *walk_; }
+  [[nodiscard]] std::optional<double> half_step() const {
+    if (!finer_) return std::nullopt;
+    const Matrix3Xd a = true_displacement(*skin_, walk_->now().displacement);
+    const Matrix3Xd b = true_displacement(*skin_, finer_->now().displacement);
+    const double larger = std::max(a.norm(), b.norm());
+    return larger > 0 ? (a - b).norm() / larger : 0.0;
+  }
+
+ private:
+  [[nodiscard]] static bool advance_in(ContactWalk& walk, double from, double to, int steps) {
+    for (int k = 1; k < steps; ++k) {
+      if (!walk.advance(from + (to - from) * k / steps)) return false;
+    }
+    return walk.advance(to);
+  }
+
+  const SkinResponse* skin_;
+  int steps_;  // of a frame
+  std::optional<ContactWalk> walk_, finer_;
+};
 
 }  // namespace
 
@@ -149,14 +195,11 @@ bool ExactObstacles::may_be_within(const Eigen::Vector3f& place, float reach) co
 std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
                           const Preloaded* preloaded, TouchSolver& touch, double point_spacing,
                           const TouchScene& scene, std::span<const double> depths,
-                          const std::function<void(const TouchDifference&)>& found, int refinements,
-                          double friction) {
-  ContactSettings settings;
-  settings.spacing = point_spacing;
-  settings.friction = friction;
-  ContactWalk walk(
-      solver, [&scene](double depth) { return obstacle_at(scene, depth); }, -1e-4, settings,
-      preloaded);
+                          const std::function<void(const TouchDifference&)>& found,
+                          const ComparisonSettings& settings) {
+  FullWalks walks(
+      solver, skin, preloaded, [&scene](double depth) { return obstacle_at(scene, depth); },
+      point_spacing, settings);
   TouchState state;
   double depth = 0;
   for (const double last : depths) {
@@ -165,16 +208,18 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
     while (depth < last) {
       // The last frame ends at the depth that is compared; it takes up to 10 % more instead of
       // leaving a very short frame.
-      const Obstacle before = obstacle_at(scene, depth);
+      const double begun = depth;
+      const Obstacle before = obstacle_at(scene, begun);
       depth = last - depth < 1.1 * kFrame ? last : depth + kFrame;
-      if (!walk.advance(depth)) return walk.why_stopped();
+      if (std::string why = walks.advance(begun, depth); !why.empty()) return why;
       const ObstacleGaps gaps(obstacle_at(scene, depth));
       const auto begin = std::chrono::steady_clock::now();
       report = touch.advance(state, ExactObstacles(gaps, &before));
       took = milliseconds_since(begin);
     }
     const auto report_difference = [&](const TouchState& now, int refined) {
-      TouchDifference d = difference_of(skin, walk, touch, now, scene, depth);
+      TouchDifference d = difference_of(skin, walks.now(), touch, now, scene, depth);
+      d.half_step = walks.half_step();
       d.refined = refined;
       d.report = report;
       d.touch.unscaled_error = unscaled_error(report.indicators);
@@ -182,10 +227,10 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
       found(d);
     };
     report_difference(state, 0);
-    TouchState rests = refinements > 0 ? state : TouchState();
+    TouchState rests = settings.refinements > 0 ? state : TouchState();
     const Obstacle at_rest = obstacle_at(scene, depth);
     const ObstacleGaps gaps(at_rest);
-    for (int k = 1; k <= refinements; ++k) {
+    for (int k = 1; k <= settings.refinements; ++k) {
       RequestedLoad requested;
       if (touch.request(rests, requested)) {
         const auto full = full_solution(solver, skin, preloaded, requested.forces);
@@ -203,17 +248,14 @@ std::string compare_drag(const EquilibriumSolver& solver, const SkinResponse& sk
                          const Preloaded* preloaded, TouchSolver& touch, double point_spacing,
                          const TouchScene& scene, double depth, std::span<const double> drags,
                          const std::function<void(const TouchDifference&)>& found,
-                         double friction) {
-  ContactSettings settings;
-  settings.spacing = point_spacing;
-  settings.friction = friction;
+                         const ComparisonSettings& settings) {
   // The obstacle after a path of t: down, then aside.
   const auto after = [&](double t) {
     Rigid3 aside = Rigid3::Identity();
     aside.translation() = std::max(0.0, t - depth) * scene.way.unitOrthogonal();
     return moved(obstacle_at(scene, std::min(t, depth)), aside);
   };
-  ContactWalk walk(solver, after, -1e-4, settings, preloaded);
+  FullWalks walks(solver, skin, preloaded, after, point_spacing, settings);
   TouchState state;
   double t = 0;
   for (const double drag : drags) {
@@ -224,14 +266,14 @@ std::string compare_drag(const EquilibriumSolver& solver, const SkinResponse& sk
       const double last = t < depth ? depth : depth + drag, begun = t;
       const Obstacle before = after(t);
       t = last - t < 1.1 * kFrame ? last : t + kFrame;
-      if (!walk.advance(0.5 * (begun + t)) || !walk.advance(t)) return walk.why_stopped();
+      if (std::string why = walks.advance(begun, t); !why.empty()) return why;
       const ObstacleGaps gaps(after(t));
       const auto begin = std::chrono::steady_clock::now();
       report = touch.advance(state, ExactObstacles(gaps, &before));
       took = milliseconds_since(begin);
     }
-    if (walk.now().touching == 0) return {};  // dragged off the body
-    TouchDifference d = difference_of(skin, walk, touch, state, scene, depth);
+    if (walks.now().now().touching == 0) return {};  // dragged off the body
+    TouchDifference d = difference_of(skin, walks.now(), touch, state, scene, depth);
     d.dragged = drag;
     d.report = report;
     d.touch.unscaled_error = unscaled_error(report.indicators);

@@ -24,7 +24,10 @@ namespace palpable {
 /// One scene at one depth: the tables' response, the full-order solution, and their differences.
 struct TouchDifference {
   HeldOutTouch touch;
-  double dragged = 0;       ///< m, motion aside after the press
+  double dragged = 0;  ///< m, motion aside after the press
+  /// Change of the full-order solution if all its steps are halved: relative L2 over the skin's
+  /// vertices; nothing where that was not solved (ComparisonSettings::halves_steps)
+  std::optional<double> half_step = {};
   int refined = 0;          ///< how many refinements by full-order solutions were tried before
   double worst_vertex = 0;  ///< m, largest error of a vertex's displacement
   TouchReport report;       ///< of the last frame
@@ -48,8 +51,7 @@ class ExactObstacles : public Obstacles {
  public:
   /// @param gaps    outlives this
   /// @param before  with friction, that of the body: the obstacle of the frame before, with the
-  /// same
-  ///                parts; outlives this. Null: nothing rubs
+  ///                same parts; outlives this. Null: nothing rubs
   explicit ExactObstacles(const ObstacleGaps& gaps, const Obstacle* before = nullptr);
 
   void find_gaps(std::span<const Eigen::Vector3f> places,
@@ -69,34 +71,42 @@ class ExactObstacles : public Obstacles {
   Eigen::AlignedBox3f all_;
 };
 
+/// How the full-order solution is computed, and how often the tables adopt it.
+struct ComparisonSettings {
+  /// Coulomb's coefficient. That of the tables is the body's of the TouchSolver.
+  double friction = 0;
+  /// How often, at each depth, the obstacle is kept at rest until the tables have blended in a
+  /// full-order solution (response/refinement.h).
+  int refinements = 0;
+  /// Whether the scene is solved once more with half the steps, for TouchDifference::half_step.
+  bool halves_steps = false;
+};
+
 /// Presses the body with a scene's obstacle, by the full solver and by the tables, in frames of at
 /// most 1.25 mm (one that ends at a given depth may be 10 % longer), and compares the two at the
-/// given depths.
-/// @param solver       of the model that `skin` belongs to
-/// @param depths       m, rising
-/// @param found        is called at each depth
-/// @param refinements  how often, at each depth, the obstacle is kept at rest until the tables have
-///                     blended in a full-order solution (response/refinement.h); `found` is called
-///                     after each. The next depth continues from the unrefined state
-/// @param friction     Coulomb's coefficient in the full solution. That of the tables is the body's
-/// of
-///                     `touch`
-/// @returns why the full solver stopped before the last depth; empty if it did not
+/// given depths. The full solver makes one step a frame; with friction ten, as the solution depends
+/// on the path.
+/// @param solver  of the model that `skin` belongs to
+/// @param depths  m, rising
+/// @param found   is called at each depth, and after each refinement there. The next depth
+///                continues from the unrefined state
+/// @returns why a full-order solution stopped before the last depth; empty if none did
 [[nodiscard]] std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
                                         const Preloaded* preloaded, TouchSolver& touch,
                                         double point_spacing, const TouchScene& scene,
                                         std::span<const double> depths,
                                         const std::function<void(const TouchDifference&)>& found,
-                                        int refinements = 0, double friction = 0.0);
+                                        const ComparisonSettings& settings = {});
 
 /// The same for a thing that presses to `depth` (m) and is then dragged aside, perpendicular to its
-/// way, in frames of at most 1.25 mm; the full solver makes two steps a frame.
-/// @param drags  m, rising; `found` is called at each
+/// way, in frames of at most 1.25 mm.
+/// @param drags     m, rising; `found` is called at each
+/// @param settings  without refinements and half steps
 [[nodiscard]] std::string compare_drag(const EquilibriumSolver& solver, const SkinResponse& skin,
                                        const Preloaded* preloaded, TouchSolver& touch,
                                        double point_spacing, const TouchScene& scene, double depth,
                                        std::span<const double> drags,
                                        const std::function<void(const TouchDifference&)>& found,
-                                       double friction);
+                                       const ComparisonSettings& settings);
 
 }  // namespace palpable

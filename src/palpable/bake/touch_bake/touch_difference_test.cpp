@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -98,15 +99,14 @@ TEST_CASE("tables with friction agree with full contact with the same friction",
     for (const TouchScene& scene : touch_scenes(body.skin, thing, 2, 5)) {
       for (TouchSolver* touch : {&rubs, &slides}) {
         std::vector<double>& errors = touch == &rubs ? with : without;
-        CHECK(compare_drag(
-                  body.solver, body.skin, nullptr, *touch, body.tables.point_spacing, scene, 0.003,
-                  std::array{0.002},
-                  [&](const TouchDifference& d) {
-                    CHECK(d.dragged == 0.002);
-                    CHECK(d.report.friction_residual < tolerance(1e-5, "m"));
-                    errors.push_back(d.touch.displacement);
-                  },
-                  0.5) == "");
+        CHECK(compare_drag(body.solver, body.skin, nullptr, *touch, body.tables.point_spacing,
+                           scene, 0.003, std::array{0.002},
+                           [&](const TouchDifference& d) {
+                             CHECK(d.dragged == 0.002);
+                             CHECK(d.report.friction_residual < tolerance(1e-5, "m"));
+                             errors.push_back(d.touch.displacement);
+                           },
+                           {.friction = 0.5}) == "");
       }
     }
   }
@@ -155,6 +155,36 @@ TEST_CASE("held-out touches are the same on any number of threads, and solved on
   }
   settings.count = 3;
   CHECK(make(&store).size() == 3);
+}
+
+TEST_CASE("a press is solved once more with half the steps, on request",
+          "[touch_bake][friction][long]") {
+  const SolidModel model = block();
+  const EquilibriumSolver solver(model);
+  const SkinResponse skin(model, boundary_of(model.mesh));
+  TouchBakeSettings linear;
+  linear.point_spacing = 0.003;
+  linear.regions.most = 0;
+  linear.threads = 2;
+  const TouchTables tables = make_touch_tables(skin, linear);
+  TouchSolver touch(skin.skin(), skin.fixed(), tables, {.friction = 0.5});
+  const TouchScene scene = touch_scenes(skin, PressingThing::kFinger, 1, 5).front();
+  const auto press = [&](const ComparisonSettings& settings) {
+    std::optional<TouchDifference> last;
+    CHECK(compare_touch(
+              solver, skin, nullptr, touch, tables.point_spacing, scene, std::array{0.0025},
+              [&](const TouchDifference& d) { last = d; }, settings) == "");
+    return last.value();
+  };
+  CHECK_FALSE(press({.friction = 0.5}).half_step);
+  const TouchDifference rubbed = press({.friction = 0.5, .halves_steps = true});
+  REQUIRE(rubbed.half_step);
+  CHECK(*rubbed.half_step > 0);  // it was another solution
+  CHECK(*rubbed.half_step < tolerance(0.01, "of ten steps a frame: one root"));
+  // Without friction there is one solution, of whatever path.
+  const TouchDifference slid = press({.halves_steps = true});
+  REQUIRE(slid.half_step);
+  CHECK(*slid.half_step < tolerance(1e-3, "both converged"));
 }
 
 }  // namespace

@@ -37,6 +37,11 @@ inline constexpr float kFrictionOfBody = -1;
   return given < 0 ? -given * of_body : given;
 }
 
+/// Coulomb's coefficient between two bodies with these: the root of their product.
+[[nodiscard]] inline double friction_between(double one, double other) {
+  return std::sqrt(one * other);
+}
+
 /// A material point of an obstacle.
 struct MaterialPoint {
   int part = -1;                                    ///< SurfaceGap::part

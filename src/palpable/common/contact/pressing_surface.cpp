@@ -25,7 +25,7 @@ void PressingSurface::find_gaps(std::span<const Eigen::Vector3f> places,
     gaps[k].softness = shape->sigma / kSigmaOfBody;
     gaps[k].known = shape->known;
     gaps[k].unseen_for = shape->unseen_for;
-    gaps[k].friction = kFrictionOfBody * friction_share();
+    gaps[k].friction = kFrictionOfBody * shape->friction_share;
   }
 }
 

@@ -26,8 +26,12 @@ struct ObjectBall {
   float radius = 0.008f;   ///< m
   float sigma = 0;         ///< m, standard deviation of the measured surface
   float unseen_for = 0;    ///< s since it was measured; 0: in this frame
-  /// m, how far its obstacle has moved since the frame before; 0 where that is not known
+  // Of friction (seen_object/surface_friction.h).
+  /// m, how far its obstacle has moved since the frame before
   Eigen::Vector3f way = Eigen::Vector3f::Zero();
+  float friction_share = 0;  ///< 0 to 1, of the body's coefficient; 0: it rubs nothing
+  /// Whether `way` is the mean of its thing, as not enough is known of its own.
+  bool way_is_mean = false;
 };
 
 /// The surface nearest to a query point.
@@ -51,7 +55,8 @@ struct SurfaceShape {
   Eigen::Matrix3f curvature;
   float sigma = 0;  ///< m, standard deviation of the surface along the normal
   Known known = Known::kMeasured;
-  float unseen_for = 0;  ///< s since it was measured; 0: in this frame
+  float unseen_for = 0;      ///< s since it was measured; 0: in this frame
+  float friction_share = 0;  ///< ObjectBall::friction_share
 };
 
 /// Queries allocate nothing.
@@ -68,7 +73,8 @@ class PressingSurface : public Obstacles {
   void add_sharp_parts(const Eigen::AlignedBox3f& box, float radius,
                        std::vector<SharpPart>& parts) const override;
 
-  /// The share friction_share() of the body's coefficient.
+  /// A gap has the share of the nearest ball (ObjectBall::friction_share) of the body's
+  /// coefficient.
   [[nodiscard]] float largest_friction(float of_body) const override {
     return friction_share() * of_body;
   }
@@ -76,8 +82,7 @@ class PressingSurface : public Obstacles {
   [[nodiscard]] std::optional<MaterialPoint> carried(const MaterialPoint& before) const override;
   [[nodiscard]] std::optional<Eigen::Vector3f> way_of(const MaterialPoint& now) const override;
 
-  /// 0 to 1: which share of a body's friction the obstacles have. 0: their motion is not known, and
-  /// there is no friction.
+  /// 0 to 1: the largest ObjectBall::friction_share. 0: there is no friction.
   [[nodiscard]] virtual float friction_share() const { return 0; }
   [[nodiscard]] virtual std::span<const ObjectBall> balls() const = 0;
   /// Bounding box of the balls; empty without any.

@@ -29,6 +29,10 @@ struct Touch {
   int thing = -1;
   /// N, the part of the force that is friction, on the body; 0 without friction.
   Eigen::Vector3d friction = Eigen::Vector3d::Zero();
+  double coefficient = 0;  ///< of friction, between the body and what presses it
+  /// Whether what presses is taken to move as its thing does in the mean, since a camera does not
+  /// see how it moves there (ObjectBall::way_is_mean). False without friction.
+  bool way_is_mean = false;
 
   /// N, the whole force on the body.
   [[nodiscard]] Eigen::Vector3d whole_force() const { return force * direction; }

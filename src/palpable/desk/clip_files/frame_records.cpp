@@ -74,6 +74,8 @@ void touch_fields(JsonFields& object, FeltTouch& touch, bool listed) {
   object.number("press_depth", touch.press_depth, 7, Invalid::kIgnored);
   if (listed) object.vector("force", touch.force, 6);
   object.vector("friction", touch.friction, 6, Invalid::kIgnored);
+  object.number("friction_coefficient", touch.friction_coefficient, 6, Invalid::kIgnored);
+  object.flag_if_set("mean_motion", touch.mean_motion);
   object.vector("point", touch.point, 6, Invalid::kIgnored);
   object.number("time", touch.time, 6, Invalid::kIgnored);
   object.number("area", touch.area, 9, Invalid::kIgnored);

@@ -134,6 +134,10 @@ struct FeltTouch {
   std::optional<std::int64_t> thing = {};
   /// N, the part of the force that is friction, body frame; nothing without friction.
   std::optional<Eigen::Vector3d> friction = {};
+  /// Coulomb's coefficient between body and what presses; nothing without friction.
+  std::optional<double> friction_coefficient = {};
+  /// What presses was taken to move as its thing does in the mean (Touch::way_is_mean).
+  bool mean_motion = false;
 };
 
 /// touches.jsonl of a result: where and how hard the body is pressed, one line for each frame with

@@ -4,18 +4,19 @@
 #include "palpable/desk/clip_files/json_lines.h"
 #include "palpable/desk/clip_files/text_file.h"
 
+#include <algorithm>
+
 namespace palpable {
 namespace {
 
 Json bodies_of(const std::vector<LiveSummary::Body>& bodies) {
   Json list = Json::array();
   for (const LiveSummary::Body& body : bodies) {
-    list.push_back({{"name", body.name},
-                    {"body", body.file},
-                    {"contact", body.contact},
-                    {"takes_reactions", body.takes_reactions},
-                    {"scale", body.scale},
-                    {"camera_from_body", row_major(body.camera_from_body)}});
+    Json entry{{"name", body.name},       {"body", body.file},
+               {"contact", body.contact}, {"takes_reactions", body.takes_reactions},
+               {"scale", body.scale},     {"camera_from_body", row_major(body.camera_from_body)}};
+    if (body.friction > 0) entry["friction"] = body.friction;
+    list.push_back(entry);
   }
   return list;
 }
@@ -112,6 +113,7 @@ Json json_of(const LiveSummary& summary) {
     live["view"] = summary.view;
     live["press_static"] = summary.press_static;
     live["scale"] = body.scale;
+    if (body.friction > 0) live["friction"] = body.friction;
     live["camera_from_body"] = row_major(body.camera_from_body);
   } else {
     live["scene"] = summary.scene;
@@ -135,6 +137,11 @@ Json json_of(const LiveSummary& summary) {
     live["frames_bodies_touching"] = summary.frames_between_bodies;
     live["deepest_interpenetration_m"] = summary.deepest_between;
     live["force_imbalance_n"] = summary.imbalance;
+  }
+  const bool rubs = std::any_of(summary.bodies.begin(), summary.bodies.end(),
+                                [](const LiveSummary::Body& body) { return body.friction > 0; });
+  if (rubs || summary.friction_residual > 0) {
+    live["friction_residual_m"] = summary.friction_residual;
   }
   live["frames_step_limited"] = summary.frames_step_limited;
   live["frames_contacts_dropped"] = summary.frames_contacts_dropped;

@@ -67,6 +67,7 @@ struct LiveSummary {
     /// only.
     bool takes_reactions = false;
     double scale = 1;
+    double friction = 0;  ///< Coulomb's coefficient of its skin; the key is left out for 0
     Rigid3 camera_from_body = Rigid3::Identity();  ///< in the first frame
   };
 
@@ -106,6 +107,9 @@ struct LiveSummary {
   int frames_between_bodies = 0;  ///< in which bodies pressed each other; "frames_bodies_touching"
   double deepest_between = 0;     ///< m, penetration between bodies; "deepest_interpenetration_m"
   double imbalance = 0;           ///< N, of the forces between bodies; "force_imbalance_n"
+  /// m, by how much the conditions of friction were not met, largest of all frames;
+  /// "friction_residual_m", left out without friction.
+  double friction_residual = 0;
   /// Frames in which a body did not reach its equilibrium: contact had not converged, or an
   /// obstacle moved farther than the step limit of the body.
   int frames_step_limited = 0;

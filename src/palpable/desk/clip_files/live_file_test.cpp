@@ -186,6 +186,24 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   CHECK(says(refusal_of("{\"camera_from_body\":[1]}", again), "no list of 16 numbers"));
 }
 
+TEST_CASE("a run with friction states its coefficients, and what is left of the conditions",
+          "[clip_files][friction]") {
+  LiveSummary summary;
+  summary.bodies.resize(2);
+  CHECK_FALSE(json_of(summary).contains("friction"));
+  CHECK_FALSE(json_of(summary).contains("friction_residual_m"));
+  summary.bodies[0].friction = 0.3;
+  summary.friction_residual = 2e-6;
+  const Json one = json_of(summary);
+  CHECK(one["friction"].get<double>() == 0.3);
+  CHECK(one["friction_residual_m"].get<double>() == 2e-6);
+  summary.scene = "two.toml";
+  const Json two = json_of(summary);
+  const Json& bodies = two["bodies"];
+  CHECK(bodies[0]["friction"].get<double>() == 0.3);
+  CHECK_FALSE(bodies[1].contains("friction"));
+}
+
 TEST_CASE("a summary that would overload a parser is refused with file and line",
           "[clip_files][errors]") {
   const std::string deep(1'000'000, '[');

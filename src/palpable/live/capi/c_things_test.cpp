@@ -302,6 +302,39 @@ TEST_CASE("a thing rubs a body that has friction, unless it has none of its own"
   }
 }
 
+TEST_CASE("things of callers who were built before friction rub as the body does",
+          "[capi][friction]") {
+  struct Earlier {  // palpable_thing of version 0.1
+    size_t size;
+    int64_t id;
+    const palpable_capsule* capsules;
+    size_t count;
+  };
+  STATIC_REQUIRE(sizeof(Earlier) == offsetof(palpable_thing, friction));
+  const OpenBody ball = ball_at({0, 0, 0});
+  REQUIRE(palpable_set_friction(ball.get(), 1) == PALPABLE_OK);
+  const OpenSession now = session_of({ball.get()}), earlier = session_of({ball.get()});
+  for (int k = 1; k <= 4; ++k) {
+    const palpable_capsule a = finger_at(-0.012 + 0.0002 * k, 0.003);
+    const palpable_capsule b = finger_at(0.012 - 0.0002 * k, 0.003);
+    const std::array<Earlier, 2> things{{{sizeof(Earlier), 1, &a, 1}, {sizeof(Earlier), 2, &b, 1}}};
+    const auto* list = reinterpret_cast<const palpable_thing*>(things.data());
+    REQUIRE(palpable_press_at(earlier.get(), list, things.size(), k) == PALPABLE_OK);
+    const std::array<palpable_thing, 2> same{thing_of(1, a), thing_of(2, b)};
+    REQUIRE(palpable_press_at(now.get(), same.data(), same.size(), k) == PALPABLE_OK);
+  }
+  const std::vector<palpable_touch> with = touches_of(now.get()), old = touches_of(earlier.get());
+  REQUIRE(with.size() == 2);
+  REQUIRE(old.size() == 2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    CHECK(old[k].thing == with[k].thing);
+    CHECK(Vector3d(old[k].force) == Vector3d(with[k].force));
+    // It rubs: the force is not along the normal.
+    const Vector3d force(old[k].force), normal(old[k].normal);
+    CHECK((force - force.dot(normal) * normal).norm() > 0.01 * force.norm());
+  }
+}
+
 TEST_CASE("things of callers who know more members lie as far apart as they say", "[capi]") {
   struct Later {
     palpable_thing known;

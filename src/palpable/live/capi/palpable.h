@@ -299,7 +299,7 @@ typedef struct palpable_touch {
   double point[3];   /**< m, on the deformed skin */
   double normal[3];  /**< unit, out of the body: opposite to the force without its friction */
   double force[3];   /**< N, on the body, with friction */
-  double depth;      /**< m, displacement of the skin along the force */
+  double depth;      /**< m, displacement of the skin against `normal` */
   double area;       /**< m^2, pressed area of the skin; 0: unknown */
   double assumed;    /**< share of the force that comes from sides which the camera does not see */
   double unseen_for; /**< s since the obstacle was last measured; 0: measured in this frame */

@@ -63,6 +63,7 @@ void keep_for_page(const Scene& scene, Scene& kept) {
   kept.inside = scene.inside;
   kept.answer = scene.answer;
   kept.contacts_dropped = scene.contacts_dropped;
+  kept.friction_residual = scene.friction_residual;
   kept.camera = scene.camera;
 }
 

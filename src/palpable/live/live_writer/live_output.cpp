@@ -39,6 +39,8 @@ TouchesLine felt_in(const FrameLines& scene, int body, const std::vector<std::st
     entry.force = touch.force * touch.direction;
     entry.point = touch.point_in_body;
     if (!touch.friction.isZero(0)) entry.friction = touch.friction;
+    if (touch.coefficient > 0) entry.friction_coefficient = touch.coefficient;
+    entry.mean_motion = touch.way_is_mean;
     entry.time = scene.time;
     if (touch.site >= 0) {
       entry.site = touch.site;

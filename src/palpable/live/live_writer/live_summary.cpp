@@ -35,6 +35,7 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFi
     body.name = session.body(k).name;
     body.contact = name_of(session.body(k).response.contact());
     body.takes_reactions = session.body(k).response.contact() == ContactKind::kAnywhere;
+    body.friction = session.body(k).response.coefficient();
     body.camera_from_body =
         session.body(k).world_from_body;  // the world frame is the first camera frame
   }
@@ -80,6 +81,7 @@ void add_contact(const LiveCounts& counts, const RunFigures& figures, const Live
   result.imbalance = counts.imbalance;
   result.frames_step_limited = counts.left_to_move;
   result.frames_contacts_dropped = counts.dropped;
+  result.friction_residual = counts.friction_residual;
   result.site_changes = counts.site_changes;
   result.stats = stats_of(figures);
   result.processed = counts.processed;

@@ -101,6 +101,7 @@ LiveSummary summary_before(const ThingsSetUp& setup) {
     body.contact = "anywhere";
     body.takes_reactions = true;
     body.scale = setup.bodies[k].scale;
+    if (standing.body.touch) body.friction = standing.body.touch->friction;
     body.camera_from_body = standing.world_from_body;
     summary.color_scale = std::max(summary.color_scale, stress_scale(standing.body.body));
   }
@@ -141,6 +142,7 @@ class ThingsPress {
     scene.inside = report.inside();
     scene.answer = report.reached();
     scene.contacts_dropped = report.dropped;
+    scene.friction_residual = report.friction_residual;
   }
 
   // Fills a scene with the bodies at rest. Results do not depend on whether it was called.

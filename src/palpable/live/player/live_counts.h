@@ -28,6 +28,8 @@ struct LiveCounts {
   double between = 0;    ///< m, largest penetration between bodies (Scene::mutual_penetration)
   double imbalance = 0;  ///< N, largest (Scene::imbalance)
 
+  double friction_residual = 0;  ///< m, largest (Scene::friction_residual)
+
   int left_to_move = 0;            ///< frames with Scene::left_to_move
   int later = 0, not_reached = 0;  ///< frames with these Scene::answer
   int dropped = 0;                 ///< frames with Scene::contacts_dropped

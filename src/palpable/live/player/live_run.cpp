@@ -1,6 +1,7 @@
 #include "palpable/live/player/live_run.h"
 
 #include "palpable/common/base/error.h"
+#include "palpable/desk/clip_files/film_friction.h"
 #include "palpable/desk/clip_files/scene_files.h"
 #include "palpable/live/depth/image_threads.h"
 #include "palpable/live/player/anchoring.h"
@@ -56,12 +57,23 @@ std::map<Anchor, Rigid3> looked_for_places(const std::vector<LiveBody>& bodies,
   return places;
 }
 
+// The folder that holds the images, from its own name or that of a file in it.
+fs::path folder_of_images(const fs::path& images) {
+  std::error_code ignored;
+  return fs::is_directory(images, ignored) ? images : images.parent_path();
+}
+
 }  // namespace
 
 SceneFile scene_file_beside(const fs::path& images) {
-  std::error_code ignored;
-  const fs::path folder = fs::is_directory(images, ignored) ? images : images.parent_path();
-  return read_scene_file(folder / "scene.toml");
+  return read_scene_file(folder_of_images(images) / "scene.toml");
+}
+
+std::optional<double> friction_of_images(const fs::path& images) {
+  if (images.string().starts_with("/dev/")) return std::nullopt;  // as open_source()
+  if (const SceneFile scene = scene_file_beside(images); scene.friction) return scene.friction;
+  const fs::path clip = folder_of_images(images) / "..";
+  return read_film_friction(clip).value_or(0.0);
 }
 
 LiveRun open_live(TouchableBody body, const LiveSettings& settings) {

@@ -55,6 +55,13 @@ struct LiveRun {
 /// file in it. @throws Error as read_scene_file()
 [[nodiscard]] SceneFile scene_file_beside(const std::filesystem::path& images);
 
+/// Coulomb's coefficient of the bodies in recorded images: that of the scene.toml beside them, else
+/// of the clip's truth/friction.txt (film_friction.h), else 0, as recorded images of version 0.1
+/// are without friction. Nothing for a camera: there each body's own coefficient counts.
+/// @param images  CameraRequest::device
+/// @throws Error as read_scene_file() and read_film_friction()
+[[nodiscard]] std::optional<double> friction_of_images(const std::filesystem::path& images);
+
 /// Determines the poses, opens the images, and makes the loop. Sets OpenCV's number of threads for
 /// the whole process. For anchors kPlane and kBoard the images are opened, played for one second,
 /// closed and opened again.

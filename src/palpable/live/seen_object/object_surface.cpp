@@ -52,7 +52,7 @@ ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
   found_.reserve(kBallRoom);
   balls_.reserve(kBallRoom);
   bare_.reserve(kBallRoom);
-  tree_.reserve(kBallRoom);
+  for (auto* tree : {&tree_, &before_}) tree->reserve(kBallRoom);
   held_.reserve(kBallRoom);
 }
 
@@ -73,7 +73,6 @@ void ObjectSurface::start(const AlignedBox3d& region_in_body, const Vector3f& ca
   camera_ = camera_in_body;
   balls_.clear();
   cloud_.clear();
-  friction_share_ = 0;
 }
 
 // A ball matters to a query in the region when it reaches into the query's band.
@@ -91,6 +90,8 @@ void ObjectSurface::finish() {
     const Vector3f radius = Vector3f::Constant(ball.radius);
     bounds_.extend(Eigen::AlignedBox3f(ball.centre - radius, ball.centre + radius));
   }
+  find_friction_share();
+  if (!tree_.balls().empty()) std::swap(tree_, before_);
   tree_.build(bare_);
   find_moved();
 }
@@ -255,10 +256,21 @@ void ObjectSurface::build(std::span<const ObjectBall> balls, const AlignedBox3d&
   finish();
 }
 
-void ObjectSurface::set_motion(std::span<const Vector3f> ways, float friction_share) {
-  PALPABLE_EXPECT(ways.empty() || ways.size() == balls_.size(), "a way for each ball");
-  for (std::size_t k = 0; k < ways.size(); ++k) balls_[k].way = ways[k];
-  friction_share_ = friction_share;
+void ObjectSurface::set_motion(std::span<const BallMotion> motion) {
+  PALPABLE_EXPECT(motion.size() == balls_.size(), "the motion of each ball");
+  for (std::size_t k = 0; k < motion.size(); ++k) {
+    balls_[k].way = motion[k].way;
+    balls_[k].friction_share = motion[k].friction_share;
+    balls_[k].way_is_mean = motion[k].way_is_mean;
+  }
+  find_friction_share();
+}
+
+void ObjectSurface::find_friction_share() {
+  friction_share_ = 0;
+  for (const ObjectBall& ball : balls_) {
+    friction_share_ = std::max(friction_share_, ball.friction_share);
+  }
 }
 
 NearestOnObject ObjectSurface::on_ball(const Vector3f& x, float distance, int index) const {
@@ -311,8 +323,8 @@ std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
       a * t * t.transpose() + b * (t * s.transpose() + s * t.transpose()) + c * s * s.transpose();
   const Vector3f normal = (n + slope).normalized();
   const Eigen::Matrix3f across = Eigen::Matrix3f::Identity() - normal * normal.transpose();
-  return SurfaceShape{found->distance, normal,       across * K * across,
-                      ball.sigma,      found->known, ball.unseen_for};
+  return SurfaceShape{found->distance, normal,          across * K * across, ball.sigma,
+                      found->known,    ball.unseen_for, ball.friction_share};
 }
 
 std::optional<NearestOnObject> ObjectSurface::nearest_by_brute_force(const Vector3f& x) const {

@@ -95,10 +95,17 @@ class ObjectSurface final : public PressingSurface {
              const Eigen::Vector3f& camera_in_body = Eigen::Vector3f::Zero());
 
   [[nodiscard]] std::span<const ObjectBall> balls() const override { return balls_; }
-  /// Sets how the balls have moved since the frame before, and their share of a body's friction
-  /// (surface_friction.h). The next build() forgets it: then nothing rubs.
-  /// @param ways  m, of each ball; empty: those that the balls have
-  void set_motion(std::span<const Eigen::Vector3f> ways, float friction_share);
+  /// What friction needs to know of a ball (surface_friction.h): the members of ObjectBall.
+  struct BallMotion {
+    Eigen::Vector3f way = Eigen::Vector3f::Zero();  ///< m
+    float friction_share = 0;
+    bool way_is_mean = false;
+  };
+  /// Sets the motion of each ball since the frame before. Until then balls of a depth image rub
+  /// nothing. @param motion  in the order of balls()
+  void set_motion(std::span<const BallMotion> motion);
+  /// The last surface before this one that had balls, in the order that balls() had.
+  [[nodiscard]] const BallTree& before() const { return before_; }
   [[nodiscard]] float friction_share() const override { return friction_share_; }
   /// The point cloud of Algorithm 1: the pixels of pressers near the region, thinned out by
   /// settings.step, at the depth measured in this frame (balls are made of averages over frames).
@@ -134,6 +141,7 @@ class ObjectSurface final : public PressingSurface {
   void keep(const ObjectBall& ball);
   void finish();
   void find_moved();
+  void find_friction_share();
   [[nodiscard]] NearestOnObject on_ball(const Eigen::Vector3f& x, float distance, int index) const;
 
   [[nodiscard]] const MaskImage& everything_measured(const DepthImage& depth);
@@ -162,7 +170,7 @@ class ObjectSurface final : public PressingSurface {
   Eigen::Vector3f way_ = Eigen::Vector3f::Zero();
   double moved_ = 0;
   float friction_share_ = 0;
-  BallTree tree_;
+  BallTree tree_, before_;
   RestFilter rest_;
   HeldBalls held_;
   MaskImage all_;  // the mask that stands for an empty `shows`

@@ -62,6 +62,13 @@ Vector3f way_of(const Matrix3f& A, const Vector3f& b, const Vector3f& usual) {
   return (A + firm * Matrix3f::Identity()).ldlt().solve(b + firm * usual);
 }
 
+// Whether A determines more than half of the displacement in each direction, in way_of().
+bool is_determined(const Matrix3f& A) {
+  Eigen::SelfAdjointEigenSolver<Matrix3f> solver;
+  solver.computeDirect(A, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0] > kFirm * A.trace() + 1e-6f;
+}
+
 }  // namespace
 
 SurfaceMotion::SurfaceMotion(const SurfaceMotionSettings& settings) : settings_(settings) {
@@ -72,28 +79,43 @@ SurfaceMotion::SurfaceMotion(const SurfaceMotionSettings& settings) : settings_(
   for (auto* vectors : {&velocities_, &velocities_before_}) vectors->reserve(kMovingBallRoom);
   balls_.reserve(kMovingBallRoom);
   bare_.reserve(kMovingBallRoom);
+  for (auto* things : {&things_, &bare_things_}) things->reserve(kMovingBallRoom);
+  measured_.reserve(kMovingBallRoom);
   ways_.reserve(kMostSampled);
+  of_things_.reserve(kMostSampled);
+  means_.reserve(kMostSampled);
   equations_.reserve(kMostSampled);
   samples_.reserve(kMostSampled * kBallDirections.size());
 }
 
-void SurfaceMotion::add(std::span<const ObjectBall> balls, const Vector3f& camera, double time) {
+void SurfaceMotion::add(std::span<const ObjectBall> balls, const Vector3f& camera, double time,
+                        std::span<const int> things) {
+  PALPABLE_EXPECT(things.empty() || things.size() == balls.size(), "the thing of each ball");
   std::swap(now_, before_);
   velocities_before_.clear();
   for (std::size_t k = 0; k < balls_.size(); ++k) {
     if (balls_[k].unseen_for == 0) velocities_before_.push_back(velocities_[k]);
   }
   balls_.assign(balls.begin(), balls.end());
+  things_.assign(balls.size(), 0);
+  std::copy(things.begin(), things.end(), things_.begin());
   bare_.clear();
-  for (const ObjectBall& ball : balls_) {
-    if (ball.unseen_for == 0) bare_.push_back({ball.centre, ball.radius});
+  bare_things_.clear();
+  for (std::size_t k = 0; k < balls_.size(); ++k) {
+    if (balls_[k].unseen_for > 0) continue;
+    bare_.push_back({balls_[k].centre, balls_[k].radius});
+    bare_things_.push_back(things_[k]);
   }
   now_.build(bare_);
   velocities_.assign(balls_.size(), Vector3f::Zero());
+  measured_.assign(balls_.size(), {});
   interval_ = time_ ? time - *time_ : 0;
   time_ = time;
   if (!(interval_ > 0) || interval_ > kLongest) interval_ = 0;
   if (interval_ == 0 || bare_.empty() || before_.balls().empty()) return;
+  const auto count = static_cast<std::size_t>(*std::max_element(things_.begin(), things_.end()));
+  of_things_.assign(count + 1, {});
+  means_.assign(count + 1, Vector3f::Zero());
   find_samples(camera);
   solve();
 }
@@ -113,7 +135,7 @@ void SurfaceMotion::find_samples(const Vector3f& camera) {
     const Ball& ball = bare_[k];
     const Vector3f to_camera = (camera - ball.centre).normalized();
     const int of = static_cast<int>(equations_.size());
-    equations_.push_back({ball.centre});
+    equations_.push_back({.centre = ball.centre, .thing = bare_things_[k]});
     for (const Vector3f& n : kBallDirections) {
       if (n.dot(to_camera) < kAway) continue;
       const Vector3f at = ball.centre + ball.radius * n;
@@ -125,61 +147,101 @@ void SurfaceMotion::find_samples(const Vector3f& camera) {
 }
 
 void SurfaceMotion::solve() {
-  const auto dt = static_cast<float>(interval_);
-  const auto reach = static_cast<float>(settings_.reach);
-  const auto around = static_cast<float>(settings_.around);
   // Starts from displacement 0, not from the expected one: if that were wrong, all samples would
   // have large residuals and small weights.
   ways_.assign(equations_.size(), Vector3f::Zero());
-  Vector3f all = Vector3f::Zero();
   for (int step = 0; step < kSteps; ++step) {
-    for (BallEquations& of_ball : equations_) of_ball.A.setZero(), of_ball.b.setZero();
-    Matrix3f A = Matrix3f::Zero();
-    Vector3f b = Vector3f::Zero();
-    for (const Sample& sample : samples_) {
-      const Vector3f& way = ways_[static_cast<std::size_t>(sample.of)];
-      const auto then = before_.nearest(sample.at - way, reach);
-      if (!then || then->distance < -reach) continue;
-      const float off = then->distance;
-      const float weight = step == 0 ? 1 : 1 / (1 + off * off / (kOff * kOff));
-      BallEquations& of_ball = equations_[static_cast<std::size_t>(sample.of)];
-      const Vector3f n = weight * sample.normal;
-      of_ball.A += n * sample.normal.transpose();
-      of_ball.b += n * (off + sample.normal.dot(way));
-    }
-    for (const BallEquations& of_ball : equations_) A += of_ball.A, b += of_ball.b;
-    all = way_of(A, b, Vector3f::Zero());
+    solve_step(step);
+    find_means();
+    const auto around = static_cast<float>(settings_.around);
     for (std::size_t i = 0; i < equations_.size(); ++i) {
+      BallEquations& at = equations_[i];
       Matrix3f Ai = Matrix3f::Zero();
       Vector3f bi = Vector3f::Zero();
       for (const BallEquations& of_ball : equations_) {
-        const float k = nearness((of_ball.centre - equations_[i].centre).squaredNorm(), around);
+        if (of_ball.thing != at.thing) continue;
+        const float k = nearness((of_ball.centre - at.centre).squaredNorm(), around);
         if (k > 0) Ai += k * of_ball.A, bi += k * of_ball.b;
       }
-      ways_[i] = way_of(Ai, bi, all);
+      ways_[i] = way_of(Ai, bi, means_[static_cast<std::size_t>(at.thing)]);
+      if (step == kSteps - 1) at.is_own = is_determined(Ai);
     }
   }
+  find_velocities();
+}
+
+// Sums the normal equations of the samples on each ball, at the present displacements.
+void SurfaceMotion::solve_step(int step) {
+  const auto reach = static_cast<float>(settings_.reach);
+  for (BallEquations& of_ball : equations_) of_ball.A.setZero(), of_ball.b.setZero();
+  for (const Sample& sample : samples_) {
+    const Vector3f& way = ways_[static_cast<std::size_t>(sample.of)];
+    const auto then = before_.nearest(sample.at - way, reach);
+    if (!then || then->distance < -reach) continue;
+    const float off = then->distance;
+    const float weight = step == 0 ? 1 : 1 / (1 + off * off / (kOff * kOff));
+    BallEquations& of_ball = equations_[static_cast<std::size_t>(sample.of)];
+    const Vector3f n = weight * sample.normal;
+    of_ball.A += n * sample.normal.transpose();
+    of_ball.b += n * (off + sample.normal.dot(way));
+  }
+}
+
+// The displacement of all balls of each thing together.
+void SurfaceMotion::find_means() {
+  for (BallEquations& thing : of_things_) thing.A.setZero(), thing.b.setZero();
+  for (const BallEquations& of_ball : equations_) {
+    BallEquations& thing = of_things_[static_cast<std::size_t>(of_ball.thing)];
+    thing.A += of_ball.A, thing.b += of_ball.b;
+  }
+  for (std::size_t t = 0; t < of_things_.size(); ++t) {
+    means_[t] = way_of(of_things_[t].A, of_things_[t].b, Vector3f::Zero());
+  }
+}
+
+// The displacement of each ball from those that were computed around it, and its velocity.
+void SurfaceMotion::find_velocities() {
+  const auto dt = static_cast<float>(interval_);
+  const auto around = static_cast<float>(settings_.around);
   const auto noise = static_cast<float>(settings_.noise);
   for (std::size_t k = 0; k < balls_.size(); ++k) {
     if (balls_[k].unseen_for > 0) continue;
     Vector3f way = Vector3f::Zero();
-    float sum = 0;
+    float sum = 0, own = 0;
     for (std::size_t i = 0; i < equations_.size(); ++i) {
+      if (equations_[i].thing != things_[k]) continue;
       const float w = nearness((equations_[i].centre - balls_[k].centre).squaredNorm(), around);
       way += w * ways_[i];
       sum += w;
+      if (equations_[i].is_own) own += w;
     }
+    const auto thing = static_cast<std::size_t>(things_[k]);
+    measured_[k] = {means_[thing], of_things_[thing].A.trace() > 0, false};
     if (!(sum > 0)) continue;
     way /= sum;
+    measured_[k].way = way;
+    measured_[k].is_own = own > 0.5f * sum;
     const Vector3f expected = dt * velocity_before_at(balls_[k].centre - way);
     const float believed = std::clamp((way - expected).norm() / noise, kAtOnce, 1.0f);
     velocities_[k] = (expected + believed * (way - expected)) / dt;
   }
 }
 
+void SurfaceMotion::take(std::span<const ObjectBall> balls, std::span<const Vector3f> velocities,
+                         double interval) {
+  PALPABLE_EXPECT(velocities.size() == balls.size(), "a velocity for each ball");
+  balls_.assign(balls.begin(), balls.end());
+  velocities_.assign(velocities.begin(), velocities.end());
+  interval_ = interval;
+}
+
+double SurfaceMotion::reached(double seconds) const {
+  return settings_.fades * (1 - std::exp(-seconds / settings_.fades));
+}
+
 void SurfaceMotion::carry(double seconds, std::vector<ObjectBall>& balls) const {
   balls.assign(balls_.begin(), balls_.end());
-  const auto s = static_cast<float>(settings_.fades * (1 - std::exp(-seconds / settings_.fades)));
+  const auto s = static_cast<float>(reached(seconds));
   for (std::size_t k = 0; k < balls.size(); ++k) {
     const Vector3f way = s * velocities_[k];
     balls[k].point += way;

@@ -18,6 +18,9 @@
 /// of the displacement at once, since measurements scatter, and more of a change above
 /// settings.noise / 2.
 ///
+/// With several things, told apart by the caller, the sums are over the balls of one thing, and
+/// w_all is that of each.
+///
 /// During the time t after a frame a ball advances by  v T (1 - exp(-t / T)), T = settings.fades,
 /// since hands that press slow down.
 ///
@@ -62,13 +65,30 @@ class SurfaceMotion {
   /// @param balls   of the surface (ObjectSurface::balls); held ones (unseen_for > 0) do not move
   /// @param camera  m, the camera's position
   /// @param time    s, of the frame
-  void add(std::span<const ObjectBall> balls, const Eigen::Vector3f& camera, double time);
+  /// @param things  of each ball the number of its thing, from 0 on; empty: all are of one
+  void add(std::span<const ObjectBall> balls, const Eigen::Vector3f& camera, double time,
+           std::span<const int> things = {});
+  /// Takes over what another one found of a frame.
+  /// @param velocities  m/s, of each ball  @param interval  s
+  void take(std::span<const ObjectBall> balls, std::span<const Eigen::Vector3f> velocities,
+            double interval);
 
   /// The velocity of each ball added last, m/s.
   [[nodiscard]] std::span<const Eigen::Vector3f> velocities() const { return velocities_; }
+  /// What was measured of each ball added last since the frame before, not smoothed.
+  struct Way {
+    Eigen::Vector3f way = Eigen::Vector3f::Zero();  ///< m
+    /// Whether its thing was seen in the frame before, so that w_all, at least, is known.
+    bool is_seen = false;
+    /// Whether its surroundings determine the way in each direction, more than w_all does.
+    bool is_own = false;
+  };
+  [[nodiscard]] std::span<const Way> measured() const { return measured_; }
   /// s between the two frames last added; 0 while there is only one, or after a new beginning.
   [[nodiscard]] double interval() const { return interval_; }
 
+  /// s: an extrapolated ball has advanced by its velocity times this, `seconds` after the frame.
+  [[nodiscard]] double reached(double seconds) const;
   /// Extrapolates the balls to `seconds` after the frame added last. @param balls  overwritten
   void carry(double seconds, std::vector<ObjectBall>& balls) const;
 
@@ -78,20 +98,30 @@ class SurfaceMotion {
     Eigen::Vector3f centre = Eigen::Vector3f::Zero();
     Eigen::Matrix3f A = Eigen::Matrix3f::Zero();  // sum of n n^T
     Eigen::Vector3f b = Eigen::Vector3f::Zero();  // sum of n (n . w)
+    int thing = 0;
+    bool is_own = false;  // Way::is_own of balls around it
   };
   void find_samples(const Eigen::Vector3f& camera);
   void solve();
+  void solve_step(int step);
+  void find_means();
+  void find_velocities();
   [[nodiscard]] Eigen::Vector3f velocity_before_at(const Eigen::Vector3f& position) const;
 
   SurfaceMotionSettings settings_;
   std::optional<double> time_;  // of the frame before
   double interval_ = 0;
   std::vector<ObjectBall> balls_;
-  std::vector<Ball> bare_;  // the measured ones of balls_
+  std::vector<int> things_;  // of balls_
+  std::vector<Ball> bare_;   // the measured ones of balls_
+  std::vector<int> bare_things_;
   BallTree now_, before_;
   std::vector<Eigen::Vector3f> velocities_;         // m/s, per ball of balls_
   std::vector<Eigen::Vector3f> velocities_before_;  // m/s, per ball of before_
   std::vector<Eigen::Vector3f> ways_;               // m, displacements, per entry of equations_
+  std::vector<Way> measured_;                       // per ball of balls_
+  std::vector<BallEquations> of_things_;            // the sums over each thing
+  std::vector<Eigen::Vector3f> means_;              // m, w_all of each thing
   struct Sample {
     Eigen::Vector3f at, normal;
     int of = 0;  // index of equations_

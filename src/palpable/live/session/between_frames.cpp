@@ -25,7 +25,12 @@ void SolvedFrame::take(const Session& session, const Scene& scene) {
   time = scene.time;
   const std::span<const ObjectBall> seen = session.body().response.surface().balls();
   balls.assign(seen.begin(), seen.end());
-  friction_share = session.body().response.surface().friction_share();
+  interval.reset();
+  if (const SurfaceFriction* friction = session.body().response.friction()) {
+    const std::span<const Eigen::Vector3f> known = friction->motion().velocities();
+    velocities.assign(balls.empty() ? known.end() : known.begin(), known.end());
+    interval = friction->motion().interval();
+  }
   camera = scene.bodies.front().camera_from_body.inverse().translation().cast<float>();
   state = session.body().response.touched();
 }
@@ -49,26 +54,26 @@ BetweenFrames::BetweenFrames(const Session& session)
       surface_(session.body().response.surface().settings()) {}
 
 void BetweenFrames::begin(const SolvedFrame& frame) {
-  motion_.add(frame.balls, frame.camera, frame.time);
+  if (frame.interval) {
+    motion_.take(frame.balls, frame.velocities, *frame.interval);
+  } else {
+    motion_.add(frame.balls, frame.camera, frame.time);
+  }
   camera_ = frame.camera;
   ahead_ = 0;
   state_ = frame.state;
-  balls_.assign(frame.balls.begin(), frame.balls.end());
-  friction_share_ = frame.friction_share;
   surface_.build(frame.balls, region_, camera_);
   contact_.find_touches(state_, &surface_, {}, touches_);
 }
 
 void BetweenFrames::advance(double ahead) {
-  balls_before_.swap(balls_);
-  motion_.carry(ahead, balls_);
-  for (std::size_t k = 0; k < balls_.size(); ++k) {
-    balls_[k].way = balls_[k].centre - balls_before_[k].centre;
-  }
-  surface_.build(balls_, region_, camera_);
-  surface_.set_motion({}, friction_share_);
-  // The step limit is for one frame: between frames a share of it applies.
   const double frame = motion_.interval() > 0 ? motion_.interval() : kUsual;
+  motion_.carry(ahead, balls_);
+  // What friction carries along moves as it did in the frame: less than the balls, which tremble.
+  const auto part = static_cast<float>((motion_.reached(ahead) - motion_.reached(ahead_)) / frame);
+  for (ObjectBall& ball : balls_) ball.way *= part;
+  surface_.build(balls_, region_, camera_);
+  // The step limit is for one frame: between frames a share of it applies.
   const double share = std::clamp((ahead - ahead_) / frame, 0.0, 1.0);
   ahead_ = ahead;
   if (surface_.balls().empty() && state_.forces.empty()) {

@@ -34,9 +34,12 @@ namespace palpable {
 /// thread.
 struct SolvedFrame {
   int number = 0;
-  double time = 0;                                   ///< s
-  std::vector<ObjectBall> balls;                     ///< body frame
-  float friction_share = 0;                          ///< of the surface that they are
+  double time = 0;                ///< s
+  std::vector<ObjectBall> balls;  ///< body frame
+  /// Of a body with friction, whose session knows the motion of the balls: their velocities, m/s,
+  /// and s since the frame before.
+  std::optional<double> interval;
+  std::vector<Eigen::Vector3f> velocities;
   Eigen::Vector3f camera = Eigen::Vector3f::Zero();  ///< m, body frame: its position
   TouchState state;
 
@@ -80,8 +83,7 @@ class BetweenFrames {
   ObjectSurface surface_;
   Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
   double ahead_ = 0;  // s after the frame, of the last advance()
-  float friction_share_ = 0;
-  std::vector<ObjectBall> balls_, balls_before_;  // of the last advance(), and of the one before
+  std::vector<ObjectBall> balls_;
   TouchState state_;
   std::vector<Touch> touches_;
 };

@@ -26,7 +26,10 @@ double farthest(const Eigen::Matrix3Xf& a, const Eigen::Matrix3Xf& b) {
 
 // A session and its BetweenFrames, for frames in which a finger presses a sphere.
 struct Pressed {
-  FrameLoop loop = test::touchable_sphere_loop();
+  explicit Pressed(const SessionSettings& settings = test::kEverythingPresses)
+      : loop(test::touchable_sphere_loop(settings)) {}
+
+  FrameLoop loop;
   BetweenFrames between{loop.session};
   SolvedFrame solved;
 
@@ -83,6 +86,39 @@ TEST_CASE("results between frames are the same each time, and change no frame",
     CHECK(one.loop.scene.bodies[0].vertices ==
           alone.process(test::frame_with_finger(n, 0.001 * n)).bodies[0].vertices);
   }
+}
+
+TEST_CASE("between frames things rub as in the frame before, and change no frame",
+          "[session][between][friction]") {
+  SessionSettings settings = test::kEverythingPresses;
+  settings.touch.friction = 0.5;
+  Pressed one(settings), other(settings);
+  FrameLoop alone = test::touchable_sphere_loop(settings);
+  Eigen::Matrix3Xf skin(3, one.loop.session.body().model().surface.vertex_count()), again = skin;
+  for (int n = 0; n < 8; ++n) {
+    one.press(n, 0.001 * n);
+    other.press(n, 0.001 * n);
+    REQUIRE(one.solved.interval);  // the session knows the motion: it is not estimated again
+    CHECK(one.solved.velocities.size() == one.solved.balls.size());
+    CHECK(one.between.interval() == *one.solved.interval);
+    for (int tick = 1; tick <= 8; ++tick) {
+      one.between.advance(tick * 0.004);
+      other.between.advance(tick * 0.004);
+      for (const Touch& touch : one.between.touches()) {
+        const double normal = (touch.whole_force() - touch.friction).norm();
+        CHECK(touch.friction.norm() <=
+              tolerance(1.1, "normals differ by some degrees") * 0.5 * normal);
+      }
+    }
+    one.between.place(skin);
+    other.between.place(again);
+    CHECK(skin == again);
+    CHECK(one.loop.scene.bodies[0].vertices ==
+          alone.process(test::frame_with_finger(n, 0.001 * n)).bodies[0].vertices);
+  }
+  REQUIRE_FALSE(one.loop.scene.touches.empty());
+  CHECK(one.loop.scene.touches[0].coefficient == 0.5);  // it has faded in
+  CHECK(one.loop.session.body().response.coefficient() == 0.5);
 }
 
 TEST_CASE("a session whose contact cannot be solved between frames is refused with the reason",

@@ -2,6 +2,7 @@
 
 #include "palpable/common/base/contract.h"
 
+#include <cstddef>
 #include <type_traits>
 #include <utility>
 
@@ -16,7 +17,8 @@ BodyResponse::BodyResponse(TouchableBody body, const ResponseSettings& settings,
       region_(box_of(body_.surface)),
       surface_(settings.surface),
       law_(make_law(settings, twin)) {
-  if (deforms() && contact_body().friction() > 0) friction_.emplace();
+  if (deforms()) coefficient_ = contact_body().friction();
+  if (coefficient_ > 0) friction_.emplace();
 }
 
 BodyLaw BodyResponse::make_law(const ResponseSettings& settings, const BodyResponse* twin) {
@@ -72,6 +74,17 @@ void BodyResponse::find_touches(double time, std::span<const Eigen::Vector3f> ot
                                 std::vector<Touch>& touches) {
   const Pressing pressing{surface_, time, others, by};
   std::visit([&](auto& law) { law.find_touches(pressing, touches); }, law_);
+  for (Touch& touch : touches) state_friction(touch);
+}
+
+// States how a seen obstacle rubs where it presses.
+void BodyResponse::state_friction(Touch& touch) const {
+  if (!friction_ || touch.by >= 0) return;
+  const auto found = surface_.nearest(touch.point_in_body.cast<float>());
+  if (!found) return;
+  const ObjectBall& ball = surface_.balls()[static_cast<std::size_t>(found->ball)];
+  touch.coefficient = static_cast<double>(ball.friction_share) * coefficient_;
+  touch.way_is_mean = ball.friction_share > 0 && ball.way_is_mean;
 }
 
 void BodyResponse::reconstruct(const std::vector<Touch>& touches, const SceneExtras& extras,

@@ -106,10 +106,17 @@ class BodyResponse {
   [[nodiscard]] const TouchTables* tables() const;
   /// The state after the last frame. @pre tables() is not null
   [[nodiscard]] const TouchState& touched() const;
+  /// Coulomb's coefficient of friction of the skin; 0 for a body that does not deform.
+  [[nodiscard]] double coefficient() const { return coefficient_; }
   [[nodiscard]] const ReducedBody& body() const { return body_; }
   [[nodiscard]] const ObjectSurface& surface() const { return surface_; }
+  /// The motion of that surface; null for a body without friction.
+  [[nodiscard]] const SurfaceFriction* friction() const {
+    return friction_ ? &*friction_ : nullptr;
+  }
 
  private:
+  void state_friction(Touch& touch) const;
   [[nodiscard]] BodyLaw make_law(const ResponseSettings& settings, const BodyResponse* twin);
 
   ReducedBody body_;
@@ -120,6 +127,7 @@ class BodyResponse {
   ObjectSurface surface_;
   BodyLaw law_;
   std::optional<PrescribedSkin> obstacle_;   // made by contact_body()
+  double coefficient_ = 0;                   // of friction
   std::optional<SurfaceFriction> friction_;  // of a body that has friction
 };
 

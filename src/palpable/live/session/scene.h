@@ -64,6 +64,9 @@ struct Scene {
   /// way, and the next frame comes nearer. kNot: they are not to be used. Judged of capsules alone:
   /// what a camera sees has no exact surface.
   std::optional<Reached> answer = {};
+  /// m, by how much the conditions of friction are not met (ContactReport::friction_residual); the
+  /// largest of all bodies. 0 without friction.
+  double friction_residual = 0;
   int contacts_dropped = 0;  ///< contact points near an obstacle for which there was no room
   TrackedPose camera;        ///< identity and kFixed when nothing is tracked
   /// 255 where something moves, of the depth's size. Empty if motion is not searched, or when the

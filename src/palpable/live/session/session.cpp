@@ -289,6 +289,7 @@ void Session::Parts::find_touches(Scene& scene) {
                              scene.bodies[k].camera_from_body);
   }
   scene.mutual_penetration = scene.imbalance = scene.left_to_move = scene.inside = 0;
+  scene.friction_residual = 0;
   scene.contacts_dropped = 0;
   if (together) {
     near.clear();
@@ -299,6 +300,7 @@ void Session::Parts::find_touches(Scene& scene) {
     scene.left_to_move = report.unsolved();
     scene.inside = report.inside();
     scene.contacts_dropped = report.dropped;
+    scene.friction_residual = report.friction_residual;
   }
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     RememberedBody& body = *bodies[k];
@@ -309,9 +311,15 @@ void Session::Parts::find_touches(Scene& scene) {
       scene.left_to_move = std::max(scene.left_to_move, report.unsolved());
       scene.inside = std::max(scene.inside, report.inside());
       scene.contacts_dropped += report.dropped;
+      scene.friction_residual = std::max(scene.friction_residual, report.friction_residual);
     }
     for (Touch& touch : body.touches) {
       touch.body = static_cast<int>(k);
+      if (touch.by >= 0) {
+        touch.coefficient =
+            friction_between(body.response.coefficient(),
+                             bodies[static_cast<std::size_t>(touch.by)]->response.coefficient());
+      }
       scene.touches.push_back(touch);
     }
   }

@@ -243,7 +243,7 @@ std::string things_line(const ThingsLine& line) {
   for (std::size_t t = 0; t < line.things.size(); ++t) {
     const auto& [id, first, count, friction] = line.things[t];
     fmt::format_to(std::back_inserter(text), "{}{{\"id\":{},", t > 0 ? "," : "", id);
-    if (!(friction < 0)) fmt::format_to(std::back_inserter(text), "\"friction\":{:.6g},", friction);
+    if (!(friction < 0)) fmt::format_to(std::back_inserter(text), "\"friction\":{:.9g},", friction);
     text += "\"capsules\":[";
     for (std::size_t k = 0; k < count; ++k) {
       const auto& [a, b, ra, rb] = line.capsules[first + k];

@@ -53,7 +53,7 @@ TEST_CASE("a line of capsules is read as it was written", "[session][things]") {
   line.capsules = {{{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}, 0.01, 0.02},
                    {{-1, 0, 0}, {0, -1, 0}, 0.003, 0.004},
                    {{0, 0, 1}, {0, 0, 2}, 0.5, 0.25}};
-  line.things = {{-7, 0, 1}, {3, 1, 2, 0.25f}, {4, 3, 0, 0.0f}};
+  line.things = {{-7, 0, 1}, {3, 1, 2, 0.25f}, {4, 3, 0, 0.0f}, {5, 3, 0, 1.0f / 3}};
   line.wants_vertices = true;
   const std::string text = things_line(line);
   REQUIRE(text.ends_with("}\n"));
@@ -65,7 +65,7 @@ TEST_CASE("a line of capsules is read as it was written", "[session][things]") {
 
   std::vector<CapsuleThing> things(9);
   things_in(read.value(), things);
-  REQUIRE(things.size() == 3);
+  REQUIRE(things.size() == 4);
   CHECK(things[0].id == -7);
   CHECK(things[1].capsules.size() == 2);
   CHECK(things[1].capsules.data() == &read.value().capsules[1]);
@@ -73,6 +73,7 @@ TEST_CASE("a line of capsules is read as it was written", "[session][things]") {
   CHECK(things[0].friction == kFrictionOfBody);
   CHECK(things[1].friction == 0.25f);
   CHECK(things[2].friction == 0);
+  CHECK(things[3].friction == 1.0f / 3);  // to the bit, so that a recording replays
 }
 
 TEST_CASE("joints of a hand become the capsules of that hand", "[session][things]") {

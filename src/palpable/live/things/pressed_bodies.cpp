@@ -134,7 +134,21 @@ void PressedBodies::find_touches(Pressed& body, int number) {
   for (Touch& touch : body.touches) {
     touch.body = number;
     if (!several && touch.by < 0) touch.thing = 0;
+    touch.coefficient = coefficient_of(touch, body);
   }
+}
+
+// Coulomb's coefficient between a body and what presses it.
+double PressedBodies::coefficient_of(const Touch& touch, Pressed& body) const {
+  const double of_body = body.contact.solver().body().friction();
+  if (touch.by >= 0) {
+    Pressed& other = *bodies_[static_cast<std::size_t>(touch.by)];
+    return friction_between(of_body, other.contact.solver().body().friction());
+  }
+  const auto thing = static_cast<std::size_t>(touch.thing);
+  if (touch.thing < 0 || thing >= runs_.size() || runs_[thing].count == 0) return 0;
+  return static_cast<double>(
+      friction_coefficient(friction_[runs_[thing].first], static_cast<float>(of_body)));
 }
 
 void PressedBodies::show(Pressed& body, SceneBody& shown) const {

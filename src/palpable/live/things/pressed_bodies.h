@@ -75,6 +75,7 @@ class PressedBodies {
   void match_capsules();
   ContactReport solve();
   void find_touches(Pressed& body, int number);
+  [[nodiscard]] double coefficient_of(const Touch& touch, Pressed& body) const;
   void show(Pressed& body, SceneBody& shown) const;
   [[nodiscard]] const Run* run_before(std::size_t number) const;
   // What a capsule did since it was outside of all skins.

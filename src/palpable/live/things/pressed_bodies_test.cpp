@@ -81,6 +81,8 @@ TEST_CASE("a thing is known by its id, and rubs where it goes", "[things][fricti
   REQUIRE(forgets.touches.size() == 1);
   CHECK(rubs.touches[0].friction.x() > 0.05 * rubs.touches[0].force);
   CHECK(slides.touches[0].friction.isZero(0));
+  CHECK(rubs.touches[0].coefficient == 1);
+  CHECK(slides.touches[0].coefficient == 0);
   CHECK(std::abs(forgets.touches[0].friction.x()) < 0.5 * rubs.touches[0].friction.x());
   // Forces have their friction; the normal is without it.
   const Touch& touch = rubs.touches[0];
@@ -97,6 +99,7 @@ TEST_CASE("a thing's own coefficient counts more than the bodies'", "[things][fr
     plain.press({{5, capsules}});
   }
   CHECK(one.touches[0].friction.isZero(0));
+  CHECK(one.touches[0].coefficient == 0);
   CHECK(one.shown[0].vertices == plain.shown[0].vertices);
 }
 
