@@ -14,10 +14,10 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kStep = 0.625e-3;        // m
-constexpr double kPressStep = 1.25e-3;    // m, of a press without friction
-constexpr double kRubbingStep = 0.25e-3;  // m, of one with friction
-constexpr double kDepth = 5e-3;           // m, also of the drag
+constexpr double kStep = 0.625e-3;         // m
+constexpr double kPressStep = 1.25e-3;     // m, of a press without friction
+constexpr double kRubbingStep = 0.125e-3;  // m, of one with friction
+constexpr double kDepth = 5e-3;            // m, also of the drag
 constexpr std::array kLooks{2.5e-3, 5e-3, 7.5e-3, 10e-3};
 
 // The scene's obstacle after a path of `t` m: down, then aside.

@@ -2,6 +2,8 @@
 
 #include "palpable/common/base/parallel_work.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <mutex>
@@ -12,14 +14,11 @@ namespace palpable {
 
 using Eigen::Matrix3Xd;
 
-namespace {
-
-// Steps of a frame with friction, in the coarser of the two walks. A point that begins to press
-// within a step rubs over a share of it that is only estimated, and what slips slides in one
-// direction.
-constexpr int kStepsOfFriction = 6;
-
-}  // namespace
+std::string why_not_scored(double path_change) {
+  if (path_change <= kPathMatters) return {};
+  return fmt::format("depends on the way: half the step changes it by {:.1f} %",
+                     100.0 * path_change);
+}
 
 void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
                  const std::vector<Episode>& episodes, const HandWalkSettings& settings,
