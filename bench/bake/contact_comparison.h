@@ -18,10 +18,10 @@ struct ContactDifference {
 /// the contact points.
 /// @param cells        along each edge of the block
 /// @param stiffnesses  see ContactDifference
-/// @param friction     Coulomb's coefficient; if above 0, the lid moves aside by 4 mm meanwhile.
-/// Our
-///                     solver goes in 160 steps, CalculiX in 20; it lets a point slide while it
-///                     sticks, with a tenth of the stiffness
+/// @param friction     Coulomb's coefficient; if above 0, the lid moves aside by 4 mm meanwhile,
+/// and
+///                     both solvers go in 20 steps. CalculiX lets a point slide while it sticks,
+///                     with a tenth of the stiffness
 /// @throws Error when one of the programs does not converge, or ccx is not installed
 [[nodiscard]] std::vector<ContactDifference> compare_contact(int cells,
                                                              const std::vector<double>& stiffnesses,

@@ -33,6 +33,9 @@ namespace {
 // more exact minimum would only cost Newton steps.
 constexpr double kFirstTolerance = 1e-2;
 constexpr double kTighter = 0.05;  // factor on that tolerance after each update of the multipliers
+// Factor on the tolerances of the state without the points that begin to press in a step, which
+// only says where they are touched.
+constexpr double kRough = 300;
 // Spacing of the grid on which penetration between contact points is measured, ratio to their own.
 constexpr double kFinerGrid = 0.25;
 constexpr double kMostPoints = 2e6;  // contact points of a body; they take some 1 GB
@@ -372,10 +375,13 @@ struct ContactWalk::Work {
       const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
       const Matrix3Xd begin = u;
       pairs.leave_out_new(true);
-      const bool is_found = settle(gaps, u, state) == Stop::kNone;
-      const bool is_all = is_found && !pairs.new_ones_touch();
+      const bool is_found = settle(gaps, u, state, kRough) == Stop::kNone;
+      if (is_found && !pairs.new_ones_touch() && settle(gaps, u, state) == Stop::kNone &&
+          !pairs.new_ones_touch()) {
+        pairs.leave_out_new(false);
+        return finish(gaps, t, std::move(u), state);
+      }
       pairs.leave_out_new(false);
-      if (is_all) return finish(gaps, t, std::move(u), state);
       if (!is_found) {
         pairs.restore(before_others);
         if (mutual) mutual->restore(between);
@@ -389,8 +395,10 @@ struct ContactWalk::Work {
   }
 
   // Minimises, and updates the multipliers, until both settle: u is then in equilibrium.
-  Stop settle(const ObstacleGaps& gaps, Matrix3Xd& u, BodyState& state) {
-    double tolerance = std::max(kFirstTolerance, settings.tolerance);
+  // @param rough  factor on all tolerances
+  Stop settle(const ObstacleGaps& gaps, Matrix3Xd& u, BodyState& state, double rough = 1.0) {
+    const double last = rough * settings.tolerance, entry = rough * largest_entry();
+    double tolerance = std::max(kFirstTolerance, last);
     for (int update = 0; update < settings.max_updates; ++update) {
       const Stop failed = minimise(gaps, tolerance, u, state);
       if (failed != Stop::kNone) return failed;
@@ -404,15 +412,14 @@ struct ContactWalk::Work {
       if (mutual) {
         detected = mutual->detect(positions);
         if (detected.buried > 0) return Stop::kSwallowed;
-        all_there =
-            all_there && detected.shift <= kSettled && detected.smallest_gap >= -largest_entry();
+        all_there = all_there && detected.shift <= kSettled && detected.smallest_gap >= -entry;
       }
-      if (all_there && change <= largest_entry() && tolerance <= settings.tolerance) {
+      if (all_there && change <= entry && tolerance <= last) {
         smallest_mutual_gap = detected.smallest_gap;
         return Stop::kNone;
       }
       if (mutual) mutual->use(std::move(detected));
-      tolerance = std::max(kTighter * tolerance, settings.tolerance);
+      tolerance = std::max(kTighter * tolerance, last);
     }
     return Stop::kNoConvergence;
   }

@@ -1,7 +1,8 @@
 /// @file
 /// Full-order solutions along the motion of a clip's hand. Each touch is followed twice, in steps
 /// of a frame and in steps of half a frame, with friction in kStepsOfFriction and in twice as many
-/// steps a frame: where the two differ, the solution depends on the path.
+/// steps a frame: where the two differ, the solution depends on the path. With friction a third
+/// walk in half of these steps then takes the place of the coarser one.
 #pragma once
 
 #include "palpable/bake/solid/contact.h"

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr int kFrictionVersion = 1;
 
 // The content of a text file of the clip; empty if the file does not exist.
-std::string content_of(const fs::path& path) {
+std::string file_text(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return {};
   Result<std::string> bytes = read_whole_file(path, {.most = longest_text(Notation::kJson)});
@@ -62,7 +62,7 @@ void ProblemNote::add_friction(double coefficient) {
 }
 
 void ProblemNote::add_file(const fs::path& file) {
-  const std::string text = content_of(file);
+  const std::string text = file_text(file);
   add(text.data(), text.size());
 }
 
@@ -73,7 +73,7 @@ void ProblemNote::check(const fs::path& folder, bool may_lack) const {
   if (fs::exists(folder / "deformed.jsonl", error)) {
     const bool has_note = fs::exists(note, error);
     if (!has_note && may_lack) return;
-    if (!has_note || content_of(note) != here) {
+    if (!has_note || file_text(note) != here) {
       throw Error(
           fmt::format("{}: holds answers of another material, support, load, friction or hand, or "
                       "of another version of friction; remove it to solve anew",
